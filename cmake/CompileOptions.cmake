@@ -1,0 +1,21 @@
+# Warnings, optimisation and sanitizers in one interface target, so that third-party code keeps its own flags.
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+add_library(simgap_options INTERFACE)
+target_compile_options(simgap_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  $<$<BOOL:${SIMGAP_WERROR}>:-Werror>)
+# Results must be bit-identical on every machine of an architecture: no contraction into fused multiply-adds.
+target_compile_options(simgap_options INTERFACE -ffp-contract=off)
+if(SIMGAP_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+# Third-party headers are not ours to warn about.
+foreach(target Eigen3::Eigen fmt::fmt spdlog::spdlog nlohmann_json::nlohmann_json yaml-cpp CLI11::CLI11 TBB::tbb)
+  get_target_property(directories ${target} INTERFACE_INCLUDE_DIRECTORIES)
+  if(directories)
+    set_target_properties(${target} PROPERTIES INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${directories}")
+  endif()
+endforeach()
+include_directories(SYSTEM ${bullet_INCLUDE_DIRS})

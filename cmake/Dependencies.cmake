@@ -1,0 +1,16 @@
+# Everything is a Debian package: scripts/install_dependencies.
+find_package(Eigen3 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(TBB REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+find_package(PkgConfig REQUIRED)
+# find_package(Bullet) would give the single-precision libraries.
+pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
+find_path(RANDOM123_INCLUDE_DIR Random123/threefry.h REQUIRED)
+find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
+find_file(CHART_JS chart.min.js PATHS /usr/share/javascript/chart.js REQUIRED)

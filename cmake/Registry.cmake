@@ -1,0 +1,27 @@
+# A registry is written from a folder: every file NAME.cpp in it must define
+#     namespace simgap::<NAMESPACE> { extern const <TYPE> NAME; }
+# and the generated file defines   std::span<const TYPE* const> simgap::<NAMESPACE>::all().
+# Adding an entry is adding one file; the linker cannot drop it, because the generated table names it.
+function(simgap_registry target)
+  cmake_parse_arguments(arg "" "FOLDER;TYPE;HEADER;NAMESPACE" "" ${ARGN})
+  file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${arg_FOLDER}/*.cpp)
+  set(declarations "")
+  set(entries "")
+  foreach(file ${files})
+    get_filename_component(name ${file} NAME_WE)
+    string(APPEND declarations "extern const ${arg_TYPE} ${name};\n")
+    string(APPEND entries "    &${name},\n")
+  endforeach()
+  list(LENGTH files count)
+  set(output ${CMAKE_BINARY_DIR}/registry/${arg_NAMESPACE}.cpp)
+  file(CONFIGURE OUTPUT ${output} CONTENT
+"// Written by CMake from ${arg_FOLDER}; do not edit.
+#include \"${arg_HEADER}\"
+namespace simgap::${arg_NAMESPACE} {
+${declarations}static constexpr const ${arg_TYPE}* kAll[] = {
+${entries}};
+std::span<const ${arg_TYPE}* const> all() { return kAll; }
+}  // namespace simgap::${arg_NAMESPACE}
+")
+  target_sources(${target} PRIVATE ${output})
+endfunction()

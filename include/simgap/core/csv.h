@@ -1,0 +1,78 @@
+/// \file
+/// Strict reading and atomic writing of CSV (RFC 4180, header row, gzip when the name ends in .gz).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace simgap {
+
+struct CsvOptions {
+  bool skip_bad_rows = false;                ///< drop and count rows with a bad cell in a numeric column, or ragged rows
+  std::map<std::string, std::string> rename; ///< canonical name -> column of the file (`--map canonical=column`)
+};
+
+/// A table held by columns. Numbers are parsed once, on loading; a column whose first cell is no number is text.
+class CsvTable {
+ public:
+  /// \throws DataError: unreadable, empty, ragged, duplicate header, a `rename` that names no column; with its line.
+  static CsvTable load(const std::filesystem::path& file, const CsvOptions& options = {});
+  /// The same from text; `name` stands for the file in errors.
+  static CsvTable parse(std::string_view text, const std::string& name, const CsvOptions& options = {});
+
+  const std::string& name() const { return name_; }
+  std::size_t rows() const { return rows_; }
+  std::size_t skippedRows() const { return skipped_; }
+  const std::vector<std::string>& columns() const { return headers_; }  ///< after renaming
+  /// Line of the file, counted from 1, at which a data row begins.
+  std::size_t lineOf(std::size_t row) const;
+
+  bool has(std::string_view column) const;
+  /// True when a column `stem` + "_" + (a unit that converts to `unit`) exists; with an empty unit: the column `stem`.
+  bool hasQuantity(std::string_view stem, std::string_view unit) const;
+
+  /// The quantity in SI, shape (rows). Empty unit: a plain number column `stem`.
+  /// \throws DataError: column missing (lists what is there, or names the wrong unit found), or the first cell that is
+  ///         empty, NaN, infinite or no number, with its line.
+  std::vector<double> quantity(std::string_view stem, std::string_view unit) const;
+
+  /// A column as text, shape (rows); numbers as they stand in the file.
+  /// \throws DataError when missing.
+  std::vector<std::string> text(std::string_view column) const;
+
+  /// A DataError "FILE:LINE: sentence" about a row.
+  [[noreturn]] void fail(std::size_t row, const std::string& sentence) const;
+
+ private:
+  struct Column;
+  std::string name_;
+  std::size_t rows_ = 0;
+  std::size_t skipped_ = 0;
+  std::vector<std::string> headers_;
+  std::vector<std::shared_ptr<const Column>> data_;
+  std::vector<std::uint32_t> lines_;  ///< empty when row r stands on line r + 2
+};
+
+/// Builds a CSV text: a header row, then rows of numbers (shortest form that reads back exactly) and texts (quoted when
+/// they need it).
+class CsvWriter {
+ public:
+  explicit CsvWriter(const std::vector<std::string>& header);
+  CsvWriter& add(double value);
+  CsvWriter& add(std::string_view text);
+  CsvWriter& endRow();  ///< asserts that the row has as many cells as the header
+  const std::string& text() const { return text_; }
+
+ private:
+  std::size_t columns_;
+  std::size_t cells_ = 0;
+  std::string text_;
+};
+
+}  // namespace simgap

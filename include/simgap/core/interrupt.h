@@ -1,0 +1,13 @@
+/// \file
+/// Ctrl-C (SIGINT) and SIGTERM set a flag that long work looks at; a second Ctrl-C ends the program at once.
+#pragma once
+
+namespace simgap {
+
+/// Installs the handlers; call once from main.
+void installInterruptHandlers();
+
+/// True once the user has asked to stop. Safe from any thread.
+bool interruptRequested() noexcept;
+
+}  // namespace simgap

@@ -1,0 +1,40 @@
+/// \file
+/// Joint positions and the distances between them. Quaternions are Hamilton, unit, w first in files.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace simgap {
+
+enum class JointType { kSpherical, kRevolute };
+
+/// A joint of a tree by name, as measured data knows it.
+struct JointChannel {
+  std::string name;
+  JointType type;
+};
+
+/// Position of one joint: a rotation (spherical) or an angle (revolute). Only the member of its type has a meaning.
+struct JointPosition {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< child frame relative to parent frame
+  double angle = 0.0;                                            ///< [rad] about the joint's axis
+};
+
+/// Geodesic angle between two rotations, 2 arccos|Q . Q'|, in [0, pi] [rad]; accurate near 0 and blind to the sign of a
+/// quaternion. 001 eq. (4) prints arccos(Q . Q'), which is half of it.
+double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
+
+/// Error of a joint, >= 0 [rad]: geodesic angle or absolute difference.
+double jointError(JointType type, const JointPosition& a, const JointPosition& b);
+
+/// The rotation that minimises the sum of squared chordal distances (Markley et al. 2007), w >= 0.
+Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations);
+
+/// Radians to degrees and back.
+inline constexpr double kDegree = 3.14159265358979323846 / 180.0;
+inline double toDegrees(double rad) { return rad / kDegree; }
+
+}  // namespace simgap

@@ -1,0 +1,65 @@
+/// \file
+/// Files that are there completely or not at all, and the directory every command leaves.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace simgap {
+
+/// Ordered, so that files read in the order they were written.
+using Json = nlohmann::ordered_json;
+
+/// Writes a file atomically: temporary file in the same folder, fsync, rename, fsync of the folder.
+/// \throws ConfigError when the folder cannot be written.
+void writeFileAtomically(const std::filesystem::path& file, std::string_view content);
+
+/// The whole file. \throws ConfigError "FILE: cannot be read" when it cannot.
+std::string readFile(const std::filesystem::path& file);
+
+/// SHA-256 of a text, in hexadecimal.
+std::string sha256(std::string_view content);
+
+/// UTC time: "2026-11-20T19:46:41Z"; with `compact` "20261120T194641Z" as it stands in directory names.
+std::string utcTime(bool compact = false);
+
+/// The result directory of a command. It is made only after all input was read, so that bad input leaves nothing.
+class RunDirectory {
+ public:
+  /// \param command  "calibrate": the default directory is runs/<command>-<UTC time>
+  /// \throws ConfigError when the directory exists and `force` is not set, or when, with `force`, it is not empty and
+  ///         holds no run.json (it is then not ours to replace).
+  static RunDirectory create(const std::filesystem::path& directory, bool force);
+  /// An existing run, to go on with. \throws ConfigError when it holds no run.json.
+  static RunDirectory open(const std::filesystem::path& directory);
+  static std::filesystem::path defaultPath(std::string_view command);
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path file(std::string_view name) const { return path_ / name; }
+  void write(std::string_view name, std::string_view content) const { writeFileAtomically(file(name), content); }
+  void write(std::string_view name, const Json& json) const;  ///< indented, with a final newline
+
+ private:
+  explicit RunDirectory(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
+/// run.json (`simgap/run/1`): what ran, with what, on what, and how it ended.
+class RunRecord {
+ public:
+  /// Records version, git hash, argv, seed, threads, machine and start; status "running".
+  RunRecord(const std::vector<std::string>& argv, std::uint64_t seed, int threads);
+  /// Adds an input's path and SHA-256.
+  void addInput(std::string_view role, const std::filesystem::path& file, std::string_view content);
+  /// Status "running", "done", "failed: <sentence>" or "interrupted", with the duration so far; writes run.json.
+  void write(const RunDirectory& directory, std::string_view status);
+
+ private:
+  Json json_;
+  double start_s_;
+};
+
+}  // namespace simgap
