@@ -18,7 +18,8 @@ include_directories(${CMAKE_BINARY_DIR}/generated)
 
 # Writes each asset into a C++ array that the target can read through simgap/report/assets.h.
 function(simgap_embed_assets target)
-  set(assets chart_js=${CHART_JS})
+  set(config ${CMAKE_SOURCE_DIR}/configs/calibrate_arm.yaml)
+  set(assets chart_js=${CHART_JS} calibrate_arm_yaml=${config})
   file(GLOB templates CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/report/templates/*)
   foreach(file ${templates})
     get_filename_component(name ${file} NAME)
@@ -28,6 +29,6 @@ function(simgap_embed_assets target)
   set(output ${CMAKE_BINARY_DIR}/generated/assets.cpp)
   add_custom_command(OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} "-DASSETS=${assets}" -DOUTPUT=${output} -P ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake
-    DEPENDS ${templates} ${CHART_JS} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
+    DEPENDS ${templates} ${config} ${CHART_JS} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
   target_sources(${target} PRIVATE ${output})
 endfunction()

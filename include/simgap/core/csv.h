@@ -13,12 +13,16 @@
 
 namespace simgap {
 
+class CsvParser;
+
 struct CsvOptions {
-  bool skip_bad_rows = false;                ///< drop and count rows with a bad cell in a numeric column, or ragged rows
-  std::map<std::string, std::string> rename; ///< canonical name -> column of the file (`--map canonical=column`)
+  bool skip_bad_rows = false;  ///< drop and count rows with a bad cell in a numeric column, or ragged rows
+  std::map<std::string, std::string> rename;  ///< canonical name -> column of the file (`--map canonical=column`)
 };
 
-/// A table held by columns. Numbers are parsed once, on loading; a column whose first cell is no number is text.
+/// A table held by columns. Numbers are parsed once, on loading; a column whose first cell that is not empty is no
+/// number (NaN and inf count as bad numbers) is text. The file's text stays in memory: texts are cut out of it on
+/// demand.
 class CsvTable {
  public:
   /// \throws DataError: unreadable, empty, ragged, duplicate header, a `rename` that names no column; with its line.
@@ -38,11 +42,11 @@ class CsvTable {
   bool hasQuantity(std::string_view stem, std::string_view unit) const;
 
   /// The quantity in SI, shape (rows). Empty unit: a plain number column `stem`.
-  /// \throws DataError: column missing (lists what is there, or names the wrong unit found), or the first cell that is
-  ///         empty, NaN, infinite or no number, with its line.
+  /// \throws DataError: column missing (lists what is there, or names the wrong unit found), the quantity in two
+  ///         units, or the first cell that is empty, NaN, infinite or no number, with its line.
   std::vector<double> quantity(std::string_view stem, std::string_view unit) const;
 
-  /// A column as text, shape (rows); numbers as they stand in the file.
+  /// A column as text, shape (rows); numbers as they stand in the file. Goes through the whole file.
   /// \throws DataError when missing.
   std::vector<std::string> text(std::string_view column) const;
 
@@ -50,13 +54,17 @@ class CsvTable {
   [[noreturn]] void fail(std::size_t row, const std::string& sentence) const;
 
  private:
-  struct Column;
+  friend CsvParser;
+  [[noreturn]] void failMissing(std::string_view stem, std::string_view unit) const;
+  [[noreturn]] void failCell(std::size_t row, std::size_t column) const;
+
   std::string name_;
   std::size_t rows_ = 0;
   std::size_t skipped_ = 0;
   std::vector<std::string> headers_;
-  std::vector<std::shared_ptr<const Column>> data_;
-  std::vector<std::uint32_t> lines_;  ///< empty when row r stands on line r + 2
+  std::vector<std::shared_ptr<const std::vector<double>>> numbers_;  ///< NaN: a bad cell; null: a column of text
+  std::vector<std::uint32_t> lines_;                                 ///< empty when row r stands on line r + 2
+  std::shared_ptr<const std::string> text_;                          ///< the whole file
 };
 
 /// Builds a CSV text: a header row, then rows of numbers (shortest form that reads back exactly) and texts (quoted when
@@ -70,6 +78,8 @@ class CsvWriter {
   const std::string& text() const { return text_; }
 
  private:
+  CsvWriter& append(std::string_view cell);
+
   std::size_t columns_;
   std::size_t cells_ = 0;
   std::string text_;

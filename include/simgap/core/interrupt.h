@@ -1,5 +1,5 @@
 /// \file
-/// Ctrl-C (SIGINT) and SIGTERM set a flag that long work looks at; a second Ctrl-C ends the program at once.
+/// Ctrl-C (SIGINT) and SIGTERM set a flag that long work looks at; a Ctrl-C after that ends the program at once.
 #pragma once
 
 namespace simgap {

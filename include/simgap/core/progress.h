@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -20,8 +21,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `done` of `total`, counted from `first` (a resumed run does not start at 0). Cheap: prints at most 10 times a
-  /// second on a terminal, every 5 s otherwise, and nothing within the first second of work.
+  /// `done` of `total`. Cheap: prints at most 10 times a second on a terminal, every 5 s otherwise, and nothing within
+  /// the first second of work. `detail` ends the line. Call it from one thread.
   void update(std::size_t done, std::string_view detail = {});
   /// Work that was done before this process began, left out of the time estimate.
   void startFrom(std::size_t done) { first_ = done; }

@@ -22,9 +22,9 @@ class CounterRandom {
   explicit CounterRandom(std::uint64_t seed) : seed_(seed) {}
   /// Two independent 64-bit words.
   std::array<std::uint64_t, 2> bits(const RandomCounter& counter) const noexcept;
-  /// Uniform in (0, 1), 53 bits.
+  /// Uniform in the open interval (0, 1), 52 bits: with 53 the largest would round to 1.
   double uniform(const RandomCounter& counter) const noexcept;
-  /// Two independent standard normal numbers (Box-Muller).
+  /// Two independent standard normal numbers (Box-Muller); finite, |z| < 8.6.
   std::array<double, 2> normalPair(const RandomCounter& counter) const noexcept;
 
  private:

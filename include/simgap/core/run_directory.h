@@ -2,10 +2,13 @@
 /// Files that are there completely or not at all, and the directory every command leaves.
 #pragma once
 
+#include <concepts>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace simgap {
@@ -23,24 +26,31 @@ std::string readFile(const std::filesystem::path& file);
 /// SHA-256 of a text, in hexadecimal.
 std::string sha256(std::string_view content);
 
+/// JSON as it stands in files: indented, with a final newline; bytes that are no UTF-8 become U+FFFD.
+std::string toText(const Json& json);
+
 /// UTC time: "2026-11-20T19:46:41Z"; with `compact` "20261120T194641Z" as it stands in directory names.
 std::string utcTime(bool compact = false);
 
 /// The result directory of a command. It is made only after all input was read, so that bad input leaves nothing.
 class RunDirectory {
  public:
-  /// \param command  "calibrate": the default directory is runs/<command>-<UTC time>
   /// \throws ConfigError when the directory exists and `force` is not set, or when, with `force`, it is not empty and
   ///         holds no run.json (it is then not ours to replace).
   static RunDirectory create(const std::filesystem::path& directory, bool force);
   /// An existing run, to go on with. \throws ConfigError when it holds no run.json.
   static RunDirectory open(const std::filesystem::path& directory);
+  /// runs/<command>-<UTC time>; "-2", "-3" … is added when a run of the same second has taken the name.
   static std::filesystem::path defaultPath(std::string_view command);
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path file(std::string_view name) const { return path_ / name; }
   void write(std::string_view name, std::string_view content) const { writeFileAtomically(file(name), content); }
-  void write(std::string_view name, const Json& json) const;  ///< indented, with a final newline
+  /// Indented, with a final newline. A template, because every text would convert to Json and the call be ambiguous.
+  template <std::same_as<Json> T>
+  void write(std::string_view name, const T& json) const {
+    write(name, std::string_view(toText(json)));
+  }
 
  private:
   explicit RunDirectory(std::filesystem::path path) : path_(std::move(path)) {}

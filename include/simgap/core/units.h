@@ -1,19 +1,23 @@
 /// \file
-/// Unit suffixes of keys and columns (`_rad_s`, `_mm`, `_degC`). Inside the program everything is SI.
+/// Unit suffixes of keys and columns (`_rad_s`, `_mm`, `_degC`), and the search for a quantity among names that carry
+/// them. Inside the program everything is SI; a temperature is in degC.
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace simgap {
 
-/// An affine conversion: SI value = factor * value + offset.
+/// An affine conversion: target value = factor * value + offset.
 struct UnitConversion {
   double factor = 1.0;
   double offset = 0.0;
   double operator()(double value) const noexcept { return factor * value + offset; }
+  bool isIdentity() const noexcept { return factor == 1.0 && offset == 0.0; }
 };
 
 /// Conversion from the unit `suffix` ("deg_s") to `target` ("rad_s"), both without a leading underscore.
@@ -33,5 +37,33 @@ struct UnitName {
   std::string unit;
 };
 UnitName splitUnit(std::string_view name);
+
+/// `stem` with its unit, as a file writes it; the stem alone when the unit is empty.
+std::string quantityName(std::string_view stem, std::string_view unit);
+
+/// A name that stands for an asked quantity.
+struct QuantityMatch {
+  std::size_t index;          ///< of the name
+  std::string unit;           ///< the unit it carries
+  UnitConversion conversion;  ///< to the asked unit
+};
+/// Every name that is `stem` + "_" + a unit that converts to `unit`; with an empty unit: the name `stem`.
+std::vector<QuantityMatch> matchQuantity(std::span<const std::string> names, std::string_view stem,
+                                         std::string_view unit);
+
+/// A name that has the right stem but no unit that fits.
+struct UnitMistake {
+  std::size_t index;     ///< of the name
+  std::string sentence;  ///< "unit 'furlong' does not exist, expected one of m, mm, cm"
+};
+std::optional<UnitMistake> findUnitMistake(std::span<const std::string> names, std::string_view stem,
+                                           std::string_view unit);
+
+/// The name nearest to `name` by edit distance; empty when none is near enough to be a slip of the pen.
+std::string nearestName(std::string_view name, std::span<const std::string> names);
+
+/// A number in plain decimal or scientific notation ("-0.5", "+5", "1e3"). Empty for anything else: hexadecimal,
+/// surrounding blanks, NaN, and what is infinite in double precision.
+std::optional<double> parseNumber(std::string_view text);
 
 }  // namespace simgap

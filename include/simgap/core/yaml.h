@@ -9,11 +9,16 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "simgap/core/units.h"
+
 namespace simgap {
+
+struct YamlValue;
 
 /// The values a number may take.
 struct Range {
@@ -44,11 +49,11 @@ class YamlNode {
 
   /// \name Children. Asking for a key counts as reading it.
   ///@{
-  bool has(std::string_view key) const;                     ///< an exact key; does not count as reading
-  YamlNode at(std::string_view key) const;                  ///< \throws ConfigError when missing
-  std::optional<YamlNode> find(std::string_view key) const; ///< empty when missing
-  std::vector<YamlNode> items() const;                      ///< of a sequence; \throws ConfigError when it is none
-  std::vector<std::string> keys() const;                    ///< of a map, in file order; does not count as reading
+  bool has(std::string_view key) const;                      ///< an exact key; does not count as reading
+  YamlNode at(std::string_view key) const;                   ///< \throws ConfigError when missing
+  std::optional<YamlNode> find(std::string_view key) const;  ///< empty when missing
+  std::vector<YamlNode> items() const;                       ///< of a sequence; \throws ConfigError when it is none
+  std::vector<std::string> keys() const;                     ///< of a map, in file order; does not count as reading
   ///@}
 
   /// \name Scalars.
@@ -73,7 +78,8 @@ class YamlNode {
   Eigen::Vector3d vectorQuantity(std::string_view stem, std::string_view unit) const;
   ///@}
 
-  /// Refuses every key of the document nobody asked for, with the nearest known key as a suggestion.
+  /// Refuses every key of the document nobody asked for, with the nearest known key as a suggestion. A value that
+  /// several aliases share counts as read when one of them was.
   /// Call it on any node, once, after reading.
   void expectAllRead() const;
 
@@ -81,11 +87,22 @@ class YamlNode {
   [[noreturn]] void fail(const std::string& sentence) const;
 
  private:
-  struct Document;
-  struct Value;
-  YamlNode(std::shared_ptr<Document> document, std::shared_ptr<Value> value, std::string path);
-  std::shared_ptr<Document> document_;
-  std::shared_ptr<Value> value_;
+  struct Quantity;
+  YamlNode(std::shared_ptr<const std::string> file, std::shared_ptr<YamlValue> root, std::shared_ptr<YamlValue> value,
+           std::string path);
+  YamlNode child(std::size_t entry) const;
+  std::optional<Quantity> findQuantityNode(std::string_view stem, std::string_view unit) const;
+  Quantity quantityNode(std::string_view stem, std::string_view unit) const;
+  double convertedNumber(const UnitConversion& conversion, std::string_view unit, const Range& range) const;
+  void expectMap() const;
+  void expectRead(std::set<const YamlValue*>& seen) const;
+  [[noreturn]] void failAtEntry(std::size_t entry, const std::string& sentence) const;
+  [[noreturn]] void failMissing(const std::string& expected) const;
+  [[noreturn]] void failUnknown(std::size_t entry) const;
+
+  std::shared_ptr<const std::string> file_;
+  std::shared_ptr<YamlValue> root_;
+  std::shared_ptr<YamlValue> value_;
   std::string path_;
 };
 

@@ -1,0 +1,81 @@
+/// \file
+/// What every command does around its own work: common options, inputs, log, result directory, output.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/core/csv.h"
+#include "simgap/core/run_directory.h"
+#include "simgap/report/page.h"
+
+namespace simgap {
+
+struct CommonOptions {
+  std::optional<std::uint64_t> seed;
+  int threads = 0;  ///< 0: all
+  bool dry_run = false;
+  bool json = false;
+  std::filesystem::path output;
+  bool force = false;
+  bool quiet = false;
+  bool verbose = false;
+  void add(CLI::App& app);
+};
+
+/// Options of commands that read measured tables.
+struct TableOptions {
+  std::vector<std::string> map;  ///< "canonical=column"
+  bool skip_bad_rows = false;
+  void add(CLI::App& app);
+  CsvOptions csv() const;  ///< \throws ConfigError for a `map` without '='
+};
+
+/// An input file as it was read.
+struct Input {
+  std::string role;  ///< "model", "poses", …
+  std::filesystem::path file;
+  std::string content;
+};
+
+/// One run of a command, from its inputs to its result directory.
+class Session {
+ public:
+  /// \param command  its name.
+  Session(std::string command, const CommonOptions& options, const std::vector<std::string>& argv);
+  ~Session();  ///< a run that did not end is recorded as failed, or as interrupted
+
+  /// Reads a file that the user named. \throws ConfigError when it cannot be read.
+  const Input& read(const std::string& role, const std::filesystem::path& file);
+  const std::vector<Input>& inputs() const { return inputs_; }
+
+  /// Makes the result directory, once all input has been read and checked, and begins run.json and log.txt.
+  void begin(std::uint64_t seed);
+  /// The same in the directory of an earlier run.
+  void resume(const std::filesystem::path& directory, std::uint64_t seed);
+
+  const RunDirectory& directory() const { return *directory_; }
+  const CommonOptions& options() const { return options_; }
+
+  /// Writes result.json and report.html (with provenance), ends run.json, and prints the result.
+  void finish(const Json& result, Page page, const std::string& table, const std::string& status = "done");
+  /// Records how a run ended that has no result.
+  void abandon(const std::string& status);
+
+ private:
+  void record(std::uint64_t seed);
+
+  std::string command_;
+  CommonOptions options_;
+  std::vector<std::string> argv_;
+  std::vector<Input> inputs_;
+  std::optional<RunDirectory> directory_;
+  std::optional<RunRecord> run_;
+  bool ended_ = false;
+};
+
+}  // namespace simgap

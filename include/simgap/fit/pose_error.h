@@ -1,0 +1,28 @@
+/// \file
+/// How far simulated poses are from measured ones (001 eq. 3, 4 and 7).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "simgap/measure/pose_set.h"
+#include "simgap/simulate/pose_protocol.h"
+
+namespace simgap {
+
+/// A model judged on a pose set.
+struct Assessment {
+  std::vector<PoseOutcome> outcomes;        ///< shape (poses)
+  std::vector<std::vector<double>> errors;  ///< shape (poses, joints) [rad], >= 0; empty row where the pose is invalid
+  std::vector<double> mje;                  ///< mean joint error over the valid poses, shape (joints) [rad]; NaN: none
+  std::size_t valid = 0;                    ///< poses that came to rest
+  /// Sum of squared errors (001 eq. 3) [rad^2]; NaN when a pose is invalid.
+  double fitness = 0.0;
+};
+
+Assessment assess(const PoseLayout& layout, std::span<const Pose> poses, std::span<const PoseOutcome> outcomes);
+
+/// "acquisition error of biceps, 12.3 deg": why a pose is invalid.
+std::string describe(const PoseOutcome& outcome, const PoseLayout& layout);
+
+}  // namespace simgap

@@ -1,0 +1,42 @@
+/// \file
+/// Recorded steady-state poses: shaft angles and the joint positions the arm came to rest in (001 eq. 2).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/core/csv.h"
+#include "simgap/core/rotation.h"
+
+namespace simgap {
+
+/// What a pose set of an arm must hold: the names of its muscles and joints, in the order of the model.
+struct PoseLayout {
+  std::vector<std::string> muscles;
+  std::vector<JointChannel> joints;
+};
+
+/// One pose: the mean of its repeats.
+struct Pose {
+  std::string name;
+  std::vector<double> shafts;            ///< shape (muscles) [rad], reference of the shaft controllers
+  std::vector<JointPosition> joints;     ///< shape (joints), measured
+  int repeats = 1;
+  std::vector<double> spread;            ///< shape (joints) [rad]: root mean square deviation of the repeats from their
+                                         ///< mean with repeats - 1 in the denominator; 0 for a single repeat
+};
+
+/// Poses in the order of their first row, with the file they came from.
+struct PoseSet {
+  std::string file;
+  std::vector<Pose> poses;
+};
+
+/// Reads a pose set (columns: FORMATS `poses`). Quaternions within 1e-3 of unit length are normalised.
+/// \throws DataError: a muscle of the layout without a column or a shaft column without a muscle, a quaternion that is
+///         not of unit length, the same pose and repeat twice, no rows, and all that CsvTable refuses.
+PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout);
+
+}  // namespace simgap

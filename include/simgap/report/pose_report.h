@@ -1,0 +1,53 @@
+/// \file
+/// The results of `calibrate` and `validate` as JSON (FORMATS), CSV, a table for the terminal and a page.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/fit/calibration_result.h"
+#include "simgap/report/page.h"
+
+namespace simgap {
+
+/// A limit the user set on a result.
+struct Criterion {
+  std::string name;  ///< "shoulder mje_deg"
+  double limit;
+  double value;
+  bool pass() const { return value <= limit; }  // NaN does not pass
+};
+
+struct ValidationResult {
+  PoseLayout layout;
+  PoseSet set;
+  Assessment assessment;
+  std::vector<Criterion> criteria;
+};
+
+/// \name calibrate
+///@{
+Json toJson(const CalibrationResult& result);
+std::string historyCsv(const CalibrationResult& result);
+std::string parametersCsv(const CalibrationResult& result);
+std::string errorsCsv(const CalibrationResult& result);  ///< set, pose, status and error before and after, per joint
+std::string terminalTable(const CalibrationResult& result);
+Page makePage(const CalibrationResult& result);
+///@}
+
+/// \name validate
+///@{
+Json toJson(const ValidationResult& result);
+std::string errorsCsv(const ValidationResult& result);
+std::string terminalTable(const ValidationResult& result);
+Page makePage(const ValidationResult& result);
+///@}
+
+/// Text in columns: the first column left-aligned, the others right.
+std::string alignedTable(const std::vector<std::vector<std::string>>& rows);
+
+/// An angle in degrees with two decimals; "-" when unknown.
+std::string degreesText(double rad);
+
+}  // namespace simgap

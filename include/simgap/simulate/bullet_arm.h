@@ -1,0 +1,86 @@
+/// \file
+/// The arm in Bullet: rigid bodies and joints as one multibody of a headless world, muscles as forces on it.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "simgap/model/arm.h"
+#include "simgap/model/kinematics.h"
+#include "simgap/simulate/drive.h"
+
+namespace simgap {
+
+struct BulletArmOptions {
+  double step = 0.002;                 ///< [s] physics step; the controller's period is a whole number of steps
+  double controller_rate = 500.0;      ///< [Hz] shaft-position controllers
+  double shaft_gain = 50.0;            ///< K_p [V/rad]
+  bool operator==(const BulletArmOptions&) const = default;
+  /// \throws ConfigError
+  void validate() const;
+};
+
+/// One simulated arm. A worker keeps one and resets it for every pose; only a change of bodies or joints rebuilds the
+/// world. After reset() the motion depends on the model and the references alone, to the last bit.
+class BulletArm {
+ public:
+  BulletArm(const ArmModel& model, const BulletArmOptions& options);
+  ~BulletArm();
+  BulletArm(BulletArm&&) noexcept;
+  BulletArm& operator=(BulletArm&&) noexcept;
+
+  /// Takes another model, and resets.
+  void setModel(const ArmModel& model);
+  /// Shafts 0, joints at startPosition(), everything at rest.
+  void reset();
+  /// \param references  shape (muscles) [rad]
+  void setShaftReferences(std::span<const double> references);
+  /// Places the joints, at rest; the shafts stay.
+  void setJointPositions(std::span<const JointPosition> joints);
+  /// Angular velocity of a joint's child relative to its parent, in the child's frame; revolute: (about the axis, -, -).
+  void setJointVelocity(std::size_t joint, const Eigen::Vector3d& velocity);
+  /// Advances one physics step.
+  void step();
+
+  double time() const;                                    ///< [s] since reset
+  JointPosition jointPosition(std::size_t joint) const;
+  double jointSpeed(std::size_t joint) const;             ///< norm of its angular velocity [rad/s]
+  double shaftAngle(std::size_t muscle) const;            ///< [rad]
+  double shaftError(std::size_t muscle) const;            ///< reference - angle [rad]
+  bool isFinite() const;                                  ///< false once the simulation has blown up
+
+  /// \name Sensors (000 section VI)
+  ///@{
+  double potentiometer(std::size_t muscle) const;  ///< S_P [rad] (eq. 13)
+  double force(std::size_t muscle) const;          ///< F_L [N], as of the last step
+  double current(std::size_t muscle) const;        ///< i [A]
+  ///@}
+  /// Expansion of the cord over its rest length, as of the last step; beyond 0.8 the linear cord is not valid (eq. 2).
+  double cordExpansion(std::size_t muscle) const;
+
+  std::size_t joints() const;
+  std::size_t muscles() const;
+
+ private:
+  struct World;
+  struct MuscleState;
+  void build(const ArmModel& model);
+  void updateKinematics();
+  void applyMuscles();
+
+  BulletArmOptions options_;
+  std::vector<Body> bodies_;
+  std::vector<Joint> joints_;
+  Eigen::Vector3d gravity_;
+  std::vector<JointPosition> start_;
+  std::vector<MuscleState> muscles_;
+  std::vector<BodyInWorld> frames_;        ///< shape (bodies)
+  std::vector<Eigen::Vector3d> spin_;      ///< angular velocity of each body in the world [rad/s]
+  std::vector<Eigen::Vector3d> drift_;     ///< velocity of each body's origin in the world [m/s]
+  std::unique_ptr<World> world_;
+  long steps_ = 0;
+  int controller_steps_ = 1;  ///< physics steps per controller period
+};
+
+}  // namespace simgap

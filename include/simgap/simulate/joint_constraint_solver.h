@@ -1,0 +1,71 @@
+/// \file
+/// Joint friction and joint limits as a constraint solver of Bullet's multibody world.
+///
+/// Bullet's own joint motors and limits are solved row by row with a fixed number of sweeps, which does not settle where
+/// a limit and a friction motor meet, and its spherical motor clamps each axis, so that friction can reach
+/// sqrt(3) tau_max (ARCHITECTURE, traps). Here the same constraints, a motor with target velocity 0 and a maximum torque
+/// (000 section III-B2) and a one-sided limit, are solved in joint coordinates, each joint exactly and all joints by
+/// sweeps until nothing changes:
+///
+///     v = W (p + sum of impulses),  W = (M + dt C)^-1     viscous impulse -C v dt at the new velocity (000 eq. 1)
+///     |friction impulse of a joint| <= tau_max dt;  opposes v where it slips, holds v = 0 where it can
+///     limit impulse >= 0,  v >= (limit - q) / dt
+///
+/// 000 takes the viscous impulse at the old velocity; at the new one it is stable for any inertia and step.
+#pragma once
+
+#include <Eigen/Dense>
+#include <vector>
+
+#include "simgap/model/arm.h"
+#include "simgap/simulate/bullet.h"
+
+namespace simgap {
+
+class JointConstraintSolver : public btMultiBodyConstraintSolver {
+ public:
+  /// Called once, after the multibody is complete.
+  /// \param links  link of the multibody that each joint moves, shape (joints).
+  void setArm(btMultiBody* body, const std::vector<Joint>& joints, const std::vector<int>& links);
+
+  /// Forgets the impulses of earlier steps, so that what follows depends on the state alone.
+  void reset();
+
+  void solveMultiBodyGroup(btCollisionObject** bodies, int number_of_bodies, btPersistentManifold** manifolds,
+                           int number_of_manifolds, btTypedConstraint** constraints, int number_of_constraints,
+                           btMultiBodyConstraint** multi_body_constraints, int number_of_multi_body_constraints,
+                           const btContactSolverInfo& info, btIDebugDraw* debug_drawer,
+                           btDispatcher* dispatcher) override;
+
+ private:
+  /// A joint's coordinates and the impulses that act on it.
+  struct Block {
+    int first;             ///< of its coordinates
+    int size;              ///< 3 spherical, 1 revolute
+    int link;
+    double coulomb;        ///< tau_max [N m]
+    double lower, upper;   ///< [rad]
+    Eigen::Vector3d friction = Eigen::Vector3d::Zero();  ///< [N m s]
+    double limit = 0.0;    ///< [N m s], positive pushes up from the lower limit
+  };
+
+  void assembleMobility(double step_s);
+  void solveBlocks(double step_s);
+  double solveFriction(Block& block, double step_s);
+  double solveLimit(Block& block, double step_s);
+  void applyImpulse(const Block& block, const Eigen::Vector3d& impulse);
+
+  btMultiBody* body_ = nullptr;
+  std::vector<Block> blocks_;
+  bool any_viscous_ = false;
+  Eigen::VectorXd viscous_;   ///< shape (n) [N m s]
+  Eigen::MatrixXd mobility_;  ///< W, shape (n, n)
+  Eigen::MatrixXd implicit_;  ///< I + dt W0 C, shape (n, n)
+  Eigen::PartialPivLU<Eigen::MatrixXd> factorised_;
+  Eigen::VectorXd velocity_;  ///< v, shape (n) [rad/s]
+  std::vector<double> unit_impulse_, response_;  ///< shape (6 + n), as Bullet wants them
+  btAlignedObjectArray<btScalar> scratch_scalars_;
+  btAlignedObjectArray<btVector3> scratch_vectors_;
+};
+
+}  // namespace simgap

@@ -1,0 +1,218 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "../pose_inputs.h"
+#include "simgap/cli/command.h"
+#include "simgap/core/progress.h"
+#include "simgap/report/assets.h"
+#include "simgap/report/pose_report.h"
+
+namespace simgap::commands {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  TableOptions table;
+  std::string model, poses, validation, config;
+  std::filesystem::path resume;
+  std::optional<int> generations, mu, lambda;
+  std::optional<double> target_fitness;
+  std::optional<bool> early_acquisition;
+};
+
+/// Everything a calibration starts from.
+struct Task {
+  ArmModel model;
+  CalibrationConfig config;
+  PoseSet poses;
+  std::optional<PoseSet> validation;
+};
+
+constexpr const char* kStateFile = "state.json";
+constexpr const char* kInputsFile = "inputs/inputs.json";
+
+void applyOverrides(const Options& options, CalibrationConfig& config) {
+  if (options.generations) config.strategy.generations = *options.generations;
+  if (options.mu) config.strategy.mu = *options.mu;
+  if (options.lambda) config.strategy.lambda = *options.lambda;
+  if (options.target_fitness) config.strategy.target_fitness = *options.target_fitness;
+  if (options.common.seed) config.strategy.seed = *options.common.seed;
+  if (options.early_acquisition) config.protocol.early_acquisition = *options.early_acquisition;
+  config.strategy.validate();
+}
+
+Task readTask(const Options& options, Session& session) {
+  if (options.model.empty() || options.poses.empty()) {
+    throw ConfigError("calibrate needs MODEL and --poses, or --resume (see simgap calibrate --help)");
+  }
+  const CsvOptions csv = options.table.csv();
+  Task task;
+  task.model = parseArm(session.read("model", options.model));
+  task.config = options.config.empty()
+                    ? parseConfig({"config", "configs/calibrate_arm.yaml", std::string(assets::calibrate_arm_yaml())})
+                    : parseConfig(session.read("config", options.config));
+  applyOverrides(options, task.config);
+  task.poses = parsePoses(session.read("poses", options.poses), task.model, csv);
+  if (!options.validation.empty()) {
+    task.validation = parsePoses(session.read("validation", options.validation), task.model, csv);
+  }
+  return task;
+}
+
+/// Copies the inputs into the result directory, so that --resume needs nothing else.
+void keepInputs(const Options& options, const Session& session, const Task& task) {
+  const RunDirectory& directory = session.directory();
+  std::filesystem::create_directories(directory.file("inputs"));
+  Json kept = {{"map", options.table.map}, {"skip_bad_rows", options.table.skip_bad_rows}};
+  for (const Input& input : session.inputs()) {
+    const std::string extension = input.file.extension() == ".gz" ? ".csv.gz" : input.file.extension().string();
+    const std::string name = "inputs/" + input.role + extension;
+    directory.write(name, input.content);
+    kept[input.role] = name;
+  }
+  directory.write(kInputsFile, kept);
+  directory.write("config.resolved.yaml", task.config.toYaml());
+}
+
+/// The options with which an interrupted run goes on: the copies in its own directory.
+Options resumedOptions(const Options& given) {
+  const RunDirectory directory = RunDirectory::open(given.resume);
+  const auto path = [&](const std::string& name) { return directory.file(name).string(); };
+  Options options = given;
+  try {
+    const Json kept = Json::parse(readFile(directory.file(kInputsFile)));
+    kept.at("map").get_to(options.table.map);
+    kept.at("skip_bad_rows").get_to(options.table.skip_bad_rows);
+    options.model = path(kept.at("model"));
+    options.poses = path(kept.at("poses"));
+    if (kept.contains("validation")) options.validation = path(kept.at("validation"));
+  } catch (const Json::exception& error) {
+    throw ConfigError(fmt::format("{}: is no calibration that can be resumed: {}", path(kInputsFile), error.what()));
+  }
+  options.config = path("config.resolved.yaml");
+  return options;
+}
+
+CalibrationState storedState(const RunDirectory& directory) {
+  const std::filesystem::path file = directory.file(kStateFile);
+  if (!std::filesystem::exists(file)) return {};  // interrupted in its first generation
+  try {
+    return calibrationStateFromJson(Json::parse(readFile(file)));
+  } catch (const Json::exception& error) {
+    throw ConfigError(fmt::format("{}: {}", file.string(), error.what()));
+  }
+}
+
+void search(Calibration& calibration, const Task& task, const Session& session) {
+  const PoseLayout layout = task.model.poseLayout();
+  Progress progress("calibrate: generation", static_cast<std::size_t>(task.config.strategy.generations),
+                    session.options().quiet);
+  progress.startFrom(static_cast<std::size_t>(calibration.state().strategy.generation));
+  try {
+    calibration.run([&](const CalibrationState& state) {
+      session.directory().write(kStateFile, toJson(state));
+      std::string detail;
+      for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+        detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesText(state.best_mje[j]));
+      }
+      progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
+    });
+  } catch (const InterruptedError&) {
+    throw InterruptedError(fmt::format("interrupted after {} generations; go on with: simgap calibrate --resume {}",
+                                       calibration.state().strategy.generation, session.directory().path().string()));
+  }
+}
+
+CalibrationResult judge(const Task& task, const Calibration& calibration, Evaluator& evaluator, bool quiet) {
+  CalibrationResult result{task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(),
+                           task.config};
+  const ArmModel best = calibration.bestModel();
+  const auto add = [&](const char* name, const PoseSet& set) {
+    result.sets.push_back({name, set, replayAll(evaluator, task.model, set, "judge", quiet),
+                           replayAll(evaluator, best, set, "judge", quiet)});
+    warnAboutCords(result.sets.back().final, result.layout);
+  };
+  add("calibration", task.poses);
+  if (task.validation) add("validation", *task.validation);
+  return result;
+}
+
+ExitCode dryRun(const Task& task) {
+  const ParameterSpace space(task.model, task.config.parameters);
+  const EvolutionStrategyOptions& strategy = task.config.strategy;
+  fmt::print("would search {} parameters on {} poses: ({}, {})-ES, {} generations, {} pose simulations\n", space.size(),
+             task.poses.poses.size(), strategy.mu, strategy.lambda, strategy.generations,
+             static_cast<long>(strategy.generations) * strategy.lambda * static_cast<long>(task.poses.poses.size()));
+  for (const ParameterSpace::Choice& choice : task.config.parameters) {
+    fmt::print("  {}, initial step {}\n", choice.pattern, choice.step);
+  }
+  fmt::print("nothing was written\n");
+  return ExitCode::kDone;
+}
+
+ExitCode run(const Options& given, const std::vector<std::string>& argv) {
+  const bool resuming = !given.resume.empty();
+  const Options options = resuming ? resumedOptions(given) : given;
+  Session session("calibrate", options.common, argv);
+  const Task task = readTask(options, session);
+  if (options.common.dry_run) return dryRun(task);
+
+  const auto evaluator = makeBulletEvaluator(task.config.protocol, options.common.threads);
+  Calibration calibration(task.model, task.poses.poses, task.config, *evaluator);
+  if (resuming) {
+    session.resume(options.resume, task.config.strategy.seed);
+    calibration.restore(storedState(session.directory()));
+    spdlog::info("going on after generation {}", calibration.state().strategy.generation);
+  } else {
+    session.begin(task.config.strategy.seed);
+    keepInputs(options, session, task);
+  }
+  try {
+    search(calibration, task, session);
+  } catch (const NumericsError& error) {
+    session.abandon(std::string("failed: ") + error.what());
+    throw;
+  }
+  const CalibrationResult result = judge(task, calibration, *evaluator, options.common.quiet);
+  const RunDirectory& directory = session.directory();
+  directory.write("model.yaml", writeArm(calibration.bestModel()));
+  directory.write("history.csv", historyCsv(result));
+  directory.write("parameters.csv", parametersCsv(result));
+  directory.write("errors.csv", errorsCsv(result));
+  session.finish(toJson(result), makePage(result), terminalTable(result));
+  return ExitCode::kDone;
+}
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
+  auto options = std::make_shared<Options>();
+  app.add_option("MODEL", options->model, "arm model (YAML)");
+  app.add_option("--poses", options->poses, "recorded poses the search sees (CSV)");
+  app.add_option("--validation", options->validation, "recorded poses it never sees, to judge the result (CSV)");
+  app.add_option("--config", options->config, "what is searched and how (YAML; default: the paper's settings)");
+  app.add_option("--generations", options->generations, "instead of the config's");
+  app.add_option("--mu", options->mu, "parents, instead of the config's");
+  app.add_option("--lambda", options->lambda, "offspring, instead of the config's");
+  app.add_option("--target-fitness", options->target_fitness, "stop at this sum of squared errors [rad^2]");
+  app.add_flag("--early-acquisition,!--no-early-acquisition", options->early_acquisition,
+               "leave acquisition once all shafts have arrived; 'no' reproduces the paper's fixed times");
+  auto* resume = app.add_option("--resume", options->resume, "go on with an interrupted run; needs nothing else");
+  for (const char* other : {"MODEL", "--poses", "--validation", "--config", "--generations", "--mu", "--lambda",
+                            "--target-fitness", "--early-acquisition"}) {
+    resume->excludes(app.get_option(other));
+  }
+  options->table.add(app);
+  options->common.add(app);
+  return [options, argv] { return run(*options, argv); };
+}
+
+}  // namespace
+
+extern const Command calibrate;
+const Command calibrate{
+    "calibrate", "close the gap: search the model's parameters on recorded poses",
+    "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
+    "    --validation data/arm/poses_validation.csv --config configs/calibrate_arm.yaml -o runs/arm\n"
+    "  simgap calibrate --resume runs/arm",
+    define};
+
+}  // namespace simgap::commands

@@ -1,0 +1,70 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "../pose_inputs.h"
+#include "simgap/cli/command.h"
+#include "simgap/report/pose_report.h"
+
+namespace simgap::commands {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  TableOptions table;
+  std::string model, poses, config;
+  std::optional<double> max_mje;  ///< [deg]
+};
+
+ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+  Session session("validate", options.common, argv);
+  const ArmModel model = parseArm(session.read("model", options.model));
+  const PoseSet set = parsePoses(session.read("poses", options.poses), model, options.table.csv());
+  PoseProtocol protocol;
+  if (!options.config.empty()) protocol = parseConfig(session.read("config", options.config)).protocol;
+  if (options.common.dry_run) {
+    fmt::print("would replay {} poses of {} on {}; nothing was written\n", set.poses.size(), set.file, model.name);
+    return ExitCode::kDone;
+  }
+  session.begin(options.common.seed.value_or(0));
+  session.directory().write("config.resolved.yaml", "protocol:\n" + protocol.toYaml("  "));
+
+  const auto evaluator = makeBulletEvaluator(protocol, options.common.threads);
+  ValidationResult result;
+  result.layout = model.poseLayout();
+  result.set = set;
+  result.assessment = replayAll(*evaluator, model, set, "validate", options.common.quiet);
+  warnAboutCords(result.assessment, result.layout);
+  for (std::size_t j = 0; options.max_mje && j < result.layout.joints.size(); ++j) {
+    result.criteria.push_back({"mje_deg of " + result.layout.joints[j].name, *options.max_mje,
+                               toDegrees(result.assessment.mje[j])});
+  }
+  session.directory().write("errors.csv", errorsCsv(result));
+  session.finish(toJson(result), makePage(result), terminalTable(result));
+  if (result.assessment.valid < set.poses.size()) {
+    throw NumericsError(describeInvalid(result.assessment, set, result.layout));
+  }
+  for (const Criterion& criterion : result.criteria) {
+    if (!criterion.pass()) return ExitCode::kCriterionFailed;
+  }
+  return ExitCode::kDone;
+}
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
+  auto options = std::make_shared<Options>();
+  app.add_option("MODEL", options->model, "arm model (YAML)")->required();
+  app.add_option("--poses", options->poses, "recorded poses (CSV)")->required();
+  app.add_option("--config", options->config, "calibration config whose protocol is used (default: the paper's)");
+  app.add_option("--max-mje", options->max_mje, "exit 1 when a joint's mean error exceeds this [deg]")
+      ->check(CLI::PositiveNumber);
+  options->table.add(app);
+  options->common.add(app);
+  return [options, argv] { return run(*options, argv); };
+}
+
+}  // namespace
+
+extern const Command validate;
+const Command validate{"validate", "mean joint errors of a model on recorded poses",
+                       "  simgap validate runs/arm/model.yaml --poses data/arm/poses_validation.csv --max-mje 5", define};
+
+}  // namespace simgap::commands

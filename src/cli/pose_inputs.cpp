@@ -1,0 +1,65 @@
+#include "pose_inputs.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
+#include "simgap/core/progress.h"
+
+namespace simgap {
+
+ArmModel parseArm(const Input& input) { return readArm(YamlNode::parse(input.content, input.file.string())); }
+
+CalibrationConfig parseConfig(const Input& input) {
+  return CalibrationConfig::read(YamlNode::parse(input.content, input.file.string()));
+}
+
+PoseSet parsePoses(const Input& input, const ArmModel& model, const CsvOptions& options) {
+  const CsvTable table = CsvTable::parse(input.content, input.file.string(), options);
+  if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", table.name(), table.skippedRows());
+  return readPoseSet(table, model.poseLayout());
+}
+
+Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet& set, const std::string& label,
+                     bool quiet) {
+  constexpr std::size_t kPosesAtOnce = 64;  // between two looks at the clock
+  Progress progress(label + ": pose", set.poses.size(), quiet);
+  std::vector<PoseOutcome> outcomes;
+  const std::span<const Pose> poses(set.poses);
+  while (outcomes.size() < poses.size()) {
+    const auto some = poses.subspan(outcomes.size(), std::min(kPosesAtOnce, poses.size() - outcomes.size()));
+    for (PoseOutcome& outcome : evaluator.evaluate({&model, 1}, some, AfterInvalid::kGoOn)) {
+      outcomes.push_back(std::move(outcome));
+    }
+    if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+    progress.update(outcomes.size());
+  }
+  return assess(model.poseLayout(), poses, outcomes);
+}
+
+void warnAboutCords(const Assessment& assessment, const PoseLayout& layout) {
+  for (std::size_t m = 0; m < layout.muscles.size(); ++m) {
+    double largest = 0.0;
+    for (const PoseOutcome& outcome : assessment.outcomes) {
+      if (!outcome.cord_expansion.empty()) largest = std::max(largest, outcome.cord_expansion[m]);
+    }
+    if (largest > ShockCord::kLinearRange) {
+      spdlog::warn("{}: its cord is stretched by {:.0f} % of its rest length, it is linear only up to {:.0f} %",
+                   layout.muscles[m], 100.0 * largest, 100.0 * ShockCord::kLinearRange);
+    }
+  }
+}
+
+std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout) {
+  std::string text = fmt::format("{} of {} poses are invalid", set.poses.size() - assessment.valid, set.poses.size());
+  std::string separator = ": ";
+  for (std::size_t p = 0; p < set.poses.size(); ++p) {
+    if (assessment.outcomes[p].status == PoseStatus::kSteady) continue;
+    text += separator + set.poses[p].name + ": " + describe(assessment.outcomes[p], layout);
+    separator = "; ";
+  }
+  return text;
+}
+
+}  // namespace simgap

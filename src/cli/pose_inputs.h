@@ -1,0 +1,27 @@
+/// \file
+/// What calibrate and validate share: reading their inputs, judging a model.
+#pragma once
+
+#include <string>
+
+#include "simgap/cli/session.h"
+#include "simgap/fit/calibration_result.h"
+#include "simgap/model/arm_yaml.h"
+
+namespace simgap {
+
+ArmModel parseArm(const Input& input);
+CalibrationConfig parseConfig(const Input& input);
+PoseSet parsePoses(const Input& input, const ArmModel& model, const CsvOptions& options);
+
+/// Judges a model on all poses of a set, with progress. \throws InterruptedError
+Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet& set, const std::string& label,
+                     bool quiet);
+
+/// Says once per muscle that its cord was stretched beyond the range in which it is linear (000 eq. 2).
+void warnAboutCords(const Assessment& assessment, const PoseLayout& layout);
+
+/// "2 of 15 poses are invalid: p003: …"
+std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout);
+
+}  // namespace simgap

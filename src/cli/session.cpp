@@ -1,0 +1,122 @@
+#include "simgap/cli/session.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/basic_file_sink.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <iostream>
+
+#include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
+#include "simgap/version.h"
+
+namespace simgap {
+namespace {
+
+/// stderr for people, log.txt for later; stdout is for results only.
+void openLog(const CommonOptions& options, const std::filesystem::path& file) {
+  auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
+  terminal->set_pattern("%v");
+  terminal->set_level(options.quiet ? spdlog::level::warn : options.verbose ? spdlog::level::debug : spdlog::level::info);
+  auto log = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), false);
+  log->set_level(spdlog::level::debug);
+  auto logger = std::make_shared<spdlog::logger>("simgap", spdlog::sinks_init_list{terminal, log});
+  logger->set_level(spdlog::level::debug);
+  logger->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(logger);
+}
+
+std::string join(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+}  // namespace
+
+void CommonOptions::add(CLI::App& app) {
+  app.add_option("--seed", seed, "seed of all random numbers");
+  app.add_option("--threads", threads, "worker threads; 0 takes all (the result is the same)")
+      ->check(CLI::Range(0, 4096));
+  app.add_flag("--dry-run", dry_run, "check everything, say what would be done, write nothing");
+  app.add_flag("--json", json, "print result.json instead of the table");
+  app.add_option("-o,--output", output, "result directory (default: runs/<command>-<UTC time>)");
+  app.add_flag("--force", force, "replace an existing result directory");
+  app.add_flag("-q,--quiet", quiet, "no progress");
+  app.add_flag("-v,--verbose", verbose, "say more");
+}
+
+void TableOptions::add(CLI::App& app) {
+  app.add_option("--map", map, "canonical=column: a column that has another name in the file; may be repeated")
+      ->type_name("NAME=COLUMN");
+  app.add_flag("--skip-bad-rows", skip_bad_rows, "drop and count rows that cannot be read, instead of refusing the file");
+}
+
+CsvOptions TableOptions::csv() const {
+  CsvOptions options;
+  options.skip_bad_rows = skip_bad_rows;
+  for (const std::string& entry : map) {
+    const auto equals = entry.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size()) {
+      throw ConfigError(fmt::format("--map: found '{}', expected canonical=column", entry));
+    }
+    options.rename[entry.substr(0, equals)] = entry.substr(equals + 1);
+  }
+  return options;
+}
+
+Session::Session(std::string command, const CommonOptions& options, const std::vector<std::string>& argv)
+    : command_(std::move(command)), options_(options), argv_(argv) {}
+
+Session::~Session() {
+  if (run_ && !ended_) abandon(interruptRequested() ? "interrupted" : "failed");
+}
+
+const Input& Session::read(const std::string& role, const std::filesystem::path& file) {
+  return inputs_.emplace_back(Input{role, file, readFile(file)});
+}
+
+void Session::begin(std::uint64_t seed) {
+  directory_ = RunDirectory::create(options_.output.empty() ? RunDirectory::defaultPath(command_) : options_.output,
+                                    options_.force);
+  record(seed);
+}
+
+void Session::resume(const std::filesystem::path& directory, std::uint64_t seed) {
+  directory_ = RunDirectory::open(directory);
+  record(seed);
+}
+
+void Session::record(std::uint64_t seed) {
+  openLog(options_, directory_->file("log.txt"));
+  run_.emplace(argv_, seed, options_.threads);
+  for (const Input& input : inputs_) run_->addInput(input.role, input.file, input.content);
+  run_->write(*directory_, "running");
+  spdlog::debug("{}", join(argv_));
+}
+
+void Session::finish(const Json& result, Page page, const std::string& table, const std::string& status) {
+  directory_->write("result.json", result);
+  page.provenance.emplace_back("command", join(argv_));
+  page.provenance.emplace_back("version", fmt::format("simgap {} ({})", kVersion, kGitHash));
+  page.provenance.emplace_back("written", utcTime());
+  for (const Input& input : inputs_) {
+    page.provenance.emplace_back(fmt::format("{} (SHA-256)", input.role),
+                                 fmt::format("{}: {}", input.file.string(), sha256(input.content)));
+  }
+  directory_->write("report.html", renderPage(page));
+  abandon(status);
+  if (options_.json) {
+    std::cout << result.dump(2) << std::endl;
+  } else {
+    std::cout << table << "report: " << directory_->file("report.html").string() << std::endl;
+  }
+}
+
+void Session::abandon(const std::string& status) {
+  run_->write(*directory_, status);
+  ended_ = true;
+}
+
+}  // namespace simgap

@@ -1,0 +1,325 @@
+#include "simgap/core/csv.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "csv_cells.h"
+#include "simgap/core/error.h"
+#include "simgap/core/units.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kBadCell = std::numeric_limits<double>::quiet_NaN();
+constexpr std::uint32_t kHeaderLine = 1;
+
+void requireHeaders(const std::vector<std::string>& headers, const std::string& name) {
+  for (std::size_t i = 0; i < headers.size(); ++i) {
+    if (headers[i].empty()) {
+      failInCsv(name, kHeaderLine, fmt::format("column {} of the header has no name, expected one", i + 1));
+    }
+    if (std::find(headers.begin(), headers.begin() + i, headers[i]) != headers.begin() + i) {
+      failInCsv(name, kHeaderLine, fmt::format("found the column {} twice, expected it once", headers[i]));
+    }
+  }
+}
+
+std::vector<std::string> renamed(const std::vector<std::string>& headers,
+                                 const std::map<std::string, std::string>& rename, const std::string& name) {
+  std::vector<std::string> result = headers;
+  std::vector<bool> taken(headers.size());
+  for (const auto& [canonical, column] : rename) {
+    const auto found = std::ranges::find(headers, column);
+    if (found == headers.end()) {
+      failInCsv(name, kHeaderLine,
+                fmt::format("found no column {} to read as {}, expected one of {}", column, canonical,
+                            fmt::join(headers, ", ")));
+    }
+    const auto index = static_cast<std::size_t>(found - headers.begin());
+    if (taken[index]) {
+      failInCsv(name, kHeaderLine,
+                fmt::format("the column {} cannot be both {} and {}", column, result[index], canonical));
+    }
+    taken[index] = true;
+    result[index] = canonical;
+  }
+  return result;
+}
+
+}  // namespace
+
+/// Reads the rows into columns in one pass.
+class CsvParser {
+ public:
+  CsvParser(std::string text, const std::string& name, const CsvOptions& options)
+      : options_(options),
+        text_(std::make_shared<const std::string>(std::move(text))),
+        name_(name),
+        cells_(*text_, name_) {}
+
+  CsvTable parse() {
+    readHeader();
+    while (!cells_.atEnd()) readRow();
+    for (Column& column : columns_) {
+      if (column.kind == Kind::kUndecided) column = {Kind::kText, {}};
+    }
+    if (options_.skip_bad_rows) dropBadRows();
+    return table();
+  }
+
+ private:
+  enum class Kind : std::uint8_t { kUndecided, kNumber, kText };  ///< undecided: only empty cells so far
+  struct Column {
+    Kind kind = Kind::kUndecided;
+    std::vector<double> numbers;  ///< empty for text
+  };
+
+  void readHeader() {
+    if (cells_.atEnd()) failInCsv(name_, kHeaderLine, "found an empty file, expected a header row");
+    headers_ = cells_.nextRow();
+    requireHeaders(headers_, name_);
+    headers_ = renamed(headers_, options_.rename, name_);
+    requireHeaders(headers_, name_);
+    columns_.resize(headers_.size());
+    kinds_before_.resize(headers_.size());
+    most_rows_ = cells_.mostRowsLeft(headers_.size());
+  }
+
+  void readRow() {
+    std::ranges::transform(columns_, kinds_before_.begin(), &Column::kind);
+    const std::uint32_t line = cells_.line();
+    std::size_t count = 0;
+    bool last = false;
+    while (!last) {
+      last = count < columns_.size() ? readCell(columns_[count]) : cells_.next().last;
+      ++count;
+    }
+    if (count == columns_.size()) {
+      acceptRow(line);
+    } else if (options_.skip_bad_rows) {
+      takeRowBack();
+    } else {
+      failInCsv(name_, line, fmt::format("found {} cells, expected {}", count, columns_.size()));
+    }
+  }
+
+  /// True at the last cell of a row.
+  bool readCell(Column& column) {
+    double value = 0.0;
+    bool last = false;
+    if (column.kind == Kind::kNumber && cells_.nextNumber(value, last)) {
+      column.numbers.push_back(value);
+      return last;
+    }
+    const CsvCell cell = cells_.next();
+    if (column.kind == Kind::kText) return cell.last;
+    const std::optional<double> number = cell.number();
+    if (column.kind == Kind::kUndecided && !cell.raw.empty()) decide(column, number.has_value());
+    if (column.kind != Kind::kText) column.numbers.push_back(number.value_or(kBadCell));
+    return cell.last;
+  }
+
+  void decide(Column& column, bool number) {
+    column.kind = number ? Kind::kNumber : Kind::kText;
+    if (number) {
+      column.numbers.reserve(most_rows_);
+    } else {
+      column.numbers = {};
+    }
+  }
+
+  void acceptRow(std::uint32_t line) {
+    if (lines_.empty() && line != rows_ + kHeaderLine + 1) writeOutLines();
+    if (!lines_.empty() || line != rows_ + kHeaderLine + 1) lines_.push_back(line);
+    ++rows_;
+  }
+
+  /// From here on rows do not stand on the line after the one before.
+  void writeOutLines() {
+    lines_.resize(rows_);
+    std::iota(lines_.begin(), lines_.end(), kHeaderLine + 1);
+  }
+
+  /// Forgets a ragged row, and what its cells said about the columns.
+  void takeRowBack() {
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      if (columns_[c].kind != kinds_before_[c]) columns_[c] = {Kind::kUndecided, std::vector<double>(rows_, kBadCell)};
+      if (columns_[c].kind != Kind::kText) columns_[c].numbers.resize(rows_);
+    }
+    ++skipped_;
+  }
+
+  void dropBadRows() {
+    if (lines_.empty()) writeOutLines();
+    std::size_t kept = 0;
+    for (std::size_t row = 0; row < rows_; ++row) {
+      const auto is_bad = [&](const Column& column) {
+        return column.kind == Kind::kNumber && std::isnan(column.numbers[row]);
+      };
+      if (std::ranges::any_of(columns_, is_bad)) continue;
+      for (Column& column : columns_) {
+        if (column.kind == Kind::kNumber) column.numbers[kept] = column.numbers[row];
+      }
+      lines_[kept++] = lines_[row];
+    }
+    for (Column& column : columns_) {
+      if (column.kind == Kind::kNumber) column.numbers.resize(kept);
+    }
+    lines_.resize(kept);
+    skipped_ += rows_ - kept;
+    rows_ = kept;
+  }
+
+  CsvTable table() {
+    CsvTable result;
+    result.name_ = name_;
+    result.rows_ = rows_;
+    result.skipped_ = skipped_;
+    result.headers_ = std::move(headers_);
+    result.lines_ = std::move(lines_);
+    result.text_ = text_;
+    for (Column& column : columns_) {
+      const bool number = column.kind == Kind::kNumber;
+      result.numbers_.push_back(number ? std::make_shared<const std::vector<double>>(std::move(column.numbers))
+                                       : nullptr);
+    }
+    return result;
+  }
+
+  const CsvOptions& options_;
+  std::shared_ptr<const std::string> text_;
+  std::string name_;
+  CsvCells cells_;
+  std::vector<std::string> headers_;
+  std::vector<Column> columns_;
+  std::vector<Kind> kinds_before_;  ///< of the columns, before the row that is read
+  std::vector<std::uint32_t> lines_;
+  std::size_t most_rows_ = 0;
+  std::size_t rows_ = 0;
+  std::size_t skipped_ = 0;
+};
+
+CsvTable CsvTable::load(const std::filesystem::path& file, const CsvOptions& options) {
+  return CsvParser(readCsvFile(file), file.string(), options).parse();
+}
+
+CsvTable CsvTable::parse(std::string_view text, const std::string& name, const CsvOptions& options) {
+  return CsvParser(std::string(text), name, options).parse();
+}
+
+std::size_t CsvTable::lineOf(std::size_t row) const { return lines_.empty() ? row + kHeaderLine + 1 : lines_[row]; }
+
+bool CsvTable::has(std::string_view column) const { return std::ranges::find(headers_, column) != headers_.end(); }
+
+bool CsvTable::hasQuantity(std::string_view stem, std::string_view unit) const {
+  return !matchQuantity(headers_, stem, unit).empty();
+}
+
+std::vector<double> CsvTable::quantity(std::string_view stem, std::string_view unit) const {
+  const std::vector<QuantityMatch> matches = matchQuantity(headers_, stem, unit);
+  if (matches.empty()) failMissing(stem, unit);
+  if (matches.size() > 1) {
+    failInCsv(name_, kHeaderLine,
+              fmt::format("found both {} and {}, expected only one of them", headers_[matches[0].index],
+                          headers_[matches[1].index]));
+  }
+  const auto& [column, _, conversion] = matches[0];
+  if (rows_ == 0) return {};
+  // A column is text because its first cell is empty or no number, so that cell is the one to blame.
+  if (!numbers_[column]) failCell(0, column);
+  std::vector<double> values = *numbers_[column];
+  const auto bad = std::ranges::find_if(values, [](double value) { return std::isnan(value); });
+  if (bad != values.end()) failCell(static_cast<std::size_t>(bad - values.begin()), column);
+  // Adding an offset of 0 would turn -0 into 0.
+  if (!conversion.isIdentity()) std::ranges::transform(values, values.begin(), conversion);
+  return values;
+}
+
+std::vector<std::string> CsvTable::text(std::string_view column) const {
+  const auto found = std::ranges::find(headers_, column);
+  if (found == headers_.end()) failMissing(column, "");
+  const auto index = found - headers_.begin();
+  CsvCells cells(*text_, name_);
+  cells.skipRow();
+  std::vector<std::string> texts;
+  texts.reserve(rows_);
+  while (texts.size() < rows_) {
+    const bool skipped = cells.line() != lineOf(texts.size());
+    if (!skipped) {
+      texts.push_back(cells.nextRow()[index]);
+    } else {
+      cells.skipRow();
+    }
+  }
+  return texts;
+}
+
+void CsvTable::fail(std::size_t row, const std::string& sentence) const {
+  failInCsv(name_, static_cast<std::uint32_t>(lineOf(row)), sentence);
+}
+
+void CsvTable::failMissing(std::string_view stem, std::string_view unit) const {
+  if (const auto mistake = findUnitMistake(headers_, stem, unit)) {
+    failInCsv(name_, kHeaderLine, fmt::format("column {}: {}", headers_[mistake->index], mistake->sentence));
+  }
+  std::vector<std::string> spellings;
+  for (const std::string& suffix : unitsLike(unit)) spellings.push_back(quantityName(stem, suffix));
+  if (spellings.empty()) spellings.emplace_back(stem);
+  failInCsv(
+      name_, kHeaderLine,
+      fmt::format("found no column {}, expected it among {}", fmt::join(spellings, " or "), fmt::join(headers_, ", ")));
+}
+
+void CsvTable::failCell(std::size_t row, std::size_t column) const {
+  const std::string found = text(headers_[column])[row];
+  fail(row, fmt::format("column {}: found {}, expected a finite number", headers_[column],
+                        found.empty() ? "an empty cell" : fmt::format("'{}'", found)));
+}
+
+CsvWriter::CsvWriter(const std::vector<std::string>& header) : columns_(header.size()) {
+  for (const std::string& name : header) add(name);
+  endRow();
+}
+
+CsvWriter& CsvWriter::add(double value) {
+  std::array<char, 32> digits;
+  const auto [stop, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  assert(error == std::errc());
+  return append({digits.data(), static_cast<std::size_t>(stop - digits.data())});
+}
+
+CsvWriter& CsvWriter::add(std::string_view text) {
+  // A row of one empty cell would be an empty line.
+  const bool quote = text.find_first_of(",\"\n\r") != std::string_view::npos || (text.empty() && columns_ == 1);
+  if (!quote) return append(text);
+  std::string cell = "\"";
+  for (const char character : text) {
+    if (character == '"') cell += '"';
+    cell += character;
+  }
+  return append(cell + '"');
+}
+
+CsvWriter& CsvWriter::append(std::string_view cell) {
+  if (cells_++ > 0) text_ += ',';
+  text_ += cell;
+  return *this;
+}
+
+CsvWriter& CsvWriter::endRow() {
+  assert(cells_ == columns_);
+  cells_ = 0;
+  text_ += '\n';
+  return *this;
+}
+
+}  // namespace simgap

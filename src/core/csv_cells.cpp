@@ -1,0 +1,180 @@
+#include "csv_cells.h"
+
+#include <fast_float/fast_float.h>
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include "simgap/core/error.h"
+#include "simgap/core/units.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr unsigned kReadSize = 1U << 20;
+
+/// Marks the characters at which the scan of an unquoted cell stops.
+constexpr std::array<bool, 256> kStops = [] {
+  std::array<bool, 256> stops{};
+  for (const unsigned char stop : {',', '\n', '\r', '"'}) stops[stop] = true;
+  return stops;
+}();
+
+std::uint32_t linesIn(std::string_view text) { return static_cast<std::uint32_t>(std::ranges::count(text, '\n')); }
+
+}  // namespace
+
+void failInCsv(const std::string& file, std::uint32_t line, const std::string& sentence) {
+  throw DataError(fmt::format("{}:{}: {}", file, line, sentence));
+}
+
+std::string readCsvFile(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  // zlib reads what is not packed as it stands.
+  const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(name.c_str(), "rb"), gzclose);
+  if (!stream) throw DataError(fmt::format("{}: cannot be read", name));
+  gzbuffer(stream.get(), kReadSize);
+
+  std::error_code no_size;
+  const std::uintmax_t packed_size = std::filesystem::file_size(file, no_size);
+  std::string text;
+  if (!no_size) text.reserve(packed_size + kReadSize);
+  int count = 0;
+  do {
+    const std::size_t size = text.size();
+    text.resize(size + kReadSize);
+    count = gzread(stream.get(), text.data() + size, kReadSize);
+    text.resize(size + static_cast<std::size_t>(std::max(count, 0)));
+  } while (count > 0);
+
+  int error = Z_OK;
+  gzerror(stream.get(), &error);
+  const std::uint32_t line = linesIn(text) + 1;
+  if (error == Z_ERRNO) throw DataError(fmt::format("{}: cannot be read", name));
+  if (error == Z_BUF_ERROR) failInCsv(name, line, "the gzip data break off here, expected the rest of the file");
+  if (error != Z_OK) failInCsv(name, line, "the gzip data are damaged here, expected a valid stream");
+  if (file.extension() == ".gz" && gzdirect(stream.get()) != 0) {
+    failInCsv(name, 1, "found no gzip data, expected them by the name's ending");
+  }
+  return text;
+}
+
+std::string CsvCell::text() const {
+  if (!escaped) return std::string(raw);
+  std::string result;
+  for (std::size_t i = 0; i < raw.size(); ++i) {
+    result += raw[i];
+    if (raw[i] == '"') ++i;  // its double
+  }
+  return result;
+}
+
+std::optional<double> CsvCell::number() const {
+  if (const auto finite = parseNumber(raw)) return finite;
+  double value = 0.0;
+  const char* const end = raw.data() + raw.size();
+  const auto [stop, error] = fast_float::from_chars(raw.data(), end, value);
+  if (error == std::errc::invalid_argument || stop != end) return std::nullopt;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+CsvCells::CsvCells(std::string_view text, const std::string& file) : file_(file) {
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  while (text.ends_with('\n')) {
+    text.remove_suffix(1);
+    if (text.ends_with('\r')) text.remove_suffix(1);
+  }
+  at_ = text.data();
+  end_ = text.data() + text.size();
+}
+
+bool CsvCells::separatorAt(const char* at, bool& last, std::size_t& length) const {
+  last = at == end_ || *at != ',';
+  length = at == end_ ? 0 : 1;
+  if (at == end_ || *at == ',' || *at == '\n') return true;
+  length = 2;
+  return *at == '\r' && at + 1 != end_ && at[1] == '\n';
+}
+
+void CsvCells::step(const char* separator, std::size_t length, bool last) {
+  at_ = separator + length;
+  if (last && length > 0) ++line_;
+  cell_due_ = !last && at_ == end_;
+}
+
+CsvCell CsvCells::next() {
+  if (at_ != end_ && *at_ == '"') return quotedCell();
+  const char* stop = at_;
+  while (stop != end_ && !kStops[static_cast<unsigned char>(*stop)]) ++stop;
+  CsvCell cell{std::string_view(at_, static_cast<std::size_t>(stop - at_))};
+  std::size_t length = 0;
+  if (!separatorAt(stop, cell.last, length)) {
+    const bool quote = *stop == '"';
+    failInCsv(file_, line_,
+              quote ? "found a quote inside a cell without quotes, expected the whole cell quoted"
+                    : "found a carriage return without a line feed, expected both");
+  }
+  step(stop, length, cell.last);
+  return cell;
+}
+
+CsvCell CsvCells::quotedCell() {
+  const std::uint32_t first_line = line_;
+  const char* const begin = at_ + 1;
+  const char* stop = begin;
+  bool escaped = false;
+  while (true) {
+    stop = stop == end_ ? nullptr
+                        : static_cast<const char*>(std::memchr(stop, '"', static_cast<std::size_t>(end_ - stop)));
+    if (stop == nullptr) failInCsv(file_, first_line, "found a quoted cell without an end, expected a closing quote");
+    if (stop + 1 == end_ || stop[1] != '"') break;
+    escaped = true;
+    stop += 2;
+  }
+  CsvCell cell{std::string_view(begin, static_cast<std::size_t>(stop - begin)), escaped};
+  line_ += linesIn(cell.raw);
+  std::size_t length = 0;
+  if (!separatorAt(stop + 1, cell.last, length)) {
+    failInCsv(file_, line_, "found text behind a closing quote, expected a comma or the end of the line");
+  }
+  step(stop + 1, length, cell.last);
+  return cell;
+}
+
+bool CsvCells::nextNumber(double& value, bool& last) {
+  const auto [stop, error] = fast_float::from_chars(at_, end_, value);
+  std::size_t length = 0;
+  if (error != std::errc() || !std::isfinite(value) || !separatorAt(stop, last, length)) return false;
+  step(stop, length, last);
+  return true;
+}
+
+std::vector<std::string> CsvCells::nextRow() {
+  std::vector<std::string> row;
+  CsvCell cell;
+  do {
+    cell = next();
+    row.push_back(cell.text());
+  } while (!cell.last);
+  return row;
+}
+
+void CsvCells::skipRow() {
+  while (!next().last) {
+  }
+}
+
+std::size_t CsvCells::mostRowsLeft(std::size_t columns) const {
+  // A row ends in a line feed, and has a separator behind each cell.
+  const std::string_view left(at_, static_cast<std::size_t>(end_ - at_));
+  return std::min<std::size_t>(linesIn(left), left.size() / columns) + 1;
+}
+
+}  // namespace simgap

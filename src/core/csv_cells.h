@@ -1,0 +1,64 @@
+/// \file
+/// The text of a CSV file and its cells, one after the other (RFC 4180; a line may end in LF or CRLF).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace simgap {
+
+/// The whole text, unpacked when the name ends in .gz.
+/// \throws DataError: unreadable, not gzip, truncated or damaged.
+std::string readCsvFile(const std::filesystem::path& file);
+
+/// A DataError "FILE:LINE: sentence".
+[[noreturn]] void failInCsv(const std::string& file, std::uint32_t line, const std::string& sentence);
+
+struct CsvCell {
+  std::string_view raw;  ///< without its outer quotes
+  bool escaped = false;  ///< holds doubled quotes
+  bool last = false;     ///< ends its row
+
+  std::string text() const;
+  /// NaN when it reads as a number but is not finite; empty when it is no number.
+  std::optional<double> number() const;
+};
+
+/// A cursor over the cells. Empty lines at the end do not count.
+class CsvCells {
+ public:
+  /// Both must outlive the cursor; `file` stands in errors.
+  CsvCells(std::string_view text, const std::string& file);
+
+  bool atEnd() const { return at_ == end_ && !cell_due_; }
+  std::uint32_t line() const { return line_; }  ///< of the next cell
+
+  /// \throws DataError: quotes or carriage returns where none may be.
+  CsvCell next();
+  /// Reads the next cell when it is a finite number without quotes; stays before it otherwise.
+  bool nextNumber(double& value, bool& last);
+  std::vector<std::string> nextRow();
+  void skipRow();
+
+  /// An upper bound of the rows left, when each has so many columns.
+  std::size_t mostRowsLeft(std::size_t columns) const;
+
+ private:
+  CsvCell quotedCell();
+  /// True at the end of a cell. Sets `last`, and the step past the separator.
+  bool separatorAt(const char* at, bool& last, std::size_t& length) const;
+  void step(const char* separator, std::size_t length, bool last);
+
+  const std::string& file_;
+  const char* at_;
+  const char* end_;
+  std::uint32_t line_ = 1;
+  bool cell_due_ = false;  ///< the text ended behind a comma: one empty cell is left
+};
+
+}  // namespace simgap

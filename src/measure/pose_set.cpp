@@ -1,0 +1,132 @@
+#include "simgap/measure/pose_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "simgap/core/error.h"
+#include "simgap/core/units.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kUnitLengthTolerance = 1e-3;
+
+/// A shaft column nobody asked for is a muscle the model lacks.
+void refuseUnknownMuscles(const CsvTable& table, const PoseLayout& layout) {
+  for (const std::string& column : table.columns()) {
+    if (!column.starts_with("shaft_")) continue;
+    const std::string muscle = splitUnit(column).stem.substr(6);
+    if (std::find(layout.muscles.begin(), layout.muscles.end(), muscle) == layout.muscles.end()) {
+      throw DataError(fmt::format("{}:1: column {}: the model has no muscle '{}'", table.name(), column, muscle));
+    }
+  }
+}
+
+/// The four columns of a spherical joint as unit quaternions, shape (rows).
+std::vector<Eigen::Quaterniond> readRotations(const CsvTable& table, const std::string& joint) {
+  std::array<std::vector<double>, 4> q;
+  constexpr std::array<const char*, 4> kComponents = {"_qw", "_qx", "_qy", "_qz"};
+  for (std::size_t i = 0; i < 4; ++i) q[i] = table.quantity(joint + kComponents[i], "");
+  std::vector<Eigen::Quaterniond> rotations;
+  rotations.reserve(table.rows());
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    Eigen::Quaterniond rotation(q[0][row], q[1][row], q[2][row], q[3][row]);
+    if (std::abs(rotation.norm() - 1.0) > kUnitLengthTolerance) {
+      table.fail(row, fmt::format("quaternion of joint {}: found length {:.6g}, expected 1 within {:g}", joint,
+                                  rotation.norm(), kUnitLengthTolerance));
+    }
+    rotations.push_back(rotation.normalized());
+  }
+  return rotations;
+}
+
+struct Columns {
+  std::vector<std::vector<double>> shafts;               ///< shape (muscles, rows)
+  std::vector<std::vector<JointPosition>> joints;        ///< shape (joints, rows)
+};
+
+Columns readColumns(const CsvTable& table, const PoseLayout& layout) {
+  Columns columns;
+  for (const std::string& muscle : layout.muscles) columns.shafts.push_back(table.quantity("shaft_" + muscle, "rad"));
+  for (const JointChannel& joint : layout.joints) {
+    std::vector<JointPosition>& positions = columns.joints.emplace_back(table.rows());
+    if (joint.type == JointType::kSpherical) {
+      const auto rotations = readRotations(table, joint.name);
+      for (std::size_t row = 0; row < table.rows(); ++row) positions[row].rotation = rotations[row];
+    } else {
+      const auto angles = table.quantity(joint.name, "rad");
+      for (std::size_t row = 0; row < table.rows(); ++row) positions[row].angle = angles[row];
+    }
+  }
+  return columns;
+}
+
+JointPosition meanPosition(JointType type, const std::vector<JointPosition>& repeats) {
+  JointPosition mean;
+  std::vector<Eigen::Quaterniond> rotations;
+  for (const JointPosition& repeat : repeats) {
+    rotations.push_back(repeat.rotation);
+    mean.angle += repeat.angle / static_cast<double>(repeats.size());
+  }
+  if (type == JointType::kSpherical) mean.rotation = meanRotation(rotations);
+  return mean;
+}
+
+Pose meanPose(const std::string& name, const std::vector<std::size_t>& rows, const Columns& columns,
+              const PoseLayout& layout) {
+  const auto repeats = static_cast<double>(rows.size());
+  Pose pose;
+  pose.name = name;
+  pose.repeats = static_cast<int>(rows.size());
+  for (const auto& shaft : columns.shafts) {
+    double sum = 0.0;
+    for (const std::size_t row : rows) sum += shaft[row];
+    pose.shafts.push_back(sum / repeats);
+  }
+  for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    const JointType type = layout.joints[j].type;
+    std::vector<JointPosition> measured;
+    for (const std::size_t row : rows) measured.push_back(columns.joints[j][row]);
+    pose.joints.push_back(meanPosition(type, measured));
+    double squares = 0.0;
+    for (const JointPosition& position : measured) {
+      const double error = jointError(type, position, pose.joints.back());
+      squares += error * error;
+    }
+    pose.spread.push_back(rows.size() > 1 ? std::sqrt(squares / (repeats - 1.0)) : 0.0);
+  }
+  return pose;
+}
+
+}  // namespace
+
+PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
+  if (table.rows() == 0) throw DataError(fmt::format("{}: found no rows, expected at least one pose", table.name()));
+  refuseUnknownMuscles(table, layout);
+  const Columns columns = readColumns(table, layout);
+  const std::vector<std::string> names = table.text("pose");
+  const bool has_repeats = table.has("repeat");
+  const std::vector<std::string> repeats = has_repeats ? table.text("repeat") : names;
+
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<std::size_t>> rows_of;
+  std::set<std::pair<std::string, std::string>> seen;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    if (!seen.emplace(names[row], repeats[row]).second) {
+      table.fail(row, has_repeats ? fmt::format("pose {} repeat {} stands twice", names[row], repeats[row])
+                                  : fmt::format("pose {} stands twice, and there is no column repeat", names[row]));
+    }
+    if (rows_of[names[row]].empty()) order.push_back(names[row]);
+    rows_of[names[row]].push_back(row);
+  }
+  PoseSet set{table.name(), {}};
+  for (const std::string& name : order) set.poses.push_back(meanPose(name, rows_of[name], columns, layout));
+  return set;
+}
+
+}  // namespace simgap

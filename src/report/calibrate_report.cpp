@@ -1,0 +1,224 @@
+#include <fmt/format.h>
+
+#include "pose_tables.h"
+
+namespace simgap {
+namespace {
+
+bool atBound(const SearchParameter& p, double value) { return value <= p.lower || value >= p.upper; }
+
+std::string bound(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
+
+const std::vector<double>& bestValues(const CalibrationResult& result) { return result.state.strategy.best.y; }
+
+Json parametersJson(const CalibrationResult& result) {
+  Json parameters = Json::array();
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const SearchParameter& p = result.parameters[i];
+    const double value = bestValues(result)[i];
+    // An evolution strategy gives no standard deviation and cannot tell what is identifiable.
+    parameters.push_back({{"name", p.name},
+                          {"unit", p.unit},
+                          {"initial", p.initial},
+                          {"value", value},
+                          {"lower", numberOrNull(p.lower)},
+                          {"upper", numberOrNull(p.upper)},
+                          {"at_bound", atBound(p, value)},
+                          {"identifiable", nullptr}});
+  }
+  return parameters;
+}
+
+std::vector<std::string> mjeHeader(const CalibrationResult& result) {
+  std::vector<std::string> header{"mean joint error [deg]"};
+  for (const JointChannel& joint : result.layout.joints) {
+    header.push_back(joint.name + " before");
+    header.push_back("after");
+  }
+  return header;
+}
+
+std::vector<std::vector<std::string>> mjeRows(const CalibrationResult& result) {
+  std::vector<std::vector<std::string>> rows;
+  for (const SetResult& set : result.sets) {
+    std::vector<std::string> row{fmt::format("{} ({} poses)", set.name, set.set.poses.size())};
+    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+      row.push_back(degreesText(set.initial.mje[j]));
+      row.push_back(degreesText(set.final.mje[j]));
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::string answer(const CalibrationResult& result) {
+  const SetResult& judge = result.sets.back();
+  const bool held_out = result.sets.size() > 1;
+  std::string text = held_out ? "On poses the search never saw the gap went" : "On the poses it was fitted to the gap went";
+  for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+    text += fmt::format("{} from {} to {} deg ({})", j ? "," : "", degreesText(judge.initial.mje[j]),
+                        degreesText(judge.final.mje[j]), result.layout.joints[j].name);
+  }
+  return text + (held_out ? "." : "; only poses it has not seen (--validation) can show what that is worth.");
+}
+
+std::vector<double> column(const CalibrationResult& result, double GenerationRecord::*member) {
+  std::vector<double> values;
+  for (const GenerationRecord& record : result.state.history) values.push_back(record.*member);
+  return values;
+}
+
+void addConvergence(const CalibrationResult& result, Page& page) {
+  std::vector<double> generations;
+  std::vector<Series> mje;
+  for (const JointChannel& joint : result.layout.joints) mje.push_back({joint.name, {}});
+  for (const GenerationRecord& record : result.state.history) {
+    generations.push_back(record.generation);
+    for (std::size_t j = 0; j < mje.size(); ++j) mje[j].y.push_back(toDegrees(record.mje[j]));
+  }
+  mje.push_back({"capture noise", std::vector<double>(generations.size(), toDegrees(result.config.capture_sd))});
+  page.charts.push_back({"Convergence: mean joint error of the best model so far",
+                         lineChart(generations, mje, "generation", "mean joint error [deg]", true)});
+  page.charts.push_back({"Convergence: fitness",
+                         lineChart(generations,
+                                   {{"best of all generations", column(result, &GenerationRecord::best_so_far)},
+                                    {"best of the generation", column(result, &GenerationRecord::best)},
+                                    {"median of the generation", column(result, &GenerationRecord::median)}},
+                                   "generation", "sum of squared errors [rad^2]", true)});
+  page.charts.push_back({"Step sizes, relative to the initial ones",
+                         lineChart(generations,
+                                   {{"largest", column(result, &GenerationRecord::sigma_max)},
+                                    {"median", column(result, &GenerationRecord::sigma_median)},
+                                    {"smallest", column(result, &GenerationRecord::sigma_min)}},
+                                   "generation", "step size / initial", true)});
+}
+
+void addPoseErrors(const CalibrationResult& result, Page& page) {
+  for (const SetResult& set : result.sets) {
+    std::vector<Series> series;
+    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+      series.push_back({result.layout.joints[j].name + " before", errorsOfJoint(set.initial, j)});
+      series.push_back({result.layout.joints[j].name + " after", errorsOfJoint(set.final, j)});
+    }
+    page.charts.push_back(
+        {"Error of each " + set.name + " pose", barChart(poseNames(set.set), series, "joint error [deg]")});
+  }
+}
+
+}  // namespace
+
+Json toJson(const CalibrationResult& result) {
+  Json mje = Json::object(), paper = Json::object(), valid = Json::object();
+  for (const SetResult& set : result.sets) {
+    mje[set.name] = {{"initial", mjeJson(result.layout, set.initial.mje)}, {"final", mjeJson(result.layout, set.final.mje)}};
+    paper[set.name] = {{"initial", mjeJson(result.layout, set.initial.mje, true)},
+                       {"final", mjeJson(result.layout, set.final.mje, true)}};
+    valid[set.name] = {{"initial", set.initial.valid}, {"final", set.final.valid}, {"of", set.set.poses.size()}};
+  }
+  return {{"format", "simgap/calibrate/1"},
+          {"mje_deg", mje},
+          {"paper_mje_deg", paper},
+          {"valid_poses", valid},
+          {"fitness",
+           {{"initial", numberOrNull(result.sets.front().initial.fitness)},
+            {"final", numberOrNull(result.sets.front().final.fitness)}}},
+          {"generations", result.state.strategy.generation},
+          {"evaluations", result.evaluations()},
+          {"invalid", result.state.invalid},
+          {"wall_s", result.state.wall},
+          {"stop_reason", toString(result.state.strategy.stop)},
+          {"seed", result.config.strategy.seed},
+          {"parameters", parametersJson(result)}};
+}
+
+std::string historyCsv(const CalibrationResult& result) {
+  std::vector<std::string> header{"generation", "best_rad2",  "median_rad2", "best_so_far_rad2",
+                                  "sigma_min",  "sigma_median", "sigma_max", "invalid"};
+  for (const JointChannel& joint : result.layout.joints) header.push_back("mje_" + joint.name + "_deg");
+  CsvWriter csv(header);
+  for (const GenerationRecord& r : result.state.history) {
+    csv.add(r.generation).add(r.best).add(r.median).add(r.best_so_far);
+    csv.add(r.sigma_min).add(r.sigma_median).add(r.sigma_max).add(r.invalid);
+    for (const double mje : r.mje) csv.add(toDegrees(mje));
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+std::string parametersCsv(const CalibrationResult& result) {
+  CsvWriter csv({"name", "unit", "initial", "value", "lower", "upper", "at_bound"});
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const SearchParameter& p = result.parameters[i];
+    const double value = bestValues(result)[i];
+    csv.add(p.name).add(p.unit).add(p.initial).add(value).add(bound(p.lower)).add(bound(p.upper));
+    csv.add(atBound(p, value) ? "true" : "false").endRow();
+  }
+  return csv.text();
+}
+
+std::string errorsCsv(const CalibrationResult& result) {
+  std::vector<std::string> header{"set", "pose", "status_before", "status_after"};
+  for (const JointChannel& joint : result.layout.joints) {
+    header.push_back(joint.name + "_error_before_deg");
+    header.push_back(joint.name + "_error_after_deg");
+  }
+  CsvWriter csv(header);
+  const auto error = [&csv](const std::vector<double>& errors, std::size_t joint) {
+    errors.empty() ? csv.add("") : csv.add(toDegrees(errors[joint]));
+  };
+  for (const SetResult& set : result.sets) {
+    for (std::size_t p = 0; p < set.set.poses.size(); ++p) {
+      csv.add(set.name).add(set.set.poses[p].name);
+      csv.add(toString(set.initial.outcomes[p].status)).add(toString(set.final.outcomes[p].status));
+      for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+        error(set.initial.errors[p], j);
+        error(set.final.errors[p], j);
+      }
+      csv.endRow();
+    }
+  }
+  return csv.text();
+}
+
+std::string terminalTable(const CalibrationResult& result) {
+  std::vector<std::vector<std::string>> rows{mjeHeader(result)};
+  for (auto& row : mjeRows(result)) rows.push_back(row);
+  std::string text = alignedTable(rows);
+  for (const SetResult& set : result.sets) {
+    for (const std::string& line : invalidPoses(set.final, set.set, result.layout)) {
+      text += fmt::format("{} pose {}\n", set.name, line);
+    }
+  }
+  const std::size_t unknowns = result.parameters.size();
+  std::size_t numbers = 0;
+  for (const JointChannel& joint : result.layout.joints) {
+    numbers += result.sets.front().set.poses.size() * (joint.type == JointType::kSpherical ? 3 : 1);
+  }
+  if (numbers < unknowns) {
+    text += fmt::format(
+        "{} measured numbers for {} parameters: the calibration error alone proves nothing, only poses it has not "
+        "seen do.\n",
+        numbers, unknowns);
+  }
+  return text;
+}
+
+Page makePage(const CalibrationResult& result) {
+  Page page;
+  page.title = "simgap calibrate";
+  page.answer = answer(result);
+  page.tables.push_back({"Mean joint errors", mjeHeader(result), mjeRows(result)});
+  addConvergence(result, page);
+  addPoseErrors(result, page);
+  PageTable parameters{"Parameters", {"name", "unit", "initial", "calibrated", "change", "at bound"}, {}, true};
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const SearchParameter& p = result.parameters[i];
+    const double value = bestValues(result)[i];
+    parameters.rows.push_back({p.name, p.unit, fmt::format("{:.6g}", p.initial), fmt::format("{:.6g}", value),
+                               fmt::format("{:+.3g}", value - p.initial), atBound(p, value) ? "yes" : ""});
+  }
+  page.details.push_back(parameters);
+  return page;
+}
+
+}  // namespace simgap

@@ -1,0 +1,58 @@
+#include "pose_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace simgap {
+
+std::string degreesText(double rad) { return std::isfinite(rad) ? fmt::format("{:.2f}", toDegrees(rad)) : "-"; }
+
+std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line = fmt::format("{:<{}}", row.front(), widths[0]);
+    for (std::size_t c = 1; c < row.size(); ++c) line += fmt::format("  {:>{}}", row[c], widths[c]);
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
+Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje, bool paper_half_angle) {
+  Json json = Json::object();
+  for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    const bool halve = paper_half_angle && layout.joints[j].type == JointType::kSpherical;
+    json[layout.joints[j].name] = numberOrNull(toDegrees(mje[j]) * (halve ? 0.5 : 1.0));
+  }
+  return json;
+}
+
+std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout) {
+  std::vector<std::string> lines;
+  for (std::size_t p = 0; p < set.poses.size(); ++p) {
+    if (assessment.outcomes[p].status == PoseStatus::kSteady) continue;
+    lines.push_back(fmt::format("{}: {}", set.poses[p].name, describe(assessment.outcomes[p], layout)));
+  }
+  return lines;
+}
+
+std::vector<double> errorsOfJoint(const Assessment& assessment, std::size_t joint) {
+  std::vector<double> errors;
+  for (const auto& pose : assessment.errors) {
+    errors.push_back(pose.empty() ? std::numeric_limits<double>::quiet_NaN() : toDegrees(pose[joint]));
+  }
+  return errors;
+}
+
+std::vector<std::string> poseNames(const PoseSet& set) {
+  std::vector<std::string> names;
+  for (const Pose& pose : set.poses) names.push_back(pose.name);
+  return names;
+}
+
+}  // namespace simgap

@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include "pose_tables.h"
+
+namespace simgap {
+namespace {
+
+/// Pose indices, largest error in any joint first; invalid poses before all.
+std::vector<std::size_t> worstFirst(const Assessment& assessment) {
+  std::vector<double> worst;
+  for (const auto& errors : assessment.errors) {
+    worst.push_back(errors.empty() ? kInfinity : *std::max_element(errors.begin(), errors.end()));
+  }
+  std::vector<std::size_t> order(worst.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worst[a] > worst[b]; });
+  return order;
+}
+
+std::vector<std::vector<std::string>> poseRows(const ValidationResult& result, std::size_t most) {
+  std::vector<std::vector<std::string>> rows;
+  for (const std::size_t p : worstFirst(result.assessment)) {
+    if (rows.size() == most) break;
+    std::vector<std::string> row{result.set.poses[p].name};
+    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+      row.push_back(result.assessment.errors[p].empty() ? "-" : degreesText(result.assessment.errors[p][j]));
+    }
+    row.push_back(describe(result.assessment.outcomes[p], result.layout));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+std::vector<std::string> jointHeader(const ValidationResult& result, std::string first) {
+  std::vector<std::string> header{std::move(first)};
+  for (const JointChannel& joint : result.layout.joints) header.push_back(joint.name);
+  return header;
+}
+
+std::vector<std::string> mjeRow(const ValidationResult& result) {
+  std::vector<std::string> row{fmt::format("mean joint error [deg], {} poses", result.assessment.valid)};
+  for (const double mje : result.assessment.mje) row.push_back(degreesText(mje));
+  return row;
+}
+
+}  // namespace
+
+Json toJson(const ValidationResult& result) {
+  const Assessment& judged = result.assessment;
+  Json poses = Json::array();
+  for (std::size_t p = 0; p < result.set.poses.size(); ++p) {
+    const bool steady = !judged.errors[p].empty();
+    poses.push_back({{"pose", result.set.poses[p].name},
+                     {"status", toString(judged.outcomes[p].status)},
+                     {"error_deg", steady ? mjeJson(result.layout, judged.errors[p]) : Json(nullptr)}});
+  }
+  Json criteria = Json::array();
+  for (const Criterion& c : result.criteria) {
+    criteria.push_back({{"name", c.name}, {"limit", c.limit}, {"value", numberOrNull(c.value)}, {"pass", c.pass()}});
+  }
+  return {{"format", "simgap/validate/1"},
+          {"mje_deg", mjeJson(result.layout, judged.mje)},
+          {"paper_mje_deg", mjeJson(result.layout, judged.mje, true)},
+          {"valid_poses", judged.valid},
+          {"poses", poses},
+          {"criteria", criteria}};
+}
+
+std::string errorsCsv(const ValidationResult& result) {
+  std::vector<std::string> header{"pose", "status"};
+  for (const JointChannel& joint : result.layout.joints) header.push_back(joint.name + "_error_deg");
+  CsvWriter csv(header);
+  for (std::size_t p = 0; p < result.set.poses.size(); ++p) {
+    csv.add(result.set.poses[p].name).add(toString(result.assessment.outcomes[p].status));
+    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+      const auto& errors = result.assessment.errors[p];
+      errors.empty() ? csv.add("") : csv.add(toDegrees(errors[j]));
+    }
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+std::string terminalTable(const ValidationResult& result) {
+  constexpr std::size_t kMostPoses = 10;
+  std::vector<std::vector<std::string>> rows{jointHeader(result, ""), mjeRow(result)};
+  for (const Criterion& c : result.criteria) {
+    rows.push_back({fmt::format("{}: {:.2f}, limit {:.2f}: {}", c.name, c.value, c.limit, c.pass() ? "pass" : "FAIL")});
+  }
+  std::string text = alignedTable(rows) + "\nworst poses\n";
+  rows = {jointHeader(result, "pose")};
+  for (auto& row : poseRows(result, kMostPoses)) rows.push_back(row);
+  return text + alignedTable(rows);
+}
+
+Page makePage(const ValidationResult& result) {
+  Page page;
+  page.title = "simgap validate";
+  page.answer = "On " + std::to_string(result.assessment.valid) + " poses the simulation misses the robot by";
+  for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+    page.answer += fmt::format("{} {} deg ({})", j ? "," : "", degreesText(result.assessment.mje[j]),
+                               result.layout.joints[j].name);
+  }
+  page.answer += " on average.";
+  page.tables.push_back({"Mean joint errors", jointHeader(result, ""), {mjeRow(result)}});
+  std::vector<Series> series;
+  for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+    series.push_back({result.layout.joints[j].name, errorsOfJoint(result.assessment, j)});
+  }
+  page.charts.push_back({"Error of each pose", barChart(poseNames(result.set), series, "joint error [deg]")});
+  std::vector<std::string> header = jointHeader(result, "pose");
+  header.push_back("status");
+  page.details.push_back({"All poses, worst first [deg]", header, poseRows(result, result.set.poses.size())});
+  return page;
+}
+
+}  // namespace simgap

@@ -1,0 +1,332 @@
+#include "simgap/core/csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <bit>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <random>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+CsvTable parse(std::string_view text, const CsvOptions& options = {}) {
+  return CsvTable::parse(text, "log.csv", options);
+}
+
+/// The sentence of the DataError that `read` throws.
+std::string sentenceOf(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string parseSentence(std::string_view text) {
+  return sentenceOf([&] { parse(text); });
+}
+
+std::string quantitySentence(std::string_view text, std::string_view stem, std::string_view unit) {
+  return sentenceOf([&] { parse(text).quantity(stem, unit); });
+}
+
+/// A file that is gone at the end of the test.
+class TemporaryFile {
+ public:
+  TemporaryFile(const std::string& name, const std::string& content)
+      : path_(std::filesystem::temp_directory_path() / (std::to_string(getpid()) + "-" + name)) {
+    std::ofstream(path_, std::ios::binary) << content;
+  }
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string gzip(const std::string& text) {
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string packed(deflateBound(&stream, text.size()), '\0');
+  std::string input = text;
+  stream.next_in = reinterpret_cast<Bytef*>(input.data());
+  stream.avail_in = static_cast<uInt>(input.size());
+  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_out = static_cast<uInt>(packed.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  packed.resize(stream.total_out);
+  deflateEnd(&stream);
+  return packed;
+}
+
+TEST(Csv, ReadsNumbersAndTextsByColumn) {
+  const CsvTable table = parse("pose,elbow_rad,note\np0,1.5,good\np1,-2e-3,\n");
+  EXPECT_EQ(table.rows(), 2u);
+  EXPECT_THAT(table.columns(), ElementsAre("pose", "elbow_rad", "note"));
+  EXPECT_THAT(table.quantity("elbow", "rad"), ElementsAre(1.5, -2e-3));
+  EXPECT_THAT(table.text("pose"), ElementsAre("p0", "p1"));
+  EXPECT_THAT(table.text("note"), ElementsAre("good", ""));
+  EXPECT_EQ(table.lineOf(1), 3u);
+  EXPECT_TRUE(table.has("note"));
+  EXPECT_FALSE(table.has("elbow"));
+  EXPECT_EQ(table.name(), "log.csv");
+}
+
+TEST(Csv, GivesNumbersAsTextAsTheyStandInTheFile) {
+  EXPECT_THAT(parse("session\n007\n1.50\n").text("session"), ElementsAre("007", "1.50"));
+}
+
+TEST(Csv, ReadsQuotesCarriageReturnsAndAByteOrderMark) {
+  const CsvTable table = parse("\xEF\xBB\xBF\"a, b\",x\r\n\"say \"\"hi\"\"\",\"1.5\"\r\n\"two\nlines\",2\r\nend,3");
+  EXPECT_THAT(table.columns(), ElementsAre("a, b", "x"));
+  EXPECT_THAT(table.text("a, b"), ElementsAre("say \"hi\"", "two\nlines", "end"));
+  EXPECT_THAT(table.quantity("x", ""), ElementsAre(1.5, 2.0, 3.0));
+  EXPECT_EQ(table.lineOf(1), 3u);
+  EXPECT_EQ(table.lineOf(2), 5u);  // the row before takes two lines
+}
+
+TEST(Csv, TakesEmptyLinesAtTheEndOnly) {
+  EXPECT_EQ(parse("a,b\n1,2\n\r\n\n").rows(), 1u);
+  EXPECT_EQ(parse("a,b\n1,2").rows(), 1u);
+  EXPECT_EQ(parseSentence("a,b\n1,2\n\n3,4\n"), "log.csv:3: found 1 cells, expected 2");
+}
+
+TEST(Csv, TakesAnEmptyCellAtTheEndOfTheText) {
+  EXPECT_THAT(parse("a,b\n1,").text("b"), ElementsAre(""));
+  EXPECT_THAT(parse("a,b\n1,\n").text("b"), ElementsAre(""));
+}
+
+TEST(Csv, MayHoldAHeaderOnly) {
+  const CsvTable table = parse("a_m,b\n");
+  EXPECT_EQ(table.rows(), 0u);
+  EXPECT_THAT(table.quantity("a", "m"), IsEmpty());
+  EXPECT_THAT(table.text("b"), IsEmpty());
+}
+
+TEST(Csv, RefusesABrokenHeader) {
+  EXPECT_EQ(parseSentence(""), "log.csv:1: found an empty file, expected a header row");
+  EXPECT_EQ(parseSentence("\n\n"), "log.csv:1: found an empty file, expected a header row");
+  EXPECT_EQ(parseSentence("a,b,a\n"), "log.csv:1: found the column a twice, expected it once");
+  EXPECT_EQ(parseSentence("a,,c\n"), "log.csv:1: column 2 of the header has no name, expected one");
+}
+
+TEST(Csv, RefusesBrokenRowsWithTheirLine) {
+  EXPECT_EQ(parseSentence("a,b\n1,2\n3\n"), "log.csv:3: found 1 cells, expected 2");
+  EXPECT_EQ(parseSentence("a,b\n1,2,3\n"), "log.csv:2: found 3 cells, expected 2");
+  EXPECT_EQ(parseSentence("a\nx\"y\n"),
+            "log.csv:2: found a quote inside a cell without quotes, expected the whole cell quoted");
+  EXPECT_EQ(parseSentence("a\n1\n\"x\ny"), "log.csv:3: found a quoted cell without an end, expected a closing quote");
+  EXPECT_EQ(parseSentence("a\n\"x\"y\n"),
+            "log.csv:2: found text behind a closing quote, expected a comma or the end of the line");
+  EXPECT_EQ(parseSentence("a,b\r1,2\r"), "log.csv:1: found a carriage return without a line feed, expected both");
+}
+
+TEST(CsvQuantity, ConvertsEveryUnitToTheAskedOne) {
+  const CsvTable table = parse("shaft_deg,t_K,n_rpm\n180,293.15,60\n");
+  EXPECT_DOUBLE_EQ(table.quantity("shaft", "rad")[0], 3.14159265358979323846);
+  EXPECT_NEAR(table.quantity("t", "degC")[0], 20.0, 1e-12);
+  EXPECT_DOUBLE_EQ(table.quantity("n", "rad_s")[0], 2.0 * 3.14159265358979323846);
+  EXPECT_TRUE(table.hasQuantity("shaft", "rad"));
+  EXPECT_FALSE(table.hasQuantity("shaft", "m"));
+  EXPECT_TRUE(table.hasQuantity("shaft_deg", ""));
+}
+
+TEST(CsvQuantity, TakesEveryNotationOfANumber) {
+  EXPECT_THAT(parse("x\n+5\n1E3\n-.5\n2.\n\"4\"\n").quantity("x", ""), ElementsAre(5.0, 1000.0, -0.5, 2.0, 4.0));
+}
+
+TEST(CsvQuantity, NamesTheLineOfTheFirstBadCell) {
+  const auto sentence = [](const std::string& cell) {
+    return quantitySentence("elbow_rad,x\n1.0,1\n" + cell + ",1\nnan,1\n", "elbow", "rad");
+  };
+  const std::string place = "log.csv:3: column elbow_rad: ";
+  EXPECT_EQ(sentence(""), place + "found an empty cell, expected a finite number");
+  EXPECT_EQ(sentence("\"\""), place + "found an empty cell, expected a finite number");
+  for (const std::string cell : {"nan", "NaN", "inf", "-inf", "+inf", "Infinity", "1e999", "abc", "0x10", " 5", "5 ",
+                                 "+-5", "1e", "1.2.3", "1;5"}) {
+    EXPECT_EQ(sentence(cell), place + "found '" + cell + "', expected a finite number");
+  }
+  EXPECT_EQ(sentence("\"1,5\""), place + "found '1,5', expected a finite number");
+}
+
+TEST(CsvQuantity, NamesABadCellInTheFirstRow) {
+  for (const std::string cell : {"abc", "nan", "inf"}) {
+    EXPECT_EQ(quantitySentence("x_m,y\n" + cell + ",1\n2,1\n", "x", "m"),
+              "log.csv:2: column x_m: found '" + cell + "', expected a finite number");
+  }
+  EXPECT_EQ(quantitySentence("x_m,y\n,1\n2,1\n", "x", "m"),
+            "log.csv:2: column x_m: found an empty cell, expected a finite number");
+}
+
+TEST(CsvQuantity, NamesTheUnitThatDoesNotFit) {
+  EXPECT_EQ(quantitySentence("pose,shaft_biceps_furlong\n", "shaft_biceps", "rad"),
+            "log.csv:1: column shaft_biceps_furlong: unit 'furlong' does not exist, expected one of rad, deg");
+  EXPECT_EQ(quantitySentence("pose,shaft_biceps_m\n", "shaft_biceps", "rad"),
+            "log.csv:1: column shaft_biceps_m: unit 'm' is of another kind, expected one of rad, deg");
+  EXPECT_EQ(quantitySentence("pose,shaft_biceps\n", "shaft_biceps", "rad"),
+            "log.csv:1: column shaft_biceps: unit is missing, expected one of rad, deg");
+}
+
+TEST(CsvQuantity, NamesTheMissingColumnAndTheOnesThere) {
+  EXPECT_EQ(quantitySentence("pose,elbow_rad_s\n", "knee", "rad"),
+            "log.csv:1: found no column knee_rad or knee_deg, expected it among pose, elbow_rad_s");
+  EXPECT_EQ(quantitySentence("pose,x\n", "contraction", ""),
+            "log.csv:1: found no column contraction, expected it among pose, x");
+  EXPECT_EQ(sentenceOf([] { parse("a,b\n").text("pose"); }), "log.csv:1: found no column pose, expected it among a, b");
+}
+
+TEST(CsvQuantity, RefusesAQuantityInTwoUnits) {
+  EXPECT_EQ(quantitySentence("elbow_rad,elbow_deg\n", "elbow", "rad"),
+            "log.csv:1: found both elbow_rad and elbow_deg, expected only one of them");
+}
+
+TEST(CsvFail, NamesTheLineOfTheRow) {
+  const CsvTable table = parse("a,b\n\"x\ny\",1\nz,2\n");
+  EXPECT_EQ(sentenceOf([&] { table.fail(1, "the time does not increase"); }), "log.csv:4: the time does not increase");
+}
+
+TEST(CsvRename, ReadsAColumnUnderItsCanonicalName) {
+  const CsvTable table = parse("ang,t\n90,1\n", {false, {{"elbow_deg", "ang"}}});
+  EXPECT_THAT(table.columns(), ElementsAre("elbow_deg", "t"));
+  EXPECT_TRUE(table.hasQuantity("elbow", "rad"));
+  const CsvTable swapped = parse("a,b\n1,2\n", {false, {{"a", "b"}, {"b", "a"}}});
+  EXPECT_THAT(swapped.quantity("a", ""), ElementsAre(2.0));
+}
+
+TEST(CsvRename, RefusesWhatCannotBeRenamed) {
+  const auto sentence = [](const std::map<std::string, std::string>& rename) {
+    return sentenceOf([&] { parse("a,b\n", {false, rename}); });
+  };
+  EXPECT_EQ(sentence({{"x", "c"}}), "log.csv:1: found no column c to read as x, expected one of a, b");
+  EXPECT_EQ(sentence({{"b", "a"}}), "log.csv:1: found the column b twice, expected it once");
+  EXPECT_EQ(sentence({{"x", "a"}, {"y", "a"}}), "log.csv:1: the column a cannot be both x and y");
+}
+
+TEST(CsvSkipBadRows, DropsAndCountsThem) {
+  const CsvTable table = parse("t,x,note\n1,nan,a\n2,5,b\n3,,c\n4\n5,inf,d\n6,oops,e\n7,8,\n8,9,f,g\n", {true, {}});
+  EXPECT_EQ(table.rows(), 2u);
+  EXPECT_EQ(table.skippedRows(), 6u);
+  EXPECT_THAT(table.quantity("x", ""), ElementsAre(5.0, 8.0));
+  EXPECT_THAT(table.quantity("t", ""), ElementsAre(2.0, 7.0));
+  EXPECT_THAT(table.text("note"), ElementsAre("b", ""));
+  EXPECT_EQ(table.lineOf(1), 8u);
+}
+
+TEST(CsvSkipBadRows, LearnsNothingAboutAColumnFromARaggedRow) {
+  const CsvTable table = parse("x,y\n# made today\n,1\noops\n5,2\n", {true, {}});
+  EXPECT_EQ(table.skippedRows(), 3u);
+  EXPECT_THAT(table.quantity("x", ""), ElementsAre(5.0));
+  EXPECT_THAT(table.quantity("y", ""), ElementsAre(2.0));
+}
+
+TEST(CsvSkipBadRows, LeavesAGoodTableAlone) {
+  const CsvTable table = parse("x\n1\n2\n", {true, {}});
+  EXPECT_EQ(table.skippedRows(), 0u);
+  EXPECT_THAT(table.quantity("x", ""), ElementsAre(1.0, 2.0));
+}
+
+TEST(CsvLoad, ReadsPlainAndPackedFiles) {
+  const std::string text = "a,b\n1,2\n3,4\n";
+  const TemporaryFile plain("plain.csv", text);
+  const TemporaryFile packed("packed.csv.gz", gzip(text));
+  EXPECT_THAT(CsvTable::load(plain.path()).quantity("b", ""), ElementsAre(2.0, 4.0));
+  EXPECT_THAT(CsvTable::load(packed.path()).quantity("b", ""), ElementsAre(2.0, 4.0));
+  EXPECT_EQ(CsvTable::load(plain.path()).name(), plain.path().string());
+}
+
+TEST(CsvLoad, RefusesWhatItCannotRead) {
+  const auto sentence = [](const std::filesystem::path& path) { return sentenceOf([&] { CsvTable::load(path); }); };
+  EXPECT_EQ(sentence("no/such.csv"), "no/such.csv: cannot be read");
+  const std::string folder = std::filesystem::temp_directory_path().string();
+  EXPECT_EQ(sentence(folder), folder + ": cannot be read");
+  const TemporaryFile unpacked("unpacked.csv.gz", "a,b\n1,2\n");
+  EXPECT_EQ(sentence(unpacked.path()),
+            unpacked.path().string() + ":1: found no gzip data, expected them by the name's ending");
+}
+
+TEST(CsvLoad, RefusesTruncatedAndDamagedGzip) {
+  std::mt19937 random(6);
+  std::string text = "a,b\n";
+  for (int i = 0; i < 1000; ++i) text += std::to_string(random()) + "," + std::to_string(random()) + "\n";
+  const std::string packed = gzip(text);
+  const auto sentence = [](const std::string& content) {
+    const TemporaryFile file("broken.csv.gz", content);
+    const std::string found = sentenceOf([&] { CsvTable::load(file.path()); });
+    EXPECT_TRUE(found.starts_with(file.path().string() + ":")) << found;
+    return found;
+  };
+  EXPECT_THAT(sentence(packed.substr(0, packed.size() / 2)),
+              ::testing::ContainsRegex(":[0-9]+: the gzip data break off here, expected the rest of the file"));
+  EXPECT_THAT(sentence(packed.substr(0, packed.size() - 3)),
+              ::testing::ContainsRegex(":1002: the gzip data break off here, expected the rest of the file"));
+  std::string damaged = packed;
+  for (std::size_t i = damaged.size() / 2; i < damaged.size() / 2 + 64; ++i) damaged[i] = '\xFF';
+  EXPECT_THAT(sentence(damaged),
+              ::testing::ContainsRegex(":[0-9]+: the gzip data are damaged here, expected a valid stream"));
+}
+
+TEST(CsvRoundTrip, GivesBackEveryNumberBitByBit) {
+  std::mt19937 random(7);
+  std::uniform_int_distribution<std::uint64_t> bits;
+  std::vector<double> numbers = {0.0, -0.0, 0.1, 1.0 / 3.0, 5e-324, 2.2250738585072014e-308, 1.7976931348623157e308};
+  while (numbers.size() < 20000) {
+    const auto number = std::bit_cast<double>(bits(random));
+    if (std::isfinite(number)) numbers.push_back(number);
+  }
+  CsvWriter writer({"x", "negative"});
+  for (const double number : numbers) writer.add(number).add(-number).endRow();
+  const CsvTable table = parse(writer.text());
+  const std::vector<double> read = table.quantity("x", "");
+  const std::vector<double> negative = table.quantity("negative", "");
+  ASSERT_EQ(read.size(), numbers.size());
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(read[i]), std::bit_cast<std::uint64_t>(numbers[i])) << numbers[i];
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(negative[i]), std::bit_cast<std::uint64_t>(-numbers[i])) << numbers[i];
+  }
+}
+
+TEST(CsvRoundTrip, GivesBackEveryText) {
+  std::mt19937 random(8);
+  constexpr std::string_view kCharacters = "a5,\"\r\n .-\xC3\xA9";
+  std::uniform_int_distribution<std::size_t> character(0, kCharacters.size() - 1);
+  std::uniform_int_distribution<int> length(0, 6);
+  for (const std::size_t columns : {1u, 3u}) {
+    std::vector<std::string> header;
+    for (std::size_t c = 0; c < columns; ++c) header.push_back("column, \"" + std::to_string(c) + "\"");
+    std::vector<std::vector<std::string>> texts(columns);
+    CsvWriter writer(header);
+    for (int row = 0; row < 2000; ++row) {
+      for (std::vector<std::string>& column : texts) {
+        std::string text;
+        for (int left = length(random); left > 0; --left) text += kCharacters[character(random)];
+        writer.add(text);
+        column.push_back(text);
+      }
+      writer.endRow();
+    }
+    const CsvTable table = parse(writer.text());
+    for (std::size_t c = 0; c < columns; ++c) EXPECT_EQ(table.text(header[c]), texts[c]) << columns << " columns";
+  }
+}
+
+TEST(CsvWriter, QuotesOnlyWhatNeedsIt) {
+  CsvWriter writer({"a", "b, c"});
+  writer.add("plain").add(0.1).endRow().add("").add("say \"hi\"").endRow();
+  EXPECT_EQ(writer.text(), "a,\"b, c\"\nplain,0.1\n,\"say \"\"hi\"\"\"\n");
+}
+
+}  // namespace
+}  // namespace simgap

@@ -1,0 +1,115 @@
+#include "simgap/core/rotation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace simgap {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+Quaterniond randomRotation(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+}
+
+Vector3d randomDirection(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return Vector3d(normal(random), normal(random), normal(random)).normalized();
+}
+
+Quaterniond negated(const Quaterniond& q) { return Quaterniond(-q.w(), -q.x(), -q.y(), -q.z()); }
+
+// A product of unit quaternions is off by a few 1e-16, which is all that separates a small angle from its exact value.
+constexpr double kRounding = 2e-15;
+
+TEST(GeodesicAngle, IsTheWholeAngleBetweenTwoRotations) {
+  const Quaterniond quarter_turn(AngleAxisd(kDegree * 90.0, Vector3d::UnitX()));
+  EXPECT_NEAR(geodesicAngle(Quaterniond::Identity(), quarter_turn), kDegree * 90.0, kRounding);
+  EXPECT_NEAR(geodesicAngle(quarter_turn, quarter_turn * quarter_turn), kDegree * 90.0, kRounding);
+}
+
+TEST(GeodesicAngle, RecoversEveryAngleFromTheSmallestToHalfATurn) {
+  std::mt19937 random(1);
+  for (const double angle : {0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 3.0, kDegree * 180.0 - 1e-9, kDegree * 180.0}) {
+    for (int i = 0; i < 100; ++i) {
+      const Quaterniond a = randomRotation(random);
+      const Quaterniond b = a * Quaterniond(AngleAxisd(angle, randomDirection(random)));
+      EXPECT_NEAR(geodesicAngle(a, b), angle, kRounding) << "angle " << angle;
+    }
+  }
+}
+
+TEST(GeodesicAngle, IsBlindToSignAndOrder) {
+  std::mt19937 random(2);
+  for (int i = 0; i < 100; ++i) {
+    const Quaterniond a = randomRotation(random);
+    const Quaterniond b = randomRotation(random);
+    EXPECT_EQ(geodesicAngle(a, b), geodesicAngle(negated(a), b));
+    EXPECT_EQ(geodesicAngle(a, b), geodesicAngle(a, negated(b)));
+    EXPECT_NEAR(geodesicAngle(a, b), geodesicAngle(b, a), kRounding);
+    EXPECT_EQ(geodesicAngle(a, negated(a)), geodesicAngle(a, a));
+  }
+}
+
+TEST(JointError, IsTheAngleOfARotationOrTheDifferenceOfAngles) {
+  const JointPosition a{Quaterniond::Identity(), 0.5};
+  const JointPosition b{Quaterniond(AngleAxisd(0.25, Vector3d::UnitZ())), 0.125};
+  EXPECT_NEAR(jointError(JointType::kSpherical, a, b), 0.25, kRounding);
+  EXPECT_EQ(jointError(JointType::kRevolute, a, b), 0.375);
+  EXPECT_EQ(jointError(JointType::kRevolute, b, a), 0.375);
+}
+
+TEST(MeanRotation, OfOneRotationIsThatRotationWithPositiveW) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 100; ++i) {
+    const std::vector<Quaterniond> one = {randomRotation(random)};
+    const Quaterniond mean = meanRotation(one);
+    EXPECT_NEAR(geodesicAngle(mean, one[0]), 0.0, 1e-14);
+    EXPECT_GE(mean.w(), 0.0);
+    EXPECT_NEAR(mean.norm(), 1.0, 1e-15);
+  }
+}
+
+TEST(MeanRotation, OfTwoRotationsIsHalfWay) {
+  const std::vector<Quaterniond> two = {Quaterniond(AngleAxisd(0.2, Vector3d::UnitY())),
+                                        Quaterniond(AngleAxisd(0.8, Vector3d::UnitY()))};
+  EXPECT_NEAR(geodesicAngle(meanRotation(two), Quaterniond(AngleAxisd(0.5, Vector3d::UnitY()))), 0.0, 1e-14);
+}
+
+TEST(MeanRotation, DoesNotCareAboutTheSignsOfItsQuaternions) {
+  std::mt19937 random(4);
+  std::vector<Quaterniond> rotations;
+  for (int i = 0; i < 9; ++i) rotations.push_back(randomRotation(random));
+  const Quaterniond mean = meanRotation(rotations);
+  for (std::size_t i = 0; i < rotations.size(); i += 2) rotations[i] = negated(rotations[i]);
+  EXPECT_EQ(meanRotation(rotations).coeffs(), mean.coeffs());
+}
+
+TEST(MeanRotation, OfSmallPerturbationsIsTheCentreAndTheirMean) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise(0.0, 1e-3);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Quaterniond centre = randomRotation(random);
+    std::vector<Quaterniond> rotations;
+    Vector3d mean_vector = Vector3d::Zero();
+    for (int i = 0; i < 50; ++i) {
+      const Vector3d vector(noise(random), noise(random), noise(random));
+      mean_vector += vector / 50.0;
+      const Quaterniond perturbed = centre * Quaterniond(AngleAxisd(vector.norm(), vector.normalized()));
+      rotations.push_back(i % 2 == 0 ? perturbed : negated(perturbed));
+    }
+    const Quaterniond expected = centre * Quaterniond(AngleAxisd(mean_vector.norm(), mean_vector.normalized()));
+    // Rotations of 1e-3 rad add as vectors up to terms of third order, 1e-9 rad.
+    EXPECT_LT(geodesicAngle(meanRotation(rotations), expected), 1e-8) << "trial " << trial;
+  }
+}
+
+TEST(ToDegrees, UndoesTheDegree) { EXPECT_DOUBLE_EQ(toDegrees(30.0 * kDegree), 30.0); }
+
+}  // namespace
+}  // namespace simgap
