@@ -69,7 +69,7 @@ class Builder : public YAML::EventHandler {
   static int lineOf(const YAML::Mark& mark) { return mark.line + 1; }
 
   std::shared_ptr<YamlValue> make(YamlValue::Kind kind, const YAML::Mark& mark, YAML::anchor_t anchor) {
-    const auto value = std::make_shared<YamlValue>();
+    auto value = std::make_shared<YamlValue>();
     value->kind = kind;
     value->line = lineOf(mark);
     if (anchor != YAML::NullAnchor) anchors_[anchor] = value;

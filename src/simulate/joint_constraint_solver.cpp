@@ -6,27 +6,24 @@
 namespace simgap {
 namespace {
 
-/// Friction of one joint that would move with velocity `v` without it: the impulse f, |f| <= radius, that minimises
-/// 1/2 f W f + v f. Inside the ball it stops the joint; on it, it opposes the slip W f + v.
-/// On the ball f = -(W + s I)^-1 v with s >= 0 from |f| = radius, found by Newton on 1/|f| (Conn, Gould & Toint 2000,
-/// section 7.3), which converges from the left in a few steps.
-template <int N>
-Eigen::Matrix<double, N, 1> frictionImpulse(const Eigen::Matrix<double, N, N>& w, const Eigen::Matrix<double, N, 1>& v,
-                                            double radius) {
-  using Vector = Eigen::Matrix<double, N, 1>;
-  using Matrix = Eigen::Matrix<double, N, N>;
-  Vector impulse = -w.llt().solve(v);
-  double norm = impulse.norm();
-  if (!(norm > radius)) return impulse;
-  double shift = 0.0;
-  constexpr int kMaxNewtonSteps = 30;
+/// Friction of a spherical joint that would move with velocity `v` without it: the impulse f, |f| <= radius, that
+/// minimises 1/2 f W f + v f. Inside the ball it stops the joint; on it, it opposes the slip W f + v. On the ball
+/// f = -(W + s I)^-1 v with s >= 0 from |f| = radius, by Newton on 1/|f| (Conn, Gould & Toint 2000, section 7.3).
+/// \param shift  s of the last solve, where this one begins; overwritten
+Eigen::Vector3d frictionImpulse(const Eigen::Matrix3d& w, const Eigen::Vector3d& v, double radius, double& shift) {
+  const Eigen::Vector3d stopping = -(w.inverse() * v);
+  if (!(stopping.squaredNorm() > radius * radius)) return stopping;
+  constexpr int kMaxNewtonSteps = 50;
   constexpr double kTolerance = 1e-12;
-  for (int i = 0; i < kMaxNewtonSteps && std::abs(norm - radius) > kTolerance * radius; ++i) {
-    const Eigen::LLT<Matrix> factor(w + shift * Matrix::Identity());
-    impulse = -factor.solve(v);
+  Eigen::Vector3d impulse = stopping;
+  double norm = stopping.norm();
+  for (int i = 0; i < kMaxNewtonSteps; ++i) {
+    const Eigen::Matrix3d inverse = (w + shift * Eigen::Matrix3d::Identity()).inverse();
+    impulse = -(inverse * v);
     norm = impulse.norm();
-    const Vector half = factor.matrixL().solve(impulse);
-    shift = std::max(0.0, shift + (norm * norm / half.squaredNorm()) * (norm - radius) / radius);
+    if (std::abs(norm - radius) <= kTolerance * radius) break;
+    const double slope = impulse.dot(inverse * impulse);
+    shift = std::max(0.0, shift + norm * norm / slope * (norm - radius) / radius);
   }
   return impulse * (radius / norm);
 }
@@ -37,8 +34,8 @@ void JointConstraintSolver::setArm(btMultiBody* body, const std::vector<Joint>& 
   body_ = body;
   const int n = body->getNumDofs();
   viscous_ = Eigen::VectorXd::Zero(n);
-  mobility_ = implicit_ = Eigen::MatrixXd::Zero(n, n);
-  factorised_ = Eigen::PartialPivLU<Eigen::MatrixXd>(n);
+  mobility_ = Eigen::MatrixXd::Zero(n, n);
+  column_ = Eigen::VectorXd::Zero(n);
   velocity_ = Eigen::VectorXd::Zero(n);
   unit_impulse_.assign(6 + n, 0.0);
   response_.assign(6 + n, 0.0);
@@ -50,13 +47,13 @@ void JointConstraintSolver::setArm(btMultiBody* body, const std::vector<Joint>& 
                        joint.upper_limit});
     viscous_.segment(first, joint.degreesOfFreedom()).setConstant(joint.viscous_friction);
   }
-  any_viscous_ = (viscous_.array() > 0.0).any();
 }
 
 void JointConstraintSolver::reset() {
   for (Block& block : blocks_) {
     block.friction.setZero();
     block.limit = 0.0;
+    block.shift = 0.0;
   }
 }
 
@@ -64,19 +61,15 @@ void JointConstraintSolver::solveMultiBodyGroup(btCollisionObject**, int, btPers
                                                 btTypedConstraint**, int, btMultiBodyConstraint**, int,
                                                 const btContactSolverInfo& info, btIDebugDraw*, btDispatcher*) {
   const Eigen::Map<const Eigen::VectorXd> before(body_->getVelocityVector() + 6, velocity_.size());
-  assembleMobility(info.m_timeStep);
   velocity_ = before;
-  if (any_viscous_) {
-    factorised_.compute(implicit_);
-    velocity_ = factorised_.solve(velocity_).eval();
-    mobility_ = factorised_.solve(mobility_).eval();
-  }
+  assembleMobility();
+  addViscousFriction(info.m_timeStep);
   solveBlocks(info.m_timeStep);
   Eigen::Map<Eigen::VectorXd>(response_.data() + 6, velocity_.size()) = velocity_ - before;
   body_->applyDeltaVeeMultiDof(response_.data(), 1.0);
 }
 
-void JointConstraintSolver::assembleMobility(double step_s) {
+void JointConstraintSolver::assembleMobility() {
   const auto n = velocity_.size();
   for (Eigen::Index i = 0; i < n; ++i) {
     unit_impulse_[6 + i] = 1.0;
@@ -85,9 +78,17 @@ void JointConstraintSolver::assembleMobility(double step_s) {
     mobility_.col(i) = Eigen::Map<const Eigen::VectorXd>(response_.data() + 6, n);
   }
   std::fill_n(response_.begin(), 6, 0.0);  // the base is fixed
-  if (any_viscous_) {
-    implicit_.noalias() = step_s * mobility_ * viscous_.asDiagonal();
-    implicit_.diagonal().array() += 1.0;
+}
+
+void JointConstraintSolver::addViscousFriction(double step_s) {
+  // (M + dt c e e^T)^-1 for one coordinate after the other, by Sherman & Morrison; v = W p goes along.
+  for (Eigen::Index i = 0; i < velocity_.size(); ++i) {
+    const double c = step_s * viscous_[i];
+    if (c == 0.0) continue;
+    column_ = mobility_.col(i);
+    const double gain = c / (1.0 + c * column_[i]);
+    velocity_ -= gain * velocity_[i] * column_;
+    for (Eigen::Index j = 0; j < velocity_.size(); ++j) mobility_.col(j) -= gain * column_[j] * column_;
   }
 }
 
@@ -99,7 +100,7 @@ void JointConstraintSolver::solveBlocks(double step_s) {
     applyImpulse(block, impulse);
   }
   constexpr int kMaxSweeps = 100;
-  constexpr double kTolerance = 1e-13;  // [rad/s], velocity that a sweep still changes
+  constexpr double kTolerance = 1e-11;  // [rad/s], velocity that a sweep still changes
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
     double change = 0.0;
     for (Block& block : blocks_) {
@@ -112,20 +113,17 @@ void JointConstraintSolver::solveBlocks(double step_s) {
 
 double JointConstraintSolver::solveFriction(Block& block, double step_s) {
   const double radius = block.coulomb * step_s;
-  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
+  Eigen::Vector3d change = Eigen::Vector3d::Zero();
   if (block.size == 1) {
     const double w = mobility_(block.first, block.first);
-    impulse[0] = std::clamp(block.friction[0] - velocity_[block.first] / w, -radius, radius);
+    change[0] = std::clamp(block.friction[0] - velocity_[block.first] / w, -radius, radius) - block.friction[0];
   } else {
     const Eigen::Matrix3d w = mobility_.block<3, 3>(block.first, block.first);
     const Eigen::Vector3d without = velocity_.segment<3>(block.first) - w * block.friction;
-    impulse = frictionImpulse<3>(w, without, radius);
+    change = frictionImpulse(w, without, radius, block.shift) - block.friction;
   }
-  const Eigen::Vector3d change = impulse - block.friction;
-  block.friction = impulse;
-  const double before = velocity_.segment(block.first, block.size).norm();
-  applyImpulse(block, change);
-  return std::abs(velocity_.segment(block.first, block.size).norm() - before);
+  block.friction += change;
+  return applyImpulse(block, change);
 }
 
 double JointConstraintSolver::solveLimit(Block& block, double step_s) {
@@ -138,12 +136,14 @@ double JointConstraintSolver::solveLimit(Block& block, double step_s) {
   if (without > (block.upper - angle) / step_s) impulse = ((block.upper - angle) / step_s - without) / w;
   const double change = impulse - block.limit;
   block.limit = impulse;
-  applyImpulse(block, Eigen::Vector3d(change, 0.0, 0.0));
-  return std::abs(w * change);
+  return applyImpulse(block, Eigen::Vector3d(change, 0.0, 0.0));
 }
 
-void JointConstraintSolver::applyImpulse(const Block& block, const Eigen::Vector3d& impulse) {
-  velocity_.noalias() += mobility_.middleCols(block.first, block.size) * impulse.head(block.size);
+double JointConstraintSolver::applyImpulse(const Block& block, const Eigen::Vector3d& impulse) {
+  column_.setZero();
+  for (int i = 0; i < block.size; ++i) column_ += impulse[i] * mobility_.col(block.first + i);
+  velocity_ += column_;
+  return column_.lpNorm<Eigen::Infinity>();
 }
 
 }  // namespace simgap

@@ -47,22 +47,23 @@ class JointConstraintSolver : public btMultiBodyConstraintSolver {
     double lower, upper;   ///< [rad]
     Eigen::Vector3d friction = Eigen::Vector3d::Zero();  ///< [N m s]
     double limit = 0.0;    ///< [N m s], positive pushes up from the lower limit
+    double shift = 0.0;    ///< of the last slip, see frictionImpulse
   };
 
-  void assembleMobility(double step_s);
+  void assembleMobility();
+  void addViscousFriction(double step_s);
   void solveBlocks(double step_s);
+  /// \returns the largest change of a velocity [rad/s]
   double solveFriction(Block& block, double step_s);
   double solveLimit(Block& block, double step_s);
-  void applyImpulse(const Block& block, const Eigen::Vector3d& impulse);
+  double applyImpulse(const Block& block, const Eigen::Vector3d& impulse);
 
   btMultiBody* body_ = nullptr;
   std::vector<Block> blocks_;
-  bool any_viscous_ = false;
   Eigen::VectorXd viscous_;   ///< shape (n) [N m s]
   Eigen::MatrixXd mobility_;  ///< W, shape (n, n)
-  Eigen::MatrixXd implicit_;  ///< I + dt W0 C, shape (n, n)
-  Eigen::PartialPivLU<Eigen::MatrixXd> factorised_;
   Eigen::VectorXd velocity_;  ///< v, shape (n) [rad/s]
+  Eigen::VectorXd column_;    ///< scratch, shape (n)
   std::vector<double> unit_impulse_, response_;  ///< shape (6 + n), as Bullet wants them
   btAlignedObjectArray<btScalar> scratch_scalars_;
   btAlignedObjectArray<btVector3> scratch_vectors_;
