@@ -108,7 +108,7 @@ void Session::finish(const Json& result, Page page, const std::string& table, co
   directory_->write("report.html", renderPage(page));
   abandon(status);
   if (options_.json) {
-    std::cout << result.dump(2) << std::endl;
+    std::cout << toText(result) << std::flush;
   } else {
     std::cout << table << "report: " << directory_->file("report.html").string() << std::endl;
   }

@@ -102,7 +102,7 @@ Json lineChart(const std::vector<double>& x, const std::vector<Series>& series, 
           {"options",
            {{"interaction", {{"mode", "index"}, {"intersect", false}}},
             {"scales",
-             {{"x", {{"title", {{"display", true}, {"text", x_title}}}}},
+             {{"x", {{"title", {{"display", true}, {"text", x_title}}}, {"ticks", {{"maxRotation", 0}, {"maxTicksLimit", 12}}}}},
               {"y",
                {{"type", logarithmic ? "logarithmic" : "linear"},
                 {"title", {{"display", true}, {"text", y_title}}}}}}}}}};

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <set>
+
 #include "../pose_inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
@@ -93,14 +95,16 @@ Options resumedOptions(const Options& given) {
   return options;
 }
 
-CalibrationState storedState(const RunDirectory& directory) {
+/// Goes on where the directory's stored state ended; without one, the run was stopped in its first generation.
+void restore(Calibration& calibration, const RunDirectory& directory) {
   const std::filesystem::path file = directory.file(kStateFile);
-  if (!std::filesystem::exists(file)) return {};  // interrupted in its first generation
+  if (!std::filesystem::exists(file)) return;
   try {
-    return calibrationStateFromJson(Json::parse(readFile(file)));
+    calibration.restore(calibrationStateFromJson(Json::parse(readFile(file))));
   } catch (const Json::exception& error) {
     throw ConfigError(fmt::format("{}: {}", file.string(), error.what()));
   }
+  spdlog::info("going on after generation {}", calibration.state().strategy.generation);
 }
 
 void search(Calibration& calibration, const Task& task, const Session& session) {
@@ -161,8 +165,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   Calibration calibration(task.model, task.poses.poses, task.config, *evaluator);
   if (resuming) {
     session.resume(options.resume, task.config.strategy.seed);
-    calibration.restore(storedState(session.directory()));
-    spdlog::info("going on after generation {}", calibration.state().strategy.generation);
+    restore(calibration, session.directory());
   } else {
     session.begin(task.config.strategy.seed);
     keepInputs(options, session, task);
@@ -183,6 +186,16 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   return ExitCode::kDone;
 }
 
+/// A resumed run ends bit-identically only with the options it began with.
+void refuseWithResume(const CLI::App& app) {
+  const std::set<std::string> allowed = {"--resume", "--threads", "--dry-run", "--json", "--quiet", "--verbose"};
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0 || allowed.contains(option->get_name(false, false))) continue;
+    throw ConfigError(fmt::format("--resume goes on with the options the run began with; leave out {}",
+                                  option->get_name(true, false)));
+  }
+}
+
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("MODEL", options->model, "arm model (YAML)");
@@ -195,14 +208,13 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--target-fitness", options->target_fitness, "stop at this sum of squared errors [rad^2]");
   app.add_flag("--early-acquisition,!--no-early-acquisition", options->early_acquisition,
                "leave acquisition once all shafts have arrived; 'no' reproduces the paper's fixed times");
-  auto* resume = app.add_option("--resume", options->resume, "go on with an interrupted run; needs nothing else");
-  for (const char* other : {"MODEL", "--poses", "--validation", "--config", "--generations", "--mu", "--lambda",
-                            "--target-fitness", "--early-acquisition"}) {
-    resume->excludes(app.get_option(other));
-  }
+  app.add_option("--resume", options->resume, "go on with an interrupted run in this directory; needs nothing else");
   options->table.add(app);
   options->common.add(app);
-  return [options, argv] { return run(*options, argv); };
+  return [options, argv, &app] {
+    if (!options->resume.empty()) refuseWithResume(app);
+    return run(*options, argv);
+  };
 }
 
 }  // namespace
