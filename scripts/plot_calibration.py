@@ -40,7 +40,7 @@ def plot_errors(axes, errors, joint, colour):
     axes.text(calibration - 1, axes.get_ylim()[1], "calibration ", ha="right", va="top", fontsize=8)
     axes.text(calibration, axes.get_ylim()[1], " validation", ha="left", va="top", fontsize=8)
     axes.set(title=joint, xlabel="pose", ylabel="joint error [deg]", xticks=[])
-    axes.legend(frameon=False, fontsize=8, loc="center right")
+    axes.legend(framealpha=1, fontsize=8, loc="center right")
 
 
 def main():

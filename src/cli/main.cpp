@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iostream>
 
 #include "simgap/cli/command.h"
@@ -11,8 +12,15 @@ namespace {
 using simgap::Command;
 using simgap::ExitCode;
 
+/// One line, whatever names of files and poses hold.
+int fail(ExitCode code, std::string sentence) {
+  std::replace_if(sentence.begin(), sentence.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::cerr << "simgap: " << sentence << '\n';
+  return static_cast<int>(code);
+}
+
 int run(const std::vector<std::string>& argv) {
-  CLI::App app("simgap: closes the gap between a simulated tendon-driven robot and the real one");
+  CLI::App app("simgap: closes the gap between a simulated tendon-driven robot and the real one", "simgap");
   app.set_version_flag("--version", fmt::format("simgap {} ({})", simgap::kVersion, simgap::kGitHash));
   app.require_subcommand(1);
   app.footer("\nBegin with:\n  simgap calibrate arm.yaml --poses poses.csv\nEach command explains itself: simgap calibrate --help");
@@ -28,8 +36,7 @@ int run(const std::vector<std::string>& argv) {
     app.parse(reversed);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    std::cerr << "simgap: " << error.what() << " (see simgap --help)\n";
-    return static_cast<int>(ExitCode::kUsage);
+    return fail(ExitCode::kUsage, std::string(error.what()) + " (see simgap --help)");
   }
   for (const auto& [sub, action] : actions) {
     if (sub->parsed()) return static_cast<int>(action());
@@ -43,9 +50,7 @@ int main(int argc, char** argv) try {
   simgap::installInterruptHandlers();
   return run({argv, argv + argc});
 } catch (const simgap::Error& error) {
-  std::cerr << "simgap: " << error.what() << '\n';
-  return static_cast<int>(error.code());
+  return fail(error.code(), error.what());
 } catch (const std::exception& error) {
-  std::cerr << "simgap: internal error (a bug in simgap, please report it): " << error.what() << '\n';
-  return static_cast<int>(ExitCode::kInternal);
+  return fail(ExitCode::kInternal, std::string("internal error (a bug in simgap, please report it): ") + error.what());
 }

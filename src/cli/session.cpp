@@ -5,26 +5,41 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <charconv>
 #include <iostream>
+#include <limits>
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/units.h"
 #include "simgap/version.h"
 
 namespace simgap {
 namespace {
 
-/// stderr for people, log.txt for later; stdout is for results only.
-void openLog(const CommonOptions& options, const std::filesystem::path& file) {
+/// stderr for people, log.txt (none while `file` is empty) for later; stdout is for results only.
+void openLog(const CommonOptions& options, const std::filesystem::path& file = {}) {
   auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
   terminal->set_pattern("%v");
   terminal->set_level(options.quiet ? spdlog::level::warn : options.verbose ? spdlog::level::debug : spdlog::level::info);
-  auto log = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), false);
-  log->set_level(spdlog::level::debug);
-  auto logger = std::make_shared<spdlog::logger>("simgap", spdlog::sinks_init_list{terminal, log});
+  std::vector<spdlog::sink_ptr> sinks{terminal};
+  if (!file.empty()) {
+    sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), false));
+    sinks.back()->set_level(spdlog::level::debug);
+  }
+  auto logger = std::make_shared<spdlog::logger>("simgap", sinks.begin(), sinks.end());
   logger->set_level(spdlog::level::debug);
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(logger);
+}
+
+/// What is wrong with a seed; empty when nothing is. CLI11 wraps what is negative or too large.
+std::string seedProblem(const std::string& text) {
+  std::uint64_t value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error == std::errc() && stop == end) return {};
+  return fmt::format("found {}, expected an integer from 0 to {}", text, std::numeric_limits<std::uint64_t>::max());
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -36,7 +51,7 @@ std::string join(const std::vector<std::string>& words) {
 }  // namespace
 
 void CommonOptions::add(CLI::App& app) {
-  app.add_option("--seed", seed, "seed of all random numbers");
+  app.add_option("--seed", seed, "seed of all random numbers")->check(&seedProblem, "UINT64");
   app.add_option("--threads", threads, "worker threads; 0 takes all (the result is the same)")
       ->check(CLI::Range(0, 4096));
   app.add_flag("--dry-run", dry_run, "check everything, say what would be done, write nothing");
@@ -49,8 +64,16 @@ void CommonOptions::add(CLI::App& app) {
 
 void TableOptions::add(CLI::App& app) {
   app.add_option("--map", map, "canonical=column: a column that has another name in the file; may be repeated")
-      ->type_name("NAME=COLUMN");
+      ->type_name("NAME=COLUMN")
+      ->allow_extra_args(false);  // what follows is the next argument, not the next entry
   app.add_flag("--skip-bad-rows", skip_bad_rows, "drop and count rows that cannot be read, instead of refusing the file");
+}
+
+CLI::Validator finiteNumber() {
+  const auto problem = [](std::string& text) {
+    return parseNumber(text) ? std::string() : fmt::format("found {}, expected a finite number", text);
+  };
+  return CLI::Validator(problem, "FINITE");
 }
 
 CsvOptions TableOptions::csv() const {
@@ -67,7 +90,9 @@ CsvOptions TableOptions::csv() const {
 }
 
 Session::Session(std::string command, const CommonOptions& options, const std::vector<std::string>& argv)
-    : command_(std::move(command)), options_(options), argv_(argv) {}
+    : command_(std::move(command)), options_(options), argv_(argv) {
+  openLog(options_);  // the inputs are read before there is a log.txt
+}
 
 Session::~Session() {
   if (run_ && !ended_) abandon(interruptRequested() ? "interrupted" : "failed");
@@ -89,10 +114,10 @@ void Session::resume(const std::filesystem::path& directory, std::uint64_t seed)
 }
 
 void Session::record(std::uint64_t seed) {
-  openLog(options_, directory_->file("log.txt"));
   run_.emplace(argv_, seed, options_.threads);
   for (const Input& input : inputs_) run_->addInput(input.role, input.file, input.content);
-  run_->write(*directory_, "running");
+  run_->write(*directory_, "running");  // before all other files: it makes the directory ours to replace
+  openLog(options_, directory_->file("log.txt"));
   spdlog::debug("{}", join(argv_));
 }
 

@@ -213,7 +213,7 @@ CsvTable CsvTable::load(const std::filesystem::path& file, const CsvOptions& opt
 }
 
 CsvTable CsvTable::parse(std::string_view text, const std::string& name, const CsvOptions& options) {
-  return CsvParser(std::string(text), name, options).parse();
+  return CsvParser(unpackCsv(text, name), name, options).parse();
 }
 
 std::size_t CsvTable::lineOf(std::size_t row) const { return lines_.empty() ? row + kHeaderLine + 1 : lines_[row]; }

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <new>
 
 #include "simgap/core/error.h"
 #include "simgap/core/units.h"
@@ -18,6 +19,8 @@ namespace simgap {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::string_view kGzipMagic = "\x1F\x8B";
+constexpr int kGzipOnly = 15 + 16;  // window bits, see zlib.h
 constexpr unsigned kReadSize = 1U << 20;
 
 /// Marks the characters at which the scan of an unquoted cell stops.
@@ -64,6 +67,35 @@ std::string readCsvFile(const std::filesystem::path& file) {
     failInCsv(name, 1, "found no gzip data, expected them by the name's ending");
   }
   return text;
+}
+
+std::string unpackCsv(std::string_view bytes, const std::string& file) {
+  if (!bytes.starts_with(kGzipMagic)) {
+    if (file.ends_with(".gz")) failInCsv(file, 1, "found no gzip data, expected them by the name's ending");
+    return std::string(bytes);
+  }
+  z_stream stream = {};
+  if (inflateInit2(&stream, kGzipOnly) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, int (*)(z_streamp)> guard(&stream, inflateEnd);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  std::string text;
+  int status = Z_OK;
+  while (status == Z_OK) {
+    const std::size_t size = text.size();
+    text.resize(size + kReadSize);
+    stream.next_out = reinterpret_cast<Bytef*>(text.data() + size);
+    stream.avail_out = kReadSize;
+    status = inflate(&stream, Z_NO_FLUSH);
+    text.resize(size + kReadSize - stream.avail_out);
+    // Packed files may stand one behind the other.
+    const std::string_view rest = bytes.substr(bytes.size() - stream.avail_in);
+    if (status == Z_STREAM_END && rest.starts_with(kGzipMagic)) status = inflateReset(&stream);
+  }
+  if (status == Z_STREAM_END) return text;
+  failInCsv(file, linesIn(text) + 1,
+            status == Z_BUF_ERROR ? "the gzip data break off here, expected the rest of the file"
+                                  : "the gzip data are damaged here, expected a valid stream");
 }
 
 std::string CsvCell::text() const {

@@ -16,6 +16,9 @@ namespace simgap {
 /// \throws DataError: unreadable, not gzip, truncated or damaged.
 std::string readCsvFile(const std::filesystem::path& file);
 
+/// The same for bytes that were read already: whatever begins as gzip does is unpacked.
+std::string unpackCsv(std::string_view bytes, const std::string& file);
+
 /// A DataError "FILE:LINE: sentence".
 [[noreturn]] void failInCsv(const std::string& file, std::uint32_t line, const std::string& sentence);
 

@@ -182,6 +182,27 @@ double YamlNode::convertedNumber(const UnitConversion& conversion, std::string_v
   fail(fmt::format("found {}{}, expected {}", value_->scalar, in_asked_unit, range.expected));
 }
 
+std::string yamlText(std::string_view text) {
+  constexpr std::string_view kLetters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_";
+  constexpr std::string_view kOther = "0123456789-./";
+  const auto plain = [&](char c) { return kLetters.find(c) != kLetters.npos || kOther.find(c) != kOther.npos; };
+  const bool word = text == "null" || text == "Null" || text == "NULL";
+  if (!text.empty() && kLetters.find(text[0]) != kLetters.npos && std::ranges::all_of(text, plain) && !word) {
+    return std::string(text);
+  }
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      quoted.append(1, '\\').append(1, c);
+    } else if (static_cast<unsigned char>(c) < 0x20) {
+      quoted += fmt::format("\\x{:02x}", c);
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
 void YamlNode::expectMap() const {
   if (!isMap()) fail(fmt::format("found {}, expected a map", value_->description()));
 }

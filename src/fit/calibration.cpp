@@ -40,6 +40,12 @@ Calibration::Calibration(const ArmModel& model, std::span<const Pose> poses, con
       offspring_(static_cast<std::size_t>(config.strategy.lambda), model) {}
 
 void Calibration::restore(CalibrationState state) {
+  const std::size_t joints = layout_.joints.size();
+  const auto fits = [&](const GenerationRecord& record) { return record.mje.size() == joints; };
+  if (state.strategy.best.y.size() != space_.size() || state.best_mje.size() != joints ||
+      !std::all_of(state.history.begin(), state.history.end(), fits)) {
+    throw ConfigError(fmt::format("the stored state is not one of {} parameters and {} joints", space_.size(), joints));
+  }
   state_ = std::move(state);
   strategy_ = EvolutionStrategy(objectParameters(space_), config_.strategy, state_.strategy);
 }
@@ -105,7 +111,7 @@ void Calibration::failWithoutValidIndividual(std::span<const PoseOutcome> outcom
   struct Reason {
     int count = 0;
     std::string worst;
-    double worst_value = -1.0;
+    double worst_value = -kInfinity;  // a simulation that blew up has none
   };
   std::map<PoseStatus, Reason> reasons;
   for (std::size_t task = 0; task < outcomes.size(); ++task) {

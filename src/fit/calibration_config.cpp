@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "simgap/core/error.h"
 #include "simgap/fit/calibration.h"
 
 namespace simgap {
@@ -17,7 +18,11 @@ EvolutionStrategyOptions readStrategy(const YamlNode& node) {
   if (const auto tau_prime = node.find("tau_prime")) options.tau_prime = tau_prime->number(kNonNegative);
   if (const auto target = node.find("target_fitness")) options.target_fitness = target->number();
   if (const auto seed = node.find("seed")) options.seed = seed->seed();
-  options.validate();
+  try {
+    options.validate();
+  } catch (const ConfigError& error) {
+    node.fail(error.what());
+  }
   return options;
 }
 
@@ -31,7 +36,7 @@ std::string strategyYaml(const EvolutionStrategyOptions& options) {
 }
 
 std::string choiceYaml(const ParameterSpace::Choice& choice) {
-  std::string text = fmt::format("  - {{pattern: \"{}\", step: {}", choice.pattern, choice.step);
+  std::string text = fmt::format("  - {{pattern: {}, step: {}", yamlText(choice.pattern), choice.step);
   const auto append = [&text](const char* key, const std::optional<double>& value) {
     if (value) text += fmt::format(", {}: {}", key, *value);
   };

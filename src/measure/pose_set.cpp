@@ -117,6 +117,9 @@ PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   std::map<std::string, std::vector<std::size_t>> rows_of;
   std::set<std::pair<std::string, std::string>> seen;
   for (std::size_t row = 0; row < table.rows(); ++row) {
+    if (names[row].empty() || repeats[row].empty()) {
+      table.fail(row, fmt::format("column {}: found an empty cell", names[row].empty() ? "pose" : "repeat"));
+    }
     if (!seen.emplace(names[row], repeats[row]).second) {
       table.fail(row, has_repeats ? fmt::format("pose {} repeat {} stands twice", names[row], repeats[row])
                                   : fmt::format("pose {} stands twice, and there is no column repeat", names[row]));

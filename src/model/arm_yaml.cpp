@@ -30,7 +30,8 @@ int readBody(const YamlNode& node, const std::vector<Body>& bodies) {
 Eigen::Vector3d readAxis(const YamlNode& node) {
   const Eigen::Vector3d axis = node.vector3();
   if (axis.norm() < 1e-9) node.fail("found a zero vector, expected an axis");
-  return axis.normalized();
+  // What is of unit length but for rounding stays as it is: a written model reads back bit by bit.
+  return std::abs(axis.norm() - 1.0) < 1e-12 ? axis : axis.normalized();
 }
 
 double volume(const Part& part) {
@@ -242,7 +243,8 @@ ArmModel readArm(const YamlNode& root) {
   }
   if (const auto extensions = root.find("extensions")) {
     for (const YamlNode& extension : extensions->items()) {
-      extension.at("effect").fail("found an effect this version does not know");
+      const YamlNode effect = extension.at("effect");
+      effect.fail(fmt::format("found '{}', expected an effect that this version knows: none so far", effect.text()));
     }
   }
   root.expectAllRead();

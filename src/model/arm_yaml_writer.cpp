@@ -21,14 +21,14 @@ std::string part(const Part& p) {
       shape = fmt::format("shape: cylinder, radius_m: {}, length_m: {}, axis: {}", p.radius, p.length, vector(p.axis));
       break;
   }
-  return fmt::format("      - {{name: {}, {}, mass_kg: {}, position_m: {}}}\n", p.name, shape, p.mass,
+  return fmt::format("      - {{name: {}, {}, mass_kg: {}, position_m: {}}}\n", yamlText(p.name), shape, p.mass,
                      vector(p.position));
 }
 
 std::string joint(const Joint& j, const std::vector<Body>& bodies) {
   std::string text = fmt::format(
-      "  - {{name: {}, type: {}, parent: {}, child: {}, parent_position_m: {}, child_position_m: {}", j.name,
-      j.type == JointType::kSpherical ? "spherical" : "revolute", bodies[j.parent].name, bodies[j.child].name,
+      "  - {{name: {}, type: {}, parent: {}, child: {}, parent_position_m: {}, child_position_m: {}", yamlText(j.name),
+      j.type == JointType::kSpherical ? "spherical" : "revolute", yamlText(bodies[j.parent].name), yamlText(bodies[j.child].name),
       vector(j.parent_position), vector(j.child_position));
   if (j.type == JointType::kRevolute) {
     text += fmt::format(", axis: {}", vector(j.axis));
@@ -55,9 +55,9 @@ std::string gearbox(const Gearbox& g) {
 
 std::string muscle(const Muscle& m, const ArmModel& model, const std::string& motor_default,
                    const std::string& gearbox_default) {
-  std::string text = fmt::format("  - name: {}\n    attachments: [", m.name);
+  std::string text = fmt::format("  - name: {}\n    attachments: [", yamlText(m.name));
   for (std::size_t i = 0; i < 2; ++i) {
-    text += fmt::format("{}{{body: {}, point_m: {}}}", i ? ", " : "", model.bodies[m.attachments[i].body].name,
+    text += fmt::format("{}{{body: {}, point_m: {}}}", i ? ", " : "", yamlText(model.bodies[m.attachments[i].body].name),
                         vector(m.attachments[i].point));
   }
   text += fmt::format(
@@ -75,10 +75,10 @@ std::string muscle(const Muscle& m, const ArmModel& model, const std::string& mo
 }  // namespace
 
 std::string writeArm(const ArmModel& model) {
-  std::string text = fmt::format("format: simgap/arm/1\nname: {}\ngravity_m_s2: {}\nbodies:\n", model.name,
+  std::string text = fmt::format("format: simgap/arm/1\nname: {}\ngravity_m_s2: {}\nbodies:\n", yamlText(model.name),
                                  vector(model.gravity));
   for (const Body& body : model.bodies) {
-    text += fmt::format("  - name: {}\n", body.name);
+    text += fmt::format("  - name: {}\n", yamlText(body.name));
     if (body.fixed) text += "    fixed: true\n";
     if (!body.parts.empty()) text += "    parts:\n";
     for (const Part& p : body.parts) text += part(p);
@@ -86,7 +86,7 @@ std::string writeArm(const ArmModel& model) {
   text += "joints:\n";
   for (const Joint& j : model.joints) text += joint(j, model.bodies);
   const bool defaults = model.motor_defaults.resistance > 0.0;
-  const bool gearbox_defaults = model.gearbox_defaults.inertia > 0.0 || model.gearbox_defaults.ratio != 1.0;
+  const bool gearbox_defaults = model.gearbox_defaults != Gearbox{};
   const std::string motor_default = defaults ? motor(model.motor_defaults) : "";
   const std::string gearbox_default = gearbox_defaults ? gearbox(model.gearbox_defaults) : "";
   if (defaults) text += "motor_defaults: " + motor_default;

@@ -126,6 +126,7 @@ std::vector<ParameterSpace::Choice> ParameterSpace::readChoices(const YamlNode& 
   for (const YamlNode& node : list.items()) {
     Choice choice;
     choice.pattern = node.at("pattern").text();
+    if (choice.pattern.empty()) node.at("pattern").fail("found an empty text, which would match every number");
     choice.step = node.at("step").number(kPositive);
     if (const auto lower = node.find("lower")) choice.lower = lower->number();
     if (const auto upper = node.find("upper")) choice.upper = upper->number();

@@ -43,9 +43,10 @@ mustache::data tables(const std::vector<PageTable>& given) {
   return list;
 }
 
-/// JSON inside a script element must not end the element.
-std::string scriptSafe(std::string text) {
-  for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3)) text.replace(at, 2, "<\\/");
+/// JSON inside a script element must neither end the element nor open a comment: "<" stands in its texts only.
+std::string scriptSafe(const Json& json) {
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) text.replace(at, 1, "\\u003c");
   return text;
 }
 
@@ -79,7 +80,7 @@ std::string renderPage(const Page& page) {
   data.set("charts", charts);
   data.set("provenance", provenance);
   data.set("chart_js", std::string(assets::chart_js()));
-  data.set("chart_configs", scriptSafe(configs.dump()));
+  data.set("chart_configs", scriptSafe(configs));
   data.set("table", mustache::data{mustache::partial{[] { return std::string(kTable); }}});
   mustache::mustache page_template{std::string(assets::report_html())};
   return page_template.render(data);

@@ -104,14 +104,18 @@ PoseProtocol PoseProtocol::read(const YamlNode& node) {
   read(protocol.max_velocity, "max_velocity", "rad_s", kPositive);
   read(protocol.early_hold, "early_hold", "s", kPositive);
   if (const auto early = node.find("early_acquisition")) protocol.early_acquisition = early->boolean();
-  protocol.validate();
+  try {
+    protocol.validate();
+  } catch (const ConfigError& error) {
+    node.fail(error.what());
+  }
   return protocol;
 }
 
 void PoseProtocol::validate() const {
   arm.validate();
   if (steady > settle) {
-    throw ConfigError(fmt::format("protocol: steady_s {} is longer than settle_s {}: no pose could ever be steady",
+    throw ConfigError(fmt::format("steady_s {} is longer than settle_s {}: no pose could ever be steady",
                                   steady, settle));
   }
 }

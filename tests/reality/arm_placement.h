@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <complex>
 #include <vector>
 
 #include "reality/arm_statics.h"
@@ -16,7 +17,6 @@ template <typename Scalar>
 using Matrix3 = Eigen::Matrix<Scalar, 3, 3>;
 template <typename Scalar>
 using Displacement = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
-
 
 // Complex step needs analytic functions: a product sum, never Eigen's dot() or norm(), which conjugate.
 template <typename Scalar>

@@ -35,6 +35,9 @@ struct TableOptions {
   CsvOptions csv() const;  ///< \throws ConfigError for a `map` without '='
 };
 
+/// Refuses NaN and infinity, which CLI11 takes.
+CLI::Validator finiteNumber();
+
 /// An input file as it was read.
 struct Input {
   std::string role;  ///< "model", "poses", …

@@ -27,7 +27,7 @@ class CsvTable {
  public:
   /// \throws DataError: unreadable, empty, ragged, duplicate header, a `rename` that names no column; with its line.
   static CsvTable load(const std::filesystem::path& file, const CsvOptions& options = {});
-  /// The same from text; `name` stands for the file in errors.
+  /// The same from the file's bytes, packed or not; `name` stands for the file in errors.
   static CsvTable parse(std::string_view text, const std::string& name, const CsvOptions& options = {});
 
   const std::string& name() const { return name_; }

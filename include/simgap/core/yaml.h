@@ -106,4 +106,7 @@ class YamlNode {
   std::string path_;
 };
 
+/// A text as it stands in a YAML file: as it is when it can be nothing but a text, otherwise in double quotes.
+std::string yamlText(std::string_view text);
+
 }  // namespace simgap

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <set>
 
 #include "../pose_inputs.h"
@@ -112,19 +115,23 @@ void search(Calibration& calibration, const Task& task, const Session& session) 
   Progress progress("calibrate: generation", static_cast<std::size_t>(task.config.strategy.generations),
                     session.options().quiet);
   progress.startFrom(static_cast<std::size_t>(calibration.state().strategy.generation));
-  try {
-    calibration.run([&](const CalibrationState& state) {
-      session.directory().write(kStateFile, toJson(state));
-      std::string detail;
-      for (std::size_t j = 0; j < layout.joints.size(); ++j) {
-        detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesText(state.best_mje[j]));
-      }
-      progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
-    });
-  } catch (const InterruptedError&) {
-    throw InterruptedError(fmt::format("interrupted after {} generations; go on with: simgap calibrate --resume {}",
-                                       calibration.state().strategy.generation, session.directory().path().string()));
-  }
+  calibration.run([&](const CalibrationState& state) {
+    session.directory().write(kStateFile, toJson(state));
+    std::string detail;
+    for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+      detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesText(state.best_mje[j]));
+    }
+    progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
+  });
+}
+
+/// A path as a shell takes it.
+std::string shellWord(const std::string& path) {
+  const auto safe = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_-./+,:@", c); };
+  if (std::all_of(path.begin(), path.end(), safe)) return path;
+  std::string word = "'";
+  for (const char c : path) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
 }
 
 CalibrationResult judge(const Task& task, const Calibration& calibration, Evaluator& evaluator, bool quiet) {
@@ -154,6 +161,21 @@ ExitCode dryRun(const Task& task) {
   return ExitCode::kDone;
 }
 
+/// The search and the judgement of what it found.
+CalibrationResult calibrate(Calibration& calibration, const Task& task, Evaluator& evaluator, Session& session) {
+  try {
+    search(calibration, task, session);
+    return judge(task, calibration, evaluator, session.options().quiet);
+  } catch (const NumericsError& error) {
+    session.abandon(std::string("failed: ") + error.what());
+    throw;
+  } catch (const InterruptedError&) {
+    throw InterruptedError(fmt::format("interrupted after {} generations; go on with: simgap calibrate --resume {}",
+                                       calibration.state().strategy.generation,
+                                       shellWord(session.directory().path().string())));
+  }
+}
+
 ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   const bool resuming = !given.resume.empty();
   const Options options = resuming ? resumedOptions(given) : given;
@@ -170,13 +192,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
     session.begin(task.config.strategy.seed);
     keepInputs(options, session, task);
   }
-  try {
-    search(calibration, task, session);
-  } catch (const NumericsError& error) {
-    session.abandon(std::string("failed: ") + error.what());
-    throw;
-  }
-  const CalibrationResult result = judge(task, calibration, *evaluator, options.common.quiet);
+  const CalibrationResult result = calibrate(calibration, task, *evaluator, session);
   const RunDirectory& directory = session.directory();
   directory.write("model.yaml", writeArm(calibration.bestModel()));
   directory.write("history.csv", historyCsv(result));
@@ -192,7 +208,7 @@ void refuseWithResume(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0 || allowed.contains(option->get_name(false, false))) continue;
     throw ConfigError(fmt::format("--resume goes on with the options the run began with; leave out {}",
-                                  option->get_name(true, false)));
+                                  option->get_name(false, false)));
   }
 }
 
@@ -205,9 +221,13 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--generations", options->generations, "instead of the config's");
   app.add_option("--mu", options->mu, "parents, instead of the config's");
   app.add_option("--lambda", options->lambda, "offspring, instead of the config's");
-  app.add_option("--target-fitness", options->target_fitness, "stop at this sum of squared errors [rad^2]");
-  app.add_flag("--early-acquisition,!--no-early-acquisition", options->early_acquisition,
-               "leave acquisition once all shafts have arrived; 'no' reproduces the paper's fixed times");
+  app.add_option("--target-fitness", options->target_fitness, "stop at this sum of squared errors [rad^2]")
+      ->check(finiteNumber());
+  // Not an optional<bool>: CLI11 would take it for a counter and set it to 0 when the flag is not given.
+  app.add_flag_function(
+      "--early-acquisition,!--no-early-acquisition",
+      [options](std::int64_t count) { options->early_acquisition = count > 0; },
+      "leave acquisition once all shafts have arrived; 'no' reproduces the paper's fixed times");
   app.add_option("--resume", options->resume, "go on with an interrupted run in this directory; needs nothing else");
   options->table.add(app);
   options->common.add(app);

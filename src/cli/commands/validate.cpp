@@ -55,7 +55,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--poses", options->poses, "recorded poses (CSV)")->required();
   app.add_option("--config", options->config, "calibration config whose protocol is used (default: the paper's)");
   app.add_option("--max-mje", options->max_mje, "exit 1 when a joint's mean error exceeds this [deg]")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::PositiveNumber & finiteNumber());
   options->table.add(app);
   options->common.add(app);
   return [options, argv] { return run(*options, argv); };

@@ -1,0 +1,193 @@
+#include "simgap/report/pose_report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "report/known_results.h"
+#include "simgap/report/assets.h"
+#include "support/files.h"
+
+namespace simgap {
+namespace {
+
+using test::knownCalibration;
+using test::knownValidation;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::vector<std::string> keysOf(const Json& json) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : json.items()) keys.push_back(key);
+  return keys;
+}
+
+TEST(CalibrateReport, ResultHasTheFieldsOtherProgramsRead) {
+  const Json json = toJson(knownCalibration());
+  EXPECT_EQ(json.at("format"), "simgap/calibrate/1");
+  EXPECT_THAT(keysOf(json.at("mje_deg")), ElementsAre("calibration", "validation"));
+  EXPECT_NEAR(json.at("mje_deg").at("calibration").at("initial").at("shoulder").get<double>(), 20.0, 1e-12);
+  EXPECT_NEAR(json.at("mje_deg").at("calibration").at("final").at("elbow").get<double>(), 1.0, 1e-12);
+  EXPECT_NEAR(json.at("paper_mje_deg").at("calibration").at("initial").at("shoulder").get<double>(), 10.0, 1e-12);
+  EXPECT_NEAR(json.at("fitness").at("initial").get<double>(), 2 * (400 + 100) * kDegree * kDegree, 1e-12);
+  EXPECT_NEAR(json.at("fitness").at("final").get<double>(), 2 * (4 + 1) * kDegree * kDegree, 1e-12);
+  EXPECT_EQ(json.at("generations"), 2);
+  EXPECT_EQ(json.at("evaluations"), 2 * 8 * 2);
+  EXPECT_EQ(json.at("invalid"), 5);
+  EXPECT_EQ(json.at("wall_s"), 1.5);
+  EXPECT_EQ(json.at("stop_reason"), "max-generations");
+  ASSERT_EQ(json.at("parameters").size(), 2u);
+  const Json& first = json.at("parameters")[0];
+  for (const char* key : {"name", "unit", "initial", "value", "lower", "upper", "at_bound", "identifiable"}) {
+    EXPECT_TRUE(first.contains(key)) << key;
+  }
+  EXPECT_EQ(first.at("value"), 1.0);
+  EXPECT_EQ(first.at("at_bound"), true);
+  EXPECT_TRUE(json.at("parameters")[1].at("lower").is_null());  // -infinity
+  EXPECT_EQ(json.at("parameters")[1].at("at_bound"), false);
+}
+
+TEST(CalibrateReport, LeavesOutTheValidationThatWasNotGiven) {
+  CalibrationResult result = knownCalibration();
+  result.sets.pop_back();
+  EXPECT_THAT(keysOf(toJson(result).at("mje_deg")), ElementsAre("calibration"));
+  EXPECT_THAT(makePage(result).answer, HasSubstr("only poses it has not seen"));
+}
+
+TEST(CalibrateReport, WhatIsUnknownIsNull) {
+  const Json json = toJson(knownCalibration());
+  const Json& validation = json.at("mje_deg").at("validation");
+  EXPECT_TRUE(validation.at("initial").at("shoulder").is_null());
+  EXPECT_EQ(toText(json).find("nan"), std::string::npos);
+  CalibrationResult result = knownCalibration();
+  std::swap(result.sets[0], result.sets[1]);
+  EXPECT_TRUE(toJson(result).at("fitness").at("initial").is_null());
+}
+
+TEST(CalibrateReport, TablesReadBackAsCsv) {
+  const CalibrationResult result = knownCalibration();
+  const CsvTable history = CsvTable::parse(historyCsv(result), "history.csv");
+  EXPECT_EQ(history.rows(), 2u);
+  EXPECT_THAT(history.quantity("generation", ""), ElementsAre(1, 2));
+  EXPECT_THAT(history.quantity("best_rad2", ""), ElementsAre(0.5, 0.25));
+  EXPECT_THAT(history.quantity("invalid", ""), ElementsAre(3, 2));
+  EXPECT_NEAR(history.quantity("mje_elbow", "rad")[1], kDegree, 1e-15);
+  const CsvTable parameters = CsvTable::parse(parametersCsv(result), "parameters.csv");
+  EXPECT_THAT(parameters.text("name"), ElementsAre("muscles.biceps.stiffness", "joints.elbow.friction"));
+  EXPECT_THAT(parameters.quantity("value", ""), ElementsAre(1.0, 0.3));
+  EXPECT_THAT(parameters.text("lower"), ElementsAre("1", ""));
+  EXPECT_THAT(parameters.text("at_bound"), ElementsAre("true", "false"));
+  const CsvTable errors = CsvTable::parse(errorsCsv(result), "errors.csv");
+  EXPECT_EQ(errors.rows(), 3u);
+  EXPECT_THAT(errors.text("set"), ElementsAre("calibration", "calibration", "validation"));
+  EXPECT_THAT(errors.text("pose"), ElementsAre("low", "a,\"b\"", "<far>"));
+  EXPECT_THAT(errors.text("status_before"), ElementsAre("steady", "steady", "acquisition error"));
+  EXPECT_THAT(errors.text("shoulder_error_before_deg")[2], "");
+  EXPECT_NEAR(std::stod(errors.text("shoulder_error_after_deg")[0]), 2.0, 1e-12);
+}
+
+TEST(CalibrateReport, PrintsATableForTheTerminal) {
+  EXPECT_EQ(terminalTable(knownCalibration()),
+            "mean joint error [deg]  shoulder before  after  elbow before  after\n"
+            "calibration (2 poses)             20.00   2.00         10.00   1.00\n"
+            "validation (1 poses)                  -   3.00             -   4.00\n");
+  CalibrationResult result = knownCalibration();
+  result.sets[1].final = result.sets[1].initial;
+  result.parameters.resize(9, result.parameters[0]);  // 2 poses x (3 + 1) numbers
+  EXPECT_THAT(terminalTable(result),
+              HasSubstr("\nvalidation pose <far>: acquisition error of biceps, 12.3 deg\n8 measured "
+                        "numbers for 9 parameters: the calibration error alone proves nothing"));
+}
+
+TEST(CalibrateReport, PageAnswersFirstAndHoldsEveryFigure) {
+  const Page page = makePage(knownCalibration());
+  EXPECT_EQ(page.answer,
+            "On poses the search never saw the gap went from - to 3.00 deg (shoulder), from - to 4.00 deg (elbow).");
+  ASSERT_EQ(page.charts.size(), 5u);  // errors, fitness, steps, and the poses of both sets
+  EXPECT_EQ(page.charts[0].config.at("data").at("labels"), Json({1, 2}));
+  EXPECT_TRUE(page.charts[4].config.at("data").at("datasets")[0].at("data")[0].is_null());
+  EXPECT_EQ(page.charts[3].config.at("data").at("labels"), Json({"low", "a,\"b\""}));
+}
+
+TEST(ValidateReport, ResultHasTheFieldsOtherProgramsRead) {
+  const Json json = toJson(knownValidation());
+  EXPECT_EQ(json.at("format"), "simgap/validate/1");
+  EXPECT_NEAR(json.at("mje_deg").at("shoulder").get<double>(), 20.0, 1e-12);
+  EXPECT_NEAR(json.at("paper_mje_deg").at("shoulder").get<double>(), 10.0, 1e-12);
+  EXPECT_NEAR(json.at("paper_mje_deg").at("elbow").get<double>(), 10.0, 1e-12);
+  ASSERT_EQ(json.at("poses").size(), 3u);
+  EXPECT_EQ(json.at("poses")[0].at("pose"), "low");
+  EXPECT_NEAR(json.at("poses")[0].at("error_deg").at("elbow").get<double>(), 10.0, 1e-12);
+  EXPECT_TRUE(json.at("poses")[2].at("error_deg").is_null());
+  ASSERT_EQ(json.at("criteria").size(), 2u);
+  EXPECT_EQ(json.at("criteria")[0].at("pass"), true);
+  EXPECT_EQ(json.at("criteria")[1].at("pass"), false);
+  EXPECT_TRUE(json.at("criteria")[1].at("value").is_null());
+  EXPECT_EQ(CsvTable::parse(errorsCsv(knownValidation()), "errors.csv").text("status"),
+            (std::vector<std::string>{"steady", "steady", "acquisition error"}));
+}
+
+TEST(ValidateReport, PrintsATableForTheTerminalWithTheWorstFirst) {
+  ValidationResult result = knownValidation();
+  result.criteria.clear();
+  EXPECT_EQ(terminalTable(result),
+            "                                 shoulder  elbow\n"
+            "mean joint error [deg], 2 poses     20.00  10.00\n"
+            "\n"
+            "worst poses\n"
+            "pose   shoulder  elbow\n"
+            "<far>         -      -  acquisition error of biceps, 12.3 deg\n"
+            "low       20.00  10.00                                 steady\n"
+            "a,\"b\"     20.00  10.00                                 steady\n");
+}
+
+TEST(Page, IsSelfContainedAndNamesWhereItCameFrom) {
+  Page page = makePage(knownCalibration());
+  page.provenance.emplace_back("command", "simgap calibrate <arm> & more");
+  const std::string html = renderPage(page);
+  EXPECT_THAT(html, HasSubstr(assets::chart_js().substr(0, 200)));
+  EXPECT_THAT(html, HasSubstr("On poses the search never saw the gap went from - to 3.00 deg"));
+  EXPECT_THAT(html, HasSubstr("simgap calibrate &lt;arm&gt; &amp; more"));
+  EXPECT_THAT(html, Not(HasSubstr("{{")));
+  for (const char* outside : {"src=\"http", "href=\"http", "@import", "url("})
+    EXPECT_THAT(html, Not(HasSubstr(outside)));
+  EXPECT_EQ(test::countOf(html, "<canvas"), 5u);
+}
+
+TEST(Page, NamesCannotBreakOut) {
+  const std::vector<std::string> names{"</script><b>x", "<!--<script>", "<img src=x onerror=alert(1)>",
+                                       "a\"b'c&d",      "{{title}}",    "{{{chart_js}}}",
+                                       "\xFF latin",    "line\nbreak",  "\xE2\x80\xA8"};
+  ValidationResult plain = knownValidation();
+  for (const std::string& name : names) {
+    ValidationResult result = plain;
+    result.set.poses[0].name = name;
+    const std::string html = renderPage(makePage(result));
+    const std::string harmless = renderPage(makePage(plain));
+    SCOPED_TRACE(name);
+    for (const char* tag : {"<script", "</script", "<!--", "<b>", "<img", "<canvas"}) {
+      EXPECT_EQ(test::countOf(html, tag), test::countOf(harmless, tag)) << tag;
+    }
+    EXPECT_LT(html.size(), harmless.size() + 500);
+  }
+}
+
+TEST(Page, OfFifteenPosesIsAtMost400KB) {
+  CalibrationResult result = knownCalibration();
+  while (result.state.history.size() < 250) result.state.history.push_back(result.state.history[1]);
+  result.parameters.resize(99, result.parameters[0]);
+  result.state.strategy.best.y.resize(99, 0.123456789);
+  for (SetResult& set : result.sets) {
+    for (Assessment* judged : {&set.initial, &set.final}) {
+      judged->outcomes.resize(15, judged->outcomes[0]);
+      judged->errors.resize(15, judged->errors[0]);
+    }
+    set.set.poses.resize(15, set.set.poses[0]);
+  }
+  EXPECT_LE(renderPage(makePage(result)).size(), 400'000u);
+}
+
+}  // namespace
+}  // namespace simgap
