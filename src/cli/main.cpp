@@ -14,7 +14,8 @@ using simgap::ExitCode;
 
 /// One line, whatever names of files and poses hold.
 int fail(ExitCode code, std::string sentence) {
-  std::replace_if(sentence.begin(), sentence.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  std::replace_if(
+      sentence.begin(), sentence.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
   std::cerr << "simgap: " << sentence << '\n';
   return static_cast<int>(code);
 }
@@ -23,10 +24,14 @@ int run(const std::vector<std::string>& argv) {
   CLI::App app("simgap: closes the gap between a simulated tendon-driven robot and the real one", "simgap");
   app.set_version_flag("--version", fmt::format("simgap {} ({})", simgap::kVersion, simgap::kGitHash));
   app.require_subcommand(1);
-  app.footer("\nBegin with:\n  simgap calibrate arm.yaml --poses poses.csv\nEach command explains itself: simgap calibrate --help");
+  app.footer(
+      "\nBegin with:\n  simgap calibrate arm.yaml --poses poses.csv\nEach command explains itself: simgap calibrate "
+      "--help");
 
   std::vector<std::pair<CLI::App*, std::function<ExitCode()>>> actions;
+  std::string names;
   for (const Command* command : simgap::commands::all()) {
+    names += (names.empty() ? "" : ", ") + std::string(command->name);
     CLI::App* sub = app.add_subcommand(command->name, command->summary);
     sub->footer(std::string("\nExample:\n") + command->example);
     actions.emplace_back(sub, command->define(*sub, argv));
@@ -36,6 +41,9 @@ int run(const std::vector<std::string>& argv) {
     app.parse(reversed);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (argv.size() > 1 && !argv[1].starts_with('-') && app.get_subcommands().empty()) {
+      return fail(ExitCode::kUsage, fmt::format("found the command '{}', expected one of {}", argv[1], names));
+    }
     return fail(ExitCode::kUsage, std::string(error.what()) + " (see simgap --help)");
   }
   for (const auto& [sub, action] : actions) {

@@ -38,10 +38,10 @@ Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet&
   return assess(model.poseLayout(), poses, outcomes);
 }
 
-void warnAboutCords(const Assessment& assessment, const PoseLayout& layout) {
+void warnAboutCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout) {
   for (std::size_t m = 0; m < layout.muscles.size(); ++m) {
     double largest = 0.0;
-    for (const PoseOutcome& outcome : assessment.outcomes) {
+    for (const PoseOutcome& outcome : outcomes) {
       if (!outcome.cord_expansion.empty()) largest = std::max(largest, outcome.cord_expansion[m]);
     }
     if (largest > ShockCord::kLinearRange) {

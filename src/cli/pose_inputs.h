@@ -19,7 +19,7 @@ Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet&
                      bool quiet);
 
 /// Says once per muscle that its cord was stretched beyond the range in which it is linear (000 eq. 2).
-void warnAboutCords(const Assessment& assessment, const PoseLayout& layout);
+void warnAboutCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout);
 
 /// "2 of 15 poses are invalid: p003: …"
 std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout);

@@ -21,7 +21,9 @@ namespace {
 void openLog(const CommonOptions& options, const std::filesystem::path& file = {}) {
   auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
   terminal->set_pattern("%v");
-  terminal->set_level(options.quiet ? spdlog::level::warn : options.verbose ? spdlog::level::debug : spdlog::level::info);
+  terminal->set_level(options.quiet     ? spdlog::level::warn
+                      : options.verbose ? spdlog::level::debug
+                                        : spdlog::level::info);
   std::vector<spdlog::sink_ptr> sinks{terminal};
   if (!file.empty()) {
     sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), false));
@@ -66,7 +68,8 @@ void TableOptions::add(CLI::App& app) {
   app.add_option("--map", map, "canonical=column: a column that has another name in the file; may be repeated")
       ->type_name("NAME=COLUMN")
       ->allow_extra_args(false);  // what follows is the next argument, not the next entry
-  app.add_flag("--skip-bad-rows", skip_bad_rows, "drop and count rows that cannot be read, instead of refusing the file");
+  app.add_flag("--skip-bad-rows", skip_bad_rows,
+               "drop and count rows that cannot be read, instead of refusing the file");
 }
 
 CLI::Validator finiteNumber() {
@@ -105,17 +108,18 @@ const Input& Session::read(const std::string& role, const std::filesystem::path&
 void Session::begin(std::uint64_t seed) {
   directory_ = RunDirectory::create(options_.output.empty() ? RunDirectory::defaultPath(command_) : options_.output,
                                     options_.force);
-  record(seed);
+  record(seed, nullptr);
 }
 
 void Session::resume(const std::filesystem::path& directory, std::uint64_t seed) {
   directory_ = RunDirectory::open(directory);
-  record(seed);
+  record(seed, Json::parse(readFile(directory_->file("run.json")), nullptr, /*allow_exceptions=*/false));
 }
 
-void Session::record(std::uint64_t seed) {
+void Session::record(std::uint64_t seed, const Json& earlier) {
   run_.emplace(argv_, seed, options_.threads);
   for (const Input& input : inputs_) run_->addInput(input.role, input.file, input.content);
+  if (earlier.is_object()) run_->addEarlier(earlier);
   run_->write(*directory_, "running");  // before all other files: it makes the directory ours to replace
   openLog(options_, directory_->file("log.txt"));
   spdlog::debug("{}", join(argv_));

@@ -14,6 +14,7 @@
 
 #include "csv_cells.h"
 #include "simgap/core/error.h"
+#include "simgap/core/run_directory.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -209,11 +210,11 @@ class CsvParser {
 };
 
 CsvTable CsvTable::load(const std::filesystem::path& file, const CsvOptions& options) {
-  return CsvParser(readCsvFile(file), file.string(), options).parse();
+  return parse(readFile(file), file.string(), options);
 }
 
-CsvTable CsvTable::parse(std::string_view text, const std::string& name, const CsvOptions& options) {
-  return CsvParser(unpackCsv(text, name), name, options).parse();
+CsvTable CsvTable::parse(std::string text, const std::string& name, const CsvOptions& options) {
+  return CsvParser(unpackCsv(std::move(text), name), name, options).parse();
 }
 
 std::size_t CsvTable::lineOf(std::size_t row) const { return lines_.empty() ? row + kHeaderLine + 1 : lines_[row]; }

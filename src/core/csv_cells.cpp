@@ -38,41 +38,11 @@ void failInCsv(const std::string& file, std::uint32_t line, const std::string& s
   throw DataError(fmt::format("{}:{}: {}", file, line, sentence));
 }
 
-std::string readCsvFile(const std::filesystem::path& file) {
-  const std::string name = file.string();
-  // zlib reads what is not packed as it stands.
-  const std::unique_ptr<gzFile_s, int (*)(gzFile)> stream(gzopen(name.c_str(), "rb"), gzclose);
-  if (!stream) throw DataError(fmt::format("{}: cannot be read", name));
-  gzbuffer(stream.get(), kReadSize);
-
-  std::error_code no_size;
-  const std::uintmax_t packed_size = std::filesystem::file_size(file, no_size);
-  std::string text;
-  if (!no_size) text.reserve(packed_size + kReadSize);
-  int count = 0;
-  do {
-    const std::size_t size = text.size();
-    text.resize(size + kReadSize);
-    count = gzread(stream.get(), text.data() + size, kReadSize);
-    text.resize(size + static_cast<std::size_t>(std::max(count, 0)));
-  } while (count > 0);
-
-  int error = Z_OK;
-  gzerror(stream.get(), &error);
-  const std::uint32_t line = linesIn(text) + 1;
-  if (error == Z_ERRNO) throw DataError(fmt::format("{}: cannot be read", name));
-  if (error == Z_BUF_ERROR) failInCsv(name, line, "the gzip data break off here, expected the rest of the file");
-  if (error != Z_OK) failInCsv(name, line, "the gzip data are damaged here, expected a valid stream");
-  if (file.extension() == ".gz" && gzdirect(stream.get()) != 0) {
-    failInCsv(name, 1, "found no gzip data, expected them by the name's ending");
-  }
-  return text;
-}
-
-std::string unpackCsv(std::string_view bytes, const std::string& file) {
+std::string unpackCsv(std::string packed, const std::string& file) {
+  const std::string_view bytes = packed;
   if (!bytes.starts_with(kGzipMagic)) {
     if (file.ends_with(".gz")) failInCsv(file, 1, "found no gzip data, expected them by the name's ending");
-    return std::string(bytes);
+    return packed;
   }
   z_stream stream = {};
   if (inflateInit2(&stream, kGzipOnly) != Z_OK) throw std::bad_alloc();

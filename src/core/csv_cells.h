@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,12 +11,9 @@
 
 namespace simgap {
 
-/// The whole text, unpacked when the name ends in .gz.
-/// \throws DataError: unreadable, not gzip, truncated or damaged.
-std::string readCsvFile(const std::filesystem::path& file);
-
-/// The same for bytes that were read already: whatever begins as gzip does is unpacked.
-std::string unpackCsv(std::string_view bytes, const std::string& file);
+/// The text of a file's bytes: whatever begins as gzip does is unpacked.
+/// \throws DataError: not gzip although the name ends in .gz, truncated or damaged.
+std::string unpackCsv(std::string packed, const std::string& file);
 
 /// A DataError "FILE:LINE: sentence".
 [[noreturn]] void failInCsv(const std::string& file, std::uint32_t line, const std::string& sentence);

@@ -1,9 +1,11 @@
 #include "simgap/core/interrupt.h"
 
 #include <signal.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cstdint>
 
 #include "simgap/core/error.h"
 
@@ -12,10 +14,20 @@ namespace {
 
 // A handler may touch nothing but lock-free atomics, and other threads read the flag.
 std::atomic<bool> requested{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<std::int64_t> first_request_ms{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
 
 extern "C" void onStopSignal(int signal) {
-  const bool again = requested.exchange(true, std::memory_order_relaxed);
+  timespec now = {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  const std::int64_t milliseconds = now.tv_sec * std::int64_t{1000} + now.tv_nsec / 1'000'000;
+  if (!requested.exchange(true, std::memory_order_relaxed)) {
+    first_request_ms.store(milliseconds, std::memory_order_relaxed);
+    return;
+  }
+  // `timeout` and some terminals send one wish to stop twice, to the process and to its group.
+  constexpr std::int64_t kSameWish = 500;
+  const bool again = milliseconds - first_request_ms.load(std::memory_order_relaxed) > kSameWish;
   if (again && signal == SIGINT) _exit(static_cast<int>(ExitCode::kInterrupted));
 }
 

@@ -206,6 +206,14 @@ void RunRecord::addInput(std::string_view role, const fs::path& file, std::strin
   json_["inputs"].push_back({{"role", role}, {"file", file.string()}, {"sha256", sha256(content)}});
 }
 
+void RunRecord::addEarlier(const Json& record) {
+  Json earlier = record;
+  Json sessions = earlier.value("earlier", Json::array());
+  earlier.erase("earlier");
+  sessions.push_back(earlier);
+  json_["earlier"] = sessions;
+}
+
 void RunRecord::write(const RunDirectory& directory, std::string_view status) {
   json_["duration_s"] = steadySeconds() - start_s_;
   json_["status"] = status;

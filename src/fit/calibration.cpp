@@ -72,8 +72,7 @@ void Calibration::evaluateGeneration() {
   std::size_t best = 0;
   std::vector<double> best_mje;
   for (std::size_t k = 0; k < individuals.size(); ++k) {
-    const Assessment judged =
-        assess(layout_, poses_, std::span(outcomes).subspan(k * poses_.size(), poses_.size()));
+    const Assessment judged = assess(layout_, poses_, std::span(outcomes).subspan(k * poses_.size(), poses_.size()));
     fitness[k] = judged.fitness;
     if (std::isnan(judged.fitness)) continue;
     if (valid.empty() || judged.fitness < fitness[best]) {

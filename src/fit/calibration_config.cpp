@@ -7,7 +7,7 @@ namespace simgap {
 namespace {
 
 EvolutionStrategyOptions readStrategy(const YamlNode& node) {
-  constexpr long kMany = 1'000'000'000;
+  constexpr long kMany = 1'000'000;
   EvolutionStrategyOptions options;
   if (const auto mu = node.find("mu")) options.mu = static_cast<int>(mu->integer(1, kMany));
   if (const auto lambda = node.find("lambda")) options.lambda = static_cast<int>(lambda->integer(1, kMany));

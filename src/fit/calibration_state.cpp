@@ -19,9 +19,9 @@ Individual individualFromJson(const Json& json) {
 }
 
 Json toJson(const GenerationRecord& r) {
-  return {{"generation", r.generation}, {"best", r.best},           {"median", r.median},
+  return {{"generation", r.generation},   {"best", r.best},           {"median", r.median},
           {"best_so_far", r.best_so_far}, {"sigma_min", r.sigma_min}, {"sigma_median", r.sigma_median},
-          {"sigma_max", r.sigma_max},   {"invalid", r.invalid},     {"mje", r.mje}};
+          {"sigma_max", r.sigma_max},     {"invalid", r.invalid},     {"mje", r.mje}};
 }
 
 GenerationRecord recordFromJson(const Json& json) {

@@ -27,6 +27,16 @@ void refuseUnknownMuscles(const CsvTable& table, const PoseLayout& layout) {
   }
 }
 
+void refuseTimeGoingBack(const CsvTable& table) {
+  if (!table.hasQuantity("time", "s")) return;
+  const std::vector<double> time = table.quantity("time", "s");
+  for (std::size_t row = 1; row < time.size(); ++row) {
+    if (time[row] < time[row - 1]) {
+      table.fail(row, fmt::format("time goes back: found {} s behind {} s", time[row], time[row - 1]));
+    }
+  }
+}
+
 /// The four columns of a spherical joint as unit quaternions, shape (rows).
 std::vector<Eigen::Quaterniond> readRotations(const CsvTable& table, const std::string& joint) {
   std::array<std::vector<double>, 4> q;
@@ -46,8 +56,8 @@ std::vector<Eigen::Quaterniond> readRotations(const CsvTable& table, const std::
 }
 
 struct Columns {
-  std::vector<std::vector<double>> shafts;               ///< shape (muscles, rows)
-  std::vector<std::vector<JointPosition>> joints;        ///< shape (joints, rows)
+  std::vector<std::vector<double>> shafts;         ///< shape (muscles, rows)
+  std::vector<std::vector<JointPosition>> joints;  ///< shape (joints, rows)
 };
 
 Columns readColumns(const CsvTable& table, const PoseLayout& layout) {
@@ -113,6 +123,7 @@ PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   const bool has_repeats = table.has("repeat");
   const std::vector<std::string> repeats = has_repeats ? table.text("repeat") : names;
 
+  refuseTimeGoingBack(table);
   std::vector<std::string> order;
   std::map<std::string, std::vector<std::size_t>> rows_of;
   std::set<std::pair<std::string, std::string>> seen;

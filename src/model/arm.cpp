@@ -11,8 +11,10 @@ Eigen::Matrix3d centralInertia(const Part& part) {
       return 0.4 * part.mass * part.radius * part.radius * identity;
     case Part::Shape::kBox: {
       const Eigen::Vector3d square = part.size.cwiseAbs2();
-      return part.mass / 12.0 * Eigen::Vector3d(square.y() + square.z(), square.z() + square.x(),
-                                                square.x() + square.y()).asDiagonal().toDenseMatrix();
+      return part.mass / 12.0 *
+             Eigen::Vector3d(square.y() + square.z(), square.z() + square.x(), square.x() + square.y())
+                 .asDiagonal()
+                 .toDenseMatrix();
     }
     case Part::Shape::kCylinder:
       break;

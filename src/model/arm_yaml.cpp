@@ -85,8 +85,8 @@ Body readBodyEntry(const YamlNode& node, std::set<std::string>& names) {
 Joint readJoint(const YamlNode& node, const std::vector<Body>& bodies, std::set<std::string>& names) {
   Joint joint;
   joint.name = readName(node, names);
-  joint.type = node.at("type").oneOf({"spherical", "revolute"}) == "spherical" ? JointType::kSpherical
-                                                                              : JointType::kRevolute;
+  joint.type =
+      node.at("type").oneOf({"spherical", "revolute"}) == "spherical" ? JointType::kSpherical : JointType::kRevolute;
   joint.parent = readBody(node.at("parent"), bodies);
   joint.child = readBody(node.at("child"), bodies);
   joint.parent_position = node.vectorQuantity("parent_position", "m");
@@ -126,8 +126,6 @@ Motor readMotor(const YamlNode& node, const Motor* fallback) {
   motor.supply_voltage = read("supply_voltage", "V", kPositive, &Motor::supply_voltage);
   return motor;
 }
-
-constexpr Range kEfficiency{0.0, 1.0, true, "a number in (0, 1]"};
 
 Gearbox readGearbox(const YamlNode& node, const Gearbox* fallback) {
   const auto plain = [&](std::string_view key, const Range& range, double Gearbox::*member) {
@@ -172,9 +170,10 @@ Muscle readMuscle(const YamlNode& node, const ArmModel& model, const YamlNode& r
   const auto motor = node.find("motor");
   const auto gearbox = node.find("gearbox");
   if (!motor && !root.has("motor_defaults")) node.fail("'motor' is missing, and the file has no 'motor_defaults'");
-  if (!gearbox && !root.has("gearbox_defaults")) node.fail("'gearbox' is missing, and the file has no 'gearbox_defaults'");
-  muscle.motor = motor ? readMotor(*motor, root.has("motor_defaults") ? &model.motor_defaults : nullptr)
-                       : model.motor_defaults;
+  if (!gearbox && !root.has("gearbox_defaults"))
+    node.fail("'gearbox' is missing, and the file has no 'gearbox_defaults'");
+  muscle.motor =
+      motor ? readMotor(*motor, root.has("motor_defaults") ? &model.motor_defaults : nullptr) : model.motor_defaults;
   muscle.gearbox = gearbox ? readGearbox(*gearbox, root.has("gearbox_defaults") ? &model.gearbox_defaults : nullptr)
                            : model.gearbox_defaults;
   return muscle;

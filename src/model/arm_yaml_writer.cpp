@@ -28,15 +28,15 @@ std::string part(const Part& p) {
 std::string joint(const Joint& j, const std::vector<Body>& bodies) {
   std::string text = fmt::format(
       "  - {{name: {}, type: {}, parent: {}, child: {}, parent_position_m: {}, child_position_m: {}", yamlText(j.name),
-      j.type == JointType::kSpherical ? "spherical" : "revolute", yamlText(bodies[j.parent].name), yamlText(bodies[j.child].name),
-      vector(j.parent_position), vector(j.child_position));
+      j.type == JointType::kSpherical ? "spherical" : "revolute", yamlText(bodies[j.parent].name),
+      yamlText(bodies[j.child].name), vector(j.parent_position), vector(j.child_position));
   if (j.type == JointType::kRevolute) {
     text += fmt::format(", axis: {}", vector(j.axis));
     if (j.lower_limit > -Joint::kUnlimited) text += fmt::format(", lower_limit_rad: {}", j.lower_limit);
     if (j.upper_limit < Joint::kUnlimited) text += fmt::format(", upper_limit_rad: {}", j.upper_limit);
   }
-  return text + fmt::format(", coulomb_friction_Nm: {}, viscous_friction_Nms: {}}}\n", j.coulomb_friction,
-                            j.viscous_friction);
+  return text +
+         fmt::format(", coulomb_friction_Nm: {}, viscous_friction_Nms: {}}}\n", j.coulomb_friction, j.viscous_friction);
 }
 
 std::string motor(const Motor& m) {
@@ -57,8 +57,8 @@ std::string muscle(const Muscle& m, const ArmModel& model, const std::string& mo
                    const std::string& gearbox_default) {
   std::string text = fmt::format("  - name: {}\n    attachments: [", yamlText(m.name));
   for (std::size_t i = 0; i < 2; ++i) {
-    text += fmt::format("{}{{body: {}, point_m: {}}}", i ? ", " : "", yamlText(model.bodies[m.attachments[i].body].name),
-                        vector(m.attachments[i].point));
+    text += fmt::format("{}{{body: {}, point_m: {}}}", i ? ", " : "",
+                        yamlText(model.bodies[m.attachments[i].body].name), vector(m.attachments[i].point));
   }
   text += fmt::format(
       "]\n    kite_line_length_m: {}\n    shock_cord: {{rest_length_m: {}, stiffness_N_m: {}, damping_Ns_m: {}}}\n"

@@ -15,11 +15,12 @@ class ItemVisitor {
  public:
   ItemVisitor(std::string_view group, std::string_view item, const Visit& visit)
       : group_(group), item_(item), visit_(visit) {}
-  void operator()(std::string_view member, std::string_view unit, double& value) const {
-    visit_(ParameterPath{group_, item_, member, -1}, unit, value);
+  void operator()(std::string_view member, std::string_view unit, const Range& range, double& value) const {
+    visit_(ParameterPath{group_, item_, member, -1}, ParameterKind{unit, range}, value);
   }
   void operator()(std::string_view member, std::string_view unit, Eigen::Vector3d& value) const {
-    for (int i = 0; i < 3; ++i) visit_(ParameterPath{group_, item_, member, i}, unit, value[i]);
+    for (int i = 0; i < 3; ++i)
+      visit_(ParameterPath{group_, item_, member, i}, ParameterKind{unit, kAnyNumber}, value[i]);
   }
 
  private:
@@ -31,21 +32,21 @@ template <class Visit>
 void visitMuscle(Muscle& muscle, const ItemVisitor<Visit>& visit) {
   visit("attachments.0.point_m", "m", muscle.attachments[0].point);
   visit("attachments.1.point_m", "m", muscle.attachments[1].point);
-  visit("kite_line_length_m", "m", muscle.kite_line_length);
-  visit("shock_cord.rest_length_m", "m", muscle.shock_cord.rest_length);
-  visit("shock_cord.stiffness_N_m", "N_m", muscle.shock_cord.stiffness);
-  visit("shock_cord.damping_Ns_m", "Ns_m", muscle.shock_cord.damping);
-  visit("spindle_radius_m", "m", muscle.spindle_radius);
-  visit("motor.resistance_ohm", "ohm", muscle.motor.resistance);
-  visit("motor.inductance_H", "H", muscle.motor.inductance);
-  visit("motor.back_emf_constant_Vs", "Vs", muscle.motor.back_emf_constant);
-  visit("motor.torque_constant_Nm_A", "Nm_A", muscle.motor.torque_constant);
-  visit("motor.inertia_kg_m2", "kg_m2", muscle.motor.inertia);
-  visit("motor.viscous_friction_Nms", "Nms", muscle.motor.viscous_friction);
-  visit("motor.coulomb_friction_Nm", "Nm", muscle.motor.coulomb_friction);
-  visit("gearbox.efficiency", "1", muscle.gearbox.efficiency);
-  visit("gearbox.viscous_friction_Nms", "Nms", muscle.gearbox.viscous_friction);
-  visit("gearbox.coulomb_friction_Nm", "Nm", muscle.gearbox.coulomb_friction);
+  visit("kite_line_length_m", "m", kAnyNumber, muscle.kite_line_length);
+  visit("shock_cord.rest_length_m", "m", kPositive, muscle.shock_cord.rest_length);
+  visit("shock_cord.stiffness_N_m", "N_m", kPositive, muscle.shock_cord.stiffness);
+  visit("shock_cord.damping_Ns_m", "Ns_m", kNonNegative, muscle.shock_cord.damping);
+  visit("spindle_radius_m", "m", kPositive, muscle.spindle_radius);
+  visit("motor.resistance_ohm", "ohm", kPositive, muscle.motor.resistance);
+  visit("motor.inductance_H", "H", kPositive, muscle.motor.inductance);
+  visit("motor.back_emf_constant_Vs", "Vs", kPositive, muscle.motor.back_emf_constant);
+  visit("motor.torque_constant_Nm_A", "Nm_A", kPositive, muscle.motor.torque_constant);
+  visit("motor.inertia_kg_m2", "kg_m2", kPositive, muscle.motor.inertia);
+  visit("motor.viscous_friction_Nms", "Nms", kNonNegative, muscle.motor.viscous_friction);
+  visit("motor.coulomb_friction_Nm", "Nm", kNonNegative, muscle.motor.coulomb_friction);
+  visit("gearbox.efficiency", "1", kEfficiency, muscle.gearbox.efficiency);
+  visit("gearbox.viscous_friction_Nms", "Nms", kNonNegative, muscle.gearbox.viscous_friction);
+  visit("gearbox.coulomb_friction_Nm", "Nm", kNonNegative, muscle.gearbox.coulomb_friction);
 }
 
 /// The traversal itself, inlined with its visitor so that `apply` costs no calls and no strings.
@@ -57,7 +58,7 @@ void traverse(ArmModel& model, const Visit& visit) {
     for (Part& part : body.parts) {
       const std::string mass = part.name + ".mass_kg";
       const std::string position = part.name + ".position_m";
-      item(mass, "kg", part.mass);
+      item(mass, "kg", kPositive, part.mass);
       item(position, "m", part.position);
     }
   }
@@ -65,8 +66,8 @@ void traverse(ArmModel& model, const Visit& visit) {
     const ItemVisitor<Visit> item("joints", joint.name, visit);
     item("parent_position_m", "m", joint.parent_position);
     item("child_position_m", "m", joint.child_position);
-    item("coulomb_friction_Nm", "Nm", joint.coulomb_friction);
-    item("viscous_friction_Nms", "Nms", joint.viscous_friction);
+    item("coulomb_friction_Nm", "Nm", kNonNegative, joint.coulomb_friction);
+    item("viscous_friction_Nms", "Nms", kNonNegative, joint.viscous_friction);
   }
   for (Muscle& muscle : model.muscles) visitMuscle(muscle, ItemVisitor<Visit>("muscles", muscle.name, visit));
 }
@@ -77,22 +78,22 @@ std::pair<std::string_view, std::string_view> splitFirst(std::string_view path) 
   return {path.substr(0, dot), path.substr(dot + 1)};
 }
 
-double bound(const std::optional<double>& given, double otherwise) { return given.value_or(otherwise); }
+/// The smallest number a model file may hold; where 0 itself may not stand, one that is as good as 0.
+double smallest(const Range& range) { return range.lower_open ? range.lower + 1e-12 : range.lower; }
 
-/// A parameter's smallest and largest value where the configuration gives none: whatever the model can be.
-SearchParameter makeParameter(const std::string& name, std::string_view unit, double value,
+SearchParameter makeParameter(const std::string& name, const ParameterKind& kind, double value,
                               const ParameterSpace::Choice& choice) {
   SearchParameter parameter{name,
-                            std::string(unit),
+                            std::string(kind.unit),
                             value,
                             choice.step,
-                            bound(choice.lower, -kInfinity),
-                            bound(choice.upper, kInfinity),
+                            std::max(choice.lower.value_or(-kInfinity), smallest(kind.range)),
+                            std::min(choice.upper.value_or(kInfinity), kind.range.upper),
                             choice.prior_sd};
   if (choice.prior_sd_percent) parameter.prior_sd = 0.01 * *choice.prior_sd_percent * std::abs(value);
   if (value < parameter.lower || value > parameter.upper) {
     throw ConfigError(fmt::format("parameters: pattern '{}': {} is {} {} in the model, outside its range [{}, {}]",
-                                  choice.pattern, name, value, unit, parameter.lower, parameter.upper));
+                                  choice.pattern, name, value, kind.unit, parameter.lower, parameter.upper));
   }
   return parameter;
 }
@@ -146,7 +147,7 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
   ArmModel copy = model;
   std::vector<bool> used(choices.size());
   std::size_t position = 0;
-  traverse(copy, [&](const ParameterPath& path, std::string_view unit, double& value) {
+  traverse(copy, [&](const ParameterPath& path, const ParameterKind& kind, double& value) {
     const std::string name = path.str();
     const Choice* chosen = nullptr;
     for (std::size_t c = 0; c < choices.size(); ++c) {
@@ -159,7 +160,7 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
       chosen = &choices[c];
     }
     if (chosen) {
-      parameters_.push_back(makeParameter(name, unit, value, *chosen));
+      parameters_.push_back(makeParameter(name, kind, value, *chosen));
       positions_.push_back(position);
     }
     ++position;
@@ -174,7 +175,7 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
 void ParameterSpace::apply(std::span<const double> values, ArmModel& model) const {
   std::size_t position = 0;
   std::size_t next = 0;
-  traverse(model, [&](const ParameterPath&, std::string_view, double& value) {
+  traverse(model, [&](const ParameterPath&, const ParameterKind&, double& value) {
     if (next < positions_.size() && positions_[next] == position) value = values[next++];
     ++position;
   });

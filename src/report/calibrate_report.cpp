@@ -54,7 +54,8 @@ std::vector<std::vector<std::string>> mjeRows(const CalibrationResult& result) {
 std::string answer(const CalibrationResult& result) {
   const SetResult& judge = result.sets.back();
   const bool held_out = result.sets.size() > 1;
-  std::string text = held_out ? "On poses the search never saw the gap went" : "On the poses it was fitted to the gap went";
+  std::string text =
+      held_out ? "On poses the search never saw the gap went" : "On the poses it was fitted to the gap went";
   for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
     text += fmt::format("{} from {} to {} deg ({})", j ? "," : "", degreesText(judge.initial.mje[j]),
                         degreesText(judge.final.mje[j]), result.layout.joints[j].name);
@@ -79,12 +80,12 @@ void addConvergence(const CalibrationResult& result, Page& page) {
   mje.push_back({"capture noise", std::vector<double>(generations.size(), toDegrees(result.config.capture_sd))});
   page.charts.push_back({"Convergence: mean joint error of the best model so far",
                          lineChart(generations, mje, "generation", "mean joint error [deg]", true)});
-  page.charts.push_back({"Convergence: fitness",
-                         lineChart(generations,
-                                   {{"best of all generations", column(result, &GenerationRecord::best_so_far)},
-                                    {"best of the generation", column(result, &GenerationRecord::best)},
-                                    {"median of the generation", column(result, &GenerationRecord::median)}},
-                                   "generation", "sum of squared errors [rad^2]", true)});
+  page.charts.push_back(
+      {"Convergence: fitness", lineChart(generations,
+                                         {{"best of all generations", column(result, &GenerationRecord::best_so_far)},
+                                          {"best of the generation", column(result, &GenerationRecord::best)},
+                                          {"median of the generation", column(result, &GenerationRecord::median)}},
+                                         "generation", "sum of squared errors [rad^2]", true)});
   page.charts.push_back({"Step sizes, relative to the initial ones",
                          lineChart(generations,
                                    {{"largest", column(result, &GenerationRecord::sigma_max)},
@@ -110,7 +111,8 @@ void addPoseErrors(const CalibrationResult& result, Page& page) {
 Json toJson(const CalibrationResult& result) {
   Json mje = Json::object(), paper = Json::object(), valid = Json::object();
   for (const SetResult& set : result.sets) {
-    mje[set.name] = {{"initial", mjeJson(result.layout, set.initial.mje)}, {"final", mjeJson(result.layout, set.final.mje)}};
+    mje[set.name] = {{"initial", mjeJson(result.layout, set.initial.mje)},
+                     {"final", mjeJson(result.layout, set.final.mje)}};
     paper[set.name] = {{"initial", mjeJson(result.layout, set.initial.mje, true)},
                        {"final", mjeJson(result.layout, set.final.mje, true)}};
     valid[set.name] = {{"initial", set.initial.valid}, {"final", set.final.valid}, {"of", set.set.poses.size()}};
@@ -132,8 +134,8 @@ Json toJson(const CalibrationResult& result) {
 }
 
 std::string historyCsv(const CalibrationResult& result) {
-  std::vector<std::string> header{"generation", "best_rad2",  "median_rad2", "best_so_far_rad2",
-                                  "sigma_min",  "sigma_median", "sigma_max", "invalid"};
+  std::vector<std::string> header{"generation", "best_rad2",    "median_rad2", "best_so_far_rad2",
+                                  "sigma_min",  "sigma_median", "sigma_max",   "invalid"};
   for (const JointChannel& joint : result.layout.joints) header.push_back("mje_" + joint.name + "_deg");
   CsvWriter csv(header);
   for (const GenerationRecord& r : result.state.history) {

@@ -15,7 +15,8 @@ namespace mustache = kainjow::mustache;
 // Okabe & Ito (2008): blue, vermilion, green, orange, purple, sky blue.
 constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9"};
 
-constexpr const char* kTable = R"({{#folded}}<details><summary>{{caption}}</summary>{{/folded}}<div class="scroll"><table>
+constexpr const char* kTable =
+    R"({{#folded}}<details><summary>{{caption}}</summary>{{/folded}}<div class="scroll"><table>
 {{^folded}}<caption>{{caption}}</caption>{{/folded}}
 <thead><tr>{{#header}}<th scope="col">{{cell}}</th>{{/header}}</tr></thead>
 <tbody>{{#rows}}<tr>{{#cells}}<td>{{cell}}</td>{{/cells}}</tr>
@@ -46,7 +47,8 @@ mustache::data tables(const std::vector<PageTable>& given) {
 /// JSON inside a script element must neither end the element nor open a comment: "<" stands in its texts only.
 std::string scriptSafe(const Json& json) {
   std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) text.replace(at, 1, "\\u003c");
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
+    text.replace(at, 1, "\\u003c");
   return text;
 }
 
@@ -98,15 +100,16 @@ Json lineChart(const std::vector<double>& x, const std::vector<Series>& series, 
                         {"borderWidth", 2},
                         {"pointRadius", 0}});
   }
-  return {{"type", "line"},
-          {"data", {{"labels", x}, {"datasets", datasets}}},
-          {"options",
-           {{"interaction", {{"mode", "index"}, {"intersect", false}}},
-            {"scales",
-             {{"x", {{"title", {{"display", true}, {"text", x_title}}}, {"ticks", {{"maxRotation", 0}, {"maxTicksLimit", 12}}}}},
-              {"y",
-               {{"type", logarithmic ? "logarithmic" : "linear"},
-                {"title", {{"display", true}, {"text", y_title}}}}}}}}}};
+  return {
+      {"type", "line"},
+      {"data", {{"labels", x}, {"datasets", datasets}}},
+      {"options",
+       {{"interaction", {{"mode", "index"}, {"intersect", false}}},
+        {"scales",
+         {{"x",
+           {{"title", {{"display", true}, {"text", x_title}}}, {"ticks", {{"maxRotation", 0}, {"maxTicksLimit", 12}}}}},
+          {"y",
+           {{"type", logarithmic ? "logarithmic" : "linear"}, {"title", {{"display", true}, {"text", y_title}}}}}}}}}};
 }
 
 Json barChart(const std::vector<std::string>& labels, const std::vector<Series>& series, const std::string& y_title) {

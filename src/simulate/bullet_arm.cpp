@@ -15,8 +15,8 @@ constexpr double kRunawaySpeed = 1e4;  // [rad/s]; no arm turns that fast, a sim
 
 /// A body's place in the multibody. Bullet wants link frames at the centre of mass along the principal axes.
 struct Link {
-  int index = -1;  ///< -1: a fixed body, the multibody's base
-  Eigen::Vector3d centre_of_mass = Eigen::Vector3d::Zero();        ///< in the body's frame
+  int index = -1;                                            ///< -1: a fixed body, the multibody's base
+  Eigen::Vector3d centre_of_mass = Eigen::Vector3d::Zero();  ///< in the body's frame
   Eigen::Quaterniond body_from_link = Eigen::Quaterniond::Identity();
 };
 
@@ -30,8 +30,8 @@ struct BulletArm::World {
   JointConstraintSolver solver;
   btMultiBodyDynamicsWorld world{&dispatcher, &broadphase, &solver, &collision_configuration};
   btMultiBody body;
-  std::vector<Link> links;          ///< shape (bodies)
-  std::vector<int> link_of_joint;   ///< shape (joints)
+  std::vector<Link> links;         ///< shape (bodies)
+  std::vector<int> link_of_joint;  ///< shape (joints)
 
   explicit World(int number_of_links)
       : body(number_of_links, 0.0, btVector3(0.0, 0.0, 0.0), /*fixedBase=*/true, /*canSleep=*/false) {

@@ -43,8 +43,8 @@ void JointConstraintSolver::setArm(btMultiBody* body, const std::vector<Joint>& 
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const Joint& joint = joints[j];
     const int first = body->getLink(links[j]).m_dofOffset;
-    blocks_.push_back({first, joint.degreesOfFreedom(), links[j], joint.coulomb_friction, joint.lower_limit,
-                       joint.upper_limit});
+    blocks_.push_back(
+        {first, joint.degreesOfFreedom(), links[j], joint.coulomb_friction, joint.lower_limit, joint.upper_limit});
     viscous_.segment(first, joint.degreesOfFreedom()).setConstant(joint.viscous_friction);
   }
 }

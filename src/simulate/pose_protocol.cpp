@@ -80,12 +80,15 @@ PoseOutcome replayPose(BulletArm& arm, std::span<const double> shafts, const Pos
 
   const long wanted = stepsIn(protocol.steady, protocol.arm.step);
   long still = 0;
+  Worst disturber;  // the joint that last broke the rest
   for (long i = stepsIn(protocol.settle, protocol.arm.step); i > 0 && still < wanted; --i) {
     arm.step();
     if (!arm.isFinite()) return failed(arm, PoseStatus::kNotFinite);
-    still = fastestJoint(arm).value < protocol.max_velocity ? still + 1 : 0;
+    const Worst fastest = fastestJoint(arm);
+    still = fastest.value < protocol.max_velocity ? still + 1 : 0;
+    if (still == 0) disturber = fastest;
   }
-  if (still < wanted) return failed(arm, PoseStatus::kNotSteady, fastestJoint(arm));
+  if (still < wanted) return failed(arm, PoseStatus::kNotSteady, disturber);
   return atRest(arm);
 }
 
@@ -115,13 +118,15 @@ PoseProtocol PoseProtocol::read(const YamlNode& node) {
 void PoseProtocol::validate() const {
   arm.validate();
   if (steady > settle) {
-    throw ConfigError(fmt::format("steady_s {} is longer than settle_s {}: no pose could ever be steady",
-                                  steady, settle));
+    throw ConfigError(
+        fmt::format("steady_s {} is longer than settle_s {}: no pose could ever be steady", steady, settle));
   }
 }
 
 std::string PoseProtocol::toYaml(const std::string& indent) const {
-  const auto line = [&indent](std::string_view key, auto value) { return fmt::format("{}{}: {}\n", indent, key, value); };
+  const auto line = [&indent](std::string_view key, auto value) {
+    return fmt::format("{}{}: {}\n", indent, key, value);
+  };
   return line("step_s", arm.step) + line("controller_rate_Hz", arm.controller_rate) +
          line("shaft_gain_V_rad", arm.shaft_gain) + line("acquisition_s", acquisition) + line("settle_s", settle) +
          line("steady_s", steady) + line("max_shaft_error_rad", max_shaft_error) +

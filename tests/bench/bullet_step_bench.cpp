@@ -1,5 +1,6 @@
 /// \file
-/// What a step of the arm costs beside a bare Bullet world with the same bodies, joints, limits and friction constraints.
+/// What a step of the arm costs beside a bare Bullet world with the same bodies, joints, limits and friction
+/// constraints.
 #include <benchmark/benchmark.h>
 
 #include <memory>

@@ -36,7 +36,7 @@ std::string errorOf(const std::vector<Choice>& choices) {
 /// All numbers of a model by name.
 std::map<std::string, double> numbersOf(ArmModel model) {
   std::map<std::string, double> numbers;
-  visitParameters(model, [&](const ParameterPath& path, std::string_view, double& value) {
+  visitParameters(model, [&](const ParameterPath& path, const ParameterKind&, double& value) {
     EXPECT_TRUE(numbers.emplace(path.str(), value).second) << path.str() << " is visited twice";
   });
   return numbers;

@@ -70,7 +70,7 @@ class Session {
   void abandon(const std::string& status);
 
  private:
-  void record(std::uint64_t seed);
+  void record(std::uint64_t seed, const Json& earlier);
 
   std::string command_;
   CommonOptions options_;

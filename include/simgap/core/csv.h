@@ -25,10 +25,11 @@ struct CsvOptions {
 /// demand.
 class CsvTable {
  public:
-  /// \throws DataError: unreadable, empty, ragged, duplicate header, a `rename` that names no column; with its line.
+  /// \throws ConfigError when it cannot be read, DataError: empty, ragged, duplicate header, a `rename` that names no
+  /// column; with its line.
   static CsvTable load(const std::filesystem::path& file, const CsvOptions& options = {});
   /// The same from the file's bytes, packed or not; `name` stands for the file in errors.
-  static CsvTable parse(std::string_view text, const std::string& name, const CsvOptions& options = {});
+  static CsvTable parse(std::string text, const std::string& name, const CsvOptions& options = {});
 
   const std::string& name() const { return name_; }
   std::size_t rows() const { return rows_; }

@@ -64,6 +64,8 @@ class RunRecord {
   RunRecord(const std::vector<std::string>& argv, std::uint64_t seed, int threads);
   /// Adds an input's path and SHA-256.
   void addInput(std::string_view role, const std::filesystem::path& file, std::string_view content);
+  /// Keeps the record of an earlier session of the same run, whose inputs and command line would be lost otherwise.
+  void addEarlier(const Json& record);
   /// Status "running", "done", "failed: <sentence>" or "interrupted", with the duration so far; writes run.json.
   void write(const RunDirectory& directory, std::string_view status);
 

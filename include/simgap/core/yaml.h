@@ -31,6 +31,7 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr Range kAnyNumber{-kInfinity, kInfinity, false, "a finite number"};
 inline constexpr Range kPositive{0.0, kInfinity, true, "a number > 0"};
 inline constexpr Range kNonNegative{0.0, kInfinity, false, "a number >= 0"};
+inline constexpr Range kEfficiency{0.0, 1.0, true, "a number in (0, 1]"};
 
 /// A node of a YAML document that remembers what was read, so that what was not read can be refused.
 /// Cheap to copy; every node keeps the document alive.

@@ -1,6 +1,6 @@
 /// \file
-/// Calibration of an arm on recorded poses: an evolution strategy over chosen parameters, judged by an evaluator, with a
-/// state after every generation from which it goes on bit-identically.
+/// Calibration of an arm on recorded poses: an evolution strategy over chosen parameters, judged by an evaluator, with
+/// a state after every generation from which it goes on bit-identically.
 #pragma once
 
 #include <functional>
@@ -31,13 +31,13 @@ struct CalibrationConfig {
 
 /// One generation, a row of history.csv. Step sizes are relative to the initial ones.
 struct GenerationRecord {
-  int generation = 0;                    ///< from 1
-  double best = 0.0;                     ///< fitness of its best valid individual [rad^2]
-  double median = 0.0;                   ///< of its valid individuals [rad^2]
-  double best_so_far = 0.0;              ///< of all generations [rad^2]
+  int generation = 0;                                           ///< from 1
+  double best = 0.0;                                            ///< fitness of its best valid individual [rad^2]
+  double median = 0.0;                                          ///< of its valid individuals [rad^2]
+  double best_so_far = 0.0;                                     ///< of all generations [rad^2]
   double sigma_min = 0.0, sigma_median = 0.0, sigma_max = 0.0;  ///< over parameters of the generation's best
-  int invalid = 0;                       ///< individuals
-  std::vector<double> mje;               ///< of I_best, shape (joints) [rad]
+  int invalid = 0;                                              ///< individuals
+  std::vector<double> mje;                                      ///< of I_best, shape (joints) [rad]
 };
 
 /// Everything that changes while a calibration runs.

@@ -21,11 +21,11 @@ struct PoseLayout {
 /// One pose: the mean of its repeats.
 struct Pose {
   std::string name;
-  std::vector<double> shafts;            ///< shape (muscles) [rad], reference of the shaft controllers
-  std::vector<JointPosition> joints;     ///< shape (joints), measured
+  std::vector<double> shafts;         ///< shape (muscles) [rad], reference of the shaft controllers
+  std::vector<JointPosition> joints;  ///< shape (joints), measured
   int repeats = 1;
-  std::vector<double> spread;            ///< shape (joints) [rad]: root mean square deviation of the repeats from their
-                                         ///< mean with repeats - 1 in the denominator; 0 for a single repeat
+  std::vector<double> spread;  ///< shape (joints) [rad]: root mean square deviation of the repeats from their
+                               ///< mean with repeats - 1 in the denominator; 0 for a single repeat
 };
 
 /// Poses in the order of their first row, with the file they came from.

@@ -18,12 +18,12 @@ struct Part {
   enum class Shape { kSphere, kCylinder, kBox };
   std::string name;
   Shape shape = Shape::kCylinder;
-  double radius = 0.0;                                  ///< [m] sphere, cylinder
-  double length = 0.0;                                  ///< [m] cylinder, along `axis`
-  Eigen::Vector3d size = Eigen::Vector3d::Zero();       ///< [m] box, along the body's axes
-  double mass = 0.0;                                    ///< [kg]
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();   ///< [m] centre, in the body's frame
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();      ///< of a cylinder, in the body's frame, unit length
+  double radius = 0.0;                                 ///< [m] sphere, cylinder
+  double length = 0.0;                                 ///< [m] cylinder, along `axis`
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();      ///< [m] box, along the body's axes
+  double mass = 0.0;                                   ///< [kg]
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m] centre, in the body's frame
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< of a cylinder, in the body's frame, unit length
   bool operator==(const Part&) const = default;
 };
 
@@ -36,9 +36,9 @@ struct Body {
 
 /// Mass, centre of mass and inertia of a body, in the body's frame.
 struct MassProperties {
-  double mass = 0.0;                                           ///< [kg]
-  Eigen::Vector3d centre_of_mass = Eigen::Vector3d::Zero();    ///< [m]
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();           ///< [kg m^2] about the centre of mass
+  double mass = 0.0;                                         ///< [kg]
+  Eigen::Vector3d centre_of_mass = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();         ///< [kg m^2] about the centre of mass
 };
 
 /// Sums the parts by the parallel-axis theorem.
@@ -48,8 +48,8 @@ MassProperties massProperties(const Body& body);
 struct Joint {
   std::string name;
   JointType type = JointType::kSpherical;
-  int parent = 0;  ///< index into bodies
-  int child = 0;   ///< index into bodies
+  int parent = 0;                                             ///< index into bodies
+  int child = 0;                                              ///< index into bodies
   Eigen::Vector3d parent_position = Eigen::Vector3d::Zero();  ///< [m] in the parent's frame
   Eigen::Vector3d child_position = Eigen::Vector3d::Zero();   ///< [m] in the child's frame
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();            ///< revolute: in the parent's frame, unit length
@@ -103,7 +103,7 @@ struct ShockCord {
 };
 
 struct Attachment {
-  int body = 0;  ///< index into bodies
+  int body = 0;                                     ///< index into bodies
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< [m] in the body's frame
 };
 

@@ -23,9 +23,14 @@ struct ParameterPath {
   std::string str() const;  ///< "muscles.biceps.attachments.0.point_m.x"
 };
 
+/// What a number of the model is, whatever its value.
+struct ParameterKind {
+  std::string_view unit;  ///< SI, as a suffix: "N_m"
+  Range range;            ///< what a model file may hold
+};
+
 /// Calls `visit` with every number of the model that a calibration may change, in a fixed order.
-/// \param visit  called with the path, the SI unit as a suffix ("N_m") and a reference to the value.
-using ParameterVisitor = std::function<void(const ParameterPath& path, std::string_view unit, double& value)>;
+using ParameterVisitor = std::function<void(const ParameterPath& path, const ParameterKind& kind, double& value)>;
 void visitParameters(ArmModel& model, const ParameterVisitor& visit);
 
 /// True when the pattern's dot-separated parts match the first parts of the path; `*` stands for one whole part.
@@ -33,12 +38,12 @@ bool matchesPattern(std::string_view pattern, std::string_view path);
 
 /// One parameter that is searched.
 struct SearchParameter {
-  std::string name;       ///< its path
-  std::string unit;       ///< SI
-  double initial;         ///< value in the model
-  double step;            ///< initial step size, > 0
-  double lower;           ///< may be -infinity
-  double upper;           ///< may be +infinity
+  std::string name;                ///< its path
+  std::string unit;                ///< SI
+  double initial;                  ///< value in the model
+  double step;                     ///< initial step size, > 0
+  double lower;                    ///< the configuration's, or what the model file may hold; may be -infinity
+  double upper;                    ///< likewise; may be +infinity
   std::optional<double> prior_sd;  ///< how well the initial value is known, in the parameter's unit
 };
 

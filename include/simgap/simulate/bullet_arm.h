@@ -13,9 +13,9 @@
 namespace simgap {
 
 struct BulletArmOptions {
-  double step = 0.002;                 ///< [s] physics step; the controller's period is a whole number of steps
-  double controller_rate = 500.0;      ///< [Hz] shaft-position controllers
-  double shaft_gain = 50.0;            ///< K_p [V/rad]
+  double step = 0.002;             ///< [s] physics step; the controller's period is a whole number of steps
+  double controller_rate = 500.0;  ///< [Hz] shaft-position controllers
+  double shaft_gain = 50.0;        ///< K_p [V/rad]
   bool operator==(const BulletArmOptions&) const = default;
   /// \throws ConfigError
   void validate() const;
@@ -38,17 +38,18 @@ class BulletArm {
   void setShaftReferences(std::span<const double> references);
   /// Places the joints, at rest; the shafts stay.
   void setJointPositions(std::span<const JointPosition> joints);
-  /// Angular velocity of a joint's child relative to its parent, in the child's frame; revolute: (about the axis, -, -).
+  /// Angular velocity of a joint's child relative to its parent, in the child's frame; revolute: (about the axis, -,
+  /// -).
   void setJointVelocity(std::size_t joint, const Eigen::Vector3d& velocity);
   /// Advances one physics step.
   void step();
 
-  double time() const;                                    ///< [s] since reset
+  double time() const;  ///< [s] since reset
   JointPosition jointPosition(std::size_t joint) const;
-  double jointSpeed(std::size_t joint) const;             ///< norm of its angular velocity [rad/s]
-  double shaftAngle(std::size_t muscle) const;            ///< [rad]
-  double shaftError(std::size_t muscle) const;            ///< reference - angle [rad]
-  bool isFinite() const;                                  ///< false once the simulation has blown up
+  double jointSpeed(std::size_t joint) const;   ///< norm of its angular velocity [rad/s]
+  double shaftAngle(std::size_t muscle) const;  ///< [rad]
+  double shaftError(std::size_t muscle) const;  ///< reference - angle [rad]
+  bool isFinite() const;                        ///< false once the simulation has blown up
 
   /// \name Sensors (000 section VI)
   ///@{
@@ -75,9 +76,9 @@ class BulletArm {
   Eigen::Vector3d gravity_;
   std::vector<JointPosition> start_;
   std::vector<MuscleState> muscles_;
-  std::vector<BodyInWorld> frames_;        ///< shape (bodies)
-  std::vector<Eigen::Vector3d> spin_;      ///< angular velocity of each body in the world [rad/s]
-  std::vector<Eigen::Vector3d> drift_;     ///< velocity of each body's origin in the world [m/s]
+  std::vector<BodyInWorld> frames_;     ///< shape (bodies)
+  std::vector<Eigen::Vector3d> spin_;   ///< angular velocity of each body in the world [rad/s]
+  std::vector<Eigen::Vector3d> drift_;  ///< velocity of each body's origin in the world [m/s]
   std::unique_ptr<World> world_;
   long steps_ = 0;
   int controller_steps_ = 1;  ///< physics steps per controller period

@@ -36,10 +36,10 @@ class Drive {
  private:
   void move(DriveState& state, double voltage, double opposing_torque) const noexcept;
 
-  Eigen::Matrix3d transition_;  ///< of (i, w, phi)
+  Eigen::Matrix3d transition_;         ///< of (i, w, phi)
   Eigen::Matrix<double, 3, 2> input_;  ///< of (V, -opposing torque)
-  double rest_decay_;    ///< exp(-R dt / L): current while the rotor stands
-  double conductance_;   ///< 1 / R
+  double rest_decay_;                  ///< exp(-R dt / L): current while the rotor stands
+  double conductance_;                 ///< 1 / R
   double torque_per_ampere_;
   double coulomb_torque_;
   double ratio_;

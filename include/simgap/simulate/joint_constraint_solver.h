@@ -1,11 +1,11 @@
 /// \file
 /// Joint friction and joint limits as a constraint solver of Bullet's multibody world.
 ///
-/// Bullet's own joint motors and limits are solved row by row with a fixed number of sweeps, which does not settle where
-/// a limit and a friction motor meet, and its spherical motor clamps each axis, so that friction can reach
-/// sqrt(3) tau_max (ARCHITECTURE, traps). Here the same constraints, a motor with target velocity 0 and a maximum torque
-/// (000 section III-B2) and a one-sided limit, are solved in joint coordinates, each joint exactly and all joints by
-/// sweeps until nothing changes:
+/// Bullet's own joint motors and limits are solved row by row with a fixed number of sweeps, which does not settle
+/// where a limit and a friction motor meet, and its spherical motor clamps each axis, so that friction can reach
+/// sqrt(3) tau_max (ARCHITECTURE, traps). Here the same constraints, a motor with target velocity 0 and a maximum
+/// torque (000 section III-B2) and a one-sided limit, are solved in joint coordinates, each joint exactly and all
+/// joints by sweeps until nothing changes:
 ///
 ///     v = W (p + sum of impulses),  W = (M + dt C)^-1     viscous impulse -C v dt at the new velocity (000 eq. 1)
 ///     |friction impulse of a joint| <= tau_max dt;  opposes v where it slips, holds v = 0 where it can
@@ -40,14 +40,14 @@ class JointConstraintSolver : public btMultiBodyConstraintSolver {
  private:
   /// A joint's coordinates and the impulses that act on it.
   struct Block {
-    int first;             ///< of its coordinates
-    int size;              ///< 3 spherical, 1 revolute
+    int first;  ///< of its coordinates
+    int size;   ///< 3 spherical, 1 revolute
     int link;
-    double coulomb;        ///< tau_max [N m]
-    double lower, upper;   ///< [rad]
+    double coulomb;                                      ///< tau_max [N m]
+    double lower, upper;                                 ///< [rad]
     Eigen::Vector3d friction = Eigen::Vector3d::Zero();  ///< [N m s]
-    double limit = 0.0;    ///< [N m s], positive pushes up from the lower limit
-    double shift = 0.0;    ///< of the last slip, see frictionImpulse
+    double limit = 0.0;                                  ///< [N m s], positive pushes up from the lower limit
+    double shift = 0.0;                                  ///< of the last slip, see frictionImpulse
   };
 
   void assembleMobility();
@@ -60,10 +60,10 @@ class JointConstraintSolver : public btMultiBodyConstraintSolver {
 
   btMultiBody* body_ = nullptr;
   std::vector<Block> blocks_;
-  Eigen::VectorXd viscous_;   ///< shape (n) [N m s]
-  Eigen::MatrixXd mobility_;  ///< W, shape (n, n)
-  Eigen::VectorXd velocity_;  ///< v, shape (n) [rad/s]
-  Eigen::VectorXd column_;    ///< scratch, shape (n)
+  Eigen::VectorXd viscous_;                      ///< shape (n) [N m s]
+  Eigen::MatrixXd mobility_;                     ///< W, shape (n, n)
+  Eigen::VectorXd velocity_;                     ///< v, shape (n) [rad/s]
+  Eigen::VectorXd column_;                       ///< scratch, shape (n)
   std::vector<double> unit_impulse_, response_;  ///< shape (6 + n), as Bullet wants them
   btAlignedObjectArray<btScalar> scratch_scalars_;
   btAlignedObjectArray<btVector3> scratch_vectors_;

@@ -19,7 +19,7 @@ struct PoseProtocol {
   double max_velocity = 0.02;              ///< omega_max [rad/s]
   /// Leave acquisition once every shaft has stayed within max_shaft_error for early_hold; off reproduces the paper.
   bool early_acquisition = true;
-  double early_hold = 0.1;                 ///< [s]
+  double early_hold = 0.1;  ///< [s]
   BulletArmOptions arm;
 
   /// Reads the `protocol:` block; keys that are missing keep their value. \throws ConfigError
@@ -31,7 +31,7 @@ struct PoseProtocol {
 enum class PoseStatus {
   kSteady,
   kAcquisitionError,  ///< a shaft is not where it should be when t_a ends; worst: the muscle, its error [rad]
-  kNotSteady,         ///< a joint never rested for t_d within t_s; worst: the joint, its speed [rad/s]
+  kNotSteady,         ///< a joint never rested for t_d within t_s; worst: the joint that last moved, its speed [rad/s]
   kNotFinite,         ///< the simulation blew up
   kSkipped,           ///< not simulated, because an earlier pose of the individual was invalid
 };
@@ -45,7 +45,7 @@ struct PoseOutcome {
   std::vector<double> cord_expansion;  ///< shape (muscles), over the rest length
   int worst = -1;                      ///< muscle or joint, see PoseStatus
   double worst_value = 0.0;
-  double duration = 0.0;               ///< simulated time [s]
+  double duration = 0.0;  ///< simulated time [s]
 };
 
 /// Resets the arm and replays one pose.

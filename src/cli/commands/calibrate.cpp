@@ -53,9 +53,15 @@ Task readTask(const Options& options, Session& session) {
   const CsvOptions csv = options.table.csv();
   Task task;
   task.model = parseArm(session.read("model", options.model));
-  task.config = options.config.empty()
-                    ? parseConfig({"config", "configs/calibrate_arm.yaml", std::string(assets::calibrate_arm_yaml())})
-                    : parseConfig(session.read("config", options.config));
+  const Input config = options.config.empty()
+                           ? Input{"config", "configs/calibrate_arm.yaml", std::string(assets::calibrate_arm_yaml())}
+                           : session.read("config", options.config);
+  task.config = parseConfig(config);
+  try {
+    ParameterSpace(task.model, task.config.parameters);
+  } catch (const ConfigError& error) {
+    throw ConfigError(fmt::format("{}: {}", config.file.string(), error.what()));
+  }
   applyOverrides(options, task.config);
   task.poses = parsePoses(session.read("poses", options.poses), task.model, csv);
   if (!options.validation.empty()) {
@@ -135,16 +141,19 @@ std::string shellWord(const std::string& path) {
 }
 
 CalibrationResult judge(const Task& task, const Calibration& calibration, Evaluator& evaluator, bool quiet) {
-  CalibrationResult result{task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(),
-                           task.config};
+  CalibrationResult result{
+      task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(), task.config};
   const ArmModel best = calibration.bestModel();
+  std::vector<PoseOutcome> all;
   const auto add = [&](const char* name, const PoseSet& set) {
     result.sets.push_back({name, set, replayAll(evaluator, task.model, set, "judge", quiet),
                            replayAll(evaluator, best, set, "judge", quiet)});
-    warnAboutCords(result.sets.back().final, result.layout);
+    const std::vector<PoseOutcome>& outcomes = result.sets.back().final.outcomes;
+    all.insert(all.end(), outcomes.begin(), outcomes.end());
   };
   add("calibration", task.poses);
   if (task.validation) add("validation", *task.validation);
+  warnAboutCords(all, result.layout);
   return result;
 }
 

@@ -33,16 +33,18 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   result.layout = model.poseLayout();
   result.set = set;
   result.assessment = replayAll(*evaluator, model, set, "validate", options.common.quiet);
-  warnAboutCords(result.assessment, result.layout);
+  warnAboutCords(result.assessment.outcomes, result.layout);
   for (std::size_t j = 0; options.max_mje && j < result.layout.joints.size(); ++j) {
-    result.criteria.push_back({"mje_deg of " + result.layout.joints[j].name, *options.max_mje,
-                               toDegrees(result.assessment.mje[j])});
+    result.criteria.push_back(
+        {"mje_deg of " + result.layout.joints[j].name, *options.max_mje, toDegrees(result.assessment.mje[j])});
   }
   session.directory().write("errors.csv", errorsCsv(result));
-  session.finish(toJson(result), makePage(result), terminalTable(result));
   if (result.assessment.valid < set.poses.size()) {
-    throw NumericsError(describeInvalid(result.assessment, set, result.layout));
+    const std::string reason = describeInvalid(result.assessment, set, result.layout);
+    session.finish(toJson(result), makePage(result), terminalTable(result), "failed: " + reason);
+    throw NumericsError(reason);
   }
+  session.finish(toJson(result), makePage(result), terminalTable(result));
   for (const Criterion& criterion : result.criteria) {
     if (!criterion.pass()) return ExitCode::kCriterionFailed;
   }
@@ -65,6 +67,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command validate;
 const Command validate{"validate", "mean joint errors of a model on recorded poses",
-                       "  simgap validate runs/arm/model.yaml --poses data/arm/poses_validation.csv --max-mje 5", define};
+                       "  simgap validate runs/arm/model.yaml --poses data/arm/poses_validation.csv --max-mje 5",
+                       define};
 
 }  // namespace simgap::commands
