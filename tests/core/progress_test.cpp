@@ -14,6 +14,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
+/// A sandbox without devpts has no terminals to give.
+bool terminalsExist() {
+  int screen = -1;
+  int terminal = -1;
+  if (openpty(&screen, &terminal, nullptr, nullptr, nullptr) != 0) return false;
+  close(terminal);
+  close(screen);
+  return true;
+}
+
 /// Makes stderr a terminal of a given width, and keeps what is written to it.
 class StderrTerminal {
  public:
@@ -70,6 +80,7 @@ TEST(FormatDuration, SurvivesNonsense) {
 }
 
 TEST(Progress, RewritesOneLineOfATerminal) {
+  if (!terminalsExist()) GTEST_SKIP() << "no pseudo terminal here";
   StderrTerminal terminal(200);
   {
     Progress progress("generation", 250, false);
@@ -90,6 +101,7 @@ TEST(Progress, RewritesOneLineOfATerminal) {
 }
 
 TEST(Progress, CutsALineToTheTerminal) {
+  if (!terminalsExist()) GTEST_SKIP() << "no pseudo terminal here";
   StderrTerminal terminal(20);
   Progress progress("pose", 4, false);
   std::this_thread::sleep_for(milliseconds(1050));
@@ -98,6 +110,7 @@ TEST(Progress, CutsALineToTheTerminal) {
 }
 
 TEST(Progress, LeavesEarlierWorkOutOfTheEstimate) {
+  if (!terminalsExist()) GTEST_SKIP() << "no pseudo terminal here";
   StderrTerminal terminal(200);
   Progress progress("step", 1'020'100, false);
   progress.startFrom(1'000'000);
@@ -122,6 +135,7 @@ TEST(Progress, WritesPlainLinesIntoAFile) {
 }
 
 TEST(Progress, QuietIsSilent) {
+  if (!terminalsExist()) GTEST_SKIP() << "no pseudo terminal here";
   StderrTerminal terminal(80);
   {
     Progress progress("generation", 10, true);
