@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <kainjow/mustache.hpp>
 
+#include "pose_tables.h"
 #include "simgap/report/assets.h"
 
 namespace simgap {
@@ -54,7 +54,7 @@ std::string scriptSafe(const Json& json) {
 
 Json points(const std::vector<double>& y) {
   Json values = Json::array();
-  for (const double value : y) values.push_back(std::isfinite(value) ? Json(value) : Json(nullptr));
+  for (const double value : y) values.push_back(numberOrNull(value));
   return values;
 }
 
