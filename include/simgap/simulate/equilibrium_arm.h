@@ -1,0 +1,81 @@
+/// \file
+/// Where an arm comes to rest, without simulating the way there: the minimum of its potential energy that lies downhill
+/// of where it starts. Joint friction, which can hold an arm beside that minimum, is left out.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <span>
+#include <vector>
+
+#include "simgap/simulate/potential_energy.h"
+
+namespace simgap {
+
+/// How a search for an equilibrium ended.
+struct EquilibriumSolution {
+  bool stable = false;  ///< converged in a minimum; else it slides on, or rests on a saddle
+  bool smooth = true;   ///< every step was a full Newton step of a convex energy, with no doubt about the basin
+  int iterations = 0;   ///< evaluations of the energy
+  double torque = 0.0;  ///< largest component of the gradient that no joint stop holds, at the last evaluation [N m]
+};
+
+/// Damped Newton on SO(3)^n x R^m with joint limits as an active set. Memory is taken in the constructor only.
+class EquilibriumArm {
+ public:
+  explicit EquilibriumArm(const ArmModel& model);
+  /// Another model of the same structure; the next pose starts from its rest.
+  void setModel(const ArmModel& model);
+
+  /// The equilibrium that a slow movement of the shafts from 0 leads to (startPosition at shafts 0): straight from the
+  /// rest where the way is convex, else in steps of the shafts. \param shafts  shape (muscles) [rad]
+  EquilibriumSolution solve(std::span<const double> shafts);
+  /// The minimum downhill of a position. \param from  shape (joints), clamped to the joint limits
+  /// \param max_iterations  evaluations of the energy; where they do not suffice, the solution is not stable
+  EquilibriumSolution solveFrom(std::span<const JointPosition> from, std::span<const double> shafts,
+                                int max_iterations = 100);
+  /// Follows the equilibrium while the shafts move from 0 in proportion; steps shorten where it moves fast.
+  EquilibriumSolution follow(std::span<const double> shafts);
+
+  /// \name The last solution
+  ///@{
+  const std::vector<JointPosition>& joints() const { return joints_; }
+  const PotentialEnergy& energy() const { return energy_; }
+  bool atStop(int dof) const { return held_[dof]; }
+  /// Evaluates the energy exactly at the solution (the search ends one step ahead of its last evaluation) and factors
+  /// the Hessian without the joints at their stops; sensitivities need it.
+  void linearise();
+  /// H^-1 columns, rows of joints at their stops 0. After linearise(). \param[in,out] columns  shape (dof, any)
+  void applyInverseHessian(Eigen::Ref<Eigen::MatrixXd> columns);
+  /// dq/dp by the implicit function theorem, -H^-1 dG/dp, 0 for a joint at its stop. After linearise().
+  /// \param[out] columns  shape (dof, parameters.size()) [rad per unit of the parameter]
+  void sensitivities(std::span<const StaticParameter> parameters, Eigen::Ref<Eigen::MatrixXd> columns);
+  ///@}
+
+ private:
+  EquilibriumSolution descend(int max_iterations);
+  void evaluate() { energy_.evaluate(joints_); }
+  double findHeld();
+  double wayFrom(const std::vector<JointPosition>& position) const;  ///< largest joint rotation [rad]
+  bool newtonStep();
+  bool solveReduced();
+  bool stopAtLimit();
+  void applyStep(double scale);
+
+  PotentialEnergy energy_;
+  std::vector<JointPosition> joints_, start_, rest_, before_, reached_;
+  bool rest_known_ = false;
+  std::vector<double> shafts_;
+  std::vector<char> held_;   ///< per dof: pressed against its stop
+  std::vector<char> bound_;  ///< per dof: its step is given, by being held or by reaching a stop
+  Eigen::VectorXd given_;    ///< that step
+  Eigen::MatrixXd reduced_, inverse_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd step_;
+};
+
+/// All different equilibria found downhill of many starts (a fixed pattern over the joints' ranges), the given one
+/// first. Costs some hundred solves.
+std::vector<std::vector<JointPosition>> distinctEquilibria(EquilibriumArm& arm, std::span<const double> shafts,
+                                                           std::span<const JointPosition> known);
+
+}  // namespace simgap

@@ -1,0 +1,130 @@
+/// \file
+/// Potential energy of an arm with its shafts held, and its first two derivatives:
+///
+///   E(q, phi) = - sum_b m_b g.x_b(q)  +  sum_m 1/2 k max(0, L(q) - L_K0 + r phi - L_SR)^2     (000 eq. 3-6, 12)
+///
+/// q lives on SO(3)^n x R^m: a displacement w turns a spherical joint to R exp(w), w in the child's frame, and a
+/// revolute one to q + w. With the world axis a of a degree of freedom, the pivot c of its joint and a point p that it
+/// carries,
+///
+///   dp/dq_j = a_j x (p - c_j),    d2p/dq_i dq_j = a_i x (a_j x (p - c_j))   for i at or above j in the tree,
+///
+/// symmetrised within a spherical joint. Everything below follows from these two lines by the chain rule.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "simgap/model/arm.h"
+
+namespace simgap {
+
+/// One number of the model that a steady pose depends on.
+struct StaticParameter {
+  enum class Kind {
+    kGravity,
+    kPartMass,
+    kPartPosition,
+    kParentPosition,  ///< of a joint
+    kChildPosition,   ///< of a joint
+    kAttachment,      ///< `part` 0 or 1
+    kKiteLine,
+    kRestLength,
+    kStiffness,
+    kSpindleRadius,
+    kNone,  ///< dynamics only: moves no equilibrium
+  };
+  Kind kind = Kind::kNone;
+  int item = 0;       ///< muscle, joint or body
+  int part = 0;       ///< part of a body, attachment of a muscle
+  int component = 0;  ///< x, y, z
+};
+
+/// Memory is taken in the constructor; no other call allocates while the structure (bodies, joints, attachments'
+/// bodies) stays the same.
+class PotentialEnergy {
+ public:
+  explicit PotentialEnergy(const ArmModel& model);
+  /// Another model of the same structure.
+  void setModel(const ArmModel& model);
+  void setShafts(std::span<const double> shafts);  ///< shape (muscles) [rad]
+
+  int degreesOfFreedom() const { return static_cast<int>(dofs_.size()); }
+  int firstDof(int joint) const { return first_dof_[joint]; }
+  const ArmModel& model() const { return model_; }
+
+  /// Places the arm and computes everything that follows. \param joints  shape (joints)
+  void evaluate(std::span<const JointPosition> joints);
+  double energy() const { return energy_; }                      ///< [J]
+  const Eigen::VectorXd& gradient() const { return gradient_; }  ///< shape (dof) [N m]; minus it is the torque
+  const Eigen::MatrixXd& hessian() const { return hessian_; }    ///< shape (dof, dof) [N m/rad]
+  double expansion(std::size_t muscle) const { return muscles_[muscle].expansion; }  ///< of its cord, < 0: slack [m]
+  double tension(std::size_t muscle) const { return muscles_[muscle].force; }        ///< [N]
+
+  /// Derivative of the gradient with respect to parameters, where evaluate() was last called.
+  /// \param[out] columns  shape (dof, parameters.size()) [N m per unit of the parameter]
+  void differentiate(std::span<const StaticParameter> parameters, Eigen::Ref<Eigen::MatrixXd> columns) const;
+  /// The same with respect to the shaft angles. \param[out] columns  shape (dof, muscles) [N m/rad]
+  void differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns) const;
+
+ private:
+  struct Dof {
+    int joint;
+    Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< in the world
+  };
+  struct Link {  ///< the child of a joint
+    Eigen::Matrix3d rotation;
+    Eigen::Vector3d origin, pivot;
+    double mass, subtree_mass;
+    Eigen::Vector3d centre_of_mass;  ///< in its own frame
+    Eigen::Vector3d moment;          ///< sum of m x over the subtree
+  };
+  /// How a degree of freedom moves a muscle's line d = p_1 - p_0; only those that move one end are listed.
+  struct Lever {
+    int dof;
+    int end;                                         ///< the attachment that moves
+    double lever = 0.0;                              ///< u . dd/dq [m]
+    Eigen::Vector3d move = Eigen::Vector3d::Zero();  ///< dd/dq
+    Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< u x a
+  };
+  struct Line {
+    std::array<int, 2> joint;  ///< that carries each attachment's body, -1: fixed
+    int first, last;           ///< levers, those of an end in the order of the tree
+    double shaft = 0.0, expansion = 0.0, force = 0.0, length = 0.0;
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< u, from attachment 0 to 1
+  };
+
+  void place(std::span<const JointPosition> joints);
+  void addGravity();
+  void addMuscle(Line& line, const Muscle& muscle);
+  Eigen::Vector3d pointInWorld(int joint, const Eigen::Vector3d& point) const;
+  bool carries(int joint, int other) const;  ///< joint is `other` or above it
+  /// How u . dd/dq of a lever times the force changes when its end 1 (or end 0, against u) shifts; see differentiate().
+  Eigen::Vector3d stretchTerm(const Line& line, const Muscle& muscle, const Lever& lever) const;
+  void differentiateByJointShift(int joint, const Eigen::Vector3d& shift, bool pivot_moves,
+                                 Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiateBy(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiateByMuscle(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiateByMass(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
+
+  ArmModel model_;
+  std::vector<Dof> dofs_;
+  std::vector<int> first_dof_;        ///< shape (joints)
+  std::vector<int> joint_of_body_;    ///< shape (bodies), -1: fixed
+  std::vector<int> parent_joint_;     ///< shape (joints), -1: hangs on a fixed body
+  std::vector<std::vector<int>> up_;  ///< per joint: the degrees of freedom above it, without its own
+  std::vector<Link> links_;           ///< shape (joints)
+  std::vector<Line> muscles_;
+  std::vector<Lever> levers_;
+  double energy_ = 0.0;
+  Eigen::VectorXd gradient_;
+  Eigen::MatrixXd hessian_;
+};
+
+/// The parameters that a steady pose depends on, in the order of `paths` (ParameterPath::str()).
+std::vector<StaticParameter> staticParameters(const ArmModel& model, std::span<const std::string> paths);
+
+}  // namespace simgap

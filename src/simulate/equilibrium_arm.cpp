@@ -1,0 +1,288 @@
+#include "simgap/simulate/equilibrium_arm.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/random.h"
+#include "simgap/model/kinematics.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kLongestStep = 0.8;     // [rad] of a degree of freedom: beyond, the quadratic says nothing
+constexpr double kLastStep = 1e-6;       // [rad]: the error behind such a Newton step is of the order of its square
+constexpr double kArmijo = 1e-4;         // share of the predicted decrease that a step has to reach
+constexpr double kRounding = 1e-13;      // of the energy: smaller increases are not real
+constexpr double kStopTolerance = 1e-9;  // [rad], a joint this near its stop may be held by it
+constexpr double kConvexWay = 1.2;       // [rad], a longer way from rest is followed in steps
+// follow(): steps of the shafts, as shares of their way
+constexpr double kFirstStep = 0.25;
+constexpr double kShortestStep = 1.0 / 128.0;
+constexpr double kLongestMove = 0.5;  // [rad] of a joint in one step
+
+Eigen::Quaterniond exponential(const Eigen::Vector3d& w) {
+  const double square = w.squaredNorm();
+  const double half = 0.5 * std::sqrt(square);
+  const double sine = half > 1e-4 ? std::sin(half) / (2.0 * half) : 0.5 - square / 48.0;
+  return Eigen::Quaterniond(std::cos(half), sine * w.x(), sine * w.y(), sine * w.z());
+}
+
+void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    joints[j].angle = std::clamp(joints[j].angle, model.joints[j].lower_limit, model.joints[j].upper_limit);
+  }
+}
+
+}  // namespace
+
+EquilibriumArm::EquilibriumArm(const ArmModel& model) : energy_(model), shafts_(model.muscles.size()) {
+  const int n = energy_.degreesOfFreedom();
+  joints_ = before_ = reached_ = rest_ = start_ = startPosition(model);
+  held_.assign(static_cast<std::size_t>(n), 0);
+  bound_ = held_;
+  given_.resize(n);
+  reduced_.resize(n, n);
+  inverse_.resize(n, n);
+  step_.resize(n);
+  factor_ = Eigen::LLT<Eigen::MatrixXd>(n);
+}
+
+void EquilibriumArm::setModel(const ArmModel& model) {
+  energy_.setModel(model);
+  rest_known_ = false;
+}
+
+EquilibriumSolution EquilibriumArm::solveFrom(std::span<const JointPosition> from, std::span<const double> shafts,
+                                              int max_iterations) {
+  std::copy(from.begin(), from.end(), joints_.begin());
+  clamp(energy_.model(), joints_);
+  energy_.setShafts(shafts);
+  return descend(max_iterations);
+}
+
+EquilibriumSolution EquilibriumArm::descend(int max_iterations) {
+  EquilibriumSolution solution;
+  evaluate();
+  for (solution.iterations = 1; solution.iterations < max_iterations;) {
+    solution.torque = findHeld();
+    const bool convex = newtonStep();
+    const double longest = step_.lpNorm<Eigen::Infinity>();
+    solution.smooth &= convex;
+    if (convex && longest < kLastStep) {
+      applyStep(1.0);
+      solution.stable = true;
+      return solution;
+    }
+    double scale = std::min(1.0, kLongestStep / longest);
+    solution.smooth &= scale == 1.0;
+    std::copy(joints_.begin(), joints_.end(), before_.begin());
+    const double energy = energy_.energy();
+    const double slope = energy_.gradient().dot(step_);
+    for (;;) {
+      applyStep(scale);
+      evaluate();
+      ++solution.iterations;
+      if (energy_.energy() <= energy + kArmijo * scale * slope + kRounding * std::abs(energy)) break;
+      solution.smooth = false;
+      std::copy(before_.begin(), before_.end(), joints_.begin());
+      scale *= 0.5;
+      if (solution.iterations >= max_iterations) {
+        evaluate();
+        break;
+      }
+    }
+  }
+  return solution;
+}
+
+double EquilibriumArm::findHeld() {
+  const ArmModel& model = energy_.model();
+  const Eigen::VectorXd& gradient = energy_.gradient();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (joint.type != JointType::kRevolute) continue;
+    const int d = energy_.firstDof(static_cast<int>(j));
+    held_[d] = (joints_[j].angle <= joint.lower_limit + kStopTolerance && gradient[d] > 0.0) ||
+               (joints_[j].angle >= joint.upper_limit - kStopTolerance && gradient[d] < 0.0);
+  }
+  double torque = 0.0;
+  for (int d = 0; d < gradient.size(); ++d) torque = std::max(torque, held_[d] ? 0.0 : std::abs(gradient[d]));
+  return torque;
+}
+
+/// The Newton step within the joint limits. \returns whether the energy is convex here; where it is not, the step goes
+/// down all the same.
+bool EquilibriumArm::newtonStep() {
+  std::copy(held_.begin(), held_.end(), bound_.begin());
+  given_.setZero();
+  bool convex = solveReduced();
+  while (stopAtLimit()) convex &= solveReduced();
+  return convex;
+}
+
+/// Minimises the quadratic model with the bound degrees of freedom moved as given.
+bool EquilibriumArm::solveReduced() {
+  const int n = energy_.degreesOfFreedom();
+  reduced_ = energy_.hessian();
+  step_ = -energy_.gradient();
+  for (int d = 0; d < n; ++d) {
+    if (!bound_[d]) continue;
+    if (given_[d] != 0.0) step_ -= given_[d] * reduced_.col(d);
+    reduced_.row(d).setZero();
+    reduced_.col(d).setZero();
+    reduced_(d, d) = 1.0;
+  }
+  for (int d = 0; d < n; ++d) {
+    if (bound_[d]) step_[d] = given_[d];
+  }
+  factor_.compute(reduced_);
+  const bool convex = factor_.info() == Eigen::Success;
+  if (!convex) {
+    double shift = 0.0;  // Gershgorin: this much on the diagonal and no eigenvalue is negative
+    for (int d = 0; d < n; ++d) {
+      shift = std::max(shift, reduced_.row(d).cwiseAbs().sum() - std::abs(reduced_(d, d)) - reduced_(d, d));
+    }
+    for (int d = 0; d < n; ++d) {
+      if (!bound_[d]) reduced_(d, d) += 1.01 * shift + 1e-2;
+    }
+    factor_.compute(reduced_);
+  }
+  factor_.solveInPlace(step_);
+  return convex;
+}
+
+/// Lets the joint that the step carries farthest beyond its limit go just there. The face of the box that it reaches
+/// holds a point of the way to the unlimited minimum, so the model still decreases.
+bool EquilibriumArm::stopAtLimit() {
+  const ArmModel& model = energy_.model();
+  int worst = -1;
+  double farthest = 0.0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    const int d = energy_.firstDof(static_cast<int>(j));
+    if (joint.type != JointType::kRevolute || bound_[d]) continue;
+    const double to_lower = joint.lower_limit - joints_[j].angle;
+    const double to_upper = joint.upper_limit - joints_[j].angle;
+    const double beyond = std::max(to_lower - step_[d], step_[d] - to_upper);
+    if (beyond <= farthest) continue;
+    farthest = beyond;
+    worst = d;
+    given_[d] = step_[d] < to_lower ? to_lower : to_upper;
+  }
+  if (worst < 0) return false;
+  bound_[worst] = 1;
+  return true;
+}
+
+void EquilibriumArm::applyStep(double scale) {
+  const ArmModel& model = energy_.model();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const int d = energy_.firstDof(static_cast<int>(j));
+    if (model.joints[j].type == JointType::kSpherical) {
+      joints_[j].rotation = (joints_[j].rotation * exponential(scale * step_.segment<3>(d))).normalized();
+    } else {
+      joints_[j].angle =
+          std::clamp(joints_[j].angle + scale * step_[d], model.joints[j].lower_limit, model.joints[j].upper_limit);
+    }
+  }
+}
+
+EquilibriumSolution EquilibriumArm::solve(std::span<const double> shafts) {
+  if (!rest_known_) {
+    std::fill(shafts_.begin(), shafts_.end(), 0.0);
+    solveFrom(start_, shafts_);
+    std::copy(joints_.begin(), joints_.end(), rest_.begin());
+    rest_known_ = true;
+  }
+  EquilibriumSolution direct = solveFrom(rest_, shafts);
+  if (direct.stable && direct.smooth && wayFrom(rest_) < kConvexWay) return direct;
+  EquilibriumSolution followed = follow(shafts);
+  followed.iterations += direct.iterations;
+  return followed;
+}
+
+double EquilibriumArm::wayFrom(const std::vector<JointPosition>& position) const {
+  double way = 0.0;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    way = std::max(way, jointError(energy_.model().joints[j].type, position[j], joints_[j]));
+  }
+  return way;
+}
+
+EquilibriumSolution EquilibriumArm::follow(std::span<const double> shafts) {
+  std::copy(rest_.begin(), rest_.end(), reached_.begin());
+  EquilibriumSolution solution;
+  int iterations = 0;
+  double way = 0.0;  // of the shafts, 1 at their end
+  double step = kFirstStep;
+  while (way < 1.0) {
+    const double next = std::min(1.0, way + step);
+    for (std::size_t m = 0; m < shafts_.size(); ++m) shafts_[m] = next * shafts[m];
+    solution = solveFrom(reached_, shafts_);
+    iterations += solution.iterations;
+    const bool branch_kept = solution.stable && solution.smooth && wayFrom(reached_) < kLongestMove;
+    if (!branch_kept && step > kShortestStep) {
+      step *= 0.5;
+      continue;
+    }
+    // Where even the shortest step jumps, the branch has ended, and downhill is as good a guess as any.
+    std::copy(joints_.begin(), joints_.end(), reached_.begin());
+    way = next;
+    step = std::min(kFirstStep, 2.0 * step);
+  }
+  solution.iterations = iterations;
+  return solution;
+}
+
+std::vector<std::vector<JointPosition>> distinctEquilibria(EquilibriumArm& arm, std::span<const double> shafts,
+                                                           std::span<const JointPosition> known) {
+  constexpr int kStarts = 64;
+  constexpr double kSame = 1e-4;   // [rad]
+  constexpr double kSpread = 2.0;  // [rad] about the known equilibrium
+  const ArmModel& model = arm.energy().model();
+  std::vector<std::vector<JointPosition>> found{{known.begin(), known.end()}};
+  const CounterRandom random(0);
+  for (std::uint32_t start = 0; start < kStarts; ++start) {
+    std::vector<JointPosition> from = found.front();
+    for (std::uint32_t j = 0; j < from.size(); ++j) {
+      const auto [x, y] = random.normalPair({start, j, 0});
+      const auto [z, angle] = random.normalPair({start, j, 1});
+      from[j].rotation = from[j].rotation * exponential(0.5 * kSpread * Eigen::Vector3d(x, y, z));
+      from[j].angle += kSpread * angle;
+    }
+    if (!arm.solveFrom(from, shafts).stable) continue;
+    const auto same = [&](const std::vector<JointPosition>& other) {
+      for (std::size_t j = 0; j < other.size(); ++j) {
+        if (jointError(model.joints[j].type, other[j], arm.joints()[j]) > kSame) return false;
+      }
+      return true;
+    };
+    if (std::none_of(found.begin(), found.end(), same)) found.push_back(arm.joints());
+  }
+  return found;
+}
+
+void EquilibriumArm::linearise() {
+  evaluate();
+  findHeld();
+  std::copy(held_.begin(), held_.end(), bound_.begin());
+  given_.setZero();
+  solveReduced();
+  inverse_.setIdentity();
+  factor_.solveInPlace(inverse_);
+}
+
+void EquilibriumArm::applyInverseHessian(Eigen::Ref<Eigen::MatrixXd> columns) {
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    for (Eigen::Index d = 0; d < columns.rows(); ++d) step_[d] = held_[d] ? 0.0 : columns(d, c);
+    columns.col(c).noalias() = inverse_.lazyProduct(step_);
+  }
+}
+
+void EquilibriumArm::sensitivities(std::span<const StaticParameter> parameters, Eigen::Ref<Eigen::MatrixXd> columns) {
+  energy_.differentiate(parameters, columns);
+  applyInverseHessian(columns);
+  columns = -columns;
+}
+
+}  // namespace simgap
