@@ -3,7 +3,7 @@ if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
 endif()
 add_library(simgap_options INTERFACE)
-target_compile_options(simgap_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+target_compile_options(simgap_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wno-restrict
   $<$<BOOL:${SIMGAP_WERROR}>:-Werror>)
 # Results must be bit-identical on every machine of an architecture: no contraction into fused multiply-adds.
 target_compile_options(simgap_options INTERFACE -ffp-contract=off)

@@ -6,6 +6,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
+#include "simgap/simulate/equilibrium_arm.h"
 
 namespace simgap {
 
@@ -49,6 +50,18 @@ void warnAboutCords(std::span<const PoseOutcome> outcomes, const PoseLayout& lay
                    layout.muscles[m], 100.0 * largest, 100.0 * ShockCord::kLinearRange);
     }
   }
+}
+
+void warnAboutOtherEquilibria(const ArmModel& model, const PoseSet& set, std::span<const PoseOutcome> outcomes) {
+  EquilibriumArm arm(model);
+  std::string poses;
+  for (std::size_t p = 0; p < outcomes.size(); ++p) {
+    if (outcomes[p].status != PoseStatus::kSteady) continue;
+    if (!arm.solveFrom(outcomes[p].joints, outcomes[p].shafts).stable) continue;
+    const std::vector<JointPosition> found = arm.joints();
+    if (distinctEquilibria(arm, outcomes[p].shafts, found).size() > 1) poses += " " + set.poses[p].name;
+  }
+  if (!poses.empty()) spdlog::warn("{}: another stable equilibrium exists for pose{}", set.file, poses);
 }
 
 std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout) {

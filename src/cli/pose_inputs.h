@@ -21,6 +21,9 @@ Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet&
 /// Says once per muscle that its cord was stretched beyond the range in which it is linear (000 eq. 2).
 void warnAboutCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout);
 
+/// Says which poses have other stable equilibria beside the one that the arm came to.
+void warnAboutOtherEquilibria(const ArmModel& model, const PoseSet& set, std::span<const PoseOutcome> outcomes);
+
 /// "2 of 15 poses are invalid: p003: …"
 std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout);
 

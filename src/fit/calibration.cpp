@@ -29,12 +29,13 @@ double median(std::vector<double> values) {
 }  // namespace
 
 Calibration::Calibration(const ArmModel& model, std::span<const Pose> poses, const CalibrationConfig& config,
-                         Evaluator& evaluator)
+                         Evaluator& evaluator, int threads)
     : model_(model),
       layout_(model.poseLayout()),
       poses_(poses),
       config_(config),
       evaluator_(evaluator),
+      threads_(threads),
       space_(model, config.parameters),
       strategy_(objectParameters(space_), config.strategy),
       offspring_(static_cast<std::size_t>(config.strategy.lambda), model) {}
@@ -51,6 +52,12 @@ void Calibration::restore(CalibrationState state) {
 }
 
 void Calibration::run(const std::function<void(const CalibrationState&)>& after_generation) {
+  if (config_.optimizer == "es") return runEvolutionStrategy(after_generation);
+  state_ = {};  // they repeat themselves to the last bit, so an interrupted run just starts again
+  config_.optimizer == "cma-es" ? runCmaEs(after_generation) : searchPosterior(after_generation);
+}
+
+void Calibration::runEvolutionStrategy(const AfterGeneration& after_generation) {
   using Clock = std::chrono::steady_clock;
   while (!strategy_.stopped()) {
     const auto start = Clock::now();
@@ -104,6 +111,7 @@ void Calibration::evaluateGeneration() {
   state_.strategy = strategy_.state();
   state_.history.push_back(record);
   state_.invalid += record.invalid;
+  state_.evaluations += std::ssize(outcomes);
 }
 
 void Calibration::failWithoutValidIndividual(std::span<const PoseOutcome> outcomes) const {

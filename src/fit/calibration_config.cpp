@@ -55,9 +55,13 @@ CalibrationConfig CalibrationConfig::read(const YamlNode& root) {
   config.parameters = ParameterSpace::readChoices(root.at("parameters"));
   if (const auto strategy = root.find("strategy")) config.strategy = readStrategy(*strategy);
   if (const auto protocol = root.find("protocol")) config.protocol = PoseProtocol::read(*protocol);
-  if (const auto evaluator = root.find("evaluator")) config.evaluator = evaluator->oneOf({"bullet"});
-  if (const auto optimizer = root.find("optimizer")) config.optimizer = optimizer->oneOf({"es"});
-  config.capture_sd = root.findQuantity("capture_sd", "rad", kPositive).value_or(config.capture_sd);
+  if (const auto evaluator = root.find("evaluator")) config.evaluator = evaluator->oneOf({"bullet", "equilibrium"});
+  if (const auto optimizer = root.find("optimizer"))
+    config.optimizer = optimizer->oneOf({"es", "cma-es", "lm", "hybrid"});
+  if (const auto verify = root.find("verify")) config.verify = verify->oneOf({"bullet", "none"});
+  if (const auto starts = root.find("starts")) config.starts = static_cast<int>(starts->integer(1, 10000));
+  if (const auto friction = root.find("joint_friction_in_noise")) config.noise.joint_friction = friction->boolean();
+  config.noise.capture_sd = root.findQuantity("capture_sd", "rad", kPositive).value_or(config.noise.capture_sd);
   root.expectAllRead();
   return config;
 }
@@ -66,7 +70,8 @@ std::string CalibrationConfig::toYaml() const {
   std::string text = "format: simgap/calibration/1\nparameters:\n";
   for (const ParameterSpace::Choice& choice : parameters) text += choiceYaml(choice);
   return text + strategyYaml(strategy) + "protocol:\n" + protocol.toYaml("  ") +
-         fmt::format("evaluator: {}\noptimizer: {}\ncapture_sd_rad: {}\n", evaluator, optimizer, capture_sd);
+         fmt::format("evaluator: {}\noptimizer: {}\nverify: {}\nstarts: {}\n", evaluator, optimizer, verify, starts) +
+         fmt::format("capture_sd_rad: {}\njoint_friction_in_noise: {}\n", noise.capture_sd, noise.joint_friction);
 }
 
 }  // namespace simgap

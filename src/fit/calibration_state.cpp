@@ -4,14 +4,13 @@
 namespace simgap {
 namespace {
 
-// JSON has no NaN: an unknown fitness is null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+// An unknown fitness is null.
 double number(const Json& json) {
   return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
 }
 
 Json toJson(const Individual& individual) {
-  return {{"y", individual.y}, {"s", individual.s}, {"fitness", number(individual.fitness)}};
+  return {{"y", individual.y}, {"s", individual.s}, {"fitness", numberOrNull(individual.fitness)}};
 }
 
 Individual individualFromJson(const Json& json) {
@@ -39,7 +38,7 @@ GenerationRecord recordFromJson(const Json& json) {
 }
 
 constexpr StopReason kStopReasons[] = {StopReason::kNone, StopReason::kMaxGenerations, StopReason::kTargetFitness,
-                                       StopReason::kNoValidIndividual};
+                                       StopReason::kNoValidIndividual, StopReason::kConverged};
 
 }  // namespace
 
@@ -56,6 +55,7 @@ Json toJson(const CalibrationState& state) {
           {"best", toJson(state.strategy.best)},
           {"best_mje", state.best_mje},
           {"invalid", state.invalid},
+          {"evaluations", state.evaluations},
           {"wall_s", state.wall},
           {"history", history}};
 }
@@ -71,6 +71,7 @@ CalibrationState calibrationStateFromJson(const Json& json) try {
   state.strategy.best = individualFromJson(json.at("best"));
   json.at("best_mje").get_to(state.best_mje);
   json.at("invalid").get_to(state.invalid);
+  json.at("evaluations").get_to(state.evaluations);
   json.at("wall_s").get_to(state.wall);
   for (const Json& record : json.at("history")) state.history.push_back(recordFromJson(record));
   return state;

@@ -116,6 +116,8 @@ const char* toString(StopReason reason) {
       return "target-fitness";
     case StopReason::kNoValidIndividual:
       return "no-valid-individual";
+    case StopReason::kConverged:
+      return "converged";
   }
   assert(false);
   return "";

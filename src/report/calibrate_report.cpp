@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "calibrate_uncertainty.h"
 #include "pose_tables.h"
 
 namespace simgap {
@@ -11,20 +12,27 @@ std::string bound(double value) { return std::isfinite(value) ? fmt::format("{}"
 
 const std::vector<double>& bestValues(const CalibrationResult& result) { return result.state.strategy.best.y; }
 
+/// What is known of a parameter; nothing when no pose was at rest.
+const ParameterUncertainty* uncertaintyOf(const CalibrationResult& result, std::size_t parameter) {
+  return result.uncertainty ? &result.uncertainty->parameters[parameter] : nullptr;
+}
+
 Json parametersJson(const CalibrationResult& result) {
   Json parameters = Json::array();
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const SearchParameter& p = result.parameters[i];
+    const ParameterUncertainty* known = uncertaintyOf(result, i);
     const double value = bestValues(result)[i];
-    // An evolution strategy gives no standard deviation and cannot tell what is identifiable.
     parameters.push_back({{"name", p.name},
                           {"unit", p.unit},
                           {"initial", p.initial},
                           {"value", value},
+                          {"sd", known ? numberOrNull(known->sd) : Json(nullptr)},
+                          {"prior_sd", known ? numberOrNull(known->prior_sd) : Json(nullptr)},
                           {"lower", numberOrNull(p.lower)},
                           {"upper", numberOrNull(p.upper)},
                           {"at_bound", atBound(p, value)},
-                          {"identifiable", nullptr}});
+                          {"identifiable", known ? Json(toString(known->verdict)) : Json(nullptr)}});
   }
   return parameters;
 }
@@ -45,6 +53,14 @@ std::vector<std::vector<std::string>> mjeRows(const CalibrationResult& result) {
     for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
       row.push_back(degreesText(set.initial.mje[j]));
       row.push_back(degreesText(set.final.mje[j]));
+    }
+    rows.push_back(row);
+    row = {"  half angles of spherical joints, as 001 eq. 4"};
+    const std::vector<double> initial = paperAngles(result.layout, set.initial.mje);
+    const std::vector<double> final = paperAngles(result.layout, set.final.mje);
+    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+      row.push_back(degreesText(initial[j]));
+      row.push_back(degreesText(final[j]));
     }
     rows.push_back(row);
   }
@@ -69,6 +85,10 @@ std::vector<double> column(const CalibrationResult& result, double GenerationRec
   return values;
 }
 
+std::string stepName(const CalibrationResult& result) {
+  return result.config.usesPosterior() ? "descent" : "generation";
+}
+
 void addConvergence(const CalibrationResult& result, Page& page) {
   std::vector<double> generations;
   std::vector<Series> mje;
@@ -77,15 +97,16 @@ void addConvergence(const CalibrationResult& result, Page& page) {
     generations.push_back(record.generation);
     for (std::size_t j = 0; j < mje.size(); ++j) mje[j].y.push_back(toDegrees(record.mje[j]));
   }
-  mje.push_back({"capture noise", std::vector<double>(generations.size(), toDegrees(result.config.capture_sd))});
+  mje.push_back({"capture noise", std::vector<double>(generations.size(), toDegrees(result.config.noise.capture_sd))});
   page.charts.push_back({"Convergence: mean joint error of the best model so far",
-                         lineChart(generations, mje, "generation", "mean joint error [deg]", true)});
+                         lineChart(generations, mje, stepName(result), "mean joint error [deg]", true)});
   page.charts.push_back(
       {"Convergence: fitness", lineChart(generations,
                                          {{"best of all generations", column(result, &GenerationRecord::best_so_far)},
                                           {"best of the generation", column(result, &GenerationRecord::best)},
                                           {"median of the generation", column(result, &GenerationRecord::median)}},
-                                         "generation", "sum of squared errors [rad^2]", true)});
+                                         stepName(result), "sum of squared errors [rad^2]", true)});
+  if (result.config.optimizer != "es") return;
   page.charts.push_back({"Step sizes, relative to the initial ones",
                          lineChart(generations,
                                    {{"largest", column(result, &GenerationRecord::sigma_max)},
@@ -113,24 +134,29 @@ Json toJson(const CalibrationResult& result) {
   for (const SetResult& set : result.sets) {
     mje[set.name] = {{"initial", mjeJson(result.layout, set.initial.mje)},
                      {"final", mjeJson(result.layout, set.final.mje)}};
-    paper[set.name] = {{"initial", mjeJson(result.layout, set.initial.mje, true)},
-                       {"final", mjeJson(result.layout, set.final.mje, true)}};
+    paper[set.name] = {{"initial", mjeJson(result.layout, paperAngles(result.layout, set.initial.mje))},
+                       {"final", mjeJson(result.layout, paperAngles(result.layout, set.final.mje))}};
     valid[set.name] = {{"initial", set.initial.valid}, {"final", set.final.valid}, {"of", set.set.poses.size()}};
   }
-  return {{"format", "simgap/calibrate/1"},
-          {"mje_deg", mje},
-          {"paper_mje_deg", paper},
-          {"valid_poses", valid},
-          {"fitness",
-           {{"initial", numberOrNull(result.sets.front().initial.fitness)},
-            {"final", numberOrNull(result.sets.front().final.fitness)}}},
-          {"generations", result.state.strategy.generation},
-          {"evaluations", result.evaluations()},
-          {"invalid", result.state.invalid},
-          {"wall_s", result.state.wall},
-          {"stop_reason", toString(result.state.strategy.stop)},
-          {"seed", result.config.strategy.seed},
-          {"parameters", parametersJson(result)}};
+  Json json = {{"format", "simgap/calibrate/1"},
+               {"optimizer", result.config.optimizer},
+               {"evaluator", result.config.evaluator},
+               {"mje_deg", mje},
+               {"paper_mje_deg", paper},
+               {"valid_poses", valid},
+               {"fitness",
+                {{"initial", numberOrNull(result.sets.front().initial.fitness)},
+                 {"final", numberOrNull(result.sets.front().final.fitness)}}},
+               {"generations", result.state.strategy.generation},
+               {"evaluations", result.state.evaluations},
+               {"invalid", result.state.invalid},
+               {"wall_s", result.state.wall},
+               {"stop_reason", toString(result.state.strategy.stop)},
+               {"seed", result.config.strategy.seed},
+               {"parameters", parametersJson(result)}};
+  json.update(verificationJson(result));
+  json.update(uncertaintyJson(result));
+  return json;
 }
 
 std::string historyCsv(const CalibrationResult& result) {
@@ -148,11 +174,14 @@ std::string historyCsv(const CalibrationResult& result) {
 }
 
 std::string parametersCsv(const CalibrationResult& result) {
-  CsvWriter csv({"name", "unit", "initial", "value", "lower", "upper", "at_bound"});
+  CsvWriter csv({"name", "unit", "initial", "prior_sd", "value", "sd", "identifiable", "lower", "upper", "at_bound"});
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const SearchParameter& p = result.parameters[i];
     const double value = bestValues(result)[i];
-    csv.add(p.name).add(p.unit).add(p.initial).add(value).add(bound(p.lower)).add(bound(p.upper));
+    const ParameterUncertainty* known = uncertaintyOf(result, i);
+    csv.add(p.name).add(p.unit).add(p.initial).add(known ? bound(known->prior_sd) : "").add(value);
+    csv.add(known ? bound(known->sd) : "").add(known ? toString(known->verdict) : "");
+    csv.add(bound(p.lower)).add(bound(p.upper));
     csv.add(atBound(p, value) ? "true" : "false").endRow();
   }
   return csv.text();
@@ -164,6 +193,7 @@ std::string errorsCsv(const CalibrationResult& result) {
     header.push_back(joint.name + "_error_before_deg");
     header.push_back(joint.name + "_error_after_deg");
   }
+  header.push_back("slack_muscles_after");
   CsvWriter csv(header);
   const auto error = [&csv](const std::vector<double>& errors, std::size_t joint) {
     errors.empty() ? csv.add("") : csv.add(toDegrees(errors[joint]));
@@ -176,7 +206,7 @@ std::string errorsCsv(const CalibrationResult& result) {
         error(set.initial.errors[p], j);
         error(set.final.errors[p], j);
       }
-      csv.endRow();
+      csv.add(slackText(set.final.outcomes[p], result.layout)).endRow();
     }
   }
   return csv.text();
@@ -202,7 +232,7 @@ std::string terminalTable(const CalibrationResult& result) {
         "seen do.\n",
         numbers, unknowns);
   }
-  return text;
+  return text + verificationText(result) + uncertaintyText(result);
 }
 
 Page makePage(const CalibrationResult& result) {
@@ -212,12 +242,21 @@ Page makePage(const CalibrationResult& result) {
   page.tables.push_back({"Mean joint errors", mjeHeader(result), mjeRows(result)});
   addConvergence(result, page);
   addPoseErrors(result, page);
-  PageTable parameters{"Parameters", {"name", "unit", "initial", "calibrated", "change", "at bound"}, {}, true};
+  addUncertainty(result, page);
+  PageTable parameters{
+      "Parameters",
+      {"name", "unit", "initial", "calibrated", "change", "sd before", "sd after", "the poses", "at bound"},
+      {},
+      true};
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const SearchParameter& p = result.parameters[i];
     const double value = bestValues(result)[i];
+    const ParameterUncertainty* known = uncertaintyOf(result, i);
     parameters.rows.push_back({p.name, p.unit, fmt::format("{:.6g}", p.initial), fmt::format("{:.6g}", value),
-                               fmt::format("{:+.3g}", value - p.initial), atBound(p, value) ? "yes" : ""});
+                               fmt::format("{:+.3g}", value - p.initial),
+                               known ? fmt::format("{:.2g}", known->prior_sd) : "",
+                               known ? fmt::format("{:.2g}", known->sd) : "",
+                               known ? std::string(toString(known->verdict)) : "", atBound(p, value) ? "yes" : ""});
   }
   page.details.push_back(parameters);
   return page;

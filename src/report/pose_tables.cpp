@@ -1,6 +1,7 @@
 #include "pose_tables.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -23,13 +24,29 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje, bool paper_half_angle) {
+Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje) {
   Json json = Json::object();
-  for (std::size_t j = 0; j < layout.joints.size(); ++j) {
-    const bool halve = paper_half_angle && layout.joints[j].type == JointType::kSpherical;
-    json[layout.joints[j].name] = numberOrNull(toDegrees(mje[j]) * (halve ? 0.5 : 1.0));
-  }
+  for (std::size_t j = 0; j < layout.joints.size(); ++j) json[layout.joints[j].name] = numberOrNull(toDegrees(mje[j]));
   return json;
+}
+
+std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> angles) {
+  for (std::size_t j = 0; j < angles.size(); ++j) {
+    if (layout.joints[j].type == JointType::kSpherical) angles[j] *= 0.5;
+  }
+  return angles;
+}
+
+std::vector<std::string> slackMuscles(const PoseOutcome& outcome, const PoseLayout& layout) {
+  std::vector<std::string> slack;
+  for (std::size_t m = 0; m < outcome.cord_expansion.size(); ++m) {
+    if (outcome.cord_expansion[m] <= 0.0) slack.push_back(layout.muscles[m]);
+  }
+  return slack;
+}
+
+std::string slackText(const PoseOutcome& outcome, const PoseLayout& layout) {
+  return fmt::format("{}", fmt::join(slackMuscles(outcome, layout), " "));
 }
 
 std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout) {

@@ -9,11 +9,8 @@
 
 namespace simgap {
 
-/// JSON has no NaN: an unknown number is null.
-inline Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-/// {joint: degrees}, or half of it for spherical joints: 001 eq. 4 as printed.
-Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje, bool paper_half_angle = false);
+/// {joint: degrees}
+Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje);
 
 /// "p003: acquisition error of biceps, 12.3 deg" for every invalid pose.
 std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout);
@@ -22,5 +19,13 @@ std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSe
 std::vector<double> errorsOfJoint(const Assessment& assessment, std::size_t joint);
 
 std::vector<std::string> poseNames(const PoseSet& set);
+
+/// Muscles whose cords do not pull in this pose.
+std::vector<std::string> slackMuscles(const PoseOutcome& outcome, const PoseLayout& layout);
+/// The same in one cell.
+std::string slackText(const PoseOutcome& outcome, const PoseLayout& layout);
+
+/// Angles as 001 eq. 4 prints them: half of the true one for spherical joints [rad].
+std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> angles);
 
 }  // namespace simgap

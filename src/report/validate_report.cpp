@@ -37,10 +37,12 @@ std::vector<std::string> jointHeader(const ValidationResult& result, std::string
   return header;
 }
 
-std::vector<std::string> mjeRow(const ValidationResult& result) {
+std::vector<std::vector<std::string>> mjeRows(const ValidationResult& result) {
   std::vector<std::string> row{fmt::format("mean joint error [deg], {} poses", result.assessment.valid)};
+  std::vector<std::string> paper{"  half angles of spherical joints, as 001 eq. 4"};
   for (const double mje : result.assessment.mje) row.push_back(degreesText(mje));
-  return row;
+  for (const double mje : paperAngles(result.layout, result.assessment.mje)) paper.push_back(degreesText(mje));
+  return {row, paper};
 }
 
 }  // namespace
@@ -52,7 +54,8 @@ Json toJson(const ValidationResult& result) {
     const bool steady = !judged.errors[p].empty();
     poses.push_back({{"pose", result.set.poses[p].name},
                      {"status", toString(judged.outcomes[p].status)},
-                     {"error_deg", steady ? mjeJson(result.layout, judged.errors[p]) : Json(nullptr)}});
+                     {"error_deg", steady ? mjeJson(result.layout, judged.errors[p]) : Json(nullptr)},
+                     {"slack", slackMuscles(judged.outcomes[p], result.layout)}});
   }
   Json criteria = Json::array();
   for (const Criterion& c : result.criteria) {
@@ -60,7 +63,7 @@ Json toJson(const ValidationResult& result) {
   }
   return {{"format", "simgap/validate/1"},
           {"mje_deg", mjeJson(result.layout, judged.mje)},
-          {"paper_mje_deg", mjeJson(result.layout, judged.mje, true)},
+          {"paper_mje_deg", mjeJson(result.layout, paperAngles(result.layout, judged.mje))},
           {"valid_poses", judged.valid},
           {"poses", poses},
           {"criteria", criteria}};
@@ -69,6 +72,7 @@ Json toJson(const ValidationResult& result) {
 std::string errorsCsv(const ValidationResult& result) {
   std::vector<std::string> header{"pose", "status"};
   for (const JointChannel& joint : result.layout.joints) header.push_back(joint.name + "_error_deg");
+  header.push_back("slack_muscles");
   CsvWriter csv(header);
   for (std::size_t p = 0; p < result.set.poses.size(); ++p) {
     csv.add(result.set.poses[p].name).add(toString(result.assessment.outcomes[p].status));
@@ -76,14 +80,15 @@ std::string errorsCsv(const ValidationResult& result) {
       const auto& errors = result.assessment.errors[p];
       errors.empty() ? csv.add("") : csv.add(toDegrees(errors[j]));
     }
-    csv.endRow();
+    csv.add(slackText(result.assessment.outcomes[p], result.layout)).endRow();
   }
   return csv.text();
 }
 
 std::string terminalTable(const ValidationResult& result) {
   constexpr std::size_t kMostPoses = 10;
-  std::vector<std::vector<std::string>> rows{jointHeader(result, ""), mjeRow(result)};
+  std::vector<std::vector<std::string>> rows{jointHeader(result, "")};
+  for (auto& row : mjeRows(result)) rows.push_back(row);
   for (const Criterion& c : result.criteria) {
     rows.push_back({fmt::format("{}: {:.2f}, limit {:.2f}: {}", c.name, c.value, c.limit, c.pass() ? "pass" : "FAIL")});
   }
@@ -102,7 +107,7 @@ Page makePage(const ValidationResult& result) {
                                result.layout.joints[j].name);
   }
   page.answer += " on average.";
-  page.tables.push_back({"Mean joint errors", jointHeader(result, ""), {mjeRow(result)}});
+  page.tables.push_back({"Mean joint errors", jointHeader(result, ""), mjeRows(result)});
   std::vector<Series> series;
   for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
     series.push_back({result.layout.joints[j].name, errorsOfJoint(result.assessment, j)});

@@ -14,7 +14,10 @@ constexpr double kLastStep = 1e-6;       // [rad]: the error behind such a Newto
 constexpr double kArmijo = 1e-4;         // share of the predicted decrease that a step has to reach
 constexpr double kRounding = 1e-13;      // of the energy: smaller increases are not real
 constexpr double kStopTolerance = 1e-9;  // [rad], a joint this near its stop may be held by it
-constexpr double kConvexWay = 1.2;       // [rad], a longer way from rest is followed in steps
+// On the sample arm with its parameters drawn anew 60 times, 7 of 4800 direct ways from rest ended on another branch
+// than follow() does; all but one of them had two doubts, as had 2 % of the others.
+constexpr int kDoubtsAllowed = 1;
+constexpr double kFarFromRest = 1.5;  // [rad]
 // follow(): steps of the shafts, as shares of their way
 constexpr double kFirstStep = 0.25;
 constexpr double kShortestStep = 1.0 / 128.0;
@@ -67,14 +70,13 @@ EquilibriumSolution EquilibriumArm::descend(int max_iterations) {
     solution.torque = findHeld();
     const bool convex = newtonStep();
     const double longest = step_.lpNorm<Eigen::Infinity>();
-    solution.smooth &= convex;
+    solution.doubts += !convex;
     if (convex && longest < kLastStep) {
       applyStep(1.0);
       solution.stable = true;
       return solution;
     }
     double scale = std::min(1.0, kLongestStep / longest);
-    solution.smooth &= scale == 1.0;
     std::copy(joints_.begin(), joints_.end(), before_.begin());
     const double energy = energy_.energy();
     const double slope = energy_.gradient().dot(step_);
@@ -83,7 +85,7 @@ EquilibriumSolution EquilibriumArm::descend(int max_iterations) {
       evaluate();
       ++solution.iterations;
       if (energy_.energy() <= energy + kArmijo * scale * slope + kRounding * std::abs(energy)) break;
-      solution.smooth = false;
+      ++solution.doubts;
       std::copy(before_.begin(), before_.end(), joints_.begin());
       scale *= 0.5;
       if (solution.iterations >= max_iterations) {
@@ -195,7 +197,7 @@ EquilibriumSolution EquilibriumArm::solve(std::span<const double> shafts) {
     rest_known_ = true;
   }
   EquilibriumSolution direct = solveFrom(rest_, shafts);
-  if (direct.stable && direct.smooth && wayFrom(rest_) < kConvexWay) return direct;
+  if (direct.stable && direct.doubts <= kDoubtsAllowed && wayFrom(rest_) < kFarFromRest) return direct;
   EquilibriumSolution followed = follow(shafts);
   followed.iterations += direct.iterations;
   return followed;
@@ -220,7 +222,7 @@ EquilibriumSolution EquilibriumArm::follow(std::span<const double> shafts) {
     for (std::size_t m = 0; m < shafts_.size(); ++m) shafts_[m] = next * shafts[m];
     solution = solveFrom(reached_, shafts_);
     iterations += solution.iterations;
-    const bool branch_kept = solution.stable && solution.smooth && wayFrom(reached_) < kLongestMove;
+    const bool branch_kept = solution.stable && solution.doubts == 0 && wayFrom(reached_) < kLongestMove;
     if (!branch_kept && step > kShortestStep) {
       step *= 0.5;
       continue;

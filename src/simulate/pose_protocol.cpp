@@ -144,6 +144,8 @@ std::string_view toString(PoseStatus status) {
       return "not steady";
     case PoseStatus::kNotFinite:
       return "not finite";
+    case PoseStatus::kNoEquilibrium:
+      return "no stable equilibrium";
     case PoseStatus::kSkipped:
       break;
   }

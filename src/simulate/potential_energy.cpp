@@ -17,15 +17,9 @@ PotentialEnergy::PotentialEnergy(const ArmModel& model) {
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
     joint_of_body_[joint.child] = static_cast<int>(j);
-    const int above = joint_of_body_[joint.parent];
-    parent_joint_.push_back(above);
-    std::vector<int>& up = up_.emplace_back();
-    if (above >= 0) {
-      up = up_[above];
-      for (int d = 0; d < model.joints[above].degreesOfFreedom(); ++d) up.push_back(first_dof_[above] + d);
-    }
-    first_dof_.push_back(degreesOfFreedom());
-    for (int d = 0; d < joint.degreesOfFreedom(); ++d) dofs_.push_back({static_cast<int>(j)});
+    parent_joint_.push_back(joint_of_body_[joint.parent]);
+    first_dof_.push_back(dofs_);
+    dofs_ += joint.degreesOfFreedom();
   }
   links_.resize(model.joints.size());
   for (const Muscle& muscle : model.muscles) {
@@ -33,21 +27,21 @@ PotentialEnergy::PotentialEnergy(const ArmModel& model) {
               static_cast<int>(levers_.size()),
               0};
     for (int end = 0; end < 2; ++end) {
-      const int joint = line.joint[end];
-      if (joint < 0) continue;
-      std::vector<int> chain = up_[joint];
-      for (int d = 0; d < model.joints[joint].degreesOfFreedom(); ++d) chain.push_back(first_dof_[joint] + d);
-      for (const int dof : chain) {
-        const int other = line.joint[1 - end];
+      const int other = line.joint[1 - end];
+      const auto begin = std::ssize(levers_);
+      for (int joint = line.joint[end]; joint >= 0; joint = parent_joint_[joint]) {
         // A joint above both ends moves the muscle as a whole.
-        if (other < 0 || !carries(dofs_[dof].joint, other)) levers_.push_back({dof, end});
+        if (other < 0 || !carries(joint, other)) levers_.push_back({joint, end});
       }
+      std::reverse(levers_.begin() + begin, levers_.end());
     }
     line.last = static_cast<int>(levers_.size());
     muscles_.push_back(line);
   }
-  gradient_.resize(degreesOfFreedom());
-  hessian_.resize(degreesOfFreedom(), degreesOfFreedom());
+  moments_.resize(links_.size());
+  blocks_.resize(links_.size() * links_.size());
+  gradient_.resize(dofs_);
+  hessian_.resize(dofs_, dofs_);
   setModel(model);
 }
 
@@ -71,20 +65,14 @@ bool PotentialEnergy::carries(int joint, int other) const {
   return other == joint;
 }
 
-Eigen::Vector3d PotentialEnergy::pointInWorld(int joint, const Eigen::Vector3d& point) const {
-  return joint < 0 ? point : Eigen::Vector3d(links_[joint].origin + links_[joint].rotation * point);
-}
-
 void PotentialEnergy::evaluate(std::span<const JointPosition> joints) {
   place(joints);
   energy_ = 0.0;
-  gradient_.setZero();
-  hessian_.setZero();
+  for (Eigen::Vector3d& moment : moments_) moment.setZero();
+  for (Eigen::Matrix3d& block : blocks_) block.setZero();
   addGravity();
   for (std::size_t m = 0; m < muscles_.size(); ++m) addMuscle(muscles_[m], model_.muscles[m]);
-  for (int i = 0; i < hessian_.rows(); ++i) {
-    for (int j = 0; j < i; ++j) hessian_(i, j) = hessian_(j, i);
-  }
+  project();
 }
 
 void PotentialEnergy::place(std::span<const JointPosition> joints) {
@@ -96,11 +84,7 @@ void PotentialEnergy::place(std::span<const JointPosition> joints) {
     link.rotation = childInParent(joint, joints[j]);
     if (above >= 0) link.rotation = links_[above].rotation * link.rotation;
     link.origin = link.pivot - link.rotation * joint.child_position;
-    if (joint.type == JointType::kSpherical) {
-      for (int d = 0; d < 3; ++d) dofs_[first_dof_[j] + d].axis = link.rotation.col(d);
-    } else {
-      dofs_[first_dof_[j]].axis = link.rotation * joint.axis;
-    }
+    link.axis = link.rotation * joint.axis;
     link.subtree_mass = link.mass;
     link.moment = link.mass * pointInWorld(static_cast<int>(j), link.centre_of_mass);
   }
@@ -113,20 +97,14 @@ void PotentialEnergy::place(std::span<const JointPosition> joints) {
 
 void PotentialEnergy::addGravity() {
   const Eigen::Vector3d& g = model_.gravity;
-  for (std::size_t j = 0; j < links_.size(); ++j) {
+  for (int j = 0; j < std::ssize(links_); ++j) {
     const Link& link = links_[j];
     if (parent_joint_[j] < 0) energy_ -= g.dot(link.moment);
     const Eigen::Vector3d arm = link.moment - link.subtree_mass * link.pivot;
-    const int first = first_dof_[j];
-    const int last = first + model_.joints[j].degreesOfFreedom();
-    for (int k = first; k < last; ++k) {
-      const Eigen::Vector3d move = dofs_[k].axis.cross(arm);
-      gradient_[k] -= g.dot(move);
-      for (const int i : up_[j]) hessian_(i, k) -= g.cross(dofs_[i].axis).dot(move);
-      for (int i = first; i < last; ++i) {  // each unordered pair twice, with half its value
-        hessian_(std::min(i, k), std::max(i, k)) -= (i == k ? 1.0 : 0.5) * g.cross(dofs_[i].axis).dot(move);
-      }
-    }
+    moments_[j] -= arm.cross(g);
+    const Eigen::Matrix3d second = g.dot(arm) * Eigen::Matrix3d::Identity() - arm * g.transpose();
+    block(j, j) += 0.5 * (second + second.transpose());
+    for (int i = parent_joint_[j]; i >= 0; i = parent_joint_[i]) block(i, j) += second;
   }
 }
 
@@ -142,25 +120,71 @@ void PotentialEnergy::addMuscle(Line& line, const Muscle& muscle) {
   if (line.force == 0.0) return;
   energy_ += 0.5 * line.force * line.expansion;
 
+  const Eigen::Vector3d& u = line.direction;
   const double pull = line.force / line.length;
   for (int b = line.first; b < line.last; ++b) {
     Lever& lever = levers_[b];
-    const Dof& dof = dofs_[lever.dof];
-    const Eigen::Vector3d arm = ends[lever.end] - links_[dof.joint].pivot;
-    lever.move = lever.end == 1 ? dof.axis.cross(arm) : arm.cross(dof.axis);
-    lever.lever = line.direction.dot(lever.move);
-    lever.turn = line.direction.cross(dof.axis);
-    gradient_[lever.dof] += line.force * lever.lever;
+    lever.arm = ends[lever.end] - links_[lever.joint].pivot;
+    const double sign = lever.end == 1 ? 1.0 : -1.0;
+    lever.moment = sign * lever.arm.cross(u);
+    moments_[lever.joint] += line.force * lever.moment;
+    const double turning = sign * line.force * u.dot(lever.arm);
     for (int a = line.first; a <= b; ++a) {
       const Lever& above = levers_[a];
-      double h = (cord.stiffness - pull) * above.lever * lever.lever + pull * above.move.dot(lever.move);
-      if (above.end == lever.end) {
-        const bool same_joint = dofs_[above.dof].joint == dof.joint;
-        h += line.force * (same_joint ? 0.5 * (above.turn.dot(lever.move) + lever.turn.dot(above.move))
-                                      : above.turn.dot(lever.move));
+      // (k - F/L) dL dL + F/L dd.dd + F u.d2d
+      Eigen::Matrix3d h = (cord.stiffness - pull) * above.moment * lever.moment.transpose();
+      const double same = above.end == lever.end ? pull : -pull;
+      h.noalias() -= same * lever.arm * above.arm.transpose();
+      h.diagonal().array() += same * above.arm.dot(lever.arm);
+      if (a == b) {
+        const Eigen::Matrix3d turn = (0.5 * sign * line.force) * lever.arm * u.transpose();
+        h += turn + turn.transpose();
+        h.diagonal().array() -= turning;
+      } else if (above.end == lever.end) {
+        h.noalias() += (sign * line.force) * lever.arm * u.transpose();
+        h.diagonal().array() -= turning;
       }
-      hessian_(std::min(above.dof, lever.dof), std::max(above.dof, lever.dof)) += h;
+      if (above.joint <= lever.joint) {
+        block(above.joint, lever.joint) += h;
+      } else {
+        block(lever.joint, above.joint) += h.transpose();
+      }
     }
+  }
+}
+
+/// Gradient and Hessian of the degrees of freedom from those of the joints' rotations in the world.
+void PotentialEnergy::project() {
+  for (int j = 0; j < std::ssize(links_); ++j) {
+    const bool ball = model_.joints[j].type == JointType::kSpherical;
+    const int d = first_dof_[j];
+    if (ball) {
+      gradient_.segment<3>(d) = links_[j].rotation.transpose() * moments_[j];
+    } else {
+      gradient_[d] = links_[j].axis.dot(moments_[j]);
+    }
+    for (int i = 0; i <= j; ++i) {
+      const bool upper_ball = model_.joints[i].type == JointType::kSpherical;
+      const int c = first_dof_[i];
+      if (ball) {
+        const Eigen::Matrix3d columns = block(i, j) * links_[j].rotation;
+        if (upper_ball) {
+          hessian_.block<3, 3>(c, d) = links_[i].rotation.transpose() * columns;
+        } else {
+          hessian_.block<1, 3>(c, d) = links_[i].axis.transpose() * columns;
+        }
+      } else {
+        const Eigen::Vector3d column = block(i, j) * links_[j].axis;
+        if (upper_ball) {
+          hessian_.block<3, 1>(c, d) = links_[i].rotation.transpose() * column;
+        } else {
+          hessian_(c, d) = links_[i].axis.dot(column);
+        }
+      }
+    }
+  }
+  for (int i = 0; i < dofs_; ++i) {
+    for (int j = 0; j < i; ++j) hessian_(i, j) = hessian_(j, i);
   }
 }
 

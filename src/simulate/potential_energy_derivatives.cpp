@@ -1,9 +1,9 @@
-/// Derivatives of the energy's gradient G with respect to the model's numbers. All that move a point reduce to one
-/// case: end 1 of a muscle shifts by s (end 0: the same with -s). With k the stiffness, F the force, L the length,
+/// Derivatives of the energy's gradient with respect to the model's numbers. All that move a point reduce to one case:
+/// end 1 of a muscle shifts by s (end 0: the same with -s). With k the stiffness, F the force, L the length, t = dL/dw,
 ///
-///   dG_c = s . [(k - F/L) (u.d_c) u + F/L d_c + F (u x a_c) when the shift changes the point's arm about dof c],
+///   d(F t) = (k - F/L) (u.s) t + F/L (+-r x s) + F s x u,   the last when the shift changes the arm r about the pivot.
 ///
-/// d_c = dd/dq_c. A body's weight is the same with the force -m g and neither k nor F/L.
+/// A body's weight is the same with the force -m g and neither k nor F/L.
 #include <cassert>
 
 #include "simgap/core/error.h"
@@ -23,6 +23,16 @@ void PotentialEnergy::differentiate(std::span<const StaticParameter> parameters,
   }
 }
 
+void PotentialEnergy::addProjected(int joint, const Eigen::Vector3d& derivative,
+                                   Eigen::Ref<Eigen::VectorXd> column) const {
+  const int d = first_dof_[joint];
+  if (model_.joints[joint].type == JointType::kSpherical) {
+    column.segment<3>(d) += links_[joint].rotation.transpose() * derivative;
+  } else {
+    column[d] += links_[joint].axis.dot(derivative);
+  }
+}
+
 void PotentialEnergy::differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns) const {
   columns.setZero();
   for (std::size_t m = 0; m < muscles_.size(); ++m) {
@@ -30,7 +40,7 @@ void PotentialEnergy::differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns)
     if (line.force == 0.0) continue;
     const double stretch = model_.muscles[m].shock_cord.stiffness * model_.muscles[m].spindle_radius;
     for (int b = line.first; b < line.last; ++b) {
-      columns(levers_[b].dof, static_cast<Eigen::Index>(m)) = stretch * levers_[b].lever;
+      addProjected(levers_[b].joint, stretch * levers_[b].moment, columns.col(static_cast<Eigen::Index>(m)));
     }
   }
 }
@@ -40,15 +50,14 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
     case Kind::kNone:
       return;
     case Kind::kGravity:
-      for (int c = 0; c < degreesOfFreedom(); ++c) {
-        const Link& link = links_[dofs_[c].joint];
-        column[c] = -dofs_[c].axis.cross(link.moment - link.subtree_mass * link.pivot)[p.component];
+      for (int j = 0; j < std::ssize(links_); ++j) {
+        const Eigen::Vector3d arm = links_[j].moment - links_[j].subtree_mass * links_[j].pivot;
+        addProjected(j, -arm.cross(Eigen::Vector3d::Unit(p.component)), column);
       }
       return;
     case Kind::kParentPosition: {
-      const int above = parent_joint_[p.item];
-      const Eigen::Vector3d shift = above < 0 ? Eigen::Vector3d(Eigen::Vector3d::Unit(p.component))
-                                              : Eigen::Vector3d(links_[above].rotation.col(p.component));
+      Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);
+      if (parent_joint_[p.item] >= 0) shift = links_[parent_joint_[p.item]].rotation.col(p.component);
       return differentiateByJointShift(p.item, shift, true, column);
     }
     case Kind::kChildPosition:
@@ -61,17 +70,21 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
   }
 }
 
-Eigen::Vector3d PotentialEnergy::stretchTerm(const Line& line, const Muscle& muscle, const Lever& lever) const {
+Eigen::Vector3d PotentialEnergy::shiftTerm(const Line& line, double stiffness, const Lever& lever, int end,
+                                           const Eigen::Vector3d& shift, bool arm_changes) const {
   const double pull = line.force / line.length;
-  return (muscle.shock_cord.stiffness - pull) * lever.lever * line.direction + pull * lever.move;
+  const double sign = lever.end == 1 ? 1.0 : -1.0;
+  Eigen::Vector3d term =
+      (stiffness - pull) * line.direction.dot(shift) * lever.moment + pull * sign * lever.arm.cross(shift);
+  if (lever.end == end && arm_changes) term += line.force * shift.cross(line.direction);
+  return end == 1 ? term : Eigen::Vector3d(-term);
 }
 
 void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {
   const Line& line = muscles_[p.item];
   if (line.force == 0.0) return;
-  const Muscle& muscle = model_.muscles[p.item];
-  const double stiffness = muscle.shock_cord.stiffness;
-  double factor = 0.0;  // of the lever
+  const double stiffness = model_.muscles[p.item].shock_cord.stiffness;
+  double factor = 0.0;  // of dL/dw
   switch (p.kind) {
     case Kind::kKiteLine:
     case Kind::kRestLength:
@@ -88,58 +101,44 @@ void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref
       const int joint = line.joint[p.part];
       Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);
       if (joint >= 0) shift = links_[joint].rotation.col(p.component);
-      const double sign = p.part == 1 ? 1.0 : -1.0;
       for (int b = line.first; b < line.last; ++b) {
-        const Lever& lever = levers_[b];
-        Eigen::Vector3d term = stretchTerm(line, muscle, lever);
-        if (lever.end == p.part) term += line.force * lever.turn;
-        column[lever.dof] += sign * shift.dot(term);
+        addProjected(levers_[b].joint, shiftTerm(line, stiffness, levers_[b], p.part, shift, true), column);
       }
       return;
     }
   }
-  for (int b = line.first; b < line.last; ++b) column[levers_[b].dof] += factor * levers_[b].lever;
+  for (int b = line.first; b < line.last; ++b) addProjected(levers_[b].joint, factor * levers_[b].moment, column);
 }
 
 void PotentialEnergy::differentiateByMass(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {
   const int joint = joint_of_body_[p.item];
   if (joint < 0) return;
   const Part& part = model_.bodies[p.item].parts[p.part];
-  const Eigen::Vector3d& g = model_.gravity;
-  for (int c = 0; c < degreesOfFreedom(); ++c) {
-    if (!carries(dofs_[c].joint, joint)) continue;
-    const Eigen::Vector3d& axis = dofs_[c].axis;
-    if (p.kind == Kind::kPartMass) {
-      column[c] -= g.dot(axis.cross(pointInWorld(joint, part.position) - links_[dofs_[c].joint].pivot));
-    } else {
-      column[c] -= part.mass * g.dot(axis.cross(links_[joint].rotation.col(p.component)));
-    }
+  for (int j = joint; j >= 0; j = parent_joint_[j]) {
+    const Eigen::Vector3d move = p.kind == Kind::kPartMass
+                                     ? Eigen::Vector3d(pointInWorld(joint, part.position) - links_[j].pivot)
+                                     : Eigen::Vector3d(part.mass * links_[joint].rotation.col(p.component));
+    addProjected(j, -move.cross(model_.gravity), column);
   }
 }
 
 void PotentialEnergy::differentiateByJointShift(int joint, const Eigen::Vector3d& shift, bool pivot_moves,
                                                 Eigen::Ref<Eigen::VectorXd> column) const {
   // The arm about a pivot changes when the point moves and the pivot does not.
-  const auto changesArm = [&](int dof) {
-    const int j = dofs_[dof].joint;
-    return pivot_moves ? j != joint && carries(j, joint) : carries(j, joint);
-  };
-  for (int c = 0; c < degreesOfFreedom(); ++c) {
-    if (changesArm(c)) column[c] -= links_[joint].subtree_mass * model_.gravity.dot(dofs_[c].axis.cross(shift));
+  const auto changesArm = [&](int j) { return carries(j, joint) && !(pivot_moves && j == joint); };
+  for (int j = joint; j >= 0; j = parent_joint_[j]) {
+    if (changesArm(j)) addProjected(j, -links_[joint].subtree_mass * shift.cross(model_.gravity), column);
   }
   for (std::size_t m = 0; m < muscles_.size(); ++m) {
     const Line& line = muscles_[m];
     if (line.force == 0.0) continue;
-    std::array<bool, 2> shifts;
-    for (int end = 0; end < 2; ++end) shifts[end] = line.joint[end] >= 0 && carries(joint, line.joint[end]);
+    const double stiffness = model_.muscles[m].shock_cord.stiffness;
     for (int end = 0; end < 2; ++end) {
-      if (!shifts[end] || shifts[1 - end]) continue;
-      const double sign = end == 1 ? 1.0 : -1.0;
+      const auto shifts = [&](int e) { return line.joint[e] >= 0 && carries(joint, line.joint[e]); };
+      if (!shifts(end) || shifts(1 - end)) continue;
       for (int b = line.first; b < line.last; ++b) {
-        const Lever& lever = levers_[b];
-        Eigen::Vector3d term = stretchTerm(line, model_.muscles[m], lever);
-        if (lever.end == end && changesArm(lever.dof)) term += line.force * lever.turn;
-        column[lever.dof] += sign * shift.dot(term);
+        const int j = levers_[b].joint;
+        addProjected(j, shiftTerm(line, stiffness, levers_[b], end, shift, changesArm(j)), column);
       }
     }
   }

@@ -55,7 +55,7 @@ TEST(CalibrationConfig, ReadsWhatStandsInIt) {
   EXPECT_NEAR(config.protocol.max_shaft_error, 7 * kDegree, 1e-16);
   EXPECT_NEAR(config.protocol.max_velocity, kDegree, 1e-16);
   EXPECT_FALSE(config.protocol.early_acquisition);
-  EXPECT_NEAR(config.capture_sd, 0.2 * kDegree, 1e-16);
+  EXPECT_NEAR(config.noise.capture_sd, 0.2 * kDegree, 1e-16);
 }
 
 TEST(CalibrationConfig, IsTheSameAfterAFile) {
@@ -83,7 +83,7 @@ TEST(CalibrationConfig, IsTheSameAfterAFile) {
     EXPECT_EQ(a.protocol.max_shaft_error, b.protocol.max_shaft_error);
     EXPECT_EQ(a.protocol.max_velocity, b.protocol.max_velocity);
     EXPECT_EQ(a.protocol.arm.step, b.protocol.arm.step);
-    EXPECT_EQ(a.capture_sd, b.capture_sd);
+    EXPECT_EQ(a.noise.capture_sd, b.noise.capture_sd);
   }
 }
 

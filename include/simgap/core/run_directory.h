@@ -2,6 +2,7 @@
 /// Files that are there completely or not at all, and the directory every command leaves.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
@@ -15,6 +16,9 @@ namespace simgap {
 
 /// Ordered, so that files read in the order they were written.
 using Json = nlohmann::ordered_json;
+
+/// JSON has no NaN and no infinity: such a number is null.
+inline Json numberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 /// Writes a file atomically: temporary file in the same folder, fsync, rename, fsync of the folder.
 /// \throws ConfigError when the folder cannot be written.

@@ -45,7 +45,7 @@ struct Individual {
   double fitness = std::numeric_limits<double>::quiet_NaN();
 };
 
-enum class StopReason { kNone, kMaxGenerations, kTargetFitness, kNoValidIndividual };
+enum class StopReason { kNone, kMaxGenerations, kTargetFitness, kNoValidIndividual, kConverged };
 const char* toString(StopReason reason);
 
 /// What has to be stored to go on bit-identically: nothing else changes between generations.

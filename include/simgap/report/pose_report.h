@@ -32,6 +32,9 @@ Json toJson(const CalibrationResult& result);
 std::string historyCsv(const CalibrationResult& result);
 std::string parametersCsv(const CalibrationResult& result);
 std::string errorsCsv(const CalibrationResult& result);  ///< set, pose, status and error before and after, per joint
+std::string singularValuesCsv(const CalibrationResult& result);
+/// What the poses tell of the parameters, what error to expect on others; lines for the terminal.
+std::string uncertaintyText(const CalibrationResult& result);
 std::string terminalTable(const CalibrationResult& result);
 Page makePage(const CalibrationResult& result);
 ///@}

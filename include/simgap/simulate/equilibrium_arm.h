@@ -14,7 +14,7 @@ namespace simgap {
 /// How a search for an equilibrium ended.
 struct EquilibriumSolution {
   bool stable = false;  ///< converged in a minimum; else it slides on, or rests on a saddle
-  bool smooth = true;   ///< every step was a full Newton step of a convex energy, with no doubt about the basin
+  int doubts = 0;       ///< steps where the energy was not convex or a full step would have raised it
   int iterations = 0;   ///< evaluations of the energy
   double torque = 0.0;  ///< largest component of the gradient that no joint stop holds, at the last evaluation [N m]
 };
@@ -27,7 +27,7 @@ class EquilibriumArm {
   void setModel(const ArmModel& model);
 
   /// The equilibrium that a slow movement of the shafts from 0 leads to (startPosition at shafts 0): straight from the
-  /// rest where the way is convex, else in steps of the shafts. \param shafts  shape (muscles) [rad]
+  /// rest, or by follow() where that leaves doubts. \param shafts  shape (muscles) [rad]
   EquilibriumSolution solve(std::span<const double> shafts);
   /// The minimum downhill of a position. \param from  shape (joints), clamped to the joint limits
   /// \param max_iterations  evaluations of the energy; where they do not suffice, the solution is not stable

@@ -28,4 +28,7 @@ class Evaluator {
 /// \param threads  0: all the machine has.
 std::unique_ptr<Evaluator> makeBulletEvaluator(const PoseProtocol& protocol, int threads);
 
+/// Minima of the potential energy at the recorded shaft angles (EquilibriumArm::solve), without joint friction.
+std::unique_ptr<Evaluator> makeEquilibriumEvaluator(int threads);
+
 }  // namespace simgap

@@ -33,6 +33,7 @@ enum class PoseStatus {
   kAcquisitionError,  ///< a shaft is not where it should be when t_a ends; worst: the muscle, its error [rad]
   kNotSteady,         ///< a joint never rested for t_d within t_s; worst: the joint that last moved, its speed [rad/s]
   kNotFinite,         ///< the simulation blew up
+  kNoEquilibrium,     ///< the potential energy has no minimum the arm would come to; worst_value: torque left [N m]
   kSkipped,           ///< not simulated, because an earlier pose of the individual was invalid
 };
 std::string_view toString(PoseStatus status);

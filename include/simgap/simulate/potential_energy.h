@@ -4,12 +4,13 @@
 ///   E(q, phi) = - sum_b m_b g.x_b(q)  +  sum_m 1/2 k max(0, L(q) - L_K0 + r phi - L_SR)^2     (000 eq. 3-6, 12)
 ///
 /// q lives on SO(3)^n x R^m: a displacement w turns a spherical joint to R exp(w), w in the child's frame, and a
-/// revolute one to q + w. With the world axis a of a degree of freedom, the pivot c of its joint and a point p that it
-/// carries,
+/// revolute one to q + w. Inside, every joint turns by a rotation vector w in the world; a point p that it carries at
+/// r = p - pivot then moves by
 ///
-///   dp/dq_j = a_j x (p - c_j),    d2p/dq_i dq_j = a_i x (a_j x (p - c_j))   for i at or above j in the tree,
+///   dp = w_j x r_j,    d2p = w_i x (w_j x r_j)   for joint i at or above j in the tree,
 ///
-/// symmetrised within a spherical joint. Everything below follows from these two lines by the chain rule.
+/// symmetrised for i = j. Everything else follows from these two lines by the chain rule, as a 3-vector per joint and a
+/// 3 x 3 block per pair of joints, projected on the joints' axes at the end.
 #pragma once
 
 #include <Eigen/Core>
@@ -52,7 +53,7 @@ class PotentialEnergy {
   void setModel(const ArmModel& model);
   void setShafts(std::span<const double> shafts);  ///< shape (muscles) [rad]
 
-  int degreesOfFreedom() const { return static_cast<int>(dofs_.size()); }
+  int degreesOfFreedom() const { return dofs_; }
   int firstDof(int joint) const { return first_dof_[joint]; }
   const ArmModel& model() const { return model_; }
 
@@ -71,24 +72,20 @@ class PotentialEnergy {
   void differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns) const;
 
  private:
-  struct Dof {
-    int joint;
-    Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< in the world
-  };
   struct Link {  ///< the child of a joint
     Eigen::Matrix3d rotation;
     Eigen::Vector3d origin, pivot;
+    Eigen::Vector3d axis;  ///< revolute: in the world; a spherical joint's axes are the columns of `rotation`
     double mass, subtree_mass;
     Eigen::Vector3d centre_of_mass;  ///< in its own frame
     Eigen::Vector3d moment;          ///< sum of m x over the subtree
   };
-  /// How a degree of freedom moves a muscle's line d = p_1 - p_0; only those that move one end are listed.
+  /// How a joint moves a muscle's line; only joints that move one end of it are listed.
   struct Lever {
-    int dof;
-    int end;                                         ///< the attachment that moves
-    double lever = 0.0;                              ///< u . dd/dq [m]
-    Eigen::Vector3d move = Eigen::Vector3d::Zero();  ///< dd/dq
-    Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< u x a
+    int joint;
+    int end;                                           ///< the attachment that moves
+    Eigen::Vector3d arm = Eigen::Vector3d::Zero();     ///< from the pivot to that attachment
+    Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< dL/dw
   };
   struct Line {
     std::array<int, 2> joint;  ///< that carries each attachment's body, -1: fixed
@@ -100,10 +97,19 @@ class PotentialEnergy {
   void place(std::span<const JointPosition> joints);
   void addGravity();
   void addMuscle(Line& line, const Muscle& muscle);
-  Eigen::Vector3d pointInWorld(int joint, const Eigen::Vector3d& point) const;
+  void project();
+  Eigen::Matrix3d& block(int upper, int lower) {
+    return blocks_[static_cast<std::size_t>(upper) * links_.size() + lower];
+  }
+  Eigen::Vector3d pointInWorld(int joint, const Eigen::Vector3d& point) const {
+    return joint < 0 ? point : Eigen::Vector3d(links_[joint].origin + links_[joint].rotation * point);
+  }
   bool carries(int joint, int other) const;  ///< joint is `other` or above it
-  /// How u . dd/dq of a lever times the force changes when its end 1 (or end 0, against u) shifts; see differentiate().
-  Eigen::Vector3d stretchTerm(const Line& line, const Muscle& muscle, const Lever& lever) const;
+  /// Adds the derivative of a joint's gradient, a vector in the world, to a column.
+  void addProjected(int joint, const Eigen::Vector3d& derivative, Eigen::Ref<Eigen::VectorXd> column) const;
+  /// What a lever's gradient changes by when an end shifts; `arm_changes`: and its joint's pivot does not.
+  Eigen::Vector3d shiftTerm(const Line& line, double stiffness, const Lever& lever, int end,
+                            const Eigen::Vector3d& shift, bool arm_changes) const;
   void differentiateByJointShift(int joint, const Eigen::Vector3d& shift, bool pivot_moves,
                                  Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateBy(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
@@ -111,14 +117,15 @@ class PotentialEnergy {
   void differentiateByMass(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
 
   ArmModel model_;
-  std::vector<Dof> dofs_;
-  std::vector<int> first_dof_;        ///< shape (joints)
-  std::vector<int> joint_of_body_;    ///< shape (bodies), -1: fixed
-  std::vector<int> parent_joint_;     ///< shape (joints), -1: hangs on a fixed body
-  std::vector<std::vector<int>> up_;  ///< per joint: the degrees of freedom above it, without its own
-  std::vector<Link> links_;           ///< shape (joints)
+  int dofs_ = 0;
+  std::vector<int> first_dof_;      ///< shape (joints)
+  std::vector<int> joint_of_body_;  ///< shape (bodies), -1: fixed
+  std::vector<int> parent_joint_;   ///< shape (joints), -1: hangs on a fixed body
+  std::vector<Link> links_;         ///< shape (joints)
   std::vector<Line> muscles_;
   std::vector<Lever> levers_;
+  std::vector<Eigen::Vector3d> moments_;  ///< shape (joints), gradient in the world
+  std::vector<Eigen::Matrix3d> blocks_;   ///< shape (joints, joints), Hessian in the world, the upper triangle
   double energy_ = 0.0;
   Eigen::VectorXd gradient_;
   Eigen::MatrixXd hessian_;

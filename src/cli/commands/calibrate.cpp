@@ -9,6 +9,7 @@
 #include "../pose_inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
+#include "simgap/fit/posterior_search.h"
 #include "simgap/report/assets.h"
 #include "simgap/report/pose_report.h"
 
@@ -23,6 +24,8 @@ struct Options {
   std::optional<int> generations, mu, lambda;
   std::optional<double> target_fitness;
   std::optional<bool> early_acquisition;
+  std::optional<std::string> evaluator, optimizer, verify;
+  std::optional<int> starts;
 };
 
 /// Everything a calibration starts from.
@@ -43,6 +46,17 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
   if (options.target_fitness) config.strategy.target_fitness = *options.target_fitness;
   if (options.common.seed) config.strategy.seed = *options.common.seed;
   if (options.early_acquisition) config.protocol.early_acquisition = *options.early_acquisition;
+  if (options.optimizer) config.optimizer = *options.optimizer;
+  if (options.evaluator) config.evaluator = *options.evaluator;
+  if (options.verify) config.verify = *options.verify;
+  if (options.starts) config.starts = *options.starts;
+  if (config.usesPosterior()) {
+    if (options.evaluator == "bullet") {
+      throw ConfigError(
+          fmt::format("--optimizer {} needs derivatives, which only --evaluator equilibrium has", config.optimizer));
+    }
+    config.evaluator = "equilibrium";
+  }
   config.strategy.validate();
 }
 
@@ -116,19 +130,40 @@ void restore(Calibration& calibration, const RunDirectory& directory) {
   spdlog::info("going on after generation {}", calibration.state().strategy.generation);
 }
 
+/// Generations, or descents of lm and hybrid.
+std::size_t expectedSteps(const CalibrationConfig& config) {
+  if (!config.usesPosterior()) return static_cast<std::size_t>(config.strategy.generations);
+  const int polished = config.optimizer == "hybrid" ? kHybridRounds * config.strategy.mu : 0;
+  return static_cast<std::size_t>(config.starts + polished);
+}
+
+/// Writes the state at most this often: a fast search would do nothing else. [s]
+constexpr double kStateInterval = 1.0;
+
 void search(Calibration& calibration, const Task& task, const Session& session) {
   const PoseLayout layout = task.model.poseLayout();
-  Progress progress("calibrate: generation", static_cast<std::size_t>(task.config.strategy.generations),
-                    session.options().quiet);
+  Progress progress(task.config.usesPosterior() ? "calibrate: descent" : "calibrate: generation",
+                    expectedSteps(task.config), session.options().quiet);
   progress.startFrom(static_cast<std::size_t>(calibration.state().strategy.generation));
-  calibration.run([&](const CalibrationState& state) {
-    session.directory().write(kStateFile, toJson(state));
-    std::string detail;
-    for (std::size_t j = 0; j < layout.joints.size(); ++j) {
-      detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesText(state.best_mje[j]));
-    }
-    progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
-  });
+  const auto store = [&] { session.directory().write(kStateFile, toJson(calibration.state())); };
+  double stored = calibration.state().wall;
+  try {
+    calibration.run([&](const CalibrationState& state) {
+      if (state.wall - stored >= kStateInterval) {
+        store();
+        stored = state.wall;
+      }
+      std::string detail;
+      for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+        detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesText(state.best_mje[j]));
+      }
+      progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
+    });
+  } catch (const InterruptedError&) {
+    store();
+    throw;
+  }
+  store();
 }
 
 /// A path as a shell takes it.
@@ -140,41 +175,85 @@ std::string shellWord(const std::string& path) {
   return word + "'";
 }
 
-CalibrationResult judge(const Task& task, const Calibration& calibration, Evaluator& evaluator, bool quiet) {
+/// The evaluators of a calibration: one searches, one judges what was found.
+struct Evaluators {
+  std::unique_ptr<Evaluator> search, verify;
+  Evaluator& judge() const { return verify ? *verify : *search; }
+};
+
+Evaluators makeEvaluators(const CalibrationConfig& config, int threads) {
+  Evaluators evaluators;
+  const bool bullet = config.evaluator == "bullet";
+  evaluators.search = bullet ? makeBulletEvaluator(config.protocol, threads) : makeEquilibriumEvaluator(threads);
+  if (!bullet && config.verify == "bullet") evaluators.verify = makeBulletEvaluator(config.protocol, threads);
+  return evaluators;
+}
+
+CalibrationResult judge(const Task& task, const Calibration& calibration, const Evaluators& evaluators, bool quiet) {
   CalibrationResult result{
-      task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(), task.config};
+      task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(), task.config, {}, {}};
   const ArmModel best = calibration.bestModel();
   std::vector<PoseOutcome> all;
   const auto add = [&](const char* name, const PoseSet& set) {
-    result.sets.push_back({name, set, replayAll(evaluator, task.model, set, "judge", quiet),
-                           replayAll(evaluator, best, set, "judge", quiet)});
+    result.sets.push_back({name,
+                           set,
+                           replayAll(evaluators.judge(), task.model, set, "judge", quiet),
+                           replayAll(evaluators.judge(), best, set, "judge", quiet),
+                           {},
+                           {}});
+    if (evaluators.verify) result.sets.back().searched = replayAll(*evaluators.search, best, set, "judge", quiet);
     const std::vector<PoseOutcome>& outcomes = result.sets.back().final.outcomes;
     all.insert(all.end(), outcomes.begin(), outcomes.end());
+    warnAboutOtherEquilibria(best, set, outcomes);
   };
   add("calibration", task.poses);
   if (task.validation) add("validation", *task.validation);
   warnAboutCords(all, result.layout);
+  addUncertainty(task.model, calibration.space(), calibration.state().strategy.best.y, result);
   return result;
 }
 
+/// What a run would do, and what its poses can tell before any is run.
 ExitCode dryRun(const Task& task) {
   const ParameterSpace space(task.model, task.config.parameters);
-  const EvolutionStrategyOptions& strategy = task.config.strategy;
-  fmt::print("would search {} parameters on {} poses: ({}, {})-ES, {} generations, {} pose simulations\n", space.size(),
-             task.poses.poses.size(), strategy.mu, strategy.lambda, strategy.generations,
-             static_cast<long>(strategy.generations) * strategy.lambda * static_cast<long>(task.poses.poses.size()));
-  for (const ParameterSpace::Choice& choice : task.config.parameters) {
+  const CalibrationConfig& config = task.config;
+  fmt::print("would search {} parameters on {} poses with {} by {}", space.size(), task.poses.poses.size(),
+             config.evaluator, config.optimizer);
+  if (config.usesPosterior()) {
+    fmt::print(", {} starts\n", config.starts);
+  } else {
+    const EvolutionStrategyOptions& strategy = config.strategy;
+    fmt::print(": {} generations of {} individuals ({} parents), {} pose simulations\n", strategy.generations,
+               strategy.lambda, strategy.mu,
+               static_cast<long>(strategy.generations) * strategy.lambda * std::ssize(task.poses.poses));
+  }
+  for (const ParameterSpace::Choice& choice : config.parameters) {
     fmt::print("  {}, initial step {}\n", choice.pattern, choice.step);
   }
-  fmt::print("nothing was written\n");
+  // Before the search only the model itself can say where it would rest; there the poses tell what they will tell.
+  PoseSet modelled{task.poses.file, {}};
+  const std::vector<PoseOutcome> outcomes =
+      makeEquilibriumEvaluator(1)->evaluate({&task.model, 1}, task.poses.poses, AfterInvalid::kGoOn);
+  for (std::size_t p = 0; p < outcomes.size(); ++p) {
+    if (outcomes[p].status != PoseStatus::kSteady) continue;
+    modelled.poses.push_back(task.poses.poses[p]);
+    modelled.poses.back().joints = outcomes[p].joints;
+  }
+  CalibrationResult expected{task.model.poseLayout(), {}, space.parameters(), {}, config, {}, {}};
+  expected.sets.push_back({"calibration", modelled, {}, {}, {}, {}});
+  std::vector<double> values;
+  for (const SearchParameter& p : space.parameters()) values.push_back(p.initial);
+  if (!modelled.poses.empty()) addUncertainty(task.model, space, values, expected);
+  fmt::print("{}nothing was written\n", uncertaintyText(expected));
   return ExitCode::kDone;
 }
 
 /// The search and the judgement of what it found.
-CalibrationResult calibrate(Calibration& calibration, const Task& task, Evaluator& evaluator, Session& session) {
+CalibrationResult calibrate(Calibration& calibration, const Task& task, const Evaluators& evaluators,
+                            Session& session) {
   try {
     search(calibration, task, session);
-    return judge(task, calibration, evaluator, session.options().quiet);
+    return judge(task, calibration, evaluators, session.options().quiet);
   } catch (const NumericsError& error) {
     session.abandon(std::string("failed: ") + error.what());
     throw;
@@ -192,8 +271,8 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   const Task task = readTask(options, session);
   if (options.common.dry_run) return dryRun(task);
 
-  const auto evaluator = makeBulletEvaluator(task.config.protocol, options.common.threads);
-  Calibration calibration(task.model, task.poses.poses, task.config, *evaluator);
+  const Evaluators evaluators = makeEvaluators(task.config, options.common.threads);
+  Calibration calibration(task.model, task.poses.poses, task.config, *evaluators.search, options.common.threads);
   if (resuming) {
     session.resume(options.resume, task.config.strategy.seed);
     restore(calibration, session.directory());
@@ -201,12 +280,13 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
     session.begin(task.config.strategy.seed);
     keepInputs(options, session, task);
   }
-  const CalibrationResult result = calibrate(calibration, task, *evaluator, session);
+  const CalibrationResult result = calibrate(calibration, task, evaluators, session);
   const RunDirectory& directory = session.directory();
   directory.write("model.yaml", writeArm(calibration.bestModel()));
   directory.write("history.csv", historyCsv(result));
   directory.write("parameters.csv", parametersCsv(result));
   directory.write("errors.csv", errorsCsv(result));
+  if (result.uncertainty) directory.write("singular_values.csv", singularValuesCsv(result));
   session.finish(toJson(result), makePage(result), terminalTable(result));
   return ExitCode::kDone;
 }
@@ -237,6 +317,14 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       "--early-acquisition,!--no-early-acquisition",
       [options](std::int64_t count) { options->early_acquisition = count > 0; },
       "leave acquisition once all shafts have arrived; 'no' reproduces the paper's fixed times");
+  app.add_option("--evaluator", options->evaluator, "bullet: simulate; equilibrium: minimise the potential energy")
+      ->check(CLI::IsMember({"bullet", "equilibrium"}));
+  app.add_option("--optimizer", options->optimizer,
+                 "es: the paper's; cma-es; lm: descent with priors from several starts; hybrid: es and lm in turn")
+      ->check(CLI::IsMember({"es", "cma-es", "lm", "hybrid"}));
+  app.add_option("--verify", options->verify, "who judges the model found with equilibria (default: bullet)")
+      ->check(CLI::IsMember({"bullet", "none"}));
+  app.add_option("--starts", options->starts, "of lm and hybrid (default: 8)")->check(CLI::Range(1, 10000));
   app.add_option("--resume", options->resume, "go on with an interrupted run in this directory; needs nothing else");
   options->table.add(app);
   options->common.add(app);
@@ -253,6 +341,8 @@ const Command calibrate{
     "calibrate", "close the gap: search the model's parameters on recorded poses",
     "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
     "    --validation data/arm/poses_validation.csv --config configs/calibrate_arm.yaml -o runs/arm\n"
+    "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
+    "    --validation data/arm/poses_validation.csv --optimizer lm -o runs/arm-lm\n"
     "  simgap calibrate --resume runs/arm",
     define};
 

@@ -12,6 +12,7 @@ struct Options {
   CommonOptions common;
   TableOptions table;
   std::string model, poses, config;
+  std::string evaluator = "bullet";
   std::optional<double> max_mje;  ///< [deg]
 };
 
@@ -28,12 +29,14 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   session.begin(options.common.seed.value_or(0));
   session.directory().write("config.resolved.yaml", "protocol:\n" + protocol.toYaml("  "));
 
-  const auto evaluator = makeBulletEvaluator(protocol, options.common.threads);
+  const auto evaluator = options.evaluator == "bullet" ? makeBulletEvaluator(protocol, options.common.threads)
+                                                       : makeEquilibriumEvaluator(options.common.threads);
   ValidationResult result;
   result.layout = model.poseLayout();
   result.set = set;
   result.assessment = replayAll(*evaluator, model, set, "validate", options.common.quiet);
   warnAboutCords(result.assessment.outcomes, result.layout);
+  warnAboutOtherEquilibria(model, set, result.assessment.outcomes);
   for (std::size_t j = 0; options.max_mje && j < result.layout.joints.size(); ++j) {
     result.criteria.push_back(
         {"mje_deg of " + result.layout.joints[j].name, *options.max_mje, toDegrees(result.assessment.mje[j])});
@@ -56,6 +59,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("MODEL", options->model, "arm model (YAML)")->required();
   app.add_option("--poses", options->poses, "recorded poses (CSV)")->required();
   app.add_option("--config", options->config, "calibration config whose protocol is used (default: the paper's)");
+  app.add_option("--evaluator", options->evaluator, "bullet: simulate; equilibrium: minimise the potential energy")
+      ->check(CLI::IsMember({"bullet", "equilibrium"}));
   app.add_option("--max-mje", options->max_mje, "exit 1 when a joint's mean error exceeds this [deg]")
       ->check(CLI::PositiveNumber & finiteNumber());
   options->table.add(app);

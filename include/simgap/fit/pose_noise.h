@@ -1,0 +1,14 @@
+/// \file
+/// What separates a recorded pose from the equilibrium of the model.
+#pragma once
+
+#include "simgap/core/rotation.h"
+
+namespace simgap {
+
+struct PoseNoise {
+  double capture_sd = 0.3 * kDegree;  ///< of a joint's measured position, per component [rad]
+  bool joint_friction = true;         ///< false: S_p = S_capture
+};
+
+}  // namespace simgap

@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include "../pose_inputs.h"
+#include "simgap/cli/command.h"
+#include "simgap/core/error.h"
+#include "simgap/fit/posterior_search.h"
+#include "simgap/report/assets.h"
+#include "simgap/report/design_report.h"
+
+namespace simgap::commands {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  TableOptions table;
+  std::string model, poses, config, criterion = "prediction";
+  std::size_t candidates = 300, count = 7;
+};
+
+constexpr std::size_t kFewestPoses = 8;
+
+ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+  Session session("design", options.common, argv);
+  DesignResult result;
+  result.model = parseArm(session.read("model", options.model));
+  const CalibrationConfig config = parseConfig(
+      options.config.empty() ? Input{"config", "configs/calibrate_arm.yaml", std::string(assets::calibrate_arm_yaml())}
+                             : session.read("config", options.config));
+  const ParameterSpace space(result.model, config.parameters);
+  result.recorded = parsePoses(session.read("poses", options.poses), result.model, options.table.csv());
+  if (result.recorded.poses.size() < kFewestPoses) {
+    throw DataError(fmt::format("{}: found {} poses, expected at least {} to design the next ones from",
+                                result.recorded.file, result.recorded.poses.size(), kFewestPoses));
+  }
+  DesignOptions& design = result.options;
+  design.candidates = options.candidates;
+  design.poses = options.count;
+  design.seed = options.common.seed.value_or(config.strategy.seed);
+  if (options.criterion == "information") design.criterion = DesignCriterion::kInformation;
+  if (options.common.dry_run) {
+    fmt::print("would fit {} parameters to {} poses and choose {} of {} commands; nothing was written\n", space.size(),
+               result.recorded.poses.size(), design.poses, design.candidates);
+    return ExitCode::kDone;
+  }
+  session.begin(design.seed);
+  session.directory().write("config.resolved.yaml", config.toYaml());
+
+  PosePosterior posterior(result.model, result.recorded.poses, space, config.noise);
+  const PosteriorSearchOptions search{config.starts, options.common.threads, design.seed};
+  const std::vector<PosteriorFit> fits = searchPosterior(posterior, search, [](const PosteriorFit&) { return false; });
+  const auto best = std::min_element(fits.begin(), fits.end(),
+                                     [](const auto& a, const auto& b) { return a.objective < b.objective; });
+  if (std::isinf(best->objective)) throw NumericsError("no start led to stable equilibria in all recorded poses");
+  posterior.whiten(best->z);
+  result.design = designPoses(posterior, best->z, space, design);
+  result.model = posterior.modelAt(best->z);
+
+  session.directory().write("next_poses.csv", nextPosesCsv(result));
+  session.directory().write("model.yaml", writeArm(result.model));
+  session.finish(toJson(result), makePage(result), terminalTable(result));
+  return ExitCode::kDone;
+}
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
+  auto options = std::make_shared<Options>();
+  app.add_option("MODEL", options->model, "arm model as measured by hand (YAML)")->required();
+  app.add_option("--poses", options->poses, "poses recorded so far, 8 or more (CSV)")->required();
+  app.add_option("--config", options->config, "parameters and their priors (YAML; default: the paper's)");
+  app.add_option("--candidates", options->candidates, "commands to choose from")->check(CLI::Range(1, 100000));
+  app.add_option("--count", options->count, "poses to choose")->check(CLI::Range(1, 1000));
+  app.add_option("--criterion", options->criterion, "prediction: I-optimal; information: D-optimal")
+      ->check(CLI::IsMember({"prediction", "information"}));
+  options->table.add(app);
+  options->common.add(app);
+  return [options, argv] { return run(*options, argv); };
+}
+
+}  // namespace
+
+extern const Command design;
+const Command design{
+    "design", "which poses to record next",
+    "  simgap design data/arm/arm.yaml --poses data/arm/poses_calibration.csv --count 5 -o runs/design", define};
+
+}  // namespace simgap::commands

@@ -1,0 +1,16 @@
+/// \file
+/// The parts of calibrate's report on uncertainty, and on two evaluators' views of one model.
+#pragma once
+
+#include "simgap/report/pose_report.h"
+
+namespace simgap {
+
+Json uncertaintyJson(const CalibrationResult& result);
+void addUncertainty(const CalibrationResult& result, Page& page);
+
+/// How far the evaluator that searched and the one that judged disagree; nothing when they are the same.
+Json verificationJson(const CalibrationResult& result);
+std::string verificationText(const CalibrationResult& result);
+
+}  // namespace simgap

@@ -1,0 +1,134 @@
+#include "simgap/report/design_report.h"
+
+#include <fmt/format.h>
+
+#include "pose_tables.h"
+
+namespace simgap {
+namespace {
+
+std::vector<std::string> header(const DesignResult& result) {
+  std::vector<std::string> header{"predicted mean joint error of unseen poses [deg]"};
+  for (const Joint& joint : result.model.joints) header.push_back(joint.name);
+  return header;
+}
+
+std::vector<std::string> row(std::string name, const PredictedError& predicted) {
+  std::vector<std::string> row{std::move(name)};
+  for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
+    row.push_back(fmt::format("{} ({} to {})", degreesText(predicted.mean[j]), degreesText(predicted.lower[j]),
+                              degreesText(predicted.upper[j])));
+  }
+  return row;
+}
+
+std::vector<std::vector<std::string>> rows(const DesignResult& result) {
+  const PoseDesign& design = result.design;
+  std::vector<std::vector<std::string>> rows;
+  rows.push_back(row(fmt::format("the {} recorded poses", result.recorded.poses.size()), design.before));
+  for (std::size_t k = 0; k < design.after.size(); ++k) {
+    rows.push_back(row(fmt::format("and {}", design.poses[k].name), design.after[k]));
+  }
+  rows.push_back(row(fmt::format("{} random commands instead", design.poses.size()), design.after_random));
+  return rows;
+}
+
+Json predictionJson(const DesignResult& result, const PredictedError& predicted) {
+  Json json = Json::object();
+  for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
+    json[result.model.joints[j].name] = {{"mean", toDegrees(predicted.mean[j])},
+                                         {"ci90", {toDegrees(predicted.lower[j]), toDegrees(predicted.upper[j])}}};
+  }
+  return json;
+}
+
+}  // namespace
+
+Json toJson(const DesignResult& result) {
+  Json poses = Json::array();
+  for (std::size_t k = 0; k < result.design.poses.size(); ++k) {
+    Json shafts = Json::object();
+    for (std::size_t m = 0; m < result.model.muscles.size(); ++m) {
+      shafts[result.model.muscles[m].name] = result.design.poses[k].shafts[m];
+    }
+    poses.push_back({{"pose", result.design.poses[k].name},
+                     {"shaft_rad", shafts},
+                     {"predicted_mje_deg", predictionJson(result, result.design.after[k])}});
+  }
+  return {{"format", "simgap/design/1"},
+          {"recorded", result.recorded.poses.size()},
+          {"candidates", result.options.candidates},
+          {"criterion", result.options.criterion == DesignCriterion::kInformation ? "information" : "prediction"},
+          {"predicted_mje_deg",
+           {{"before", predictionJson(result, result.design.before)},
+            {"after", predictionJson(result, result.design.after.back())},
+            {"after_random", predictionJson(result, result.design.after_random)}}},
+          {"poses", poses}};
+}
+
+std::string nextPosesCsv(const DesignResult& result) {
+  std::vector<std::string> columns{"pose"};
+  for (const Muscle& muscle : result.model.muscles) columns.push_back("shaft_" + muscle.name + "_rad");
+  for (const Joint& joint : result.model.joints) {
+    if (joint.type == JointType::kRevolute) {
+      columns.push_back(joint.name + "_rad");
+    } else {
+      for (const char* c : {"_qw", "_qx", "_qy", "_qz"}) columns.push_back(joint.name + c);
+    }
+  }
+  CsvWriter csv(columns);
+  for (const Pose& pose : result.design.poses) {
+    csv.add(pose.name);
+    for (const double shaft : pose.shafts) csv.add(shaft);
+    for (std::size_t j = 0; j < pose.joints.size(); ++j) {
+      if (result.model.joints[j].type == JointType::kRevolute) {
+        csv.add(pose.joints[j].angle);
+      } else {
+        const Eigen::Quaterniond& q = pose.joints[j].rotation;
+        csv.add(q.w()).add(q.x()).add(q.y()).add(q.z());
+      }
+    }
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+std::string terminalTable(const DesignResult& result) {
+  std::vector<std::vector<std::string>> table{header(result)};
+  for (auto& line : rows(result)) table.push_back(line);
+  return alignedTable(table) + "record the commands of next_poses.csv in this order; calibrate with all poses\n";
+}
+
+Page makePage(const DesignResult& result) {
+  Page page;
+  page.title = "simgap design";
+  const PoseDesign& design = result.design;
+  page.answer =
+      fmt::format("Recording {} more poses is expected to bring the error on unseen poses", design.poses.size());
+  for (std::size_t j = 0; j < result.model.joints.size(); ++j) {
+    page.answer += fmt::format("{} from {} to {} deg ({})", j ? "," : "", degreesText(design.before.mean[j]),
+                               degreesText(design.after.back().mean[j]), result.model.joints[j].name);
+  }
+  page.answer += ".";
+  page.tables.push_back({"Expected error", header(result), rows(result)});
+  std::vector<double> x{0.0};
+  std::vector<Series> series;
+  for (std::size_t j = 0; j < result.model.joints.size(); ++j) {
+    series.push_back({result.model.joints[j].name, {toDegrees(design.before.mean[j])}});
+    for (const PredictedError& after : design.after) series.back().y.push_back(toDegrees(after.mean[j]));
+  }
+  for (std::size_t k = 1; k <= design.after.size(); ++k) x.push_back(static_cast<double>(k));
+  page.charts.push_back({"Expected mean joint error with the first poses of the list recorded",
+                         lineChart(x, series, "poses added", "mean joint error [deg]", false)});
+  PageTable commands{"Commands [rad]", {"pose"}, {}};
+  for (const Muscle& muscle : result.model.muscles) commands.header.push_back(muscle.name);
+  for (const Pose& pose : design.poses) {
+    std::vector<std::string> line{pose.name};
+    for (const double shaft : pose.shafts) line.push_back(fmt::format("{:.3f}", shaft));
+    commands.rows.push_back(line);
+  }
+  page.details.push_back(commands);
+  return page;
+}
+
+}  // namespace simgap
