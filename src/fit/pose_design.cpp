@@ -20,26 +20,31 @@ void addPose(Eigen::MatrixXd& covariance, const Eigen::MatrixXd& jacobian) {
 
 class GreedyDesign {
  public:
-  /// \param targets  shape (candidates): Jacobians of the joints themselves, not whitened
-  GreedyDesign(const std::vector<PoseResidual>& candidates, std::vector<Eigen::MatrixXd> targets,
-               DesignCriterion criterion)
-      : candidates_(candidates), targets_(std::move(targets)), criterion_(criterion) {}
+  /// \param targets  shape (candidates * dof, parameters): Jacobians of the joints themselves, not whitened
+  GreedyDesign(const std::vector<PoseResidual>& candidates, Eigen::MatrixXd targets, DesignCriterion criterion)
+      : candidates_(candidates),
+        targets_(std::move(targets)),
+        dof_(candidates.front().error.size()),
+        criterion_(criterion) {}
 
   /// The candidate whose recording leaves the least; -1 when none is left.
   int best(const Eigen::MatrixXd& covariance, const std::vector<bool>& used) const {
-    // The variance of T_r z falls by |L^-1 J_c C T_r^T|^2 with L L^T = 1 + J_c C J_c^T.
-    std::vector<Eigen::MatrixXd> cross(candidates_.size());
-    for (std::size_t c = 0; c < candidates_.size(); ++c) cross[c] = covariance * targets_[c].transpose();
+    const Eigen::MatrixXd cross = covariance * targets_.transpose();  // C T^T, all targets side by side
+    Eigen::VectorXd variance(std::ssize(candidates_));                // of the joints at r
+    for (Eigen::Index r = 0; r < variance.size(); ++r) {
+      variance[r] = (targets_.middleRows(r * dof_, dof_) * cross.middleCols(r * dof_, dof_)).trace();
+    }
     int found = -1;
     double most = -1.0;
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
       if (used[c]) continue;
       const Eigen::MatrixXd& jacobian = candidates_[c].jacobian;
-      const Eigen::LLT<Eigen::MatrixXd> innovation(Eigen::MatrixXd::Identity(jacobian.rows(), jacobian.rows()) +
-                                                   jacobian * covariance * jacobian.transpose());
+      const Eigen::MatrixXd innovation =
+          Eigen::MatrixXd::Identity(jacobian.rows(), jacobian.rows()) + jacobian * covariance * jacobian.transpose();
+      const Eigen::LLT<Eigen::MatrixXd> factor(innovation);
       const double gain = criterion_ == DesignCriterion::kInformation
-                              ? 2.0 * innovation.matrixLLT().diagonal().array().log().sum()
-                              : varianceRemoved(innovation, jacobian, cross);
+                              ? 2.0 * factor.matrixLLT().diagonal().array().log().sum()
+                              : errorRemoved(factor, jacobian, cross, variance);
       if (gain <= most) continue;
       most = gain;
       found = static_cast<int>(c);
@@ -48,15 +53,22 @@ class GreedyDesign {
   }
 
  private:
-  double varianceRemoved(const Eigen::LLT<Eigen::MatrixXd>& innovation, const Eigen::MatrixXd& jacobian,
-                         const std::vector<Eigen::MatrixXd>& cross) const {
+  /// By how much the standard deviations fall in sum: the variance at r falls by |L^-1 J_c C T_r^T|^2 with
+  /// L L^T = 1 + J_c C J_c^T. A sum of variances would be ruled by the few softest poses.
+  double errorRemoved(const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::MatrixXd& jacobian,
+                      const Eigen::MatrixXd& cross, const Eigen::VectorXd& variance) const {
+    const Eigen::MatrixXd removed = factor.matrixL().solve(jacobian * cross);
     double sum = 0.0;
-    for (const Eigen::MatrixXd& there : cross) sum += innovation.matrixL().solve(jacobian * there).squaredNorm();
+    for (Eigen::Index r = 0; r < variance.size(); ++r) {
+      const double less = variance[r] - removed.middleCols(r * dof_, dof_).squaredNorm();
+      sum += std::sqrt(variance[r]) - std::sqrt(std::max(0.0, less));
+    }
     return sum;
   }
 
   const std::vector<PoseResidual>& candidates_;
-  std::vector<Eigen::MatrixXd> targets_;
+  Eigen::MatrixXd targets_;
+  Eigen::Index dof_;
   DesignCriterion criterion_;
 };
 
@@ -80,10 +92,11 @@ PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const
   PoseDesign design;
   design.before = predictError(posterior, z, uncertainty, unseen);
   std::vector<bool> used;
-  std::vector<Eigen::MatrixXd> targets;
+  const Eigen::Index dof = posterior.degreesOfFreedom();
+  Eigen::MatrixXd targets(std::ssize(residuals) * dof, z.size());
   for (std::size_t c = 0; c < residuals.size(); ++c) {
     used.push_back(!residuals[c].valid);
-    targets.push_back(there.whitening(c).inverse() * residuals[c].jacobian);
+    targets.middleRows(static_cast<Eigen::Index>(c) * dof, dof) = there.whitening(c).inverse() * residuals[c].jacobian;
   }
   const GreedyDesign greedy(residuals, std::move(targets), options.criterion);
   for (std::size_t k = 0; k < options.poses; ++k) {

@@ -151,12 +151,25 @@ PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorX
   return predicted;
 }
 
+namespace {
+
+/// Stable, and no cord beyond its linear range.
+bool feasible(EquilibriumArm& arm, std::span<const double> shafts) {
+  if (!arm.solve(shafts).stable) return false;
+  const std::vector<Muscle>& muscles = arm.energy().model().muscles;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (arm.energy().expansion(m) > ShockCord::kLinearRange * muscles[m].shock_cord.rest_length) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
                                std::uint64_t seed) {
   constexpr std::size_t kTriesPerPose = 20;
   const std::span<const Pose> recorded = posterior.poses();
-  const ArmModel model = posterior.modelAt(z);
-  EquilibriumArm arm(model);
+  EquilibriumArm arm(posterior.modelAt(z));
   std::vector<double> lower = recorded.front().shafts, upper = lower;
   for (const Pose& pose : recorded) {
     for (std::size_t m = 0; m < lower.size(); ++m) {
@@ -167,28 +180,24 @@ std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::Vect
   const CounterRandom random(seed);
   std::vector<Pose> commands;
   for (std::uint32_t attempt = 0; commands.size() < count && attempt < kTriesPerPose * count; ++attempt) {
-    // A random mixture of two recorded commands, moved by a fifth of the range: muscles stay balanced as they were.
     const auto draw = [&](std::uint32_t place) { return random.uniform({attempt, place, 0, kCloudPurpose}); };
-    const auto pick = [&](std::uint32_t place) {
-      return recorded[static_cast<std::size_t>(draw(place) * static_cast<double>(recorded.size()))].shafts;
-    };
-    const std::vector<double> a = pick(0), b = pick(1);
-    const double share = draw(2);
+    const auto near = static_cast<std::size_t>(draw(0) * static_cast<double>(recorded.size()));
+    const std::vector<double>& home = recorded[near].shafts;
+    // Anywhere within the ranges; where muscles would fight too hard, nearer to a command that the arm has seen.
     Pose command;
     command.name = fmt::format("c{:04d}", attempt);
-    for (std::uint32_t m = 0; m < a.size(); ++m) {
-      const double moved = share * a[m] + (1.0 - share) * b[m] + 0.4 * (draw(3 + m) - 0.5) * (upper[m] - lower[m]);
-      command.shafts.push_back(std::clamp(moved, lower[m], upper[m]));
+    command.shafts.resize(home.size());
+    for (const double way : {1.0, 0.75, 0.5, 0.25}) {
+      for (std::uint32_t m = 0; m < home.size(); ++m) {
+        const double anywhere = lower[m] + draw(1 + m) * (upper[m] - lower[m]);
+        command.shafts[m] = home[m] + way * (anywhere - home[m]);
+      }
+      if (!feasible(arm, command.shafts)) continue;
+      command.joints = arm.joints();
+      command.spread.assign(command.joints.size(), 0.0);
+      commands.push_back(std::move(command));
+      break;
     }
-    if (!arm.solve(command.shafts).stable) continue;
-    bool linear = true;  // within the cords' linear range
-    for (std::size_t m = 0; m < a.size(); ++m) {
-      linear &= arm.energy().expansion(m) <= ShockCord::kLinearRange * model.muscles[m].shock_cord.rest_length;
-    }
-    if (!linear) continue;
-    command.joints = arm.joints();
-    command.spread.assign(command.joints.size(), 0.0);
-    commands.push_back(std::move(command));
   }
   return commands;
 }

@@ -83,8 +83,8 @@ struct Placement {
 template <typename Scalar>
 Scalar cordExpansion(const Muscle& muscle, double shaft, const Placement<Scalar>& placement) {
   const Vector3<Scalar> line = placement.at(muscle.to) - placement.at(muscle.from);
-  return std::sqrt(productSum<Scalar>(line, line)) - muscle.kite_line + muscle.spindle_radius * shaft -
-         muscle.cord_rest;
+  const double wound = muscle.spindle_radius * shaft + 0.5 * muscle.coiling * shaft * shaft;
+  return std::sqrt(productSum<Scalar>(line, line)) - muscle.kite_line + wound - muscle.cord_rest;
 }
 
 /// Largest rotation of a joint between two configurations [rad].

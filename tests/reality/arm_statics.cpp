@@ -39,7 +39,10 @@ Scalar energy(const Problem& problem, const Configuration& q, const Displacement
   }
   for (std::size_t i = 0; i < problem.arm.muscles.size(); ++i) {
     const Scalar expansion = cordExpansion(problem.arm.muscles[i], problem.shafts[i], placement);
-    if (std::real(expansion) > 0.0) sum += 0.5 * problem.arm.muscles[i].stiffness * expansion * expansion;
+    if (std::real(expansion) <= 0.0) continue;
+    const Muscle& muscle = problem.arm.muscles[i];
+    const Scalar strain = expansion / muscle.cord_rest;
+    sum += 0.5 * muscle.stiffness * expansion * expansion * (1.0 + 0.5 * muscle.hardening * strain * strain);
   }
   return sum;
 }

@@ -58,6 +58,11 @@ struct Muscle {
   double stiffness = 900.0;       ///< k [N/m]
   double damping = 15.0;          ///< [N s/m]
   double spindle_radius = 0.006;  ///< r [m]
+  /// \name What a model may not know of; 0: nothing
+  ///@{
+  double coiling = 0.0;    ///< growth of the radius as the line winds up: r phi + coiling phi^2 / 2 [m/rad^2]
+  double hardening = 0.0;  ///< F = k x (1 + hardening (x / L_SR)^2) (1)
+  ///@}
 };
 
 struct Arm {

@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "reality/arm_statics.h"
+#include "simgap/simulate/equilibrium_arm.h"
 #include "support/statics.h"
 
 namespace simgap {
@@ -48,6 +49,11 @@ void compare(const reality::Arm& arm, BulletArm& simulated, std::uint64_t seed, 
   EXPECT_LE(error, kAgreement) << "arm " << seed << ", pose " << pose << ", stiffness " << expected.stiffness;
   tally.largest = std::max(tally.largest, error);
   tally.sum += error;
+  // The equilibrium evaluator is judged by the same physics engine, at the shaft angles that were reached.
+  EquilibriumArm equilibrium(test::modelOf(arm, false));
+  ASSERT_TRUE(equilibrium.solveFrom(outcome.joints, outcome.shafts).stable) << "arm " << seed << ", pose " << pose;
+  const reality::Configuration minimum = test::configurationOf(arm, equilibrium.joints());
+  EXPECT_LE(toDegrees(test::largestAngle(arm, reached, minimum)), kAgreement) << "arm " << seed << ", pose " << pose;
   const reality::Equilibrium followed = reality::followFromRest(arm, outcome.shafts);
   tally.other_branch += toDegrees(test::largestAngle(arm, expected.configuration, followed.configuration)) > 1.0;
 }

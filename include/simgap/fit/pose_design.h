@@ -10,14 +10,14 @@
 namespace simgap {
 
 enum class DesignCriterion {
-  kPredictionVariance,  ///< I-optimal: mean variance of the joints over the candidates, which stand for all poses
-  kInformation,         ///< D-optimal: determinant of the parameters' covariance
+  kPrediction,   ///< I-optimal: mean standard deviation of the joints over the candidates, which stand for all poses
+  kInformation,  ///< D-optimal: determinant of the parameters' covariance
 };
 
 struct DesignOptions {
   std::size_t candidates = 300;
   std::size_t poses = 7;  ///< to choose
-  DesignCriterion criterion = DesignCriterion::kPredictionVariance;
+  DesignCriterion criterion = DesignCriterion::kPrediction;
   std::uint64_t seed = 1;
 };
 
