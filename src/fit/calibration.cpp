@@ -41,6 +41,7 @@ Calibration::Calibration(const ArmModel& model, std::span<const Pose> poses, con
       offspring_(static_cast<std::size_t>(config.strategy.lambda), model) {}
 
 void Calibration::restore(CalibrationState state) {
+  if (config_.optimizer != "es") return;  // run() begins anew, see there
   const std::size_t joints = layout_.joints.size();
   const auto fits = [&](const GenerationRecord& record) { return record.mje.size() == joints; };
   if (state.strategy.best.y.size() != space_.size() || state.best_mje.size() != joints ||

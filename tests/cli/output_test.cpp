@@ -76,7 +76,9 @@ TEST_F(OutputTest, DryRunWritesNothing) {
   const auto before = everything();
   EXPECT_THAT(succeed({"validate", "arm.yaml", "--poses", "poses.csv", "--dry-run"}), HasSubstr("nothing was written"));
   const std::string plan = succeed(calibrate("out", {"--dry-run"}));
-  EXPECT_THAT(plan, HasSubstr("99 parameters on 3 poses: (2, 8)-ES, 6 generations, 144 pose simulations"));
+  EXPECT_THAT(plan, HasSubstr("99 parameters on 3 poses with bullet by es: 6 generations of 8 individuals (2 parents), "
+                              "144 pose simulations"));
+  EXPECT_THAT(plan, HasSubstr("the poses tell, of 99 parameters: "));
   EXPECT_EQ(everything(), before);
   put("config.yaml", replaced(quickConfig(), "muscles.*.attachments.0", "muscles.*.wings"));
   expectRefused(calibrate("out", {"--dry-run"}), 2, "matches nothing");
@@ -84,9 +86,9 @@ TEST_F(OutputTest, DryRunWritesNothing) {
 
 TEST_F(OutputTest, DirectoryHoldsAllThatTheContractNames) {
   succeed(calibrate("c", {"--generations", "1", "--validation", "poses.csv"}));
-  EXPECT_THAT(entries(path("c")),
-              ElementsAre("config.resolved.yaml", "errors.csv", "history.csv", "inputs", "log.txt", "model.yaml",
-                          "parameters.csv", "report.html", "result.json", "run.json", "state.json"));
+  EXPECT_THAT(entries(path("c")), ElementsAre("config.resolved.yaml", "errors.csv", "history.csv", "inputs", "log.txt",
+                                              "model.yaml", "parameters.csv", "report.html", "result.json", "run.json",
+                                              "singular_values.csv", "state.json"));
   const Json run = Json::parse(text("c/run.json"));
   EXPECT_EQ(run.at("format"), "simgap/run/1");
   EXPECT_EQ(run.at("status"), "done");

@@ -53,6 +53,7 @@ inline CalibrationResult knownCalibration() {
   result.state.strategy.stop = StopReason::kMaxGenerations;
   result.state.strategy.best = {{1.0, 0.3}, {1.0, 1.0}, 0.25};
   result.state.invalid = 5;
+  result.state.evaluations = 32;
   result.state.wall = 1.5;
   result.state.history = {{1, 0.5, 0.75, 0.5, 0.1, 1.0, 2.0, 3, {4 * kDegree, 3 * kDegree}},
                           {2, 0.25, 0.5, 0.25, 0.1, 0.5, 1.0, 2, {2 * kDegree, kDegree}}};

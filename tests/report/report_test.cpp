@@ -90,15 +90,60 @@ TEST(CalibrateReport, TablesReadBackAsCsv) {
 
 TEST(CalibrateReport, PrintsATableForTheTerminal) {
   EXPECT_EQ(terminalTable(knownCalibration()),
-            "mean joint error [deg]  shoulder before  after  elbow before  after\n"
-            "calibration (2 poses)             20.00   2.00         10.00   1.00\n"
-            "validation (1 poses)                  -   3.00             -   4.00\n");
+            "mean joint error [deg]                           shoulder before  after  elbow before  after\n"
+            "calibration (2 poses)                                      20.00   2.00         10.00   1.00\n"
+            "  half angles of spherical joints, as 001 eq. 4            10.00   1.00         10.00   1.00\n"
+            "validation (1 poses)                                           -   3.00             -   4.00\n"
+            "  half angles of spherical joints, as 001 eq. 4                -   1.50             -   4.00\n");
   CalibrationResult result = knownCalibration();
   result.sets[1].final = result.sets[1].initial;
   result.parameters.resize(9, result.parameters[0]);  // 2 poses x (3 + 1) numbers
   EXPECT_THAT(terminalTable(result),
               HasSubstr("\nvalidation pose <far>: acquisition error of biceps, 12.3 deg\n8 measured "
                         "numbers for 9 parameters: the calibration error alone proves nothing"));
+}
+
+TEST(CalibrateReport, SaysWhatThePosesTellAndWhatToExpect) {
+  CalibrationResult result = knownCalibration();
+  EXPECT_FALSE(toJson(result).contains("identifiability")) << "nothing is known of it";
+  EXPECT_TRUE(toJson(result).at("parameters")[0].at("identifiable").is_null());
+  result.uncertainty = Uncertainty{};
+  result.uncertainty->parameters = {{100.0, 20.0, Verdict::kIdentifiable},
+                                    {INFINITY, INFINITY, Verdict::kNotIdentifiable}};
+  result.uncertainty->singular_values = {30.0, 0.5};
+  result.uncertainty->combinations = {{{0, 1}, true, "a and b: only their sum"}};
+  result.uncertainty->distances = {1.0, 12.0};
+  result.sets[1].predicted = PredictedError{{2 * kDegree, kDegree}, {kDegree, kDegree}, {3.5 * kDegree, 2 * kDegree}};
+  const Json json = toJson(result);
+  EXPECT_EQ(json.at("parameters")[0].at("identifiable"), "identifiable");
+  EXPECT_EQ(json.at("parameters")[0].at("sd"), 20.0);
+  EXPECT_TRUE(json.at("parameters")[1].at("sd").is_null());
+  EXPECT_EQ(json.at("outlying_poses")[0].at("pose"), "a,\"b\"");
+  EXPECT_EQ(json.at("combinations")[0].at("parameters")[1], "joints.elbow.friction");
+  EXPECT_NEAR(json.at("predicted_mje_deg").at("validation").at("shoulder").at("ci90")[1].get<double>(), 3.5, 1e-12);
+  const std::string text = uncertaintyText(result);
+  EXPECT_THAT(text, HasSubstr("1 identifiable, 0 weak, 1 not identifiable\n  a and b: only their sum\n"));
+  EXPECT_THAT(text, HasSubstr("shoulder 2.00 (1.00 to 3.50), elbow 1.00 (1.00 to 2.00)"));
+  EXPECT_THAT(text, HasSubstr("elbow 4.00 deg where at most 2.00 was to be expected"));
+  EXPECT_THAT(text, HasSubstr("hardly counted: a,\"b\" (12.0 sd)"));
+}
+
+TEST(CalibrateReport, SaysHowFarSearcherAndJudgeDisagree) {
+  CalibrationResult result = knownCalibration();
+  EXPECT_FALSE(toJson(result).contains("verification"));
+  Assessment searched = result.sets[0].final;
+  for (PoseOutcome& outcome : result.sets[0].final.outcomes) outcome.joints.resize(2);
+  for (PoseOutcome& outcome : searched.outcomes) {
+    outcome.joints.resize(2);
+    outcome.joints[1].angle = 0.5 * kDegree;
+  }
+  searched.outcomes[0].joints[1].angle = 1.5 * kDegree;
+  result.config.evaluator = "equilibrium";
+  result.sets[0].searched = searched;
+  const Json difference = toJson(result).at("verification").at("sets").at("calibration").at("difference_deg");
+  EXPECT_NEAR(difference.at("mean").at("elbow").get<double>(), 1.0, 1e-9);
+  EXPECT_NEAR(difference.at("largest").at("elbow").get<double>(), 1.5, 1e-9);
+  EXPECT_EQ(difference.at("mean").at("shoulder"), 0.0);
 }
 
 TEST(CalibrateReport, PageAnswersFirstAndHoldsEveryFigure) {
@@ -133,8 +178,9 @@ TEST(ValidateReport, PrintsATableForTheTerminalWithTheWorstFirst) {
   ValidationResult result = knownValidation();
   result.criteria.clear();
   EXPECT_EQ(terminalTable(result),
-            "                                 shoulder  elbow\n"
-            "mean joint error [deg], 2 poses     20.00  10.00\n"
+            "                                                 shoulder  elbow\n"
+            "mean joint error [deg], 2 poses                     20.00  10.00\n"
+            "  half angles of spherical joints, as 001 eq. 4     10.00  10.00\n"
             "\n"
             "worst poses\n"
             "pose   shoulder  elbow\n"

@@ -18,9 +18,9 @@ struct SetResult {
   Assessment initial;  ///< of the unmutated model
   Assessment final;    ///< of I_best
   /// `final` as the evaluator that searched sees it, where another one judged.
-  std::optional<Assessment> searched;
+  std::optional<Assessment> searched = {};
   /// Mean joint error that the posterior predicted for these poses; of poses that were fitted it says nothing.
-  std::optional<PredictedError> predicted;
+  std::optional<PredictedError> predicted = {};
 };
 
 struct CalibrationResult {
@@ -30,8 +30,8 @@ struct CalibrationResult {
   CalibrationState state;
   CalibrationConfig config;
 
-  std::optional<Uncertainty> uncertainty;  ///< none when no pose has a stable equilibrium
-  PredictedError predicted_unseen;         ///< of commands like the recorded ones; empty without uncertainty
+  std::optional<Uncertainty> uncertainty = {};  ///< none when no pose has a stable equilibrium
+  PredictedError predicted_unseen = {};         ///< of commands like the recorded ones; empty without uncertainty
 };
 
 /// Distance of the final poses that the two evaluators found, of one joint, over the poses valid for both [rad].

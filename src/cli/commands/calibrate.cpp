@@ -191,16 +191,12 @@ Evaluators makeEvaluators(const CalibrationConfig& config, int threads) {
 
 CalibrationResult judge(const Task& task, const Calibration& calibration, const Evaluators& evaluators, bool quiet) {
   CalibrationResult result{
-      task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(), task.config, {}, {}};
+      task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(), task.config};
   const ArmModel best = calibration.bestModel();
   std::vector<PoseOutcome> all;
   const auto add = [&](const char* name, const PoseSet& set) {
-    result.sets.push_back({name,
-                           set,
-                           replayAll(evaluators.judge(), task.model, set, "judge", quiet),
-                           replayAll(evaluators.judge(), best, set, "judge", quiet),
-                           {},
-                           {}});
+    result.sets.push_back({name, set, replayAll(evaluators.judge(), task.model, set, "judge", quiet),
+                           replayAll(evaluators.judge(), best, set, "judge", quiet)});
     if (evaluators.verify) result.sets.back().searched = replayAll(*evaluators.search, best, set, "judge", quiet);
     const std::vector<PoseOutcome>& outcomes = result.sets.back().final.outcomes;
     all.insert(all.end(), outcomes.begin(), outcomes.end());
@@ -239,8 +235,8 @@ ExitCode dryRun(const Task& task) {
     modelled.poses.push_back(task.poses.poses[p]);
     modelled.poses.back().joints = outcomes[p].joints;
   }
-  CalibrationResult expected{task.model.poseLayout(), {}, space.parameters(), {}, config, {}, {}};
-  expected.sets.push_back({"calibration", modelled, {}, {}, {}, {}});
+  CalibrationResult expected{task.model.poseLayout(), {}, space.parameters(), {}, config};
+  expected.sets.push_back({"calibration", modelled, {}, {}});
   std::vector<double> values;
   for (const SearchParameter& p : space.parameters()) values.push_back(p.initial);
   if (!modelled.poses.empty()) addUncertainty(task.model, space, values, expected);
