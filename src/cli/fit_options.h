@@ -1,0 +1,47 @@
+/// \file
+/// Options that the fit-* commands share.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/cli/session.h"
+#include "simgap/fit/friction_fit.h"
+#include "simgap/report/fit_report.h"
+
+namespace simgap {
+
+struct FitOptions {
+  std::vector<std::string> fix;     ///< "k_a=1.3"
+  std::vector<std::string> bounds;  ///< "k_v=0:5"
+  std::vector<std::string> sessions;
+  std::string holdout;  ///< "0.2" or "session=5,6"
+  double block_s = 20.0;
+  std::vector<std::string> validate;  ///< further logs
+  void add(CLI::App& app);
+
+  std::map<std::string, double> fixed() const;            ///< \throws ConfigError
+  std::map<std::string, Bounds> parameterBounds() const;  ///< \throws ConfigError
+};
+
+/// What `--holdout` names, of a log's table: rows by a column's values, or a fraction of the blocks.
+struct Holdout {
+  std::optional<double> fraction;
+  std::vector<bool> rows;  ///< shape (rows): named by values
+  std::string words;       ///< for reports
+
+  bool any() const { return fraction.has_value() || !rows.empty(); }
+};
+
+/// \throws ConfigError for a text that is neither, DataError for values that no row has.
+Holdout readHoldout(const std::string& text, const CsvTable& table);
+
+/// The rows that are held out, shape (rows of `blocks`). \param row  row of the log of each of them.
+std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blocks, std::span<const std::size_t> row);
+
+/// \throws ConfigError when `options` names a parameter none of the models has.
+void requireKnownParameters(const FitOptions& options, const std::vector<FitParameter>& known);
+
+}  // namespace simgap
