@@ -20,16 +20,20 @@ std::string noteOf(const Estimate& e) {
   return e.at_bound ? "at bound" : "";
 }
 
+std::string valueCell(const Estimate& e) {
+  if (!std::isfinite(e.value)) return "-";
+  return e.fixed ? fmt::format("{:.6g}", e.value) : valueText(e.value, e.sd);
+}
+
 std::string unitText(const std::string& unit) { return unit == "1" ? "-" : unit; }
 
 std::vector<std::vector<std::string>> parameterRows(const FitSummary& summary) {
   std::vector<std::vector<std::string>> rows{{"parameter", "unit", "value", "sd", "95 % interval", ""}};
   for (const Estimate& e : summary.uncertainty.estimates) {
     const bool interval = !e.fixed && std::isfinite(e.lower95) && std::isfinite(e.upper95);
-    rows.push_back({e.name, unitText(e.unit), e.fixed ? fmt::format("{:.6g}", e.value) : valueText(e.value, e.sd),
-                    !e.fixed && std::isfinite(e.sd) ? fmt::format("{:.2g}", e.sd) : "-",
-                    interval ? fmt::format("{} … {}", valueText(e.lower95, e.sd), valueText(e.upper95, e.sd)) : "-",
-                    noteOf(e)});
+    rows.push_back(
+        {e.name, unitText(e.unit), valueCell(e), !e.fixed && std::isfinite(e.sd) ? fmt::format("{:.2g}", e.sd) : "-",
+         interval ? fmt::format("{} … {}", valueText(e.lower95, e.sd), valueText(e.upper95, e.sd)) : "-", noteOf(e)});
   }
   return rows;
 }
@@ -87,7 +91,7 @@ Json toJson(const FitSummary& summary) {
   for (const Estimate& e : summary.uncertainty.estimates) {
     parameters.push_back({{"name", e.name},
                           {"unit", e.unit},
-                          {"value", e.value},
+                          {"value", numberOrNull(e.value)},
                           {"sd", e.fixed ? Json(nullptr) : numberOrNull(e.sd)},
                           {"ci95", {numberOrNull(e.lower95), numberOrNull(e.upper95)}},
                           {"at_bound", e.at_bound},
@@ -128,7 +132,7 @@ std::string parametersCsv(const FitSummary& summary) {
   CsvWriter csv({"name", "unit", "value", "sd", "ci95_lower", "ci95_upper", "at_bound", "fixed", "identifiable"});
   const auto number = [](double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); };
   for (const Estimate& e : summary.uncertainty.estimates) {
-    csv.add(e.name).add(e.unit).add(e.value).add(number(e.sd)).add(number(e.lower95)).add(number(e.upper95));
+    csv.add(e.name).add(e.unit).add(number(e.value)).add(number(e.sd)).add(number(e.lower95)).add(number(e.upper95));
     csv.add(e.at_bound ? "true" : "false").add(e.fixed ? "true" : "false");
     csv.add(e.identifiable ? "true" : "false").endRow();
   }
@@ -206,8 +210,14 @@ FittedModel fittedModel(const std::string& kind, const std::string& law, const U
   FittedModel model;
   model.kind = kind;
   model.law = law;
-  for (const Estimate& e : uncertainty.estimates) model.parameters.push_back({e.name, e.unit, e.value, e.sd, e.fixed});
-  model.covariance = uncertainty.covariance;
+  std::vector<Eigen::Index> known;  // what could not be found is left out
+  for (std::size_t i = 0; i < uncertainty.estimates.size(); ++i) {
+    const Estimate& e = uncertainty.estimates[i];
+    if (!std::isfinite(e.value)) continue;
+    model.parameters.push_back({e.name, e.unit, e.value, e.sd, e.fixed});
+    known.push_back(static_cast<Eigen::Index>(i));
+  }
+  model.covariance = uncertainty.covariance(known, known);
   return model;
 }
 
