@@ -133,16 +133,19 @@ void writeInto(const std::string& kind, const DriveCommandOptions& options, cons
 
 }  // namespace
 
-void DriveCommandOptions::add(CLI::App& app) {
-  app.add_option("LOG", log,
-                 "log of the drive (CSV: time_s and what there is of voltage_V, current_A, velocity_rad_s, "
-                 "load_torque_Nm)")
+void DriveCommandOptions::add(CLI::App& command) {
+  app = &command;
+  command
+      .add_option("LOG", log,
+                  "log of the drive (CSV: time_s and what there is of voltage_V, current_A, velocity_rad_s, "
+                  "load_torque_Nm)")
       ->required();
-  app.add_option("--into", into, "arm model (YAML) to write the result into; the copy lands in the result directory");
-  app.add_option("--muscle", muscle, "whose drive it is");
-  fit.add(app);
-  table.add(app);
-  common.add(app);
+  command.add_option("--into", into,
+                     "arm model (YAML) to write the result into; the copy lands in the result directory");
+  command.add_option("--muscle", muscle, "whose drive it is");
+  fit.add(command);
+  table.add(command);
+  common.add(command);
 }
 
 Motor motorFrom(const FittedModel& model) {
@@ -203,6 +206,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
     if (blocks.size() >= 5) trained = fitDrive(log, drive, heldOutRows(fifth, blocks, rows));
   }
   session.begin(options.common.seed.value_or(0));
+  session.directory().write("config.resolved.yaml", resolvedOptions(*options.app));
   const FitSummary summary = summarise(kind, fit, trained, words);
   const Gearbox gearbox = gearboxOf(fit.theta, drive.ratio);
   const DriveResponse response = simulateDrive(log, motorOf(fit.theta), gearbox);

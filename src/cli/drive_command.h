@@ -13,7 +13,8 @@ struct DriveCommandOptions {
   TableOptions table;
   FitOptions fit;
   std::string log, into, muscle;
-  void add(CLI::App& app);
+  const CLI::App* app = nullptr;
+  void add(CLI::App& command);
 };
 
 /// Reads, fits, reports. \param kind  "motor" or "gearbox".

@@ -9,6 +9,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/units.h"
+#include "simgap/core/yaml.h"
 
 namespace simgap {
 namespace {
@@ -128,6 +129,17 @@ std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blo
                     holdout.words, count, held.size()));
   }
   return held;
+}
+
+std::string resolvedOptions(const CLI::App& app) {
+  std::string text = "# every other option has its default\n";
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0) continue;
+    std::vector<std::string> words;
+    for (const std::string& word : option->results()) words.push_back(yamlText(word));
+    text += fmt::format("{}: [{}]\n", option->get_single_name(), fmt::join(words, ", "));
+  }
+  return text;
 }
 
 void requireKnownParameters(const FitOptions& options, const std::vector<FitParameter>& known) {

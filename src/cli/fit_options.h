@@ -41,6 +41,9 @@ Holdout readHoldout(const std::string& text, const CsvTable& table);
 /// The rows that are held out, shape (rows of `blocks`). \param row  row of the log of each of them.
 std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blocks, std::span<const std::size_t> row);
 
+/// config.resolved.yaml: the options that were given.
+std::string resolvedOptions(const CLI::App& app);
+
 /// \throws ConfigError when `options` names a parameter none of the models has.
 void requireKnownParameters(const FitOptions& options, const std::vector<FitParameter>& known);
 

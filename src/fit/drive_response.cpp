@@ -8,7 +8,13 @@
 namespace simgap {
 namespace {
 
+constexpr int kSubsteps =
+    32;  // of a step within which the rotor starts, stops or turns: the Coulomb torque switches there
 constexpr double kStepGrain = 2e-3;  // steps that differ by less than this share of the first are one step
+
+bool switches(double before, double after) {
+  return before == 0.0 || after == 0.0 || std::signbit(before) != std::signbit(after);
+}
 
 double at(const std::vector<double>& channel, std::size_t row) { return channel.empty() ? 0.0 : channel[row]; }
 
@@ -55,12 +61,21 @@ void simulateSession(const MotorLog& log, const Block& rows, const Motor& motor,
     for (std::size_t i = first; i < rows.end; ++i) {
       current[i - first] = log.current[i];
       velocity[i - first] = speed;
-      if (i + 1 < rows.end) speed = rotor.step(speed, log.current[i], at(log.load, i), log.time[i + 1] - log.time[i]);
+      if (i + 1 == rows.end) break;
+      const double dt = log.time[i + 1] - log.time[i];
+      const double next = rotor.step(speed, log.current[i], at(log.load, i), dt);
+      const int steps = switches(speed, next) ? kSubsteps : 1;
+      if (steps == 1) speed = next;
+      for (int k = 0; steps > 1 && k < steps; ++k)
+        speed = rotor.step(speed, log.current[i], at(log.load, i), dt / steps);
     }
     return;
   }
   const double grain = kStepGrain * (log.time[rows.end - 1] - log.time[first]) / static_cast<double>(rows.size());
-  std::map<long, Drive> drives;
+  struct Steps {
+    Drive whole, part;
+  };
+  std::map<long, Steps> drives;
   DriveState state;
   state.current = at(log.current, first);
   state.motor_velocity = at(log.velocity, first);
@@ -69,8 +84,18 @@ void simulateSession(const MotorLog& log, const Block& rows, const Motor& motor,
     velocity[i - first] = state.motor_velocity;
     if (i + 1 == rows.end) break;
     const long step = std::lround((log.time[i + 1] - log.time[i]) / grain);
-    const auto found = drives.try_emplace(step, motor, gearbox, static_cast<double>(step) * grain).first;
-    found->second.step(state, log.voltage[i], at(log.load, i));
+    auto found = drives.find(step);
+    if (found == drives.end()) {
+      const double dt = static_cast<double>(step) * grain;
+      found = drives.emplace(step, Steps{{motor, gearbox, dt}, {motor, gearbox, dt / kSubsteps}}).first;
+    }
+    DriveState next = state;
+    found->second.whole.step(next, log.voltage[i], at(log.load, i));
+    if (switches(state.motor_velocity, next.motor_velocity)) {
+      for (int k = 0; k < kSubsteps; ++k) found->second.part.step(state, log.voltage[i], at(log.load, i));
+    } else {
+      state = next;
+    }
   }
 }
 

@@ -146,6 +146,36 @@ class ReducedCost : public ceres::CostFunction {
   std::vector<double> theta_;
 };
 
+LeastSquaresResult solveFrom(const LeastSquaresProblem& problem, ReducedCost& cost, const std::vector<int>& free,
+                             const std::vector<double>& start, const LeastSquaresOptions& options, double radius) {
+  std::vector<double> values;
+  for (const int i : free) values.push_back(start[static_cast<std::size_t>(i)]);
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem ceres_problem(ownership);
+  ceres_problem.AddResidualBlock(&cost, nullptr, values.data());
+  for (std::size_t j = 0; j < free.size(); ++j) {
+    const FitParameter& p = problem.parameters[static_cast<std::size_t>(free[j])];
+    if (std::isfinite(p.lower)) ceres_problem.SetParameterLowerBound(values.data(), static_cast<int>(j), p.lower);
+    if (std::isfinite(p.upper)) ceres_problem.SetParameterUpperBound(values.data(), static_cast<int>(j), p.upper);
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.initial_trust_region_radius = radius;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = options.function_tolerance;
+  solver.parameter_tolerance = options.parameter_tolerance;
+  solver.gradient_tolerance = 1e-16;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &ceres_problem, &summary);
+  if (interruptRequested()) throw InterruptedError("interrupted; nothing was written");
+  LeastSquaresResult result{start, 2.0 * summary.final_cost, summary.termination_type == ceres::CONVERGENCE,
+                            static_cast<int>(summary.iterations.size()), summary.message};
+  for (std::size_t j = 0; j < free.size(); ++j) result.theta[static_cast<std::size_t>(free[j])] = values[j];
+  return result;
+}
+
 }  // namespace
 
 std::vector<int> LeastSquaresProblem::freeParameters() const {
@@ -175,33 +205,12 @@ LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<doub
     result.cost = reduction.cost(start);
     return result;
   }
-  std::vector<double> values;
-  for (const int i : free) values.push_back(start[static_cast<std::size_t>(i)]);
-  ceres::Problem::Options ownership;
-  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem ceres_problem(ownership);
   ReducedCost cost(reduction, start);
-  ceres_problem.AddResidualBlock(&cost, nullptr, values.data());
-  for (std::size_t j = 0; j < free.size(); ++j) {
-    const FitParameter& p = problem.parameters[static_cast<std::size_t>(free[j])];
-    if (std::isfinite(p.lower)) ceres_problem.SetParameterLowerBound(values.data(), static_cast<int>(j), p.lower);
-    if (std::isfinite(p.upper)) ceres_problem.SetParameterUpperBound(values.data(), static_cast<int>(j), p.upper);
+  result.cost = std::numeric_limits<double>::infinity();
+  for (const double radius : options.radii) {
+    LeastSquaresResult found = solveFrom(problem, cost, free, start, options, radius);
+    if (found.cost < result.cost) result = std::move(found);
   }
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = options.function_tolerance;
-  solver.parameter_tolerance = options.parameter_tolerance;
-  solver.gradient_tolerance = 1e-16;
-  solver.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &ceres_problem, &summary);
-  if (interruptRequested()) throw InterruptedError("interrupted; nothing was written");
-  for (std::size_t j = 0; j < free.size(); ++j) result.theta[static_cast<std::size_t>(free[j])] = values[j];
-  result.cost = 2.0 * summary.final_cost;
-  result.converged = summary.termination_type == ceres::CONVERGENCE;
-  result.iterations = static_cast<int>(summary.iterations.size());
-  result.message = summary.message;
   return result;
 }
 

@@ -49,6 +49,7 @@ struct Bread {
 
 Bread bread(const MatrixXd& r) {
   const Index n = r.cols();
+  if (n == 0) return {MatrixXd(0, 0), {}};
   VectorXd scale = r.colwise().norm();
   for (Index j = 0; j < n; ++j) scale[j] = scale[j] > 0.0 ? 1.0 / scale[j] : 0.0;
   const Eigen::JacobiSVD<MatrixXd> svd(r * scale.asDiagonal(), Eigen::ComputeFullV);

@@ -50,7 +50,8 @@ FrictionLog simulateFrictionLog(const DriveTruth& truth, const LogDesign& design
     const double inertia = 0.05 * mass_torque;
     Motion motion{0.3 + 0.6 * uniform(random), -0.6 + 1.2 * uniform(random), 0.05 + 0.35 * uniform(random),
                   session % 3 == 2};
-    const std::size_t end = design.rows * static_cast<std::size_t>(session + 1) / static_cast<std::size_t>(design.sessions);
+    const std::size_t end =
+        design.rows * static_cast<std::size_t>(session + 1) / static_cast<std::size_t>(design.sessions);
     for (std::size_t k = 0; log.time.size() < end; ++k) {
       double angle = 0.0, rate = 0.0, acceleration = 0.0;
       motion.at(static_cast<double>(k) * dt, angle, rate, acceleration);

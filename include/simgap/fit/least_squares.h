@@ -53,6 +53,9 @@ struct LeastSquaresOptions {
   int max_iterations = 200;
   double function_tolerance = 1e-13;
   double parameter_tolerance = 1e-11;
+  /// First radii of the trust region; the solver runs from each and the lowest cost wins. A small one also reaches
+  /// minima that the first long step would jump over.
+  std::vector<double> radii = {1e4};
 };
 
 struct LeastSquaresResult {

@@ -132,7 +132,7 @@ std::vector<FrictionFit> fitAll(const std::vector<const FrictionLaw*>& laws, con
   return fits;
 }
 
-ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   const int threads =
       options.common.threads > 0 ? options.common.threads : static_cast<int>(std::thread::hardware_concurrency());
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
@@ -183,6 +183,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   }
 
   session.begin(options.common.seed.value_or(0));
+  session.directory().write("config.resolved.yaml", resolvedOptions(app));
   writeFrictionReport(report, log_sha256, session.directory());
   const FitSummary summary = summarise(report);
   session.finish(toJson(summary), makePage(report), terminalTable(summary));
@@ -214,7 +215,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   options->fit.add(app);
   options->table.add(app);
   options->common.add(app);
-  return [options, argv] { return run(*options, argv); };
+  return [options, argv, &app] { return run(*options, argv, app); };
 }
 
 }  // namespace

@@ -132,7 +132,7 @@ void addCharts(const std::vector<Candidate>& candidates, const PamLog& log, Page
   page.charts.push_back({"Error over force", curveChart(errors, "measured force [N]", "predicted - measured [N]")});
 }
 
-ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-pam", options.common, argv);
   std::optional<PamFit> maker;
   const std::vector<FitParameter> known = {{"a", ""}, {"b", ""}, {"c", ""}, {"k", ""}};
@@ -178,6 +178,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
     return ExitCode::kDone;
   }
   session.begin(options.common.seed.value_or(0));
+  session.directory().write("config.resolved.yaml", resolvedOptions(app));
   FittedModel model = fittedModel("pam", candidates[best].name, candidates[best].fit.uncertainty);
   const auto [low, high] = std::ranges::minmax(log.contraction);
   model.settings = {{"contraction_min", fmt::format("{}", low)}, {"contraction_max", fmt::format("{}", high)}};
@@ -202,7 +203,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   options->fit.add(app);
   options->table.add(app);
   options->common.add(app);
-  return [options, argv] { return run(*options, argv); };
+  return [options, argv, &app] { return run(*options, argv, app); };
 }
 
 }  // namespace

@@ -110,7 +110,7 @@ std::string toCsv(const Prediction& p) {
   return csv.text();
 }
 
-ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("predict", options.common, argv);
   const Input& input = session.read("model", options.model);
   const FittedModel model = readFittedModel(YamlNode::parse(input.content, options.model));
@@ -130,6 +130,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
     return ExitCode::kDone;
   }
   session.begin(options.common.seed.value_or(0));
+  session.directory().write("config.resolved.yaml", resolvedOptions(app));
   session.directory().write("prediction.csv", toCsv(p));
   Json result = {{"format", "simgap/predict/1"},
                  {"model", model.kind},
@@ -159,7 +160,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_flag("--inverse", options->inverse, "a muscle's pressure from force instead; a drive's current");
   options->table.add(app);
   options->common.add(app);
-  return [options, argv] { return run(*options, argv); };
+  return [options, argv, &app] { return run(*options, argv, app); };
 }
 
 }  // namespace
