@@ -182,7 +182,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   std::vector<std::size_t> rows(log.rows());
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = i;
   const double seconds = log.time.back() - log.time.front();
-  const double block_s = seconds > 0.0 ? std::min(options.fit.block_s, seconds / 10.0) : options.fit.block_s;
+  const double block_s = options.fit.blockSeconds(seconds);
   const std::vector<Block> blocks = splitBlocks(log.time, log.session, block_s);
   std::vector<FitParameter> known;
   for (const char* name : {"R", "L", "K_E", "K_T", "J_M", "mu_M", "tau_CM", "eta", "tau_CG", "mu_G", "J_G"}) {

@@ -2,6 +2,7 @@
 /// Options that the fit-* commands share.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <string>
@@ -17,11 +18,16 @@ struct FitOptions {
   std::vector<std::string> fix;     ///< "k_a=1.3"
   std::vector<std::string> bounds;  ///< "k_v=0:5"
   std::vector<std::string> sessions;
-  std::string holdout;  ///< "0.2" or "session=5,6"
-  double block_s = 20.0;
+  std::string holdout;                ///< "0.2" or "session=5,6"
+  std::optional<double> block_s;      ///< default: kBlockSeconds, or a tenth of the log when that is shorter
   std::vector<std::string> validate;  ///< further logs
   void add(CLI::App& app);
 
+  static constexpr double kBlockSeconds = 20.0;
+  /// Length of the blocks for a log of that duration [s].
+  double blockSeconds(double duration) const {
+    return block_s.value_or(duration > 0.0 ? std::min(kBlockSeconds, duration / 10.0) : kBlockSeconds);
+  }
   std::map<std::string, double> fixed() const;            ///< \throws ConfigError
   std::map<std::string, Bounds> parameterBounds() const;  ///< \throws ConfigError
 };

@@ -219,6 +219,7 @@ FrictionData prepareFrictionData(DriveLog log, const Bench& bench, const Frictio
   data.session = log.session;
   data.row.resize(log.rows());
   for (std::size_t i = 0; i < log.rows(); ++i) data.row[i] = i;
+  data.block_seconds = options.block_seconds;
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
   log = {};  // the log is the largest thing in memory
   const bool all = std::ranges::all_of(sign.keep, [](bool kept) { return kept; });

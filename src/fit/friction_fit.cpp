@@ -167,7 +167,8 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
     search = searchSeparable(separable(model, *total));
     rig = model.rigOf(model.thetaOf(search.minima[0]));
   }
-  fit.starts = search.starts + search.minima.size();
+  // Without a Stribeck term the problem is convex: one start is all there is.
+  fit.starts = law.hasStribeck() ? search.starts + search.minima.size() : 1;
   fit.minima = search.minima;
   fit.profile = std::move(search.profile);
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -19,26 +20,34 @@ constexpr double kSingular = 1e-9;  // of the largest singular value of the scal
 constexpr double kTakesPart = 0.2;  // component of a direction that cannot be determined
 constexpr double kAlias = 0.995;    // correlation from which only a combination is determined
 
-/// The rows' weighted residuals times derivatives, summed over each block: shape (blocks, P).
-MatrixXd blockScores(const LeastSquaresProblem& problem, std::span<const double> theta,
-                     const std::vector<Block>& blocks) {
-  MatrixXd scores = MatrixXd::Zero(static_cast<Index>(blocks.size()), static_cast<Index>(theta.size()));
+/// Sums over one block: J^T W J, shape (P, P), and J^T W r, shape (P).
+struct BlockSums {
+  MatrixXd normal;
+  VectorXd score;
+};
+
+std::vector<BlockSums> sumBlocks(const LeastSquaresProblem& problem, std::span<const double> theta,
+                                 const std::vector<Block>& blocks) {
+  const auto count = static_cast<Index>(theta.size());
+  std::vector<BlockSums> sums(blocks.size(), {MatrixXd::Zero(count, count), VectorXd::Zero(count)});
   std::size_t b = 0;
   for (const Block& chunk : problem.chunks) {
     VectorXd r(static_cast<Index>(chunk.size()));
-    MatrixXd j = MatrixXd::Zero(r.size(), scores.cols());
+    MatrixXd j = MatrixXd::Zero(r.size(), count);
     Eigen::Ref<MatrixXd> jacobian(j);
     problem.evaluate(theta, chunk, r, &jacobian);
-    r.array() *= robustWeights(problem.loss, r);
+    const Eigen::ArrayXd weight = robustWeights(problem.loss, r);
     for (std::size_t begin = chunk.begin; begin < chunk.end;) {
       while (blocks[b].end <= begin) ++b;
       const std::size_t end = std::min(chunk.end, blocks[b].end);
-      const auto at = static_cast<Index>(begin - chunk.begin), count = static_cast<Index>(end - begin);
-      scores.row(static_cast<Index>(b)) += r.segment(at, count).transpose() * j.middleRows(at, count);
+      const auto at = static_cast<Index>(begin - chunk.begin), n = static_cast<Index>(end - begin);
+      const MatrixXd weighted = j.middleRows(at, n).array().colwise() * weight.segment(at, n);
+      sums[b].normal.noalias() += weighted.transpose() * j.middleRows(at, n);
+      sums[b].score.noalias() += weighted.transpose() * r.segment(at, n);
       begin = end;
     }
   }
-  return scores;
+  return sums;
 }
 
 /// (J^T J)^-1 over some columns of R, with the directions that the data do not determine left out.
@@ -137,6 +146,7 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
                                 std::span<const int> session) {
   constexpr double kBlockTimes = 12.0;  // length of a block in correlation times
   constexpr std::size_t kFewestBlocks = 40;
+  constexpr double kMostBlocks = 400.0;
   const auto count = static_cast<Index>(theta.size());
   const std::vector<int> free = problem.freeParameters();
   const VectorXd r = residuals(problem, theta);
@@ -146,12 +156,13 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
   result.n_effective = n / result.correlation_rows;
   const MatrixXd factor = triangularFactor(problem, theta);
 
-  const auto rows_per_block = static_cast<std::size_t>(std::clamp(
-      std::ceil(kBlockTimes * result.correlation_rows), 1.0, std::max(1.0, n / static_cast<double>(kFewestBlocks))));
+  const auto rows_per_block =
+      static_cast<std::size_t>(std::clamp(std::ceil(std::max(kBlockTimes * result.correlation_rows, n / kMostBlocks)),
+                                          1.0, std::max(1.0, n / static_cast<double>(kFewestBlocks))));
   const std::vector<Block> blocks = splitRows(session, rows_per_block);
   const bool sandwich = static_cast<double>(rows_per_block) >= 3.0 * result.correlation_rows &&
                         blocks.size() >= std::max<std::size_t>(kFewestBlocks / 2, 3 * free.size());
-  const MatrixXd scores = sandwich ? blockScores(problem, theta, blocks) : MatrixXd();
+  const std::vector<BlockSums> sums = sandwich ? sumBlocks(problem, theta, blocks) : std::vector<BlockSums>();
   if (sandwich) result.blocks = blocks.size();
   const double variance = r.squaredNorm() / std::max(n - static_cast<double>(free.size()), 1.0);
 
@@ -167,10 +178,18 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
     if (!sandwich) return MatrixXd(variance * result.correlation_rows * inner.inverse);
     std::vector<Index> parameters;
     for (const Index j : chosen) parameters.push_back(free[static_cast<std::size_t>(j)]);
-    const MatrixXd s = columns(scores, parameters);
+    // What the estimate would move by without the block, to first order: (J^T J - J_b^T J_b)^-1 J_b^T r_b.
+    const auto f = static_cast<Index>(chosen.size());
+    MatrixXd meat = MatrixXd::Zero(f, f);
+    for (const BlockSums& block : sums) {
+      const MatrixXd rest = MatrixXd::Identity(f, f) - block.normal(parameters, parameters) * inner.inverse;
+      const VectorXd score = block.score(parameters);
+      VectorXd move = inner.inverse * rest.partialPivLu().solve(score);
+      if (!move.allFinite()) move = inner.inverse * score;  // all that is known of a parameter is in this block
+      meat += move * move.transpose();
+    }
     const auto b = static_cast<double>(blocks.size());
-    return MatrixXd(inner.inverse * (s.transpose() * s) * inner.inverse * (b / (b - 1.0)) * n /
-                    std::max(n - static_cast<double>(chosen.size()), 1.0));
+    return MatrixXd(meat * ((b - 1.0) / b));
   };
   std::vector<Index> inside, everything;
   for (std::size_t j = 0; j < free.size(); ++j) {

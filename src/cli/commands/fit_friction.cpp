@@ -81,6 +81,13 @@ std::vector<Requirement> requirements(const std::vector<std::string>& texts) {
   return all;
 }
 
+/// Seconds from the first row of a session to its last, summed.
+double spanOf(const DriveLog& log) {
+  double seconds = 0.0;
+  for (const Block& rows : splitRows(log.session, log.rows())) seconds += log.time[rows.end - 1] - log.time[rows.begin];
+  return seconds;
+}
+
 /// A log with its rig, ready to be fitted.
 struct Task {
   const Options& options;
@@ -96,7 +103,9 @@ struct Task {
       drive = readDriveLog(table, log);
       if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, table);
     }
-    return prepareFrictionData(std::move(drive), bench, data);
+    FrictionDataOptions prepared = data;
+    prepared.block_seconds = options.fit.blockSeconds(spanOf(drive));
+    return prepareFrictionData(std::move(drive), bench, prepared);
   }
 };
 
@@ -111,7 +120,6 @@ Task makeTask(const Options& options, Session& session) {
   task.data.raw_sign = options.sign == "raw";
   task.data.dead_band_widths = options.dead_band;
   task.data.bandwidth = options.bandwidth;
-  task.data.block_seconds = options.fit.block_s;
   task.data.sessions = options.fit.sessions;
   return task;
 }
@@ -173,8 +181,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     for (FrictionFit& fit : report.fits) fit.mse_heldout = meanSquaredError(fit, test, fit_options);
     report.heldout = holdout.words;
   } else if (report.fits.front().mse_heldout) {
-    report.heldout = fmt::format("{}-fold cross-validation over blocks of {} s",
-                                 std::min<std::size_t>(5, data.blocks.size()), options.fit.block_s);
+    report.heldout = fmt::format("{}-fold cross-validation over blocks of {:.3g} s",
+                                 std::min<std::size_t>(5, data.blocks.size()), data.block_seconds);
   }
   report.best = compareFits(report.fits);
   for (const FrictionData& other : others) {

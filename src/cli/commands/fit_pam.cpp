@@ -155,7 +155,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   }
   std::vector<std::size_t> rows(log.rows());
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = i;
-  const std::vector<Block> blocks = blocksOf(log, options.fit.block_s);
+  const std::vector<Block> blocks =
+      blocksOf(log, options.fit.blockSeconds(log.time.empty() ? 0.0 : log.time.back() - log.time.front()));
   std::vector<bool> kept(log.rows(), true);
   if (blocks.size() >= 5 || !options.fit.holdout.empty()) {
     kept = heldOutRows(holdout, blocks, rows);
