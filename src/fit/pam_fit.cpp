@@ -131,10 +131,12 @@ std::optional<PamGeometry> geometryOf(double a, double c) {
 }
 
 PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows) {
-  const ChannelCheck channels[] = {
-      {"pressure_Pa", log.pressure, 1e8}, {"contraction", log.contraction, 1.0}, {"force_N", log.force, 1e6}};
+  // Pressures and lengths are set to levels: only their units can be checked.
+  const ChannelCheck levels[] = {{"pressure_Pa", log.pressure, 1e8}, {"contraction", log.contraction, 1.0}};
+  const ChannelCheck measured[] = {{"force_N", log.force, 1e6}};
   PamFit fit;
-  fit.warnings = checkChannels(log.file, channels);
+  (void)checkChannels(log.file, levels);
+  fit.warnings = checkChannels(log.file, measured);
   const PamProblem model(log, options, rows);
   LeastSquaresProblem problem = model.problem();
   fit.n = model.rows();

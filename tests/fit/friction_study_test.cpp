@@ -31,8 +31,8 @@ Study studyLogs(const DriveTruth& truth, std::size_t rows, const std::vector<Tru
   FrictionFitOptions options;
   options.folds = 0;
   for (int log = 0; log < kLogs; ++log) {
-    const FrictionData data = frictionData(
-        simulateFrictionLog(truth, {.rows = rows, .sessions = 12, .seed = static_cast<std::uint64_t>(1000 + log)}));
+    const FrictionData data = frictionData(simulateFrictionLog(
+        truth, {.rows = rows, .sessions = 12, .seed = 1000 + rows + static_cast<std::size_t>(log)}));
     const FrictionFit fit = fitFriction(friction::find("variant-a"), data, options);
     for (std::size_t p = 0; p < parameters.size(); ++p) {
       for (const Estimate& e : fit.uncertainty.estimates) {
