@@ -172,19 +172,26 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   fit.minima = search.minima;
   fit.profile = std::move(search.profile);
 
-  const auto polish = [&](const SeparableMinimum& start) { return minimise(problem, model.thetaOf(start)); };
-  LeastSquaresResult best = polish(search.minima[0]);
+  // The search has found the minimum to some 1e-7 of its box; a relative 1e-10 of the cost is far below the noise, and
+  // without noise the convergence is quadratic anyway.
+  LeastSquaresOptions fine;
+  fine.max_iterations = 100;
+  fine.function_tolerance = 1e-10;
+  fine.parameter_tolerance = 1e-9;
+  LeastSquaresResult best = minimise(problem, model.thetaOf(search.minima[0]), fine);
   if (options.loss != LossKind::kSquares) {
     problem.loss = scaledLoss(options, residuals(problem, best.theta));
-    best = minimise(problem, best.theta);
+    best = minimise(problem, best.theta, fine);
   }
-  for (std::size_t m = 1; m < search.minima.size(); ++m) {
-    // Bins are exact to some 1e-5 of the cost: nearer rivals have to be polished too.
-    const bool near =
-        search.minima[m].linear.cost < 1.002 * search.minima[0].linear.cost || problem.loss.kind != LossKind::kSquares;
-    if (!near) continue;
-    LeastSquaresResult rival = polish(search.minima[m]);
-    if (rival.cost < best.cost) best = std::move(rival);
+  // Bins are exact to some 1e-5 of the cost: nearer rivals have to be polished too, and all under a robust loss, which
+  // the search does not know.
+  LeastSquaresOptions quick;
+  quick.max_iterations = 30;
+  quick.function_tolerance = 1e-9;
+  const double near = options.loss == LossKind::kSquares ? 1.0001 * search.minima[0].linear.cost : kInfinity;
+  for (std::size_t m = 1; m < search.minima.size() && search.minima[m].linear.cost < near; ++m) {
+    LeastSquaresResult rival = minimise(problem, model.thetaOf(search.minima[m]), quick);
+    if (rival.cost < best.cost) best = minimise(problem, rival.theta, fine);
   }
   fit.theta = best.theta;
   const Eigen::VectorXd r = residuals(problem, fit.theta);
