@@ -102,7 +102,15 @@ Session::~Session() {
 }
 
 const Input& Session::read(const std::string& role, const std::filesystem::path& file) {
-  return inputs_.emplace_back(Input{role, file, readFile(file)});
+  Input input{role, file, readFile(file), ""};
+  input.sha256 = sha256(input.content);
+  return inputs_.emplace_back(std::move(input));
+}
+
+CsvTable Session::readTable(const std::string& role, const std::filesystem::path& file, const CsvOptions& options) {
+  std::string content = readFile(file);
+  inputs_.push_back({role, file, "", sha256(content)});
+  return CsvTable::parse(std::move(content), file.string(), options);
 }
 
 void Session::begin(std::uint64_t seed) {
@@ -118,7 +126,7 @@ void Session::resume(const std::filesystem::path& directory, std::uint64_t seed)
 
 void Session::record(std::uint64_t seed, const Json& earlier) {
   run_.emplace(argv_, seed, options_.threads);
-  for (const Input& input : inputs_) run_->addInput(input.role, input.file, input.content);
+  for (const Input& input : inputs_) run_->addHashedInput(input.role, input.file, input.sha256);
   if (earlier.is_object()) run_->addEarlier(earlier);
   run_->write(*directory_, "running");  // before all other files: it makes the directory ours to replace
   openLog(options_, directory_->file("log.txt"));
@@ -132,7 +140,7 @@ void Session::finish(const Json& result, Page page, const std::string& table, co
   page.provenance.emplace_back("written", utcTime());
   for (const Input& input : inputs_) {
     page.provenance.emplace_back(fmt::format("{} (SHA-256)", input.role),
-                                 fmt::format("{}: {}", input.file.string(), sha256(input.content)));
+                                 fmt::format("{}: {}", input.file.string(), input.sha256));
   }
   directory_->write("report.html", renderPage(page));
   abandon(status);

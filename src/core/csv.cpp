@@ -221,6 +221,12 @@ std::size_t CsvTable::lineOf(std::size_t row) const { return lines_.empty() ? ro
 
 bool CsvTable::has(std::string_view column) const { return std::ranges::find(headers_, column) != headers_.end(); }
 
+bool CsvTable::isNumeric(std::string_view column) const {
+  const auto found = std::ranges::find(headers_, column);
+  if (found == headers_.end()) failMissing(column, "");
+  return numbers_[static_cast<std::size_t>(found - headers_.begin())] != nullptr;
+}
+
 bool CsvTable::hasQuantity(std::string_view stem, std::string_view unit) const {
   return !matchQuantity(headers_, stem, unit).empty();
 }

@@ -202,8 +202,8 @@ RunRecord::RunRecord(const std::vector<std::string>& argv, std::uint64_t seed, i
             {"inputs", Json::array()}},
       start_s_(steadySeconds()) {}
 
-void RunRecord::addInput(std::string_view role, const fs::path& file, std::string_view content) {
-  json_["inputs"].push_back({{"role", role}, {"file", file.string()}, {"sha256", sha256(content)}});
+void RunRecord::addHashedInput(std::string_view role, const fs::path& file, std::string_view hash) {
+  json_["inputs"].push_back({{"role", role}, {"file", file.string()}, {"sha256", hash}});
 }
 
 void RunRecord::addEarlier(const Json& record) {

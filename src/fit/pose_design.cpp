@@ -83,7 +83,7 @@ PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const
     throw NumericsError(fmt::format("only {} of {} candidate commands lead to a stable equilibrium with linear cords",
                                     candidates.size(), options.candidates));
   }
-  Uncertainty uncertainty = assessUncertainty(posterior, z, space);
+  PoseUncertainty uncertainty = assessUncertainty(posterior, z, space);
   PosePosterior there(posterior, candidates);
   there.whiten(z);
   const std::vector<PoseResidual> residuals = there.evaluate(z, true);

@@ -2,204 +2,250 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "identifiability.h"
-#include "simgap/core/error.h"
-#include "simgap/core/random.h"
-
 namespace simgap {
 namespace {
 
-constexpr double kHalved = 0.5;          // of the prior's standard deviation: identifiable
-constexpr double kUntouched = 0.95;      // not identifiable
-constexpr double kTinyCurvature = 1e-9;  // in prior units: nothing bounds such a direction
-constexpr std::size_t kCloud = 200;      // commands that stand for any pose of the arm
-constexpr int kDraws = 400;
-constexpr std::uint32_t kCloudPurpose = 5, kDrawPurpose = 6;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
-Eigen::MatrixXd stackJacobians(const std::vector<PoseResidual>& poses, bool weighted) {
-  Eigen::Index rows = 0;
-  for (const PoseResidual& pose : poses) rows += pose.valid ? pose.error.size() : 0;
-  Eigen::MatrixXd stacked(rows, poses.front().jacobian.cols());
-  rows = 0;
-  for (const PoseResidual& pose : poses) {
-    if (!pose.valid) continue;
-    const double weight = weighted ? std::sqrt(robustWeight(pose.error.squaredNorm())) : 1.0;
-    stacked.middleRows(rows, pose.error.size()) = weight * pose.jacobian;
-    rows += pose.error.size();
-  }
-  return stacked;
-}
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kSingular = 1e-9;  // of the largest singular value of the scaled Jacobian
+constexpr double kTakesPart = 0.2;  // component of a direction that cannot be determined
+constexpr double kAlias = 0.995;    // correlation from which only a combination is determined
 
-/// Inverse of a curvature; directions that nothing bounds get the variance 1 / kTinyCurvature.
-Eigen::MatrixXd invertCurvature(const Eigen::MatrixXd& curvature) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(curvature);
-  const Eigen::VectorXd bounded = eigen.eigenvalues().cwiseMax(kTinyCurvature);
-  return eigen.eigenvectors() * bounded.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
-}
+/// Sums over one block: J^T W J, shape (P, P), and J^T W r, shape (P).
+struct BlockSums {
+  MatrixXd normal;
+  VectorXd score;
+};
 
-}  // namespace
-
-std::string_view toString(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kIdentifiable:
-      return "identifiable";
-    case Verdict::kWeak:
-      return "weak";
-    case Verdict::kNotIdentifiable:
-      break;
-  }
-  return "not identifiable";
-}
-
-Uncertainty assessUncertainty(PosePosterior& posterior, const Eigen::VectorXd& z, const ParameterSpace& space) {
-  const ScaledParameters& scaled = posterior.parameters();
-  const std::vector<PoseResidual> residuals = posterior.evaluate(z, true);
-  Uncertainty result;
-  for (const PoseResidual& residual : residuals) {
-    result.distances.push_back(residual.valid ? residual.error.norm() : std::numeric_limits<double>::quiet_NaN());
-  }
-  if (std::none_of(residuals.begin(), residuals.end(), [](const PoseResidual& r) { return r.valid; })) {
-    throw NumericsError("uncertainty: no pose has a stable equilibrium with these parameters");
-  }
-  const Eigen::MatrixXd jacobian = stackJacobians(residuals, true);
-  Eigen::MatrixXd curvature = jacobian.transpose() * jacobian;
-  for (Eigen::Index i = 0; i < z.size(); ++i) curvature(i, i) += scaled.hasPrior(i) ? 1.0 : 0.0;
-  result.covariance = invertCurvature(curvature);
-  const Eigen::VectorXd singular = jacobian.bdcSvd().singularValues();
-  result.singular_values.assign(singular.begin(), singular.end());
-
-  // What no pose could tell, from a cloud of commands; whitening does not matter for that.
-  const std::vector<Pose> cloud = drawCommands(posterior, z, kCloud, 0);
-  Eigen::MatrixXd anywhere = jacobian;
-  if (!cloud.empty()) {
-    PosePosterior elsewhere(posterior, cloud);
-    elsewhere.whiten(z);
-    const Eigen::MatrixXd there = stackJacobians(elsewhere.evaluate(z, true), false);
-    anywhere.conservativeResize(jacobian.rows() + there.rows(), Eigen::NoChange);
-    anywhere.bottomRows(there.rows()) = there;
-  }
-  Eigen::VectorXd unknowable;  // variance that is left however many poses there are, of the prior's
-  result.combinations = findCombinations(jacobian, anywhere, space, unknowable);
-
-  for (Eigen::Index i = 0; i < z.size(); ++i) {
-    const double slope = scaled.slope(i, z[i]);
-    const double sd_z = std::sqrt(result.covariance(i, i));
-    const bool bounded = scaled.hasPrior(i) || sd_z < 0.1 / std::sqrt(kTinyCurvature);
-    ParameterUncertainty parameter{scaled.hasPrior(i) ? slope : std::numeric_limits<double>::infinity(),
-                                   bounded ? slope * sd_z : std::numeric_limits<double>::infinity(), Verdict::kWeak};
-    const double of_prior = scaled.hasPrior(i) ? sd_z : 0.0;
-    if (!bounded || of_prior > kUntouched || std::sqrt(unknowable[i]) > kHalved) {
-      parameter.verdict = Verdict::kNotIdentifiable;
-    } else if (of_prior <= kHalved) {
-      parameter.verdict = Verdict::kIdentifiable;
+std::vector<BlockSums> sumBlocks(const LeastSquaresProblem& problem, std::span<const double> theta,
+                                 const std::vector<Block>& blocks) {
+  const auto count = static_cast<Index>(theta.size());
+  std::vector<BlockSums> sums(blocks.size(), {MatrixXd::Zero(count, count), VectorXd::Zero(count)});
+  std::size_t b = 0;
+  for (const Block& chunk : problem.chunks) {
+    VectorXd r(static_cast<Index>(chunk.size()));
+    MatrixXd j = MatrixXd::Zero(r.size(), count);
+    Eigen::Ref<MatrixXd> jacobian(j);
+    problem.evaluate(theta, chunk, r, &jacobian);
+    const Eigen::ArrayXd weight = robustWeights(problem.loss, r);
+    for (std::size_t begin = chunk.begin; begin < chunk.end;) {
+      while (blocks[b].end <= begin) ++b;
+      const std::size_t end = std::min(chunk.end, blocks[b].end);
+      const auto at = static_cast<Index>(begin - chunk.begin), n = static_cast<Index>(end - begin);
+      const MatrixXd weighted = j.middleRows(at, n).array().colwise() * weight.segment(at, n);
+      sums[b].normal.noalias() += weighted.transpose() * j.middleRows(at, n);
+      sums[b].score.noalias() += weighted.transpose() * r.segment(at, n);
+      begin = end;
     }
-    result.parameters.push_back(parameter);
+  }
+  return sums;
+}
+
+/// (J^T J)^-1 over some columns of R, with the directions that the data do not determine left out.
+struct Bread {
+  MatrixXd inverse;              ///< shape (F, F)
+  std::vector<bool> determined;  ///< shape (F)
+};
+
+Bread bread(const MatrixXd& r) {
+  const Index n = r.cols();
+  if (n == 0) return {MatrixXd(0, 0), {}};
+  VectorXd scale = r.colwise().norm();
+  for (Index j = 0; j < n; ++j) scale[j] = scale[j] > 0.0 ? 1.0 / scale[j] : 0.0;
+  const Eigen::JacobiSVD<MatrixXd> svd(r * scale.asDiagonal(), Eigen::ComputeFullV);
+  Bread result{MatrixXd::Zero(n, n), std::vector<bool>(static_cast<std::size_t>(n), true)};
+  for (Index k = 0; k < n; ++k) {
+    const double s = k < svd.singularValues().size() ? svd.singularValues()[k] : 0.0;
+    const VectorXd v = svd.matrixV().col(k);
+    if (s > kSingular * svd.singularValues()[0]) {
+      const VectorXd direction = scale.cwiseProduct(v) / s;
+      result.inverse += direction * direction.transpose();
+      continue;
+    }
+    for (Index j = 0; j < n; ++j) {
+      if (std::abs(v[j]) > kTakesPart) result.determined[static_cast<std::size_t>(j)] = false;
+    }
   }
   return result;
 }
 
-PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorXd& z, const Uncertainty& uncertainty,
-                            std::span<const Pose> poses) {
-  PosePosterior there(posterior, poses);
-  there.whiten(z);
-  const std::vector<PoseResidual> residuals = there.evaluate(z, true);  // whitened: noise and friction are N(0, 1)
-  const Eigen::MatrixXd spread = uncertainty.covariance.llt().matrixL();
-  const std::vector<Joint>& joints = posterior.model().joints;
-  std::vector<std::vector<double>> mje(joints.size(), std::vector<double>(kDraws, 0.0));
-  std::vector<Eigen::MatrixXd> unwhiten;
-  for (std::size_t p = 0; p < poses.size(); ++p) unwhiten.push_back(there.whitening(p).inverse());
-  const CounterRandom random(0);
-  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
-    const auto normal = [&](std::size_t place, Eigen::Index i) {
-      return random.normalPair(
-          {draw, static_cast<std::uint32_t>(place), static_cast<std::uint32_t>(i), kDrawPurpose})[0];
-    };
-    Eigen::VectorXd change(z.size());
-    for (Eigen::Index i = 0; i < z.size(); ++i) change[i] = normal(0, i);
-    change = spread * change;
-    int valid = 0;
-    for (std::size_t p = 0; p < poses.size(); ++p) {
-      if (!residuals[p].valid) continue;
-      ++valid;
-      Eigen::VectorXd error = residuals[p].jacobian * change;
-      for (Eigen::Index i = 0; i < error.size(); ++i) error[i] += normal(p + 1, i);
-      error = unwhiten[p] * error;
-      Eigen::Index d = 0;
-      for (std::size_t j = 0; j < joints.size(); ++j) {
-        const int components = joints[j].degreesOfFreedom();
-        mje[j][draw] += error.segment(d, components).norm();
-        d += components;
-      }
+MatrixXd columns(const MatrixXd& matrix, const std::vector<Index>& chosen) { return matrix(Eigen::all, chosen); }
+
+/// Names of undetermined parameters, and of pairs of which only a combination is determined.
+std::vector<std::string> describe(const Uncertainty& result) {
+  std::vector<std::string> sentences;
+  std::string lost;
+  for (const Estimate& e : result.estimates) {
+    if (!e.identifiable) lost += (lost.empty() ? "" : ", ") + e.name;
+  }
+  if (!lost.empty()) {
+    const bool several = lost.find(',') != std::string::npos;
+    sentences.push_back(fmt::format("{} cannot be found from this log{}", lost,
+                                    several ? ": only combinations of them act on it" : ""));
+  }
+  for (std::size_t i = 0; i < result.estimates.size(); ++i) {
+    const Estimate& e = result.estimates[i];
+    if (e.fixed || !e.identifiable || e.at_bound) continue;
+    if (e.sd > std::abs(e.value) && e.value != 0.0) {
+      sentences.push_back(
+          fmt::format("{} is hardly determined: {:.3g} with a standard deviation of {:.3g}", e.name, e.value, e.sd));
     }
-    for (auto& of_joint : mje) of_joint[draw] /= std::max(1, valid);
+    for (std::size_t k = 0; k < i; ++k) {
+      const double correlation = result.correlation(static_cast<Index>(i), static_cast<Index>(k));
+      if (std::abs(correlation) < kAlias) continue;
+      sentences.push_back(fmt::format("{} and {} are determined together only (correlation {:.4f})",
+                                      result.estimates[k].name, e.name, correlation));
+    }
   }
-  PredictedError predicted;
-  for (std::vector<double>& of_joint : mje) {
-    std::sort(of_joint.begin(), of_joint.end());
-    double sum = 0.0;
-    for (const double error : of_joint) sum += error;
-    predicted.mean.push_back(sum / kDraws);
-    predicted.lower.push_back(of_joint[kDraws / 20]);
-    predicted.upper.push_back(of_joint[kDraws - 1 - kDraws / 20]);
-  }
-  return predicted;
-}
-
-namespace {
-
-/// Stable, and no cord beyond its linear range.
-bool feasible(EquilibriumArm& arm, std::span<const double> shafts) {
-  if (!arm.solve(shafts).stable) return false;
-  const std::vector<Muscle>& muscles = arm.energy().model().muscles;
-  for (std::size_t m = 0; m < muscles.size(); ++m) {
-    if (arm.energy().expansion(m) > ShockCord::kLinearRange * muscles[m].shock_cord.rest_length) return false;
-  }
-  return true;
+  return sentences;
 }
 
 }  // namespace
 
-std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
-                               std::uint64_t seed) {
-  constexpr std::size_t kTriesPerPose = 20;
-  const std::span<const Pose> recorded = posterior.poses();
-  EquilibriumArm arm(posterior.modelAt(z));
-  std::vector<double> lower = recorded.front().shafts, upper = lower;
-  for (const Pose& pose : recorded) {
-    for (std::size_t m = 0; m < lower.size(); ++m) {
-      lower[m] = std::min(lower[m], pose.shafts[m]);
-      upper[m] = std::max(upper[m], pose.shafts[m]);
-    }
-  }
-  const CounterRandom random(seed);
-  std::vector<Pose> commands;
-  for (std::uint32_t attempt = 0; commands.size() < count && attempt < kTriesPerPose * count; ++attempt) {
-    const auto draw = [&](std::uint32_t place) { return random.uniform({attempt, place, 0, kCloudPurpose}); };
-    const auto near = static_cast<std::size_t>(draw(0) * static_cast<double>(recorded.size()));
-    const std::vector<double>& home = recorded[near].shafts;
-    // Anywhere within the ranges; where muscles would fight too hard, nearer to a command that the arm has seen.
-    Pose command;
-    command.name = fmt::format("c{:04d}", attempt);
-    command.shafts.resize(home.size());
-    for (const double way : {1.0, 0.75, 0.5, 0.25}) {
-      for (std::uint32_t m = 0; m < home.size(); ++m) {
-        const double anywhere = lower[m] + draw(1 + m) * (upper[m] - lower[m]);
-        command.shafts[m] = home[m] + way * (anywhere - home[m]);
+double correlationTime(const Eigen::VectorXd& residual, std::span<const int> session) {
+  constexpr double kWindow = 6.0;  // correlation times after which the sum stops
+  const Index n = residual.size();
+  const double variance = residual.squaredNorm();
+  if (!(variance > 0.0)) return 1.0;
+  double time = 1.0;
+  for (Index lag = 1; lag < n / 4 && static_cast<double>(lag) < kWindow * std::max(time, 1.0); ++lag) {
+    double sum = 0.0;
+    const bool one_session = session.front() == session.back();
+    if (one_session) {
+      sum = residual.head(n - lag).dot(residual.tail(n - lag));
+    } else {
+      for (Index i = 0; i + lag < n; ++i) {
+        if (session[static_cast<std::size_t>(i)] == session[static_cast<std::size_t>(i + lag)]) {
+          sum += residual[i] * residual[i + lag];
+        }
       }
-      if (!feasible(arm, command.shafts)) continue;
-      command.joints = arm.joints();
-      command.spread.assign(command.joints.size(), 0.0);
-      commands.push_back(std::move(command));
-      break;
+    }
+    time += 2.0 * sum / variance;
+  }
+  return std::max(time, 1.0);
+}
+
+double studentQuantile(double degrees_of_freedom) {
+  constexpr double z = 1.959963984540054;
+  const double v = std::max(degrees_of_freedom, 1.0);
+  return z + (std::pow(z, 3) + z) / (4.0 * v) +
+         (5.0 * std::pow(z, 5) + 16.0 * std::pow(z, 3) + 3.0 * z) / (96.0 * v * v) +
+         (3.0 * std::pow(z, 7) + 19.0 * std::pow(z, 5) + 17.0 * std::pow(z, 3) - 15.0 * z) / (384.0 * v * v * v);
+}
+
+Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta,
+                                std::span<const int> session) {
+  constexpr double kBlockTimes = 12.0;  // length of a block in correlation times
+  constexpr std::size_t kFewestBlocks = 40;
+  constexpr double kMostBlocks = 400.0;
+  const auto count = static_cast<Index>(theta.size());
+  const std::vector<int> free = problem.freeParameters();
+  const VectorXd r = residuals(problem, theta);
+  Uncertainty result;
+  result.correlation_rows = correlationTime(r, session);
+  const auto n = static_cast<double>(r.size());
+  result.n_effective = n / result.correlation_rows;
+  const MatrixXd factor = triangularFactor(problem, theta);
+
+  const auto rows_per_block =
+      static_cast<std::size_t>(std::clamp(std::ceil(std::max(kBlockTimes * result.correlation_rows, n / kMostBlocks)),
+                                          1.0, std::max(1.0, n / static_cast<double>(kFewestBlocks))));
+  const std::vector<Block> blocks = splitRows(session, rows_per_block);
+  const bool sandwich = static_cast<double>(rows_per_block) >= 3.0 * result.correlation_rows &&
+                        blocks.size() >= std::max<std::size_t>(kFewestBlocks / 2, 3 * free.size());
+  const std::vector<BlockSums> sums = sandwich ? sumBlocks(problem, theta, blocks) : std::vector<BlockSums>();
+  if (sandwich) result.blocks = blocks.size();
+  const double variance = r.squaredNorm() / std::max(n - static_cast<double>(free.size()), 1.0);
+
+  // Which columns of the factor are estimated: those on a bound are not free to move.
+  std::vector<bool> bound(free.size());
+  for (std::size_t j = 0; j < free.size(); ++j) {
+    const auto i = static_cast<std::size_t>(free[j]);
+    bound[j] = atBound(problem.parameters[i], theta[i]);
+  }
+  const auto covarianceOf = [&](const std::vector<Index>& chosen, std::vector<bool>& determined) {
+    const Bread inner = bread(columns(factor, chosen));
+    determined = inner.determined;
+    if (!sandwich) return MatrixXd(variance * result.correlation_rows * inner.inverse);
+    std::vector<Index> parameters;
+    for (const Index j : chosen) parameters.push_back(free[static_cast<std::size_t>(j)]);
+    // What the estimate would move by without the block, to first order: (J^T J - J_b^T J_b)^-1 J_b^T r_b.
+    const auto f = static_cast<Index>(chosen.size());
+    MatrixXd meat = MatrixXd::Zero(f, f);
+    for (const BlockSums& block : sums) {
+      const MatrixXd rest = MatrixXd::Identity(f, f) - block.normal(parameters, parameters) * inner.inverse;
+      const VectorXd score = block.score(parameters);
+      VectorXd move = inner.inverse * rest.partialPivLu().solve(score);
+      if (!move.allFinite()) move = inner.inverse * score;  // all that is known of a parameter is in this block
+      meat += move * move.transpose();
+    }
+    const auto b = static_cast<double>(blocks.size());
+    return MatrixXd(meat * ((b - 1.0) / b));
+  };
+  std::vector<Index> inside, everything;
+  for (std::size_t j = 0; j < free.size(); ++j) {
+    everything.push_back(static_cast<Index>(j));
+    if (!bound[j]) inside.push_back(static_cast<Index>(j));
+  }
+  std::vector<bool> determined, determined_all;
+  const MatrixXd covariance = covarianceOf(inside, determined);
+  const MatrixXd covariance_all = covarianceOf(everything, determined_all);
+
+  result.covariance = MatrixXd::Zero(count, count);
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const FitParameter& p = problem.parameters[i];
+    result.estimates.push_back({p.name, p.unit, theta[i], 0.0, theta[i], theta[i], false, p.fixed, true});
+  }
+  const double degrees = sandwich ? static_cast<double>(blocks.size()) - 1.0
+                                  : std::max(result.n_effective - static_cast<double>(free.size()), 1.0);
+  const double t = studentQuantile(degrees);
+  for (std::size_t a = 0; a < inside.size(); ++a) {
+    const auto i = static_cast<std::size_t>(free[static_cast<std::size_t>(inside[a])]);
+    Estimate& e = result.estimates[i];
+    e.identifiable = determined[a];
+    e.sd = determined[a] ? std::sqrt(covariance(static_cast<Index>(a), static_cast<Index>(a))) : kNaN;
+    e.lower95 = std::max(e.value - t * e.sd, problem.parameters[i].lower);
+    e.upper95 = std::min(e.value + t * e.sd, problem.parameters[i].upper);
+    if (!determined[a]) e.lower95 = e.upper95 = kNaN;
+    for (std::size_t b = 0; b < inside.size(); ++b) {
+      if (!determined[a] || !determined[b]) continue;
+      const int k = free[static_cast<std::size_t>(inside[b])];
+      result.covariance(static_cast<Index>(i), k) = covariance(static_cast<Index>(a), static_cast<Index>(b));
     }
   }
-  return commands;
+  for (std::size_t j = 0; j < free.size(); ++j) {
+    if (!bound[j]) continue;
+    const auto i = static_cast<std::size_t>(free[j]);
+    Estimate& e = result.estimates[i];
+    e.at_bound = true;
+    const double sd =
+        determined_all[j] ? std::sqrt(covariance_all(static_cast<Index>(j), static_cast<Index>(j))) : kNaN;
+    e.sd = kNaN;
+    e.identifiable = determined_all[j];
+    e.lower95 = std::max(e.value - t * sd, problem.parameters[i].lower);
+    e.upper95 = std::min(e.value + t * sd, problem.parameters[i].upper);
+    if (!determined_all[j]) e.lower95 = e.upper95 = kNaN;
+  }
+  const VectorXd deviation = result.covariance.diagonal().cwiseSqrt();
+  result.correlation = MatrixXd::Identity(count, count);
+  for (Index i = 0; i < count; ++i) {
+    for (Index k = 0; k < count; ++k) {
+      if (i != k && deviation[i] > 0.0 && deviation[k] > 0.0) {
+        result.correlation(i, k) = result.covariance(i, k) / (deviation[i] * deviation[k]);
+      }
+    }
+  }
+  result.findings = describe(result);
+  return result;
 }
 
 }  // namespace simgap

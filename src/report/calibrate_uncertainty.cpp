@@ -11,7 +11,7 @@ namespace {
 
 constexpr Verdict kVerdicts[] = {Verdict::kIdentifiable, Verdict::kWeak, Verdict::kNotIdentifiable};
 
-long count(const Uncertainty& uncertainty, Verdict verdict) {
+long count(const PoseUncertainty& uncertainty, Verdict verdict) {
   return std::count_if(uncertainty.parameters.begin(), uncertainty.parameters.end(),
                        [&](const ParameterUncertainty& p) { return p.verdict == verdict; });
 }
@@ -64,7 +64,7 @@ std::string surprise(const CalibrationResult& result) {
 
 Json uncertaintyJson(const CalibrationResult& result) {
   if (!result.uncertainty) return Json::object();
-  const Uncertainty& uncertainty = *result.uncertainty;
+  const PoseUncertainty& uncertainty = *result.uncertainty;
   Json combinations = Json::array();
   for (const Combination& combination : uncertainty.combinations) {
     Json names = Json::array();
@@ -101,7 +101,7 @@ std::string singularValuesCsv(const CalibrationResult& result) {
 std::string uncertaintyText(const CalibrationResult& result) {
   constexpr std::size_t kMostCombinations = 8;
   if (!result.uncertainty) return {};
-  const Uncertainty& uncertainty = *result.uncertainty;
+  const PoseUncertainty& uncertainty = *result.uncertainty;
   std::string text = fmt::format("the poses tell, of {} parameters: {} identifiable, {} weak, {} not identifiable\n",
                                  result.parameters.size(), count(uncertainty, Verdict::kIdentifiable),
                                  count(uncertainty, Verdict::kWeak), count(uncertainty, Verdict::kNotIdentifiable));
@@ -132,7 +132,7 @@ std::string uncertaintyText(const CalibrationResult& result) {
 
 void addUncertainty(const CalibrationResult& result, Page& page) {
   if (!result.uncertainty) return;
-  const Uncertainty& uncertainty = *result.uncertainty;
+  const PoseUncertainty& uncertainty = *result.uncertainty;
   PageTable predictions{"Mean joint error that the posterior predicts, with a 90 % interval [deg]", {"poses"}, {}};
   for (const JointChannel& joint : result.layout.joints) {
     predictions.header.insert(predictions.header.end(), {joint.name + " predicted", "5 %", "95 %", "found"});

@@ -45,7 +45,7 @@ Summary calibrateArms(const reality::RigOptions& options) {
     const ParameterSpace space = test::paperParameters(rig.model);
     PosePosterior posterior(rig.model, rig.calibration, space, {});
     const Fitted found = fit(posterior);
-    const Uncertainty uncertainty = assessUncertainty(posterior, found.z, space);
+    const PoseUncertainty uncertainty = assessUncertainty(posterior, found.z, space);
     const PredictedError predicted = predictError(posterior, found.z, uncertainty, rig.validation);
     const auto before = test::meanJointErrors(rig.model, rig.validation);
     const auto calibration = test::meanJointErrors(found.model, rig.calibration);

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "simgap/fit/pose_uncertainty.h"
 #include "simgap/fit/posterior_search.h"
-#include "simgap/fit/uncertainty.h"
 #include "support/rig.h"
 
 namespace simgap {
@@ -114,7 +114,7 @@ TEST(PosePosterior, FlippedPosesDoNotRuinTheFitAndAreListed) {
   const auto with = test::meanJointErrors(from_flipped.modelAt(z), flipped.validation);
   EXPECT_LT(with[0], 1.25 * without[0]);
   EXPECT_LT(with[1], 1.25 * without[1] + 0.1);
-  const Uncertainty uncertainty = assessUncertainty(from_flipped, z, space);
+  const PoseUncertainty uncertainty = assessUncertainty(from_flipped, z, space);
   for (std::size_t p = 0; p < flipped.calibration.size(); ++p) {
     EXPECT_EQ(uncertainty.distances[p] > kRobustScale, p < 2) << "pose " << p << ": " << uncertainty.distances[p];
   }

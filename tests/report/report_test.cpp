@@ -107,7 +107,7 @@ TEST(CalibrateReport, SaysWhatThePosesTellAndWhatToExpect) {
   CalibrationResult result = knownCalibration();
   EXPECT_FALSE(toJson(result).contains("identifiability")) << "nothing is known of it";
   EXPECT_TRUE(toJson(result).at("parameters")[0].at("identifiable").is_null());
-  result.uncertainty = Uncertainty{};
+  result.uncertainty = PoseUncertainty{};
   result.uncertainty->parameters = {{100.0, 20.0, Verdict::kIdentifiable},
                                     {INFINITY, INFINITY, Verdict::kNotIdentifiable}};
   result.uncertainty->singular_values = {30.0, 0.5};

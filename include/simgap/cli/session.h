@@ -42,7 +42,8 @@ CLI::Validator finiteNumber();
 struct Input {
   std::string role;  ///< "model", "poses", …
   std::filesystem::path file;
-  std::string content;
+  std::string content;  ///< empty for a table, which can be large
+  std::string sha256 = {};
 };
 
 /// One run of a command, from its inputs to its result directory.
@@ -54,6 +55,8 @@ class Session {
 
   /// Reads a file that the user named. \throws ConfigError when it cannot be read.
   const Input& read(const std::string& role, const std::filesystem::path& file);
+  /// A table that the user named; its text is not kept. \throws ConfigError, DataError: as CsvTable.
+  CsvTable readTable(const std::string& role, const std::filesystem::path& file, const CsvOptions& options);
   const std::vector<Input>& inputs() const { return inputs_; }
 
   /// Makes the result directory, once all input has been read and checked, and begins run.json and log.txt.

@@ -39,6 +39,8 @@ class CsvTable {
   std::size_t lineOf(std::size_t row) const;
 
   bool has(std::string_view column) const;
+  /// True for a column of numbers (its first cell that is not empty is one). \throws DataError when missing.
+  bool isNumeric(std::string_view column) const;
   /// True when a column `stem` + "_" + (a unit that converts to `unit`) exists; with an empty unit: the column `stem`.
   bool hasQuantity(std::string_view stem, std::string_view unit) const;
 

@@ -67,7 +67,11 @@ class RunRecord {
   /// Records version, git hash, argv, seed, threads, machine and start; status "running".
   RunRecord(const std::vector<std::string>& argv, std::uint64_t seed, int threads);
   /// Adds an input's path and SHA-256.
-  void addInput(std::string_view role, const std::filesystem::path& file, std::string_view content);
+  void addInput(std::string_view role, const std::filesystem::path& file, std::string_view content) {
+    addHashedInput(role, file, sha256(content));
+  }
+  /// The same for a file whose SHA-256 is known already.
+  void addHashedInput(std::string_view role, const std::filesystem::path& file, std::string_view hash);
   /// Keeps the record of an earlier session of the same run, whose inputs and command line would be lost otherwise.
   void addEarlier(const Json& record);
   /// Status "running", "done", "failed: <sentence>" or "interrupted", with the duration so far; writes run.json.

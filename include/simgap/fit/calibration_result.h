@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "simgap/fit/calibration.h"
-#include "simgap/fit/uncertainty.h"
+#include "simgap/fit/pose_uncertainty.h"
 
 namespace simgap {
 
@@ -30,8 +30,8 @@ struct CalibrationResult {
   CalibrationState state;
   CalibrationConfig config;
 
-  std::optional<Uncertainty> uncertainty = {};  ///< none when no pose has a stable equilibrium
-  PredictedError predicted_unseen = {};         ///< of commands like the recorded ones; empty without uncertainty
+  std::optional<PoseUncertainty> uncertainty = {};  ///< none when no pose has a stable equilibrium
+  PredictedError predicted_unseen = {};             ///< of commands like the recorded ones; empty without uncertainty
 };
 
 /// Distance of the final poses that the two evaluators found, of one joint, over the poses valid for both [rad].

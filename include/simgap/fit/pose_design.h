@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "simgap/fit/uncertainty.h"
+#include "simgap/fit/pose_uncertainty.h"
 
 namespace simgap {
 

@@ -1,62 +1,50 @@
 /// \file
-/// What the poses tell and what they cannot: Laplace's approximation of the posterior about a fit, with the
-/// Gauss-Newton curvature N = sum_p w_p J_p^T J_p + P. w_p: robust weight, P: 1 for each parameter with a prior.
+/// How well fitted parameters are known when the residuals of neighbouring rows are alike. The covariance is the
+/// jackknife over blocks of rows that are long against the residuals' correlation time (to first order; Bell &
+/// McCaffrey 2002 call it CR3): it needs no model of the noise and holds where the residual is partly misfit. With too
+/// few blocks it falls back on sigma^2 (J^T J)^-1 times the correlation time (the effective sample size).
 #pragma once
 
+#include <Eigen/Core>
+#include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "simgap/fit/pose_posterior.h"
+#include "simgap/fit/least_squares.h"
 
 namespace simgap {
 
-enum class Verdict {
-  kIdentifiable,     ///< the poses at least halve the standard deviation of the hand measurement
-  kWeak,             ///< they tell something; more poses could tell more
-  kNotIdentifiable,  ///< they tell nothing, or no number of poses could halve it: only a combination with others is
-                     ///< known
-};
-std::string_view toString(Verdict verdict);
-
-struct ParameterUncertainty {
-  double prior_sd;  ///< of the hand measurement, in the parameter's unit; infinite without one
-  double sd;        ///< of the posterior; infinite when nothing bounds it
-  Verdict verdict;
-};
-
-/// Parameters of which only a combination can be known.
-struct Combination {
-  std::vector<std::size_t> parameters;  ///< indices
-  bool always;                          ///< true: for any pose of the arm, false: for the recorded ones
-  std::string text;                     ///< "kite_line_length_m and shock_cord.rest_length_m of biceps: only their sum"
+/// A fitted parameter with what is known of it.
+struct Estimate {
+  std::string name;
+  std::string unit;
+  double value = 0.0;
+  double sd = 0.0;       ///< NaN when the data do not determine it; 0 when fixed
+  double lower95 = 0.0;  ///< 95 % interval; one-sided at a bound; NaN when not determined
+  double upper95 = 0.0;
+  bool at_bound = false;
+  bool fixed = false;
+  bool identifiable = true;
 };
 
 struct Uncertainty {
-  Eigen::MatrixXd covariance;           ///< of z, shape (parameters, parameters)
-  std::vector<double> singular_values;  ///< of the whitened Jacobian, in prior standard deviations, descending
-  std::vector<ParameterUncertainty> parameters;
-  std::vector<Combination> combinations;
-  std::vector<double>
-      distances;  ///< d_p of each pose; NaN without an equilibrium; beyond kRobustScale it is an outlier
+  std::vector<Estimate> estimates;    ///< shape (P)
+  Eigen::MatrixXd covariance;         ///< shape (P, P); 0 for what is fixed or not determined
+  Eigen::MatrixXd correlation;        ///< shape (P, P)
+  double correlation_rows = 1.0;      ///< integrated correlation time of the residuals, in rows
+  double n_effective = 0.0;           ///< rows / correlation_rows
+  std::size_t blocks = 0;             ///< of the jackknife; 0 after the fallback
+  std::vector<std::string> findings;  ///< sentences: which parameters, or combinations, the data do not determine
 };
 
-/// \throws NumericsError when no pose has a stable equilibrium at z.
-Uncertainty assessUncertainty(PosePosterior& posterior, const Eigen::VectorXd& z, const ParameterSpace& space);
+/// \param session  shape (rows): correlations and blocks do not reach over sessions.
+Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta,
+                                std::span<const int> session);
 
-/// Mean joint error that the posterior predicts for poses, if the model's structure is right: parameters, joint
-/// friction and capture noise drawn anew.
-struct PredictedError {
-  std::vector<double> mean, lower, upper;  ///< shape (joints) [rad]; 5 % and 95 % quantiles of a set of that size
-};
+/// Integrated correlation time 1 + 2 sum rho(lag) in rows, >= 1, summed over the window of Sokal (1997).
+double correlationTime(const Eigen::VectorXd& residual, std::span<const int> session);
 
-/// \param uncertainty  of the fit at z  \param poses  their shafts and measured joints (equilibria start there)
-PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorXd& z, const Uncertainty& uncertainty,
-                            std::span<const Pose> poses);
-
-/// Commands like the recorded ones (each shaft within its recorded range) that lead to stable equilibria of the model
-/// at z, with their equilibrium as joints. A pure function of its arguments.
-std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
-                               std::uint64_t seed);
+/// 97.5 % quantile of Student's t (Cornish-Fisher expansion; better than 0.5 % from 6 degrees of freedom on).
+double studentQuantile(double degrees_of_freedom);
 
 }  // namespace simgap

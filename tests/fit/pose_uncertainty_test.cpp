@@ -1,5 +1,5 @@
 // What the posterior claims against what happens when the same is measured again, and verdicts on arms made for them.
-#include "simgap/fit/uncertainty.h"
+#include "simgap/fit/pose_uncertainty.h"
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ TEST(Uncertainty, StandardDeviationsMatchTheErrorsOfRefits) {
     const PosteriorFit fit =
         descendPosterior(posterior, balanceTorques(posterior, Eigen::VectorXd::Zero(posterior.parameters().size())));
     ASSERT_TRUE(std::isfinite(fit.objective));
-    const Uncertainty uncertainty = assessUncertainty(posterior, fit.z, space);
+    const PoseUncertainty uncertainty = assessUncertainty(posterior, fit.z, space);
     const std::vector<double> values = posterior.parameters().values(fit.z);
     for (std::size_t i = 0; i < values.size(); ++i) {
       const double error = (values[i] - rig.truth.muscles[i].kite_line) / uncertainty.parameters[i].sd;
@@ -75,7 +75,7 @@ struct Fixture {
   ArmModel model;
   std::vector<Pose> poses;
   ParameterSpace space;
-  Uncertainty uncertainty;
+  PoseUncertainty uncertainty;
 };
 
 std::vector<Pose> manyPoses() {

@@ -1,0 +1,43 @@
+/// \file
+/// What is derived from measured motion: the direction friction acts against, and velocity and acceleration of logs
+/// that hold positions only.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace simgap {
+
+/// Standard deviation of a channel's white noise, from the median size of its second differences; at least a quarter
+/// of the smallest step of a quantised channel. 0 for fewer than 3 rows.
+double noiseLevel(std::span<const double> values);
+
+/// The direction of motion of every row.
+struct MotionSign {
+  std::vector<signed char> direction;  ///< shape (rows): +1 or -1, 0 before the first motion
+  std::vector<bool> keep;              ///< shape (rows): false before the first motion and at reversals
+  double dead_band = 0.0;              ///< [velocity's unit] within which the sign was held
+  std::size_t reversals = 0;
+};
+
+/// Friction keeps its sign while a drive rests, but the sign of a noisy velocity near 0 is a coin: the last direction
+/// is held through a dead band of `widths` noise levels and changes at the turning point of travel. Rows before the
+/// first motion and one row on each side of a reversal are left out.
+/// \param velocity  shape (rows).  \param widths  half width of the dead band in noise levels of the velocity.
+/// \param dead_band  half width itself, when it is known.
+MotionSign holdSign(std::span<const double> velocity, double widths = 3.5,
+                    std::optional<double> dead_band = std::nullopt);
+
+/// sign(velocity) of each row as it stands, every row kept: what 003 did.
+MotionSign rawSign(std::span<const double> velocity);
+
+/// Zero-phase low-pass filter for unevenly sampled values: the smoothing spline of third differences (Whittaker 1923),
+/// whose gain 1 / (1 + (f / bandwidth)^6) is that of a third-order Butterworth filter run forwards and backwards.
+/// \param time  [s] rising, shape (n).  \param bandwidth  [Hz] at which the gain is 1/2.
+std::vector<double> smooth(std::span<const double> time, std::span<const double> values, double bandwidth);
+
+/// d values / d time by central differences of uneven steps, one-sided at the ends. Shape (n), n >= 2.
+std::vector<double> differentiate(std::span<const double> time, std::span<const double> values);
+
+}  // namespace simgap

@@ -1,0 +1,37 @@
+#include "../drive_command.h"
+#include "simgap/cli/command.h"
+
+namespace simgap::commands {
+namespace {
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
+  struct Options : DriveCommandOptions {
+    std::string motor;
+    double ratio = 1.0;
+  };
+  auto options = std::make_shared<Options>();
+  app.add_option("--motor", options->motor, "the motor's fitted model (YAML of fit-motor)")->required();
+  app.add_option("--ratio", options->ratio, "motor turns per turn of the output")
+      ->required()
+      ->check(CLI::PositiveNumber & finiteNumber());
+  options->add(app);
+  return [options, argv] {
+    Session session("fit-gearbox", options->common, argv);
+    const Input& input = session.read("motor", options->motor);
+    DriveFitOptions drive;
+    drive.fit_motor = false;
+    drive.fit_gearbox = true;
+    drive.motor = motorFrom(readFittedModel(YamlNode::parse(input.content, options->motor), {"motor"}));
+    drive.ratio = options->ratio;
+    return runDriveFit("gearbox", *options, session, drive);
+  };
+}
+
+}  // namespace
+
+extern const Command fit_gearbox;
+const Command fit_gearbox{"fit-gearbox", "efficiency, friction and inertia of a gearbox behind a known motor",
+                          "  simgap fit-gearbox loads.csv --motor runs/motor/model.yaml --ratio 72 -o runs/gearbox",
+                          define};
+
+}  // namespace simgap::commands

@@ -1,0 +1,27 @@
+/// \file
+/// What fit-motor and fit-gearbox share.
+#pragma once
+
+#include "fit_options.h"
+#include "simgap/core/error.h"
+#include "simgap/fit/drive_fit.h"
+
+namespace simgap {
+
+struct DriveCommandOptions {
+  CommonOptions common;
+  TableOptions table;
+  FitOptions fit;
+  std::string log, into, muscle;
+  const CLI::App* app = nullptr;
+  void add(CLI::App& command);
+};
+
+/// Reads, fits, reports. \param kind  "motor" or "gearbox".
+ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options, Session& session,
+                     DriveFitOptions drive);
+
+/// A fitted motor's values. \throws ConfigError: a file that is none.
+Motor motorFrom(const FittedModel& model);
+
+}  // namespace simgap

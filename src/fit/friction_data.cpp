@@ -1,0 +1,229 @@
+#include "simgap/fit/friction_data.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/error.h"
+#include "simgap/measure/log_checks.h"
+#include "simgap/measure/motion.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kLowestLogSpeed = -600.0;  // exp of it is still a number; log(0) is none
+
+/// Calls `work(begin, end)` for each run of rows of one session.
+template <typename Work>
+void perSession(const std::vector<int>& session, const Work& work) {
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i <= session.size(); ++i) {
+    if (i < session.size() && session[i] == session[begin]) continue;
+    work(begin, i);
+    begin = i;
+  }
+}
+
+double samplingRate(const DriveLog& log) {
+  double seconds = 0.0;
+  std::size_t steps = 0;
+  perSession(log.session, [&](std::size_t begin, std::size_t end) {
+    seconds += log.time[end - 1] - log.time[begin];
+    steps += end - 1 - begin;
+  });
+  return seconds > 0.0 ? static_cast<double>(steps) / seconds : 0.0;
+}
+
+/// Velocity and acceleration that were not logged, from position, else acceleration from velocity.
+void completeMotion(DriveLog& log, bool acceleration, FrictionData& data) {
+  const bool velocity = log.velocity.empty();
+  if (!velocity && !acceleration) return;
+  if (!log.has_time) {
+    throw DataError(fmt::format("{}: found no time_s, expected it: {} has to be worked out from motion", log.file,
+                                velocity ? "velocity" : "acceleration"));
+  }
+  const bool from_position = !log.position.empty();
+  if (velocity) log.velocity.resize(log.rows());
+  if (acceleration) log.acceleration.resize(log.rows());
+  perSession(log.session, [&](std::size_t begin, std::size_t end) {
+    const std::size_t n = end - begin;
+    if (n < 4) {
+      throw DataError(fmt::format("{}: session {} has {} rows, expected at least 4 to work out velocities", log.file,
+                                  log.session_names[static_cast<std::size_t>(log.session[begin])], n));
+    }
+    const auto part = [&](const std::vector<double>& all) { return std::span(all).subspan(begin, n); };
+    const auto put = [&](const std::vector<double>& values, std::vector<double>& all) {
+      std::ranges::copy(values, all.begin() + static_cast<std::ptrdiff_t>(begin));
+    };
+    const std::vector<double> speed =
+        from_position ? differentiate(part(log.time), smooth(part(log.time), part(log.position), data.bandwidth))
+                      : smooth(part(log.time), part(log.velocity), data.bandwidth);
+    if (velocity) put(speed, log.velocity);
+    if (acceleration) put(differentiate(part(log.time), speed), log.acceleration);
+  });
+  if (velocity) data.derived.emplace_back("velocity");
+  if (acceleration) data.derived.emplace_back("acceleration");
+}
+
+void addRigTerm(FrictionData& data, const BenchConstant& constant, const char* name, const char* unit,
+                const Eigen::ArrayXd& per_unit) {
+  if (!constant.fitted) {
+    data.load += constant.value * per_unit;
+    return;
+  }
+  data.load_per.conservativeResize(per_unit.size(), data.load_per.cols() + 1);
+  data.load_per.col(data.load_per.cols() - 1) = per_unit;
+  data.rig_names.emplace_back(name);
+  data.rig_units.emplace_back(unit);
+}
+
+/// The load of the rig, in the signs of 003 eq. 3: what the motor must overcome in the positive direction.
+void workOutLoad(const DriveLog& log, const Bench& bench, FrictionData& data) {
+  const auto n = static_cast<Eigen::Index>(log.rows());
+  const auto column = [n](const std::vector<double>& v) { return Eigen::Map<const Eigen::ArrayXd>(v.data(), n); };
+  data.load = Eigen::ArrayXd::Zero(n);
+  data.load_per.resize(n, 0);
+  if (!log.load.empty()) data.load = column(log.load);
+  switch (bench.load) {
+    case BenchLoad::kTorqueSensor:
+      if (!log.load.empty()) return;
+      throw DataError(fmt::format(
+          "{}:1: found no external_torque_Nm, expected it, or --bench RIG.yaml that says where the load comes from",
+          log.file));
+    case BenchLoad::kPendulum: {
+      if (log.position.empty()) throw DataError(log.file + ":1: found no position, expected it for a pendulum");
+      const Eigen::ArrayXd angle = column(log.position) / bench.ratio.value_or(1.0) - bench.angle_offset;
+      const Eigen::ArrayXd acceleration = column(log.acceleration) / bench.ratio.value_or(1.0);
+      addRigTerm(data, bench.mass, "mass", "kg",
+                 bench.length * (bench.gravity * angle.sin() + bench.length * acceleration));
+      addRigTerm(data, bench.inertia, "inertia", "kg_m2", acceleration);
+      return;
+    }
+    case BenchLoad::kFreeAxis:
+      addRigTerm(data, log.linear ? bench.mass : bench.inertia, log.linear ? "mass" : "inertia",
+                 log.linear ? "kg" : "kg_m2", column(log.acceleration));
+      return;
+  }
+}
+
+void checkLog(const DriveLog& log, FrictionData& data) {
+  const std::string effort = quantityName(log.effort_name, log.effort_unit);
+  const std::string velocity = quantityName("motor_velocity", log.velocityUnit());
+  const double plausible_effort = log.effort_unit == "A" ? 2e3 : log.effort_unit == "V" ? 2e3 : 1e6;
+  const ChannelCheck channels[] = {{effort, log.effort, plausible_effort},
+                                   {velocity, log.velocity, log.linear ? 1e3 : 2e4},
+                                   {quantityName("external_torque", log.loadUnit()), log.load, 1e6}};
+  data.warnings = checkChannels(log.file, channels);
+  if (isConstant(log.effort)) {
+    throw DataError(
+        fmt::format("{}: {} is {:.4g} in every row, expected what the motor drew while it moved: no "
+                    "parameter can be found from this log",
+                    log.file, effort, log.effort.front()));
+  }
+  if (isConstant(log.velocity)) {
+    throw DataError(
+        fmt::format("{}: {} is {:.4g} in every row, expected motion: friction cannot be found; record slow "
+                    "and fast motion in both directions",
+                    log.file, velocity, log.velocity.front()));
+  }
+}
+
+std::vector<bool> chosenSessions(const DriveLog& log, const std::vector<std::string>& names) {
+  if (names.empty()) return std::vector<bool>(log.session_names.size(), true);
+  std::vector<bool> chosen(log.session_names.size(), false);
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(log.session_names, name);
+    if (found == log.session_names.end()) {
+      throw DataError(fmt::format("{}: found no session {}, expected one of {}", log.file, name,
+                                  fmt::join(log.session_names, ", ")));
+    }
+    chosen[static_cast<std::size_t>(found - log.session_names.begin())] = true;
+  }
+  return chosen;
+}
+
+template <typename Array>
+Array pick(const Array& all, const std::vector<std::size_t>& rows) {
+  Array some(static_cast<Eigen::Index>(rows.size()), all.cols());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    some.row(static_cast<Eigen::Index>(i)) = all.row(static_cast<Eigen::Index>(rows[i]));
+  }
+  return some;
+}
+
+}  // namespace
+
+FrictionData selectRows(const FrictionData& data, const std::vector<bool>& keep) {
+  std::vector<std::size_t> rows, before(keep.size() + 1, 0);
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    before[i + 1] = before[i] + (keep[i] ? 1 : 0);
+    if (keep[i]) rows.push_back(i);
+  }
+  FrictionData some = data;
+  for (Eigen::ArrayXd FrictionData::*channel :
+       {&FrictionData::time, &FrictionData::effort, &FrictionData::velocity, &FrictionData::log_speed,
+        &FrictionData::direction, &FrictionData::load}) {
+    some.*channel = pick(data.*channel, rows);
+  }
+  some.load_per = pick(data.load_per, rows);
+  some.session.clear();
+  some.row.clear();
+  for (const std::size_t i : rows) {
+    some.session.push_back(data.session[i]);
+    some.row.push_back(data.row[i]);
+  }
+  some.blocks.clear();
+  for (const Block& block : data.blocks) {
+    if (before[block.begin] < before[block.end]) some.blocks.push_back({before[block.begin], before[block.end]});
+  }
+  return some;
+}
+
+FrictionData prepareFrictionData(DriveLog log, const Bench& bench, const FrictionDataOptions& options) {
+  FrictionData data;
+  data.file = log.file;
+  data.log_rows = log.rows();
+  data.effort_name = log.effort_name;
+  data.effort_unit = log.effort_unit;
+  data.angle_unit = log.angleUnit();
+  data.velocity_unit = log.velocityUnit();
+  data.load_unit = log.loadUnit();
+  data.session_names = log.session_names;
+  const bool derives = log.velocity.empty() || bench.needsAcceleration();
+  if (derives) {
+    data.bandwidth = options.bandwidth.value_or(
+        bench.bandwidth.value_or(FrictionDataOptions::kDefaultBandwidth * samplingRate(log)));
+  }
+  completeMotion(log, bench.needsAcceleration(), data);
+  checkLog(log, data);
+  workOutLoad(log, bench, data);
+
+  MotionSign sign =
+      options.raw_sign ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, options.dead_band);
+  data.dead_band = sign.dead_band;
+  data.reversals = sign.reversals;
+  const std::vector<bool> chosen = chosenSessions(log, options.sessions);
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    if (!chosen[static_cast<std::size_t>(log.session[i])]) sign.keep[i] = false;
+  }
+  const auto n = static_cast<Eigen::Index>(log.rows());
+  const auto column = [n](const std::vector<double>& v) { return Eigen::Map<const Eigen::ArrayXd>(v.data(), n); };
+  data.time = column(log.time);
+  data.effort = column(log.effort);
+  data.velocity = column(log.velocity);
+  data.log_speed = data.velocity.abs().log().max(kLowestLogSpeed);
+  data.direction.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) data.direction[i] = sign.direction[static_cast<std::size_t>(i)];
+  data.session = log.session;
+  data.row.resize(log.rows());
+  for (std::size_t i = 0; i < log.rows(); ++i) data.row[i] = i;
+  data.block_seconds = options.block_seconds;
+  data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
+  log = {};  // the log is the largest thing in memory
+  const bool all = std::ranges::all_of(sign.keep, [](bool kept) { return kept; });
+  return all ? data : selectRows(data, sign.keep);
+}
+
+}  // namespace simgap

@@ -1,0 +1,272 @@
+#include "simgap/fit/least_squares.h"
+
+#include <ceres/ceres.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::unique_ptr<ceres::LossFunction> makeLoss(const Loss& loss) {
+  switch (loss.kind) {
+    case LossKind::kHuber:
+      return std::make_unique<ceres::HuberLoss>(loss.scale);
+    case LossKind::kCauchy:
+      return std::make_unique<ceres::CauchyLoss>(loss.scale);
+    case LossKind::kTukey:
+      return std::make_unique<ceres::TukeyLoss>(loss.scale);
+    case LossKind::kSquares:
+      break;
+  }
+  return nullptr;
+}
+
+/// The upper triangle of a QR decomposition, shape (columns, columns).
+MatrixXd factor(const Eigen::Ref<const MatrixXd>& matrix) {
+  const Index columns = matrix.cols();
+  MatrixXd upper = MatrixXd::Zero(columns, columns);
+  const Index rank = std::min(matrix.rows(), columns);
+  const Eigen::HouseholderQR<MatrixXd> qr(matrix);
+  upper.topRows(rank) = qr.matrixQR().topRows(rank).triangularView<Eigen::Upper>();
+  return upper;
+}
+
+/// All rows as seen by Ceres: cost, and the factor of [J r].
+class Reduction {
+ public:
+  explicit Reduction(const LeastSquaresProblem& problem)
+      : problem_(problem), free_(problem.freeParameters()), loss_(makeLoss(problem.loss)) {}
+
+  const std::vector<int>& freeParameters() const { return free_; }
+
+  double cost(std::span<const double> theta) const {
+    std::vector<double> costs(problem_.chunks.size());
+    tbb::parallel_for(std::size_t{0}, costs.size(), [&](std::size_t k) {
+      VectorXd r(static_cast<Index>(problem_.chunks[k].size()));
+      problem_.evaluate(theta, problem_.chunks[k], r, nullptr);
+      costs[k] = weigh(r, nullptr);
+    });
+    double sum = 0.0;
+    for (const double cost : costs) sum += cost;
+    return sum;
+  }
+
+  /// Upper triangular, shape (F + 1, F + 1): of [J_free r] with robust weights. Sets `cost`.
+  MatrixXd reduce(std::span<const double> theta, double& cost) const {
+    const auto columns = static_cast<Index>(free_.size()) + 1;
+    std::vector<MatrixXd> factors(problem_.chunks.size());
+    std::vector<double> costs(factors.size());
+    tbb::parallel_for(std::size_t{0}, factors.size(), [&](std::size_t k) {
+      const auto rows = static_cast<Index>(problem_.chunks[k].size());
+      VectorXd r(rows);
+      MatrixXd all = MatrixXd::Zero(rows, static_cast<Index>(theta.size()));
+      Eigen::Ref<MatrixXd> jacobian(all);
+      problem_.evaluate(theta, problem_.chunks[k], r, &jacobian);
+      MatrixXd augmented(rows, columns);
+      for (Index j = 0; j + 1 < columns; ++j) augmented.col(j) = all.col(free_[static_cast<std::size_t>(j)]);
+      augmented.col(columns - 1) = r;
+      costs[k] = weigh(r, &augmented);
+      factors[k] = factor(augmented);
+    });
+    MatrixXd stacked(static_cast<Index>(factors.size()) * columns, columns);
+    cost = 0.0;
+    for (std::size_t k = 0; k < factors.size(); ++k) {
+      stacked.middleRows(static_cast<Index>(k) * columns, columns) = factors[k];
+      cost += costs[k];
+    }
+    return factor(stacked);
+  }
+
+ private:
+  /// The robust cost of residuals; scales the rows of `augmented` by the square roots of their weights.
+  double weigh(const VectorXd& r, MatrixXd* augmented) const {
+    if (loss_ == nullptr) return r.squaredNorm();
+    double cost = 0.0;
+    for (Index i = 0; i < r.size(); ++i) {
+      double rho[3];
+      loss_->Evaluate(r[i] * r[i], rho);
+      cost += rho[0];
+      if (augmented != nullptr) augmented->row(i) *= std::sqrt(std::max(rho[1], 0.0));
+    }
+    return cost;
+  }
+
+  const LeastSquaresProblem& problem_;
+  std::vector<int> free_;
+  std::unique_ptr<ceres::LossFunction> loss_;
+};
+
+/// Hands the reduced problem to Ceres: F + 1 residuals of F parameters.
+class ReducedCost : public ceres::CostFunction {
+ public:
+  ReducedCost(const Reduction& reduction, std::span<const double> theta)
+      : reduction_(reduction), theta_(theta.begin(), theta.end()) {
+    const auto count = static_cast<int>(reduction.freeParameters().size());
+    set_num_residuals(count + 1);
+    mutable_parameter_block_sizes()->push_back(count);
+  }
+
+  bool Evaluate(double const* const* parameters, double* out, double** jacobians) const override {
+    if (interruptRequested()) return false;
+    const std::vector<int>& free = reduction_.freeParameters();
+    std::vector<double> theta = theta_;
+    for (std::size_t j = 0; j < free.size(); ++j) theta[static_cast<std::size_t>(free[j])] = parameters[0][j];
+    const auto count = static_cast<Index>(free.size());
+    Eigen::Map<VectorXd> residual(out, count + 1);
+    if (jacobians == nullptr || jacobians[0] == nullptr) {
+      residual.setZero();
+      residual[count] = std::sqrt(reduction_.cost(theta));
+      return std::isfinite(residual[count]);
+    }
+    double cost = 0.0;
+    const MatrixXd upper = reduction_.reduce(theta, cost);
+    residual.head(count) = upper.col(count).head(count);
+    // What the derivatives do not reach, and what a robust loss adds, so that the cost is exact.
+    residual[count] = std::sqrt(std::max(cost - residual.head(count).squaredNorm(), 0.0));
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0], count + 1,
+                                                                                                count);
+    jacobian.topRows(count) = upper.topLeftCorner(count, count);
+    jacobian.row(count).setZero();
+    return std::isfinite(cost) && jacobian.allFinite();
+  }
+
+ private:
+  const Reduction& reduction_;
+  std::vector<double> theta_;
+};
+
+LeastSquaresResult solveFrom(const LeastSquaresProblem& problem, ReducedCost& cost, const std::vector<int>& free,
+                             const std::vector<double>& start, const LeastSquaresOptions& options, double radius) {
+  std::vector<double> values;
+  for (const int i : free) values.push_back(start[static_cast<std::size_t>(i)]);
+  ceres::Problem::Options ownership;
+  ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  ceres::Problem ceres_problem(ownership);
+  ceres_problem.AddResidualBlock(&cost, nullptr, values.data());
+  for (std::size_t j = 0; j < free.size(); ++j) {
+    const FitParameter& p = problem.parameters[static_cast<std::size_t>(free[j])];
+    if (std::isfinite(p.lower)) ceres_problem.SetParameterLowerBound(values.data(), static_cast<int>(j), p.lower);
+    if (std::isfinite(p.upper)) ceres_problem.SetParameterUpperBound(values.data(), static_cast<int>(j), p.upper);
+  }
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_QR;
+  solver.initial_trust_region_radius = radius;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = options.function_tolerance;
+  solver.parameter_tolerance = options.parameter_tolerance;
+  solver.gradient_tolerance = 1e-16;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &ceres_problem, &summary);
+  if (interruptRequested()) throw InterruptedError("interrupted; nothing was written");
+  LeastSquaresResult result{start, 2.0 * summary.final_cost, summary.termination_type == ceres::CONVERGENCE,
+                            static_cast<int>(summary.iterations.size()), summary.message};
+  for (std::size_t j = 0; j < free.size(); ++j) result.theta[static_cast<std::size_t>(free[j])] = values[j];
+  return result;
+}
+
+}  // namespace
+
+std::vector<int> LeastSquaresProblem::freeParameters() const {
+  std::vector<int> free;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (!parameters[i].fixed) free.push_back(static_cast<int>(i));
+  }
+  return free;
+}
+
+std::vector<Block> evenChunks(std::size_t rows, std::size_t size) {
+  std::vector<Block> chunks;
+  for (std::size_t begin = 0; begin < rows; begin += size) chunks.push_back({begin, std::min(rows, begin + size)});
+  return chunks;
+}
+
+LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<double> start,
+                            const LeastSquaresOptions& options) {
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const FitParameter& p = problem.parameters[i];
+    if (!p.fixed) start[i] = std::clamp(start[i], p.lower, p.upper);
+  }
+  const Reduction reduction(problem);
+  LeastSquaresResult result{start, 0.0, true, 0, "nothing to fit"};
+  const std::vector<int>& free = reduction.freeParameters();
+  if (free.empty()) {
+    result.cost = reduction.cost(start);
+    return result;
+  }
+  ReducedCost cost(reduction, start);
+  result.cost = std::numeric_limits<double>::infinity();
+  for (const double radius : options.radii) {
+    LeastSquaresResult found = solveFrom(problem, cost, free, start, options, radius);
+    if (found.cost < result.cost) result = std::move(found);
+  }
+  return result;
+}
+
+Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const double> theta) {
+  VectorXd all(static_cast<Index>(problem.rows()));
+  tbb::parallel_for(std::size_t{0}, problem.chunks.size(), [&](std::size_t k) {
+    const Block& chunk = problem.chunks[k];
+    problem.evaluate(theta, chunk, all.segment(static_cast<Index>(chunk.begin), static_cast<Index>(chunk.size())),
+                     nullptr);
+  });
+  return all;
+}
+
+Eigen::MatrixXd triangularFactor(const LeastSquaresProblem& problem, std::span<const double> theta) {
+  double cost = 0.0;
+  const MatrixXd upper = Reduction(problem).reduce(theta, cost);
+  return upper.topLeftCorner(upper.rows() - 1, upper.cols() - 1);
+}
+
+Eigen::ArrayXd robustWeights(const Loss& loss, const Eigen::VectorXd& residual) {
+  const auto function = makeLoss(loss);
+  Eigen::ArrayXd weights = Eigen::ArrayXd::Ones(residual.size());
+  for (Index i = 0; function != nullptr && i < residual.size(); ++i) {
+    double rho[3];
+    function->Evaluate(residual[i] * residual[i], rho);
+    weights[i] = std::max(rho[1], 0.0);
+  }
+  return weights;
+}
+
+bool atBound(const FitParameter& parameter, double value) {
+  if (parameter.fixed) return false;
+  const double width = parameter.upper - parameter.lower;
+  const auto near = [&](double bound) {
+    if (!std::isfinite(bound)) return false;
+    const double scale = std::isfinite(width) ? width : std::max(std::abs(value), 1e-3);
+    return std::abs(value - bound) <= 1e-6 * std::min(scale, std::max(std::abs(value), 1e-3));
+  };
+  return near(parameter.lower) || near(parameter.upper);
+}
+
+void differentiateNumerically(
+    std::span<const FitParameter> parameters, std::span<const double> theta,
+    const std::function<void(std::span<const double>, Eigen::Ref<Eigen::VectorXd>)>& residual_at,
+    Eigen::Ref<Eigen::MatrixXd> jacobian) {
+  tbb::parallel_for(std::size_t{0}, parameters.size(), [&](std::size_t j) {
+    if (parameters[j].fixed) return;
+    const double step = 1e-5 * std::max(std::abs(theta[j]), 1e-9);
+    std::vector<double> moved(theta.begin(), theta.end());
+    VectorXd up(jacobian.rows()), down(jacobian.rows());
+    const double high = moved[j] = std::min(theta[j] + step, parameters[j].upper);
+    residual_at(moved, up);
+    const double low = moved[j] = std::max(theta[j] - step, parameters[j].lower);
+    residual_at(moved, down);
+    jacobian.col(static_cast<Index>(j)) = (up - down) / (high - low);
+  });
+}
+
+}  // namespace simgap

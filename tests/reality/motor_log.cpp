@@ -1,0 +1,64 @@
+#include "reality/motor_log.h"
+
+#include <cmath>
+#include <random>
+
+#include "simgap/core/csv.h"
+
+namespace simgap::reality {
+
+MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
+  constexpr double kStep = 2e-5;
+  std::mt19937_64 random(design.seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::normal_distribution<double> normal;
+  MotorBenchLog log;
+  const auto rows = static_cast<int>(design.seconds * design.rate);
+  const int inner = static_cast<int>(std::lround(1.0 / (design.rate * kStep)));
+  // Seen from the rotor: the output's inertia and friction divided by the ratio, the rotor's torque times it.
+  const double gain = m.ratio * m.efficiency;
+  const double inertia = gain * m.inertia + m.gear_inertia / m.ratio;
+  const double viscous = gain * m.viscous + m.gear_viscous / m.ratio;
+  const double coulomb = gain * m.coulomb + m.gear_coulomb;
+  for (int session = 0; session < design.sessions; ++session) {
+    double i = 0.0, w = 0.0, voltage = 0.0, load = 0.0;
+    for (int k = 0; k < rows; ++k) {
+      if (k % 317 == 0) voltage = design.voltage * uniform(random);
+      if (k % 523 == 0) load = design.load * uniform(random);
+      log.time.push_back(k / design.rate);
+      log.voltage.push_back(voltage);
+      log.load.push_back(load);
+      log.current.push_back(i + design.current_noise * normal(random));
+      log.velocity.push_back(w + design.velocity_noise * normal(random));
+      log.session.push_back(session);
+      for (int s = 0; s < inner; ++s) {
+        // The winding by the trapezoidal rule, the rotor by a symplectic step with friction that can hold it.
+        const double rate = (voltage - m.emf * w - m.resistance * i) / m.inductance;
+        i += rate * kStep / (1.0 + 0.5 * m.resistance * kStep / m.inductance);
+        const double driving = gain * m.torque * i - load - viscous * w;
+        const double free = w + driving * kStep / inertia;
+        const double hold = coulomb * kStep / inertia;
+        w = free > hold ? free - hold : free < -hold ? free + hold : 0.0;
+      }
+    }
+  }
+  return log;
+}
+
+std::string MotorBenchLog::csv(bool with_voltage, bool with_load, bool with_velocity) const {
+  std::vector<std::string> header{"time_s", "current_A", "session"};
+  if (with_voltage) header.emplace_back("voltage_V");
+  if (with_load) header.emplace_back("load_torque_Nm");
+  if (with_velocity) header.emplace_back("velocity_rad_s");
+  CsvWriter writer(header);
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    writer.add(time[k]).add(current[k]).add(static_cast<double>(session[k]));
+    if (with_voltage) writer.add(voltage[k]);
+    if (with_load) writer.add(load[k]);
+    if (with_velocity) writer.add(velocity[k]);
+    writer.endRow();
+  }
+  return writer.text();
+}
+
+}  // namespace simgap::reality

@@ -1,0 +1,38 @@
+/// \file
+/// A DC motor, with or without a gearbox, on a bench: its equations integrated in steps of 20 microseconds.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace simgap::reality {
+
+struct MotorTruth {
+  double resistance = 0.8, inductance = 4e-3, emf = 0.021, torque = 0.021;
+  double inertia = 6e-6, viscous = 2e-6, coulomb = 0.002;
+  double ratio = 1.0, efficiency = 1.0, gear_coulomb = 0.0, gear_viscous = 0.0, gear_inertia = 0.0;
+};
+
+struct MotorDesign {
+  double seconds = 6.0;
+  double rate = 1000.0;  ///< [Hz] of the log
+  int sessions = 2;
+  double load = 0.01;           ///< [N m] amplitude of the load steps at the output
+  double voltage = 12.0;        ///< [V] amplitude of the voltage steps
+  double current_noise = 0.0;   ///< [A]
+  double velocity_noise = 0.0;  ///< [rad/s]
+  std::uint64_t seed = 1;
+};
+
+struct MotorBenchLog {
+  std::vector<double> time, voltage, current, velocity, load;
+  std::vector<int> session;
+  /// Columns by name; leave out what the log shall lack.
+  std::string csv(bool with_voltage = true, bool with_load = true, bool with_velocity = true) const;
+};
+
+/// Steps of voltage and, unsynchronised with them, of load.
+MotorBenchLog simulateMotor(const MotorTruth& truth, const MotorDesign& design);
+
+}  // namespace simgap::reality
