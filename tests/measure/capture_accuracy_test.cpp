@@ -29,7 +29,7 @@ std::vector<Setting> settings() {
     all.push_back({scale == 1 ? "640x480 30 % hidden 10 ghosts" : "1280x960 30 % hidden 10 ghosts", hard});
     StudyOptions hard_moving = hard;
     hard_moving.sequence = true;
-    hard_moving.exposures = 4;
+    hard_moving.exposures = 5;
     hard_moving.disturbance = {0.3, 20, true, 0.0};
     all.push_back({scale == 1 ? "640x480 moving blur 20 gh glare" : "1280x960 moving blur 20 gh glare", hard_moving});
     StudyOptions blocked = plain;

@@ -13,8 +13,8 @@ double uniform(std::mt19937_64& engine, double lower, double upper) {
   return lower + (upper - lower) * (double(engine() >> 11) * 0x1.0p-53);
 }
 
-// The left camera stands 1.25 m in front of the torso (world -y), 2 cm to its right, 9 cm below the shoulder.
-Eigen::Vector3d leftFromWorld(const Eigen::Vector3d& p) { return {p.x() + 0.0, -p.z() - 0.09, p.y() + 1.25}; }
+// The left camera stands 1.25 m in front of the torso (world -y) and 10 cm below the shoulder.
+Eigen::Vector3d leftFromWorld(const Eigen::Vector3d& p) { return {p.x(), -p.z() - 0.1, p.y() + 1.25}; }
 
 void writeText(const std::filesystem::path& file, const std::string& text) {
   std::ofstream(file, std::ios::binary) << text;
@@ -54,7 +54,7 @@ ArmPose randomPose(std::uint64_t seed) {
   pose.shoulder = Eigen::AngleAxisd(swing, Eigen::Vector3d::UnitY()) *
                   Eigen::AngleAxisd(forward, Eigen::Vector3d::UnitX()) *
                   Eigen::AngleAxisd(twist, Eigen::Vector3d::UnitZ());
-  pose.elbow = uniform(engine, 0.05, 1.0);
+  pose.elbow = uniform(engine, 0.45, 1.2);
   return pose;
 }
 

@@ -33,7 +33,7 @@ class Judge {
   void add(const FramePair& frame, const reality::RenderedPair& truth, const ArmPose& pose) {
     ++result.pairs;
     for (std::size_t t = 0; t < frame.targets.size(); ++t) {
-      const bool visible = std::count(truth.visible[t].begin(), truth.visible[t].end(), true) >= 3;
+      const bool visible = markersInView(truth, t) >= 3;
       result.visible_targets += visible;
       const TargetFrame& target = frame.targets[t];
       if (!target.found) continue;
@@ -82,6 +82,23 @@ class Judge {
                              .norm();
     const double radius = 0.5 * 0.012 * lenses.left.fx / p.z();
     result.wrong_identities += left > radius || right > radius || !truth.visible[t][i];
+  }
+
+  /// Markers drawn well inside both images.
+  int markersInView(const reality::RenderedPair& truth, std::size_t t) const {
+    int count = 0;
+    const reality::StereoLenses& lenses = stage_.lenses();
+    for (std::size_t i = 0; i < truth.markers[t].size(); ++i) {
+      const Eigen::Vector3d& p = truth.markers[t][i];
+      const auto inside = [](const reality::Lens& lens, const Eigen::Vector2d& pixel) {
+        const double margin = 10.0 * lens.width / 640.0;
+        return pixel.x() > margin && pixel.y() > margin && pixel.x() < lens.width - margin &&
+               pixel.y() < lens.height - margin;
+      };
+      count += truth.visible[t][i] && inside(lenses.left, lenses.left.project(p)) &&
+               inside(lenses.right, lenses.right.project(lenses.rotation * p + lenses.translation));
+    }
+    return count;
   }
 
   /// Errors over their reported standard deviations: rotation and position of the first marker, each axis.

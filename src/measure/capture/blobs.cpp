@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "simgap/core/error.h"
@@ -11,7 +12,8 @@
 namespace simgap {
 namespace {
 
-constexpr double kWindowMargin = 3.0;  // [px] beyond the thresholded blob: where its blurred rim has faded
+constexpr double kWindowMargin = 2.0;  // [px] beyond the thresholded blob: where its blurred rim has faded
+constexpr double kRimExcess = 0.5;     // [px] by which the rim's window reaches beyond the margin; see below
 constexpr int kRounds = 4;             // of re-centring; the second already moves by less than 1e-3 px
 
 /// Pixels between two boxes; 0 when they touch.
@@ -48,6 +50,41 @@ Moments momentsWithin(const cv::Mat& image, const Eigen::Vector2d& centre, doubl
     }
   }
   return m;
+}
+
+/// One Newton step of the centre towards the point about which the rim is balanced: sum I g(rho) x / rho = 0, with a
+/// window g on the rim. Up to a factor this is the maximum-likelihood position of a disc of any profile in white noise:
+/// only where the intensity falls does a pixel tell of the position, the others bring noise. A window of +-2.5 px
+/// covers a rim blurred by 0.7 px; a narrower one (+-2 px) lets the pixel grid bias the centre by 0.005 px.
+Eigen::Vector2d rimStep(const cv::Mat& image, const Eigen::Vector2d& centre, double radius, double width,
+                        double background) {
+  Eigen::Vector2d balance = Eigen::Vector2d::Zero();
+  double gain_x = 0.0;
+  double gain_y = 0.0;
+  const double reach = radius + width;
+  const int top = std::max(0, static_cast<int>(std::ceil(centre.y() - reach)));
+  const int bottom = std::min(image.rows - 1, static_cast<int>(std::floor(centre.y() + reach)));
+  const int left = std::max(0, static_cast<int>(std::ceil(centre.x() - reach)));
+  const int right = std::min(image.cols - 1, static_cast<int>(std::floor(centre.x() + reach)));
+  for (int y = top; y <= bottom; ++y) {
+    const auto* row = image.ptr<unsigned char>(y);
+    const double dy = y - centre.y();
+    for (int x = left; x <= right; ++x) {
+      const double dx = x - centre.x();
+      const double rho = std::sqrt(dx * dx + dy * dy);
+      const double u = (rho - radius) / width;
+      if (std::abs(u) >= 1.0) continue;
+      const double intensity = row[x] - background;
+      const double bell = 1.0 - u * u;
+      const double g = bell * bell / rho;                          // g / rho
+      const double slope = -4.0 * u * bell / width / (rho * rho);  // g' / rho^2
+      balance += intensity * g * Eigen::Vector2d(dx, dy);
+      gain_x -= intensity * (slope * dx * dx + g * dy * dy / (rho * rho));
+      gain_y -= intensity * (slope * dy * dy + g * dx * dx / (rho * rho));
+    }
+  }
+  if (!(gain_x < 0.0 && gain_y < 0.0)) return Eigen::Vector2d::Zero();
+  return {-balance.x() / gain_x, -balance.y() / gain_y};
 }
 
 /// Smaller by larger axis of the ellipse with these second moments.
@@ -101,6 +138,13 @@ void BlobDetector::measure(const cv::Mat& image, const cv::Rect& box, double mar
     moments = momentsWithin(image, blob.centre, radius, background);
     if (!(moments.mass > 0.0)) break;
     const Eigen::Vector2d step(moments.x / moments.mass, moments.y / moments.mass);
+    blob.centre += step;
+    if (step.norm() < 1e-3) break;
+  }
+  const double rim = std::sqrt(blob.area / std::numbers::pi);
+  const double width = margin + kRimExcess;
+  for (int round = 0; rim > width && round < kRounds; ++round) {
+    const Eigen::Vector2d step = rimStep(image, blob.centre, rim, width, background);
     blob.centre += step;
     if (step.norm() < 1e-3) break;
   }

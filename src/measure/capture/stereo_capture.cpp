@@ -12,7 +12,7 @@ namespace {
 
 // Before the first fits: what a centre is worth, and how many residuals that guess weighs.
 constexpr double kGuessedCentroidSd = 0.02;  // [px]
-constexpr double kGuessFreedoms = 40.0;
+constexpr double kGuessFreedoms = 6.0;
 // A marker is dropped when its four residuals are this much larger than the others say (an F statistic); a limb that
 // hides part of a marker moves its centre by tenths of a pixel.
 constexpr double kOutlierRatio = 15.0;

@@ -34,7 +34,8 @@ class BlobDetector {
  public:
   explicit BlobDetector(const BlobOptions& options = {}) : options_(options) {}
   /// Threshold, contours, then around each contour a circular window: background = median of the window's rim,
-  /// centre = intensity-weighted mean above the background, window re-centred until it rests.
+  /// centre = intensity-weighted mean above the background, window re-centred until it rests, then moved to where the
+  /// rim is balanced (half the variance of the mean).
   /// \param image  8-bit grey.  \throws DataError when more than kMostBlobs are found (overexposed).
   const std::vector<Blob>& detect(const cv::Mat& image);
   const BlobRejections& rejections() const { return rejections_; }
