@@ -25,7 +25,10 @@ void writeText(const std::filesystem::path& file, const std::string& text) {
 std::vector<MarkerTarget> standardTargets() {
   return {{"torso", {{0, -0.16, 0.1}, {0.07, -0.18, 0.13}, {-0.05, -0.17, 0.17}, {0.03, -0.15, 0.21}}},
           {"humerus",
-           {{0, -0.07, -0.1}, {0.045, -0.075, -0.135}, {-0.03, -0.07, -0.165}, {0.015, -0.095, -0.21},
+           {{0, -0.07, -0.1},
+            {0.045, -0.075, -0.135},
+            {-0.03, -0.07, -0.165},
+            {0.015, -0.095, -0.21},
             {0.06, -0.06, -0.19}}},
           {"forearm", {{0, -0.06, -0.08}, {0.04, -0.065, -0.11}, {-0.035, -0.06, -0.15}, {0.01, -0.085, -0.2}}}};
 }
@@ -47,7 +50,7 @@ std::string targetsYaml(const std::vector<MarkerTarget>& targets, double radius)
 
 ArmPose randomPose(std::uint64_t seed) {
   std::mt19937_64 engine(seed * 2 + 1);
-  const double swing = uniform(engine, -0.5, 0.5);     // to the sides
+  const double swing = uniform(engine, -0.5, 0.5);      // to the sides
   const double forward = uniform(engine, -0.35, 0.25);  // towards the cameras and back
   const double twist = uniform(engine, -0.4, 0.4);
   ArmPose pose;
@@ -106,8 +109,8 @@ RenderedPair CaptureStage::render(const std::vector<ArmPose>& poses, const Distu
     }
     if (disturbance.blocker > 0.0) {
       const Eigen::Vector3d at = markers[blocked][0];
-      spheres.push_back({at * (1.0 - 0.05 / at.norm()) + Eigen::Vector3d(disturbance.blocker, 0, 0),
-                         disturbance.blocker, 0.0});
+      spheres.push_back(
+          {at * (1.0 - 0.05 / at.norm()) + Eigen::Vector3d(disturbance.blocker, 0, 0), disturbance.blocker, 0.0});
     }
     left.push_back(spheres);
     for (Sphere& sphere : spheres) sphere.centre = lenses_.rotation * sphere.centre + lenses_.translation;

@@ -194,8 +194,8 @@ Image Camera::render(const std::vector<std::vector<Sphere>>& exposures, const st
   }
   for (const Spot& spot : spots) {
     const int reach = int(std::ceil(5.0 * spot.sigma));
-    for (int y = std::max(0, int(spot.pixel.y()) - reach);
-         y <= std::min(lens_.height - 1, int(spot.pixel.y()) + reach); ++y) {
+    for (int y = std::max(0, int(spot.pixel.y()) - reach); y <= std::min(lens_.height - 1, int(spot.pixel.y()) + reach);
+         ++y) {
       for (int x = std::max(0, int(spot.pixel.x()) - reach);
            x <= std::min(lens_.width - 1, int(spot.pixel.x()) + reach); ++x) {
         const double square = (Eigen::Vector2d(x, y) - spot.pixel).squaredNorm() / (spot.sigma * spot.sigma);

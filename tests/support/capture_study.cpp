@@ -77,9 +77,9 @@ class Judge {
     const reality::StereoLenses& lenses = stage_.lenses();
     const Eigen::Vector3d p = truth.markers[t][i];
     const double left = (frame.left[std::size_t(point.left)].centre - lenses.left.project(p)).norm();
-    const double right = (frame.right[std::size_t(point.right)].centre -
-                          lenses.right.project(lenses.rotation * p + lenses.translation))
-                             .norm();
+    const double right =
+        (frame.right[std::size_t(point.right)].centre - lenses.right.project(lenses.rotation * p + lenses.translation))
+            .norm();
     const double radius = 0.5 * 0.012 * lenses.left.fx / p.z();
     result.wrong_identities += left > radius || right > radius || !truth.visible[t][i];
   }
@@ -143,8 +143,8 @@ StudyResult runStudy(const StudyOptions& options) {
     constexpr int kPerLeg = 30;  // frames from one pose to the next: 0.5 s at 60 Hz
     const auto at = [&](double frame) {
       const auto leg = std::uint64_t(frame / kPerLeg);
-      return reality::between(reality::randomPose(options.seed * 77 + leg), reality::randomPose(options.seed * 77 + leg + 1),
-                              frame / kPerLeg - double(leg));
+      return reality::between(reality::randomPose(options.seed * 77 + leg),
+                              reality::randomPose(options.seed * 77 + leg + 1), frame / kPerLeg - double(leg));
     };
     std::vector<ArmPose> poses;
     for (int e = 0; e < options.exposures; ++e) {

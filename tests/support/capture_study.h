@@ -26,14 +26,14 @@ struct StudyOptions {
 
 struct StudyResult {
   int pairs = 0;
-  int visible_targets = 0;   ///< at least 3 markers drawn
-  int found_targets = 0;     ///< of these
-  int wrong_identities = 0;  ///< markers whose blob belongs to something else
-  double fit_rms = 0.0;      ///< [m] root mean square over targets
+  int visible_targets = 0;                     ///< at least 3 markers drawn
+  int found_targets = 0;                       ///< of these
+  int wrong_identities = 0;                    ///< markers whose blob belongs to something else
+  double fit_rms = 0.0;                        ///< [m] root mean square over targets
   double shoulder_deg = 0.0, elbow_deg = 0.0;  ///< root mean square errors of the joints
   double relative_deg = 0.0;                   ///< of all relative target rotations
-  double sd_ratio = 0.0;       ///< observed spread / reported standard deviation of relative rotations and positions
-  double process_ms = 0.0;     ///< median time of a pair
+  double sd_ratio = 0.0;    ///< observed spread / reported standard deviation of relative rotations and positions
+  double process_ms = 0.0;  ///< median time of a pair
 };
 
 StudyResult runStudy(const StudyOptions& options);

@@ -125,7 +125,8 @@ void BlobDetector::measure(const cv::Mat& image, const cv::Rect& box, double mar
   const double half = 0.5 * (background + peak);
   for (int y = box.y; y < box.y + box.height; ++y) {
     const auto* row = image.ptr<unsigned char>(y);
-    blob.area += static_cast<double>(std::count_if(row + box.x, row + box.x + box.width, [&](int v) { return v > half; }));
+    blob.area +=
+        static_cast<double>(std::count_if(row + box.x, row + box.x + box.width, [&](int v) { return v > half; }));
   }
   if (blob.area < options_.min_area) {
     ++rejections_.area;

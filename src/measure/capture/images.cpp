@@ -69,7 +69,8 @@ class VideoSource : public ImageSource {
  public:
   explicit VideoSource(const fs::path& file) : file_(file.string()), video_(imageModule().open_video(file.c_str())) {
     if (video_ == nullptr) {
-      throw DataError(fmt::format("{}: found no video that can be read, expected a video or a folder of images", file_));
+      throw DataError(
+          fmt::format("{}: found no video that can be read, expected a video or a folder of images", file_));
     }
   }
 

@@ -84,8 +84,7 @@ void StereoCapture::fit(std::size_t target, TargetMatch match) {
     fewer[static_cast<std::size_t>(markers.marker[static_cast<std::size_t>(worst - refined.marker_px.begin())])] = -1;
     const SeenMarkers rest = seenMarkers(definition, fewer, frame_.points);
     const RefinedPose without = refinePose(cameras_, refined.pose, rest.body, rest.seen);
-    const double variance =
-        std::max(without.square_sum / freedomsOf(match.visible - 1), square_sum_ / freedoms_);
+    const double variance = std::max(without.square_sum / freedomsOf(match.visible - 1), square_sum_ / freedoms_);
     if ((refined.square_sum - without.square_sum) / 4.0 < kOutlierRatio * variance) break;
     match.candidate = fewer;
     --match.visible;

@@ -8,9 +8,9 @@ namespace {
 
 constexpr int kFewestMarkers = 3;  // fix a rotation
 // Another place for the same target counts as a rival when it fits almost as well.
-constexpr double kRivalRms = 0.1e-3;        // [m]
-constexpr double kRivalDistance = 3.0e-3;   // [m] a marker must move for the place to be another one
-constexpr double kLonelyTripleRms = 0.5;    // of max_rms: three markers that nothing predicted must fit better
+constexpr double kRivalRms = 0.1e-3;       // [m]
+constexpr double kRivalDistance = 3.0e-3;  // [m] a marker must move for the place to be another one
+constexpr double kLonelyTripleRms = 0.5;   // of max_rms: three markers that nothing predicted must fit better
 
 Eigen::MatrixXd distancesOf(const std::vector<Eigen::Vector3d>& markers) {
   const auto n = static_cast<Eigen::Index>(markers.size());
@@ -59,8 +59,8 @@ void TargetMatcher::prepare(const Triangulator& triangulator, const std::vector<
       const Eigen::Vector3d between = candidates[a].point - candidates[b].point;
       const double distance = between.norm();
       const Eigen::Vector3d direction = between / std::max(distance, 1e-9);
-      const double variance = direction.dot((covariance[a] + covariance[b]) * direction) +
-                              2.0 * options_.marker_sd * options_.marker_sd;
+      const double variance =
+          direction.dot((covariance[a] + covariance[b]) * direction) + 2.0 * options_.marker_sd * options_.marker_sd;
       distance_[a * n + b] = distance_[b * n + a] = distance;
       tolerance_[a * n + b] = tolerance_[b * n + a] = options_.gate * std::sqrt(variance);
     }

@@ -47,7 +47,7 @@ struct CaptureJoint {
 };
 
 struct Rig {
-  std::string stereo_file;   ///< as the rig names it, relative to the rig's folder
+  std::string stereo_file;  ///< as the rig names it, relative to the rig's folder
   std::string targets_file;
   std::optional<ScaleBar> scale_bar;
   std::vector<CaptureJoint> joints;

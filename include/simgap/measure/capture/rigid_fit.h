@@ -27,10 +27,10 @@ double fitRms(const TargetPose& pose, std::span<const Eigen::Vector3d> body, std
 /// A pose refined to the smallest reprojection error in both images.
 struct RefinedPose {
   TargetPose pose;
-  double square_sum = 0.0;                       ///< of the 4n residuals [px^2]
-  std::vector<double> marker_px;                 ///< shape (n): root mean square of each marker's four residuals [px]
-  Eigen::Matrix<double, 6, 6> cofactor;          ///< covariance per px^2: rotation (about the camera's axes) [rad],
-                                                 ///< then position of the body's origin [m]
+  double square_sum = 0.0;               ///< of the 4n residuals [px^2]
+  std::vector<double> marker_px;         ///< shape (n): root mean square of each marker's four residuals [px]
+  Eigen::Matrix<double, 6, 6> cofactor;  ///< covariance per px^2: rotation (about the camera's axes) [rad],
+                                         ///< then position of the body's origin [m]
 };
 
 /// Gauss-Newton over exp(w) R and origin from `start`. Residuals are the undistorted images times the focal length.

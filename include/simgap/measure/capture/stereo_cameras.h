@@ -12,7 +12,7 @@ namespace simgap {
 /// A pinhole camera with OpenCV's distortion model.
 struct CameraIntrinsics {
   cv::Matx33d K = cv::Matx33d::eye();
-  std::vector<double> distortion;  ///< k1, k2, p1, p2, [k3, [k4, k5, k6, …]]; empty: none
+  std::vector<double> distortion;                             ///< k1, k2, p1, p2, [k3, [k4, k5, k6, …]]; empty: none
   double focal() const { return 0.5 * (K(0, 0) + K(1, 1)); }  ///< [px]
 };
 

@@ -12,11 +12,11 @@
 namespace simgap {
 
 struct MatchOptions {
-  double centroid_sd = 0.05;   ///< [px] of a blob's centre, for the tolerance of distances; generous
-  double marker_sd = 0.2e-3;   ///< [m] of a marker in the target file, per axis
-  double gate = 4.0;           ///< standard deviations
-  double max_rms = 0.6e-3;     ///< [m] of a fit
-  double track_gate = 0.03;    ///< [m] a marker may be off its predicted place
+  double centroid_sd = 0.05;  ///< [px] of a blob's centre, for the tolerance of distances; generous
+  double marker_sd = 0.2e-3;  ///< [m] of a marker in the target file, per axis
+  double gate = 4.0;          ///< standard deviations
+  double max_rms = 0.6e-3;    ///< [m] of a fit
+  double track_gate = 0.03;   ///< [m] a marker may be off its predicted place
 };
 
 /// The markers of a target that were found.

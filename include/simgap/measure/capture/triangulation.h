@@ -12,11 +12,11 @@ namespace simgap {
 
 /// A left and a right blob that may be the same marker.
 struct PointCandidate {
-  int left = 0;                                         ///< blob index
-  int right = 0;                                        ///< blob index
-  Eigen::Vector2d left_image = Eigen::Vector2d::Zero();   ///< normalized, undistorted, corrected for the sphere
+  int left = 0;                                          ///< blob index
+  int right = 0;                                         ///< blob index
+  Eigen::Vector2d left_image = Eigen::Vector2d::Zero();  ///< normalized, undistorted, corrected for the sphere
   Eigen::Vector2d right_image = Eigen::Vector2d::Zero();
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();      ///< in the left camera [m]
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in the left camera [m]
   double epipolar = 0.0;  ///< [px] signed: by how much the right image misses its epipolar line
 };
 
