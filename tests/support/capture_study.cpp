@@ -84,21 +84,31 @@ class Judge {
     result.wrong_identities += left > radius || right > radius || !truth.visible[t][i];
   }
 
-  /// Markers drawn well inside both images.
+  /// Markers that are drawn, well inside both images, and not touched by another one in either.
   int markersInView(const reality::RenderedPair& truth, std::size_t t) const {
     int count = 0;
-    const reality::StereoLenses& lenses = stage_.lenses();
     for (std::size_t i = 0; i < truth.markers[t].size(); ++i) {
-      const Eigen::Vector3d& p = truth.markers[t][i];
-      const auto inside = [](const reality::Lens& lens, const Eigen::Vector2d& pixel) {
-        const double margin = 10.0 * lens.width / 640.0;
-        return pixel.x() > margin && pixel.y() > margin && pixel.x() < lens.width - margin &&
-               pixel.y() < lens.height - margin;
-      };
-      count += truth.visible[t][i] && inside(lenses.left, lenses.left.project(p)) &&
-               inside(lenses.right, lenses.right.project(lenses.rotation * p + lenses.translation));
+      count += truth.visible[t][i] && standsFree(truth, t, i, false) && standsFree(truth, t, i, true);
     }
     return count;
+  }
+
+  bool standsFree(const reality::RenderedPair& truth, std::size_t t, std::size_t i, bool right) const {
+    const reality::StereoLenses& lenses = stage_.lenses();
+    const reality::Lens& lens = right ? lenses.right : lenses.left;
+    const auto pixel = [&](const Eigen::Vector3d& p) {
+      return lens.project(right ? Eigen::Vector3d(lenses.rotation * p + lenses.translation) : p);
+    };
+    const Eigen::Vector2d at = pixel(truth.markers[t][i]);
+    const double margin = 10.0 * lens.width / 640.0;
+    const double touching = 0.012 * lens.fx / truth.markers[t][i].z() + 4.0;
+    for (std::size_t other = 0; other < truth.markers.size(); ++other) {
+      for (std::size_t k = 0; k < truth.markers[other].size(); ++k) {
+        if ((other == t && k == i) || !truth.visible[other][k]) continue;
+        if ((pixel(truth.markers[other][k]) - at).norm() < touching) return false;
+      }
+    }
+    return at.x() > margin && at.y() > margin && at.x() < lens.width - margin && at.y() < lens.height - margin;
   }
 
   /// Errors over their reported standard deviations: rotation and position of the first marker, each axis.

@@ -28,6 +28,24 @@ double RunningStatistics::rms() const {
   return count_ > 0 ? std::sqrt(mean_ * mean_ + squares_ / static_cast<double>(count_)) : 0.0;
 }
 
+void DirectionalScale::add(double measured, double nominal, double towards) {
+  const Eigen::Vector2d basis = nominal * Eigen::Vector2d(1.0 - towards * towards, towards * towards);
+  const double error = measured - nominal;
+  matrix_ += basis * basis.transpose();
+  right_ += basis * error;
+  squares_ += error * error;
+  ++count_;
+}
+
+DirectionalScale::Estimate DirectionalScale::estimate() const {
+  if (count_ < 10 || matrix_.determinant() <= 0.0) return {};
+  Estimate e;
+  e.error = matrix_.inverse() * right_;
+  const double variance = std::max(0.0, squares_ - e.error.dot(right_)) / static_cast<double>(count_ - 2);
+  e.sd = (variance * matrix_.inverse().diagonal()).cwiseSqrt();
+  return e;
+}
+
 void DistanceHistogram::add(double error) {
   const double bin = std::floor(error / kStep) + kBins / 2;
   ++counts[static_cast<std::size_t>(std::clamp(bin, 0.0, kBins - 1.0))];
@@ -38,6 +56,7 @@ CaptureStatistics::CaptureStatistics(const StereoCameras& cameras, const TargetS
       targets_(targets),
       rig_(rig),
       triangulator_(cameras, targets.marker_radius, 1.0),
+      middle_(-0.5 * cameras.rotation.transpose() * cameras.translation),
       rms_(targets.targets.size()),
       markers_(targets.targets.size()),
       ambiguous_(targets.targets.size()) {
@@ -71,6 +90,7 @@ void CaptureStatistics::addDistances(const FramePair& frame, double centroid_sd)
     distance.measured.add(length);
     distance.variance.add(centroid_sd * centroid_sd * along.dot(covariance * along));
     histogram_.add(length - distance.nominal);
+    scales_.add(length, distance.nominal, along.dot((p - middle_).normalized()));
   }
 }
 
@@ -128,9 +148,14 @@ std::vector<GeometryFinding> CaptureStatistics::doubts() const {
                                                    1e3 * scale_bar_.mean(), 1e3 * length, 100.0 * off / length)});
     }
   }
-  if (std::abs(scaleErrorPercent()) > 100.0 * kScaleTolerance) {
-    findings.push_back({"scale", fmt::format("the distances between markers are {:+.2f} % of those in the target file",
-                                             scaleErrorPercent())});
+  const DirectionalScale::Estimate scale = scales_.estimate();
+  for (const int k : {0, 1}) {
+    if (std::abs(scale.error[k]) > kScaleTolerance && std::abs(scale.error[k]) > kSignificance * scale.sd[k]) {
+      findings.push_back(
+          {k == 0 ? "scale-across" : "scale-along",
+           fmt::format("distances {} the line of sight are {:+.2f} % +- {:.2f} of those in the target file",
+                       k == 0 ? "across" : "along", 100.0 * scale.error[k], 100.0 * scale.sd[k])});
+    }
   }
   double observed = 0.0;
   double predicted = 0.0;

@@ -41,8 +41,27 @@ struct DistanceStatistics {
 
 /// One reason to doubt the geometry.
 struct GeometryFinding {
-  std::string name;      ///< "scale-bar", "scale", "distance-spread", "epipolar"
+  std::string name;      ///< "scale-bar", "scale-across", "scale-along", "distance-spread", "epipolar"
   std::string sentence;  ///< with figures
+};
+
+/// Relative errors of lengths across and along the line of sight, by least squares over all distances: a camera turned
+/// inwards and a focal length that is off can cancel in their mean, never in both.
+class DirectionalScale {
+ public:
+  struct Estimate {
+    Eigen::Vector2d error = Eigen::Vector2d::Zero();  ///< across, along (1)
+    Eigen::Vector2d sd = Eigen::Vector2d::Zero();
+  };
+  /// \param towards  cosine of the distance's direction to the line of sight.
+  void add(double measured, double nominal, double towards);
+  Estimate estimate() const;
+
+ private:
+  Eigen::Matrix2d matrix_ = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d right_ = Eigen::Vector2d::Zero();
+  double squares_ = 0.0;
+  std::size_t count_ = 0;
 };
 
 /// Histogram of distance errors, in steps of kStep from -kRange to kRange [m].
@@ -70,11 +89,13 @@ class CaptureStatistics {
   const RunningStatistics& scaleBar() const { return scale_bar_; }  ///< [m]
   std::size_t ambiguous(std::size_t target) const { return ambiguous_[target]; }
   double centroidSd() const { return centroid_sd_; }  ///< [px]
+  const DirectionalScale& scales() const { return scales_; }
   /// Measured by nominal distances of all markers, in percent - 100.
   double scaleErrorPercent() const;
 
   /// A small fit error does not prove geometry: a camera turned by 0.6 mrad still fits to 0.25 mm. What betrays it: the
-  /// scale bar, the mean scale of all distances, distances that change with the place, a bias of the epipolar error.
+  /// scale bar, the scale of all distances across and along the line of sight, distances that change with the place, a
+  /// bias of the epipolar error.
   std::vector<GeometryFinding> doubts() const;
 
  private:
@@ -85,6 +106,7 @@ class CaptureStatistics {
   const TargetSet targets_;
   const Rig rig_;
   Triangulator triangulator_;
+  Eigen::Vector3d middle_;  ///< between the cameras [m]
   std::size_t frames_ = 0;
   std::vector<RunningStatistics> rms_, markers_;
   std::vector<std::size_t> ambiguous_;
@@ -93,6 +115,7 @@ class CaptureStatistics {
   std::vector<DistanceStatistics> distances_;
   std::vector<std::size_t> first_distance_;  ///< per target: index into distances_
   DistanceHistogram histogram_;
+  DirectionalScale scales_;
   RunningStatistics scale_bar_;
   double centroid_sd_ = 0.0;
 };
