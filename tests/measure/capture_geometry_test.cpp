@@ -217,6 +217,6 @@ TEST(GeometryDoubts, AWrongCalibrationThatStillFitsIsCaught) {
       const CaptureStatistics statistics = statisticsWith(wrong);
       SCOPED_TRACE(axis.transpose());
       for (std::size_t t = 0; t < 3; ++t) {
-        EXPECT_GE(statistics.found(t), 28u);  // nothing looks wrong …
+        EXPECT_GE(statistics.found(t), 28u);         // nothing looks wrong …
         EXPECT_LT(statistics.rms(t).rms(), 0.5e-3);  // … by the fit
       }
