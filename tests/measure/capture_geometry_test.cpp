@@ -8,6 +8,7 @@
 #include "simgap/measure/capture/capture_statistics.h"
 #include "simgap/measure/capture/joint_angles.h"
 #include "simgap/measure/capture/joint_calibration.h"
+#include "simgap/measure/capture/steady_poses.h"
 #include "simgap/measure/capture/target_check.h"
 #include "support/arms.h"
 #include "support/capture_study.h"
@@ -220,3 +221,189 @@ TEST(GeometryDoubts, AWrongCalibrationThatStillFitsIsCaught) {
         EXPECT_GE(statistics.found(t), 28u);         // nothing looks wrong …
         EXPECT_LT(statistics.rms(t).rms(), 0.5e-3);  // … by the fit
       }
+      const auto doubts = statistics.doubts();
+      EXPECT_THAT(doubts, Not(IsEmpty()));
+      for (const GeometryFinding& doubt : doubts) std::printf("  %s: %s\n", doubt.name.c_str(), doubt.sentence.c_str());
+    }
+  }
+}
+
+// ------------------------------------------------------------------------------------------- joints, targets
+
+/// A motion of the arm as targets see it whose frames are not those of the bones.
+struct Motion {
+  TargetSet targets;
+  std::vector<TargetPose> bone_in_target;  ///< what the calibration has to find
+  std::vector<MotionFrame> frames;
+};
+
+Motion motionOf(double shoulder_range, double elbow_range, int zero_frames, double noise) {
+  Motion motion;
+  motion.targets = targetsOf(reality::standardTargets());
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (int t = 0; t < 3; ++t) {
+    // Placed by eye: up to 10 degrees and a few centimetres off the bone.
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(uniform(random, 0.05, 0.17), randomDirection(random)).matrix();
+    const Eigen::Vector3d shift = 0.03 * randomDirection(random);
+    motion.bone_in_target.push_back({turn, shift});
+    for (auto& m : motion.targets.targets[std::size_t(t)].markers) m = turn * m + shift;
+  }
+  for (int f = 0; f < 200; ++f) {
+    const bool zero = f < zero_frames;
+    const double swing = zero ? 0.0 : uniform(random, -shoulder_range, shoulder_range);
+    const Eigen::AngleAxisd shoulder(swing, randomDirection(random));
+    const Eigen::AngleAxisd elbow(zero ? 0.0 : uniform(random, 0.1, 0.1 + elbow_range), Eigen::Vector3d::UnitX());
+    const TargetPose camera{Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()).matrix(), {0, 0, 1.2}};
+    std::vector<TargetPose> bones{camera, camera, camera};
+    bones[1].rotation = camera.rotation * shoulder.toRotationMatrix();
+    bones[2].rotation = bones[1].rotation * elbow.toRotationMatrix();
+    bones[2].origin = bones[1] * Eigen::Vector3d(0, 0, -0.28);
+    MotionFrame frame{f, {}};
+    for (std::size_t t = 0; t < 3; ++t) {
+      const TargetPose& b = motion.bone_in_target[t];
+      Eigen::Vector3d jitter;
+      for (double& component : jitter) component = noise * normal(random);
+      TargetPose pose;
+      pose.rotation = bones[t].rotation * b.rotation.transpose();
+      pose.origin = bones[t].origin - pose.rotation * b.origin + 0.1 * jitter;
+      if (noise > 0.0) pose.rotation = Eigen::AngleAxisd(jitter.norm(), jitter.normalized()).matrix() * pose.rotation;
+      frame.targets.push_back(pose);
+    }
+    motion.frames.push_back(frame);
+  }
+  return motion;
+}
+
+Rig armRig() {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  return {"", "", {}, {{"shoulder", JointType::kSpherical, 0, 1, x}, {"elbow", JointType::kRevolute, 1, 2, x}}};
+}
+
+/// Largest distance of a marker from where it is on its bone [m].
+double largestMiss(const TargetSet& found) {
+  const TargetSet truth = targetsOf(reality::standardTargets());
+  double miss = 0.0;
+  for (std::size_t t = 0; t < 3; ++t) {
+    for (std::size_t i = 0; i < truth.targets[t].markers.size(); ++i) {
+      miss = std::max(miss, (found.targets[t].markers[i] - truth.targets[t].markers[i]).norm());
+    }
+  }
+  return miss;
+}
+
+TEST(JointCalibration, FindsBonesBehindBadlyPlacedTargets) {
+  JointCalibrationOptions options;
+  options.zero_first = 0;
+  options.zero_last = 19;
+  const auto calibrated = [&](double noise) {
+    const Motion motion = motionOf(0.6, 1.2, 20, noise);
+    return calibrateArmJoints(armRig(), motion.targets, motion.frames, options);
+  };
+  EXPECT_LT(largestMiss(calibrated(0.0).targets), 1e-9);
+  const ArmJointCalibration noisy = calibrated(5e-4);  // 0.03 degrees and 0.05 mm per axis
+  EXPECT_LT(largestMiss(noisy.targets), 0.5e-3);
+  EXPECT_NEAR(noisy.upper_arm, 0.28, 0.2e-3);
+  EXPECT_TRUE(noisy.zero_pose);
+}
+
+TEST(JointCalibration, CentreSdIsOfTheOrderOfTheError) {
+  const Motion motion = motionOf(0.6, 1.2, 0, 1e-3);
+  const FunctionalJoint joint = calibrateJoint(armRig().joints[0], motion.frames, {});
+  const double error = (joint.in_child - motion.bone_in_target[1].origin).norm();
+  EXPECT_LT(error, 4.0 * joint.centre_sd);
+  EXPECT_GT(error, 0.1 * joint.centre_sd);
+}
+
+TEST(JointCalibration, RefusesAMotionThatSaysTooLittle) {
+  const auto sentence = [](const Motion& motion) {
+    return errorOf([&] { calibrateArmJoints(armRig(), motion.targets, motion.frames, {}); });
+  };
+  EXPECT_THAT(sentence(motionOf(0.05, 1.2, 0, 5e-4)), HasSubstr("3: joint shoulder: the motion spans only"));
+  EXPECT_THAT(sentence(motionOf(0.6, 0.05, 0, 5e-4)), HasSubstr("3: joint elbow: the motion spans only"));
+  Motion few = motionOf(0.6, 1.2, 0, 5e-4);
+  few.frames.resize(5);
+  EXPECT_THAT(sentence(few), HasSubstr("3: joint shoulder: both targets were seen in 5 frames"));
+}
+
+TEST(TargetCheck, TheStandardTargetsAreSound) {
+  const TargetSetReport report = checkTargets(targetsOf(reality::standardTargets()), 0.2e-3);
+  EXPECT_TRUE(report.sound());
+  EXPECT_EQ(report.targets.size(), 3u);
+  EXPECT_EQ(report.cross.size(), 3u);
+}
+
+TEST(TargetCheck, FindsWhatCanBeConfused) {
+  const std::vector<Eigen::Vector3d> isosceles = {{0, 0, 0}, {0.1, 0, 0}, {0.05, 0.08, 0}};
+  EXPECT_NEAR(closestLikeness(isosceles, isosceles, 3, true, false).rms, 0.0, 1e-12);  // turned over
+  // A chiral target is not its own mirror image, but is that of its mirrored twin.
+  const auto chiral = humerusMarkers();
+  auto twin = chiral;
+  for (auto& m : twin) m.y() = -m.y();
+  EXPECT_GT(closestLikeness(chiral, chiral, 5, false, true).rms, 5e-3);
+  EXPECT_NEAR(closestLikeness(chiral, twin, 5, false, true).rms, 0.0, 1e-12);
+  EXPECT_GT(closestLikeness(chiral, twin, 5, false, false).rms, 5e-3);
+  // The same target, moved and renumbered.
+  std::mt19937 random(5);
+  std::vector<Eigen::Vector3d> moved;
+  const Eigen::Quaterniond turn = randomRotation(random);
+  for (const std::size_t i : {2, 0, 4, 1, 3}) moved.push_back(turn * chiral[i] + Eigen::Vector3d(1, 2, 3));
+  const Likeness same = closestLikeness(chiral, moved, 5, false, false);
+  EXPECT_NEAR(same.rms, 0.0, 1e-12);
+  EXPECT_EQ(same.taken_for, (std::vector<int>{1, 3, 0, 4, 2}));
+}
+
+// ---------------------------------------------------------------------------------------------- steady poses
+
+/// 60 Hz; one revolute joint that rests, moves for 0.2 s, and rests again.
+std::vector<JointSample> twoRests() {
+  std::vector<JointSample> samples;
+  for (int i = 0; i < 60; ++i) {
+    JointPosition position;
+    position.angle = 0.5 * std::clamp((i - 24) / 12.0, 0.0, 1.0);
+    samples.push_back({std::size_t(i), i / 60.0, {position}, {0.0}, {0.0}});
+  }
+  return samples;
+}
+
+const std::vector<CaptureJoint> kElbow = {{"elbow", JointType::kRevolute, 0, 1, Eigen::Vector3d::UnitX()}};
+
+ShaftLog shaftsMovingAt(double start) {
+  std::string csv = "time_s,shaft_biceps_rad\n";
+  for (int i = 0; i < 100; ++i) {
+    csv += std::to_string(i / 100.0) + "," + std::to_string(std::clamp((i / 100.0 - start) / 0.2, 0.0, 1.0)) + "\n";
+  }
+  return readShaftLog(CsvTable::parse(csv, "shafts.csv"));
+}
+
+TEST(SteadyPoses, FindsTheRestsAndWhatTheShaftsDid) {
+  std::vector<SteadyPose> poses = findSteadyPoses(twoRests(), kElbow, {});
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[0].first_frame, 0u);
+  EXPECT_EQ(poses[0].last_frame, 24u);
+  EXPECT_EQ(poses[1].first_frame, 36u);
+  EXPECT_EQ(poses[1].last_frame, 59u);
+  EXPECT_NEAR(poses[1].joints[0].angle, 0.5, 1e-12);
+  EXPECT_EQ(joinShafts(poses, shaftsMovingAt(0.4)), 0u);
+  EXPECT_NEAR(poses[0].shafts[0], 0.0, 1e-12);
+  EXPECT_NEAR(poses[1].shafts[0], 1.0, 1e-12);
+  EXPECT_THAT(posesCsv(poses, kElbow, {"biceps"}), HasSubstr("pose,repeat,time_s,shaft_biceps_rad,elbow_rad"));
+}
+
+TEST(SteadyPoses, ALogThatEndsEarlyLosesThePoses) {
+  std::vector<SteadyPose> poses = findSteadyPoses(twoRests(), kElbow, {});
+  ShaftLog log = shaftsMovingAt(0.4);
+  log.times.resize(50);
+  log.shafts[0].resize(50);
+  EXPECT_EQ(joinShafts(poses, log), 1u);
+  EXPECT_EQ(poses.size(), 1u);
+}
+
+TEST(SteadyPoses, FindsTheLagOfTheJointsBehindTheShafts) {
+  const Lag lag = estimateLag(twoRests(), kElbow, shaftsMovingAt(0.3), 0.5);  // the joint starts at 0.4 s
+  EXPECT_NEAR(lag.seconds, 0.1, 0.01);
+  EXPECT_GT(lag.correlation, 0.9);
+}
+
+}  // namespace
+}  // namespace simgap::test

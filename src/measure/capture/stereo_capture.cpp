@@ -16,6 +16,8 @@ constexpr double kGuessFreedoms = 6.0;
 // A marker is dropped when its four residuals are this much larger than the others say (an F statistic); a limb that
 // hides part of a marker moves its centre by tenths of a pixel.
 constexpr double kOutlierRatio = 15.0;
+// A fit whose variance is this much larger than that of all fits (0.1 % of good ones with 6 degrees of freedom).
+constexpr double kSpoiltRatio = 3.7;
 constexpr int kFewestMarkers = 3;
 
 struct SeenMarkers {
@@ -91,15 +93,19 @@ void StereoCapture::fit(std::size_t target, TargetMatch match) {
     markers = rest;
     refined = without;
   }
-  square_sum_ += refined.square_sum;
-  freedoms_ += freedomsOf(match.visible);
+  // What a ghost or a limb has spoilt must not widen the deviations of all other frames, but widens its own.
+  const double freedoms = freedomsOf(match.visible);
+  const double own = refined.square_sum / freedoms;
+  const double pooled = square_sum_ / freedoms_;
+  square_sum_ += freedoms * std::min(own, kSpoiltRatio * pooled);
+  freedoms_ += freedoms;
   frame.found = true;
   frame.candidate = match.candidate;
   frame.visible = match.visible;
   frame.pose = refined.pose;
   frame.rms = fitRms(refined.pose, markers.body, markers.camera);
   for (const PointCandidate* seen : markers.seen) frame.epipolar += seen->epipolar / match.visible;
-  frame.covariance = square_sum_ / freedoms_ * refined.cofactor;
+  frame.covariance = (own > kSpoiltRatio * pooled ? own : square_sum_ / freedoms_) * refined.cofactor;
 }
 
 const FramePair& StereoCapture::process(const cv::Mat& left, const cv::Mat& right) {
