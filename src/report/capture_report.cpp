@@ -151,6 +151,8 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
           {"skipped", result.skipped},
           {"targets", targets},
           {"ghosts_per_pair", s.ghosts().mean()},
+          {"rejected_blobs",
+           {{"area", s.rejections().area}, {"circularity", s.rejections().circularity}, {"edge", s.rejections().edge}}},
           {"centroid_sd_px", s.centroidSd()},
           {"epipolar_px", {{"mean", s.epipolar().mean()}, {"rms", s.epipolar().rms()}}},
           {"scale_error_percent", s.scaleErrorPercent()},

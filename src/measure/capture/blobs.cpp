@@ -96,8 +96,7 @@ double axisRatio(const Moments& m) {
 
 }  // namespace
 
-void BlobDetector::measure(const cv::Mat& image, const cv::Rect& box, double margin) {
-  // The rim of the widened box is background: its median is blind to a neighbour that reaches in.
+double BlobDetector::backgroundAround(const cv::Mat& image, const cv::Rect& box) {
   const cv::Rect wide(box.x - options_.border, box.y - options_.border, box.width + 2 * options_.border,
                       box.height + 2 * options_.border);
   rim_.clear();
@@ -115,7 +114,11 @@ void BlobDetector::measure(const cv::Mat& image, const cv::Rect& box, double mar
   const std::size_t quarter = rim_.size() / 4;
   for (std::size_t i = quarter; i < rim_.size() - quarter; ++i) background += rim_[i];
   background /= static_cast<double>(rim_.size() - 2 * quarter);
+  return background;
+}
 
+void BlobDetector::measure(const cv::Mat& image, const cv::Rect& box, double margin) {
+  const double background = backgroundAround(image, box);
   double peak = 0.0;
   for (int y = box.y; y < box.y + box.height; ++y) {
     const auto* row = image.ptr<unsigned char>(y);

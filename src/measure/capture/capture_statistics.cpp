@@ -113,6 +113,11 @@ void CaptureStatistics::add(const FramePair& frame, double centroid_sd) {
   blobs_[0].add(static_cast<double>(frame.left.size()));
   blobs_[1].add(static_cast<double>(frame.right.size()));
   ghosts_.add(frame.ghosts);
+  for (const BlobRejections& rejected : frame.rejections) {
+    rejections_.area += rejected.area;
+    rejections_.circularity += rejected.circularity;
+    rejections_.edge += rejected.edge;
+  }
   for (std::size_t t = 0; t < frame.targets.size(); ++t) {
     const TargetFrame& target = frame.targets[t];
     ambiguous_[t] += target.failure == MatchFailure::kAmbiguous;

@@ -82,7 +82,8 @@ class CaptureStatistics {
   const RunningStatistics& rms(std::size_t target) const { return rms_[target]; }          ///< [m]
   const RunningStatistics& markers(std::size_t target) const { return markers_[target]; }  ///< seen when found
   const RunningStatistics& ghosts() const { return ghosts_; }
-  const RunningStatistics& epipolar() const { return epipolar_; }  ///< [px] signed, of every marker used
+  const RunningStatistics& epipolar() const { return epipolar_; }   ///< [px] signed, of every marker used
+  const BlobRejections& rejections() const { return rejections_; }  ///< of all images
   const RunningStatistics& blobs(int side) const { return blobs_[static_cast<std::size_t>(side)]; }
   const std::vector<DistanceStatistics>& distances() const { return distances_; }
   const DistanceHistogram& histogram() const { return histogram_; }
@@ -111,6 +112,7 @@ class CaptureStatistics {
   std::vector<RunningStatistics> rms_, markers_;
   std::vector<std::size_t> ambiguous_;
   RunningStatistics ghosts_, epipolar_;
+  BlobRejections rejections_;
   std::array<RunningStatistics, 2> blobs_;
   std::vector<DistanceStatistics> distances_;
   std::vector<std::size_t> first_distance_;  ///< per target: index into distances_
