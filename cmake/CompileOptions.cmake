@@ -18,4 +18,4 @@ foreach(target Eigen3::Eigen fmt::fmt spdlog::spdlog nlohmann_json::nlohmann_jso
     set_target_properties(${target} PROPERTIES INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${directories}")
   endif()
 endforeach()
-include_directories(SYSTEM ${bullet_INCLUDE_DIRS})
+include_directories(SYSTEM ${bullet_INCLUDE_DIRS} ${OpenCV_INCLUDE_DIRS})

@@ -56,12 +56,12 @@ class TemporaryFile {
       if (written < 0) failToWrite(target_, errno);
       content.remove_prefix(static_cast<std::size_t>(written));
     }
-    if (::fsync(descriptor_) != 0) failToWrite(target_, errno);
-    // Network file systems report a full disk only here.
-    if (::close(std::exchange(descriptor_, -1)) != 0) failToWrite(target_, errno);
   }
 
   void becomeTarget() {
+    if (::fsync(descriptor_) != 0) failToWrite(target_, errno);
+    // Network file systems report a full disk only here.
+    if (::close(std::exchange(descriptor_, -1)) != 0) failToWrite(target_, errno);
     if (::rename(name_.c_str(), target_.c_str()) != 0) failToWrite(target_, errno);
     renamed_ = true;
   }
@@ -113,8 +113,12 @@ double steadySeconds() {
 }  // namespace
 
 void writeFileAtomically(const fs::path& file, std::string_view content) {
+  writeFileAtomically(file, [&] { return std::exchange(content, {}); });
+}
+
+void writeFileAtomically(const fs::path& file, const std::function<std::string_view()>& next_piece) {
   TemporaryFile temporary(file);
-  temporary.write(content);
+  for (std::string_view piece = next_piece(); !piece.empty(); piece = next_piece()) temporary.write(piece);
   temporary.becomeTarget();
   syncFolder(file.has_parent_path() ? file.parent_path() : fs::path("."));
 }

@@ -6,6 +6,7 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -23,6 +24,8 @@ inline Json numberOrNull(double value) { return std::isfinite(value) ? Json(valu
 /// Writes a file atomically: temporary file in the same folder, fsync, rename, fsync of the folder.
 /// \throws ConfigError when the folder cannot be written.
 void writeFileAtomically(const std::filesystem::path& file, std::string_view content);
+/// The same in pieces, for what does not fit in memory; an empty piece is the end.
+void writeFileAtomically(const std::filesystem::path& file, const std::function<std::string_view()>& next_piece);
 
 /// The whole file. \throws ConfigError "FILE: cannot be read" when it cannot.
 std::string readFile(const std::filesystem::path& file);

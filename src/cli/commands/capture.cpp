@@ -1,0 +1,131 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "simgap/cli/command.h"
+#include "simgap/cli/session.h"
+#include "simgap/core/interrupt.h"
+#include "simgap/core/progress.h"
+#include "simgap/measure/capture/capture_run.h"
+#include "simgap/report/capture_report.h"
+
+namespace simgap::commands {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  TableOptions table;
+  std::filesystem::path rig, left, right, timestamps, shafts;
+  std::optional<double> rate, max_scale_error;
+  double max_camera_lag = 2e-3;
+  std::vector<std::size_t> overlays;
+  bool skip_unreadable = false;
+  CaptureRunOptions run;
+};
+
+FrameTimes times(const Options& options, Session& session) {
+  if (options.timestamps.empty()) return {{}, *options.rate, 0.0};
+  const Input& input = session.read("timestamps", options.timestamps);
+  return readTimes(CsvTable::parse(input.content, input.file.string(), options.table.csv()), options.max_camera_lag);
+}
+
+void processAll(CaptureRun& run, ImagePairs& pairs, bool quiet) {
+  Progress progress("capture: pair", pairs.size().value_or(0), quiet);
+  while (pairs.next()) {
+    run.add(pairs);
+    progress.update(pairs.frame() + 1);
+    if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+  }
+}
+
+ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+  if (options.timestamps.empty() == !options.rate) {
+    throw ConfigError("capture needs the time of every pair: either --timestamps CSV or --rate HZ");
+  }
+  Session session("capture", options.common, argv);
+  const YamlNode root = YamlNode::parse(session.read("rig", options.rig).content, options.rig.string());
+  const auto files = rigFiles(root);
+  const auto beside = [&](const std::string& name) { return options.rig.parent_path() / name; };
+  const std::filesystem::path targets_file = beside(files[1]);
+  const TargetSet targets =
+      readTargets(YamlNode::parse(session.read("targets", targets_file).content, targets_file.string()));
+  const Rig rig = readRig(root, targets);
+  const std::filesystem::path stereo_file = beside(files[0]);
+  const StereoCameras cameras = readStereo(session.read("stereo", stereo_file).content, stereo_file.string());
+  const FrameTimes frame_times = times(options, session);
+  std::optional<ShaftLog> shafts;
+  if (!options.shafts.empty()) {
+    const Input& input = session.read("shafts", options.shafts);
+    shafts = readShaftLog(CsvTable::parse(input.content, input.file.string(), options.table.csv()));
+  }
+  ImagePairs pairs(openImages(options.left), openImages(options.right), options.skip_unreadable);
+  if (options.common.dry_run) {
+    fmt::print("would look for {} targets in {} pairs; nothing was written\n", targets.targets.size(),
+               pairs.size() ? std::to_string(*pairs.size()) : "some");
+    return ExitCode::kDone;
+  }
+  CaptureRunOptions run_options = options.run;
+  run_options.overlays.insert(options.overlays.begin(), options.overlays.end());
+  CaptureRun capture(cameras, targets, rig, frame_times, run_options);
+  processAll(capture, pairs, options.common.quiet);
+  const CaptureResult result = capture.finish(pairs, shafts);
+
+  session.begin(options.common.seed.value_or(0));
+  for (const std::string& name : result.skipped) spdlog::warn("left out: {}", name);
+  for (const std::size_t number : result.missing_overlays) spdlog::warn("--overlay {}: there is no such pair", number);
+  for (const GeometryFinding& doubt : result.doubts) spdlog::warn("the geometry is in doubt: {}", doubt.sentence);
+  if (result.poses_outside_log > 0) {
+    spdlog::warn("{} steady poses lie outside the shaft log and were left out", result.poses_outside_log);
+  }
+  capture.write(session.directory(), result);
+  const CaptureStatistics& statistics = capture.statistics();
+  session.finish(toJson(result, statistics), makePage(result, statistics), terminalTable(result, statistics));
+  const bool scale_failed =
+      options.max_scale_error && std::abs(statistics.scaleErrorPercent()) > *options.max_scale_error;
+  return scale_failed ? ExitCode::kCriterionFailed : ExitCode::kDone;
+}
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
+  auto options = std::make_shared<Options>();
+  app.add_option("RIG", options->rig, "stereo rig: cameras, targets, joints (YAML)")->required();
+  app.add_option("--left", options->left, "images of the left camera: a folder or a video")->required();
+  app.add_option("--right", options->right, "images of the right camera")->required();
+  app.add_option("--timestamps", options->timestamps, "time of every pair (CSV: time_s, or left_time_s, right_time_s)");
+  app.add_option("--rate", options->rate, "or so many pairs a second [Hz]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--shafts", options->shafts, "shaft angles over time, for poses.csv (CSV: time_s, shaft_*_rad)");
+  app.add_option("--overlay", options->overlays, "draw what was found into pair N (a PNG); may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--threshold", options->run.capture.blobs.threshold, "grey value above which a pixel may be a marker")
+      ->check(CLI::Range(1, 254));
+  app.add_option("--epipolar-gate", options->run.capture.epipolar_gate,
+                 "largest epipolar error of a pair of blobs [px]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--steady-duration", options->run.steady.duration, "a rest is at least this long [s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--steady-speed", options->run.steady.max_speed, "and no joint faster than this [rad/s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--max-camera-lag", options->max_camera_lag, "refuse pairs whose cameras are further apart [s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--max-shaft-lag", options->run.max_shaft_lag,
+                 "refuse joints that move later than this after the shafts [s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--max-scale-error", options->max_scale_error,
+                 "exit 1 when distances between markers are off by more [%]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_flag("--skip-unreadable", options->skip_unreadable, "go on behind images that cannot be read");
+  app.add_flag("--partial", options->run.partial, "go on when a target is never found");
+  options->table.add(app);
+  options->common.add(app);
+  return [options, argv] { return run(*options, argv); };
+}
+
+}  // namespace
+
+extern const Command capture;
+const Command capture{"capture", "stereo images of marker targets to joint angles and the poses calibrate reads",
+                      "  simgap capture data/capture/rig.yaml --left data/capture/left --right data/capture/right \\\n"
+                      "    --timestamps data/capture/timestamps.csv --shafts data/capture/shafts.csv \\\n"
+                      "    --overlay 0 -o runs/capture",
+                      define};
+
+}  // namespace simgap::commands

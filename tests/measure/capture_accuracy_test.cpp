@@ -1,0 +1,93 @@
+// How well the capture sees rendered arms. The Slow test prints the figures of docs/performance.md (600 pairs per
+// setting); the others hold the same limits on fewer pairs.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "support/capture_study.h"
+
+namespace simgap::test {
+namespace {
+
+/// What a setting must reach; the limits are those the capture was asked to meet.
+struct Limits {
+  double fit_rms;   ///< [m]
+  double relative;  ///< [deg]
+};
+constexpr Limits kLimits[] = {{0.05e-3, 0.1}, {0.02e-3, 0.04}};  // 640x480, 1280x960
+constexpr double kJointLimit = 0.12;                             // [deg]
+
+StudyOptions moving(int scale) {
+  StudyOptions options;
+  options.scale = scale;
+  options.sequence = true;
+  return options;
+}
+
+StudyOptions hidden(int scale) {
+  StudyOptions options;
+  options.scale = scale;
+  options.disturbance = {0.3, 10, false, 0.0};
+  return options;
+}
+
+StudyResult study(const std::string& name, StudyOptions options, int pairs) {
+  options.pairs = pairs;
+  const StudyResult result = runStudy(options);
+  std::printf("%s\n", describe(name, result).c_str());
+  std::fflush(stdout);
+  EXPECT_EQ(result.wrong_identities, 0) << name;
+  return result;
+}
+
+void expectWithin(const StudyResult& result, int scale) {
+  const Limits& limits = kLimits[scale - 1];
+  EXPECT_GE(result.found_targets, 0.995 * result.visible_targets);
+  EXPECT_LE(result.fit_rms, limits.fit_rms);
+  EXPECT_LE(result.relative_deg, limits.relative);
+  EXPECT_LE(result.shoulder_deg, kJointLimit);
+  EXPECT_LE(result.elbow_deg, kJointLimit);
+  EXPECT_GT(result.sd_ratio, 0.8);
+  EXPECT_LT(result.sd_ratio, 1.2);
+}
+
+TEST(CaptureAccuracy, SmallImages) { expectWithin(study("640x480 independent", {}, 60), 1); }
+TEST(CaptureAccuracy, SmallImagesOfAMovingArm) { expectWithin(study("640x480 moving", moving(1), 60), 1); }
+TEST(CaptureAccuracy, LargeImagesOfAMovingArm) { expectWithin(study("1280x960 moving", moving(2), 30), 2); }
+
+TEST(CaptureAccuracy, HiddenMarkersAndGhostsAreNeverConfused) {
+  study("640x480 30 % hidden, 10 ghosts", hidden(1), 60);
+}
+
+TEST(CaptureAccuracy, MotionBlurGlareAndTwentyGhosts) {
+  StudyOptions options = moving(1);
+  options.exposures = 5;
+  options.disturbance = {0.1, 20, true, 0.0};
+  study("640x480 blur, glare, 20 ghosts", options, 60);
+}
+
+void studyAll(int scale) {
+  const std::string size = scale == 1 ? "640x480 " : "1280x960 ";
+  StudyOptions independent;
+  independent.scale = scale;
+  expectWithin(study(size + "independent", independent, 600), scale);
+  expectWithin(study(size + "moving", moving(scale), 600), scale);
+  study(size + "30 % hidden, 10 ghosts", hidden(scale), 600);
+  StudyOptions hidden_moving = hidden(scale);
+  hidden_moving.sequence = true;
+  study(size + "the same, moving", hidden_moving, 600);
+  StudyOptions harsh = hidden_moving;
+  harsh.exposures = 5;
+  harsh.disturbance = {0.3, 20, true, 0.0};
+  study(size + "blur, glare, 20 ghosts", harsh, 600);
+  StudyOptions covered;
+  covered.scale = scale;
+  covered.disturbance = {0.0, 3, false, 0.02};
+  study(size + "a marker partly covered", covered, 600);
+}
+
+TEST(SlowCaptureStudy, SmallImages) { studyAll(1); }
+TEST(SlowCaptureStudy, LargeImages) { studyAll(2); }
+
+}  // namespace
+}  // namespace simgap::test
