@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <glog/logging.h>
 
 #include <algorithm>
 #include <iostream>
@@ -55,6 +56,7 @@ int run(const std::vector<std::string>& argv) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' log; what matters of it is in its summaries
   simgap::installInterruptHandlers();
   return run({argv, argv + argc});
 } catch (const simgap::Error& error) {
