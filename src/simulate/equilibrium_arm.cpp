@@ -38,7 +38,8 @@ void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
 
 }  // namespace
 
-EquilibriumArm::EquilibriumArm(const ArmModel& model) : energy_(model), shafts_(model.muscles.size()) {
+EquilibriumArm::EquilibriumArm(const ArmModel& model)
+    : energy_(model), shafts_(model.muscles.size()), factor_(energy_.degreesOfFreedom()) {
   const int n = energy_.degreesOfFreedom();
   joints_ = before_ = reached_ = rest_ = start_ = startPosition(model);
   held_.assign(static_cast<std::size_t>(n), 0);
@@ -47,7 +48,6 @@ EquilibriumArm::EquilibriumArm(const ArmModel& model) : energy_(model), shafts_(
   reduced_.resize(n, n);
   inverse_.resize(n, n);
   step_.resize(n);
-  factor_ = Eigen::LLT<Eigen::MatrixXd>(n);
 }
 
 void EquilibriumArm::setModel(const ArmModel& model) {
