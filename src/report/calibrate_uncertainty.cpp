@@ -100,6 +100,7 @@ std::string singularValuesCsv(const CalibrationResult& result) {
 
 std::string uncertaintyText(const CalibrationResult& result) {
   constexpr std::size_t kMostCombinations = 8;
+  constexpr std::size_t kMostOutliers = 4;
   if (!result.uncertainty) return {};
   const PoseUncertainty& uncertainty = *result.uncertainty;
   std::string text = fmt::format("the poses tell, of {} parameters: {} identifiable, {} weak, {} not identifiable\n",
@@ -126,7 +127,12 @@ std::string uncertaintyText(const CalibrationResult& result) {
   }
   text += surprise(result);
   const std::vector<std::string> far = outliers(result);
-  if (!far.empty()) text += fmt::format("poses far from the fit, hardly counted: {}\n", fmt::join(far, ", "));
+  if (far.size() > kMostOutliers) {
+    text += fmt::format("{} of {} poses are more than {:g} sd from the fit\n", far.size(), uncertainty.distances.size(),
+                        kRobustScale);
+  } else if (!far.empty()) {
+    text += fmt::format("poses far from the fit, hardly counted: {}\n", fmt::join(far, ", "));
+  }
   return text;
 }
 
