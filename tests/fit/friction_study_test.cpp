@@ -120,7 +120,7 @@ TEST(SlowFrictionStudy, NoRandomStartFindsALowerCost) {
     worst = std::max(worst, ours / lowest - 1.0);
     best_of_all += ours <= lowest * (1.0 + 1e-6);
   }
-  std::printf("never above the best of %d starts on %d of %d logs; worst excess %.2e\n", kStarts, best_of_all, kLogs,
+  std::printf("never above the best of %d starts on %d of %d logs; worst excess %.2e\n", kStarts, best_of_all, kHardLogs,
               worst);
   EXPECT_EQ(best_of_all, kHardLogs);
 }
