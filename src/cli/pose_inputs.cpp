@@ -6,6 +6,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
+#include "simgap/report/assets.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
 namespace simgap {
@@ -14,6 +15,15 @@ ArmModel parseArm(const Input& input) { return readArm(YamlNode::parse(input.con
 
 CalibrationConfig parseConfig(const Input& input) {
   return CalibrationConfig::read(YamlNode::parse(input.content, input.file.string()));
+}
+
+Input readConfig(Session& session, const std::string& file) {
+  if (!file.empty()) return session.read("config", file);
+  return {"config", "configs/calibrate_arm.yaml", std::string(assets::calibrate_arm_yaml())};
+}
+
+std::unique_ptr<Evaluator> makeEvaluator(const std::string& name, const PoseProtocol& protocol, int threads) {
+  return name == "bullet" ? makeBulletEvaluator(protocol, threads) : makeEquilibriumEvaluator(threads);
 }
 
 PoseSet parsePoses(const Input& input, const ArmModel& model, const CsvOptions& options) {

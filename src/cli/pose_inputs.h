@@ -12,7 +12,12 @@ namespace simgap {
 
 ArmModel parseArm(const Input& input);
 CalibrationConfig parseConfig(const Input& input);
+/// The configuration that the user named, or the paper's that is built in.
+Input readConfig(Session& session, const std::string& file);
 PoseSet parsePoses(const Input& input, const ArmModel& model, const CsvOptions& options);
+
+/// \param name  "bullet" or "equilibrium"
+std::unique_ptr<Evaluator> makeEvaluator(const std::string& name, const PoseProtocol& protocol, int threads);
 
 /// Judges a model on all poses of a set, with progress. \throws InterruptedError
 Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet& set, const std::string& label,

@@ -1,5 +1,6 @@
 #include "simgap/fit/posterior_search.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -16,15 +17,12 @@ constexpr std::uint32_t kStartPurpose = 3;  // 1 and 2 are the evolution strateg
 /// Calls action(posterior, i) for i = 0 … count - 1, each thread with a posterior of its own.
 template <class Action>
 void inParallel(const PosePosterior& posterior, int threads, std::size_t count, const Action& action) {
+  tbb::enumerable_thread_specific<PosePosterior> own(posterior);
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] {
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, count, 1),
-        [&](const tbb::blocked_range<std::size_t>& some) {
-          PosePosterior own = posterior;
-          for (std::size_t i = some.begin(); i < some.end() && !interruptRequested(); ++i) action(own, i);
-        },
-        tbb::simple_partitioner());
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      if (!interruptRequested()) action(own.local(), i);
+    });
   });
 }
 
@@ -38,13 +36,12 @@ Eigen::VectorXd drawStart(const ScaledParameters& parameters, std::uint64_t seed
   return z;
 }
 
-PosteriorFit polish(PosePosterior& posterior, const Eigen::VectorXd& z) { return descendPosterior(posterior, z); }
-
 /// Descends from each z; a posterior's whitening is not changed by that.
 std::vector<PosteriorFit> polishAll(const PosePosterior& posterior, int threads,
                                     const std::vector<Eigen::VectorXd>& z) {
   std::vector<PosteriorFit> fits(z.size());
-  inParallel(posterior, threads, z.size(), [&](PosePosterior& own, std::size_t i) { fits[i] = polish(own, z[i]); });
+  inParallel(posterior, threads, z.size(),
+             [&](PosePosterior& own, std::size_t i) { fits[i] = descendPosterior(own, z[i]); });
   return fits;
 }
 
@@ -59,9 +56,9 @@ std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const Poster
     PosePosterior own = posterior;  // balancing changes the whitening
     const Eigen::VectorXd z = balanceTorques(own, drawStart(posterior.parameters(), options.seed, 0));
     own.whiten(z);
-    const PosteriorFit first = polish(own, z);
+    const PosteriorFit first = descendPosterior(own, z);
     posterior.whiten(first.z);
-    fits.push_back(polish(posterior, first.z));
+    fits.push_back(descendPosterior(posterior, first.z));
     fits.back().iterations += first.iterations;
     fits.back().evaluations += first.evaluations;
     if (after_fit(fits.back())) return fits;
@@ -71,7 +68,7 @@ std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const Poster
   inParallel(posterior, options.threads, others, [&](PosePosterior& own, std::size_t i) {
     PosePosterior balancing = own;
     const Eigen::VectorXd z = drawStart(posterior.parameters(), options.seed, i + 1);
-    found[i] = polish(own, balanceTorques(balancing, z));
+    found[i] = descendPosterior(own, balanceTorques(balancing, z));
   });
   for (const PosteriorFit& fit : found) {
     if (interruptRequested() || after_fit(fit)) break;

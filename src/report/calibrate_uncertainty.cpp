@@ -16,15 +16,6 @@ long count(const PoseUncertainty& uncertainty, Verdict verdict) {
                        [&](const ParameterUncertainty& p) { return p.verdict == verdict; });
 }
 
-Json predictionJson(const PoseLayout& layout, const PredictedError& predicted) {
-  Json json = Json::object();
-  for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
-    json[layout.joints[j].name] = {{"mean", toDegrees(predicted.mean[j])},
-                                   {"ci90", {toDegrees(predicted.lower[j]), toDegrees(predicted.upper[j])}}};
-  }
-  return json;
-}
-
 /// "shoulder 1.30 (0.90 to 1.80)  elbow …"
 std::string predictionText(const PoseLayout& layout, const PredictedError& predicted) {
   std::string text;

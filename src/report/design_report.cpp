@@ -33,18 +33,10 @@ std::vector<std::vector<std::string>> rows(const DesignResult& result) {
   return rows;
 }
 
-Json predictionJson(const DesignResult& result, const PredictedError& predicted) {
-  Json json = Json::object();
-  for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
-    json[result.model.joints[j].name] = {{"mean", toDegrees(predicted.mean[j])},
-                                         {"ci90", {toDegrees(predicted.lower[j]), toDegrees(predicted.upper[j])}}};
-  }
-  return json;
-}
-
 }  // namespace
 
 Json toJson(const DesignResult& result) {
+  const PoseLayout layout = result.model.poseLayout();
   Json poses = Json::array();
   for (std::size_t k = 0; k < result.design.poses.size(); ++k) {
     Json shafts = Json::object();
@@ -53,16 +45,16 @@ Json toJson(const DesignResult& result) {
     }
     poses.push_back({{"pose", result.design.poses[k].name},
                      {"shaft_rad", shafts},
-                     {"predicted_mje_deg", predictionJson(result, result.design.after[k])}});
+                     {"predicted_mje_deg", predictionJson(layout, result.design.after[k])}});
   }
   return {{"format", "simgap/design/1"},
           {"recorded", result.recorded.poses.size()},
           {"candidates", result.options.candidates},
           {"criterion", result.options.criterion == DesignCriterion::kInformation ? "information" : "prediction"},
           {"predicted_mje_deg",
-           {{"before", predictionJson(result, result.design.before)},
-            {"after", predictionJson(result, result.design.after.back())},
-            {"after_random", predictionJson(result, result.design.after_random)}}},
+           {{"before", predictionJson(layout, result.design.before)},
+            {"after", predictionJson(layout, result.design.after.back())},
+            {"after_random", predictionJson(layout, result.design.after_random)}}},
           {"poses", poses}};
 }
 

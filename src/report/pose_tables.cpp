@@ -30,6 +30,15 @@ Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje) {
   return json;
 }
 
+Json predictionJson(const PoseLayout& layout, const PredictedError& predicted) {
+  Json json = Json::object();
+  for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
+    json[layout.joints[j].name] = {{"mean", toDegrees(predicted.mean[j])},
+                                   {"ci90", {toDegrees(predicted.lower[j]), toDegrees(predicted.upper[j])}}};
+  }
+  return json;
+}
+
 std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> angles) {
   for (std::size_t j = 0; j < angles.size(); ++j) {
     if (layout.joints[j].type == JointType::kSpherical) angles[j] *= 0.5;

@@ -25,6 +25,9 @@ std::vector<std::string> slackMuscles(const PoseOutcome& outcome, const PoseLayo
 /// The same in one cell.
 std::string slackText(const PoseOutcome& outcome, const PoseLayout& layout);
 
+/// {joint: {mean, ci90}} in degrees.
+Json predictionJson(const PoseLayout& layout, const PredictedError& predicted);
+
 /// Angles as 001 eq. 4 prints them: half of the true one for spherical joints [rad].
 std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> angles);
 

@@ -10,7 +10,6 @@
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/fit/posterior_search.h"
-#include "simgap/report/assets.h"
 #include "simgap/report/pose_report.h"
 
 namespace simgap::commands {
@@ -67,9 +66,7 @@ Task readTask(const Options& options, Session& session) {
   const CsvOptions csv = options.table.csv();
   Task task;
   task.model = parseArm(session.read("model", options.model));
-  const Input config = options.config.empty()
-                           ? Input{"config", "configs/calibrate_arm.yaml", std::string(assets::calibrate_arm_yaml())}
-                           : session.read("config", options.config);
+  const Input config = readConfig(session, options.config);
   task.config = parseConfig(config);
   try {
     ParameterSpace(task.model, task.config.parameters);
@@ -183,9 +180,10 @@ struct Evaluators {
 
 Evaluators makeEvaluators(const CalibrationConfig& config, int threads) {
   Evaluators evaluators;
-  const bool bullet = config.evaluator == "bullet";
-  evaluators.search = bullet ? makeBulletEvaluator(config.protocol, threads) : makeEquilibriumEvaluator(threads);
-  if (!bullet && config.verify == "bullet") evaluators.verify = makeBulletEvaluator(config.protocol, threads);
+  evaluators.search = makeEvaluator(config.evaluator, config.protocol, threads);
+  if (config.evaluator != "bullet" && config.verify == "bullet") {
+    evaluators.verify = makeEvaluator(config.verify, config.protocol, threads);
+  }
   return evaluators;
 }
 

@@ -4,7 +4,6 @@
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/posterior_search.h"
-#include "simgap/report/assets.h"
 #include "simgap/report/design_report.h"
 
 namespace simgap::commands {
@@ -23,9 +22,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("design", options.common, argv);
   DesignResult result;
   result.model = parseArm(session.read("model", options.model));
-  const CalibrationConfig config = parseConfig(
-      options.config.empty() ? Input{"config", "configs/calibrate_arm.yaml", std::string(assets::calibrate_arm_yaml())}
-                             : session.read("config", options.config));
+  const CalibrationConfig config = parseConfig(readConfig(session, options.config));
   const ParameterSpace space(result.model, config.parameters);
   result.recorded = parsePoses(session.read("poses", options.poses), result.model, options.table.csv());
   if (result.recorded.poses.size() < kFewestPoses) {

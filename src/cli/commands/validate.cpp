@@ -29,8 +29,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   session.begin(options.common.seed.value_or(0));
   session.directory().write("config.resolved.yaml", "protocol:\n" + protocol.toYaml("  "));
 
-  const auto evaluator = options.evaluator == "bullet" ? makeBulletEvaluator(protocol, options.common.threads)
-                                                       : makeEquilibriumEvaluator(options.common.threads);
+  const auto evaluator = makeEvaluator(options.evaluator, protocol, options.common.threads);
   ValidationResult result;
   result.layout = model.poseLayout();
   result.set = set;
