@@ -1,0 +1,38 @@
+/// \file
+/// What a model contains beyond its own equations: one entry of `extensions:` per physical cause (FORMATS, EFFECTS).
+///
+///     extensions:
+///       - {effect: muscle-wrap, target: biceps, parameters: {radius: {value: 0.02, unit: "m", sd: 0.001}}}
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/core/yaml.h"
+
+namespace simgap {
+
+struct ExtensionParameter {
+  std::string name;
+  std::string unit;  ///< SI, as a suffix; "1" when dimensionless
+  double value = 0.0;
+  double sd = 0.0;  ///< NaN when unknown
+};
+
+struct Extension {
+  std::string effect;  ///< a name of the catalogue
+  std::string target;  ///< which muscle, body or joint; empty for an effect of the whole
+  std::vector<ExtensionParameter> parameters;
+
+  /// \throws ConfigError when there is no such parameter.
+  double value(std::string_view name) const;
+};
+
+/// Reads the list under `extensions:`. Which effects and parameters exist is the caller's to check.
+std::vector<Extension> readExtensions(const YamlNode& list);
+
+/// The whole `extensions:` key as block YAML, "extensions: []\n" when there are none.
+std::string writeExtensions(const std::vector<Extension>& extensions);
+
+}  // namespace simgap
