@@ -222,6 +222,10 @@ FrictionData prepareFrictionData(DriveLog log, const Bench& bench, const Frictio
   data.block_seconds = options.block_seconds;
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
   log = {};  // the log is the largest thing in memory
+  if (options.all_rows) {
+    data.keep = std::move(sign.keep);
+    return data;
+  }
   const bool all = std::ranges::all_of(sign.keep, [](bool kept) { return kept; });
   return all ? data : selectRows(data, sign.keep);
 }

@@ -21,6 +21,7 @@ struct FrictionDataOptions {
   std::optional<double> bandwidth;  ///< [Hz] of the smoothing; default: the bench's, else kDefaultBandwidth of the rate
   double block_seconds = 20.0;      ///< length of the blocks that are held out together
   std::vector<std::string> sessions;  ///< only these; all when empty
+  bool all_rows = false;              ///< do not leave rows out, only mark them (FrictionData::keep)
 
   static constexpr double kDefaultBandwidth = 0.1;  ///< of the sampling rate
 };
@@ -40,6 +41,7 @@ struct FrictionData {
   std::vector<Block> blocks;  ///< of block_seconds, for splits
   double block_seconds = 0.0;
   std::vector<std::size_t> row;  ///< of the log
+  std::vector<bool> keep;        ///< with `all_rows`, shape (n): rows that mean something
   std::vector<std::string> session_names;
   std::string file, effort_name, effort_unit, angle_unit, velocity_unit, load_unit;
   double dead_band = 0.0;            ///< [rad/s]

@@ -1,0 +1,57 @@
+/// \file
+/// What a drive's log says is missing in a friction model: every cause of the catalogue refits the whole model, is
+/// judged on blocks it has not seen, and what is accepted is measured once more on blocks that had no part in the
+/// choice.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "simgap/diagnose/diagnosis.h"
+#include "simgap/fit/drive_data.h"
+
+namespace simgap {
+
+struct LogDiagnosisOptions {
+  std::vector<std::string> effects;  ///< only these; the whole catalogue when empty
+  int max_causes = 4;
+  double level = 0.05;                  ///< of the false-alarm rate of each step
+  double least_gain = 0.01;             ///< of the mean squared error that a cause has to save
+  double holdout = 0.25;                ///< fraction of the blocks that only measure the gain
+  std::vector<bool> heldout_rows = {};  ///< shape (rows): instead of `holdout`
+  bool ignore_faults = false;
+  std::uint64_t seed = 1;
+};
+
+/// The model as the user has it.
+struct DriveSubject {
+  const FrictionLaw* law;
+  std::vector<const DriveEffect*> effects;  ///< of its extensions
+  std::vector<PhysicalParameter> values;    ///< as the file holds them; empty for a law alone
+};
+
+/// A model fitted to all rows, with what is known of its parameters.
+struct DriveFitResult {
+  std::vector<const DriveEffect*> effects;
+  std::vector<double> theta;
+  std::vector<PhysicalParameter> parameters;
+  std::vector<Extension> extensions;
+};
+
+/// Shape of what is left against one channel, for residual_<channel>.csv.
+struct LogDiagnosis {
+  Diagnosis diagnosis;
+  DriveFitResult baseline, extended;
+  Eigen::ArrayXd predicted_before, predicted_after;  ///< shape (rows)
+  std::vector<bool> heldout;                         ///< shape (rows)
+};
+
+/// Called with what is being done and the share of the whole that is done.
+using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
+
+/// \throws DataError when the log cannot be fitted at all.
+LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const LogDiagnosisOptions& options,
+                         const DiagnosisProgress& progress = {});
+
+}  // namespace simgap

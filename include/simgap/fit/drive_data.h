@@ -1,0 +1,36 @@
+/// \file
+/// A drive's log made ready for effects (simgap/fit/drive_regression.h): all rows stay, in order, with a mark on those
+/// that mean nothing.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "simgap/core/csv.h"
+#include "simgap/fit/drive_regression.h"
+#include "simgap/fit/friction_data.h"
+
+namespace simgap {
+
+/// A column of the log that is none of the model's channels, or a channel by name.
+struct ContextChannel {
+  std::string name;
+  Eigen::ArrayXd values;  ///< shape (n)
+};
+
+struct PreparedLog {
+  DriveData data;
+  std::vector<Block> blocks;            ///< of some 20 s, held out together
+  std::vector<ContextChannel> context;  ///< in the order of DriveRows::context
+  std::vector<std::string> session_names;
+  std::string file, effort_column;
+  double dead_band = 0.0;
+  std::vector<std::string> warnings;
+};
+
+/// \param table  the log itself: joint angle, temperature and further channels are read from it.
+/// \throws DataError as readDriveLog and prepareFrictionData.
+PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const DriveLogOptions& log_options,
+                             FrictionDataOptions options);
+
+}  // namespace simgap

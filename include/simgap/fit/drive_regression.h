@@ -1,0 +1,93 @@
+/// \file
+/// A drive's log explained by a friction law and any number of effects (simgap/model/drive_effect.h):
+///
+///     effort = P + cubic P^3,    P = X(p) c / gain, delayed
+///
+/// Parameters, in order: c, the coefficients of the columns (the first is 1 / k_a, torques enter as theta / k_a), then
+/// p: v_s and delta of the law, the presliding of every real drive as a nuisance, and the effects' own.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/fit/row_fit.h"
+#include "simgap/model/drive_effect.h"
+#include "simgap/model/extension.h"
+#include "simgap/model/friction_law.h"
+
+namespace simgap {
+
+/// A log with its rows' meaning.
+struct DriveData {
+  DriveRows rows;
+  std::vector<bool> keep;                    ///< shape (n): rows that count
+  Eigen::ArrayXXd rig;                       ///< shape (n, R): load per unit of each fitted constant of the rig
+  std::vector<FitParameter> rig_parameters;  ///< shape (R)
+  bool offset = false;                       ///< the model has a current offset of its own
+  std::string load_unit = "Nm", effort_unit = "A", velocity_unit = "rad_s";
+
+  bool has(Channel channel) const;
+};
+
+/// One physical parameter behind theta: value = theta_i, theta_i / theta_0, or 1 / theta_0.
+struct PhysicalParameter {
+  std::string name;  ///< "n_c2", with the effect before it: "coulomb-offset.n_c2"
+  std::string unit;
+  double value;
+  double sd;  ///< NaN when it is at a bound or without effect
+  bool at_bound;
+};
+
+class DriveRegression : public RowModel {
+ public:
+  /// `law`, `effects` and `data` must outlive it. \param presliding  largest x_s of the nuisance [rad]; none without.
+  DriveRegression(const FrictionLaw& law, std::vector<const DriveEffect*> effects, const DriveData& data,
+                  std::optional<double> presliding);
+
+  const std::vector<FitParameter>& parameters() const override { return parameters_; }
+  Eigen::Index rows() const override { return data_->rows.rows(); }
+  void evaluate(std::span<const double> theta, Eigen::VectorXd& residual, Eigen::MatrixXd* jacobian) const override;
+
+  const FrictionLaw& law() const { return *law_; }
+  const std::vector<const DriveEffect*>& effects() const { return effects_; }
+  std::size_t linear() const { return linear_; }
+  /// Index of the first of an effect's own p, and of its first column.
+  std::size_t firstParameter(std::size_t effect) const { return p_begin_[effect]; }
+  std::size_t firstColumn(std::size_t effect) const { return column_begin_[effect]; }
+
+  /// A start for this model from one with other effects: what both have is taken over, the effects' p are neutral.
+  std::vector<double> startFrom(const DriveRegression& other, std::span<const double> theta) const;
+  /// Coefficients and p by name, for values from a model file. \param physical  parameters as PhysicalParameter has
+  /// them.
+  std::vector<double> thetaOf(std::span<const PhysicalParameter> physical) const;
+  std::vector<PhysicalParameter> physical(std::span<const double> theta, const Eigen::MatrixXd& covariance) const;
+  std::vector<Extension> extensions(std::span<const double> theta, const Eigen::MatrixXd& covariance) const;
+
+  /// What the model predicts, shape (rows), also in rows that do not count.
+  Eigen::ArrayXd predict(std::span<const double> theta) const;
+  /// Friction in the unit of the effort (everything but the load's own share), shape (rows).
+  Eigen::ArrayXd friction(std::span<const double> theta) const;
+
+ private:
+  struct Evaluation {
+    Eigen::MatrixXd x;  ///< shape (rows, C), delayed, over gain
+    double cubic;
+  };
+  Evaluation columns(std::span<const double> p) const;
+  Eigen::ArrayXd predict(const Evaluation& e, std::span<const double> theta) const;
+  bool timesGain(std::size_t i) const { return times_gain_[i]; }
+  void add(std::string name, std::string unit, double lower, double upper, bool fixed = false);
+
+  const FrictionLaw* law_;
+  std::vector<const DriveEffect*> effects_;
+  const DriveData* data_;
+  bool presliding_;
+  std::vector<FitParameter> parameters_;
+  std::vector<bool> times_gain_;  ///< shape (C)
+  std::size_t linear_ = 0;
+  std::vector<std::size_t> p_begin_, column_begin_;
+  std::vector<Eigen::Index> session_begin_, session_end_;  ///< shape (rows): limits of the row's session
+};
+
+}  // namespace simgap

@@ -1,0 +1,107 @@
+/// \file
+/// A physical cause that a drive's model may lack: one file in src/model/effects/drive, found by CMake (EFFECTS:
+/// actuator logs). The model of a drive's effort is linear in all but a few numbers p:
+///
+///     effort = X(p) c,   X = [load | friction law's columns | effects' columns | 1] / gain
+///
+/// An effect changes the terms the columns are made of (a factor on dry friction, another load …), adds columns, or
+/// both; none knows of the others. Efforts are the motor's, torques those the load is measured in; speed and
+/// acceleration are the motor's.
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace simgap {
+
+/// The rows of a log as effects see them; every array has shape (n), or is empty when the log has no such channel.
+struct DriveRows {
+  Eigen::ArrayXd time;          ///< [s]
+  Eigen::ArrayXd effort;        ///< what the motor drew
+  Eigen::ArrayXd speed;         ///< [rad/s]
+  Eigen::ArrayXd direction;     ///< +1 or -1: the last direction of motion, held through rests
+  Eigen::ArrayXd travel;        ///< [rad] in that direction since the row before, >= 0
+  Eigen::ArrayXd load;          ///< [N m]
+  Eigen::ArrayXd acceleration;  ///< [rad/s^2]
+  Eigen::ArrayXd rest;          ///< [s] how long the current rest lasts, or the last one lasted
+  Eigen::ArrayXd joint_angle;   ///< [rad]
+  Eigen::ArrayXd motor_angle;   ///< [rad]
+  Eigen::ArrayXd temperature;   ///< [deg C]
+  std::vector<Eigen::ArrayXd> context;  ///< further logged channels, scaled to mean 0 and standard deviation 1
+  std::vector<int> session;             ///< shape (n)
+  double step = 0.0;            ///< [s] median time between rows
+  double top_speed = 0.0;       ///< [rad/s]
+  double top_load = 0.0;        ///< [N m]
+
+  Eigen::Index rows() const { return time.size(); }
+};
+
+/// What the columns are made of. Arrays of shape (n).
+struct DriveTerms {
+  Eigen::ArrayXd load;     ///< [N m] what the drive works against
+  Eigen::ArrayXd dry;      ///< what multiplies dry friction: direction x presliding x factors
+  Eigen::ArrayXd viscous;  ///< [rad/s] what multiplies k_v
+  Eigen::ArrayXd gain;     ///< torque per ampere, relative to k_a
+  double cubic = 0.0;      ///< [1/A^2] effort = I + cubic I^3
+  double delay = 0.0;      ///< [s] the effort is logged that much later than the motion
+};
+
+/// A number that enters the model non-linearly.
+struct EffectParameter {
+  std::string_view name;
+  std::string_view unit;  ///< SI suffix; "1" when dimensionless
+  double lower, upper;    ///< every value between is a valid model
+  double neutral;         ///< without the effect
+  double start;           ///< where a search begins, besides `starts`
+  enum class Kind {
+    kSmooth,
+    kScanned,
+    kConstant
+  } kind = Kind::kSmooth;  ///< kScanned: no derivative; kConstant: a
+                           ///< reference value, not fitted
+};
+
+/// A coefficient that enters linearly.
+struct EffectColumn {
+  std::string_view name;
+  std::string_view unit;  ///< "Nm" stands for the load's, "A" for the effort's unit
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+  bool torque = true;  ///< false: adds to the effort itself
+};
+
+enum class Channel { kJointAngle, kMotorAngle, kTemperature };
+std::string_view toString(Channel channel);
+
+struct DriveEffect {
+  std::string_view name;                             ///< of the catalogue
+  std::string_view cause;                            ///< one sentence for people
+  std::string_view equation;                         ///< one line
+  std::string_view source;                           ///< where it comes from
+  std::string_view look_alikes;                      ///< what it is easily confused with
+  std::string_view separates;                        ///< the log that tells it from them: continues "record …"
+  std::span<const EffectParameter> parameters = {};  ///< shape (P)
+  std::span<const EffectColumn> columns = {};        ///< shape (C)
+  std::span<const Channel> needs = {};
+
+  /// Changes the terms. \param p  shape (P), within the bounds.
+  void (*apply)(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) = nullptr;
+  /// Fills the added columns (signed as the friction they add). \param still  shape (n): E of the Stribeck term, 0 for
+  /// laws without one.  \param x  shape (n, C).
+  void (*fill)(std::span<const double> p, const DriveRows& rows, const DriveTerms& terms, const Eigen::ArrayXd& still,
+               Eigen::Ref<Eigen::ArrayXXd> x) = nullptr;
+  /// Where to search, shape (starts)(P); none: at `start` of every parameter. \param residual  shape (n) of the model
+  /// without the effect.
+  std::vector<std::vector<double>> (*starts)(const DriveRows& rows, const Eigen::ArrayXd& residual) = nullptr;
+};
+
+namespace drive_effects {
+std::span<const DriveEffect* const> all();
+/// \throws ConfigError that lists the known effects.
+const DriveEffect& find(std::string_view name);
+}  // namespace drive_effects
+
+}  // namespace simgap

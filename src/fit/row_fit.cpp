@@ -1,0 +1,150 @@
+#include "simgap/fit/row_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Normal {
+  MatrixXd h;  ///< J^T J
+  VectorXd g;  ///< J^T r
+};
+
+double costOf(const VectorXd& residual, std::span<const Block> blocks) {
+  double cost = 0.0;
+  for (const Block& b : blocks) {
+    cost += residual.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size())).squaredNorm();
+  }
+  return cost;
+}
+
+Normal normalOf(const MatrixXd& jacobian, const VectorXd& residual, std::span<const Block> blocks) {
+  const Index p = jacobian.cols();
+  Normal normal{MatrixXd::Zero(p, p), VectorXd::Zero(p)};
+  for (const Block& b : blocks) {
+    const auto rows = jacobian.middleRows(static_cast<Index>(b.begin), static_cast<Index>(b.size()));
+    normal.h.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    normal.g.noalias() +=
+        rows.transpose() * residual.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size()));
+  }
+  normal.h.triangularView<Eigen::StrictlyUpper>() = normal.h.transpose();
+  return normal;
+}
+
+/// Parameters that a step may move: not fixed, not without effect, not pressed against a bound.
+std::vector<Index> freeOnes(const std::vector<FitParameter>& parameters, std::span<const double> theta,
+                            const Normal& normal) {
+  std::vector<Index> free;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    const bool pressed = (theta[i] <= parameters[i].lower && normal.g[k] > 0.0) ||
+                         (theta[i] >= parameters[i].upper && normal.g[k] < 0.0);
+    if (!parameters[i].fixed && !pressed && normal.h(k, k) > 1e-300) free.push_back(k);
+  }
+  return free;
+}
+
+/// The damped step of the free parameters, in their units.
+VectorXd step(const Normal& normal, const std::vector<Index>& free, double damping) {
+  MatrixXd h = normal.h(free, free);
+  const VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
+  h = scale.asDiagonal() * h * scale.asDiagonal();
+  h.diagonal().array() += damping + 1e-12;
+  const VectorXd g = normal.g(free);
+  return -scale.cwiseProduct(VectorXd(h.ldlt().solve(scale.cwiseProduct(g))));
+}
+
+}  // namespace
+
+RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
+               const RowFitOptions& options) {
+  const std::vector<FitParameter>& parameters = model.parameters();
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    if (!parameters[i].fixed) start[i] = std::clamp(start[i], parameters[i].lower, parameters[i].upper);
+  }
+  RowFit fit{std::move(start), 0.0, 0};
+  VectorXd residual, trial_residual;
+  MatrixXd jacobian;
+  double damping = 1e-6;
+  for (; fit.iterations < options.max_iterations; ++fit.iterations) {
+    model.evaluate(fit.theta, residual, &jacobian);
+    fit.cost = costOf(residual, blocks);
+    const Normal normal = normalOf(jacobian, residual, blocks);
+    const std::vector<Index> free = freeOnes(parameters, fit.theta, normal);
+    if (free.empty()) break;
+    bool better = false;
+    double decrease = 0.0;
+    for (; damping < 1e4 && !better; damping = better ? std::max(damping * 0.1, 1e-9) : damping * 10.0) {
+      const VectorXd delta = step(normal, free, damping);
+      std::vector<double> trial = fit.theta;
+      for (std::size_t k = 0; k < free.size(); ++k) {
+        const auto i = static_cast<std::size_t>(free[k]);
+        trial[i] = std::clamp(trial[i] + delta[static_cast<Index>(k)], parameters[i].lower, parameters[i].upper);
+      }
+      model.evaluate(trial, trial_residual, nullptr);
+      const double cost = costOf(trial_residual, blocks);
+      decrease = fit.cost - cost;
+      better = decrease > 0.0;
+      if (better) {
+        fit.theta = std::move(trial);
+        fit.cost = cost;
+      }
+    }
+    if (!better || decrease <= options.tolerance * fit.cost) break;
+  }
+  return fit;
+}
+
+double linearisedCost(const RowModel& model, std::span<const Block> blocks, std::span<const double> start) {
+  VectorXd residual;
+  MatrixXd jacobian;
+  model.evaluate(start, residual, &jacobian);
+  const Normal normal = normalOf(jacobian, residual, blocks);
+  const std::vector<Index> free = freeOnes(model.parameters(), start, normal);
+  const double cost = costOf(residual, blocks);
+  if (free.empty()) return cost;
+  const VectorXd delta = step(normal, free, 1e-9);
+  const VectorXd g = normal.g(free);
+  const MatrixXd h = normal.h(free, free);
+  return cost + 2.0 * g.dot(delta) + delta.dot(h * delta);
+}
+
+Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> blocks, std::span<const double> theta) {
+  VectorXd residual;
+  MatrixXd jacobian;
+  model.evaluate(theta, residual, &jacobian);
+  const Normal normal = normalOf(jacobian, residual, blocks);
+  std::vector<Index> free;
+  for (const Index i : freeOnes(model.parameters(), theta, normal)) {
+    const FitParameter& p = model.parameters()[static_cast<std::size_t>(i)];
+    if (!atBound(p, theta[static_cast<std::size_t>(i)])) free.push_back(i);
+  }
+  const Index n = jacobian.cols();
+  MatrixXd covariance = MatrixXd::Zero(n, n);
+  if (free.empty()) return covariance;
+  const MatrixXd h = normal.h(free, free);
+  const VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
+  MatrixXd scaled = scale.asDiagonal() * h * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-12;
+  const auto f = static_cast<Index>(free.size());
+  const MatrixXd inverse = scale.asDiagonal() * scaled.ldlt().solve(MatrixXd::Identity(f, f)) * scale.asDiagonal();
+  MatrixXd scores = MatrixXd::Zero(f, f);
+  for (const Block& b : blocks) {
+    const auto begin = static_cast<Index>(b.begin), rows = static_cast<Index>(b.size());
+    const VectorXd all = jacobian.middleRows(begin, rows).transpose() * residual.segment(begin, rows);
+    const VectorXd g = all(free);
+    scores += g * g.transpose();
+  }
+  const double count = static_cast<double>(blocks.size());
+  const double correction = count / std::max(count - static_cast<double>(f), 1.0);
+  covariance(free, free) = correction * inverse * scores * inverse;
+  return covariance;
+}
+
+}  // namespace simgap

@@ -1,0 +1,31 @@
+/// \file
+/// Friction that differs between driving a load and being driven by it: the whole friction x (1 + b sign(tau_ext w)).
+/// On a friction proportional to the load alone it is exactly a change of k_a (|tau| sign(w) sign(tau w) = tau).
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"b", "1", -0.9, 0.9, 0.0, 0.0}};
+
+void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+  const Eigen::ArrayXd factor = 1.0 + p[0] * (terms.load * rows.direction).sign();
+  terms.dry *= factor;
+  terms.viscous *= factor;
+}
+
+}  // namespace
+
+extern const DriveEffect backdrive_asymmetry;
+const DriveEffect backdrive_asymmetry = {
+    .name = "backdrive-asymmetry",
+    .cause = "friction that differs between driving a load and being driven by it",
+    .equation = "tau_fr (1 + b sign(tau_ext w))",
+    .source = "catalogue of causes",
+    .look_alikes = "torque-constant of the drive (k_a), direction-asymmetry, coulomb-offset",
+    .separates = "lifting and lowering of several loads at several speeds",
+    .parameters = kParameters,
+    .apply = apply,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,36 @@
+/// \file
+/// Cable friction that grows with the wrap angle (capstan): dry friction x exp(mu (theta - theta_mean)).
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr Channel kNeeds[] = {Channel::kJointAngle};
+constexpr EffectParameter kParameters[] = {
+    {"mu", "1_rad", -3.0, 3.0, 0.0, 0.0}, {"theta_mean", "rad", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant}};
+
+void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+  terms.dry *= (p[0] * (rows.joint_angle - p[1])).max(-20.0).min(20.0).exp();
+}
+
+std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  return {{0.0, rows.joint_angle.mean()}};
+}
+
+}  // namespace
+
+extern const DriveEffect bend_friction;
+const DriveEffect bend_friction = {
+    .name = "bend-friction",
+    .cause = "cable friction that grows with the angle the cable is bent by",
+    .equation = "tau_dry exp(mu (theta - theta_mean))",
+    .source = "capstan equation",
+    .look_alikes = "joint-gravity, load-nonlinearity where load and angle go together",
+    .separates = "the same load at joint angles far apart",
+    .parameters = kParameters,
+    .needs = kNeeds,
+    .apply = apply,
+    .starts = starts,
+};
+
+}  // namespace simgap::drive_effects

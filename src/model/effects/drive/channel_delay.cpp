@@ -1,0 +1,38 @@
+/// \file
+/// The effort is logged later (or earlier) than the motion by dt: effort(t) belongs to the motion at t - dt.
+#include "simgap/model/drive_effect.h"
+
+#include <cmath>
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"dt", "s", -0.5, 0.5, 0.0, 0.0}};
+
+void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) { terms.delay += p[0]; }
+
+std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  std::vector<std::vector<double>> list;
+  for (int k = -10; k <= 10; ++k) {
+    const double delay = (k + 0.37) * rows.step;  // off the samples, where the derivative jumps
+    if (std::abs(delay) < 0.5) list.push_back({delay});
+  }
+  return list;
+}
+
+}  // namespace
+
+extern const DriveEffect channel_delay;
+const DriveEffect channel_delay = {
+    .name = "channel-delay",
+    .cause = "the current is logged at another moment than the motion",
+    .equation = "I(t) from the motion at t - dt",
+    .source = "catalogue of causes",
+    .look_alikes = "presliding-hysteresis, inertia",
+    .separates = "fast reversals under load, and a knock that all channels see",
+    .parameters = kParameters,
+    .apply = apply,
+    .starts = starts,
+};
+
+}  // namespace simgap::drive_effects

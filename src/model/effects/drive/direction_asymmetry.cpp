@@ -1,0 +1,28 @@
+/// \file
+/// Dry friction that differs by the direction of motion: x (1 + a sign(w)).
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"a", "1", -0.9, 0.9, 0.0, 0.0}};
+
+void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+  terms.dry *= 1.0 + p[0] * rows.direction;
+}
+
+}  // namespace
+
+extern const DriveEffect direction_asymmetry;
+const DriveEffect direction_asymmetry = {
+    .name = "direction-asymmetry",
+    .cause = "dry friction that differs by the direction of motion",
+    .equation = "tau_dry (1 + a sign(w))",
+    .source = "catalogue of causes",
+    .look_alikes = "current-bias, torque-bias, backdrive-asymmetry",
+    .separates = "both directions under large loads of both signs",
+    .parameters = kParameters,
+    .apply = apply,
+};
+
+}  // namespace simgap::drive_effects

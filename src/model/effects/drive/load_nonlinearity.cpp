@@ -1,0 +1,29 @@
+/// \file
+/// Friction that grows faster or slower than the load: + n_2 tau_ext^2.
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectColumn kColumns[] = {{"n_2", "1_Nm"}};
+
+void fill(std::span<const double> /*p*/, const DriveRows& /*rows*/, const DriveTerms& terms,
+          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = terms.load.square() * terms.dry;
+}
+
+}  // namespace
+
+extern const DriveEffect load_nonlinearity;
+const DriveEffect load_nonlinearity = {
+    .name = "load-nonlinearity",
+    .cause = "friction that grows faster or slower than the load",
+    .equation = "tau_fr += n_2 tau_ext^2 sign(w)",
+    .source = "catalogue of causes; the next term of a series in the load",
+    .look_alikes = "coulomb-offset, torque-saturation",
+    .separates = "the same motion under at least four loads from zero to the largest",
+    .columns = kColumns,
+    .fill = fill,
+};
+
+}  // namespace simgap::drive_effects

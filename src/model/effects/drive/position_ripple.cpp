@@ -1,0 +1,71 @@
+/// \file
+/// Cogging, a gear or a screw: a force that repeats with the shaft angle, a sin(r theta) + b cos(r theta). The ratio r
+/// is searched on the spectrum of the residual over the angle, then fitted.
+#include "simgap/model/drive_effect.h"
+
+#include <algorithm>
+#include <functional>
+#include <numbers>
+#include <utility>
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr Channel kNeeds[] = {Channel::kJointAngle};
+constexpr EffectParameter kParameters[] = {{"r", "1", 0.5, 1e4, 1.0, 1.0}};
+constexpr EffectColumn kColumns[] = {{"a", "Nm"}, {"b", "Nm"}};
+
+void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*terms*/,
+          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = (p[0] * rows.joint_angle).sin();
+  x.col(1) = (p[0] * rows.joint_angle).cos();
+}
+
+/// Power of the residual over the angle: rows are summed in narrow bins of the angle, then transformed directly.
+std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& residual) {
+  constexpr Eigen::Index kBins = 2048;
+  const double low = rows.joint_angle.minCoeff(), span = rows.joint_angle.maxCoeff() - low;
+  if (!(span > 0.0)) return {};
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(kBins), angle(kBins);
+  for (Eigen::Index k = 0; k < kBins; ++k) angle[k] = (static_cast<double>(k) + 0.5) * span / kBins;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const auto bin = static_cast<Eigen::Index>((rows.joint_angle[i] - low) / span * kBins);
+    sum[std::min(bin, kBins - 1)] += residual[i];
+  }
+  // From one period in the range on: below that a ripple is a drift. A third of the bins' Nyquist frequency at most.
+  const double lowest = 2.0 * std::numbers::pi / span, highest = kBins / 3.0 * std::numbers::pi / span;
+  std::vector<std::pair<double, double>> peaks;  // power, ratio
+  double before = 0.0, last = 0.0, last_ratio = 0.0;
+  for (double r = lowest; r < highest; r += 0.15 * lowest) {
+    const double s = (sum * (r * angle).sin()).sum(), c = (sum * (r * angle).cos()).sum();
+    const double power = s * s + c * c;
+    if (last > before && last > power) peaks.emplace_back(last, last_ratio);
+    before = last;
+    last = power;
+    last_ratio = r;
+  }
+  std::ranges::sort(peaks, std::greater<>{}, &std::pair<double, double>::first);
+  peaks.resize(std::min<std::size_t>(peaks.size(), 4));
+  std::vector<std::vector<double>> list;
+  for (const auto& [power, ratio] : peaks) list.push_back({ratio});
+  return list;
+}
+
+}  // namespace
+
+extern const DriveEffect position_ripple;
+const DriveEffect position_ripple = {
+    .name = "position-ripple",
+    .cause = "a force that repeats with the shaft angle: cogging, a gear, a screw",
+    .equation = "tau += a sin(r theta) + b cos(r theta)",
+    .source = "catalogue of causes",
+    .look_alikes = "outliers, joint-gravity at low ratios",
+    .separates = "slow motion at constant speed over several periods",
+    .parameters = kParameters,
+    .columns = kColumns,
+    .needs = kNeeds,
+    .fill = fill,
+    .starts = starts,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,29 @@
+/// \file
+/// A preload that acts in the static term only (003 eq. 11: what variant B adds): + n_s2 E.
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectColumn kColumns[] = {{"n_s2", "Nm", 0.0}};
+
+void fill(std::span<const double> /*p*/, const DriveRows& /*rows*/, const DriveTerms& terms,
+          const Eigen::ArrayXd& still, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = terms.dry * still;
+}
+
+}  // namespace
+
+extern const DriveEffect static_offset;
+const DriveEffect static_offset = {
+    .name = "static-offset",
+    .cause = "a preload that makes breaking away harder, but not sliding",
+    .equation = "tau_s += n_s2",
+    .source = "003 eq. 11",
+    .look_alikes = "coulomb-offset, stribeck, presliding-hysteresis",
+    .separates = "very slow motion below v_s with the load near zero",
+    .columns = kColumns,
+    .fill = fill,
+};
+
+}  // namespace simgap::drive_effects

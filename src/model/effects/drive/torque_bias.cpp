@@ -1,0 +1,26 @@
+/// \file
+/// An offset of the torque sensor: tau_ext + tau_0, which also sets the friction.
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"tau_0", "Nm", -1e4, 1e4, 0.0, 0.0}};
+
+void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) { terms.load += p[0]; }
+
+}  // namespace
+
+extern const DriveEffect torque_bias;
+const DriveEffect torque_bias = {
+    .name = "torque-bias",
+    .cause = "the torque sensor has an offset",
+    .equation = "tau_ext + tau_0",
+    .source = "catalogue of causes",
+    .look_alikes = "current-bias, joint-gravity, direction-asymmetry",
+    .separates = "rows with nothing attached to the sensor, and loads that pass through zero",
+    .parameters = kParameters,
+    .apply = apply,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,36 @@
+/// \file
+/// Magnets that weaken as they warm: k_a (1 - alpha (T - T_mean)).
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr Channel kNeeds[] = {Channel::kTemperature};
+constexpr EffectParameter kParameters[] = {{"alpha", "1_K", -0.02, 0.02, 0.0, 0.0},
+                                           {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant}};
+
+void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+  terms.gain *= (1.0 - p[0] * (rows.temperature - p[1])).max(0.05);
+}
+
+std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  return {{0.0, rows.temperature.mean()}};
+}
+
+}  // namespace
+
+extern const DriveEffect torque_constant_heating;
+const DriveEffect torque_constant_heating = {
+    .name = "torque-constant-heating",
+    .cause = "the motor gives less torque per ampere as its magnets warm",
+    .equation = "k_a (1 - alpha (T - T_mean))",
+    .source = "catalogue of causes",
+    .look_alikes = "friction-heating, regime-change",
+    .separates = "large loads in both directions while the temperature goes up and down",
+    .parameters = kParameters,
+    .needs = kNeeds,
+    .apply = apply,
+    .starts = starts,
+};
+
+}  // namespace simgap::drive_effects

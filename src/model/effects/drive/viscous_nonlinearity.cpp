@@ -1,0 +1,34 @@
+/// \file
+/// A viscous term that saturates or grows with speed: k_v |w|^m sign(w), written k_v w |w / w_top|^(m - 1).
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"m", "1", 0.1, 4.0, 1.0, 1.0},
+                                           {"w_top", "rad_s", 1e-9, 1e9, 1.0, 1.0, EffectParameter::Kind::kConstant}};
+
+void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+  terms.viscous *= (rows.speed.abs() / p[1]).max(1e-9).pow(p[0] - 1.0);
+}
+
+std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  return {{1.0, rows.top_speed}, {0.5, rows.top_speed}, {2.0, rows.top_speed}};
+}
+
+}  // namespace
+
+extern const DriveEffect viscous_nonlinearity;
+const DriveEffect viscous_nonlinearity = {
+    .name = "viscous-nonlinearity",
+    .cause = "viscous friction that saturates or grows with speed",
+    .equation = "k_v w |w / w_top|^(m - 1)",
+    .source = "catalogue of causes",
+    .look_alikes = "stribeck, inertia, torque-saturation",
+    .separates = "at least five constant speeds up to the largest",
+    .parameters = kParameters,
+    .apply = apply,
+    .starts = starts,
+};
+
+}  // namespace simgap::drive_effects
