@@ -7,9 +7,11 @@
 #include <cmath>
 
 #include "channel_dependence.h"
+#include "log_evidence.h"
+#include "log_faults.h"
 #include "log_selection.h"
 #include "simgap/core/error.h"
-#include "simgap/measure/motion.h"
+#include "simgap/fit/uncertainty.h"
 
 namespace simgap {
 namespace {
@@ -102,15 +104,6 @@ Split splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
   return split;
 }
 
-/// Variance of the effort's fast noise, from differences between rows that follow each other within a direction.
-double noiseFloor(const DriveData& data, const Fitted& fitted) {
-  Eigen::VectorXd residual;
-  fitted.model->evaluate(fitted.theta, residual, nullptr);
-  const double level = noiseLevel(std::span<const double>(residual.data(), static_cast<std::size_t>(residual.size())));
-  static_cast<void>(data);
-  return level * level;
-}
-
 std::vector<Absorption> absorption(const std::vector<PhysicalParameter>& before,
                                    const std::vector<PhysicalParameter>& after) {
   std::vector<Absorption> list;
@@ -125,55 +118,81 @@ std::vector<Absorption> absorption(const std::vector<PhysicalParameter>& before,
   return list;
 }
 
-}  // namespace
-
-LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const LogDiagnosisOptions& options,
-                         const DiagnosisProgress& progress) {
-  LogDiagnosis result;
-  Diagnosis& d = result.diagnosis;
-  const DriveData& data = log.data;
-  d.error_unit = data.effort_unit + "2";
-  d.samples = static_cast<std::size_t>(std::ranges::count(data.keep, true));
-  const std::vector<Hypothesis> named = namedHypotheses(subject, data, options, d);
-  const std::vector<Hypothesis> unnamed = unnamedHypotheses(log);
-  const Split split = splitLog(log, options);
-  const LogSearch search(*subject.law, data, split.training, options);
-  Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
-  d.hypotheses = selection.records;
-  for (const std::string& name : selection.aliased) {
-    d.not_testable.push_back({name, "cannot be told from the model's own parameters on any data of this design"});
+/// Variance of the noise whose neighbours correlate: differences over ever longer times stop growing where the noise
+/// has forgotten itself, and the motion is still smooth.
+double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
+  constexpr Eigen::Index kLags[] = {1, 2, 4, 8, 16};
+  double floor = 0.0;
+  for (const Eigen::Index lag : kLags) {
+    std::vector<double> squares;
+    for (Eigen::Index i = lag; i < residual.size(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const auto j = static_cast<std::size_t>(i - lag);
+      if (residual[i] == 0.0 || residual[i - lag] == 0.0 || log.data.rows.session[k] != log.data.rows.session[j])
+        continue;
+      squares.push_back(std::abs(residual[i] - residual[i - lag]));
+    }
+    if (squares.size() < 100) break;
+    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+    std::nth_element(squares.begin(), middle, squares.end());
+    const double sd = *middle / 0.6745 / std::sqrt(2.0);
+    if (sd * sd < 1.05 * floor) break;
+    floor = sd * sd;
   }
-  const PieceErrors before = search.errors(selection.baseline, split.heldout);
-  d.baseline = {selection.baseline.mse, before.mse()};
-  d.extended = {selection.chosen.mse, search.errors(selection.chosen, split.heldout).mse()};
-  d.noise_floor = noiseFloor(data, selection.chosen);
+  return floor;
+}
 
-  const auto describe = [&](Fitted fitted) {
-    DriveFitResult fit;
-    const Eigen::MatrixXd covariance = search.refit(fitted, log.blocks);
-    fit.effects = fitted.model->effects();
-    fit.theta = fitted.theta;
-    fit.parameters = fitted.model->physical(fitted.theta, covariance);
-    fit.extensions = fitted.model->extensions(fitted.theta, covariance);
-    return std::make_pair(fit, fitted);
-  };
-  auto [baseline, baseline_fit] = describe(selection.baseline);
-  auto [extended, extended_fit] = describe(selection.chosen);
-  result.baseline = baseline;
-  result.extended = extended;
-  result.predicted_before = baseline_fit.model->predict(baseline_fit.theta);
-  result.predicted_after = extended_fit.model->predict(extended_fit.theta);
-  d.extensions = extended.extensions;
+/// A model fitted to all rows; `fitted` is moved there.
+DriveFitResult describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted) {
+  DriveFitResult fit;
+  const Eigen::MatrixXd covariance = search.refit(fitted, log.blocks);
+  fit.effects = fitted.model->effects();
+  fit.theta = fitted.theta;
+  fit.parameters = fitted.model->physical(fitted.theta, covariance);
+  fit.extensions = fitted.model->extensions(fitted.theta, covariance);
+  return fit;
+}
 
-  const std::size_t own = subject.effects.size();
-  PieceErrors last = before;
+Eigen::VectorXd residualOf(const Fitted& fitted) {
+  Eigen::VectorXd residual;
+  fitted.model->evaluate(fitted.theta, residual, nullptr);
+  return residual;
+}
+
+/// The smallest magnitude that would have been found: large enough against its own uncertainty (a z of 3 for the number
+/// of hypotheses, 1.6 for 95 % power), and against the least gain.
+std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
+                                   double effective_samples) {
+  std::vector<Detectable> list;
+  const double factor = std::max(4.6, std::sqrt(least_gain * effective_samples));
+  for (const Trial& trial : trials) {
+    if (!trial.identifiable || trial.fitted.theta.empty()) continue;
+    const DriveRegression& model = *trial.fitted.model;
+    const Eigen::MatrixXd covariance = blockCovariance(model, search.pieces(search.training()), trial.fitted.theta);
+    const std::vector<PhysicalParameter> all = model.physical(trial.fitted.theta, covariance);
+    const std::size_t e = model.effects().size() - 1;
+    const DriveEffect& effect = *model.effects()[e];
+    const std::size_t first = effect.columns.empty() ? model.firstParameter(e) : model.firstColumn(e);
+    const PhysicalParameter& p = all[first];
+    if (!(p.sd > 0.0)) continue;
+    const std::string name = p.name.substr(p.name.find('.') + 1);
+    list.push_back({std::string(effect.name), {}, name, p.unit, factor * p.sd});
+  }
+  return list;
+}
+
+std::vector<Cause> causesOf(const LogSearch& search, const Selection& selection, const std::vector<Block>& heldout,
+                            const DriveFitResult& baseline, const DriveFitResult& extended, std::size_t own,
+                            std::uint64_t seed) {
+  std::vector<Cause> causes;
+  PieceErrors last = search.errors(selection.baseline, heldout);
   for (std::size_t k = 0; k + 1 < selection.steps.size(); ++k) {
     const DriveEffect& effect = *extended.effects[own + k];
-    Cause& cause = d.causes.emplace_back();
+    Cause& cause = causes.emplace_back();
     cause.effect = effect.name;
     cause.sentence = effect.cause;
-    const PieceErrors now = search.errors(selection.steps[k + 1], split.heldout);
-    cause.gain_heldout = pairedGain(last, now, options.seed);
+    const PieceErrors now = search.errors(selection.steps[k + 1], heldout);
+    cause.gain_heldout = pairedGain(last, now, seed);
     last = now;
     cause.p_adjusted = selection.p_adjusted[k];
     cause.ambiguous_with = selection.ambiguous_with[k];
@@ -183,6 +202,154 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
     }
     cause.absorbed_by = absorption(baseline.parameters, extended.parameters);
   }
+  return causes;
+}
+
+constexpr double kStructure = 0.05;       // share of the error that forests have to explain to count as structure
+constexpr std::size_t kLargestGroup = 3;  // of causes that cannot be told apart; more is no answer
+
+void conclude(Diagnosis& d, const Selection& selection, double structure) {
+  const bool strange = selection.unnamed.has_value() || structure > kStructure;
+  bool grouped = false, lost = false;
+  for (const Cause& cause : d.causes) {
+    grouped = grouped || !cause.ambiguous_with.empty();
+    lost = lost || cause.ambiguous_with.size() + 1 > kLargestGroup;
+  }
+  const double unnamed_gain = selection.unnamed ? selection.unnamed->gain->value : 0.0;
+  const bool mostly_strange = d.causes.empty() ? strange : unnamed_gain > d.causes[0].gain_heldout.value;
+  d.verdict = lost || mostly_strange ? DiagnosisVerdict::kUnexplained
+              : d.causes.empty()     ? DiagnosisVerdict::kNothingFound
+              : grouped              ? DiagnosisVerdict::kAmbiguous
+                                     : DiagnosisVerdict::kCauseFound;
+  std::vector<std::string> names;
+  for (const Cause& cause : d.causes) {
+    std::string name = cause.effect;
+    for (const std::string& other : cause.ambiguous_with) name += " or " + other;
+    names.push_back(name);
+  }
+  const double gain = 100.0 * (1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
+  const std::string channel = d.unexplained.empty() ? "the logged channels" : d.unexplained[0].channel;
+  switch (d.verdict) {
+    case DiagnosisVerdict::kCauseFound:
+    case DiagnosisVerdict::kAmbiguous:
+      d.sentence =
+          fmt::format("{}: {}; the extended model's squared error is {:.1f} % lower on data never used.",
+                      d.verdict == DiagnosisVerdict::kCauseFound ? "Cause found" : "Cause found, but not alone",
+                      fmt::join(names, ", "), gain);
+      break;
+    case DiagnosisVerdict::kUnexplained:
+      d.sentence = fmt::format("Unexplained: the error depends on {} in a way that no cause of the catalogue explains.",
+                               channel);
+      break;
+    default:
+      d.sentence = fmt::format(
+          "Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, noise "
+          "floor {:.4g}.",
+          std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor));
+  }
+}
+
+std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
+  const double minutes = log.data.rows.time[log.data.rows.rows() - 1] / 60.0;
+  for (const Cause& cause : d.causes) {
+    if (cause.ambiguous_with.empty()) continue;
+    std::string text = fmt::format("To tell {} from {}: record {}", cause.effect, fmt::join(cause.ambiguous_with, ", "),
+                                   drive_effects::find(cause.effect).separates);
+    for (const std::string& other : cause.ambiguous_with) {
+      text += fmt::format("; and {}", drive_effects::find(other).separates);
+    }
+    return text + fmt::format(" ({:.0f} min at loads up to {:.3g} {} would do).", std::max(2.0, 0.2 * minutes),
+                              log.data.rows.top_load, log.data.load_unit);
+  }
+  if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) {
+    return fmt::format("Repeat one motion and load while {} is stepped up and down over its range: that shows its law.",
+                       d.unexplained[0].channel);
+  }
+  if (!d.causes.empty()) {
+    return fmt::format("To confirm {} independently: record {}.", d.causes[0].effect,
+                       drive_effects::find(d.causes[0].effect).separates);
+  }
+  if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
+  return fmt::format(
+      "Nothing is missing at this noise; smaller effects than those under `detectable` need about {:.0f} min "
+      "of log for half of their size.",
+      4.0 * minutes);
+}
+
+/// What a look outside the catalogue and forests say is left.
+std::vector<Leftover> leftovers(const Selection& selection, const PreparedLog& log, const Ceiling& left) {
+  std::vector<Leftover> list;
+  if (selection.unnamed) {
+    const std::vector<double>& fixed = selection.unnamed->hypothesis.fixed;
+    for (const double channel : {fixed[2], fixed[3]}) {
+      if (channel >= 0.0)
+        list.push_back({log.context[static_cast<std::size_t>(channel)].name, selection.unnamed->gain->value});
+    }
+  }
+  if (left.share < kStructure) return list;
+  for (const Leftover& l : left.channels) {
+    const bool known = std::ranges::any_of(list, [&](const Leftover& other) { return other.channel == l.channel; });
+    if (!known) list.push_back(l);
+  }
+  return list;
+}
+
+}  // namespace
+
+LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const LogDiagnosisOptions& options,
+                         const DiagnosisProgress& progress) {
+  LogDiagnosis result;
+  Diagnosis& d = result.diagnosis;
+  d.error_unit = log.data.effort_unit + "2";
+  d.samples = static_cast<std::size_t>(std::ranges::count(log.data.keep, true));
+  d.warnings = log.warnings;
+  d.faults = findFaults(log);
+  const auto open = [&] { return std::ranges::any_of(d.faults, [](const DataFault& f) { return !f.corrected; }); };
+  const std::vector<Hypothesis> named = namedHypotheses(subject, log.data, options, d);
+  const std::vector<Hypothesis> unnamed = unnamedHypotheses(log);
+  const Split split = splitLog(log, options);
+  const LogSearch search(*subject.law, log.data, split.training, options);
+  if (!open()) {
+    const Fitted first = search.fit(subject.effects, nullptr);
+    for (const DataFault& fault : takeOutSpikes(log, residualOf(first))) d.faults.push_back(fault);
+  }
+  if (open() && !options.ignore_faults) {
+    d.verdict = DiagnosisVerdict::kDataFault;
+    d.sentence = "Data fault: " + std::ranges::find(d.faults, false, &DataFault::corrected)->sentence + ".";
+    d.next_experiment = "Mend or leave out these rows and diagnose again, or go on with --ignore-faults.";
+    return result;
+  }
+  const Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
+  d.hypotheses = selection.records;
+  for (const std::string& name : selection.aliased) {
+    d.not_testable.push_back({name, "the model's own parameters can take its place on this data"});
+  }
+  d.baseline = {selection.baseline.mse, search.errors(selection.baseline, split.heldout).mse()};
+  d.extended = {selection.chosen.mse, search.errors(selection.chosen, split.heldout).mse()};
+
+  if (progress) progress("measuring what is left", 0.93);
+  Fitted before = selection.baseline, after = selection.chosen;
+  result.baseline = describe(search, log, before);
+  result.extended = describe(search, log, after);
+  result.predicted_before = before.model->predict(before.theta);
+  result.predicted_after = after.model->predict(after.theta);
+  d.extensions = result.extended.extensions;
+  const Eigen::VectorXd residual_before = residualOf(before), residual_after = residualOf(after);
+  d.noise_floor = noiseFloor(log, residual_after);
+  d.effective_samples = static_cast<double>(d.samples) / correlationTime(residual_after, log.data.rows.session);
+  d.causes = causesOf(search, selection, split.heldout, result.baseline, result.extended, subject.effects.size(),
+                      options.seed);
+  const std::vector<EvidenceChannel> channels = evidenceChannels(log);
+  d.evidence = binEvidence(log, channels, residual_before, residual_after);
+  const Ceiling left = explainable(log, channels, residual_after, options.seed);
+  const Ceiling whole = d.causes.empty() ? left : explainable(log, channels, residual_before, options.seed);
+  d.unexplained = leftovers(selection, log, left);
+  const double explained = std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
+  d.explained_percent = 100.0 * explained;
+  d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
+  d.detectable = detectable(search, selection.last, options.least_gain, d.effective_samples);
+  conclude(d, selection, left.share);
+  d.next_experiment = nextExperiment(d, log);
   return result;
 }
 

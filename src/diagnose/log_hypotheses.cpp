@@ -101,16 +101,21 @@ PieceErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& bl
   PieceErrors errors{Eigen::ArrayXd(static_cast<Index>(parts.size())),
                      Eigen::ArrayXd(static_cast<Index>(parts.size()))};
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    errors.sum[static_cast<Index>(k)] =
-        residual.segment(static_cast<Index>(parts[k].begin), static_cast<Index>(parts[k].size())).squaredNorm();
-    errors.rows[static_cast<Index>(k)] = rowsIn({parts[k]}, data_.keep);
+    const auto part = residual.segment(static_cast<Index>(parts[k].begin), static_cast<Index>(parts[k].size()));
+    const double rows = rowsIn({parts[k]}, data_.keep);
+    // A delay moves the rows that do not count: the mean is compared, over the rows that every model has.
+    const auto counted = static_cast<double>((part.array() != 0.0).count());
+    errors.sum[static_cast<Index>(k)] = part.squaredNorm() * rows / std::max(counted, 1.0);
+    errors.rows[static_cast<Index>(k)] = rows;
   }
   return errors;
 }
 
 Fitted LogSearch::fitFromStarts(std::shared_ptr<const DriveRegression> model,
-                                const std::vector<std::vector<double>>& starts) const {
+                                const std::vector<std::vector<double>>& at) const {
   constexpr std::size_t kToTheEnd = 2;
+  std::vector<std::vector<double>> starts;
+  for (const std::vector<double>& start : at) starts.push_back(model->solveCoefficients(start, training_));
   std::vector<std::pair<double, std::size_t>> promise;
   for (std::size_t s = 0; s < starts.size(); ++s) {
     promise.emplace_back(starts.size() > kToTheEnd ? linearisedCost(*model, training_, starts[s]) : 0.0, s);
@@ -221,6 +226,11 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   } else {
     starts.push_back(start);
   }
+  if (hypothesis.effect->name == kPresliding) {  // and where the nuisance was
+    const auto nuisance = std::ranges::find(base.model->parameters(), "presliding", &FitParameter::name);
+    starts.push_back(start);
+    starts.back()[first] = base.theta[static_cast<std::size_t>(nuisance - base.model->parameters().begin())];
+  }
   if (starts.empty()) return trial;
   trial.fitted = fitFromStarts(model, starts);
   trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
@@ -229,6 +239,8 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
   trial.identifiable = distinctShare(*model, trial.fitted.theta, training_, effects.size() - 1) > kAliased;
   if (!trial.identifiable) return trial;
+  const std::span<const double> p(trial.fitted.theta.data() + first, hypothesis.effect->parameters.size());
+  if (hypothesis.effect->counts != nullptr && !hypothesis.effect->counts(p, data_.rows)) return trial;
   validate(trial.fitted);
   trial.gain = pairedGain(base.validation, trial.fitted.validation, options_.seed);
   trial.p = pairedP(base.validation, trial.fitted.validation);

@@ -71,7 +71,7 @@ void Selector::record(const std::vector<Trial>& trials, std::optional<std::size_
       entry.outcome = "not identifiable: the model's own parameters can imitate it";
     } else if (!trial.gain) {
       entry.gain_inner = {trial.gain_training, trial.gain_training, trial.gain_training};
-      entry.outcome = "rejected: gains too little on the rows it was fitted to";
+      entry.outcome = "rejected: too small, or gains too little on the rows it was fitted to";
     } else {
       entry.gain_inner = *trial.gain;
       entry.p_adjusted = adjusted(trial, trials.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "simgap/core/random.h"
@@ -40,21 +41,58 @@ Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::ui
   return gain;
 }
 
-double pairedP(const PieceErrors& before, const PieceErrors& after) {
-  const ArrayXd difference = before.sum - after.sum;
-  const Index n = difference.size();
-  if (n < 4) return 1.0;
-  const double mean = difference.mean();
-  double squares = 0.0, neighbours = 0.0;
-  for (Index i = 0; i < n; ++i) {
-    squares += (difference[i] - mean) * (difference[i] - mean);
-    if (i > 0) neighbours += (difference[i] - mean) * (difference[i - 1] - mean);
+namespace {
+
+double upperTail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
+
+/// By how much the variance of a mean grows because neighbours are alike (AR(1)).
+double inflation(const std::vector<double>& values, double mean) {
+  double squares = 1e-300, neighbours = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    squares += (values[i] - mean) * (values[i] - mean);
+    if (i > 0) neighbours += (values[i] - mean) * (values[i - 1] - mean);
   }
-  const double variance = squares / static_cast<double>(n - 1);
-  if (variance <= 0.0) return mean > 0.0 ? 0.0 : 1.0;
   const double rho = std::clamp(neighbours / squares, 0.0, 0.9);
-  const double error = std::sqrt(variance / static_cast<double>(n) * (1.0 + rho) / (1.0 - rho));
-  return 0.5 * std::erfc(mean / error / std::sqrt(2.0));
+  return (1.0 + rho) / (1.0 - rho);
+}
+
+/// One-sided p-value of a mean of 0 or less.
+double meanTest(const std::vector<double>& values) {
+  const auto n = static_cast<double>(values.size());
+  double mean = 0.0, squares = 0.0;
+  for (const double v : values) mean += v / n;
+  for (const double v : values) squares += (v - mean) * (v - mean);
+  if (squares <= 0.0) return mean > 0.0 ? 0.0 : 1.0;
+  return upperTail(mean / std::sqrt(squares / (n - 1.0) / n * inflation(values, mean)));
+}
+
+/// The same of a symmetric distribution's centre, by signed ranks (Wilcoxon 1945).
+double rankTest(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return std::abs(values[i]); });
+  std::vector<double> ranks(values.size());
+  double sum = 0.0, squares = 0.0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const double rank = static_cast<double>(k + 1);
+    const double v = values[order[k]];
+    ranks[order[k]] = v > 0.0 ? rank : v < 0.0 ? -rank : 0.0;
+    sum += ranks[order[k]];
+    squares += rank * rank;
+  }
+  return upperTail(sum / std::sqrt(squares * inflation(ranks, sum / static_cast<double>(values.size()))));
+}
+
+}  // namespace
+
+double pairedP(const PieceErrors& before, const PieceErrors& after) {
+  if (before.sum.size() < 4) return 1.0;
+  std::vector<double> differences, ratios;
+  for (Index k = 0; k < before.sum.size(); ++k) {
+    differences.push_back(before.sum[k] - after.sum[k]);
+    ratios.push_back(std::log(std::max(before.sum[k], 1e-300) / std::max(after.sum[k], 1e-300)));
+  }
+  return std::min(1.0, 3.0 * std::min({meanTest(differences), meanTest(ratios), rankTest(differences)}));
 }
 
 }  // namespace simgap

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/fit/separable.h"
+
 namespace simgap {
 namespace {
 
@@ -144,12 +146,14 @@ DriveRegression::Evaluation DriveRegression::columns(std::span<const double> p) 
   const double shift = terms.delay / rows.step;
   const auto whole = static_cast<Index>(std::floor(shift));
   const double part = shift - static_cast<double>(whole);
+  result.keep = data_->keep;
   const Eigen::MatrixXd original = result.x;
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Index later = std::clamp(i - whole, session_begin_[k], session_end_[k] - 1);
     const Index earlier = std::clamp(i - whole - 1, session_begin_[k], session_end_[k] - 1);
     result.x.row(i) = (1.0 - part) * original.row(later) + part * original.row(earlier);
+    result.keep[k] = data_->keep[static_cast<std::size_t>(later)] && data_->keep[static_cast<std::size_t>(earlier)];
   }
   return result;
 }
@@ -176,9 +180,10 @@ void DriveRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& r
   const Evaluation e = columns(p);
   const ArrayXd predicted = predict(e, theta);
   residual = (predicted - data_->rows.effort).matrix();
+  const std::vector<bool>& keep = e.keep.empty() ? data_->keep : e.keep;
   const auto blank = [&](auto&& array) {
     for (Index i = 0; i < n; ++i) {
-      if (!data_->keep[static_cast<std::size_t>(i)]) array.row(i).setZero();
+      if (!keep[static_cast<std::size_t>(i)]) array.row(i).setZero();
     }
   };
   blank(residual);
@@ -222,6 +227,29 @@ std::vector<double> DriveRegression::startFrom(const DriveRegression& other, std
     if (found != other.parameters_.end()) start[i] = theta[static_cast<std::size_t>(found - other.parameters_.begin())];
   }
   return start;
+}
+
+std::vector<double> DriveRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks) const {
+  const Evaluation e = columns(std::span<const double>(theta).subspan(linear_));
+  const auto c = static_cast<Index>(linear_);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
+  Eigen::VectorXd row(c + 1);
+  for (const Block& b : blocks) {
+    for (std::size_t k = b.begin; k < b.end; ++k) {
+      if (!data_->keep[k]) continue;
+      const auto i = static_cast<Index>(k);
+      row << e.x.row(i).transpose(), data_->rows.effort[i];
+      gram.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    }
+  }
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  std::vector<LinearTerm> terms;
+  for (std::size_t i = 0; i < linear_; ++i) {
+    terms.push_back({parameters_[i].name, parameters_[i].lower, parameters_[i].upper, times_gain_[i]});
+  }
+  const LinearSolution solution = solveBounded(gram, terms);
+  std::copy(solution.coefficients.begin(), solution.coefficients.end(), theta.begin());
+  return theta;
 }
 
 std::vector<double> DriveRegression::thetaOf(std::span<const PhysicalParameter> physical) const {

@@ -50,14 +50,37 @@ std::vector<Index> freeOnes(const std::vector<FitParameter>& parameters, std::sp
   return free;
 }
 
-/// The damped step of the free parameters, in their units.
-VectorXd step(const Normal& normal, const std::vector<Index>& free, double damping) {
-  MatrixXd h = normal.h(free, free);
-  const VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
-  h = scale.asDiagonal() * h * scale.asDiagonal();
-  h.diagonal().array() += damping + 1e-12;
-  const VectorXd g = normal.g(free);
-  return -scale.cwiseProduct(VectorXd(h.ldlt().solve(scale.cwiseProduct(g))));
+/// The damped step within the bounds: parameters that would leave them are put on them, one after the other, and the
+/// rest is solved again. Shape (P).
+VectorXd step(const std::vector<FitParameter>& parameters, std::span<const double> theta, const Normal& normal,
+              std::vector<Index> free, double damping) {
+  VectorXd delta = VectorXd::Zero(normal.g.size());
+  while (!free.empty()) {
+    MatrixXd h = normal.h(free, free);
+    const VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
+    h = scale.asDiagonal() * h * scale.asDiagonal();
+    h.diagonal().array() += damping + 1e-12;
+    for (const Index i : free) delta[i] = 0.0;
+    const VectorXd slope = normal.g + normal.h * delta;
+    const VectorXd g = slope(free);
+    delta(free) = -scale.cwiseProduct(VectorXd(h.ldlt().solve(scale.cwiseProduct(g))));
+    Index worst = -1;
+    double excess = 0.0;
+    for (const Index i : free) {
+      const auto k = static_cast<std::size_t>(i);
+      const double end = theta[k] + delta[i];
+      const double beyond = std::max(parameters[k].lower - end, end - parameters[k].upper) * std::sqrt(normal.h(i, i));
+      if (beyond > excess) {
+        excess = beyond;
+        worst = i;
+      }
+    }
+    if (worst < 0) break;
+    const auto k = static_cast<std::size_t>(worst);
+    delta[worst] = (delta[worst] < 0.0 ? parameters[k].lower : parameters[k].upper) - theta[k];
+    std::erase(free, worst);
+  }
+  return delta;
 }
 
 }  // namespace
@@ -81,11 +104,11 @@ RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector
     bool better = false;
     double decrease = 0.0;
     for (; damping < 1e4 && !better; damping = better ? std::max(damping * 0.1, 1e-9) : damping * 10.0) {
-      const VectorXd delta = step(normal, free, damping);
+      const VectorXd delta = step(parameters, fit.theta, normal, free, damping);
       std::vector<double> trial = fit.theta;
-      for (std::size_t k = 0; k < free.size(); ++k) {
-        const auto i = static_cast<std::size_t>(free[k]);
-        trial[i] = std::clamp(trial[i] + delta[static_cast<Index>(k)], parameters[i].lower, parameters[i].upper);
+      for (const Index i : free) {
+        const auto k = static_cast<std::size_t>(i);
+        trial[k] = std::clamp(trial[k] + delta[i], parameters[k].lower, parameters[k].upper);
       }
       model.evaluate(trial, trial_residual, nullptr);
       const double cost = costOf(trial_residual, blocks);
@@ -109,10 +132,8 @@ double linearisedCost(const RowModel& model, std::span<const Block> blocks, std:
   const std::vector<Index> free = freeOnes(model.parameters(), start, normal);
   const double cost = costOf(residual, blocks);
   if (free.empty()) return cost;
-  const VectorXd delta = step(normal, free, 1e-9);
-  const VectorXd g = normal.g(free);
-  const MatrixXd h = normal.h(free, free);
-  return cost + 2.0 * g.dot(delta) + delta.dot(h * delta);
+  const VectorXd delta = step(model.parameters(), start, normal, free, 1e-9);
+  return cost + 2.0 * normal.g.dot(delta) + delta.dot(normal.h * delta);
 }
 
 Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> blocks, std::span<const double> theta) {

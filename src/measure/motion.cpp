@@ -55,6 +55,9 @@ MotionSign holdSign(std::span<const double> velocity, double widths, std::option
     sign.direction[i] = static_cast<signed char>(last);
     if (std::abs(velocity[i]) <= sign.dead_band || velocity[i] == 0.0) continue;
     const int now = velocity[i] > 0.0 ? 1 : -1;
+    // In long rests single rows leave the dead band by chance: a reversal takes two in a row, or one far outside.
+    const bool lasts = i + 1 < velocity.size() && now * velocity[i + 1] > sign.dead_band;
+    if (last != 0 && now != last && !lasts && std::abs(velocity[i]) <= 2.0 * sign.dead_band) continue;
     if (last == 0) {
       std::fill_n(sign.keep.begin(), i, false);
     } else if (now != last) {

@@ -54,9 +54,9 @@ std::string writeFittedModel(const FittedModel& model) {
   }
   if (!model.settings.empty()) text += "settings:\n";
   for (const auto& [key, value] : model.settings) text += fmt::format("  {}: {}\n", key, yamlText(value));
-  text += fmt::format("data: {{file: {}, sha256: \"{}\", rows: {}}}\nextensions: []\n", yamlText(model.data_file),
-                      model.data_sha256, model.data_rows);
-  return text;
+  text += fmt::format("data: {{file: {}, sha256: \"{}\", rows: {}}}\n", yamlText(model.data_file), model.data_sha256,
+                      model.data_rows);
+  return text + writeExtensions(model.extensions);
 }
 
 FittedModel readFittedModel(const YamlNode& root, const std::vector<std::string>& kinds) {
@@ -96,9 +96,7 @@ FittedModel readFittedModel(const YamlNode& root, const std::vector<std::string>
     model.data_sha256 = data->at("sha256").text();
     model.data_rows = static_cast<std::size_t>(data->at("rows").integer(0, std::numeric_limits<long>::max()));
   }
-  if (const auto extensions = root.find("extensions"); extensions && !extensions->items().empty()) {
-    extensions->fail("found model extensions, expected none: this command does not know them");
-  }
+  if (const auto extensions = root.find("extensions")) model.extensions = readExtensions(*extensions);
   root.expectAllRead();
   return model;
 }

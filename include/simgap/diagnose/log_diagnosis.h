@@ -17,10 +17,11 @@ struct LogDiagnosisOptions {
   std::vector<std::string> effects;  ///< only these; the whole catalogue when empty
   int max_causes = 4;
   double level = 0.05;                  ///< of the false-alarm rate of each step
-  double least_gain = 0.01;             ///< of the mean squared error that a cause has to save
+  double least_gain = 0.015;            ///< of the mean squared error that a cause has to save
   double holdout = 0.25;                ///< fraction of the blocks that only measure the gain
   std::vector<bool> heldout_rows = {};  ///< shape (rows): instead of `holdout`
   bool ignore_faults = false;
+  int self_tests = 0;  ///< injections of every effect, and of none, into this design
   std::uint64_t seed = 1;
 };
 
@@ -39,12 +40,10 @@ struct DriveFitResult {
   std::vector<Extension> extensions;
 };
 
-/// Shape of what is left against one channel, for residual_<channel>.csv.
 struct LogDiagnosis {
   Diagnosis diagnosis;
   DriveFitResult baseline, extended;
   Eigen::ArrayXd predicted_before, predicted_after;  ///< shape (rows)
-  std::vector<bool> heldout;                         ///< shape (rows)
 };
 
 /// Called with what is being done and the share of the whole that is done.

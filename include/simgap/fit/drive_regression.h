@@ -58,6 +58,8 @@ class DriveRegression : public RowModel {
 
   /// A start for this model from one with other effects: what both have is taken over, the effects' p are neutral.
   std::vector<double> startFrom(const DriveRegression& other, std::span<const double> theta) const;
+  /// The best coefficients for the p of theta on some blocks, within their bounds; p stays.
+  std::vector<double> solveCoefficients(std::vector<double> theta, std::span<const Block> blocks) const;
   /// Coefficients and p by name, for values from a model file. \param physical  parameters as PhysicalParameter has
   /// them.
   std::vector<double> thetaOf(std::span<const PhysicalParameter> physical) const;
@@ -73,6 +75,7 @@ class DriveRegression : public RowModel {
   struct Evaluation {
     Eigen::MatrixXd x;  ///< shape (rows, C), delayed, over gain
     double cubic;
+    std::vector<bool> keep = {};  ///< rows that count, moved with the delay; empty: as in the data
   };
   Evaluation columns(std::span<const double> p) const;
   Eigen::ArrayXd predict(const Evaluation& e, std::span<const double> theta) const;

@@ -22,7 +22,8 @@ struct MotionSign {
 };
 
 /// Friction keeps its sign while a drive rests, but the sign of a noisy velocity near 0 is a coin: the last direction
-/// is held through a dead band of `widths` noise levels and changes at the turning point of travel. Rows before the
+/// is held through a dead band of `widths` noise levels and changes at the turning point of travel, once two rows in a
+/// row are outside the band on the other side, or one is by as much again. Rows before the
 /// first motion and one row on each side of a reversal are left out.
 /// \param velocity  shape (rows).  \param widths  half width of the dead band in noise levels of the velocity.
 /// \param dead_band  half width itself, when it is known.

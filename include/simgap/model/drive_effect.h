@@ -19,22 +19,22 @@ namespace simgap {
 
 /// The rows of a log as effects see them; every array has shape (n), or is empty when the log has no such channel.
 struct DriveRows {
-  Eigen::ArrayXd time;          ///< [s]
-  Eigen::ArrayXd effort;        ///< what the motor drew
-  Eigen::ArrayXd speed;         ///< [rad/s]
-  Eigen::ArrayXd direction;     ///< +1 or -1: the last direction of motion, held through rests
-  Eigen::ArrayXd travel;        ///< [rad] in that direction since the row before, >= 0
-  Eigen::ArrayXd load;          ///< [N m]
-  Eigen::ArrayXd acceleration;  ///< [rad/s^2]
-  Eigen::ArrayXd rest;          ///< [s] how long the current rest lasts, or the last one lasted
-  Eigen::ArrayXd joint_angle;   ///< [rad]
-  Eigen::ArrayXd motor_angle;   ///< [rad]
-  Eigen::ArrayXd temperature;   ///< [deg C]
+  Eigen::ArrayXd time;                  ///< [s]
+  Eigen::ArrayXd effort;                ///< what the motor drew
+  Eigen::ArrayXd speed;                 ///< [rad/s]
+  Eigen::ArrayXd direction;             ///< +1 or -1: the last direction of motion, held through rests
+  Eigen::ArrayXd travel;                ///< [rad] in that direction since the row before, >= 0
+  Eigen::ArrayXd load;                  ///< [N m]
+  Eigen::ArrayXd acceleration;          ///< [rad/s^2]
+  Eigen::ArrayXd rest;                  ///< [s] how long the current rest lasts, or the last one lasted
+  Eigen::ArrayXd joint_angle;           ///< [rad]
+  Eigen::ArrayXd motor_angle;           ///< [rad]
+  Eigen::ArrayXd temperature;           ///< [deg C]
   std::vector<Eigen::ArrayXd> context;  ///< further logged channels, scaled to mean 0 and standard deviation 1
   std::vector<int> session;             ///< shape (n)
-  double step = 0.0;            ///< [s] median time between rows
-  double top_speed = 0.0;       ///< [rad/s]
-  double top_load = 0.0;        ///< [N m]
+  double step = 0.0;                    ///< [s] median time between rows
+  double top_speed = 0.0;               ///< [rad/s]
+  double top_load = 0.0;                ///< [N m]
 
   Eigen::Index rows() const { return time.size(); }
 };
@@ -96,6 +96,8 @@ struct DriveEffect {
   /// Where to search, shape (starts)(P); none: at `start` of every parameter. \param residual  shape (n) of the model
   /// without the effect.
   std::vector<std::vector<double>> (*starts)(const DriveRows& rows, const Eigen::ArrayXd& residual) = nullptr;
+  /// False for values so small that sampling alone makes them; none: every value counts.
+  bool (*counts)(std::span<const double> p, const DriveRows& rows) = nullptr;
 };
 
 namespace drive_effects {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "simgap/core/yaml.h"
+#include "simgap/model/extension.h"
 
 namespace simgap {
 
@@ -28,6 +29,7 @@ struct FittedModel {
   std::map<std::string, std::string> settings;  ///< how the model is meant: "effort", "predicts", "dead_band_rad_s" …
   std::string data_file, data_sha256;
   std::size_t data_rows = 0;
+  std::vector<Extension> extensions;  ///< causes that were added to the law (simgap/model/drive_effect.h)
 
   bool has(std::string_view name) const;
   /// \throws ConfigError when the model has no such parameter.
@@ -39,7 +41,7 @@ struct FittedModel {
 std::string writeFittedModel(const FittedModel& model);
 
 /// \throws ConfigError: another format, a kind that is none of `kinds` (any when empty), a covariance of the wrong
-///         shape, an extension.
+///         shape.
 FittedModel readFittedModel(const YamlNode& root, const std::vector<std::string>& kinds = {});
 
 }  // namespace simgap

@@ -20,6 +20,9 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
   return list;
 }
 
+/// Where a reversal lies between two rows is not known better than to half a row.
+bool counts(std::span<const double> p, const DriveRows& rows) { return std::abs(p[0]) >= 0.5 * rows.step; }
+
 }  // namespace
 
 extern const DriveEffect channel_delay;
@@ -33,6 +36,7 @@ const DriveEffect channel_delay = {
     .parameters = kParameters,
     .apply = apply,
     .starts = starts,
+    .counts = counts,
 };
 
 }  // namespace simgap::drive_effects

@@ -1,0 +1,163 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "../fit_options.h"
+#include "simgap/cli/command.h"
+#include "simgap/core/progress.h"
+#include "simgap/diagnose/log_diagnosis.h"
+#include "simgap/model/fitted_model.h"
+#include "simgap/report/diagnosis_report.h"
+
+namespace simgap::commands {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  TableOptions table;
+  std::string model, log, bench;
+  std::optional<double> ratio;
+  std::string holdout;
+  LogDiagnosisOptions diagnose;
+};
+
+/// MODEL is a file, or the name of a law.
+DriveSubject readSubject(const Options& options, Session& session, FittedModel& fitted) {
+  if (!std::filesystem::exists(options.model) && options.model.find('.') == std::string::npos) {
+    return {&friction::find(options.model), {}, {}};
+  }
+  const Input& input = session.read("model", options.model);
+  fitted = readFittedModel(YamlNode::parse(input.content, options.model), {"friction"});
+  DriveSubject subject{&friction::find(fitted.law), {}, {}};
+  for (const Extension& extension : fitted.extensions) {
+    const DriveEffect& effect = drive_effects::find(extension.effect);
+    subject.effects.push_back(&effect);
+    for (const ExtensionParameter& p : extension.parameters) {
+      subject.values.push_back({fmt::format("{}.{}", effect.name, p.name), p.unit, p.value, p.sd, false});
+    }
+  }
+  for (const FittedParameter& p : fitted.parameters) subject.values.push_back({p.name, p.unit, p.value, p.sd, p.fixed});
+  return subject;
+}
+
+/// The extended model as any other command reads it.
+FittedModel extendedModel(const FittedModel& given, const DriveSubject& subject, const LogDiagnosis& result,
+                          const DriveData& data, const Input& log) {
+  FittedModel model = given;
+  model.kind = "friction";
+  model.law = subject.law->name;
+  model.covariance.resize(0, 0);
+  model.parameters.clear();
+  for (const PhysicalParameter& p : result.extended.parameters) {
+    const bool own = p.name.find('.') == std::string::npos && p.name != "presliding";
+    if (own) model.parameters.push_back({p.name, p.unit, p.value, p.sd, false});
+  }
+  model.settings["effort"] = data.effort_unit;
+  model.extensions = result.extended.extensions;
+  model.data_file = log.file.filename().string();
+  model.data_sha256 = log.sha256;
+  model.data_rows = result.diagnosis.samples;
+  return model;
+}
+
+std::string predictionsCsv(const PreparedLog& log, const LogDiagnosis& result) {
+  CsvWriter csv({"time_s", "measured", "before", "after", "used"});
+  for (Eigen::Index i = 0; i < log.data.rows.rows(); ++i) {
+    csv.add(log.data.rows.time[i]).add(log.data.rows.effort[i]).add(result.predicted_before[i]);
+    csv.add(result.predicted_after[i]).add(log.data.keep[static_cast<std::size_t>(i)] ? 1.0 : 0.0).endRow();
+  }
+  return csv.text();
+}
+
+/// One file per channel that what is left depends on: its shape.
+void writeLeftovers(const Diagnosis& diagnosis, const RunDirectory& directory) {
+  for (const Leftover& left : diagnosis.unexplained) {
+    CsvWriter csv({left.channel, "mean_residual", "ci95", "rows"});
+    for (const EvidenceBin& b : diagnosis.evidence) {
+      if (b.against != left.channel) continue;
+      csv.add(b.center).add(b.after).add(b.after_ci95).add(static_cast<double>(b.rows)).endRow();
+    }
+    directory.write("residual_" + left.channel + ".csv", csv.text());
+  }
+}
+
+ExitCode run(const Options& given, const std::vector<std::string>& argv, const CLI::App& app) {
+  const int threads =
+      given.common.threads > 0 ? given.common.threads : static_cast<int>(std::thread::hardware_concurrency());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+  Options options = given;
+  options.diagnose.seed = options.common.seed.value_or(1);
+  Session session("diagnose", options.common, argv);
+  FittedModel fitted;
+  const DriveSubject subject = readSubject(options, session, fitted);
+  Bench bench;
+  if (!options.bench.empty()) {
+    bench = readBench(YamlNode::parse(session.read("bench", options.bench).content, options.bench));
+  }
+  if (options.ratio) bench.ratio = options.ratio;
+  const CsvTable table = session.readTable("log", options.log, options.table.csv());
+  if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", options.log, table.skippedRows());
+  const DriveLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
+  FrictionDataOptions data_options;
+  data_options.bandwidth = bench.bandwidth;
+  PreparedLog log = prepareDriveData(table, bench, log_options, data_options);
+  const Holdout holdout = readHoldout(options.holdout, table);
+  if (holdout.fraction) options.diagnose.holdout = *holdout.fraction;
+  options.diagnose.heldout_rows = holdout.rows;
+  if (options.common.dry_run) {
+    fmt::print("would diagnose {} on {} rows of {}; nothing was written\n", subject.law->name, table.rows(),
+               options.log);
+    return ExitCode::kDone;
+  }
+  session.begin(options.diagnose.seed);
+  session.directory().write("config.resolved.yaml", resolvedOptions(app));
+  Progress progress("diagnose, %", 100, options.common.quiet);
+  const LogDiagnosis result = diagnoseLog(subject, log, options.diagnose, [&](const std::string& what, double done) {
+    progress.update(static_cast<std::size_t>(100.0 * done), what);
+  });
+  for (const std::string& warning : result.diagnosis.warnings) spdlog::warn("{}", warning);
+  const RunDirectory& directory = session.directory();
+  if (result.predicted_after.size() > 0) {
+    directory.write("model.yaml",
+                    writeFittedModel(extendedModel(fitted, subject, result, log.data, session.inputs().back())));
+    directory.write("predictions.csv", predictionsCsv(log, result));
+    directory.write("hypotheses.csv", hypothesesCsv(result.diagnosis));
+    directory.write("evidence.csv", evidenceCsv(result.diagnosis));
+    writeLeftovers(result.diagnosis, directory);
+  }
+  session.finish(toJson(result.diagnosis), makePage(result.diagnosis), terminalTable(result.diagnosis));
+  return ExitCode::kDone;
+}
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
+  auto options = std::make_shared<Options>();
+  app.add_option("MODEL", options->model, "fitted friction model (YAML), or the name of a law (classic, variant-a, …)")
+      ->required();
+  app.add_option("--log", options->log, "measured log (CSV)")->required();
+  app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML; default: external_torque_Nm)");
+  app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--holdout", options->holdout,
+                 "what only measures the gain: a fraction of the blocks (default 0.25), or COLUMN=VALUE,…");
+  app.add_option("--effects", options->diagnose.effects, "try these causes only (comma-separated)")->delimiter(',');
+  app.add_option("--max-causes", options->diagnose.max_causes, "stop after so many causes")->check(CLI::Range(1, 10));
+  app.add_option("--level", options->diagnose.level, "false-alarm rate of each step")->check(CLI::Range(1e-6, 0.5));
+  app.add_option("--self-test", options->diagnose.self_tests,
+                 "hide every effect, and none, N times in this very log and count what is named")
+      ->check(CLI::Range(1, 1000));
+  app.add_flag("--ignore-faults", options->diagnose.ignore_faults, "go on where the data look wrong");
+  options->table.add(app);
+  options->common.add(app);
+  return [options, argv, &app] { return run(*options, argv, app); };
+}
+
+}  // namespace
+
+extern const Command diagnose;
+const Command diagnose{"diagnose", "what the model gets wrong, the physical cause, and the gain on data never used",
+                       "  simgap diagnose runs/friction/model.yaml --log log.csv -o runs/diagnosis", define};
+
+}  // namespace simgap::commands

@@ -1,0 +1,18 @@
+/// \file
+/// What is wrong with a log before any physics: clipped, stuck or dropped channels, mirrored ones, spikes.
+#pragma once
+
+#include <vector>
+
+#include "simgap/diagnose/log_diagnosis.h"
+
+namespace simgap {
+
+/// Faults that the channels show by themselves and against each other.
+std::vector<DataFault> findFaults(const PreparedLog& log);
+
+/// Single rows far off the model, away from reversals: they are taken out of `log` (and said so) when they are few.
+/// \param residual  shape (rows) of a fitted model, 0 where a row does not count.
+std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual);
+
+}  // namespace simgap
