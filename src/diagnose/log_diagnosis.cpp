@@ -9,7 +9,7 @@
 #include "channel_dependence.h"
 #include "log_evidence.h"
 #include "log_faults.h"
-#include "log_selection.h"
+#include "self_test.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/uncertainty.h"
 
@@ -164,7 +164,7 @@ Eigen::VectorXd residualOf(const Fitted& fitted) {
 std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
                                    double effective_samples) {
   std::vector<Detectable> list;
-  const double factor = std::max(4.6, std::sqrt(least_gain * effective_samples));
+  const double factor = detectionFactor(least_gain, effective_samples);
   for (const Trial& trial : trials) {
     if (!trial.identifiable || trial.fitted.theta.empty()) continue;
     const DriveRegression& model = *trial.fitted.model;
@@ -348,6 +348,10 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
   d.explained_percent = 100.0 * explained;
   d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
   d.detectable = detectable(search, selection.last, options.least_gain, d.effective_samples);
+  if (options.self_tests > 0) {
+    d.self_test = runSelfTest(subject, log, after, named, unnamed, d.detectable, d.effective_samples, options,
+                              split.training, progress);
+  }
   conclude(d, selection, left.share);
   d.next_experiment = nextExperiment(d, log);
   return result;

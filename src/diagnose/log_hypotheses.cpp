@@ -20,6 +20,8 @@ constexpr std::string_view kPresliding = "presliding-hysteresis";
 constexpr double kNuisancePresliding = 0.1;
 /// An effect whose signature is within that share of what the model's own parameters span is no finding of its own.
 constexpr double kAliased = 1e-3;
+/// Of the least gain: what a cause has to promise to be fitted at all.
+constexpr double kHopeless = 0.2;
 
 double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep) {
   double rows = 0.0;
@@ -112,15 +114,19 @@ PieceErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& bl
 }
 
 Fitted LogSearch::fitFromStarts(std::shared_ptr<const DriveRegression> model,
-                                const std::vector<std::vector<double>>& at) const {
+                                const std::vector<std::vector<double>>& at, double hopeless) const {
   constexpr std::size_t kToTheEnd = 2;
   std::vector<std::vector<double>> starts;
   for (const std::vector<double>& start : at) starts.push_back(model->solveCoefficients(start, training_));
   std::vector<std::pair<double, std::size_t>> promise;
   for (std::size_t s = 0; s < starts.size(); ++s) {
-    promise.emplace_back(starts.size() > kToTheEnd ? linearisedCost(*model, training_, starts[s]) : 0.0, s);
+    promise.emplace_back(
+        starts.size() > kToTheEnd || hopeless > 0.0 ? linearisedCost(*model, training_, starts[s]) : 0.0, s);
   }
   std::ranges::stable_sort(promise);
+  if (hopeless > 0.0 && promise[0].first > hopeless) {
+    return {model, starts[promise[0].second], promise[0].first / training_rows_, {}};
+  }
   promise.resize(std::min(promise.size(), kToTheEnd));
   Fitted best{model, {}, 0.0, {}};
   for (std::size_t k = 0; k < promise.size(); ++k) {
@@ -232,7 +238,8 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
     starts.back()[first] = base.theta[static_cast<std::size_t>(nuisance - base.model->parameters().begin())];
   }
   if (starts.empty()) return trial;
-  trial.fitted = fitFromStarts(model, starts);
+  // Most causes change nothing: the linearised model says so without a fit.
+  trial.fitted = fitFromStarts(model, starts, (1.0 - kHopeless * options_.least_gain) * base.mse * training_rows_);
   trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
   if (trial.gain_training < 0.5 * options_.least_gain) return trial;
   refineScanned(trial.fitted, starts);

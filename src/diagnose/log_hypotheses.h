@@ -64,9 +64,10 @@ class LogSearch {
 
  private:
   Trial tryOne(const Fitted& base, const Hypothesis& hypothesis) const;
-  /// From each start, the most promising ones to the end.
-  Fitted fitFromStarts(std::shared_ptr<const DriveRegression> model,
-                       const std::vector<std::vector<double>>& starts) const;
+  /// From each start, the most promising ones to the end. \param hopeless  cost that one of them has to promise to stay
+  /// below, or there is no fit; 0: none.
+  Fitted fitFromStarts(std::shared_ptr<const DriveRegression> model, const std::vector<std::vector<double>>& starts,
+                       double hopeless = 0.0) const;
   void refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const;
   std::shared_ptr<const DriveRegression> makeModel(const std::vector<const DriveEffect*>& effects) const;
 

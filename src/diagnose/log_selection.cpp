@@ -187,6 +187,10 @@ Selection Selector::run(const std::vector<const DriveEffect*>& own, const std::v
 
 }  // namespace
 
+double detectionFactor(double least_gain, double effective_samples) {
+  return std::max(4.6, std::sqrt(least_gain * effective_samples));
+}
+
 Selection selectCauses(const LogSearch& search, const std::vector<const DriveEffect*>& own,
                        const std::vector<Hypothesis>& hypotheses, const std::vector<Hypothesis>& unnamed,
                        const LogDiagnosisOptions& options, const DiagnosisProgress& progress) {

@@ -19,6 +19,10 @@ struct Selection {
   std::vector<HypothesisRecord> records;
 };
 
+/// How many standard deviations an effect has to be large to be found: a z of 3 for the number of hypotheses, 1.6 for
+/// 95 % power, and the least gain.
+double detectionFactor(double least_gain, double effective_samples);
+
 /// \param hypotheses  named; \param unnamed  outside the catalogue
 Selection selectCauses(const LogSearch& search, const std::vector<const DriveEffect*>& own,
                        const std::vector<Hypothesis>& hypotheses, const std::vector<Hypothesis>& unnamed,

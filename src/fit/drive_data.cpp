@@ -1,5 +1,7 @@
 #include "simgap/fit/drive_data.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -145,6 +147,33 @@ PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const Dr
   rows.temperature = optional(table, "temperature", "degC");
   addContext(table, log);
   return log;
+}
+
+DriveSubject subjectOf(const FittedModel& model) {
+  DriveSubject subject{&friction::find(model.law), {}, {}};
+  for (const Extension& extension : model.extensions) {
+    const DriveEffect& effect = drive_effects::find(extension.effect);
+    subject.effects.push_back(&effect);
+    for (const ExtensionParameter& p : extension.parameters) {
+      const bool known =
+          std::ranges::find(effect.columns, p.name, &EffectColumn::name) != effect.columns.end() ||
+          std::ranges::find(effect.parameters, p.name, &EffectParameter::name) != effect.parameters.end();
+      if (!known) {
+        throw ConfigError(fmt::format("found the parameter {} in the extension {}, which has none of that name", p.name,
+                                      effect.name));
+      }
+      subject.values.push_back({fmt::format("{}.{}", effect.name, p.name), p.unit, p.value, p.sd, false});
+    }
+    for (const EffectColumn& column : effect.columns) static_cast<void>(extension.value(column.name));
+    for (const EffectParameter& p : effect.parameters) static_cast<void>(extension.value(p.name));
+  }
+  for (const FittedParameter& p : model.parameters) subject.values.push_back({p.name, p.unit, p.value, p.sd, p.fixed});
+  return subject;
+}
+
+Eigen::ArrayXd predictExtended(const DriveSubject& subject, const DriveData& data) {
+  const DriveRegression regression(*subject.law, subject.effects, data, std::nullopt);
+  return regression.predict(regression.thetaOf(subject.values));
 }
 
 }  // namespace simgap

@@ -82,6 +82,7 @@ DriveRegression::DriveRegression(const FrictionLaw& law, std::vector<const Drive
       add(fmt::format("{}.{}", effect->name, p.name), unitOn(p.unit, data), p.lower, p.upper, p.kind != Kind::kSmooth);
     }
   }
+  log_speed_ = data.rows.speed.abs().max(1e-12).log();
   const std::vector<int>& session = data.rows.session;
   const auto n = static_cast<std::size_t>(data.rows.rows());
   session_begin_.resize(n);
@@ -98,104 +99,144 @@ void DriveRegression::add(std::string name, std::string unit, double lower, doub
   parameters_.push_back({std::move(name), std::move(unit), lower, upper, fixed});
 }
 
-DriveRegression::Evaluation DriveRegression::columns(std::span<const double> p) const {
+DriveRegression::Terms DriveRegression::terms(std::span<const double> p) const {
   const DriveRows& rows = data_->rows;
-  const Index n = rows.rows();
-  DriveTerms terms{rows.load, rows.direction, rows.speed, ArrayXd(), 0.0, 0.0};
-  terms.gain = ArrayXd::Ones(n);
+  Terms t{{rows.load, rows.direction, rows.speed, ArrayXd(), 0.0, 0.0}, ArrayXd()};
   std::size_t at = 0;
-  ArrayXd still = ArrayXd::Zero(n);
   if (law_->hasStribeck()) {
-    still = (-(p[1] * (rows.speed.abs().max(1e-12).log() - std::log(p[0]))).min(50.0).exp()).exp();
+    t.still = (-(p[1] * (log_speed_ - std::log(p[0]))).min(50.0).exp()).exp();
     at = 2;
+  } else {
+    t.still = ArrayXd::Zero(rows.rows());
   }
-  if (presliding_) drive_effects::find("presliding-hysteresis").apply(p.subspan(at++, 1), rows, terms);
-  const auto own = [&](std::size_t e) { return p.subspan(p_begin_[e] - linear_, effects_[e]->parameters.size()); };
+  if (presliding_) drive_effects::find("presliding-hysteresis").apply(p.subspan(at++, 1), rows, t.shared);
   for (std::size_t e = 0; e < effects_.size(); ++e) {
-    if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e), rows, terms);
+    if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e, p), rows, t.shared);
   }
-  Evaluation result{Eigen::MatrixXd(n, static_cast<Index>(linear_)), terms.cubic};
-  auto x = result.x.array();
-  x.col(0) = terms.load;
-  Index j = 1;
-  for (const FrictionTerm& term : law_->terms) {
-    auto column = x.col(j++);
-    if (term.basis == FrictionBasis::kVelocity) {
-      column = terms.viscous;
-    } else if (term.basis == FrictionBasis::kLoad) {
-      column = terms.load.abs() * terms.dry;
+  return t;
+}
+
+template <typename Visit>
+void DriveRegression::visitColumns(const Terms& t, std::span<const double> p, const Visit& visit) const {
+  const DriveTerms& terms = t.shared;
+  const bool gain = terms.gain.size() > 0;
+  std::size_t j = 0;
+  const auto give = [&](const auto& column) {
+    if (gain && (j == 0 || times_gain_[j])) {
+      visit(j, column / terms.gain);
     } else {
-      column = terms.dry;
+      visit(j, column);
     }
-    if (term.shape == FrictionShape::kStatic) column *= still;
-    if (term.shape == FrictionShape::kSliding) column *= 1.0 - still;
+    ++j;
+  };
+  const auto shaped = [&](const auto& column, FrictionShape shape) {
+    if (shape == FrictionShape::kStatic) {
+      give(column * t.still);
+    } else if (shape == FrictionShape::kSliding) {
+      give(column * (1.0 - t.still));
+    } else {
+      give(column);
+    }
+  };
+  give(terms.load);
+  for (const FrictionTerm& term : law_->terms) {
+    if (term.basis == FrictionBasis::kVelocity) {
+      shaped(terms.viscous, term.shape);
+    } else if (term.basis == FrictionBasis::kLoad) {
+      shaped(terms.load.abs() * terms.dry, term.shape);
+    } else {
+      shaped(terms.dry, term.shape);
+    }
   }
-  for (Index k = 0; k < data_->rig.cols(); ++k) x.col(j++) = data_->rig.col(k);
-  if (data_->offset) x.col(j++) = 1.0;
+  for (Index k = 0; k < data_->rig.cols(); ++k) give(data_->rig.col(k));
+  if (data_->offset) give(ArrayXd::Ones(rows()));
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     const auto count = static_cast<Index>(effects_[e]->columns.size());
     if (count == 0) continue;
-    effects_[e]->fill(own(e), rows, terms, still, x.middleCols(j, count));
-    j += count;
+    Eigen::ArrayXXd added(rows(), count);
+    effects_[e]->fill(own(e, p), data_->rows, terms, t.still, added);
+    for (Index k = 0; k < count; ++k) give(added.col(k));
   }
-  for (std::size_t c = 0; c < linear_; ++c) {
-    if (c == 0 || times_gain_[c]) x.col(static_cast<Index>(c)) /= terms.gain;
-  }
-  if (terms.delay == 0.0) return result;
+}
+
+DriveRegression::Shift DriveRegression::shift(double delay) const {
+  const double shift = delay / data_->rows.step;
+  const double whole = std::floor(shift);
+  return {static_cast<Index>(whole), shift - whole};
+}
+
+template <typename Array>
+void DriveRegression::delayRows(Array& array, double delay) const {
+  if (delay == 0.0) return;
   // effort(t) = P(t - delay): between the two rows before that moment, within the session.
-  const double shift = terms.delay / rows.step;
-  const auto whole = static_cast<Index>(std::floor(shift));
-  const double part = shift - static_cast<double>(whole);
-  result.keep = data_->keep;
-  const Eigen::MatrixXd original = result.x;
-  for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const Index later = std::clamp(i - whole, session_begin_[k], session_end_[k] - 1);
-    const Index earlier = std::clamp(i - whole - 1, session_begin_[k], session_end_[k] - 1);
-    result.x.row(i) = (1.0 - part) * original.row(later) + part * original.row(earlier);
-    result.keep[k] = data_->keep[static_cast<std::size_t>(later)] && data_->keep[static_cast<std::size_t>(earlier)];
+  const Shift by = shift(delay);
+  const Array original = array;
+  for (Index i = 0; i < rows(); ++i) {
+    array.row(i) =
+        (1.0 - by.part) * original.row(source(i, by.whole)) + by.part * original.row(source(i, by.whole + 1));
   }
+}
+
+Eigen::Index DriveRegression::source(Index row, Index by) const {
+  const auto k = static_cast<std::size_t>(row);
+  return std::clamp(row - by, session_begin_[k], session_end_[k] - 1);
+}
+
+std::vector<bool> DriveRegression::counted(double delay) const {
+  if (delay == 0.0) return data_->keep;
+  const Shift by = shift(delay);
+  std::vector<bool> keep(data_->keep.size());
+  for (Index i = 0; i < rows(); ++i) {
+    keep[static_cast<std::size_t>(i)] = data_->keep[static_cast<std::size_t>(source(i, by.whole))] &&
+                                        data_->keep[static_cast<std::size_t>(source(i, by.whole + 1))];
+  }
+  return keep;
+}
+
+DriveRegression::Evaluation DriveRegression::columns(std::span<const double> p) const {
+  const Terms t = terms(p);
+  Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.cubic, t.shared.delay};
+  visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(static_cast<Index>(j)) = column; });
+  delayRows(result.x, t.shared.delay);
   return result;
 }
 
-Eigen::ArrayXd DriveRegression::predict(const Evaluation& e, std::span<const double> theta) const {
-  const ArrayXd linear = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), static_cast<Index>(linear_));
-  return e.cubic == 0.0 ? linear : ArrayXd(linear + e.cubic * linear.cube());
-}
-
 Eigen::ArrayXd DriveRegression::predict(std::span<const double> theta) const {
-  return predict(columns(theta.subspan(linear_)), theta);
-}
-
-Eigen::ArrayXd DriveRegression::friction(std::span<const double> theta) const {
-  std::vector<double> without(theta.begin(), theta.end());
-  without[0] = 0.0;
-  return predict(without);
+  const std::span<const double> p = theta.subspan(linear_);
+  const Terms t = terms(p);
+  ArrayXd sum = ArrayXd::Zero(rows());
+  visitColumns(t, p, [&](std::size_t j, const auto& column) { sum += theta[j] * column; });
+  delayRows(sum, t.shared.delay);
+  return t.shared.cubic == 0.0 ? sum : ArrayXd(sum + t.shared.cubic * sum.cube());
 }
 
 void DriveRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& residual,
                                Eigen::MatrixXd* jacobian) const {
   const Index n = rows();
-  const std::span<const double> p = theta.subspan(linear_);
-  const Evaluation e = columns(p);
-  const ArrayXd predicted = predict(e, theta);
-  residual = (predicted - data_->rows.effort).matrix();
-  const std::vector<bool>& keep = e.keep.empty() ? data_->keep : e.keep;
-  const auto blank = [&](auto&& array) {
+  const auto linear = static_cast<Index>(linear_);
+  const auto blank = [&](auto&& array, const std::vector<bool>& keep) {
     for (Index i = 0; i < n; ++i) {
       if (!keep[static_cast<std::size_t>(i)]) array.row(i).setZero();
     }
   };
-  blank(residual);
-  if (jacobian == nullptr) return;
+  if (jacobian == nullptr) {
+    residual = (predict(theta) - data_->rows.effort).matrix();
+    double delay = 0.0;
+    for (std::size_t e = 0; e < effects_.size(); ++e) {
+      if (effects_[e]->name == "channel-delay") delay = theta[p_begin_[e]];
+    }
+    blank(residual, counted(delay));
+    return;
+  }
+  const Evaluation e = columns(theta.subspan(linear_));
+  const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
+  const ArrayXd predicted = x_c.array() + e.cubic * x_c.array().cube();
+  residual = (predicted - data_->rows.effort).matrix();
   jacobian->resize(n, static_cast<Index>(parameters_.size()));
-  const auto linear = static_cast<Index>(linear_);
   if (e.cubic == 0.0) {
     jacobian->leftCols(linear) = e.x;
   } else {
-    const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
-    const ArrayXd slope = 1.0 + 3.0 * e.cubic * x_c.array().square();
-    jacobian->leftCols(linear) = (e.x.array().colwise() * slope).matrix();
+    jacobian->leftCols(linear) = (e.x.array().colwise() * (1.0 + 3.0 * e.cubic * x_c.array().square())).matrix();
   }
   std::vector<double> moved(theta.begin(), theta.end());
   for (std::size_t i = linear_; i < parameters_.size(); ++i) {
@@ -208,10 +249,12 @@ void DriveRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& r
     double h = 1e-5 * std::max(std::abs(theta[i]), 1e-2);
     if (theta[i] + h > parameter.upper) h = -h;
     moved[i] = theta[i] + h;
-    column = ((predict(columns(std::span<const double>(moved).subspan(linear_)), moved) - predicted) / h).matrix();
+    column = ((predict(moved) - predicted) / h).matrix();
     moved[i] = theta[i];
   }
-  blank(*jacobian);
+  const std::vector<bool> keep = counted(e.delay);
+  blank(residual, keep);
+  blank(*jacobian, keep);
 }
 
 std::vector<double> DriveRegression::startFrom(const DriveRegression& other, std::span<const double> theta) const {

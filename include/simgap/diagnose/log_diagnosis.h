@@ -25,13 +25,6 @@ struct LogDiagnosisOptions {
   std::uint64_t seed = 1;
 };
 
-/// The model as the user has it.
-struct DriveSubject {
-  const FrictionLaw* law;
-  std::vector<const DriveEffect*> effects;  ///< of its extensions
-  std::vector<PhysicalParameter> values;    ///< as the file holds them; empty for a law alone
-};
-
 /// A model fitted to all rows, with what is known of its parameters.
 struct DriveFitResult {
   std::vector<const DriveEffect*> effects;

@@ -9,6 +9,7 @@
 #include "simgap/core/csv.h"
 #include "simgap/fit/drive_regression.h"
 #include "simgap/fit/friction_data.h"
+#include "simgap/model/fitted_model.h"
 
 namespace simgap {
 
@@ -32,5 +33,18 @@ struct PreparedLog {
 /// \throws DataError as readDriveLog and prepareFrictionData.
 PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const DriveLogOptions& log_options,
                              FrictionDataOptions options);
+
+/// A friction model as the user has it.
+struct DriveSubject {
+  const FrictionLaw* law;
+  std::vector<const DriveEffect*> effects;  ///< of its extensions
+  std::vector<PhysicalParameter> values;    ///< as the file holds them; empty for a law alone
+};
+
+/// \throws ConfigError: another kind than friction, an unknown law or effect, a parameter that an effect does not have.
+DriveSubject subjectOf(const FittedModel& model);
+
+/// What an extended friction model predicts for a log, shape (rows).
+Eigen::ArrayXd predictExtended(const DriveSubject& subject, const DriveData& data);
 
 }  // namespace simgap

@@ -68,18 +68,34 @@ class DriveRegression : public RowModel {
 
   /// What the model predicts, shape (rows), also in rows that do not count.
   Eigen::ArrayXd predict(std::span<const double> theta) const;
-  /// Friction in the unit of the effort (everything but the load's own share), shape (rows).
-  Eigen::ArrayXd friction(std::span<const double> theta) const;
 
  private:
   struct Evaluation {
     Eigen::MatrixXd x;  ///< shape (rows, C), delayed, over gain
     double cubic;
-    std::vector<bool> keep = {};  ///< rows that count, moved with the delay; empty: as in the data
+    double delay;
+  };
+  struct Terms {
+    DriveTerms shared;
+    Eigen::ArrayXd still;  ///< shape (rows): E of the Stribeck term, 0 for laws without one
+  };
+  struct Shift {
+    Eigen::Index whole;  ///< rows
+    double part;         ///< of a row
   };
   Evaluation columns(std::span<const double> p) const;
-  Eigen::ArrayXd predict(const Evaluation& e, std::span<const double> theta) const;
-  bool timesGain(std::size_t i) const { return times_gain_[i]; }
+  Terms terms(std::span<const double> p) const;
+  /// Calls `visit(j, column)` for each column, over gain, not delayed.
+  template <typename Visit>
+  void visitColumns(const Terms& terms, std::span<const double> p, const Visit& visit) const;
+  Shift shift(double delay) const;
+  template <typename Array>
+  void delayRows(Array& array, double delay) const;
+  Eigen::Index source(Eigen::Index row, Eigen::Index by) const;
+  std::vector<bool> counted(double delay) const;
+  std::span<const double> own(std::size_t effect, std::span<const double> p) const {
+    return p.subspan(p_begin_[effect] - linear_, effects_[effect]->parameters.size());
+  }
   void add(std::string name, std::string unit, double lower, double upper, bool fixed = false);
 
   const FrictionLaw* law_;
@@ -90,6 +106,7 @@ class DriveRegression : public RowModel {
   std::vector<bool> times_gain_;  ///< shape (C)
   std::size_t linear_ = 0;
   std::vector<std::size_t> p_begin_, column_begin_;
+  Eigen::ArrayXd log_speed_;                               ///< shape (rows)
   std::vector<Eigen::Index> session_begin_, session_end_;  ///< shape (rows): limits of the row's session
 };
 

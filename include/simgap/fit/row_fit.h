@@ -32,7 +32,7 @@ struct RowFit {
 
 struct RowFitOptions {
   int max_iterations = 40;
-  double tolerance = 1e-6;  ///< relative decrease of the cost that counts as none
+  double tolerance = 1e-5;  ///< relative decrease of the cost that counts as none
 };
 
 /// \param start  shape (P); moved into the bounds.

@@ -31,35 +31,28 @@ DriveSubject readSubject(const Options& options, Session& session, FittedModel& 
   }
   const Input& input = session.read("model", options.model);
   fitted = readFittedModel(YamlNode::parse(input.content, options.model), {"friction"});
-  DriveSubject subject{&friction::find(fitted.law), {}, {}};
-  for (const Extension& extension : fitted.extensions) {
-    const DriveEffect& effect = drive_effects::find(extension.effect);
-    subject.effects.push_back(&effect);
-    for (const ExtensionParameter& p : extension.parameters) {
-      subject.values.push_back({fmt::format("{}.{}", effect.name, p.name), p.unit, p.value, p.sd, false});
-    }
-  }
-  for (const FittedParameter& p : fitted.parameters) subject.values.push_back({p.name, p.unit, p.value, p.sd, p.fixed});
-  return subject;
+  return subjectOf(fitted);
 }
 
-/// The extended model as any other command reads it.
-FittedModel extendedModel(const FittedModel& given, const DriveSubject& subject, const LogDiagnosis& result,
-                          const DriveData& data, const Input& log) {
+/// A model as any other command reads it: the law refitted to the log, with the effects of `fit`.
+FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, const DriveFitResult& fit,
+                      const DriveData& data, double dead_band, std::size_t rows, const Input& log) {
   FittedModel model = given;
   model.kind = "friction";
   model.law = subject.law->name;
   model.covariance.resize(0, 0);
   model.parameters.clear();
-  for (const PhysicalParameter& p : result.extended.parameters) {
+  for (const PhysicalParameter& p : fit.parameters) {
     const bool own = p.name.find('.') == std::string::npos && p.name != "presliding";
     if (own) model.parameters.push_back({p.name, p.unit, p.value, p.sd, false});
   }
   model.settings["effort"] = data.effort_unit;
-  model.extensions = result.extended.extensions;
+  model.settings.try_emplace("predicts", "effort");
+  model.settings[quantityName("dead_band", data.velocity_unit)] = fmt::format("{}", dead_band);
+  model.extensions = fit.extensions;
   model.data_file = log.file.filename().string();
   model.data_sha256 = log.sha256;
-  model.data_rows = result.diagnosis.samples;
+  model.data_rows = rows;
   return model;
 }
 
@@ -121,12 +114,16 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
   for (const std::string& warning : result.diagnosis.warnings) spdlog::warn("{}", warning);
   const RunDirectory& directory = session.directory();
   if (result.predicted_after.size() > 0) {
-    directory.write("model.yaml",
-                    writeFittedModel(extendedModel(fitted, subject, result, log.data, session.inputs().back())));
+    for (const auto& [name, fit] : {std::pair("baseline.yaml", &result.baseline), {"model.yaml", &result.extended}}) {
+      const FittedModel model =
+          modelFile(fitted, subject, *fit, log.data, log.dead_band, result.diagnosis.samples, session.inputs().back());
+      directory.write(name, writeFittedModel(model));
+    }
     directory.write("predictions.csv", predictionsCsv(log, result));
     directory.write("hypotheses.csv", hypothesesCsv(result.diagnosis));
     directory.write("evidence.csv", evidenceCsv(result.diagnosis));
     writeLeftovers(result.diagnosis, directory);
+    if (result.diagnosis.self_test) directory.write("confusion.csv", confusionCsv(*result.diagnosis.self_test));
   }
   session.finish(toJson(result.diagnosis), makePage(result.diagnosis), terminalTable(result.diagnosis));
   return ExitCode::kDone;

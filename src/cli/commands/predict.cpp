@@ -6,6 +6,7 @@
 #include "../drive_command.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/csv.h"
+#include "simgap/fit/drive_data.h"
 #include "simgap/measure/motion.h"
 #include "simgap/model/pam.h"
 
@@ -39,6 +40,19 @@ Prediction predictFriction(const FittedModel& model, const Options& options, Ses
   }
   FrictionDataOptions data_options;
   data_options.dead_band = parseNumber(model.setting(quantityName("dead_band", log.velocityUnit())));
+  if (!model.extensions.empty()) {
+    const PreparedLog prepared = prepareDriveData(table, bench, log_options, data_options);
+    const Eigen::ArrayXd predicted = predictExtended(subjectOf(model), prepared.data);
+    Prediction extended{log.effort_name, log.effort_unit, {}, {}, {}, 0};
+    for (Eigen::Index i = 0; i < predicted.size(); ++i) {
+      if (!prepared.data.keep[static_cast<std::size_t>(i)]) continue;
+      extended.time.push_back(prepared.data.rows.time[i]);
+      extended.predicted.push_back(predicted[i]);
+      extended.measured.push_back(prepared.data.rows.effort[i]);
+    }
+    extended.refused = log.rows() - extended.time.size();
+    return extended;
+  }
   const FrictionData data = prepareFrictionData(std::move(log), bench, data_options);
   const FrictionLaw& law = friction::find(model.law);
   const DriveFeedForward drive = feedForward(law, estimatesOf(model));
@@ -114,6 +128,10 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   Session session("predict", options.common, argv);
   const Input& input = session.read("model", options.model);
   const FittedModel model = readFittedModel(YamlNode::parse(input.content, options.model));
+  if (model.kind != "friction" && !model.extensions.empty()) {
+    throw ConfigError(fmt::format("{}: found extensions in a {} model, expected them in friction models only",
+                                  options.model, model.kind));
+  }
   const Prediction p = model.kind == "friction" ? predictFriction(model, options, session)
                        : model.kind == "pam"    ? predictPam(model, options, session)
                                                 : predictDrive(model, options, session);

@@ -10,7 +10,8 @@ constexpr EffectParameter kParameters[] = {{"alpha", "1_K", -0.02, 0.02, 0.0, 0.
                                            {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 
 void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
-  terms.gain *= (1.0 - p[0] * (rows.temperature - p[1])).max(0.05);
+  const Eigen::ArrayXd gain = (1.0 - p[0] * (rows.temperature - p[1])).max(0.05);
+  terms.gain = terms.gain.size() > 0 ? Eigen::ArrayXd(terms.gain * gain) : gain;
 }
 
 std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {

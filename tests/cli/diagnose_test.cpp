@@ -1,0 +1,172 @@
+// `simgap diagnose` on logs as a user runs it: hidden effects are found by name, silence where there is none, faults
+// first.
+#include <fstream>
+
+#include "cli/cli_fixture.h"
+#include "support/diagnosis_study.h"
+
+namespace simgap::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
+
+class DiagnoseTest : public CliTest {
+ protected:
+  /// A short log with the secret at a size that stands out.
+  static reality::DriveDraw shortDraw(std::uint64_t seed) {
+    reality::DriveDraw draw = reality::drawNone(seed);
+    draw.rig.rows = 12000;
+    return draw;
+  }
+  LogAnswer ask(const reality::DriveDraw& draw) const { return diagnoseDraw(draw, folder_.path(), SIMGAP_BINARY); }
+  /// The log of a draw, with cells changed. \param change  gets the row's number and its cells
+  void putLog(const reality::DriveDraw& draw, const std::function<void(reality::DriveRecord&)>& change) const {
+    reality::DriveRecord record = reality::recordDrive(draw.rig, draw.secret);
+    change(record);
+    put("log.csv", record.csv());
+  }
+  Json diagnoseLog(const Arguments& more = {}) const {
+    Arguments all{"diagnose", "classic", "--log", "log.csv", "-q", "--force", "-o", "d"};
+    all.insert(all.end(), more.begin(), more.end());
+    succeed(all);
+    return Json::parse(text("d/result.json"));
+  }
+};
+
+TEST_F(DiagnoseTest, IsSilentWhereNothingIsHidden) {
+  const LogAnswer answer = ask(shortDraw(11));
+  EXPECT_EQ(answer.verdict(), "nothing-found") << answer.result.dump(1);
+  EXPECT_TRUE(answer.causes().empty());
+  EXPECT_GT(answer.result.at("detectable").size(), 10u);
+  const double floor = answer.result.at("baseline").at("noise_floor");
+  EXPECT_NEAR(floor, std::pow(answer.draw.rig.current_noise, 2), 0.15 * floor);
+}
+
+TEST_F(DiagnoseTest, NamesAnAdhesionOffsetAndExtendsTheModel) {
+  reality::DriveDraw draw = shortDraw(12);
+  draw.effects = {"coulomb-offset"};
+  draw.secret.coulomb_offset = 0.35;
+  const LogAnswer answer = ask(draw);
+  ASSERT_TRUE(answer.namedAlone("coulomb-offset")) << answer.result.dump(1);
+  const Json cause = answer.result.at("causes")[0];
+  const Json n_c2 = cause.at("parameters")[0];
+  EXPECT_EQ(n_c2.at("name"), "n_c2");
+  EXPECT_NEAR(n_c2.at("value").get<double>(), 0.35, 0.06);
+  EXPECT_GT(cause.at("gain_ci95")[0].get<double>(), 0.0);
+  EXPECT_FALSE(cause.at("absorbed_by").empty());
+  EXPECT_THAT(entries(path("d")), IsSupersetOf({"baseline.yaml", "evidence.csv", "hypotheses.csv", "model.yaml",
+                                                "predictions.csv", "report.html", "result.json"}));
+  const double fresh = gainOnFreshLog(draw, folder_.path(), SIMGAP_BINARY);
+  EXPECT_GT(fresh, 0.5 * cause.at("gain_heldout_percent").get<double>() / 100.0);
+  // The extended model is a model like any other: nothing is left to find in it.
+  succeed({"diagnose", "d/model.yaml", "--log", "log.csv", "-q", "-o", "again"});
+  EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "nothing-found");
+}
+
+TEST_F(DiagnoseTest, NamesADelayBetweenChannels) {
+  reality::DriveDraw draw = shortDraw(13);
+  draw.effects = {"channel-delay"};
+  draw.secret.delay = 0.05;
+  const LogAnswer answer = ask(draw);
+  ASSERT_TRUE(answer.namedAlone("channel-delay")) << answer.result.dump(1);
+  EXPECT_NEAR(answer.result.at("causes")[0].at("parameters")[0].at("value").get<double>(), 0.05, 0.01);
+}
+
+TEST_F(DiagnoseTest, NamesHeating) {
+  reality::DriveDraw draw = shortDraw(14);
+  draw.effects = {"friction-heating"};
+  draw.secret.viscous_heating = 0.04;
+  draw.secret.dry_heating = 0.02;
+  EXPECT_TRUE(ask(draw).namedAlone("friction-heating"));
+}
+
+TEST_F(DiagnoseTest, SaysUnexplainedAndTheChannelForWhatHasNoName) {
+  reality::DriveDraw draw = shortDraw(15);
+  draw.secret.humid_friction = 0.15;
+  const LogAnswer answer = ask(draw);
+  EXPECT_EQ(answer.verdict(), "unexplained") << answer.result.dump(1);
+  EXPECT_EQ(answer.result.at("unexplained")[0].at("channel"), "humidity_percent");
+  EXPECT_THAT(text("d/residual_humidity_percent.csv"), HasSubstr("humidity_percent,mean_residual"));
+  EXPECT_THAT(answer.result.at("next_experiment").get<std::string>(), HasSubstr("humidity_percent"));
+}
+
+TEST_F(DiagnoseTest, TheSameSeedGivesTheSameAnswerForAnyNumberOfThreads) {
+  reality::DriveDraw draw = shortDraw(16);
+  draw.rig.rows = 6000;
+  draw.secret.capstan = 0.3;
+  putLog(draw, [](reality::DriveRecord&) {});
+  std::vector<std::string> answers;
+  for (const char* threads : {"1", "2"}) {
+    diagnoseLog({"--threads", threads});
+    answers.push_back(text("d/result.json") + text("d/model.yaml") + text("d/hypotheses.csv"));
+  }
+  EXPECT_EQ(answers[0], answers[1]);
+}
+
+TEST_F(DiagnoseTest, DataFaultsComeBeforePhysics) {
+  const reality::DriveDraw draw = shortDraw(17);
+  const auto expectFault = [&](const char* channel, const char* words,
+                               const std::function<void(reality::DriveRecord&)>& spoil) {
+    putLog(draw, spoil);
+    const Json json = diagnoseLog();
+    EXPECT_EQ(json.at("verdict"), "data-fault") << words;
+    ASSERT_FALSE(json.at("faults").empty()) << words;
+    EXPECT_EQ(json.at("faults")[0].at("channel"), channel);
+    EXPECT_THAT(json.at("faults")[0].at("sentence").get<std::string>(), HasSubstr(words));
+  };
+  expectFault("motor_current_A", "saturated", [](reality::DriveRecord& r) {
+    for (double& i : r.current) i = std::clamp(i, -2.0, 2.0);
+  });
+  expectFault("external_torque", "stuck", [](reality::DriveRecord& r) {
+    for (std::size_t i = 3000; i < 3400; ++i) r.torque[i] = r.torque[3000];
+  });
+  expectFault("motor_current_A", "drops to exactly 0", [](reality::DriveRecord& r) {
+    for (std::size_t i = 500; i < r.current.size(); i += 60) r.current[i] = 0.0;
+  });
+  expectFault("external_torque", "wrong sign", [](reality::DriveRecord& r) {
+    for (double& t : r.torque) t = -t;
+  });
+  expectFault("joint_position", "wrong sign", [](reality::DriveRecord& r) {
+    for (double& a : r.angle) a = -a;
+  });
+}
+
+TEST_F(DiagnoseTest, AFewOutliersAreLeftOutAndSaid) {
+  putLog(shortDraw(18), [](reality::DriveRecord& r) {
+    for (std::size_t i = 700; i < r.current.size(); i += 400) r.current[i] += 15.0;
+  });
+  const Json json = diagnoseLog();
+  EXPECT_EQ(json.at("verdict"), "nothing-found");
+  ASSERT_EQ(json.at("faults").size(), 1u);
+  EXPECT_TRUE(json.at("faults")[0].at("corrected"));
+  EXPECT_THAT(json.at("faults")[0].at("sentence").get<std::string>(), HasSubstr("left out"));
+}
+
+TEST_F(DiagnoseTest, SelfTestCountsWhatItNames) {
+  reality::DriveDraw draw = shortDraw(19);
+  draw.rig.rows = 8000;
+  putLog(draw, [](reality::DriveRecord&) {});
+  const Json json = diagnoseLog({"--self-test", "1", "--effects", "coulomb-offset,current-bias,bend-friction"});
+  const Json test = json.at("self_test");
+  EXPECT_EQ(test.at("hidden"), (std::vector<std::string>{"none", "bend-friction", "coulomb-offset", "current-bias"}));
+  int runs = 0;
+  for (const Json& row : test.at("count")) {
+    for (const Json& count : row) runs += count.get<int>();
+  }
+  EXPECT_EQ(runs, 4);
+  EXPECT_GE(test.at("power").get<double>(), 0.6);
+  EXPECT_THAT(text("d/confusion.csv"), testing::StartsWith("hidden,nothing,"));
+}
+
+TEST_F(DiagnoseTest, RefusesWhatItCannotUse) {
+  putLog(shortDraw(20), [](reality::DriveRecord&) {});
+  expectRefused({"diagnose", "classic", "--log", "none.csv", "-o", "d"}, 2, "none.csv");
+  expectRefused({"diagnose", "magic", "--log", "log.csv", "-o", "d"}, 2, "expected one of");
+  expectRefused({"diagnose", "classic", "--log", "log.csv", "--effects", "gremlins", "-o", "d"}, 2, "gremlins");
+  put("short.csv", firstLines(text("log.csv"), 200));
+  expectRefused({"diagnose", "classic", "--log", "short.csv", "-o", "d"}, 3, "blocks");
+}
+
+}  // namespace
+}  // namespace simgap::test
