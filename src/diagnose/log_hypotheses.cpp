@@ -14,7 +14,7 @@ using Eigen::Index;
 using Kind = EffectParameter::Kind;
 
 constexpr int kFolds = 5;
-constexpr double kPieceSeconds = 4.0;
+constexpr double kPieceSeconds = 2.0;
 constexpr std::string_view kPresliding = "presliding-hysteresis";
 /// The presliding that every drive has: within this share of the typical travel between two rows.
 constexpr double kNuisancePresliding = 0.1;
@@ -64,6 +64,25 @@ double distinctShare(const DriveRegression& model, std::span<const double> theta
     share = std::max(share, 1.0 - cross.dot(factor.solve(cross)));
   }
   return share;
+}
+
+/// p-value of "the last effect's sizes are neutral" from their covariance over pieces of the log (Wald 1943), for the
+/// largest of them, times the number of places a search may have looked at.
+double waldP(const DriveRegression& model, std::span<const double> theta, const std::vector<Block>& pieces) {
+  constexpr double kSearched = 1000.0;
+  const Eigen::MatrixXd covariance = blockCovariance(model, pieces, theta);
+  const std::size_t e = model.effects().size() - 1;
+  const DriveEffect& effect = *model.effects()[e];
+  double largest = 0.0;
+  const auto look = [&](std::size_t i, double neutral) {
+    const double variance = covariance(static_cast<Index>(i), static_cast<Index>(i));
+    if (variance > 0.0) largest = std::max(largest, std::abs(theta[i] - neutral) / std::sqrt(variance));
+  };
+  for (std::size_t k = 0; k < effect.columns.size(); ++k) look(model.firstColumn(e) + k, 0.0);
+  for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
+    if (effect.parameters[k].kind == Kind::kSmooth) look(model.firstParameter(e) + k, effect.parameters[k].neutral);
+  }
+  return std::min(1.0, kSearched * std::erfc(largest / std::sqrt(2.0)));
 }
 
 }  // namespace
@@ -250,7 +269,8 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   if (hypothesis.effect->counts != nullptr && !hypothesis.effect->counts(p, data_.rows)) return trial;
   validate(trial.fitted);
   trial.gain = pairedGain(base.validation, trial.fitted.validation, options_.seed);
-  trial.p = pairedP(base.validation, trial.fitted.validation);
+  trial.p = std::min(1.0, 2.0 * std::min(pairedP(base.validation, trial.fitted.validation),
+                                         waldP(*model, trial.fitted.theta, pieces(training_))));
   return trial;
 }
 
@@ -258,6 +278,21 @@ std::vector<Trial> LogSearch::tryAll(const Fitted& base, const std::vector<Hypot
   std::vector<Trial> trials(hypotheses.size());
   tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t h) { trials[h] = tryOne(base, hypotheses[h]); });
   return trials;
+}
+
+bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
+  std::vector<const DriveEffect*> effects = rival.fitted.model->effects();
+  effects.push_back(winner.hypothesis.effect);
+  const auto model = makeModel(effects);
+  std::vector<double> from_rival = model->startFrom(*rival.fitted.model, rival.fitted.theta);
+  std::vector<double> from_winner = model->startFrom(*winner.fitted.model, winner.fitted.theta);
+  const std::size_t first = model->firstParameter(effects.size() - 1);
+  for (std::size_t k = 0; k < winner.hypothesis.effect->parameters.size(); ++k) {
+    from_rival[first + k] = from_winner[first + k];  // its reference values
+  }
+  const Fitted both = fitFromStarts(model, {from_winner, from_rival});
+  const double rival_adds = winner.fitted.mse - both.mse, winner_adds = rival.fitted.mse - both.mse;
+  return rival_adds < 0.2 * winner_adds && waldP(*model, both.theta, pieces(training_)) < options_.level;
 }
 
 Fitted LogSearch::without(const Fitted& fitted, std::size_t effect) const {

@@ -34,8 +34,9 @@ struct Trial {
   Fitted fitted;
   double gain_training = 0.0;
   std::optional<Interval> gain;  ///< on unseen folds; none when the training gain is already too small
-  double p = 1.0;                ///< not adjusted
-  bool identifiable = true;      ///< false: the model's own parameters can take its place exactly
+  double p =
+      1.0;  ///< not adjusted: paired errors on unseen folds, or sizes against their covariance, the smaller twice
+  bool identifiable = true;  ///< false: the model's own parameters can take its place exactly
 };
 
 class LogSearch {
@@ -50,6 +51,10 @@ class LogSearch {
 
   /// Every hypothesis on top of `base`, in their order; from several threads.
   std::vector<Trial> tryAll(const Fitted& base, const std::vector<Hypothesis>& hypotheses) const;
+
+  /// True when `winner` says all that `rival` says and more: in a model with both, the winner is significant and the
+  /// rival adds next to nothing (encompassing: Mizon & Richard 1986). Both on top of the same model.
+  bool encompasses(const Trial& winner, const Trial& rival) const;
 
   /// The model without one of its effects, validated.
   Fitted without(const Fitted& fitted, std::size_t effect) const;

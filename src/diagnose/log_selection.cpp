@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace simgap {
 namespace {
@@ -29,6 +30,8 @@ class Selector {
   void record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted);
   void prune();
   void review();
+  void dropStandIns();
+  void drop(std::size_t k, const Fitted& rest, double gain);
   std::vector<std::string> rivals(const std::vector<Trial>& trials, std::size_t accepted) const;
   std::size_t causes() const { return selection_.chosen.model->effects().size() - own_; }
   void rebuildSteps();
@@ -43,6 +46,7 @@ class Selector {
   Selection selection_;
   std::size_t own_ = 0;
   std::size_t step_ = 0;
+  std::set<const DriveEffect*> dropped_;  ///< by pruning: what takes their place stays, or the steps would never end
 };
 
 std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) const {
@@ -57,7 +61,8 @@ std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) cons
 std::vector<Trial> Selector::step(const Fitted& base) {
   std::vector<Hypothesis> open;
   for (const Hypothesis& h : hypotheses_) {
-    if (std::ranges::find(base.model->effects(), h.effect) == base.model->effects().end()) open.push_back(h);
+    const bool chosen = std::ranges::find(base.model->effects(), h.effect) != base.model->effects().end();
+    if (!chosen && !dropped_.contains(h.effect)) open.push_back(h);
   }
   return search_.tryAll(base, open);
 }
@@ -92,25 +97,42 @@ std::vector<std::string> Selector::rivals(const std::vector<Trial>& trials, std:
     const double lead = winner.gain->value - trials[t].gain->value;
     const bool tie = pairedP(trials[t].fitted.validation, winner.fitted.validation) > options_.level ||
                      lead < kTie * winner.gain->value;
-    if (tie) names.emplace_back(trials[t].hypothesis.effect->name);
+    if (tie && !search_.encompasses(winner, trials[t])) names.emplace_back(trials[t].hypothesis.effect->name);
   }
   return names;
+}
+
+void Selector::drop(std::size_t k, const Fitted& rest, double gain) {
+  const DriveEffect* effect = selection_.chosen.model->effects()[own_ + k];
+  selection_.records.push_back({step_, std::string(effect->name), {}, {gain, gain, gain}, 1.0, "pruned"});
+  dropped_.insert(effect);
+  selection_.chosen = rest;
+  selection_.p_adjusted.erase(selection_.p_adjusted.begin() + static_cast<std::ptrdiff_t>(k));
+  selection_.ambiguous_with.erase(selection_.ambiguous_with.begin() + static_cast<std::ptrdiff_t>(k));
 }
 
 /// Takes out causes that the later ones made superfluous.
 void Selector::prune() {
   for (std::size_t k = causes(); k-- > 0 && causes() > 1;) {
     const Fitted rest = search_.without(selection_.chosen, own_ + k);
-    const Fitted& full = selection_.chosen;
-    const double gain = 1.0 - full.validation.mse() / rest.validation.mse();
-    if (gain >= options_.least_gain && pairedP(rest.validation, full.validation) < options_.level) continue;
-    HypothesisRecord entry{step_,   std::string(full.model->effects()[own_ + k]->name), {}, {gain, gain, gain}, 1.0,
-                           "pruned"};
-    selection_.records.push_back(entry);
-    selection_.chosen = rest;
-    selection_.p_adjusted.erase(selection_.p_adjusted.begin() + static_cast<std::ptrdiff_t>(k));
-    selection_.ambiguous_with.erase(selection_.ambiguous_with.begin() + static_cast<std::ptrdiff_t>(k));
+    const double gain = 1.0 - selection_.chosen.validation.mse() / rest.validation.mse();
+    if (gain < options_.least_gain || pairedP(rest.validation, selection_.chosen.validation) >= options_.level) {
+      drop(k, rest, gain);
+    }
   }
+}
+
+/// Takes out named causes that only stood in for what has no name: with that in the model they gain nothing.
+void Selector::dropStandIns() {
+  Fitted full = selection_.unnamed->fitted;
+  for (std::size_t k = causes(); k-- > 0;) {
+    Fitted rest = search_.without(full, own_ + k);
+    const double gain = 1.0 - full.validation.mse() / rest.validation.mse();
+    if (gain >= options_.least_gain) continue;
+    drop(k, search_.without(selection_.chosen, own_ + k), gain);
+    full = std::move(rest);
+  }
+  selection_.unnamed->gain = pairedGain(selection_.chosen.validation, full.validation, options_.seed);
 }
 
 /// With several causes, the first ones were chosen without the later ones: each is compared with its rivals again.
@@ -180,7 +202,10 @@ Selection Selector::run(const std::vector<const DriveEffect*>& own, const std::v
   const std::vector<Trial> strange = search_.tryAll(selection_.chosen, unnamed);
   const auto found = best(strange);
   record(strange, found);
-  if (found) selection_.unnamed = strange[*found];
+  if (found) {
+    selection_.unnamed = strange[*found];
+    dropStandIns();
+  }
   rebuildSteps();
   return std::move(selection_);
 }

@@ -16,6 +16,9 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
+constexpr double kBlocks = 80.0;                              // that a log is cut into, if they are long enough
+constexpr double kShortestBlock = 4.0, kLongestBlock = 20.0;  // [s]
+
 ArrayXd toArray(const std::vector<double>& values) {
   return Eigen::Map<const ArrayXd>(values.data(), static_cast<Index>(values.size()));
 }
@@ -105,6 +108,7 @@ PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const Dr
                              FrictionDataOptions options) {
   options.all_rows = true;
   const DriveLog drive = readDriveLog(table, log_options);
+  options.block_seconds = std::clamp((drive.time.back() - drive.time.front()) / kBlocks, kShortestBlock, kLongestBlock);
   const FrictionData friction = prepareFrictionData(drive, bench, options);
   PreparedLog log;
   log.file = friction.file;

@@ -79,7 +79,8 @@ DriveRegression::DriveRegression(const FrictionLaw& law, std::vector<const Drive
   for (const DriveEffect* effect : effects_) {
     p_begin_.push_back(parameters_.size());
     for (const EffectParameter& p : effect->parameters) {
-      add(fmt::format("{}.{}", effect->name, p.name), unitOn(p.unit, data), p.lower, p.upper, p.kind != Kind::kSmooth);
+      add(fmt::format("{}.{}", effect->name, p.name), unitOn(p.unit, data), p.lower, p.upper,
+          p.kind == Kind::kScanned || p.kind == Kind::kConstant);
     }
   }
   log_speed_ = data.rows.speed.abs().max(1e-12).log();
@@ -184,11 +185,10 @@ Eigen::Index DriveRegression::source(Index row, Index by) const {
 
 std::vector<bool> DriveRegression::counted(double delay) const {
   if (delay == 0.0) return data_->keep;
-  const Shift by = shift(delay);
+  const auto by = static_cast<Index>(std::lround(delay / data_->rows.step));
   std::vector<bool> keep(data_->keep.size());
   for (Index i = 0; i < rows(); ++i) {
-    keep[static_cast<std::size_t>(i)] = data_->keep[static_cast<std::size_t>(source(i, by.whole))] &&
-                                        data_->keep[static_cast<std::size_t>(source(i, by.whole + 1))];
+    keep[static_cast<std::size_t>(i)] = data_->keep[static_cast<std::size_t>(source(i, by))];
   }
   return keep;
 }

@@ -85,7 +85,7 @@ TEST_F(DiagnoseTest, SaysUnexplainedAndTheChannelForWhatHasNoName) {
   reality::DriveDraw draw = shortDraw(15);
   draw.secret.humid_friction = 0.15;
   const LogAnswer answer = ask(draw);
-  EXPECT_EQ(answer.verdict(), "unexplained") << answer.result.dump(1);
+  ASSERT_EQ(answer.verdict(), "unexplained") << answer.result.dump(1);
   EXPECT_EQ(answer.result.at("unexplained")[0].at("channel"), "humidity_percent");
   EXPECT_THAT(text("d/residual_humidity_percent.csv"), HasSubstr("humidity_percent,mean_residual"));
   EXPECT_THAT(answer.result.at("next_experiment").get<std::string>(), HasSubstr("humidity_percent"));

@@ -21,7 +21,7 @@ struct ContextChannel {
 
 struct PreparedLog {
   DriveData data;
-  std::vector<Block> blocks;            ///< of some 20 s, held out together
+  std::vector<Block> blocks;            ///< of 4 to 20 s, held out together
   std::vector<ContextChannel> context;  ///< in the order of DriveRows::context
   std::vector<std::string> session_names;
   std::string file, effort_column;

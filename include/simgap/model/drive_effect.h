@@ -57,11 +57,11 @@ struct EffectParameter {
   double neutral;         ///< without the effect
   double start;           ///< where a search begins, besides `starts`
   enum class Kind {
-    kSmooth,
-    kScanned,
-    kConstant
-  } kind = Kind::kSmooth;  ///< kScanned: no derivative; kConstant: a
-                           ///< reference value, not fitted
+    kSmooth,    ///< how much of the effect there is
+    kShape,     ///< where it acts, how fast …: has no neutral value
+    kScanned,   ///< kShape without a derivative
+    kConstant,  ///< a reference value, not fitted
+  } kind = Kind::kSmooth;
 };
 
 /// A coefficient that enters linearly.

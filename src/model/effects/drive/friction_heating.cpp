@@ -9,7 +9,7 @@ namespace {
 constexpr EffectParameter kParameters[] = {{"beta_viscous", "1", -2.0, 2.0, 0.0, 0.0},
                                            {"beta_dry", "1", -2.0, 2.0, 0.0, 0.0},
                                            {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant},
-                                           {"t_warm", "s", 1.0, 1e6, 1.0, 1.0}};
+                                           {"t_warm", "s", 1.0, 1e6, 1.0, 1.0, EffectParameter::Kind::kShape}};
 
 void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
   Eigen::ArrayXd warmth;

@@ -7,7 +7,8 @@ namespace simgap::drive_effects {
 namespace {
 
 constexpr Channel kNeeds[] = {Channel::kJointAngle};
-constexpr EffectParameter kParameters[] = {{"mgl", "Nm", -1e4, 1e4, 0.0, 0.1}, {"theta_0", "rad", -4.0, 4.0, 0.0, 0.0}};
+constexpr EffectParameter kParameters[] = {{"mgl", "Nm", -1e4, 1e4, 0.0, 0.1},
+                                           {"theta_0", "rad", -4.0, 4.0, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
 void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
   terms.load += p[0] * (rows.joint_angle - p[1]).sin();

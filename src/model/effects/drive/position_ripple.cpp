@@ -12,7 +12,7 @@ namespace simgap::drive_effects {
 namespace {
 
 constexpr Channel kNeeds[] = {Channel::kJointAngle};
-constexpr EffectParameter kParameters[] = {{"r", "1", 0.5, 1e4, 1.0, 1.0}};
+constexpr EffectParameter kParameters[] = {{"r", "1", 0.5, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape}};
 constexpr EffectColumn kColumns[] = {{"a", "Nm"}, {"b", "Nm"}};
 
 void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*terms*/,

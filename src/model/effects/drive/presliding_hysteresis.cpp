@@ -12,7 +12,7 @@
 namespace simgap::drive_effects {
 namespace {
 
-constexpr EffectParameter kParameters[] = {{"x_s", "rad", 1e-6, 1e3, 0.0, 1.0}};
+constexpr EffectParameter kParameters[] = {{"x_s", "rad", 1e-6, 1e3, 0.0, 1.0, EffectParameter::Kind::kShape}};
 
 void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
   double z = rows.rows() > 0 ? rows.direction[0] : 0.0;

@@ -5,7 +5,8 @@
 namespace simgap::drive_effects {
 namespace {
 
-constexpr EffectParameter kParameters[] = {{"v_s", "rad_s", 1e-3, 1e4, 1.0, 1.0}, {"delta", "1", 0.05, 20.0, 1.0, 1.0}};
+constexpr EffectParameter kParameters[] = {{"v_s", "rad_s", 1e-3, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape},
+                                           {"delta", "1", 0.05, 20.0, 1.0, 1.0, EffectParameter::Kind::kShape}};
 constexpr EffectColumn kColumns[] = {{"tau_s", "Nm", 0.0}, {"n_s", "1", 0.0}};
 
 void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& terms, const Eigen::ArrayXd& /*still*/,
