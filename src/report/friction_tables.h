@@ -1,5 +1,5 @@
 /// \file
-/// The pictures of a friction fit: 003 figures 10, 12-14 and 16 on the user's data.
+/// The tables behind the pictures of a friction fit: 003 figures 10, 12-14 and 16 on the user's data.
 #pragma once
 
 #include "simgap/report/friction_report.h"
@@ -21,6 +21,13 @@ std::string mapsCsv(const FrictionReport& report);
 /// Whether the data reach each requirement.
 std::vector<std::string> requirementSentences(const FrictionReport& report);
 
-void addFrictionCharts(const FrictionReport& report, Page& page);
+/// Effort over velocity in up to four bands of load: measured rows, and the curve of every law.
+std::string curvesCsv(const FrictionReport& report);
+/// Friction of the best law over velocity, at the middle of each band.
+std::string frictionCsv(const FrictionReport& report);
+/// Parameters of every law.
+std::string modelsCsv(const FrictionReport& report);
+/// Working points that the drive has to reach, as the motor sees them.
+std::string requirementsCsv(const FrictionReport& report);
 
 }  // namespace simgap
