@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Convergence, pose errors and parameters of a calibration as a figure for a paper (needs python3-matplotlib).
 
     scripts/plot_calibration.py runs/arm -o arm.pdf

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A capture: joint angles with the steady windows, visible markers and fit of every target (needs python3-matplotlib).
 
     scripts/plot_capture.py runs/capture -o capture.pdf

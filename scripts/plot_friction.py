@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A friction fit as figures 10, 12-14 and 16 of the paper show it: effort over time, friction curves per band of load,
 maps of error and improvement over velocity and load, with the requirements (needs python3-matplotlib).
 

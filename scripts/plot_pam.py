@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Force of a pneumatic muscle over contraction, and what the models miss (needs python3-matplotlib).
 
     scripts/plot_pam.py runs/pam -o pam.pdf

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Measured and computed over time: a result of fit-motor, fit-gearbox or predict (needs python3-matplotlib).
 
     scripts/plot_response.py runs/motor -o motor.pdf

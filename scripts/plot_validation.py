@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Errors of every pose of a validation, worst first, as a figure for a paper (needs python3-matplotlib).
 
     scripts/plot_validation.py runs/validation -o validation.pdf

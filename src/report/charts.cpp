@@ -110,6 +110,7 @@ Chart intervalChart(std::string caption, const Axis& x, const std::vector<Interv
                     {"lower", shortNumber(row.lower)},
                     {"upper", shortNumber(row.upper)},
                     {"group", row.group},
+                    {"colour", row.colour},
                     {"marked", row.marked}});
   }
   return {std::move(caption), "", {{"kind", "intervals"}, {"x", axisJson(x)}, {"rows", list}}};

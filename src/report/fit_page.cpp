@@ -54,11 +54,12 @@ void addIntervals(const Json& result, Page& page) {
     const double value = numberOf(p.at("value"));
     const double lower = numberOf(p.at("ci95").at(0)) / value, upper = numberOf(p.at("ci95").at(1)) / value;
     if (p.at("fixed").get<bool>() || value == 0.0 || !std::isfinite(lower) || !std::isfinite(upper)) continue;
-    rows.push_back({p.at("name"), 100.0, 100.0 * std::min(lower, upper), 100.0 * std::max(lower, upper), "", false});
-    rows.back().marked = p.at("at_bound");
+    IntervalRow row{p.at("name"), 0.0, 100.0 * (std::min(lower, upper) - 1.0), 100.0 * (std::max(lower, upper) - 1.0)};
+    row.marked = p.at("at_bound");
+    rows.push_back(row);
   }
   if (rows.empty()) return;
-  Chart chart = intervalChart("How well each parameter is known", {"95 % interval [% of the value]"}, rows);
+  Chart chart = intervalChart("How well each parameter is known", {"95 % interval about the value [%]"}, rows);
   chart.note = "A triangle stands at its bound.";
   page.add(std::move(chart));
 }

@@ -1,8 +1,8 @@
 #include "simgap/report/page.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <kainjow/mustache.hpp>
+#include <string_view>
 
 #include "simgap/report/assets.h"
 
@@ -25,21 +25,47 @@ mustache::data cells(const std::vector<std::string>& texts) {
   return list;
 }
 
+/// Cells of a table's row, from `begin` on; the columns of words are set apart from those of numbers.
+mustache::data cells(const std::vector<std::string>& row, std::size_t begin, const std::vector<bool>& words) {
+  mustache::data list{mustache::data::type::list};
+  for (std::size_t c = begin; c < row.size(); ++c) {
+    mustache::data item;
+    item.set("cell", row[c]);
+    item.set("words", c < words.size() && words[c]);
+    list << item;
+  }
+  return list;
+}
+
+/// Per column: whether a cell reads as words, which stand to the left, where numbers stand to the right.
+std::vector<bool> wordColumns(const PageTable& table) {
+  std::vector<bool> words(table.header.size(), false);
+  for (const auto& row : table.rows) {
+    for (std::size_t c = 0; c < std::min(row.size(), words.size()); ++c) {
+      if (!row[c].empty() && std::string_view("0123456789+-./").find(row[c].front()) == std::string_view::npos) {
+        words[c] = true;
+      }
+    }
+  }
+  return words;
+}
+
 /// Turns blocks into what the template shows; the descriptions of charts and scenes are collected for report.js.
 class BlockRenderer {
  public:
   mustache::data operator()(const PageTable& table) {
+    const std::vector<bool> words = wordColumns(table);
     mustache::data rows{mustache::data::type::list};
     for (const auto& row : table.rows) {
       mustache::data item;
       item.set("name", row.empty() ? "" : row.front());
-      item.set("cells", cells({row.begin() + (row.empty() ? 0 : 1), row.end()}));
+      item.set("cells", cells(row, 1, words));
       rows << item;
     }
     mustache::data item;
     item.set("caption", table.caption);
     item.set("folded", table.folded);
-    item.set("header", cells(table.header));
+    item.set("header", cells(table.header, 0, words));
     item.set("rows", rows);
     return block("table", item);
   }

@@ -52,23 +52,21 @@ std::vector<std::string> PoseErrors::sets() const {
 }
 
 Chart PoseErrors::chart(const std::string& set) const {
+  std::vector<Row> rows = worstFirst();
+  std::erase_if(rows, [&](const Row& row) { return row.set != set; });
   std::vector<std::string> labels;
-  for (const Row& row : rows_) {
-    if (row.set == set) labels.push_back(row.pose);
-  }
+  for (const Row& row : rows) labels.push_back(row.pose);
   std::vector<Series> series;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     for (std::size_t s = 0; s < states_.size(); ++s) {
       Series bars{joints_[j] + (states_[s].empty() ? "" : " " + states_[s]), {}, {}};
       bars.colour = static_cast<int>(j);
       bars.faint = s + 1 < states_.size();
-      for (const Row& row : rows_) {
-        if (row.set == set) bars.y.push_back(row.errors[s][j]);
-      }
+      for (const Row& row : rows) bars.y.push_back(row.errors[s][j]);
       series.push_back(bars);
     }
   }
-  Chart chart = barChart(fmt::format("Error of each {} pose", set), labels, {"joint error [deg]"}, series);
+  Chart chart = barChart(fmt::format("Error of each {} pose, worst first", set), labels, {"joint error [deg]"}, series);
   chart.wide = labels.size() > 24;
   return chart;
 }

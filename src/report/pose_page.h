@@ -19,7 +19,7 @@ class PoseErrors {
   PoseErrors(const CsvTable& table, std::vector<std::string> states, std::string set);
 
   std::vector<std::string> sets() const;  ///< in the order of the file
-  /// Bars per pose in the order of the file: "before" pale, the last state full.
+  /// Bars per pose, worst first: "before" pale, the last state full.
   Chart chart(const std::string& set) const;
   /// The last set first, in each the worst pose of the last state first; poses without an error before all.
   std::vector<ScenePose> scenePoses() const;

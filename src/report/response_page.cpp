@@ -15,7 +15,8 @@ void addResponses(const CsvTable& table, const std::string& measured, const std:
     const std::string quantity = name.stem.substr(0, name.stem.size() - computed.size());
     std::vector<Series> lines;
     const std::string other = quantityName(quantity + measured, name.unit);
-    if (table.has(other)) lines.push_back({measured.substr(1), x, numbersOf(table, other), Series::Style::kLine, 6});
+    if (table.has(other))
+      lines.push_back({measured.substr(1), x, numbersOf(table, other), Series::Style::kLine, 6, /*faint=*/true});
     lines.push_back({computed.substr(1), x, numbersOf(table, column), Series::Style::kLine, 0});
     Chart chart = lineChart(quantity + (timed ? " over time" : " of every row"), {timed ? "time [s]" : "row"},
                             {axisTitle(quantityName(quantity, name.unit))}, lines);

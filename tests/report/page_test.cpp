@@ -35,11 +35,11 @@ TEST(CalibratePage, AnswersFirstAndHoldsEveryFigure) {
   const Chart fitness = chartOf(page, "Fitness");
   EXPECT_EQ(fitness.spec.at("series")[2].at("y"), Json({0.75, 0.5}));
   EXPECT_EQ(chartOf(page, "Step sizes, relative to the initial ones").spec.at("series")[0].at("y"), Json({2.0, 1.0}));
-  const Chart poses = chartOf(page, "Error of each calibration pose");
+  const Chart poses = chartOf(page, "Error of each calibration pose, worst first");
   EXPECT_EQ(poses.spec.at("labels"), Json({"low", "a,\"b\""}));
   EXPECT_EQ(poses.spec.at("series")[0].at("name"), "shoulder before");
   EXPECT_EQ(poses.spec.at("series")[0].at("y"), Json({20.0, 20.0}));
-  EXPECT_TRUE(chartOf(page, "Error of each validation pose").spec.at("series")[0].at("y")[0].is_null());
+  EXPECT_TRUE(chartOf(page, "Error of each validation pose, worst first").spec.at("series")[0].at("y")[0].is_null());
 }
 
 TEST(CalibratePage, WithoutValidationItSaysWhatTheAnswerIsWorth) {

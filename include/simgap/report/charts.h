@@ -24,7 +24,7 @@ struct Series {
   std::vector<double> y;  ///< NaN leaves a gap
   Style style = Style::kLine;
   int colour = -1;     ///< place in the palette; -1: the series' own place in the chart
-  bool faint = false;  ///< stands behind another of the same colour: "before"
+  bool faint = false;  ///< stands behind others, pale and broad: "before", "measured"
 };
 
 /// A value with its interval, as one row of a chart.
@@ -33,6 +33,7 @@ struct IntervalRow {
   double value;
   double lower, upper;     ///< NaN: unknown
   std::string group = {};  ///< rows of a group have one colour and one entry in the legend
+  int colour = 0;          ///< of the group: place in the palette, and in the legend
   bool marked = false;     ///< drawn as a triangle: at a bound
 };
 

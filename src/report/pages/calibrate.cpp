@@ -93,6 +93,7 @@ IntervalRow moved(const Json& parameter) {
   const double way = (numberOf(parameter.at("value")) - numberOf(parameter.at("initial"))) / prior;
   IntervalRow row{parameter.at("name"), way, way - sd, way + sd};
   if (parameter.at("identifiable").is_string()) row.group = parameter.at("identifiable");
+  row.colour = row.group == "not identifiable" ? 6 : row.group == "weak" ? 1 : 0;
   row.marked = parameter.at("at_bound");
   return row;
 }

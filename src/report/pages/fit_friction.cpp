@@ -23,7 +23,7 @@ std::vector<std::string> lawsOf(const Json& result) {
 void addTime(const ResultFiles& files, Page& page) {
   const CsvTable series = files.table("series.csv");
   const std::vector<double> time = numbersOf(series, "time_s");
-  std::vector<Series> lines{{"measured", time, numbersOf(series, "measured"), Series::Style::kLine, 6}};
+  std::vector<Series> lines{{"measured", time, numbersOf(series, "measured"), Series::Style::kLine, 6, /*faint=*/true}};
   int colour = 0;
   for (const std::string& law : lawsOf(files.result())) {
     lines.push_back({law, time, numbersOf(series, law), Series::Style::kLine, colour++});

@@ -103,12 +103,14 @@ class ArmView {
     this.renderer.domElement.addEventListener('pointerdown', () => this.renderer.domElement.focus());
     this.renderer.domElement.addEventListener('keydown', event => this.turnByKey(event));
     this.space = new THREE.Scene();
-    this.space.add(new THREE.HemisphereLight(0xffffff, 0x888888, 0.9));
-    this.sun = new THREE.DirectionalLight(0xffffff, 0.5);
+    this.space.add(new THREE.HemisphereLight(0xffffff, 0x999999, 0.7));
+    this.sun = new THREE.DirectionalLight(0xffffff, 0.45);
     this.space.add(this.sun);
     this.content = new THREE.Group();
     this.space.add(this.content);
-    this.sphere = new THREE.Sphere().setFromPoints(this.allPoints());
+    const points = this.allPoints();
+    this.sphere = new THREE.Sphere().setFromPoints(points);
+    this.floor = Math.min(...points.map(p => p.z));
     this.lookFrom(this.data.look || [1, 0.7, 0.35]);
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
@@ -135,7 +137,7 @@ class ArmView {
 
   lookFrom(direction) {
     if (!this.camera) return;
-    const distance = 1.05 * this.sphere.radius / Math.sin(this.camera.fov * Math.PI / 360);
+    const distance = 0.85 * this.sphere.radius / Math.sin(this.camera.fov * Math.PI / 360);
     this.controls.target.copy(this.sphere.center);
     this.camera.position.copy(this.sphere.center).addScaledVector(vector(direction).normalize(), distance);
     this.controls.update();
@@ -196,8 +198,16 @@ class ArmView {
 
   addMarkers(state) {
     for (const marker of state.markers || []) {
-      this.content.add(ball(vector(marker.at), this.data.marker_radius, this.material(paletteColour(marker.colour))));
+      this.content.add(ball(vector(marker.at), Math.max(this.data.marker_radius, this.sphere.radius / 40), this.material(paletteColour(marker.colour))));
     }
+  }
+
+  /** Squares of a tenth of a metre below everything. */
+  addFloor() {
+    const squares = Math.ceil(this.sphere.radius * 10) * 2, grid = new THREE.GridHelper(squares / 10, squares, cssColour('line'), cssColour('line'));
+    grid.rotation.x = Math.PI / 2;
+    grid.position.set(this.sphere.center.x, this.sphere.center.y, this.floor);
+    this.content.add(grid);
   }
 
   show() {
@@ -215,11 +225,12 @@ class ArmView {
     this.content.children.slice().forEach(child => this.content.remove(child));
     const ghost = this.ghost && pose.states[this.data.ghost];
     if (state) {
-      this.addBodies(state, this.material(cssColour('c5')));
+      this.addBodies(state, this.material(cssColour('bone')));
       this.addPaths(state);
       this.addMarkers(state);
     }
-    if (ghost) this.addBodies(ghost, this.material(cssColour('text'), 0.3));
+    if (ghost) this.addBodies(ghost, this.material(cssColour('text'), 0.35));
+    this.addFloor();
     this.draw();
   }
 

@@ -59,10 +59,14 @@ const rowNames = spec => spec.row_names.length ? spec.row_names : spec.rows.map(
 
 // -------------------------------------------------------------------------------------------------- charts
 
-const axisOptions = axis => ({
+/** Of a logarithmic axis: 1, 2 and 5 of every decade. */
+const logLabel = value => [1, 2, 5].includes(Math.round(value / 10 ** Math.floor(Math.log10(value) + 1e-9))) ? shortText(value) : '';
+
+/** Counts have no fractions between them. */
+const axisOptions = (axis, values = [0.5]) => ({
   type: axis.log ? 'logarithmic' : 'linear',
   title: {display: axis.title !== '', text: axis.title},
-  ticks: axis.log ? {callback: value => Math.log10(value) % 1 ? '' : shortText(value)} : {maxRotation: 0},
+  ticks: axis.log ? {callback: logLabel} : {maxRotation: 0, includeBounds: false, ...(values.every(Number.isInteger) && {precision: 0})},
 });
 
 const legend = names => ({display: names.length > 1, labels: {boxWidth: 24, boxHeight: 8}});
@@ -78,10 +82,10 @@ function lineDataset(series) {
   const colour = paletteColour(series.colour), dots = series.style === 'points';
   return {
     type: 'scatter', label: series.name, data: series.x.map((x, i) => ({x, y: series.y[i]})),
-    showLine: !dots, borderWidth: dots ? 0 : 2, borderDash: series.style === 'dashed' ? [6, 4] : [],
+    showLine: !dots, borderWidth: dots ? 0 : series.faint ? 6 : 2, borderDash: series.style === 'dashed' ? [6, 4] : [],
     borderColor: series.faint ? translucent(colour, 0.45) : colour,
     backgroundColor: series.faint || dots ? translucent(colour, 0.45) : colour,
-    pointRadius: dots ? 2 : series.x.length < 30 ? 2.5 : 0, pointHoverRadius: 4, order: dots ? 1 : 0,
+    pointRadius: dots ? 2 : series.x.length < 30 ? 2.5 : 0, pointHoverRadius: 4, order: dots || series.faint ? 1 : 0,
   };
 }
 
@@ -91,7 +95,7 @@ function linesConfig(spec) {
     options: {
       bands: spec.bands,
       interaction: {mode: 'nearest', axis: 'x', intersect: false},
-      scales: {x: axisOptions(spec.x), y: axisOptions(spec.y)},
+      scales: {x: axisOptions(spec.x, spec.series.flatMap(s => s.x)), y: axisOptions(spec.y)},
       plugins: {legend: legend(spec.series), tooltip: asTooltip(spec.x, spec.y)},
     },
   };
@@ -116,9 +120,9 @@ function barsConfig(spec) {
 
 /** A dot on its interval, one row each; rows of a group share a colour. */
 function intervalsConfig(spec) {
-  const groups = [...new Set(spec.rows.map(r => r.group))];
-  const datasets = groups.flatMap((group, g) => {
-    const colour = paletteColour(g), own = r => r.group === group;
+  const groups = [...new Map(spec.rows.map(r => [r.group, r.colour]))].sort((a, b) => a[1] - b[1]);
+  const datasets = groups.flatMap(([group, index]) => {
+    const colour = paletteColour(index), own = r => r.group === group;
     return [
       {type: 'line', label: group, data: spec.rows.map(r => own(r) ? r.value : null), showLine: false, borderColor: colour,
        backgroundColor: colour, pointRadius: 5, pointStyle: spec.rows.map(r => r.marked ? 'triangle' : 'circle')},
@@ -212,9 +216,9 @@ const bandPainter = {
   },
 };
 
-function mapAxis(axis, centres, names) {
+function mapAxis(axis, centres, names, outlines) {
   const half = step(centres) / 2;
-  const options = {...axisOptions(axis), min: Math.min(...centres) - half, max: Math.max(...centres) + half, grid: {display: false}};
+  const options = {...axisOptions(axis), min: Math.min(...centres, ...outlines) - half, max: Math.max(...centres, ...outlines) + half, grid: {display: false}};
   if (!names.length) return options;
   options.afterBuildTicks = scale => { scale.ticks = centres.map(value => ({value})); };
   options.ticks = {autoSkip: false, maxRotation: 60, callback: value => names[centres.indexOf(value)]};
@@ -236,7 +240,8 @@ function mapConfig(spec) {
     data: {datasets: [...outlines, {label: spec.unit, data: cells, pointRadius: 0, pointHitRadius: 12, pointHoverRadius: 0}]},
     options: {
       map: spec,
-      scales: {x: mapAxis(spec.x, spec.columns, spec.column_names), y: mapAxis(spec.y, spec.rows, spec.row_names)},
+      scales: {x: mapAxis(spec.x, spec.columns, spec.column_names, spec.series.flatMap(s => s.x)),
+               y: mapAxis(spec.y, spec.rows, spec.row_names, spec.series.flatMap(s => s.y))},
       plugins: {legend: {display: outlines.length > 0, labels: {filter: item => item.datasetIndex < outlines.length}},
                 tooltip: {callbacks: {label}}},
     },
