@@ -20,14 +20,14 @@ def plot_time(axes, run, laws):
 
 def plot_band(axes, curves, band):
     part = curves.where("band", band)
-    velocity, effort = curves.like("velocity"), curves.like("effort")
+    velocity, friction = curves.like("velocity"), curves.like("friction")
     for name in part.distinct("series"):
         line = part.where("series", name)
         if name == "measured":
-            axes.plot(line[velocity], line[effort], ".", color=plotting.GREY, markersize=1, alpha=0.5, rasterized=True, label=name)
+            axes.plot(line[velocity], line[friction], ".", color=plotting.GREY, markersize=1, alpha=0.5, rasterized=True, label=name)
         else:
-            axes.plot(line[velocity], line[effort], label=name)
-    axes.set(xlabel=plotting.title(velocity), ylabel=plotting.title(effort), title="load " + band)
+            axes.plot(line[velocity], line[friction], label=name)
+    axes.set(xlabel=plotting.title(velocity), ylabel=plotting.title(friction), title="load " + band)
     axes.legend()
 
 

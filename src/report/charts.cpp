@@ -41,7 +41,7 @@ Json seriesJson(const std::vector<Series>& all) {
   Json list = Json::array();
   std::vector<std::vector<double>> held;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const Series series = all[i].x.empty() ? all[i] : thinned(all[i]);
+    const Series series = all[i].x.empty() || !all[i].half.empty() ? all[i] : thinned(all[i]);
     const int colour = series.colour >= 0 ? series.colour : static_cast<int>(i);
     const auto same = std::ranges::find(held, series.x);
     list.push_back({{"name", series.name},
@@ -50,6 +50,7 @@ Json seriesJson(const std::vector<Series>& all) {
                     {"style", styleName(series.style)},
                     {"colour", colour},
                     {"faint", series.faint}});
+    if (!series.half.empty()) list.back()["half"] = shortNumbers(series.half);
     held.push_back(series.x);
   }
   return list;

@@ -168,17 +168,22 @@ std::vector<std::string> requirementSentences(const FrictionReport& report) {
 std::string curvesCsv(const FrictionReport& report) {
   const FrictionData& data = *report.data;
   const ArrayXd load = loadOf(report);
+  const FrictionFit& best = report.fits[report.best];
+  const DriveFeedForward scale = feedForward(*best.law, best.uncertainty.estimates);
+  const auto friction = [&](double effort, double at) { return scale.k_a * (effort - scale.offset) - at; };
   CsvWriter csv(
-      {"band", "series", quantityName("velocity", data.velocity_unit), quantityName("effort", data.effort_unit)});
+      {"band", "series", quantityName("velocity", data.velocity_unit), quantityName("friction", data.load_unit)});
   for (const auto& [low, high] : loadBands(load)) {
     const std::string band = fmt::format("{:.3g} … {:.3g} {}", low, high, data.load_unit);
     for (const Index i : rowsOfBand(load, low, high)) {
-      csv.add(band).add("measured").add(data.velocity[i]).add(data.effort[i]).endRow();
+      csv.add(band).add("measured").add(data.velocity[i]).add(friction(data.effort[i], load[i])).endRow();
     }
     for (const FrictionFit& fit : report.fits) {
       const DriveFeedForward drive = feedForward(*fit.law, fit.uncertainty.estimates);
+      const double middle = 0.5 * (low + high);
       for (const double w : curveVelocities(data)) {
-        csv.add(band).add(fit.law->name).add(w).add(drive.effort(0.5 * (low + high), w, w < 0.0 ? -1.0 : 1.0)).endRow();
+        const double effort = drive.effort(middle, w, w < 0.0 ? -1.0 : 1.0);
+        csv.add(band).add(fit.law->name).add(w).add(friction(effort, middle)).endRow();
       }
     }
   }

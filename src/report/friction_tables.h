@@ -21,7 +21,8 @@ std::string mapsCsv(const FrictionReport& report);
 /// Whether the data reach each requirement.
 std::vector<std::string> requirementSentences(const FrictionReport& report);
 
-/// Effort over velocity in up to four bands of load: measured rows, and the curve of every law.
+/// Friction over velocity in up to four bands of load: measured rows (what the effort yields beyond the load, by the
+/// best law's k_a), and the curve of every law at the band's middle, by the same k_a.
 std::string curvesCsv(const FrictionReport& report);
 /// Friction of the best law over velocity, at the middle of each band.
 std::string frictionCsv(const FrictionReport& report);

@@ -53,6 +53,8 @@ std::vector<bool> wordColumns(const PageTable& table) {
 /// Turns blocks into what the template shows; the descriptions of charts and scenes are collected for report.js.
 class BlockRenderer {
  public:
+  mustache::data operator()(const PageText& text) { return block("text", mustache::data{text.text}); }
+
   mustache::data operator()(const PageTable& table) {
     const std::vector<bool> words = wordColumns(table);
     mustache::data rows{mustache::data::type::list};

@@ -19,13 +19,19 @@ Json readObject(const std::filesystem::path& file) {
   return json;
 }
 
+/// What a table writes where there is no finite number.
+bool unknown(const std::string& text) {
+  return text.empty() || text == "nan" || text == "-nan" || text == "inf" || text == "-inf";
+}
+
 std::vector<double> parseNumbers(const CsvTable& table, const std::string& column, const std::vector<std::size_t>& rows,
                                  const std::vector<std::string>& texts) {
   std::vector<double> numbers;
   numbers.reserve(rows.size());
   for (const std::size_t row : rows) {
-    const auto number = texts[row].empty() ? std::numeric_limits<double>::quiet_NaN() : parseNumber(texts[row]);
-    if (!number) table.fail(row, fmt::format("{}: found '{}', expected a number", column, texts[row]));
+    const std::string& text = texts[row];
+    const auto number = unknown(text) ? std::numeric_limits<double>::quiet_NaN() : parseNumber(text);
+    if (!number) table.fail(row, fmt::format("{}: found '{}', expected a number", column, text));
     numbers.push_back(*number);
   }
   return numbers;

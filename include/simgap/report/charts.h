@@ -23,8 +23,9 @@ struct Series {
   std::vector<double> x;  ///< empty for bars, which have one value per label
   std::vector<double> y;  ///< NaN leaves a gap
   Style style = Style::kLine;
-  int colour = -1;     ///< place in the palette; -1: the series' own place in the chart
-  bool faint = false;  ///< stands behind others, pale and broad: "before", "measured"
+  int colour = -1;                ///< place in the palette; -1: the series' own place in the chart
+  bool faint = false;             ///< stands behind others, pale and broad: "before", "measured"
+  std::vector<double> half = {};  ///< half width of an interval about y; empty: none
 };
 
 /// A value with its interval, as one row of a chart.

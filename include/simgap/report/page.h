@@ -19,6 +19,11 @@ struct PageTable {
   bool folded = false;  ///< shown only when opened
 };
 
+/// A paragraph that stands out.
+struct PageText {
+  std::string text;
+};
+
 /// A view into three dimensions that a reader can turn: an arm over its poses, or markers over time.
 struct PageScene {
   std::string caption;
@@ -26,7 +31,7 @@ struct PageScene {
   Json scene;  ///< as templates/arm_view.js reads it
 };
 
-using PageBlock = std::variant<PageTable, Chart, PageScene>;
+using PageBlock = std::variant<PageText, PageTable, Chart, PageScene>;
 
 struct PageSection {
   std::string heading;  ///< empty for the figure right below the answer

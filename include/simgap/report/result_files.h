@@ -30,8 +30,8 @@ class ResultFiles {
   Json result_, run_;
 };
 
-/// A column of numbers, shape (rows); NaN for an empty cell. \throws DataError: no such column, a cell that is no
-/// number.
+/// A column of numbers, shape (rows); NaN for a cell that is empty or not finite. \throws DataError: no such column, a
+/// cell that is no number.
 std::vector<double> numbersOf(const CsvTable& table, const std::string& column);
 /// The same for the rows whose text in `key` is `value`.
 std::vector<double> numbersWhere(const CsvTable& table, const std::string& column, const std::string& key,

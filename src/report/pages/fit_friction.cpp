@@ -35,13 +35,13 @@ void addTime(const ResultFiles& files, Page& page) {
   page.add(std::move(chart));
 }
 
-/// Effort over velocity, one chart per band of load.
+/// Friction over velocity, one chart per band of load.
 void addBands(const ResultFiles& files, Page& page) {
   if (!files.has("curves.csv")) return;
   const CsvTable table = files.table("curves.csv");
-  const std::string velocity = columnLike(table, "velocity"), effort = columnLike(table, "effort");
+  const std::string velocity = columnLike(table, "velocity"), friction = columnLike(table, "friction");
   const std::vector<std::string> band = table.text("band"), name = table.text("series");
-  const std::vector<double> x = numbersOf(table, velocity), y = numbersOf(table, effort);
+  const std::vector<double> x = numbersOf(table, velocity), y = numbersOf(table, friction);
   page.addSection("Friction curves per band of load");
   for (const std::string& one : distinctOf(table, "band")) {
     std::vector<Series> lines;
@@ -55,7 +55,7 @@ void addBands(const ResultFiles& files, Page& page) {
       lines.back().x.push_back(x[i]);
       lines.back().y.push_back(y[i]);
     }
-    page.add(lineChart("Load " + one, {axisTitle(velocity)}, {axisTitle(effort)}, lines));
+    page.add(lineChart("Load " + one, {axisTitle(velocity)}, {axisTitle(friction)}, lines));
   }
 }
 

@@ -108,10 +108,9 @@ class ArmView {
     this.space.add(this.sun);
     this.content = new THREE.Group();
     this.space.add(this.content);
-    const points = this.allPoints();
-    this.sphere = new THREE.Sphere().setFromPoints(points);
-    this.floor = Math.min(...points.map(p => p.z));
-    this.lookFrom(this.data.look || [1, 0.7, 0.35]);
+    this.points = this.allPoints();
+    this.sphere = new THREE.Sphere().setFromPoints(this.points);
+    this.floor = Math.min(...this.points.map(p => p.z));
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
 
@@ -135,11 +134,17 @@ class ArmView {
     return points.length ? points : [new THREE.Vector3()];
   }
 
+  /** As near as all points fit into the picture. */
   lookFrom(direction) {
     if (!this.camera) return;
-    const distance = 0.85 * this.sphere.radius / Math.sin(this.camera.fov * Math.PI / 360);
+    const back = vector(direction).normalize(), right = new THREE.Vector3(0, 0, 1).cross(back).normalize(), up = back.clone().cross(right);
+    const height = Math.tan(this.camera.fov * Math.PI / 360), width = height * this.camera.aspect;
+    const distances = this.points.map(point => {
+      const p = point.clone().sub(this.sphere.center);
+      return p.dot(back) + Math.max(Math.abs(p.dot(up)) / height, Math.abs(p.dot(right)) / width);
+    });
     this.controls.target.copy(this.sphere.center);
-    this.camera.position.copy(this.sphere.center).addScaledVector(vector(direction).normalize(), distance);
+    this.camera.position.copy(this.sphere.center).addScaledVector(back, 1.05 * Math.max(...distances));
     this.controls.update();
   }
 
@@ -161,17 +166,20 @@ class ArmView {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
+    if (!this.placed) this.lookFrom(this.data.look || [1, 0.7, 0.35]);
+    this.placed = true;
     this.draw();
   }
 
   draw() {
     if (!this.renderer) return;
-    this.sun.position.copy(this.camera.position);
+    this.sun.position.copy(this.camera.position).sub(this.sphere.center);  // it shines towards the origin
     this.renderer.render(this.space, this.camera);
   }
 
   material(colour, opacity = 1) {
-    return new THREE.MeshLambertMaterial({color: colour, transparent: opacity < 1, opacity, depthWrite: opacity === 1});
+    const ghost = opacity < 1;  // lies behind what is solid in the same place
+    return new THREE.MeshLambertMaterial({color: colour, transparent: ghost, opacity, depthWrite: !ghost, polygonOffset: ghost, polygonOffsetFactor: 2, polygonOffsetUnits: 2});
   }
 
   addBodies(state, material) {

@@ -72,6 +72,7 @@ const axisOptions = (axis, values = [0.5]) => ({
 const legend = names => ({display: names.length > 1, labels: {boxWidth: 24, boxHeight: 8}});
 
 const asTooltip = (x, y) => ({
+  filter: item => item.dataset.label !== '',
   callbacks: {
     title: items => items.length ? x.title + ': ' + shortText(items[0].parsed.x) : '',
     label: item => ' ' + item.dataset.label + ': ' + shortText(item.parsed.y),
@@ -89,14 +90,25 @@ function lineDataset(series) {
   };
 }
 
+/** The interval about a line, as a band from its upper edge down to the next dataset, its lower edge. */
+function bandDatasets(series) {
+  if (!series.half) return [];
+  const edge = side => series.x.map((x, i) => ({x, y: series.y[i] === null ? null : series.y[i] + side * series.half[i]}));
+  const colour = translucent(paletteColour(series.colour), 0.2);
+  return [1, -1].map(side => ({type: 'scatter', label: '', data: edge(side), showLine: true, borderWidth: 0, pointRadius: 0, pointHoverRadius: 0,
+                               backgroundColor: colour, fill: side > 0 ? '+1' : false, order: 2}));
+}
+
 function linesConfig(spec) {
+  const shown = legend(spec.series);
+  shown.labels.filter = item => item.text !== '';
   return {
-    type: 'scatter', data: {datasets: spec.series.map(lineDataset)},
+    type: 'scatter', data: {datasets: [...spec.series.map(lineDataset), ...spec.series.flatMap(bandDatasets)]},
     options: {
       bands: spec.bands,
       interaction: {mode: 'nearest', axis: 'x', intersect: false},
       scales: {x: axisOptions(spec.x, spec.series.flatMap(s => s.x)), y: axisOptions(spec.y)},
-      plugins: {legend: legend(spec.series), tooltip: asTooltip(spec.x, spec.y)},
+      plugins: {legend: shown, tooltip: asTooltip(spec.x, spec.y)},
     },
   };
 }
