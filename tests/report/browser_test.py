@@ -9,93 +9,28 @@ prints. Exits with 77 (skipped) where there is no Chromium. --keep leaves the pa
 """
 import argparse
 import base64
-import math
 import pathlib
-import random
-import subprocess
 import sys
 import tempfile
 import unittest
 
+import sample_runs
 import webdriver
 
 SKIPPED = 77
 
 
-def write_csv(file, header, rows):
-    file.write_text(header + "\n" + "\n".join(",".join(f"{value:.9g}" for value in row) for row in rows) + "\n")
-
-
-def friction_log(file):
-    """A drive with load-dependent Stribeck friction, swept over speeds and loads."""
-    noise, rows = random.Random(1), []
-    for i in range(4000):
-        t, load = i * 0.01, 10.0 * math.sin(0.11 * i * 0.01)
-        velocity = 30.0 * math.sin(0.7 * t) * math.sin(0.05 * t + 0.5)
-        dry = 0.3 + 0.05 * abs(load) + 0.2 * math.exp(-(abs(velocity) / 3.0) ** 1.2)
-        friction = math.copysign(dry, velocity) + 0.02 * velocity
-        rows.append((t, (load + friction) / 1.3 + noise.gauss(0, 0.02), velocity, load, i // 1000))
-    write_csv(file, "time_s,motor_current_A,motor_velocity_rad_s,external_torque_Nm,session", rows)
-
-
-def motor_log(file):
-    """A DC motor that steps through voltages, by the equations of its coil and rotor."""
-    noise, rows, current, velocity, dt = random.Random(2), [], 0.0, 0.0, 1e-4
-    for i in range(20000):
-        voltage = (0.0, 4.0, 9.0, -6.0, 2.0)[i // 4000]
-        current += dt / 3e-4 * (voltage - 0.8 * current - 0.011 * velocity)
-        torque = 0.011 * current - 1e-6 * velocity - math.copysign(min(0.002, abs(0.011 * current) if velocity == 0 else 0.002), velocity or current)
-        velocity += dt / 2e-6 * torque
-        if i % 20 == 0:
-            rows.append((i * dt, voltage, current + noise.gauss(0, 0.01), velocity + noise.gauss(0, 0.5)))
-    write_csv(file, "time_s,voltage_V,current_A,velocity_rad_s", rows)
-
-
-def muscle_log(file):
-    """Forces of a pneumatic muscle with a = 1.2e-3, b = -2.4e-3, c = 1e-4 m2 over pressure and contraction."""
-    noise, rows = random.Random(3), []
-    for p in range(1, 7):
-        for k in range(40):
-            pressure, e = 1e5 * p, 0.25 * k / 40
-            rows.append((pressure, e, pressure * (1.2e-3 - 2.4e-3 * e + 1e-4 * e * e) + noise.gauss(0, 1.0)))
-    write_csv(file, "pressure_Pa,contraction,force_N", rows)
-
-
-def commands(source, folder):
-    """Result directory -> arguments of the command that fills it, in an order in which they can run."""
-    arm, capture = source / "data/arm", source / "data/capture"
-    friction_log(folder / "friction.csv")
-    motor_log(folder / "motor.csv")
-    muscle_log(folder / "muscle.csv")
-    poses = ["--poses", arm / "poses_calibration.csv"]
-    return {
-        "calibrate": ["calibrate", arm / "arm.yaml", *poses, "--validation", arm / "poses_validation.csv", "--optimizer", "lm", "--starts", "2"],
-        "validate": ["validate", folder / "calibrate/model.yaml", "--poses", arm / "poses_validation.csv"],
-        "design": ["design", arm / "arm.yaml", *poses, "--count", "2", "--candidates", "20"],
-        "capture": ["capture", capture / "rig.yaml", "--left", capture / "left", "--right", capture / "right", "--timestamps",
-                    capture / "timestamps.csv", "--shafts", capture / "shafts.csv"],
-        "targets-check": ["targets", "check", capture / "targets.yaml"],
-        "fit-friction": ["fit-friction", folder / "friction.csv", "--require", "fast:900:12"],
-        "fit-motor": ["fit-motor", folder / "motor.csv"],
-        "fit-pam": ["fit-pam", folder / "muscle.csv"],
-        "predict": ["predict", folder / "fit-friction/model.yaml", folder / "friction.csv"],
-    }
-
-
 class Pages(unittest.TestCase):
     simgap = source = folder = None
+    keep = False  # pictures, too
 
     @classmethod
     def setUpClass(cls):
-        cls.names = []
-        for name, arguments in commands(cls.source, cls.folder).items():
-            run = subprocess.run([cls.simgap, *arguments, "-q", "--force", "-o", cls.folder / name], capture_output=True, text=True)
-            if run.returncode != 0:
-                raise RuntimeError(f"{name}: {run.stderr}")
-            cls.names.append(name)
+        cls.names = sample_runs.make_all(cls.simgap, cls.source, cls.folder)
+        cls.browser = cls.enterClassContext(webdriver.Browser())
 
     def setUp(self):
-        self.browser = self.enterContext(webdriver.Browser())
+        self.browser.reset()
 
     def file(self, name):
         return self.folder / name / "report.html"
@@ -115,8 +50,8 @@ class Pages(unittest.TestCase):
                                                   ".filter(name => !name.startsWith('data:'))"), [])
                 self.assertTrue(self.browser.run("return document.querySelector('.answer').textContent.trim()"))
                 self.assertLess(self.file(name).stat().st_size, 1_500_000)
-                png = self.browser.whole_page()
-                self.picture(name, png)
+                if self.keep:
+                    self.picture(name, self.browser.whole_page())
                 colours, commonest = webdriver.pixels(self.browser.screenshot())
                 self.assertGreater(len(colours), 50)
                 self.assertLess(commonest, 0.99)
@@ -218,7 +153,8 @@ class Pages(unittest.TestCase):
                     self.browser.protocol("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
                     self.open(name)
                     found[scheme] = self.browser.run(background)
-                    self.picture(f"{name}-{scheme}", self.browser.whole_page())
+                    if self.keep:
+                        self.picture(f"{name}-{scheme}", self.browser.whole_page())
                 self.assertEqual(found["light"], "rgb(255, 255, 255)")
                 self.assertNotEqual(found["dark"], found["light"])
                 self.assertEqual(self.browser.console(), [])
@@ -247,7 +183,8 @@ class Pages(unittest.TestCase):
         for name in self.names:
             with self.subTest(name):
                 self.open(name)
-                self.picture(f"{name}-narrow", self.browser.screenshot())
+                if self.keep:
+                    self.picture(f"{name}-narrow", self.browser.screenshot())
                 self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), 390)
 
 
@@ -262,8 +199,7 @@ def main():
         return SKIPPED
     Pages.simgap, Pages.source = arguments.simgap.resolve(), arguments.source.resolve()
     with tempfile.TemporaryDirectory(prefix="simgap-pages-") as temporary:
-        Pages.folder = (arguments.keep or pathlib.Path(temporary)).resolve()
-        Pages.folder.mkdir(parents=True, exist_ok=True)
+        Pages.folder, Pages.keep = (arguments.keep or pathlib.Path(temporary)).resolve(), bool(arguments.keep)
         return 0 if unittest.main(argv=[sys.argv[0], *others], exit=False, verbosity=2).result.wasSuccessful() else 1
 
 

@@ -84,6 +84,49 @@ TEST(ValidatePage, NamesTheWorstPoseFirstAndTheCriteriaThatFail) {
   EXPECT_THAT(poses->rows[1], ElementsAre("low", "20.00", "10.00", "steady", ""));
 }
 
+/// A diagnosis by the contract, with one cause and a self-test.
+Json knownDiagnosis() {
+  return Json::parse(
+      R"({"format": "simgap/diagnose/1", "verdict": "ambiguous", "sentence": "A muscle bends round a bone.",
+    "causes": [{"effect": "muscle-wrap", "target": "biceps", "sentence": "It bends.", "gain_heldout_percent": 20,
+                "gain_ci95": [15, null], "p_adjusted": 0.001, "ambiguous_with": ["cord-creep"],
+                "parameters": [{"name": "radius", "unit": "m", "value": 0.05, "ci95": [0.04, 0.06]}],
+                "absorbed_by": [{"parameter": "k_v", "shift_sd": -4.2}]}],
+    "baseline": {"mse": 9, "mse_heldout": 16, "noise_floor": 4}, "extended": {"mse": 8, "mse_heldout": 9},
+    "error_unit": "deg2", "explainable_percent": 50, "explained_percent": 40, "next_experiment": "Bend it more.",
+    "self_test": {"hidden": ["none", "wrap"], "answers": ["nothing", "wrap"], "count": [[19, 1], [2, 18]],
+                  "false_alarm_rate": 0.05, "power": 0.9}})");
+}
+
+TEST(DiagnosePage, ShowsTheGapTheCausesTheEvidenceAndTheSelfTest) {
+  const ResultFolder folder(knownDiagnosis());
+  folder.directory().write("evidence.csv", std::string_view("against,center,before,before_ci95,after,after_ci95,rows\n"
+                                                            "load_Nm,1,0.5,0.1,0.05,0.2,7\n"));
+  folder.directory().write("hypotheses.csv", std::string_view("step,effect,target,gain_percent,gain_lower95_percent,"
+                                                              "gain_upper95_percent,p_adjusted,outcome\n"
+                                                              "1,inertia,,nan,nan,nan,1,pruned\n"
+                                                              "1,cord-creep,,18,10,26,0.01,ambiguous\n"
+                                                              "1,muscle-wrap,biceps,20,15,25,0.001,accepted\n"));
+  const Page page = folder.page();
+  EXPECT_EQ(page.answer, "A muscle bends round a bone.");
+  EXPECT_THAT(page.notes, ElementsAre("muscle-wrap of biceps cannot be told apart here from cord-creep."));
+  const Json gap = chartOf(page, "The gap on data never used").spec;
+  EXPECT_EQ(gap.at("series")[0].at("y"), Json({2.0, 4.0, 3.0})) << "roots of the squared errors";
+  EXPECT_EQ(gap.at("y").at("title"), "RMS error [deg]");
+  const Json gain = chartOf(page, "What each cause saves on data never used").spec.at("rows")[0];
+  EXPECT_EQ(gain.at("lower"), 15.0);
+  EXPECT_TRUE(gain.at("upper").is_null());
+  EXPECT_EQ(chartOf(page, "Against load_Nm").spec.at("series")[1].at("half"), Json({0.2}));
+  const Json rivals = chartOf(page, "Rivals of the first step, best first").spec.at("rows");
+  ASSERT_EQ(rivals.size(), 2u) << "what was not judged has no place among them";
+  EXPECT_EQ(rivals[0].at("name"), "muscle-wrap of biceps");
+  EXPECT_EQ(rivals[1].at("group"), "ambiguous");
+  const Json matrix = chartOf(page, "Self-test: what was hidden, and what was named").spec;
+  EXPECT_EQ(matrix.at("row_names"), Json({"wrap", "none"})) << "from below";
+  EXPECT_EQ(matrix.at("value"), Json({2.0, 18.0, 19.0, 1.0}));
+  EXPECT_THAT(renderPage(page), HasSubstr("<p class=\"text\">Bend it more.</p>"));
+}
+
 TEST(Page, IsSelfContainedAndNamesWhereItCameFrom) {
   const std::string html = renderPage(ResultFolder(knownCalibration()).page());
   EXPECT_THAT(html, HasSubstr(assets::chart_js().substr(0, 200)));

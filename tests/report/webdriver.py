@@ -55,6 +55,12 @@ class Browser:
         except urllib.error.HTTPError as error:
             raise RuntimeError(json.load(error)["value"]["message"]) from None
 
+    def reset(self):
+        """Forgets what a test has told the browser to pretend."""
+        self.protocol("Emulation.setEmulatedMedia", features=[])
+        self.protocol("Emulation.clearDeviceMetricsOverride")
+        self.console()
+
     def open(self, file):
         self._request("POST", "/url", {"url": file.resolve().as_uri()})
 

@@ -163,9 +163,9 @@ void addSelfTest(const Json& result, Page& page) {
   map.written = true;
   map.unit = "trials";
   page.addSection("Could these data have answered?");
-  page.add(
-      PageText{fmt::format("Causes hidden in this very design: false alarms in {} of trials without any, power {}.",
-                           number(test.at("false_alarm_rate"), "{:.0%}"), number(test.at("power"), "{:.0%}"))});
+  const auto percent = [&](const char* key) { return fmt::format("{:.0f} %", 100.0 * numberOf(test.at(key))); };
+  page.add(PageText{"Causes hidden in this very design: false alarms in " + percent("false_alarm_rate") +
+                    " of the trials without any, power " + percent("power") + "."});
   Chart chart = mapChart("Self-test: what was hidden, and what was named", {"named"}, {"hidden"}, map);
   chart.wide = true;
   page.add(std::move(chart));
