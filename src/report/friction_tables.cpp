@@ -83,14 +83,19 @@ std::vector<std::pair<double, double>> loadBands(const ArrayXd& load) {
   return bands;
 }
 
-/// Velocities at which a curve is drawn: denser about rest, where friction bends; the sign changes between two points.
+/// Velocities at which a curve is drawn, denser where it bends. Slower than nearly all rows a law is a guess: a peak at
+/// rest that no row has seen would only flatten the picture of what they have.
 std::vector<double> curveVelocities(const FrictionData& data) {
-  const double top = data.velocity.abs().maxCoeff();
+  constexpr int kPoints = 120;
+  constexpr double kSlowest = 0.01;  // share of the rows
+  std::vector<double> speeds(static_cast<std::size_t>(data.velocity.size()));
+  ArrayXd::Map(speeds.data(), data.velocity.size()) = data.velocity.abs();
+  const auto slow = speeds.begin() + static_cast<std::ptrdiff_t>(kSlowest * static_cast<double>(speeds.size()));
+  std::ranges::nth_element(speeds, slow);
+  const double least = std::max(*slow, 1e-9), top = std::max(std::ranges::max(speeds), least);
   std::vector<double> velocities;
-  for (int i = -120; i <= 120; ++i) {
-    const double t = i == 0 ? 1e-9 : static_cast<double>(i) / 120.0;
-    velocities.push_back(top * t * std::abs(t));
-  }
+  for (int i = kPoints; i >= 0; --i) velocities.push_back(-(least + (top - least) * std::pow(1.0 * i / kPoints, 2)));
+  for (int i = 0; i <= kPoints; ++i) velocities.push_back(-velocities[static_cast<std::size_t>(kPoints - i)]);
   return velocities;
 }
 
