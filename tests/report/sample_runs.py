@@ -90,6 +90,8 @@ def diagnosis(folder):
         "duration_s": 1.0, "status": "done", "inputs": []}))
     bins = [(against, c, 0.1 * math.sin(c), 0.02, 0.01 * math.cos(c), 0.02, 50) for against in ("temperature_degC", "load_Nm") for c in range(12)]
     (folder / "evidence.csv").write_text("against,center,before,before_ci95,after,after_ci95,rows\n" + "".join(",".join(map(str, b)) + "\n" for b in bins))
+    times = [(0.1 * i, math.sin(0.1 * i), 1.2 * math.sin(0.1 * i), 1.02 * math.sin(0.1 * i), 1) for i in range(500)]
+    (folder / "predictions.csv").write_text("time_s,measured,before,after,used\n" + "".join(",".join(map(str, t)) + "\n" for t in times))
     (folder / "hypotheses.csv").write_text(
         "step,effect,target,gain_percent,gain_lower95_percent,gain_upper95_percent,p_adjusted,outcome\n"
         "1,friction-heating,,20.5,18,23,0.0001,accepted\n1,inertia,,0.2,-0.5,0.9,0.4,rejected: no gain\n2,muscle-wrap,biceps,8,5,11,0.0001,ambiguous\n")

@@ -90,6 +90,18 @@ void addCauses(const Json& result, Page& page) {
   page.add(std::move(table));
 }
 
+void addPredictions(const ResultFiles& files, Page& page) {
+  if (!files.has("predictions.csv")) return;
+  const CsvTable table = files.table("predictions.csv");
+  const std::vector<double> time = numbersOf(table, "time_s");
+  Chart chart = lineChart("Measured and predicted", {"time [s]"}, {fmt::format("[{}]", rootUnit(files.result()))},
+                          {{"measured", time, numbersOf(table, "measured"), Series::Style::kLine, 6, /*faint=*/true},
+                           {"before", time, numbersOf(table, "before"), Series::Style::kLine, 1},
+                           {"with the causes", time, numbersOf(table, "after"), Series::Style::kLine, 0}});
+  chart.wide = true;
+  page.add(std::move(chart));
+}
+
 /// Mean residual against every channel, before and after the causes: what is left over shows as a shape.
 void addEvidence(const ResultFiles& files, Page& page) {
   if (!files.has("evidence.csv")) return;
@@ -207,7 +219,7 @@ Page make(const ResultFiles& files) {
   const std::string sentence = text(result, "sentence");
   Page page{"simgap diagnose", sentence.empty() ? "Verdict: " + text(result, "verdict") + "." : sentence,
             notes(result)};
-  page.add(gap(result));
+  if (result.at("baseline").at("mse_heldout").is_number()) page.add(gap(result));
   addCauses(result, page);
   page.add(
       PageText{fmt::format("Verdict: {}. The named causes explain {} % of the error; {} % is explainable by what "
@@ -219,6 +231,7 @@ Page make(const ResultFiles& files) {
     page.add(PageText{next});
   }
   addEvidence(files, page);
+  addPredictions(files, page);
   addSelfTest(result, page);
   addHypotheses(files, page);
   addLimits(result, page);
