@@ -10,15 +10,19 @@
 namespace simgap {
 namespace {
 
-/// Six digits are finer than any screen; all 17 of a double would triple the page.
-Json shortNumber(double value) {
+/// Five digits are finer than any screen; all 17 of a double would triple the page.
+constexpr int kDigits = 5;
+/// An axis may lie far from 0: seconds of an hour.
+constexpr int kAxisDigits = 7;
+
+Json shortNumber(double value, int digits = kDigits) {
   if (!std::isfinite(value)) return nullptr;
-  return std::strtod(fmt::format("{:.6g}", value).c_str(), nullptr);
+  return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);
 }
 
-Json shortNumbers(const std::vector<double>& values) {
+Json shortNumbers(const std::vector<double>& values, int digits = kDigits) {
   Json numbers = Json::array();
-  for (const double value : values) numbers.push_back(shortNumber(value));
+  for (const double value : values) numbers.push_back(shortNumber(value, digits));
   return numbers;
 }
 
@@ -45,7 +49,7 @@ Json seriesJson(const std::vector<Series>& all) {
     const int colour = series.colour >= 0 ? series.colour : static_cast<int>(i);
     const auto same = std::ranges::find(held, series.x);
     list.push_back({{"name", series.name},
-                    {"x", same == held.end() ? shortNumbers(series.x) : Json(same - held.begin())},
+                    {"x", same == held.end() ? shortNumbers(series.x, kAxisDigits) : Json(same - held.begin())},
                     {"y", shortNumbers(series.y)},
                     {"style", styleName(series.style)},
                     {"colour", colour},
@@ -123,8 +127,8 @@ Chart mapChart(std::string caption, const Axis& x, const Axis& y, const Map& map
           {{"kind", "map"},
            {"x", axisJson(x)},
            {"y", axisJson(y)},
-           {"columns", shortNumbers(map.x)},
-           {"rows", shortNumbers(map.y)},
+           {"columns", shortNumbers(map.x, kAxisDigits)},
+           {"rows", shortNumbers(map.y, kAxisDigits)},
            {"column_names", map.x_names},
            {"row_names", map.y_names},
            {"value", shortNumbers(map.value)},

@@ -16,6 +16,7 @@ using Eigen::Index;
 
 constexpr std::size_t kCells = 24;  // of the maps, per axis
 constexpr std::size_t kShown = 1500;
+constexpr std::size_t kShownPerBand = 500;
 
 /// Load of every row as the model sees it.
 ArrayXd loadOf(const FrictionReport& report) {
@@ -105,7 +106,7 @@ std::vector<Index> rowsOfBand(const ArrayXd& load, double low, double high) {
   for (Index i = 0; i < load.size(); ++i) {
     if (load[i] >= low && load[i] <= high) rows.push_back(i);
   }
-  const std::size_t stride = std::max<std::size_t>(1, rows.size() / kShown);
+  const std::size_t stride = 1 + rows.size() / kShownPerBand;
   for (std::size_t k = 0; k < rows.size(); k += stride) shown.push_back(rows[k]);
   return shown;
 }

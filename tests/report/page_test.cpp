@@ -237,7 +237,7 @@ TEST(Thinning, KeepsEveryPeakTheOrderAndTheGaps) {
 
 TEST(Charts, NumbersAreShortAndUnknownOnesNull) {
   const Chart chart = lineChart("c", {"x"}, {"y"}, {{"s", {1.0 / 3.0, 2.0}, {std::nan(""), 1e300 * 1e300}}});
-  EXPECT_EQ(chart.spec.at("series")[0].at("x")[0].dump(), "0.333333");
+  EXPECT_EQ(chart.spec.at("series")[0].at("x")[0].dump(), "0.3333333");
   EXPECT_TRUE(chart.spec.at("series")[0].at("y")[0].is_null());
   EXPECT_TRUE(chart.spec.at("series")[0].at("y")[1].is_null());
 }

@@ -57,6 +57,7 @@ def commands(source, folder):
         "design": ["design", arm / "arm.yaml", *poses, "--count", "2", "--candidates", "20"],
         "capture": ["capture", capture / "rig.yaml", "--left", capture / "left", "--right", capture / "right", "--timestamps",
                     capture / "timestamps.csv", "--shafts", capture / "shafts.csv"],
+        "calibrate-joints": ["calibrate-joints", capture / "rig.yaml", "--frames", folder / "capture/frames.csv"],
         "targets-check": ["targets", "check", capture / "targets.yaml"],
         "fit-friction": ["fit-friction", folder / "friction.csv", "--require", "fast:900:12"],
         "fit-motor": ["fit-motor", folder / "motor.csv"],

@@ -10,7 +10,7 @@
 namespace simgap::pages {
 namespace {
 
-constexpr std::size_t kMostFrames = 150;  // of the three-dimensional view
+constexpr std::size_t kMostFrames = 100;  // of the three-dimensional view
 
 /// frames.csv: a row per target and frame where it was found.
 struct Frames {
@@ -135,9 +135,7 @@ PageScene markerScene(const ResultFiles& files, const Frames& frames) {
       for (const Json& marker : files.result().at("targets").at(t).at("markers_m")) {
         const Eigen::Vector3d at = rotation * Eigen::Vector3d(marker.at(0), marker.at(1), marker.at(2)) + origin;
         // The camera's y points down and its z away: shown upright, as the camera sees it.
-        markers.push_back({{"name", targets[t]},
-                           {"colour", t},
-                           {"at", {shortNumber(at.z()), shortNumber(-at.x()), shortNumber(-at.y())}}});
+        markers.push_back({t, shortNumber(at.z()), shortNumber(-at.x()), shortNumber(-at.y())});
       }
     }
     poses.push_back(
@@ -148,15 +146,11 @@ PageScene markerScene(const ResultFiles& files, const Frames& frames) {
   }
   PageScene scene{"The markers in space", "", {}};
   scene.note = "Where the fitted targets put them, one colour per target. Drag or use the arrow keys to turn.";
-  scene.scene = {{"slider", "time"},
-                 {"states", {"markers"}},
-                 {"ghost", nullptr},
-                 {"bodies", Json::array()},
-                 {"parts", Json::array()},
-                 {"most_tension", 0},
-                 {"marker_radius", files.result().at("marker_radius_m")},
-                 {"look", {-1.0, 0.3, 0.3}},
-                 {"poses", poses}};
+  scene.scene = {{"slider", "time"},         {"groups", targets},
+                 {"states", {"markers"}},    {"ghost", nullptr},
+                 {"bodies", Json::array()},  {"parts", Json::array()},
+                 {"most_tension", 0},        {"marker_radius", files.result().at("marker_radius_m")},
+                 {"look", {-1.0, 0.3, 0.3}}, {"poses", poses}};
   return scene;
 }
 

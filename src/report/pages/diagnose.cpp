@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "simgap/report/result_page.h"
 
@@ -59,6 +60,16 @@ Chart gap(const Json& result) {
   return chart;
 }
 
+/// "radius = 0.05 m (0.04 to 0.06)"; without the interval what was chosen, not fitted.
+std::string parameterText(const Json& parameter) {
+  const std::string unit = text(parameter, "unit");
+  const Json &lower = parameter.at("ci95").at(0), &upper = parameter.at("ci95").at(1);
+  const bool fitted = numberOf(lower) < numberOf(upper);
+  return fmt::format("{} = {}{}{}", text(parameter, "name"), number(parameter.at("value")),
+                     unit == "1" ? "" : " " + unit,
+                     fitted ? fmt::format(" ({} to {})", number(lower), number(upper)) : "");
+}
+
 void addCauses(const Json& result, Page& page) {
   if (result.at("causes").empty()) return;
   std::vector<IntervalRow> rows;
@@ -70,10 +81,7 @@ void addCauses(const Json& result, Page& page) {
     rows.push_back({causeName(cause), numberOf(gain), numberOf(interval.at(0)), numberOf(interval.at(1))});
     std::string parameters, carriers;
     for (const Json& p : cause.at("parameters")) {
-      const std::string unit = text(p, "unit");
-      parameters +=
-          fmt::format("{}{} = {} ({} to {}){}", parameters.empty() ? "" : "; ", text(p, "name"), number(p.at("value")),
-                      number(p.at("ci95").at(0)), number(p.at("ci95").at(1)), unit == "1" ? "" : " " + unit);
+      parameters += (parameters.empty() ? "" : "; ") + parameterText(p);
     }
     for (const Json& a : cause.at("absorbed_by")) {
       carriers += fmt::format("{}{} ({} sd)", carriers.empty() ? "" : ", ", text(a, "parameter"),
@@ -102,13 +110,28 @@ void addPredictions(const ResultFiles& files, Page& page) {
   page.add(std::move(chart));
 }
 
+/// Channels, first those against which the causes took away most of the squared mean residual.
+std::vector<std::string> byGain(const CsvTable& table) {
+  const std::vector<std::string> against = table.text("against");
+  const std::vector<double> before = numbersOf(table, "before"), after = numbersOf(table, "after");
+  const std::vector<double> rows = numbersOf(table, "rows");
+  std::map<std::string, double> gain;
+  for (std::size_t i = 0; i < against.size(); ++i) {
+    const double taken = rows[i] * (before[i] * before[i] - after[i] * after[i]);
+    if (std::isfinite(taken)) gain[against[i]] += taken;
+  }
+  std::vector<std::string> channels = distinctOf(table, "against");
+  std::ranges::stable_sort(channels, std::greater(), [&](const std::string& channel) { return gain[channel]; });
+  return channels;
+}
+
 /// Mean residual against every channel, before and after the causes: what is left over shows as a shape.
 void addEvidence(const ResultFiles& files, Page& page) {
   if (!files.has("evidence.csv")) return;
   const CsvTable table = files.table("evidence.csv");
   if (table.rows() == 0) return;
   page.addSection("Evidence: the mean residual against what was logged");
-  for (const std::string& against : distinctOf(table, "against")) {
+  for (const std::string& against : byGain(table)) {
     const auto column = [&](const char* name) { return numbersWhere(table, name, "against", against); };
     Series before{"before", column("center"), column("before"), Series::Style::kLine, 1};
     Series after{"with the causes", column("center"), column("after"), Series::Style::kLine, 0};

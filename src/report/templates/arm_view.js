@@ -128,7 +128,7 @@ class ArmView {
           }
         }
         for (const path of state.paths || []) path.points.forEach(p => points.push(vector(p)));
-        for (const marker of state.markers || []) points.push(vector(marker.at));
+        for (const [, ...at] of state.markers || []) points.push(vector(at));
       }
     }
     return points.length ? points : [new THREE.Vector3()];
@@ -205,8 +205,8 @@ class ArmView {
   }
 
   addMarkers(state) {
-    for (const marker of state.markers || []) {
-      this.content.add(ball(vector(marker.at), Math.max(this.data.marker_radius, this.sphere.radius / 40), this.material(paletteColour(marker.colour))));
+    for (const [group, ...at] of state.markers || []) {
+      this.content.add(ball(vector(at), Math.max(this.data.marker_radius, this.sphere.radius / 40), this.material(paletteColour(group))));
     }
   }
 
@@ -249,7 +249,7 @@ class ArmView {
     }
     const state = pose.states[this.state];
     (state?.paths || []).forEach(path => path.points.forEach(p => rows.push([path.name, ...p, path.tension])));
-    (state?.markers || []).forEach(marker => rows.push([marker.name, ...marker.at, '']));
+    (state?.markers || []).forEach(([group, ...at]) => rows.push([this.data.groups[group], ...at, '']));
     return [['', 'x [m]', 'y [m]', 'z [m]', 'tension [N]'], rows];
   }
 

@@ -83,7 +83,7 @@ function lineDataset(series) {
   const colour = paletteColour(series.colour), dots = series.style === 'points';
   return {
     type: 'scatter', label: series.name, data: series.x.map((x, i) => ({x, y: series.y[i]})),
-    showLine: !dots, borderWidth: dots ? 0 : series.faint ? 6 : 2, borderDash: series.style === 'dashed' ? [6, 4] : [],
+    showLine: !dots, borderWidth: dots ? 0 : series.faint ? 5 : 2, borderJoinStyle: 'round', borderDash: series.style === 'dashed' ? [6, 4] : [],
     borderColor: series.faint ? translucent(colour, 0.45) : colour,
     backgroundColor: series.faint || dots ? translucent(colour, 0.45) : colour,
     pointRadius: dots ? 2 : series.x.length < 30 ? 2.5 : 0, pointHoverRadius: 4, order: dots || series.faint ? 1 : 0,
