@@ -63,8 +63,8 @@ std::map<StateKey, Json> framesJson(const CsvTable& table) {
   return frames;
 }
 
-/// Per state: the paths of all muscles.
-std::map<StateKey, Json> pathsJson(const CsvTable& table, double& most_tension) {
+/// Per state: the paths of all muscles, each as [muscle, tension, x, y, z, x, y, z, …].
+std::map<StateKey, Json> pathsJson(const CsvTable& table, const std::vector<std::string>& muscles) {
   const std::vector<StateKey> keys = stateKeys(table);
   const auto muscle = table.text("muscle");
   const auto x = numbersOf(table, "x_m"), y = numbersOf(table, "y_m"), z = numbersOf(table, "z_m");
@@ -72,11 +72,9 @@ std::map<StateKey, Json> pathsJson(const CsvTable& table, double& most_tension) 
   std::map<StateKey, Json> paths;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     Json& list = paths.try_emplace(keys[i], Json::array()).first->second;
-    if (list.empty() || list.back().at("name") != muscle[i]) {
-      list.push_back({{"name", muscle[i]}, {"tension", shortNumber(tension[i])}, {"points", Json::array()}});
-    }
-    list.back()["points"].push_back({shortNumber(x[i]), shortNumber(y[i]), shortNumber(z[i])});
-    most_tension = std::max(most_tension, tension[i]);
+    const auto index = std::ranges::find(muscles, muscle[i]) - muscles.begin();
+    if (list.empty() || list.back().at(0) != index) list.push_back({index, std::round(100.0 * tension[i]) / 100.0});
+    for (const double value : {x[i], y[i], z[i]}) list.back().push_back(shortNumber(value));
   }
   return paths;
 }
@@ -85,13 +83,15 @@ std::map<StateKey, Json> pathsJson(const CsvTable& table, double& most_tension) 
 
 std::optional<PageScene> armScene(const ResultFiles& files, std::vector<ScenePose> poses) {
   if (poses.empty() || !files.has("arm_bodies.csv")) return std::nullopt;
-  const std::size_t count = poses.size();
-  poses.resize(std::min(count, kMostScenePoses));
   const CsvTable body_table = files.table("arm_bodies.csv");
   const std::vector<std::string> bodies = distinctOf(body_table, "body");
   const auto frames = framesJson(body_table);
-  double most_tension = 0.0;
-  const auto paths = pathsJson(files.table("arm_muscles.csv"), most_tension);
+  const CsvTable muscle_table = files.table("arm_muscles.csv");
+  const std::vector<std::string> muscles = distinctOf(muscle_table, "muscle");
+  const auto paths = pathsJson(muscle_table, muscles);
+  const std::vector<double> tensions = numbersOf(muscle_table, "tension_N");
+  const std::size_t count = poses.size();
+  poses.resize(std::min({count, kMostScenePoses, kMostPaths / std::max<std::size_t>(muscles.size(), 1)}));
   Json list = Json::array(), states = Json::array();
   for (const auto& [state, text] : poses.front().states) states.push_back(state);
   for (const ScenePose& pose : poses) {
@@ -116,7 +116,8 @@ std::optional<PageScene> armScene(const ResultFiles& files, std::vector<ScenePos
                  {"ghost", "measured"},
                  {"bodies", bodies},
                  {"parts", partsJson(files.table("arm_parts.csv"), bodies)},
-                 {"most_tension", shortNumber(most_tension)},
+                 {"muscles", muscles},
+                 {"most_tension", tensions.empty() ? 0.0 : std::ranges::max(tensions)},
                  {"poses", list}};
   return scene;
 }

@@ -19,7 +19,9 @@ struct ScenePose {
 };
 
 /// More poses would fill the page; the first ones are shown.
-inline constexpr std::size_t kMostScenePoses = 120;
+inline constexpr std::size_t kMostScenePoses = 100;
+/// The same for arms of many muscles: poses times muscles.
+inline constexpr std::size_t kMostPaths = 1500;
 
 /// Nothing when the directory has no geometry or no pose.
 std::optional<PageScene> armScene(const ResultFiles& files, std::vector<ScenePose> poses);

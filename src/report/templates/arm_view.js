@@ -9,6 +9,18 @@ function tensionColour(t) {
   return mixed(stops[stop], stops[stop + 1], place - stop);
 }
 
+/** [muscle, tension, x, y, z, …] of the page's data with names. */
+function unpackPaths(scene) {
+  const unpacked = ([muscle, tension, ...numbers]) => {
+    const points = [];
+    for (let i = 0; i < numbers.length; i += 3) points.push(numbers.slice(i, i + 3));
+    return {name: scene.muscles[muscle], tension, points};
+  };
+  for (const pose of scene.poses) {
+    for (const state of Object.values(pose.states)) state.paths = (state.paths || []).map(unpacked);
+  }
+}
+
 const vector = p => new THREE.Vector3(p[0], p[1], p[2]);
 
 /** A rod between two points. */
@@ -44,6 +56,7 @@ class ArmView {
   constructor(figure, scene) {
     this.figure = figure;
     this.data = scene;
+    unpackPaths(scene);
     this.state = scene.states[scene.states.length - 1];
     this.pose = 0;
     this.ghost = scene.ghost !== null;
@@ -127,7 +140,7 @@ class ArmView {
             for (const end of [-reach, reach]) points.push(vector(part.position).addScaledVector(axis, end).applyQuaternion(turn).add(vector(body)));
           }
         }
-        for (const path of state.paths || []) path.points.forEach(p => points.push(vector(p)));
+        for (const path of state.paths) path.points.forEach(p => points.push(vector(p)));
         for (const [, ...at] of state.markers || []) points.push(vector(at));
       }
     }
@@ -194,7 +207,7 @@ class ArmView {
   }
 
   addPaths(state) {
-    for (const path of state.paths || []) {
+    for (const path of state.paths) {
       const slack = !(path.tension > 0), t = path.tension / this.data.most_tension;
       const material = slack ? this.material(cssColour('soft'), 0.5) : this.material(tensionColour(t));
       const radius = slack ? 0.001 : 0.0016 + 0.0024 * t;
@@ -248,7 +261,7 @@ class ArmView {
       pose.states[name]?.bodies.forEach((body, i) => body && rows.push([`${this.data.bodies[i]}, ${name}`, ...body.slice(0, 3), '']));
     }
     const state = pose.states[this.state];
-    (state?.paths || []).forEach(path => path.points.forEach(p => rows.push([path.name, ...p, path.tension])));
+    state?.paths.forEach(path => path.points.forEach(p => rows.push([path.name, ...p, path.tension])));
     (state?.markers || []).forEach(([group, ...at]) => rows.push([this.data.groups[group], ...at, '']));
     return [['', 'x [m]', 'y [m]', 'z [m]', 'tension [N]'], rows];
   }
