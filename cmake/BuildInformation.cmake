@@ -1,4 +1,4 @@
-# Version and git hash, and files embedded into the program (report template, Chart.js).
+# Version and git hash, and files embedded into the program (report templates, Chart.js, three.js).
 execute_process(COMMAND git rev-parse --short=12 HEAD WORKING_DIRECTORY ${CMAKE_SOURCE_DIR}
   OUTPUT_VARIABLE SIMGAP_GIT_HASH OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
 if(NOT SIMGAP_GIT_HASH)
@@ -19,7 +19,8 @@ include_directories(${CMAKE_BINARY_DIR}/generated)
 # Writes each asset into a C++ array that the target can read through simgap/report/assets.h.
 function(simgap_embed_assets target)
   set(config ${CMAKE_SOURCE_DIR}/configs/calibrate_arm.yaml)
-  set(assets chart_js=${CHART_JS} calibrate_arm_yaml=${config})
+  set(libraries ${CHART_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
+  set(assets chart_js=${CHART_JS} three_js=${THREE_JS} orbit_controls_js=${ORBIT_CONTROLS_JS} calibrate_arm_yaml=${config})
   file(GLOB templates CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/report/templates/*)
   foreach(file ${templates})
     get_filename_component(name ${file} NAME)
@@ -29,6 +30,6 @@ function(simgap_embed_assets target)
   set(output ${CMAKE_BINARY_DIR}/generated/assets.cpp)
   add_custom_command(OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} "-DASSETS=${assets}" -DOUTPUT=${output} -P ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake
-    DEPENDS ${templates} ${config} ${CHART_JS} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
+    DEPENDS ${templates} ${config} ${libraries} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
   target_sources(${target} PRIVATE ${output})
 endfunction()

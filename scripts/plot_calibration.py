@@ -1,63 +1,59 @@
-#!/usr/bin/env python3
-"""Convergence and pose errors of a calibration as a figure for a paper (needs python3-matplotlib).
+#!/usr/bin/python3
+"""Convergence, pose errors and parameters of a calibration as a figure for a paper (needs python3-matplotlib).
 
-    scripts/plot_calibration.py runs/arm -o arm.svg
+    scripts/plot_calibration.py runs/arm -o arm.pdf
 """
-import argparse
-import csv
-import pathlib
+import plotting
 
-import matplotlib
-
-matplotlib.use("svg")
-import matplotlib.pyplot as plt
-
-COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7"]  # Okabe & Ito
-
-
-def read(file):
-    with open(file, newline="", encoding="utf-8") as stream:
-        return list(csv.DictReader(stream))
+VERDICTS = ["identifiable", "weak", "not identifiable"]
 
 
 def plot_convergence(axes, history, joints):
-    generations = [int(row["generation"]) for row in history]
-    for joint, colour in zip(joints, COLOURS):
-        axes.plot(generations, [float(row[f"mje_{joint}_deg"]) for row in history], color=colour, label=joint)
+    for joint, colour in zip(joints, plotting.COLOURS):
+        axes.plot(history["generation"], history[f"mje_{joint}_deg"], color=colour, label=joint)
     axes.set(yscale="log", xlabel="generation", ylabel="mean joint error [deg]", title="calibration poses")
-    axes.legend(frameon=False)
+    axes.legend()
 
 
 def plot_errors(axes, errors, joint, colour):
     """Before (light) and after (dark) of every pose; calibration left of the line, validation right."""
-    rows = [row for row in errors if row[f"{joint}_error_before_deg"] and row[f"{joint}_error_after_deg"]]
-    before = [float(row[f"{joint}_error_before_deg"]) for row in rows]
-    after = [float(row[f"{joint}_error_after_deg"]) for row in rows]
-    axes.bar(range(len(rows)), before, color=colour, alpha=0.3, label="before")
-    axes.bar(range(len(rows)), after, color=colour, label="after")
-    calibration = sum(row["set"] == "calibration" for row in rows)
+    axes.bar(range(errors.rows), errors[f"{joint}_error_before_deg"], color=colour, alpha=0.3, label="before")
+    axes.bar(range(errors.rows), errors[f"{joint}_error_after_deg"], color=colour, label="after")
+    calibration = errors.text("set").count("calibration")
     axes.axvline(calibration - 0.5, color="black", linewidth=0.8)
-    axes.text(calibration - 1, axes.get_ylim()[1], "calibration ", ha="right", va="top", fontsize=8)
-    axes.text(calibration, axes.get_ylim()[1], " validation", ha="left", va="top", fontsize=8)
+    axes.text(calibration - 1, axes.get_ylim()[1], "calibration ", ha="right", va="top")
+    axes.text(calibration, axes.get_ylim()[1], " validation" if calibration < errors.rows else "", ha="left", va="top")
     axes.set(title=joint, xlabel="pose", ylabel="joint error [deg]", xticks=[])
-    axes.legend(framealpha=1, fontsize=8, loc="center right")
+    axes.legend(frameon=True, framealpha=1, loc="center right")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("run", type=pathlib.Path)
-    parser.add_argument("-o", "--output", type=pathlib.Path, default="calibration.svg")
-    arguments = parser.parse_args()
+def plot_moved(axes, parameters):
+    """How far each parameter went, in standard deviations of its hand measurement; triangles stand at a bound."""
+    names = parameters.text("identifiable")
+    moved = [(value - initial) / sd for value, initial, sd in zip(parameters["value"], parameters["initial"], parameters["prior_sd"])]
+    order = sorted(range(parameters.rows), key=lambda i: moved[i])
+    for verdict, colour in zip(VERDICTS, plotting.COLOURS):
+        for marker, at_bound in (("o", "false"), ("^", "true")):
+            shown = [(place, moved[i]) for place, i in enumerate(order) if names[i] == verdict and parameters.text("at_bound")[i] == at_bound]
+            if shown:
+                axes.plot(*zip(*shown), marker, color=colour, markersize=3, label=verdict if marker == "o" else None)
+    axes.axhline(0, color="black", linewidth=0.8)
+    axes.set(title="parameters", xlabel="parameter, sorted", ylabel="change / prior sd", xticks=[])
+    axes.legend()
 
-    history = read(arguments.run / "history.csv")
-    errors = read(arguments.run / "errors.csv")
-    joints = [name[4:-4] for name in history[0] if name.startswith("mje_")]
-    figure, axes = plt.subplots(1, 1 + len(joints), figsize=(4 * (1 + len(joints)), 3.2), layout="constrained")
+
+def draw(run):
+    history, errors, parameters = run.table("history.csv"), run.table("errors.csv"), run.table("parameters.csv")
+    joints = [name[4:-4] for name in history.columns if name.startswith("mje_")]
+    known = any(parameters.text("prior_sd"))
+    figure, axes = plotting.panels(1 + len(joints) + known, columns=4)
     plot_convergence(axes[0], history, joints)
-    for axis, joint, colour in zip(axes[1:], joints, COLOURS):
+    for axis, joint, colour in zip(axes[1:], joints, plotting.COLOURS):
         plot_errors(axis, errors, joint, colour)
-    figure.savefig(arguments.output, metadata={"Date": None})
+    if known:
+        plot_moved(axes[-1], parameters)
+    return figure
 
 
 if __name__ == "__main__":
-    main()
+    plotting.main(__doc__, draw, "calibration.pdf")

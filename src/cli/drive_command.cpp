@@ -8,7 +8,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
 #include "simgap/model/arm_yaml.h"
-#include "simgap/report/charts.h"
+#include "simgap/report/fit_report.h"
 
 namespace simgap {
 namespace {
@@ -86,25 +86,6 @@ std::string responseCsv(const MotorLog& log, const DriveResponse& response) {
     csv.endRow();
   }
   return csv.text();
-}
-
-void addCharts(const MotorLog& log, const DriveResponse& response, Page& page) {
-  const std::size_t count = std::min<std::size_t>(log.rows(), 2000);
-  const auto add = [&](const char* name, const char* unit, const std::vector<double>& measured,
-                       const std::vector<double>& simulated) {
-    if (measured.empty()) return;
-    Curve a{"measured", {}, {}, false}, b{"simulated", {}, {}, false};
-    for (std::size_t i = 0; i < count; ++i) {
-      a.x.push_back(log.time[i]);
-      a.y.push_back(measured[i]);
-      b.x.push_back(log.time[i]);
-      b.y.push_back(simulated[i]);
-    }
-    page.charts.push_back(
-        {fmt::format("{} over time", name), curveChart({a, b}, "time [s]", fmt::format("{} [{}]", name, unit))});
-  };
-  add("velocity", "rad/s", log.velocity, response.velocity);
-  add("current", "A", log.voltage.empty() ? std::vector<double>{} : log.current, response.current);
 }
 
 /// The arm with the fitted drive in one muscle, and the priors a calibration of it may start from.
@@ -221,9 +202,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   directory.write("correlation.csv", correlationCsv(summary));
   directory.write("response.csv", responseCsv(log, response));
   if (arm) writeInto(kind, options, *arm, muscle, fit, drive.ratio, summary.uncertainty, directory);
-  Page page = makePage(summary);
-  addCharts(log, response, page);
-  session.finish(toJson(summary), page, terminalTable(summary));
+  session.finish(toJson(summary), terminalTable(summary));
   return ExitCode::kDone;
 }
 

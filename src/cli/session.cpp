@@ -12,7 +12,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/units.h"
-#include "simgap/version.h"
+#include "simgap/report/result_page.h"
 
 namespace simgap {
 namespace {
@@ -133,21 +133,14 @@ void Session::record(std::uint64_t seed, const Json& earlier) {
   spdlog::debug("{}", join(argv_));
 }
 
-void Session::finish(const Json& result, Page page, const std::string& table, const std::string& status) {
+void Session::finish(const Json& result, const std::string& table, const std::string& status) {
   directory_->write("result.json", result);
-  page.provenance.emplace_back("command", join(argv_));
-  page.provenance.emplace_back("version", fmt::format("simgap {} ({})", kVersion, kGitHash));
-  page.provenance.emplace_back("written", utcTime());
-  for (const Input& input : inputs_) {
-    page.provenance.emplace_back(fmt::format("{} (SHA-256)", input.role),
-                                 fmt::format("{}: {}", input.file.string(), input.sha256));
-  }
-  directory_->write("report.html", renderPage(page));
   abandon(status);
+  const std::filesystem::path report = writeReport(*directory_);
   if (options_.json) {
     std::cout << toText(result) << std::flush;
   } else {
-    std::cout << table << "report: " << directory_->file("report.html").string() << std::endl;
+    std::cout << table << "report: " << report.string() << std::endl;
   }
 }
 

@@ -67,66 +67,6 @@ std::vector<std::vector<std::string>> mjeRows(const CalibrationResult& result) {
   return rows;
 }
 
-std::string answer(const CalibrationResult& result) {
-  const SetResult& judge = result.sets.back();
-  const bool held_out = result.sets.size() > 1;
-  std::string text =
-      held_out ? "On poses the search never saw the gap went" : "On the poses it was fitted to the gap went";
-  for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-    text += fmt::format("{} from {} to {} deg ({})", j ? "," : "", degreesText(judge.initial.mje[j]),
-                        degreesText(judge.final.mje[j]), result.layout.joints[j].name);
-  }
-  return text + (held_out ? "." : "; only poses it has not seen (--validation) can show what that is worth.");
-}
-
-std::vector<double> column(const CalibrationResult& result, double GenerationRecord::*member) {
-  std::vector<double> values;
-  for (const GenerationRecord& record : result.state.history) values.push_back(record.*member);
-  return values;
-}
-
-std::string stepName(const CalibrationResult& result) {
-  return result.config.usesPosterior() ? "descent" : "generation";
-}
-
-void addConvergence(const CalibrationResult& result, Page& page) {
-  std::vector<double> generations;
-  std::vector<Series> mje;
-  for (const JointChannel& joint : result.layout.joints) mje.push_back({joint.name, {}});
-  for (const GenerationRecord& record : result.state.history) {
-    generations.push_back(record.generation);
-    for (std::size_t j = 0; j < mje.size(); ++j) mje[j].y.push_back(toDegrees(record.mje[j]));
-  }
-  mje.push_back({"capture noise", std::vector<double>(generations.size(), toDegrees(result.config.noise.capture_sd))});
-  page.charts.push_back({"Convergence: mean joint error of the best model so far",
-                         lineChart(generations, mje, stepName(result), "mean joint error [deg]", true)});
-  page.charts.push_back(
-      {"Convergence: fitness", lineChart(generations,
-                                         {{"best of all generations", column(result, &GenerationRecord::best_so_far)},
-                                          {"best of the generation", column(result, &GenerationRecord::best)},
-                                          {"median of the generation", column(result, &GenerationRecord::median)}},
-                                         stepName(result), "sum of squared errors [rad^2]", true)});
-  if (result.config.optimizer != "es") return;
-  page.charts.push_back({"Step sizes, relative to the initial ones",
-                         lineChart(generations,
-                                   {{"largest", column(result, &GenerationRecord::sigma_max)},
-                                    {"median", column(result, &GenerationRecord::sigma_median)},
-                                    {"smallest", column(result, &GenerationRecord::sigma_min)}},
-                                   "generation", "step size / initial", true)});
-}
-
-void addPoseErrors(const CalibrationResult& result, Page& page) {
-  for (const SetResult& set : result.sets) {
-    std::vector<Series> series;
-    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-      series.push_back({result.layout.joints[j].name + " before", errorsOfJoint(set.initial, j)});
-      series.push_back({result.layout.joints[j].name + " after", errorsOfJoint(set.final, j)});
-    }
-    page.charts.push_back(
-        {"Error of each " + set.name + " pose", barChart(poseNames(set.set), series, "joint error [deg]")});
-  }
-}
-
 }  // namespace
 
 Json toJson(const CalibrationResult& result) {
@@ -144,6 +84,7 @@ Json toJson(const CalibrationResult& result) {
                {"mje_deg", mje},
                {"paper_mje_deg", paper},
                {"valid_poses", valid},
+               {"capture_sd_deg", toDegrees(result.config.noise.capture_sd)},
                {"fitness",
                 {{"initial", numberOrNull(result.sets.front().initial.fitness)},
                  {"final", numberOrNull(result.sets.front().final.fitness)}}},
@@ -233,33 +174,6 @@ std::string terminalTable(const CalibrationResult& result) {
         numbers, unknowns);
   }
   return text + verificationText(result) + uncertaintyText(result);
-}
-
-Page makePage(const CalibrationResult& result) {
-  Page page;
-  page.title = "simgap calibrate";
-  page.answer = answer(result);
-  page.tables.push_back({"Mean joint errors", mjeHeader(result), mjeRows(result)});
-  addConvergence(result, page);
-  addPoseErrors(result, page);
-  addUncertainty(result, page);
-  PageTable parameters{
-      "Parameters",
-      {"name", "unit", "initial", "calibrated", "change", "sd before", "sd after", "the poses", "at bound"},
-      {},
-      true};
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    const SearchParameter& p = result.parameters[i];
-    const double value = bestValues(result)[i];
-    const ParameterUncertainty* known = uncertaintyOf(result, i);
-    parameters.rows.push_back({p.name, p.unit, fmt::format("{:.6g}", p.initial), fmt::format("{:.6g}", value),
-                               fmt::format("{:+.3g}", value - p.initial),
-                               known ? fmt::format("{:.2g}", known->prior_sd) : "",
-                               known ? fmt::format("{:.2g}", known->sd) : "",
-                               known ? std::string(toString(known->verdict)) : "", atBound(p, value) ? "yes" : ""});
-  }
-  page.details.push_back(parameters);
-  return page;
 }
 
 }  // namespace simgap

@@ -127,50 +127,6 @@ std::string uncertaintyText(const CalibrationResult& result) {
   return text;
 }
 
-void addUncertainty(const CalibrationResult& result, Page& page) {
-  if (!result.uncertainty) return;
-  const PoseUncertainty& uncertainty = *result.uncertainty;
-  PageTable predictions{"Mean joint error that the posterior predicts, with a 90 % interval [deg]", {"poses"}, {}};
-  for (const JointChannel& joint : result.layout.joints) {
-    predictions.header.insert(predictions.header.end(), {joint.name + " predicted", "5 %", "95 %", "found"});
-  }
-  const auto add = [&](const std::string& name, const PredictedError& predicted, const std::vector<double>* found) {
-    std::vector<std::string> row{name};
-    for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
-      row.insert(row.end(), {degreesText(predicted.mean[j]), degreesText(predicted.lower[j]),
-                             degreesText(predicted.upper[j]), found ? degreesText((*found)[j]) : ""});
-    }
-    predictions.rows.push_back(row);
-  };
-  for (const SetResult& set : result.sets) {
-    if (set.predicted) add(set.name, *set.predicted, &set.final.mje);
-  }
-  add("unseen", result.predicted_unseen, nullptr);
-  page.tables.push_back(predictions);
-
-  PageTable told{"What the poses tell of the parameters", {"verdict", "parameters"}, {}};
-  for (const Verdict verdict : kVerdicts) {
-    told.rows.push_back({std::string(toString(verdict)), std::to_string(count(uncertainty, verdict))});
-  }
-  page.tables.push_back(told);
-  if (!uncertainty.combinations.empty()) {
-    PageTable combinations{"Known only together", {"parameters"}, {}};
-    for (const Combination& combination : uncertainty.combinations) combinations.rows.push_back({combination.text});
-    page.tables.push_back(combinations);
-  }
-  const std::vector<std::string> far = outliers(result);
-  if (!far.empty()) {
-    PageTable poses{"Poses far from the fit, hardly counted", {"pose"}, {}};
-    for (const std::string& pose : far) poses.rows.push_back({pose});
-    page.tables.push_back(poses);
-  }
-  std::vector<double> directions;
-  for (std::size_t i = 0; i < uncertainty.singular_values.size(); ++i) directions.push_back(static_cast<double>(i + 1));
-  page.charts.push_back(
-      {"What the poses tell: singular values (above 1 they tell more than the hand measurements)",
-       lineChart(directions, {{"singular value", uncertainty.singular_values}}, "direction", "singular value", true)});
-}
-
 Json verificationJson(const CalibrationResult& result) {
   Json sets = Json::object();
   for (const SetResult& set : result.sets) {

@@ -7,7 +7,6 @@
 namespace simgap {
 
 Json uncertaintyJson(const CalibrationResult& result);
-void addUncertainty(const CalibrationResult& result, Page& page);
 
 /// How far the evaluator that searched and the one that judged disagree; nothing when they are the same.
 Json verificationJson(const CalibrationResult& result);

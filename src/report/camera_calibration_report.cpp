@@ -83,19 +83,4 @@ std::string terminalTable(const CameraCalibrationResult& result) {
   return answer(result) + "\n\n" + alignedTable(figureRows(result)) + "\n" + alignedTable(numbers);
 }
 
-Page makePage(const CameraCalibrationResult& result) {
-  Page page;
-  page.title = "simgap calibrate-cameras";
-  page.answer = answer(result);
-  page.tables.push_back({"Figures", {"", ""}, figureRows(result)});
-  page.tables.push_back(
-      {"Parameters (sd: jackknife over the held-out groups)", kNumberHeader, numberRows(result.calibration)});
-  std::vector<std::string> names;
-  for (const BoardView& view : result.views) names.push_back(view.name);
-  page.charts.push_back(
-      {"Reprojection error of each view (a gap: left out)",
-       barChart(names, {{"root mean square error [px]", result.calibration.view_rms}}, "error [px]")});
-  return page;
-}
-
 }  // namespace simgap

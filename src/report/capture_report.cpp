@@ -76,58 +76,23 @@ Rows figureRows(const CaptureResult& result, const CaptureStatistics& s) {
   return rows;
 }
 
-/// Every n-th entry, so that a chart has at most about 1000 points.
-std::size_t thinning(std::size_t n) { return 1 + n / 1000; }
-
-Json jointChart(const CaptureResult& result) {
-  std::vector<double> times;
-  std::vector<Series> series;
-  for (const CaptureJoint& joint : result.rig.joints) series.push_back({joint.name, {}});
-  const std::size_t step = thinning(result.samples.size());
-  for (std::size_t i = 0; i < result.samples.size(); i += step) {
-    const JointSample& sample = result.samples[i];
-    times.push_back(sample.time);
-    for (std::size_t j = 0; j < series.size(); ++j) {
-      const bool revolute = result.rig.joints[j].type == JointType::kRevolute;
-      series[j].y.push_back(toDegrees(revolute
-                                          ? sample.joints[j].angle
-                                          : geodesicAngle(sample.joints[j].rotation, Eigen::Quaterniond::Identity())));
-    }
-  }
-  return lineChart(times, series, "time [s]", "angle [deg]", false);
-}
-
-Json rmsChart(const CaptureResult& result) {
-  std::vector<double> times;
-  std::vector<Series> series;
-  for (const MarkerTarget& target : result.targets.targets) series.push_back({target.name, {}});
-  for (std::size_t i = 0; i < result.digests.size(); i += thinning(result.digests.size())) {
-    times.push_back(result.digests[i].time);
-    for (std::size_t t = 0; t < series.size(); ++t) series[t].y.push_back(result.digests[i].rms[t]);
-  }
-  return lineChart(times, series, "time [s]", "fit RMS [mm]", false);
-}
-
-Json histogramChart(const DistanceHistogram& histogram) {
-  std::vector<std::string> labels;
-  std::vector<double> counts;
-  for (int b = 0; b < DistanceHistogram::kBins; ++b) {
-    labels.push_back(fmt::format("{:.2f}", 1e3 * DistanceHistogram::kStep * (b - DistanceHistogram::kBins / 2 + 0.5)));
-    counts.push_back(static_cast<double>(histogram.counts[static_cast<std::size_t>(b)]));
-  }
-  return barChart(labels, {{"measured - nominal distance [mm]", counts}}, "pairs of markers");
-}
-
 }  // namespace
 
 Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
   Json targets = Json::array();
   for (std::size_t t = 0; t < result.targets.targets.size(); ++t) {
+    Json markers = Json::array();
+    for (const Eigen::Vector3d& m : result.targets.targets[t].markers) markers.push_back({m.x(), m.y(), m.z()});
     targets.push_back({{"name", result.targets.targets[t].name},
+                       {"markers_m", markers},
                        {"visible_percent", percent(s.found(t), s.frames())},
                        {"markers", s.markers(t).mean()},
                        {"rms_mm", 1e3 * s.rms(t).rms()},
                        {"ambiguous_frames", s.ambiguous(t)}});
+  }
+  Json joint_types = Json::object();
+  for (const CaptureJoint& joint : result.rig.joints) {
+    joint_types[joint.name] = joint.type == JointType::kRevolute ? "revolute" : "spherical";
   }
   Json doubts = Json::array();
   for (const GeometryFinding& f : result.doubts) doubts.push_back({{"name", f.name}, {"sentence", f.sentence}});
@@ -149,7 +114,9 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
           {"pairs", s.frames()},
           {"pairs_with_all_joints", result.samples.size()},
           {"skipped", result.skipped},
+          {"marker_radius_m", result.targets.marker_radius},
           {"targets", targets},
+          {"joint_types", joint_types},
           {"ghosts_per_pair", s.ghosts().mean()},
           {"rejected_blobs",
            {{"area", s.rejections().area}, {"circularity", s.rejections().circularity}, {"edge", s.rejections().edge}}},
@@ -168,6 +135,30 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
           {"poses_outside_shaft_log", result.poses_outside_log}};
 }
 
+std::string distancesCsv(const CaptureResult& result, const CaptureStatistics& s) {
+  CsvWriter csv({"target", "markers", "nominal_mm", "mean_mm", "sd_mm", "predicted_sd_mm"});
+  for (const DistanceStatistics& d : s.distances()) {
+    csv.add(result.targets.targets[static_cast<std::size_t>(d.target)].name);
+    csv.add(fmt::format("{}-{}", d.markers[0], d.markers[1])).add(1e3 * d.nominal);
+    if (d.measured.count() > 1) {
+      csv.add(1e3 * d.measured.mean()).add(1e3 * d.measured.sd()).add(1e3 * std::sqrt(d.variance.mean()));
+    } else {
+      csv.add("").add("").add("");
+    }
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+std::string histogramCsv(const CaptureStatistics& s) {
+  CsvWriter csv({"error_mm", "count"});
+  for (int b = 0; b < DistanceHistogram::kBins; ++b) {
+    csv.add(fmt::format("{:.2f}", 1e3 * DistanceHistogram::kStep * (b - DistanceHistogram::kBins / 2 + 0.5)));
+    csv.add(static_cast<double>(s.histogram().counts[static_cast<std::size_t>(b)])).endRow();
+  }
+  return csv.text();
+}
+
 std::string terminalTable(const CaptureResult& result, const CaptureStatistics& s) {
   Rows targets = targetRows(result, s);
   targets.insert(targets.begin(), kTargetHeader);
@@ -177,33 +168,6 @@ std::string terminalTable(const CaptureResult& result, const CaptureStatistics& 
                      "\n" + alignedTable(poses);
   for (const GeometryFinding& finding : result.doubts) text += "DOUBT: " + finding.sentence + "\n";
   return text;
-}
-
-Page makePage(const CaptureResult& result, const CaptureStatistics& s) {
-  Page page;
-  page.title = "simgap capture";
-  page.answer = answer(result, s);
-  page.tables.push_back({"Targets", kTargetHeader, targetRows(result, s)});
-  page.tables.push_back({"Figures", {"", ""}, figureRows(result, s)});
-  if (!result.doubts.empty()) {
-    Rows rows;
-    for (const GeometryFinding& f : result.doubts) rows.push_back({f.name, f.sentence});
-    page.tables.push_back({"Why the geometry is in doubt", {"what", "found"}, rows});
-  }
-  page.charts.push_back({"Joints (a spherical joint: angle from the zero pose)", jointChart(result)});
-  page.charts.push_back({"Fit of the targets", rmsChart(result)});
-  page.charts.push_back({"Distances between markers of a target", histogramChart(s.histogram())});
-  page.details.push_back({"Steady poses", kPoseHeader, poseRows(result)});
-  Rows distances;
-  for (const DistanceStatistics& d : s.distances()) {
-    distances.push_back({fmt::format("{} {}-{}", result.targets.targets[static_cast<std::size_t>(d.target)].name,
-                                     d.markers[0], d.markers[1]),
-                         fmt::format("{:.3f}", 1e3 * d.nominal), fmt::format("{:.3f}", 1e3 * d.measured.mean()),
-                         fmt::format("{:.4f}", 1e3 * d.measured.sd()),
-                         fmt::format("{:.4f}", 1e3 * std::sqrt(d.variance.mean()))});
-  }
-  page.details.push_back({"Distances [mm]", {"markers", "nominal", "mean", "sd", "predicted sd"}, distances, true});
-  return page;
 }
 
 }  // namespace simgap

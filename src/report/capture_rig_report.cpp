@@ -113,14 +113,6 @@ std::string terminalTable(const ArmJointCalibration& r) {
   return answer(r) + "\n\n" + alignedTable({kJointHeader, jointRow(r.shoulder), jointRow(r.elbow)});
 }
 
-Page makePage(const ArmJointCalibration& r) {
-  Page page;
-  page.title = "simgap calibrate-joints";
-  page.answer = answer(r);
-  page.tables.push_back({"Joints", kJointHeader, {jointRow(r.shoulder), jointRow(r.elbow)}});
-  return page;
-}
-
 Json toJson(const TargetSetReport& report) {
   Json targets = Json::array();
   for (const TargetReport& t : report.targets) {
@@ -149,15 +141,6 @@ std::string terminalTable(const TargetSetReport& report) {
   cross.insert(cross.begin(), kCrossHeader);
   return answer(report) + "\n\n" + alignedTable(targets) + (cross.size() > 1 ? "\n" + alignedTable(cross) : "") +
          "lengths in mm: what noise must bridge\n";
-}
-
-Page makePage(const TargetSetReport& report) {
-  Page page;
-  page.title = "simgap targets check";
-  page.answer = answer(report);
-  page.tables.push_back({"Each target [mm]", kTargetHeader, targetRows(report)});
-  page.tables.push_back({"Targets against each other [mm]", kCrossHeader, crossRows(report)});
-  return page;
 }
 
 }  // namespace simgap

@@ -3,104 +3,141 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdlib>
+#include <utility>
 
 namespace simgap {
 namespace {
 
-constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9"};
+/// Five digits are finer than any screen; all 17 of a double would triple the page.
+constexpr int kDigits = 5;
+/// An axis may lie far from 0: seconds of an hour.
+constexpr int kAxisDigits = 7;
 
-Json points(const Curve& curve) {
-  Json data = Json::array();
-  for (std::size_t i = 0; i < curve.x.size(); ++i) {
-    if (std::isfinite(curve.x[i]) && std::isfinite(curve.y[i])) data.push_back({{"x", curve.x[i]}, {"y", curve.y[i]}});
+Json shortNumber(double value, int digits = kDigits) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);
+}
+
+Json shortNumbers(const std::vector<double>& values, int digits = kDigits) {
+  Json numbers = Json::array();
+  for (const double value : values) numbers.push_back(shortNumber(value, digits));
+  return numbers;
+}
+
+Json axisJson(const Axis& axis) { return {{"title", axis.title}, {"log", axis.logarithmic}}; }
+
+const char* styleName(Series::Style style) {
+  switch (style) {
+    case Series::Style::kDashed:
+      return "dashed";
+    case Series::Style::kPoints:
+      return "points";
+    case Series::Style::kLine:
+      break;
   }
-  return data;
+  return "line";
 }
 
-Json dataset(const Curve& curve, const char* colour) {
-  return {{"label", curve.name},   {"data", points(curve)},
-          {"borderColor", colour}, {"backgroundColor", colour},
-          {"borderWidth", 2},      {"showLine", !curve.points},
-          {"fill", false},         {"pointRadius", curve.points ? 1.5 : 0.0},
-          {"tension", 0}};
-}
-
-Json scatter(const std::string& x_title, const std::string& y_title) {
-  return {{"type", "scatter"},
-          {"data", {{"datasets", Json::array()}}},
-          {"options",
-           {{"scales",
-             {{"x", {{"title", {{"display", true}, {"text", x_title}}}}},
-              {"y", {{"title", {{"display", true}, {"text", y_title}}}}}}}}}};
-}
-
-using Colour = std::array<double, 3>;
-
-std::string blend(const Colour& a, const Colour& b, double t) {
-  const auto mix = [&](std::size_t k) { return static_cast<int>(std::lround(a[k] + t * (b[k] - a[k]))); };
-  return fmt::format("rgb({},{},{})", mix(0), mix(1), mix(2));
-}
-
-/// t from 0 to 1: pale yellow over green to dark blue; diverging from -1 to 1: vermilion over white to blue.
-std::string colourOf(double t, bool diverging) {
-  constexpr Colour kPale{253, 231, 37}, kMiddle{33, 145, 140}, kDark{68, 1, 84};
-  constexpr Colour kNegative{213, 94, 0}, kZero{245, 245, 245}, kPositive{0, 114, 178};
-  if (diverging)
-    return t < 0.0 ? blend(kZero, kNegative, std::min(-t, 1.0)) : blend(kZero, kPositive, std::min(t, 1.0));
-  return t < 0.5 ? blend(kDark, kMiddle, 2.0 * t) : blend(kMiddle, kPale, 2.0 * t - 1.0);
+/// Lines that share their x hold it once: the others name the line that has it.
+Json seriesJson(const std::vector<Series>& all) {
+  Json list = Json::array();
+  std::vector<std::vector<double>> held;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Series series = all[i].x.empty() || !all[i].half.empty() ? all[i] : thinned(all[i]);
+    const int colour = series.colour >= 0 ? series.colour : static_cast<int>(i);
+    const auto same = std::ranges::find(held, series.x);
+    list.push_back({{"name", series.name},
+                    {"x", same == held.end() ? shortNumbers(series.x, kAxisDigits) : Json(same - held.begin())},
+                    {"y", shortNumbers(series.y)},
+                    {"style", styleName(series.style)},
+                    {"colour", colour},
+                    {"faint", series.faint}});
+    if (!series.half.empty()) list.back()["half"] = shortNumbers(series.half);
+    held.push_back(series.x);
+  }
+  return list;
 }
 
 }  // namespace
 
-Json curveChart(const std::vector<Curve>& curves, const std::string& x_title, const std::string& y_title) {
-  Json chart = scatter(x_title, y_title);
-  std::size_t colour = 0;
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    if (i > 0 && !curves[i].name.starts_with(curves[i - 1].name)) ++colour;
-    chart["data"]["datasets"].push_back(dataset(curves[i], kColours[colour % std::size(kColours)]));
+Series thinned(const Series& line, std::size_t most) {
+  const std::size_t count = line.y.size();
+  if (count <= most) return line;
+  Series result = line;
+  result.x.clear();
+  result.y.clear();
+  const auto keep = [&](std::size_t i) {
+    result.x.push_back(line.x[i]);
+    result.y.push_back(line.y[i]);
+  };
+  const std::size_t stretches = std::max<std::size_t>(1, most / 2);
+  for (std::size_t s = 0; s < stretches; ++s) {
+    const std::size_t begin = s * count / stretches, end = (s + 1) * count / stretches;
+    std::size_t low = end, high = end, gap = end;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!std::isfinite(line.y[i])) {
+        gap = i;
+        continue;
+      }
+      if (low == end || line.y[i] < line.y[low]) low = i;
+      if (high == end || line.y[i] > line.y[high]) high = i;
+    }
+    std::vector<std::size_t> kept{low, high, gap};
+    std::ranges::sort(kept);
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+    for (const std::size_t i : kept) {
+      if (i < end) keep(i);
+    }
   }
-  return chart;
+  return result;
 }
 
-Json mapChart(const Map& map, const std::string& x_title, const std::string& y_title) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  const auto scaled = [&](double value) { return map.logarithmic ? std::log10(std::max(value, 1e-300)) : value; };
-  for (const double value : map.value) {
-    if (!std::isfinite(value)) continue;
-    low = std::min(low, scaled(value));
-    high = std::max(high, scaled(value));
+Chart lineChart(std::string caption, const Axis& x, const Axis& y, const std::vector<Series>& series) {
+  return {std::move(caption),
+          "",
+          {{"kind", "lines"}, {"x", axisJson(x)}, {"y", axisJson(y)}, {"series", seriesJson(series)}}};
+}
+
+Chart barChart(std::string caption, const std::vector<std::string>& labels, const Axis& y,
+               const std::vector<Series>& series) {
+  return {std::move(caption),
+          "",
+          {{"kind", "bars"}, {"labels", labels}, {"y", axisJson(y)}, {"series", seriesJson(series)}}};
+}
+
+Chart intervalChart(std::string caption, const Axis& x, const std::vector<IntervalRow>& rows) {
+  Json list = Json::array();
+  for (const IntervalRow& row : rows) {
+    list.push_back({{"name", row.name},
+                    {"value", shortNumber(row.value)},
+                    {"lower", shortNumber(row.lower)},
+                    {"upper", shortNumber(row.upper)},
+                    {"group", row.group},
+                    {"colour", row.colour},
+                    {"marked", row.marked}});
   }
-  const double largest = std::max(std::abs(low), std::abs(high));
-  Json data = Json::array(), colours = Json::array();
-  for (std::size_t i = 0; i < map.value.size(); ++i) {
-    if (!std::isfinite(map.value[i])) continue;
-    const double t = map.diverging ? scaled(map.value[i]) / std::max(largest, 1e-300)
-                                   : (scaled(map.value[i]) - low) / std::max(high - low, 1e-300);
-    data.push_back({{"x", map.x[i % map.x.size()]}, {"y", map.y[i / map.x.size()]}});
-    colours.push_back(colourOf(t, map.diverging));
-  }
-  const auto text = [&](double value) {
-    return fmt::format("{:.3g}", map.logarithmic ? std::pow(10.0, value) : value);
-  };
-  const std::string legend = data.empty() ? "no data"
-                             : map.diverging
-                                 ? fmt::format("vermilion −{0} … white 0 … blue +{0} {1}", text(largest), map.unit)
-                                 : fmt::format("dark {} … pale {} {}", text(low), text(high), map.unit);
-  Json chart = scatter(x_title, y_title);
-  const double width = 420.0 / static_cast<double>(std::max<std::size_t>(map.x.size(), 1));
-  const double height = 130.0 / static_cast<double>(std::max<std::size_t>(map.y.size(), 1));
-  if (!map.outline.x.empty()) chart["data"]["datasets"].push_back(dataset(map.outline, "#000000"));
-  chart["data"]["datasets"].push_back({{"label", legend},
-                                       {"data", data},
-                                       {"pointBackgroundColor", colours},
-                                       {"pointBorderColor", colours},
-                                       {"backgroundColor", colourOf(1.0, map.diverging)},
-                                       {"pointStyle", "rect"},
-                                       {"pointRadius", std::max(2.0, std::min(width, height))},
-                                       {"showLine", false}});
-  return chart;
+  return {std::move(caption), "", {{"kind", "intervals"}, {"x", axisJson(x)}, {"rows", list}}};
+}
+
+Chart mapChart(std::string caption, const Axis& x, const Axis& y, const Map& map) {
+  return {std::move(caption),
+          "",
+          {{"kind", "map"},
+           {"x", axisJson(x)},
+           {"y", axisJson(y)},
+           {"columns", shortNumbers(map.x, kAxisDigits)},
+           {"rows", shortNumbers(map.y, kAxisDigits)},
+           {"column_names", map.x_names},
+           {"row_names", map.y_names},
+           {"value", shortNumbers(map.value)},
+           {"unit", map.unit},
+           {"diverging", map.diverging},
+           {"log", map.logarithmic},
+           {"range", map.range},
+           {"written", map.written},
+           {"series", seriesJson(map.outlines)}}};
 }
 
 }  // namespace simgap

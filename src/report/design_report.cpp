@@ -91,36 +91,4 @@ std::string terminalTable(const DesignResult& result) {
   return alignedTable(table) + "record the commands of next_poses.csv in this order; calibrate with all poses\n";
 }
 
-Page makePage(const DesignResult& result) {
-  Page page;
-  page.title = "simgap design";
-  const PoseDesign& design = result.design;
-  page.answer =
-      fmt::format("Recording {} more poses is expected to bring the error on unseen poses", design.poses.size());
-  for (std::size_t j = 0; j < result.model.joints.size(); ++j) {
-    page.answer += fmt::format("{} from {} to {} deg ({})", j ? "," : "", degreesText(design.before.mean[j]),
-                               degreesText(design.after.back().mean[j]), result.model.joints[j].name);
-  }
-  page.answer += ".";
-  page.tables.push_back({"Expected error", header(result), rows(result)});
-  std::vector<double> x{0.0};
-  std::vector<Series> series;
-  for (std::size_t j = 0; j < result.model.joints.size(); ++j) {
-    series.push_back({result.model.joints[j].name, {toDegrees(design.before.mean[j])}});
-    for (const PredictedError& after : design.after) series.back().y.push_back(toDegrees(after.mean[j]));
-  }
-  for (std::size_t k = 1; k <= design.after.size(); ++k) x.push_back(static_cast<double>(k));
-  page.charts.push_back({"Expected mean joint error with the first poses of the list recorded",
-                         lineChart(x, series, "poses added", "mean joint error [deg]", false)});
-  PageTable commands{"Commands [rad]", {"pose"}, {}};
-  for (const Muscle& muscle : result.model.muscles) commands.header.push_back(muscle.name);
-  for (const Pose& pose : design.poses) {
-    std::vector<std::string> line{pose.name};
-    for (const double shaft : pose.shafts) line.push_back(fmt::format("{:.3f}", shaft));
-    commands.rows.push_back(line);
-  }
-  page.details.push_back(commands);
-  return page;
-}
-
 }  // namespace simgap

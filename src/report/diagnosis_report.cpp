@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "simgap/core/csv.h"
-#include "simgap/report/charts.h"
 #include "simgap/report/pose_report.h"
 
 namespace simgap {
@@ -60,12 +58,6 @@ std::vector<std::vector<std::string>> confusionRows(const SelfTest& test) {
     for (const int count : test.count[r]) rows.back().push_back(count == 0 ? "." : std::to_string(count));
   }
   return rows;
-}
-
-PageTable pageTable(const std::string& caption, std::vector<std::vector<std::string>> rows, bool folded = false) {
-  PageTable table{caption, rows.front(), {}, folded};
-  table.rows.assign(rows.begin() + 1, rows.end());
-  return table;
 }
 
 Json selfTestJson(const SelfTest& test) {
@@ -218,44 +210,6 @@ std::string terminalTable(const Diagnosis& d) {
   }
   if (!d.next_experiment.empty()) text += fmt::format("\nnext      {}\n", d.next_experiment);
   return text + "\n";
-}
-
-Page makePage(const Diagnosis& d) {
-  Page page;
-  page.title = "diagnose";
-  page.answer = d.sentence;
-  if (!d.causes.empty()) page.tables.push_back(pageTable("Causes, in the order they were found", causeRows(d)));
-  page.charts.push_back(
-      {fmt::format("Mean squared error on data never used ({})", d.error_unit),
-       barChart({"noise floor", "model as it is", "with the causes"},
-                {{"mean squared error", {d.noise_floor, d.baseline.mse_heldout, d.extended.mse_heldout}}},
-                d.error_unit)});
-  std::vector<std::string> order;
-  std::map<std::string, std::vector<const EvidenceBin*>> bins;
-  for (const EvidenceBin& b : d.evidence) {
-    if (!bins.contains(b.against)) order.push_back(b.against);
-    bins[b.against].push_back(&b);
-  }
-  for (const std::string& against : order) {
-    Curve before{"before", {}, {}}, after{"with the causes", {}, {}};
-    for (const EvidenceBin* b : bins[against]) {
-      before.x.push_back(b->center);
-      before.y.push_back(b->before);
-      after.x.push_back(b->center);
-      after.y.push_back(b->after);
-    }
-    page.charts.push_back({"Mean residual against " + against, curveChart({before, after}, against, "residual")});
-  }
-  std::vector<std::vector<std::string>> rows{{"step", "effect", "gain on unseen blocks", "p", "outcome"}};
-  for (const HypothesisRecord& h : d.hypotheses) {
-    rows.push_back({std::to_string(h.step), withTarget(h.effect, h.target), percent(h.gain_inner),
-                    fmt::format("{:.2g}", h.p_adjusted), h.outcome});
-  }
-  page.details.push_back(pageTable("Hypotheses", rows, true));
-  if (d.self_test)
-    page.details.push_back(pageTable("Self-test: hidden effect by row, answer by column", confusionRows(*d.self_test)));
-  if (!d.next_experiment.empty()) page.details.push_back({"Next experiment", {"record"}, {{d.next_experiment}}});
-  return page;
 }
 
 }  // namespace simgap

@@ -64,12 +64,6 @@ std::string errorText(const FitSummary& summary) {
   return text + fmt::format("; {} rows, worth {:.0f} independent ones", summary.n, summary.uncertainty.n_effective);
 }
 
-PageTable pageTable(const std::string& caption, std::vector<std::vector<std::string>> rows, bool folded = false) {
-  PageTable table{caption, rows.front(), {}, folded};
-  table.rows.assign(rows.begin() + 1, rows.end());
-  return table;
-}
-
 std::vector<std::string> allWarnings(const FitSummary& summary) {
   std::vector<std::string> all = summary.warnings;
   for (const std::string& sentence : summary.uncertainty.findings) {
@@ -169,41 +163,6 @@ std::string terminalTable(const FitSummary& summary) {
   }
   for (const std::string& warning : allWarnings(summary)) text += "note: " + warning + "\n";
   return text;
-}
-
-Page makePage(const FitSummary& summary) {
-  Page page;
-  page.title = "simgap " + summary.command;
-  page.answer = fmt::format("{} predicts {} with an RMS error of {:.4g} {}", summary.model, summary.target,
-                            std::sqrt(summary.mse), summary.target_unit);
-  page.answer += summary.mse_heldout ? fmt::format(", and {:.4g} {} on rows it was not fitted to.",
-                                                   std::sqrt(*summary.mse_heldout), summary.target_unit)
-                                     : "; only rows it was not fitted to can show what that is worth.";
-  if (summary.comparison.size() > 1) {
-    page.tables.push_back(
-        pageTable(fmt::format("Models on the same rows (MSE in {}², * lowest BIC)", summary.target_unit),
-                  comparisonRows(summary)));
-  }
-  page.tables.push_back(pageTable("Parameters", parameterRows(summary)));
-  PageTable notes{"Notes", {"", ""}, {{"error", errorText(summary)}}, false};
-  for (const auto& [name, value] : summary.facts) notes.rows.push_back({name, value});
-  for (const TransferRow& row : summary.transfer) {
-    notes.rows.push_back(
-        {"transfer", fmt::format("{}: RMS {:.4g} {}", row.file, std::sqrt(row.mse), summary.target_unit)});
-  }
-  for (const std::string& warning : allWarnings(summary)) notes.rows.push_back({"note", warning});
-  page.tables.push_back(notes);
-  std::vector<std::vector<std::string>> correlation{{""}};
-  for (const Estimate& e : summary.uncertainty.estimates) correlation[0].push_back(e.name);
-  for (std::size_t i = 0; i < summary.uncertainty.estimates.size(); ++i) {
-    correlation.push_back({summary.uncertainty.estimates[i].name});
-    for (std::size_t j = 0; j < summary.uncertainty.estimates.size(); ++j) {
-      correlation.back().push_back(fmt::format(
-          "{:.3f}", summary.uncertainty.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j))));
-    }
-  }
-  page.details.push_back(pageTable("Correlation of the parameters", correlation, true));
-  return page;
 }
 
 FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty) {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "friction_plots.h"
+#include "friction_tables.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/units.h"
 
@@ -132,12 +132,10 @@ void writeFrictionReport(const FrictionReport& report, const std::string& log_sh
   directory.write("profile.csv", profileCsv(report));
   directory.write("series.csv", seriesCsv(report));
   directory.write("maps.csv", mapsCsv(report));
-}
-
-Page makePage(const FrictionReport& report) {
-  Page page = makePage(summarise(report));
-  addFrictionCharts(report, page);
-  return page;
+  directory.write("friction.csv", frictionCsv(report));
+  directory.write("models.csv", modelsCsv(report));
+  if (!report.options.predict_load) directory.write("curves.csv", curvesCsv(report));
+  if (!report.requirements.empty()) directory.write("requirements.csv", requirementsCsv(report));
 }
 
 }  // namespace simgap

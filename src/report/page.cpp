@@ -1,48 +1,15 @@
 #include "simgap/report/page.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <kainjow/mustache.hpp>
+#include <string_view>
 
-#include "pose_tables.h"
 #include "simgap/report/assets.h"
 
 namespace simgap {
 namespace {
 
 namespace mustache = kainjow::mustache;
-
-// Okabe & Ito (2008): blue, vermilion, green, orange, purple, sky blue.
-constexpr const char* kColours[] = {"#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9"};
-
-constexpr const char* kTable =
-    R"({{#folded}}<details><summary>{{caption}}</summary>{{/folded}}<div class="scroll"><table>
-{{^folded}}<caption>{{caption}}</caption>{{/folded}}
-<thead><tr>{{#header}}<th scope="col">{{cell}}</th>{{/header}}</tr></thead>
-<tbody>{{#rows}}<tr>{{#cells}}<td>{{cell}}</td>{{/cells}}</tr>
-{{/rows}}</tbody></table></div>{{#folded}}</details>{{/folded}}
-)";
-
-mustache::data cells(const std::vector<std::string>& texts) {
-  mustache::data list{mustache::data::type::list};
-  for (const std::string& text : texts) list << mustache::data{"cell", text};
-  return list;
-}
-
-mustache::data tables(const std::vector<PageTable>& given) {
-  mustache::data list{mustache::data::type::list};
-  for (const PageTable& table : given) {
-    mustache::data rows{mustache::data::type::list};
-    for (const auto& row : table.rows) rows << mustache::data{"cells", cells(row)};
-    mustache::data item;
-    item.set("caption", table.caption);
-    item.set("folded", table.folded);
-    item.set("header", cells(table.header));
-    item.set("rows", rows);
-    list << item;
-  }
-  return list;
-}
 
 /// JSON inside a script element must neither end the element nor open a comment: "<" stands in its texts only.
 std::string scriptSafe(const Json& json) {
@@ -52,72 +19,133 @@ std::string scriptSafe(const Json& json) {
   return text;
 }
 
-Json points(const std::vector<double>& y) {
-  Json values = Json::array();
-  for (const double value : y) values.push_back(numberOrNull(value));
-  return values;
+mustache::data cells(const std::vector<std::string>& texts) {
+  mustache::data list{mustache::data::type::list};
+  for (const std::string& text : texts) list << mustache::data{"cell", text};
+  return list;
+}
+
+/// Cells of a table's row, from `begin` on; the columns of words are set apart from those of numbers.
+mustache::data cells(const std::vector<std::string>& row, std::size_t begin, const std::vector<bool>& words) {
+  mustache::data list{mustache::data::type::list};
+  for (std::size_t c = begin; c < row.size(); ++c) {
+    mustache::data item;
+    item.set("cell", row[c]);
+    item.set("words", c < words.size() && words[c]);
+    list << item;
+  }
+  return list;
+}
+
+/// Per column: whether a cell reads as words, which stand to the left, where numbers stand to the right.
+std::vector<bool> wordColumns(const PageTable& table) {
+  std::vector<bool> words(table.header.size(), false);
+  for (const auto& row : table.rows) {
+    for (std::size_t c = 0; c < std::min(row.size(), words.size()); ++c) {
+      if (!row[c].empty() && std::string_view("0123456789+-./").find(row[c].front()) == std::string_view::npos) {
+        words[c] = true;
+      }
+    }
+  }
+  return words;
+}
+
+/// Turns blocks into what the template shows; the descriptions of charts and scenes are collected for report.js.
+class BlockRenderer {
+ public:
+  mustache::data operator()(const PageText& text) { return block("text", mustache::data{text.text}); }
+
+  mustache::data operator()(const PageTable& table) {
+    const std::vector<bool> words = wordColumns(table);
+    mustache::data rows{mustache::data::type::list};
+    for (const auto& row : table.rows) {
+      mustache::data item;
+      item.set("name", row.empty() ? "" : row.front());
+      item.set("cells", cells(row, 1, words));
+      rows << item;
+    }
+    mustache::data item;
+    item.set("caption", table.caption);
+    item.set("folded", table.folded);
+    item.set("header", cells(table.header, 0, words));
+    item.set("rows", rows);
+    return block("table", item);
+  }
+
+  mustache::data operator()(const Chart& chart) {
+    mustache::data item;
+    item.set("caption", chart.caption);
+    if (!chart.note.empty()) item.set("note", chart.note);
+    item.set("wide", chart.wide);
+    item.set("index", std::to_string(charts.size()));
+    charts.push_back(chart.spec);
+    return block("chart", item);
+  }
+
+  mustache::data operator()(const PageScene& scene) {
+    mustache::data item;
+    item.set("caption", scene.caption);
+    if (!scene.note.empty()) item.set("note", scene.note);
+    item.set("index", std::to_string(scenes.size()));
+    scenes.push_back(scene.scene);
+    return block("scene", item);
+  }
+
+  Json charts = Json::array(), scenes = Json::array();
+
+ private:
+  static mustache::data block(const char* kind, const mustache::data& item) {
+    mustache::data block;
+    block.set(kind, item);
+    return block;
+  }
+};
+
+mustache::data provenanceOf(const Page& page) {
+  mustache::data list{mustache::data::type::list};
+  for (const auto& [key, value] : page.provenance) {
+    mustache::data item;
+    item.set("key", key);
+    item.set("value", value);
+    list << item;
+  }
+  return list;
 }
 
 }  // namespace
 
 std::string renderPage(const Page& page) {
-  Json configs = Json::array();
-  mustache::data charts{mustache::data::type::list};
-  for (const PageChart& chart : page.charts) {
-    charts << mustache::data{"caption", chart.caption};
-    configs.push_back(chart.config);
-  }
-  mustache::data provenance{mustache::data::type::list};
-  for (const auto& [key, value] : page.provenance) {
+  BlockRenderer renderer;
+  mustache::data sections{mustache::data::type::list};
+  for (const PageSection& section : page.sections) {
+    mustache::data blocks{mustache::data::type::list};
+    for (const PageBlock& block : section.blocks) blocks << std::visit(renderer, block);
     mustache::data item;
-    item.set("key", key);
-    item.set("value", value);
-    provenance << item;
+    item.set("heading", section.heading);
+    item.set("headed", !section.heading.empty());
+    item.set("blocks", blocks);
+    sections << item;
   }
   mustache::data data;
   data.set("title", page.title);
   data.set("answer", page.answer);
-  data.set("tables", tables(page.tables));
-  data.set("details", tables(page.details));
-  data.set("charts", charts);
-  data.set("provenance", provenance);
+  data.set("notes", cells(page.notes));
+  data.set("noted", !page.notes.empty());
+  data.set("sections", sections);
+  data.set("provenance", provenanceOf(page));
+  data.set("css", std::string(assets::report_css()));
   data.set("chart_js", std::string(assets::chart_js()));
-  data.set("chart_configs", scriptSafe(configs));
-  data.set("table", mustache::data{mustache::partial{[] { return std::string(kTable); }}});
+  data.set("report_js", std::string(assets::report_js()));
+  data.set("data", scriptSafe({{"charts", renderer.charts}, {"scenes", renderer.scenes}}));
+  if (!renderer.scenes.empty()) {  // three.js is two thirds of a page
+    mustache::data libraries;
+    libraries.set("three_js", std::string(assets::three_js()));
+    libraries.set("orbit_controls_js", std::string(assets::orbit_controls_js()));
+    libraries.set("arm_view_js", std::string(assets::arm_view_js()));
+    data.set("three_dimensions", libraries);
+  }
   mustache::mustache page_template{std::string(assets::report_html())};
   return page_template.render(data);
-}
-
-Json lineChart(const std::vector<double>& x, const std::vector<Series>& series, const std::string& x_title,
-               const std::string& y_title, bool logarithmic) {
-  Json datasets = Json::array();
-  for (std::size_t i = 0; i < series.size(); ++i) {
-    const char* colour = kColours[i % std::size(kColours)];
-    datasets.push_back({{"label", series[i].name},
-                        {"data", points(series[i].y)},
-                        {"borderColor", colour},
-                        {"backgroundColor", colour},
-                        {"borderWidth", 2},
-                        {"pointRadius", 0}});
-  }
-  return {
-      {"type", "line"},
-      {"data", {{"labels", x}, {"datasets", datasets}}},
-      {"options",
-       {{"interaction", {{"mode", "index"}, {"intersect", false}}},
-        {"scales",
-         {{"x",
-           {{"title", {{"display", true}, {"text", x_title}}}, {"ticks", {{"maxRotation", 0}, {"maxTicksLimit", 12}}}}},
-          {"y",
-           {{"type", logarithmic ? "logarithmic" : "linear"}, {"title", {{"display", true}, {"text", y_title}}}}}}}}}};
-}
-
-Json barChart(const std::vector<std::string>& labels, const std::vector<Series>& series, const std::string& y_title) {
-  Json config = lineChart({}, series, "", y_title, false);
-  config["type"] = "bar";
-  config["data"]["labels"] = labels;
-  config["options"]["scales"]["x"] = Json::object();
-  return config;
 }
 
 }  // namespace simgap

@@ -67,18 +67,4 @@ std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSe
   return lines;
 }
 
-std::vector<double> errorsOfJoint(const Assessment& assessment, std::size_t joint) {
-  std::vector<double> errors;
-  for (const auto& pose : assessment.errors) {
-    errors.push_back(pose.empty() ? std::numeric_limits<double>::quiet_NaN() : toDegrees(pose[joint]));
-  }
-  return errors;
-}
-
-std::vector<std::string> poseNames(const PoseSet& set) {
-  std::vector<std::string> names;
-  for (const Pose& pose : set.poses) names.push_back(pose.name);
-  return names;
-}
-
 }  // namespace simgap

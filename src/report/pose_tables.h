@@ -15,11 +15,6 @@ Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje);
 /// "p003: acquisition error of biceps, 12.3 deg" for every invalid pose.
 std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout);
 
-/// Errors of one joint over the poses [deg]; NaN where invalid.
-std::vector<double> errorsOfJoint(const Assessment& assessment, std::size_t joint);
-
-std::vector<std::string> poseNames(const PoseSet& set);
-
 /// Muscles whose cords do not pull in this pose.
 std::vector<std::string> slackMuscles(const PoseOutcome& outcome, const PoseLayout& layout);
 /// The same in one cell.

@@ -98,25 +98,4 @@ std::string terminalTable(const ValidationResult& result) {
   return text + alignedTable(rows);
 }
 
-Page makePage(const ValidationResult& result) {
-  Page page;
-  page.title = "simgap validate";
-  page.answer = "On " + std::to_string(result.assessment.valid) + " poses the simulation misses the robot by";
-  for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-    page.answer += fmt::format("{} {} deg ({})", j ? "," : "", degreesText(result.assessment.mje[j]),
-                               result.layout.joints[j].name);
-  }
-  page.answer += " on average.";
-  page.tables.push_back({"Mean joint errors", jointHeader(result, ""), mjeRows(result)});
-  std::vector<Series> series;
-  for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-    series.push_back({result.layout.joints[j].name, errorsOfJoint(result.assessment, j)});
-  }
-  page.charts.push_back({"Error of each pose", barChart(poseNames(result.set), series, "joint error [deg]")});
-  std::vector<std::string> header = jointHeader(result, "pose");
-  header.push_back("status");
-  page.details.push_back({"All poses, worst first [deg]", header, poseRows(result, result.set.poses.size())});
-  return page;
-}
-
 }  // namespace simgap

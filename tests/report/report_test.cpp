@@ -6,8 +6,6 @@
 #include <cmath>
 
 #include "report/known_results.h"
-#include "simgap/report/assets.h"
-#include "support/files.h"
 
 namespace simgap {
 namespace {
@@ -16,7 +14,6 @@ using test::knownCalibration;
 using test::knownValidation;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 std::vector<std::string> keysOf(const Json& json) {
   std::vector<std::string> keys;
@@ -53,7 +50,6 @@ TEST(CalibrateReport, LeavesOutTheValidationThatWasNotGiven) {
   CalibrationResult result = knownCalibration();
   result.sets.pop_back();
   EXPECT_THAT(keysOf(toJson(result).at("mje_deg")), ElementsAre("calibration"));
-  EXPECT_THAT(makePage(result).answer, HasSubstr("only poses it has not seen"));
 }
 
 TEST(CalibrateReport, WhatIsUnknownIsNull) {
@@ -146,16 +142,6 @@ TEST(CalibrateReport, SaysHowFarSearcherAndJudgeDisagree) {
   EXPECT_EQ(difference.at("mean").at("shoulder"), 0.0);
 }
 
-TEST(CalibrateReport, PageAnswersFirstAndHoldsEveryFigure) {
-  const Page page = makePage(knownCalibration());
-  EXPECT_EQ(page.answer,
-            "On poses the search never saw the gap went from - to 3.00 deg (shoulder), from - to 4.00 deg (elbow).");
-  ASSERT_EQ(page.charts.size(), 5u);  // errors, fitness, steps, and the poses of both sets
-  EXPECT_EQ(page.charts[0].config.at("data").at("labels"), Json({1, 2}));
-  EXPECT_TRUE(page.charts[4].config.at("data").at("datasets")[0].at("data")[0].is_null());
-  EXPECT_EQ(page.charts[3].config.at("data").at("labels"), Json({"low", "a,\"b\""}));
-}
-
 TEST(ValidateReport, ResultHasTheFieldsOtherProgramsRead) {
   const Json json = toJson(knownValidation());
   EXPECT_EQ(json.at("format"), "simgap/validate/1");
@@ -187,52 +173,6 @@ TEST(ValidateReport, PrintsATableForTheTerminalWithTheWorstFirst) {
             "<far>         -      -  acquisition error of biceps, 12.3 deg\n"
             "low       20.00  10.00                                 steady\n"
             "a,\"b\"     20.00  10.00                                 steady\n");
-}
-
-TEST(Page, IsSelfContainedAndNamesWhereItCameFrom) {
-  Page page = makePage(knownCalibration());
-  page.provenance.emplace_back("command", "simgap calibrate <arm> & more");
-  const std::string html = renderPage(page);
-  EXPECT_THAT(html, HasSubstr(assets::chart_js().substr(0, 200)));
-  EXPECT_THAT(html, HasSubstr("On poses the search never saw the gap went from - to 3.00 deg"));
-  EXPECT_THAT(html, HasSubstr("simgap calibrate &lt;arm&gt; &amp; more"));
-  EXPECT_THAT(html, Not(HasSubstr("{{")));
-  for (const char* outside : {"src=\"http", "href=\"http", "@import", "url("})
-    EXPECT_THAT(html, Not(HasSubstr(outside)));
-  EXPECT_EQ(test::countOf(html, "<canvas"), 5u);
-}
-
-TEST(Page, NamesCannotBreakOut) {
-  const std::vector<std::string> names{"</script><b>x", "<!--<script>", "<img src=x onerror=alert(1)>",
-                                       "a\"b'c&d",      "{{title}}",    "{{{chart_js}}}",
-                                       "\xFF latin",    "line\nbreak",  "\xE2\x80\xA8"};
-  ValidationResult plain = knownValidation();
-  for (const std::string& name : names) {
-    ValidationResult result = plain;
-    result.set.poses[0].name = name;
-    const std::string html = renderPage(makePage(result));
-    const std::string harmless = renderPage(makePage(plain));
-    SCOPED_TRACE(name);
-    for (const char* tag : {"<script", "</script", "<!--", "<b>", "<img", "<canvas"}) {
-      EXPECT_EQ(test::countOf(html, tag), test::countOf(harmless, tag)) << tag;
-    }
-    EXPECT_LT(html.size(), harmless.size() + 500);
-  }
-}
-
-TEST(Page, OfFifteenPosesIsAtMost400KB) {
-  CalibrationResult result = knownCalibration();
-  while (result.state.history.size() < 250) result.state.history.push_back(result.state.history[1]);
-  result.parameters.resize(99, result.parameters[0]);
-  result.state.strategy.best.y.resize(99, 0.123456789);
-  for (SetResult& set : result.sets) {
-    for (Assessment* judged : {&set.initial, &set.final}) {
-      judged->outcomes.resize(15, judged->outcomes[0]);
-      judged->errors.resize(15, judged->errors[0]);
-    }
-    set.set.poses.resize(15, set.set.poses[0]);
-  }
-  EXPECT_LE(renderPage(makePage(result)).size(), 400'000u);
 }
 
 }  // namespace

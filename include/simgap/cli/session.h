@@ -11,7 +11,6 @@
 
 #include "simgap/core/csv.h"
 #include "simgap/core/run_directory.h"
-#include "simgap/report/page.h"
 
 namespace simgap {
 
@@ -67,8 +66,8 @@ class Session {
   const RunDirectory& directory() const { return *directory_; }
   const CommonOptions& options() const { return options_; }
 
-  /// Writes result.json and report.html (with provenance), ends run.json, and prints the result.
-  void finish(const Json& result, Page page, const std::string& table, const std::string& status = "done");
+  /// Writes result.json, ends run.json, makes report.html of what is in the directory, and prints the result.
+  void finish(const Json& result, const std::string& table, const std::string& status = "done");
   /// Records how a run ended that has no result.
   void abandon(const std::string& status);
 

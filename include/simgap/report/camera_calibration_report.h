@@ -1,14 +1,14 @@
 /// \file
-/// The result of `calibrate-cameras` as JSON, a table for the terminal and a page.
+/// The result of `calibrate-cameras` as JSON and a table for the terminal.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "simgap/core/run_directory.h"
 #include "simgap/measure/capture/camera_calibration.h"
 #include "simgap/measure/capture/capture_statistics.h"
-#include "simgap/report/page.h"
 
 namespace simgap {
 
@@ -29,6 +29,5 @@ struct CameraCalibrationResult {
 
 Json toJson(const CameraCalibrationResult& result);
 std::string terminalTable(const CameraCalibrationResult& result);
-Page makePage(const CameraCalibrationResult& result);
 
 }  // namespace simgap

@@ -1,7 +1,9 @@
 /// \file
-/// Chart.js configurations besides those of page.h: points and curves over x, maps of a value over two axes.
+/// What a chart of a page shows: numbers, names and units. How it looks (colours, dark and light, tooltips, the table
+/// behind it) is decided in templates/report.js, which gives the description to Chart.js.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,24 +11,66 @@
 
 namespace simgap {
 
-struct Curve {
-  std::string name;
-  std::vector<double> x, y;
-  bool points = false;  ///< dots instead of a line
+struct Axis {
+  std::string title;  ///< with its unit: "velocity [rad/s]"
+  bool logarithmic = false;
 };
 
-/// Curves over a linear x axis. Colours go in turn; a curve whose name begins like the one before it keeps its colour.
-Json curveChart(const std::vector<Curve>& curves, const std::string& x_title, const std::string& y_title);
+/// One line, cloud of points or row of bars.
+struct Series {
+  enum class Style { kLine, kDashed, kPoints };
+  std::string name;
+  std::vector<double> x;  ///< empty for bars, which have one value per label
+  std::vector<double> y;  ///< NaN leaves a gap
+  Style style = Style::kLine;
+  int colour = -1;                ///< place in the palette; -1: the series' own place in the chart
+  bool faint = false;             ///< stands behind others, pale and broad: "before", "measured"
+  std::vector<double> half = {};  ///< half width of an interval about y; empty: none
+};
+
+/// A value with its interval, as one row of a chart.
+struct IntervalRow {
+  std::string name;
+  double value;
+  double lower, upper;     ///< NaN: unknown
+  std::string group = {};  ///< rows of a group have one colour and one entry in the legend
+  int colour = 0;          ///< of the group: place in the palette, and in the legend
+  bool marked = false;     ///< drawn as a triangle: at a bound
+};
 
 /// A value per cell of a grid; NaN cells stay empty.
 struct Map {
-  std::vector<double> x, y;   ///< centres of the cells, shape (X), (Y)
-  std::vector<double> value;  ///< shape (X Y), x runs fastest
-  bool diverging = false;     ///< two colours about 0 instead of one scale
-  bool logarithmic = false;   ///< of the value's colour
-  std::string unit;
-  Curve outline = {};  ///< drawn on top, when it has points
+  std::vector<double> x, y;                   ///< centres of the cells, shape (X), (Y)
+  std::vector<double> value;                  ///< shape (X Y), x runs fastest
+  std::string unit;                           ///< of the value
+  bool diverging = false;                     ///< two colours about 0 instead of one scale
+  bool logarithmic = false;                   ///< of the value's colour
+  double range = 0.0;                         ///< of a diverging scale; 0: the largest value
+  bool written = false;                       ///< the value stands in its cell
+  std::vector<std::string> x_names, y_names;  ///< of the cells, instead of numbers
+  std::vector<Series> outlines;               ///< lines on top
 };
-Json mapChart(const Map& map, const std::string& x_title, const std::string& y_title);
+
+struct Chart {
+  std::string caption;
+  std::string note;  ///< how to read it; may be empty
+  Json spec;
+  bool wide = false;  ///< takes the page's whole width
+};
+
+/// Curves and points over x.
+Chart lineChart(std::string caption, const Axis& x, const Axis& y, const std::vector<Series>& series);
+/// Groups of bars, one per label.
+Chart barChart(std::string caption, const std::vector<std::string>& labels, const Axis& y,
+               const std::vector<Series>& series);
+Chart intervalChart(std::string caption, const Axis& x, const std::vector<IntervalRow>& rows);
+Chart mapChart(std::string caption, const Axis& x, const Axis& y, const Map& map);
+
+/// The largest number of points of a line that a page holds.
+inline constexpr std::size_t kMostPoints = 2000;
+
+/// A line with at most about `most` points in which every peak survives: of each stretch the lowest and the highest
+/// point stay, in order; a gap stays a gap.
+Series thinned(const Series& line, std::size_t most = kMostPoints);
 
 }  // namespace simgap

@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "simgap/core/run_directory.h"
 #include "simgap/fit/pose_design.h"
-#include "simgap/report/page.h"
 
 namespace simgap {
 
@@ -20,6 +20,5 @@ Json toJson(const DesignResult& result);
 /// The commands, ready for the rig: pose, shaft_<muscle>_rad, and where the model expects the joints.
 std::string nextPosesCsv(const DesignResult& result);
 std::string terminalTable(const DesignResult& result);
-Page makePage(const DesignResult& result);
 
 }  // namespace simgap

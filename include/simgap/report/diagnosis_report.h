@@ -1,11 +1,11 @@
 /// \file
-/// The answer of `diagnose` as JSON (FORMATS), CSV, one screen for the terminal and a page.
+/// The answer of `diagnose` as JSON (FORMATS), CSV and one screen for the terminal.
 #pragma once
 
 #include <string>
 
+#include "simgap/core/run_directory.h"
 #include "simgap/diagnose/diagnosis.h"
-#include "simgap/report/page.h"
 
 namespace simgap {
 
@@ -15,6 +15,5 @@ std::string evidenceCsv(const Diagnosis& diagnosis);
 /// Hidden effects by row, answers by column.
 std::string confusionCsv(const SelfTest& test);
 std::string terminalTable(const Diagnosis& diagnosis);
-Page makePage(const Diagnosis& diagnosis);
 
 }  // namespace simgap

@@ -1,5 +1,5 @@
 /// \file
-/// The results of the `fit-*` commands as JSON (FORMATS), CSV, a table for the terminal and a page.
+/// The results of the `fit-*` commands as JSON (FORMATS), CSV and a table for the terminal.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "simgap/core/run_directory.h"
 #include "simgap/fit/uncertainty.h"
 #include "simgap/model/fitted_model.h"
-#include "simgap/report/page.h"
 
 namespace simgap {
 
@@ -52,8 +52,6 @@ Json toJson(const FitSummary& summary);
 std::string parametersCsv(const FitSummary& summary);
 std::string correlationCsv(const FitSummary& summary);
 std::string terminalTable(const FitSummary& summary);
-/// Title, answer and tables; the caller adds charts.
-Page makePage(const FitSummary& summary);
 
 /// The model file of a fit.
 FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty);

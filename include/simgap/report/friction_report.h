@@ -33,7 +33,6 @@ struct FrictionReport {
 FitSummary summarise(const FrictionReport& report);
 /// model.yaml and the CSVs behind the tables and plots.
 void writeFrictionReport(const FrictionReport& report, const std::string& log_sha256, const RunDirectory& directory);
-Page makePage(const FrictionReport& report);
 
 /// The paper's requirements of daily living: shoulder 71 deg/s, elbow 91 deg/s, 20 N m.
 std::vector<Requirement> paperRequirements();

@@ -1,11 +1,13 @@
 /// \file
-/// One self-contained HTML page per result: the answer in a sentence, the figures, the tables, where it came from.
+/// One self-contained HTML page per result: the answer in a sentence, the figures, the details, where it came from.
 #pragma once
 
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
-#include "simgap/core/run_directory.h"
+#include "simgap/report/charts.h"
 
 namespace simgap {
 
@@ -17,33 +19,41 @@ struct PageTable {
   bool folded = false;  ///< shown only when opened
 };
 
-/// A chart: a Chart.js configuration (type, data, options), drawn by the embedded library.
-struct PageChart {
+/// A paragraph that stands out.
+struct PageText {
+  std::string text;
+};
+
+/// A view into three dimensions that a reader can turn: an arm over its poses, or markers over time.
+struct PageScene {
   std::string caption;
-  Json config;
+  std::string note;
+  Json scene;  ///< as templates/arm_view.js reads it
+};
+
+using PageBlock = std::variant<PageText, PageTable, Chart, PageScene>;
+
+struct PageSection {
+  std::string heading;  ///< empty for the figure right below the answer
+  std::vector<PageBlock> blocks;
 };
 
 struct Page {
   std::string title;
-  std::string answer;  ///< the result in one sentence
-  std::vector<PageTable> tables;
-  std::vector<PageChart> charts;
-  std::vector<PageTable> details;  ///< below the charts
-  std::vector<std::pair<std::string, std::string>> provenance;
+  std::string answer;              ///< the result in one sentence
+  std::vector<std::string> notes;  ///< what a reader must know before believing the answer
+  std::vector<PageSection> sections = {};
+  std::vector<std::pair<std::string, std::string>> provenance = {};
+
+  /// Adds a block to the last section; to a first one without a heading when there is none.
+  void add(PageBlock block) {
+    if (sections.empty()) sections.emplace_back();
+    sections.back().blocks.push_back(std::move(block));
+  }
+  void addSection(std::string heading) { sections.push_back({std::move(heading), {}}); }
 };
 
 /// The HTML text; opens from disk, needs no network.
 std::string renderPage(const Page& page);
-
-/// \name Chart.js configurations, in colours that colour-blind people can tell apart (Okabe & Ito).
-///@{
-struct Series {
-  std::string name;
-  std::vector<double> y;  ///< NaN leaves a gap
-};
-Json lineChart(const std::vector<double>& x, const std::vector<Series>& series, const std::string& x_title,
-               const std::string& y_title, bool logarithmic);
-Json barChart(const std::vector<std::string>& labels, const std::vector<Series>& series, const std::string& y_title);
-///@}
 
 }  // namespace simgap

@@ -1,13 +1,13 @@
 /// \file
-/// The results of `calibrate` and `validate` as JSON (FORMATS), CSV, a table for the terminal and a page.
+/// The results of `calibrate` and `validate` as JSON (FORMATS), CSV and a table for the terminal.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "simgap/core/run_directory.h"
 #include "simgap/fit/calibration_result.h"
-#include "simgap/report/page.h"
 
 namespace simgap {
 
@@ -36,7 +36,6 @@ std::string singularValuesCsv(const CalibrationResult& result);
 /// What the poses tell of the parameters, what error to expect on others; lines for the terminal.
 std::string uncertaintyText(const CalibrationResult& result);
 std::string terminalTable(const CalibrationResult& result);
-Page makePage(const CalibrationResult& result);
 ///@}
 
 /// \name validate
@@ -44,7 +43,6 @@ Page makePage(const CalibrationResult& result);
 Json toJson(const ValidationResult& result);
 std::string errorsCsv(const ValidationResult& result);
 std::string terminalTable(const ValidationResult& result);
-Page makePage(const ValidationResult& result);
 ///@}
 
 /// Text in columns: the first column left-aligned, the others right.

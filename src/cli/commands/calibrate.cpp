@@ -10,6 +10,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/fit/posterior_search.h"
+#include "simgap/report/arm_geometry.h"
 #include "simgap/report/pose_report.h"
 
 namespace simgap::commands {
@@ -258,6 +259,16 @@ CalibrationResult calibrate(Calibration& calibration, const Task& task, const Ev
   }
 }
 
+void writeGeometry(const ArmModel& before, const ArmModel& after, const CalibrationResult& result,
+                   const RunDirectory& directory) {
+  std::vector<ReplayedSet> replays;
+  for (const SetResult& set : result.sets) {
+    replays.push_back({set.name, "before", before, set.set, set.initial});
+    replays.push_back({set.name, "after", after, set.set, set.final});
+  }
+  writeArmGeometry(replays, directory);
+}
+
 ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   const bool resuming = !given.resume.empty();
   const Options options = resuming ? resumedOptions(given) : given;
@@ -281,7 +292,8 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   directory.write("parameters.csv", parametersCsv(result));
   directory.write("errors.csv", errorsCsv(result));
   if (result.uncertainty) directory.write("singular_values.csv", singularValuesCsv(result));
-  session.finish(toJson(result), makePage(result), terminalTable(result));
+  writeGeometry(task.model, calibration.bestModel(), result, directory);
+  session.finish(toJson(result), terminalTable(result));
   return ExitCode::kDone;
 }
 

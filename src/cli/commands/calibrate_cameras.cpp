@@ -125,7 +125,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
                               {fmt::format("simgap calibrate-cameras: {:.4f} px on held-out views, {} views",
                                            result.calibration.heldout_rms, result.views.size())}));
   directory.write("coverage.png", encodePng(drawCoverage(result.views, result.calibration.cameras.size)));
-  session.finish(toJson(result), makePage(result), terminalTable(result));
+  session.finish(toJson(result), terminalTable(result));
   const bool scale_failed = options.max_scale_error && result.scale_bar &&
                             std::abs(result.scale_bar->errorPercent()) > *options.max_scale_error;
   const bool error_failed = options.max_heldout && result.calibration.heldout_rms > *options.max_heldout;

@@ -51,7 +51,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   session.directory().write(
       "targets.yaml", writeTargets(result.targets, {"markers in the frames of the bones: simgap calibrate-joints"}));
   session.directory().write("rig.yaml", writeRig(rig, result.targets));
-  session.finish(toJson(result), makePage(result), terminalTable(result));
+  session.finish(toJson(result), terminalTable(result));
   return ExitCode::kDone;
 }
 

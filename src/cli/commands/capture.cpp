@@ -78,7 +78,9 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   }
   capture.write(session.directory(), result);
   const CaptureStatistics& statistics = capture.statistics();
-  session.finish(toJson(result, statistics), makePage(result, statistics), terminalTable(result, statistics));
+  session.directory().write("distances.csv", distancesCsv(result, statistics));
+  session.directory().write("histogram.csv", histogramCsv(statistics));
+  session.finish(toJson(result, statistics), terminalTable(result, statistics));
   const bool scale_failed =
       options.max_scale_error && std::abs(statistics.scaleErrorPercent()) > *options.max_scale_error;
   return scale_failed ? ExitCode::kCriterionFailed : ExitCode::kDone;

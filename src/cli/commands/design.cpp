@@ -54,7 +54,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 
   session.directory().write("next_poses.csv", nextPosesCsv(result));
   session.directory().write("model.yaml", writeArm(result.model));
-  session.finish(toJson(result), makePage(result), terminalTable(result));
+  session.finish(toJson(result), terminalTable(result));
   return ExitCode::kDone;
 }
 

@@ -125,7 +125,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
     writeLeftovers(result.diagnosis, directory);
     if (result.diagnosis.self_test) directory.write("confusion.csv", confusionCsv(*result.diagnosis.self_test));
   }
-  session.finish(toJson(result.diagnosis), makePage(result.diagnosis), terminalTable(result.diagnosis));
+  session.finish(toJson(result.diagnosis), terminalTable(result.diagnosis));
   return ExitCode::kDone;
 }
 

@@ -194,7 +194,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   session.directory().write("config.resolved.yaml", resolvedOptions(app));
   writeFrictionReport(report, log_sha256, session.directory());
   const FitSummary summary = summarise(report);
-  session.finish(toJson(summary), makePage(report), terminalTable(summary));
+  session.finish(toJson(summary), terminalTable(summary));
   return ExitCode::kDone;
 }
 

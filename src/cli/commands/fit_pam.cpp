@@ -8,7 +8,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/core/csv.h"
 #include "simgap/fit/pam_fit.h"
-#include "simgap/report/charts.h"
+#include "simgap/report/fit_report.h"
 
 namespace simgap::commands {
 namespace {
@@ -89,47 +89,48 @@ FitSummary summarise(const std::vector<Candidate>& candidates, std::size_t best,
   return summary;
 }
 
-void addCharts(const std::vector<Candidate>& candidates, const PamLog& log, Page& page) {
+/// Every so many rows are shown.
+std::size_t shownStride(const PamLog& log) { return std::max<std::size_t>(1, log.rows() / 1500); }
+
+Pam unboundedMuscle(const Candidate& candidate) {
+  Pam muscle = candidate.fit.muscle();
+  muscle.lowest = -1.0, muscle.highest = 1.0;
+  return muscle;
+}
+
+/// Measured and predicted force over contraction: some rows of the log, and each candidate at three pressures.
+std::string forcesCsv(const std::vector<Candidate>& candidates, const PamLog& log) {
+  CsvWriter csv({"series", "contraction", "force_N"});
   std::vector<double> levels(log.pressure);
   std::ranges::sort(levels);
-  std::vector<Curve> curves{{"measured", {}, {}, true}};
-  const std::size_t stride = std::max<std::size_t>(1, log.rows() / 1500);
-  for (std::size_t i = 0; i < log.rows(); i += stride) {
-    curves[0].x.push_back(log.contraction[i]);
-    curves[0].y.push_back(log.force[i]);
+  for (std::size_t i = 0; i < log.rows(); i += shownStride(log)) {
+    csv.add("measured").add(log.contraction[i]).add(log.force[i]).endRow();
   }
   const auto [low, high] = std::ranges::minmax(log.contraction);
   for (const Candidate& c : candidates) {
-    Pam muscle = c.fit.muscle();
-    muscle.lowest = -1.0, muscle.highest = 1.0;
+    const Pam muscle = unboundedMuscle(c);
     for (const double q : {0.4, 0.7, 1.0}) {
       const double pressure = levels[static_cast<std::size_t>(q * static_cast<double>(levels.size() - 1))];
-      Curve curve{fmt::format("{} at {:.0f} kPa", c.name, 1e-3 * pressure), {}, {}, false};
       for (int i = 0; i <= 60; ++i) {
         const double eps = low + (high - low) * i / 60.0;
-        if (const auto f = muscle.force(pressure, eps)) {
-          curve.x.push_back(eps);
-          curve.y.push_back(*f);
-        }
+        const auto f = muscle.force(pressure, eps);
+        if (f) csv.add(fmt::format("{} at {:.0f} kPa", c.name, 1e-3 * pressure)).add(eps).add(*f).endRow();
       }
-      curves.push_back(curve);
     }
   }
-  page.charts.push_back({"Force over apparent contraction", curveChart(curves, "apparent contraction", "force [N]")});
-  std::vector<Curve> errors;
+  return csv.text();
+}
+
+std::string errorsCsv(const std::vector<Candidate>& candidates, const PamLog& log) {
+  CsvWriter csv({"series", "force_N", "error_N"});
   for (const Candidate& c : candidates) {
-    Pam muscle = c.fit.muscle();
-    muscle.lowest = -1.0, muscle.highest = 1.0;
-    Curve error{c.name, {}, {}, true};
-    for (std::size_t i = 0; i < log.rows(); i += stride) {
+    const Pam muscle = unboundedMuscle(c);
+    for (std::size_t i = 0; i < log.rows(); i += shownStride(log)) {
       const auto f = muscle.force(log.pressure[i], log.contraction[i]);
-      if (!f) continue;
-      error.x.push_back(log.force[i]);
-      error.y.push_back(*f - log.force[i]);
+      if (f) csv.add(c.name).add(log.force[i]).add(*f - log.force[i]).endRow();
     }
-    errors.push_back(error);
   }
-  page.charts.push_back({"Error over force", curveChart(errors, "measured force [N]", "predicted - measured [N]")});
+  return csv.text();
 }
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
@@ -189,9 +190,9 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   session.directory().write("model.yaml", writeFittedModel(model));
   session.directory().write("parameters.csv", parametersCsv(summary));
   session.directory().write("correlation.csv", correlationCsv(summary));
-  Page page = makePage(summary);
-  addCharts(candidates, log, page);
-  session.finish(toJson(summary), page, terminalTable(summary));
+  session.directory().write("forces.csv", forcesCsv(candidates, log));
+  session.directory().write("errors.csv", errorsCsv(candidates, log));
+  session.finish(toJson(summary), terminalTable(summary));
   return ExitCode::kDone;
 }
 

@@ -160,10 +160,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
                                  session.directory().file("prediction.csv").string());
   if (count > 0) text += fmt::format("RMS error against the log: {:.4g} {}\n", rms, p.unit);
   if (p.refused > 0) text += fmt::format("{} rows left out or outside the model's range\n", p.refused);
-  Page page;
-  page.title = "simgap predict";
-  page.answer = text;
-  session.finish(result, page, text);
+  session.finish(result, text);
   return ExitCode::kDone;
 }
 

@@ -23,7 +23,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
     fmt::print("{}nothing was written\n", terminalTable(report));
   } else {
     session.begin(options.common.seed.value_or(0));
-    session.finish(toJson(report), makePage(report), terminalTable(report));
+    session.finish(toJson(report), terminalTable(report));
   }
   return report.sound() ? ExitCode::kDone : ExitCode::kCriterionFailed;
 }

@@ -3,6 +3,7 @@
 
 #include "../pose_inputs.h"
 #include "simgap/cli/command.h"
+#include "simgap/report/arm_geometry.h"
 #include "simgap/report/pose_report.h"
 
 namespace simgap::commands {
@@ -41,12 +42,14 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
         {"mje_deg of " + result.layout.joints[j].name, *options.max_mje, toDegrees(result.assessment.mje[j])});
   }
   session.directory().write("errors.csv", errorsCsv(result));
+  const ReplayedSet replay{"replayed", "simulated", model, set, result.assessment};
+  writeArmGeometry({&replay, 1}, session.directory());
   if (result.assessment.valid < set.poses.size()) {
     const std::string reason = describeInvalid(result.assessment, set, result.layout);
-    session.finish(toJson(result), makePage(result), terminalTable(result), "failed: " + reason);
+    session.finish(toJson(result), terminalTable(result), "failed: " + reason);
     throw NumericsError(reason);
   }
-  session.finish(toJson(result), makePage(result), terminalTable(result));
+  session.finish(toJson(result), terminalTable(result));
   for (const Criterion& criterion : result.criteria) {
     if (!criterion.pass()) return ExitCode::kCriterionFailed;
   }

@@ -1,0 +1,45 @@
+/// \file
+/// The files that a command has left in its result directory, read back.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/core/csv.h"
+#include "simgap/core/run_directory.h"
+
+namespace simgap {
+
+class ResultFiles {
+ public:
+  /// Reads result.json and run.json.
+  /// \throws ConfigError: a directory without them; DataError: one of them is no JSON object.
+  explicit ResultFiles(std::filesystem::path directory);
+
+  const std::filesystem::path& directory() const { return directory_; }
+  const Json& result() const { return result_; }
+  const Json& run() const { return run_; }
+  bool has(std::string_view name) const;
+  /// \throws ConfigError, DataError: as CsvTable::load
+  CsvTable table(std::string_view name) const;
+
+ private:
+  std::filesystem::path directory_;
+  Json result_, run_;
+};
+
+/// A column of numbers, shape (rows); NaN for a cell that is empty or not finite. \throws DataError: no such column, a
+/// cell that is no number.
+std::vector<double> numbersOf(const CsvTable& table, const std::string& column);
+/// The same for the rows whose text in `key` is `value`.
+std::vector<double> numbersWhere(const CsvTable& table, const std::string& column, const std::string& key,
+                                 const std::string& value);
+/// Texts of a column, each once, in the order of the file.
+std::vector<std::string> distinctOf(const CsvTable& table, const std::string& column);
+
+/// A number of JSON; NaN for null.
+double numberOf(const Json& json);
+
+}  // namespace simgap

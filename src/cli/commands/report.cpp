@@ -1,0 +1,26 @@
+#include <fmt/format.h>
+
+#include "simgap/cli/command.h"
+#include "simgap/report/result_page.h"
+
+namespace simgap::commands {
+namespace {
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>&) {
+  auto directories = std::make_shared<std::vector<std::filesystem::path>>();
+  app.add_option("DIR", *directories, "result directories of earlier runs")->required();
+  return [directories] {
+    for (const std::filesystem::path& directory : *directories) {
+      fmt::print("report: {}\n", writeReport(RunDirectory::open(directory)).string());
+    }
+    return ExitCode::kDone;
+  };
+}
+
+}  // namespace
+
+extern const Command report;
+const Command report{"report", "make report.html again from the files of a run, without running anything",
+                     "  simgap report runs/arm", define};
+
+}  // namespace simgap::commands

@@ -1,0 +1,28 @@
+/// \file
+/// What the pages of the fit-* commands share.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "simgap/report/page.h"
+#include "simgap/report/result_files.h"
+
+namespace simgap {
+
+/// Title and answer from result.json.
+Page beginFitPage(const ResultFiles& files);
+
+/// Parameters with intervals, models compared, correlations, and what else the fit has to say.
+void addFitDetails(const ResultFiles& files, Page& page);
+
+/// The column that is `stem`, or `stem` with a unit. \throws DataError when there is none.
+std::string columnLike(const CsvTable& table, std::string_view stem);
+
+/// "velocity_rad_s" -> "velocity [rad/s]"
+std::string axisTitle(const std::string& column);
+
+/// A value over two columns of a table, as cells about their distinct values.
+Map gridOf(const CsvTable& table, const std::string& x, const std::string& y, const std::vector<double>& value);
+
+}  // namespace simgap

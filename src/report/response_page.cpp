@@ -1,0 +1,35 @@
+#include "response_page.h"
+
+#include "fit_page.h"
+#include "simgap/core/units.h"
+
+namespace simgap {
+
+void addResponses(const CsvTable& table, const std::string& measured, const std::string& computed, Page& page) {
+  const bool timed = table.has("time_s");
+  std::vector<double> x = timed ? numbersOf(table, "time_s") : std::vector<double>(table.rows());
+  for (std::size_t i = 0; !timed && i < x.size(); ++i) x[i] = static_cast<double>(i + 1);
+  for (const std::string& column : table.columns()) {
+    const UnitName name = splitUnit(column);
+    if (!name.stem.ends_with(computed)) continue;
+    const std::string quantity = name.stem.substr(0, name.stem.size() - computed.size());
+    std::vector<Series> lines;
+    const std::string other = quantityName(quantity + measured, name.unit);
+    if (table.has(other))
+      lines.push_back({measured.substr(1), x, numbersOf(table, other), Series::Style::kLine, 6, /*faint=*/true});
+    lines.push_back({computed.substr(1), x, numbersOf(table, column), Series::Style::kLine, 0});
+    Chart chart = lineChart(quantity + (timed ? " over time" : " of every row"), {timed ? "time [s]" : "row"},
+                            {axisTitle(quantityName(quantity, name.unit))}, lines);
+    chart.wide = true;
+    page.add(std::move(chart));
+  }
+}
+
+Page driveFitPage(const ResultFiles& files) {
+  Page page = beginFitPage(files);
+  addResponses(files.table("response.csv"), "_measured", "_simulated", page);
+  addFitDetails(files, page);
+  return page;
+}
+
+}  // namespace simgap

@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""Every command's report.html as a reader sees it: in a real browser, from disk.
+
+    tests/report/browser_test.py SIMGAP SOURCE [--keep DIR]
+
+Runs the commands on small data, opens each page and looks: no complaint in the console, every chart has data and paints
+something, the table behind a figure opens, the slider moves the arm, the toggle changes it, dark and light differ, it
+prints. Exits with 77 (skipped) where there is no Chromium. --keep leaves the pages and their pictures in DIR.
+"""
+import argparse
+import base64
+import pathlib
+import sys
+import tempfile
+import unittest
+
+import sample_runs
+import webdriver
+
+SKIPPED = 77
+
+
+class Pages(unittest.TestCase):
+    simgap = source = folder = None
+    keep = False  # pictures, too
+
+    @classmethod
+    def setUpClass(cls):
+        cls.names = sample_runs.make_all(cls.simgap, cls.source, cls.folder)
+        cls.browser = cls.enterClassContext(webdriver.Browser())
+
+    def setUp(self):
+        self.browser.reset()
+
+    def file(self, name):
+        return self.folder / name / "report.html"
+
+    def open(self, name):
+        self.browser.open(self.file(name))
+
+    def picture(self, name, png):
+        (self.folder / f"{name}.png").write_bytes(png)
+
+    def test_every_page_opens_from_disk_without_complaint(self):
+        for name in self.names:
+            with self.subTest(name):
+                self.open(name)
+                self.assertEqual(self.browser.console(), [])
+                self.assertEqual(self.browser.run("return performance.getEntriesByType('resource').map(r => r.name)"
+                                                  ".filter(name => !name.startsWith('data:'))"), [])
+                self.assertTrue(self.browser.run("return document.querySelector('.answer').textContent.trim()"))
+                with_view = self.browser.run("return document.querySelectorAll('.scene').length")
+                self.assertLess(self.file(name).stat().st_size, 1_500_000 if with_view else 400_000)
+                if self.keep:
+                    self.picture(name, self.browser.whole_page())
+                colours, commonest = webdriver.pixels(self.browser.screenshot())
+                self.assertGreater(len(colours), 50)
+                self.assertLess(commonest, 0.99)
+
+    def test_every_chart_has_data_and_paints(self):
+        look = """
+          return [...document.querySelectorAll('figure.chart')].map((figure, i) => {
+            const canvas = figure.querySelector('canvas');
+            const bytes = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+            const colours = new Set();
+            for (let k = 0; k < bytes.length; k += 4) if (bytes[k + 3] > 200) colours.add(bytes[k] << 16 | bytes[k + 1] << 8 | bytes[k + 2]);
+            const finite = value => Array.isArray(value) ? value.some(finite) : typeof value === 'object' && value ? isFinite(value.y) && value.y !== null : typeof value === 'number' && isFinite(value);
+            const numbers = charts[i].data.datasets.flatMap(d => d.data).filter(finite).length;
+            return {caption: figure.querySelector('figcaption').textContent, numbers, colours: colours.size, label: canvas.getAttribute('aria-label')};
+          });"""
+        for name in self.names:
+            self.open(name)
+            charts = self.browser.run(look)
+            self.assertTrue(charts, name)
+            for chart in charts:
+                with self.subTest(page=name, chart=chart["caption"]):
+                    self.assertGreater(chart["numbers"], 0)
+                    self.assertGreater(chart["colours"], 2, "axes alone, or nothing")
+                    self.assertTrue(chart["label"])
+
+    def test_the_numbers_stand_behind_every_figure(self):
+        show = """
+          document.querySelectorAll('.numbers').forEach(details => { details.open = true; details.dispatchEvent(new Event('toggle')); });
+          return [...document.querySelectorAll('.numbers')].map(details => details.querySelectorAll('tbody tr').length);"""
+        for name in self.names:
+            with self.subTest(name):
+                self.open(name)
+                rows = self.browser.run(show)
+                self.assertTrue(rows and all(count > 0 for count in rows), rows)
+                self.assertEqual(self.browser.console(), [])
+
+    def test_the_slider_moves_the_arm(self):
+        for name in ("calibrate", "validate", "capture"):
+            with self.subTest(name):
+                self.open(name)
+                view, slider = self.browser.find(".view canvas"), self.browser.find("input[type=range]")
+                said = "return document.querySelector('.said').textContent"
+                first, first_said = self.browser.screenshot(view), self.browser.run(said)
+                colours, commonest = webdriver.pixels(first)
+                self.assertGreater(len(colours), 50)
+                self.assertLess(commonest, 0.999, "an empty view")
+                self.browser.type(slider, "\ue014" * 3)  # arrow right: it can be used without a mouse
+                self.assertEqual(self.browser.run("return views[0].pose"), 3)
+                self.assertNotEqual(self.browser.screenshot(view), first)
+                self.assertNotEqual(self.browser.run(said), first_said)
+                self.assertEqual(self.browser.console(), [])
+
+    def test_the_toggle_shows_before_and_after(self):
+        self.open("calibrate")
+        view = self.browser.find(".view canvas")
+        pressed = "return [...document.querySelectorAll('.controls button')].filter(b => b.getAttribute('aria-pressed') === 'true').map(b => b.textContent)"
+        after = self.browser.screenshot(view)
+        self.assertEqual(self.browser.run(pressed), ["after", "measured as a ghost"])
+        before_button, ghost_button = (self.browser.run(
+            "return [...document.querySelectorAll('.controls button')].find(b => b.textContent.startsWith(arguments[0]))", text)[webdriver.ELEMENT]
+            for text in ("before", "measured"))
+        self.browser.click(before_button)
+        before = self.browser.screenshot(view)
+        self.assertNotEqual(before, after)
+        self.assertEqual(self.browser.run(pressed), ["before", "measured as a ghost"])
+        self.browser.click(ghost_button)
+        self.assertNotEqual(self.browser.screenshot(view), before)
+        self.assertEqual(self.browser.run(pressed), ["before"])
+
+    def test_the_arm_turns_by_keys_and_buttons(self):
+        self.open("validate")
+        view = self.browser.find(".view canvas")
+        pictures = {self.browser.screenshot(view)}
+        self.browser.type(view, "\ue012\ue012")  # arrow left
+        pictures.add(self.browser.screenshot(view))
+        for text in ("front", "side", "top"):
+            self.browser.run("[...document.querySelectorAll('.controls button')].find(b => b.textContent === arguments[0]).click()", text)
+            pictures.add(self.browser.screenshot(view))
+        self.assertEqual(len(pictures), 5)
+
+    def test_bodies_stand_where_the_tables_say(self):
+        self.open("validate")
+        shown = self.browser.run("""
+          const pose = views[0].data.poses[views[0].pose], forearm = views[0].data.bodies.indexOf('forearm');
+          const frame = views[0].content.children[forearm];
+          return {name: pose.name, at: frame.position.toArray(), count: frame.children.length};""")
+        rows = [line.split(",") for line in (self.folder / "validate/arm_bodies.csv").read_text().splitlines()]
+        row = next(r for r in rows if f"{r[0]} pose {r[1]}" == shown["name"] and r[2] == "simulated" and r[3] == "forearm")
+        for found, expected in zip(shown["at"], row[4:7]):
+            self.assertAlmostEqual(found, float(expected), delta=1e-4)
+        self.assertGreater(shown["count"], 0)
+
+    def test_dark_and_light_and_paper(self):
+        background = "return getComputedStyle(document.body).backgroundColor"
+        for name in ("calibrate", "fit-friction"):
+            with self.subTest(name):
+                found = {}
+                for scheme in ("light", "dark"):
+                    self.browser.protocol("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+                    self.open(name)
+                    found[scheme] = self.browser.run(background)
+                    if self.keep:
+                        self.picture(f"{name}-{scheme}", self.browser.whole_page())
+                self.assertEqual(found["light"], "rgb(255, 255, 255)")
+                self.assertNotEqual(found["dark"], found["light"])
+                self.assertEqual(self.browser.console(), [])
+                self.browser.run("dispatchEvent(new Event('beforeprint'))")
+                self.assertEqual(self.browser.run(background), "rgb(255, 255, 255)", "dark pages are printed on white paper")
+                self.browser.run("dispatchEvent(new Event('afterprint'))")
+                self.assertEqual(self.browser.run(background), found["dark"])
+                pdf = base64.b64decode(self.browser.protocol("Page.printToPDF", printBackground=True)["data"])
+                (self.folder / f"{name}.pdf").write_bytes(pdf)
+                self.assertEqual(pdf[:4], b"%PDF")
+                self.assertEqual(self.browser.console(), [])
+
+    def test_everything_can_be_named_by_a_screen_reader(self):
+        nameless = """
+          const named = e => e.getAttribute('aria-label') || e.textContent.trim() || e.labels?.length;
+          return [...document.querySelectorAll('canvas, button, input, summary, [role=region]')].filter(e => !named(e)).map(e => e.outerHTML.slice(0, 80))"""
+        for name in self.names:
+            with self.subTest(name):
+                self.open(name)
+                self.assertEqual(self.browser.run(nameless), [])
+                self.assertEqual(self.browser.run("return document.documentElement.lang"), "en")
+                self.assertEqual(self.browser.run("return document.querySelectorAll('h1').length"), 1)
+
+    def test_nothing_is_wider_than_a_telephone(self):
+        self.browser.protocol("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+        for name in self.names:
+            with self.subTest(name):
+                self.open(name)
+                if self.keep:
+                    self.picture(f"{name}-narrow", self.browser.screenshot())
+                self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), 390)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("simgap", type=pathlib.Path)
+    parser.add_argument("source", type=pathlib.Path)
+    parser.add_argument("--keep", type=pathlib.Path)
+    arguments, others = parser.parse_known_args()
+    if webdriver.missing():
+        print(f"skipped: {' and '.join(webdriver.missing())} not found (scripts/install_dependencies installs them)")
+        return SKIPPED
+    Pages.simgap, Pages.source = arguments.simgap.resolve(), arguments.source.resolve()
+    with tempfile.TemporaryDirectory(prefix="simgap-pages-") as temporary:
+        Pages.folder, Pages.keep = (arguments.keep or pathlib.Path(temporary)).resolve(), bool(arguments.keep)
+        return 0 if unittest.main(argv=[sys.argv[0], *others], exit=False, verbosity=2).result.wasSuccessful() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
