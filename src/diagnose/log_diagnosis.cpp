@@ -46,7 +46,6 @@ std::string missingFor(const DriveEffect& effect, const FrictionLaw& law, const 
 std::vector<Hypothesis> namedHypotheses(const DriveSubject& subject, const DriveData& data,
                                         const LogDiagnosisOptions& options, Diagnosis& diagnosis) {
   std::vector<Hypothesis> list;
-  for (const std::string& name : options.effects) drive_effects::find(name);
   for (const DriveEffect* effect : drive_effects::all()) {
     if (!options.effects.empty() && std::ranges::find(options.effects, effect->name) == options.effects.end()) continue;
     const std::string reason = missingFor(*effect, *subject.law, data, subject.effects);
@@ -295,6 +294,11 @@ std::vector<Leftover> leftovers(const Selection& selection, const PreparedLog& l
 }
 
 }  // namespace
+
+void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& options) {
+  for (const std::string& name : options.effects) drive_effects::find(name);
+  static_cast<void>(splitLog(log, options));
+}
 
 LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const LogDiagnosisOptions& options,
                          const DiagnosisProgress& progress) {

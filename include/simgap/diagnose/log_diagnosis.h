@@ -42,7 +42,10 @@ struct LogDiagnosis {
 /// Called with what is being done and the share of the whole that is done.
 using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
 
-/// \throws DataError when the log cannot be fitted at all.
+/// What can be known before any work. \throws ConfigError: an unknown effect; DataError: too few blocks to learn from.
+void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& options);
+
+/// \throws DataError when the log cannot be fitted at all, and as requireDiagnosable.
 LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const LogDiagnosisOptions& options,
                          const DiagnosisProgress& progress = {});
 

@@ -100,6 +100,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
   const Holdout holdout = readHoldout(options.holdout, table);
   if (holdout.fraction) options.diagnose.holdout = *holdout.fraction;
   options.diagnose.heldout_rows = holdout.rows;
+  requireDiagnosable(log, options.diagnose);
   if (options.common.dry_run) {
     fmt::print("would diagnose {} on {} rows of {}; nothing was written\n", subject.law->name, table.rows(),
                options.log);
