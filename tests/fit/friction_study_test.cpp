@@ -114,8 +114,8 @@ TEST(SlowFrictionStudy, IntervalsCoverTheTruthUnderCorrelatedNoise) {
 }
 
 TEST(SlowFrictionStudy, MeansAreUnbiasedButForTheKnownBiasOfLeastSquares) {
-  // Least squares in a non-linear model is biased in proportion to the noise's variance: by 0.1 of its standard
-  // deviation for delta here, which 200 logs just show. Box's formula says how much; what is left must be chance.
+  // Least squares in a non-linear model is biased in proportion to the noise's variance: for delta here by 0.05 of its
+  // standard deviation, 0.7 standard errors of 200 logs. Box's formula says how much; what is left must be chance.
   DriveTruth truth;
   truth.sliding_offset = 0.6;
   truth.noise = 0.25;
