@@ -146,7 +146,7 @@ class FirstGuess {
 
 }  // namespace
 
-std::vector<double> regressDrive(const MotorLog& log, const DriveFitOptions& options) {
+std::vector<double> driveFirstGuess(const MotorLog& log, const DriveFitOptions& options) {
   return FirstGuess(log, options).theta();
 }
 

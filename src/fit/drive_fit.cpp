@@ -209,7 +209,7 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   DriveFit fit;
   const std::vector<std::string> missing = settleMissing(log, options, fit.warnings);
   fit.rows = log.rows();
-  fit.first_guess = regressDrive(log, options);
+  fit.first_guess = driveFirstGuess(log, options);
   ResponseProblem response(log, options, held);
   const LeastSquaresProblem problem = response.problem();
   const std::size_t free = problem.freeParameters().size();

@@ -20,6 +20,6 @@ bool varies(const std::vector<double>& channel);
 
 /// The multiple regressions of 000: V on (i, di/dt, w), then the torque balance on (dw/dt, w, sign w).
 /// \returns shape (kCount)
-std::vector<double> regressDrive(const MotorLog& log, const DriveFitOptions& options);
+std::vector<double> driveFirstGuess(const MotorLog& log, const DriveFitOptions& options);
 
 }  // namespace simgap

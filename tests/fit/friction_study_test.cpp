@@ -87,7 +87,7 @@ Study studyLogs(const DriveTruth& truth, std::size_t rows, const std::vector<Tru
     study.error.push_back(study.deviation[p] / std::sqrt(kLogs));
     study.bias.push_back(bias[p] / kLogs);
     std::printf(
-        "%-6s covered %.1f %%, mean error %+.2f standard errors (%.2g), of which least squares' own bias %+.2f\n",
+        "%-6s covered %.1f %%, mean error %+.2f standard errors (%.2g); bias of least squares in white noise %+.2f\n",
         parameters[p].name, 100.0 * study.covered[p] / kLogs, mean / study.error[p], mean,
         study.bias[p] / study.error[p]);
   }
