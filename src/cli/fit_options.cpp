@@ -92,14 +92,27 @@ Holdout readHoldout(const std::string& text, const CsvTable& table) {
     return holdout;
   }
   const Entry entry = splitEntry("--holdout", text, "a fraction of the blocks or COLUMN=VALUE,…");
-  const std::vector<std::string> cells = table.text(entry.name);
   const std::vector<std::string> wanted = split(entry.value, ',');
   std::set<std::string> missing(wanted.begin(), wanted.end());
   holdout.words = text;
-  holdout.rows.resize(cells.size());
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    holdout.rows[i] = std::ranges::find(wanted, cells[i]) != wanted.end();
-    if (holdout.rows[i]) missing.erase(cells[i]);
+  holdout.rows.resize(table.rows());
+  const auto compare = [&](const auto& cells, const auto& values) {
+    std::vector<bool> found(values.size(), false);
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        if (cells[i] == values[k]) holdout.rows[i] = found[k] = true;
+      }
+    }
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (found[k]) missing.erase(wanted[k]);
+    }
+  };
+  if (table.has(entry.name) && table.isNumeric(entry.name)) {
+    std::vector<double> values;
+    for (const std::string& value : wanted) values.push_back(parseNumber(value).value_or(std::nan("")));
+    compare(table.quantity(entry.name, ""), values);
+  } else {
+    compare(table.text(entry.name), wanted);
   }
   if (!missing.empty()) {
     throw DataError(fmt::format("{}: found no row whose {} is {}, expected what --holdout names", table.name(),

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "simgap/cli/session.h"
+#include "simgap/core/error.h"
 #include "simgap/fit/friction_fit.h"
 #include "simgap/report/fit_report.h"
 
@@ -46,6 +49,16 @@ Holdout readHoldout(const std::string& text, const CsvTable& table);
 
 /// The rows that are held out, shape (rows of `blocks`). \param row  row of the log of each of them.
 std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blocks, std::span<const std::size_t> row);
+
+/// The end of a fit command's definition: the options that all of them have, and what runs it.
+template <typename Options, typename Run>
+std::function<ExitCode()> defineFit(const std::shared_ptr<Options>& options, CLI::App& app,
+                                    const std::vector<std::string>& argv, const Run& run) {
+  options->fit.add(app);
+  options->table.add(app);
+  options->common.add(app);
+  return [options, argv, &app, run] { return run(*options, argv, app); };
+}
 
 /// config.resolved.yaml: the options that were given.
 std::string resolvedOptions(const CLI::App& app);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <glog/logging.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <iostream>
@@ -56,6 +57,7 @@ int run(const std::vector<std::string>& argv) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  mallopt(M_MMAP_THRESHOLD, 1 << 18);      // the columns of a log go back to the system as soon as they are freed
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' log; what matters of it is in its summaries
   simgap::installInterruptHandlers();
   return run({argv, argv + argc});

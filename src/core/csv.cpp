@@ -251,21 +251,23 @@ std::vector<double> CsvTable::quantity(std::string_view stem, std::string_view u
   return values;
 }
 
-std::vector<std::string> CsvTable::text(std::string_view column) const {
-  const auto found = std::ranges::find(headers_, column);
-  if (found == headers_.end()) failMissing(column, "");
+std::vector<std::string> CsvTable::text(std::string_view name) const {
+  const auto found = std::ranges::find(headers_, name);
+  if (found == headers_.end()) failMissing(name, "");
   const auto index = found - headers_.begin();
   CsvCells cells(*text_, name_);
   cells.skipRow();
   std::vector<std::string> texts;
   texts.reserve(rows_);
   while (texts.size() < rows_) {
-    const bool skipped = cells.line() != lineOf(texts.size());
-    if (!skipped) {
-      texts.push_back(cells.nextRow()[index]);
-    } else {
-      cells.skipRow();
+    if (cells.line() != lineOf(texts.size())) {
+      cells.skipRow();  // a row that was left out
+      continue;
     }
+    for (std::ptrdiff_t column = 0; column < index; ++column) cells.next();
+    const CsvCell cell = cells.next();
+    texts.push_back(cell.text());
+    if (!cell.last) cells.skipRow();
   }
   return texts;
 }

@@ -126,6 +126,8 @@ void writeFileAtomically(const fs::path& file, const std::function<std::string_v
 std::string readFile(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string content;
+  std::error_code none;
+  if (fs::is_regular_file(file, none)) content.reserve(fs::file_size(file, none));  // growing would need it twice
   std::array<char, 1 << 16> block;
   // By blocks, not by size: a pipe has none.
   while (stream.read(block.data(), block.size()) || stream.gcount() > 0) {

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drive_parameters.h"
 #include "drive_response.h"
 #include "simgap/core/error.h"
-#include "simgap/fit/separable.h"
 #include "simgap/measure/log_checks.h"
-#include "simgap/measure/motion.h"
 
 namespace simgap {
 namespace {
@@ -17,163 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-enum Parameter : std::size_t { kR, kL, kKe, kKt, kJm, kMuM, kTauM, kEta, kTauG, kMuG, kJg, kCount };
-constexpr std::size_t kFirstOfGearbox = kEta;
-
-std::vector<FitParameter> allParameters(const DriveFitOptions& options) {
-  constexpr double kTiny = 1e-12, kInf = std::numeric_limits<double>::infinity();
-  std::vector<FitParameter> all = {
-      {"R", "ohm", kTiny, kInf},    {"L", "H", kTiny, kInf},       {"K_E", "Vs", kTiny, kInf},
-      {"K_T", "Nm_A", kTiny, kInf}, {"J_M", "kg_m2", kTiny, kInf}, {"mu_M", "Nms", 0.0, kInf},
-      {"tau_CM", "Nm", 0.0, kInf},  {"eta", "1", 1e-3, 1.0},       {"tau_CG", "Nm", 0.0, kInf},
-      {"mu_G", "Nms", 0.0, kInf},   {"J_G", "kg_m2", 0.0, kInf}};
-  for (std::size_t i = 0; i < kCount; ++i) {
-    FitParameter& p = all[i];
-    const auto bounds = options.bounds.find(p.name);
-    if (bounds != options.bounds.end()) {
-      p.lower = bounds->second.lower;
-      p.upper = bounds->second.upper;
-    }
-    p.fixed = i < kFirstOfGearbox ? !options.fit_motor : !options.fit_gearbox;
-    if (options.fixed.contains(p.name)) p.fixed = true;
-  }
-  return all;
-}
-
-/// Non-negative least squares of target ~ columns; the coefficients.
-VectorXd regress(const MatrixXd& columns, const VectorXd& target) {
-  MatrixXd all(columns.rows(), columns.cols() + 1);
-  all << columns, target;
-  const std::vector<LinearTerm> terms(static_cast<std::size_t>(columns.cols()));
-  return solveBounded(all.transpose() * all, terms).coefficients;
-}
-
-VectorXd column(const std::vector<double>& v) {
-  return Eigen::Map<const VectorXd>(v.data(), static_cast<Index>(v.size()));
-}
-
-/// d/dt per session, of a channel smoothed at a tenth of the sampling rate.
-VectorXd slope(const MotorLog& log, const std::vector<double>& channel) {
-  VectorXd result = VectorXd::Zero(static_cast<Index>(channel.size()));
-  for (const Block& rows : splitRows(log.session, log.rows())) {
-    if (rows.size() < 4) continue;
-    const auto time = std::span(log.time).subspan(rows.begin, rows.size());
-    const double rate = static_cast<double>(rows.size() - 1) / (time.back() - time.front());
-    const auto d = differentiate(time, smooth(time, std::span(channel).subspan(rows.begin, rows.size()), 0.1 * rate));
-    std::ranges::copy(d, result.begin() + static_cast<std::ptrdiff_t>(rows.begin));
-  }
-  return result;
-}
-
-bool varies(const std::vector<double>& channel) { return !channel.empty() && !isConstant(channel); }
-
-/// The multiple regressions of 000: V on (i, di/dt, w), then the torque balance on (dw/dt, w, sign w).
-class FirstGuess {
- public:
-  FirstGuess(const MotorLog& log, const DriveFitOptions& options) : log_(log), options_(options) {}
-
-  std::vector<double> theta() {
-    theta_ = {1.0, 1e-3, 0.05, 0.05, 1e-5, 1e-6, 1e-3, 1.0, 0.0, 0.0, 0.0};
-    const Motor& m = options_.motor;
-    if (!options_.fit_motor) {
-      theta_[kR] = m.resistance, theta_[kL] = m.inductance, theta_[kKe] = m.back_emf_constant;
-      theta_[kKt] = m.torque_constant, theta_[kJm] = m.inertia, theta_[kMuM] = m.viscous_friction;
-      theta_[kTauM] = m.coulomb_friction;
-    }
-    applyFixed();
-    velocity_ = speeds();
-    if (options_.fit_motor) electrical();
-    applyFixed();
-    if (options_.fit_motor) mechanical();
-    if (options_.fit_gearbox) gearing();
-    applyFixed();
-    return theta_;
-  }
-
- private:
-  void applyFixed() {
-    const std::vector<FitParameter> parameters = allParameters(options_);
-    for (std::size_t i = 0; i < kCount; ++i) {
-      if (const auto fixed = options_.fixed.find(parameters[i].name); fixed != options_.fixed.end()) {
-        theta_[i] = fixed->second;
-      }
-    }
-    if (options_.tie_constants) theta_[kKt] = theta_[kKe];
-  }
-
-  /// Logged, or from the voltage that the winding does not take.
-  std::vector<double> speeds() const {
-    if (!log_.velocity.empty()) return log_.velocity;
-    std::vector<double> w(log_.rows());
-    for (std::size_t i = 0; i < w.size(); ++i) w[i] = (log_.voltage[i] - theta_[kR] * log_.current[i]) / theta_[kKe];
-    return w;
-  }
-
-  void electrical() {
-    if (log_.voltage.empty()) return;
-    const VectorXd v = column(log_.voltage);
-    if (log_.current.empty()) {
-      theta_[kKe] = std::max(regress(column(velocity_), v)[0], 1e-9);
-    } else if (!log_.velocity.empty()) {
-      MatrixXd x(v.size(), 3);
-      x << column(log_.current), slope(log_, log_.current), column(velocity_);
-      const VectorXd c = regress(x, v);
-      theta_[kR] = std::max(c[0], 1e-9);
-      theta_[kL] = c[1] > 0.0 ? c[1] : 1e-3 * theta_[kR];
-      theta_[kKe] = std::max(c[2], 1e-9);
-    }
-    theta_[kKt] = theta_[kKe];
-  }
-
-  void mechanical() {
-    const VectorXd w = column(velocity_), dw = slope(log_, velocity_);
-    VectorXd sign(w.size());
-    const MotionSign held = holdSign(velocity_);
-    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[static_cast<std::size_t>(i)];
-    VectorXd i_a =
-        log_.current.empty() ? VectorXd((column(log_.voltage) - theta_[kKe] * w) / theta_[kR]) : column(log_.current);
-    VectorXd c;
-    const bool known = options_.fixed.contains("K_T") || options_.tie_constants;
-    if (varies(log_.load) && !known) {
-      MatrixXd x(w.size(), 4);
-      x << column(log_.load), dw, w, sign;  // i = (T + J dw + mu w + tau sign) / K_T
-      c = regress(x, i_a);
-      const double per_ampere = std::max(c[0], 1e-12);
-      theta_[kKt] = 1.0 / per_ampere;
-      c = VectorXd(c.tail(3) / per_ampere);
-    } else {
-      MatrixXd x(w.size(), 3);
-      x << dw, w, sign;
-      const VectorXd load = log_.load.empty() ? VectorXd::Zero(w.size()) : column(log_.load);
-      c = regress(x, theta_[kKt] * i_a - load);
-    }
-    if (c[0] > 0.0) theta_[kJm] = c[0];
-    theta_[kMuM] = c[1];
-    theta_[kTauM] = c[2];
-  }
-
-  void gearing() {
-    const double n = options_.ratio;
-    const VectorXd w = column(velocity_), dw = slope(log_, velocity_);
-    VectorXd sign(w.size());
-    const MotionSign held = holdSign(velocity_);
-    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[static_cast<std::size_t>(i)];
-    const VectorXd inner =
-        theta_[kKt] * column(log_.current) - theta_[kJm] * dw - theta_[kMuM] * w - theta_[kTauM] * sign;
-    MatrixXd x(w.size(), 4);  // 000 eq. 11: T = N eta tau_LM - tau_CG - mu_G w_G - J_G dw_G/dt
-    x << n * inner, -sign, -w / n, -dw / n;
-    const VectorXd c = regress(x, column(log_.load));
-    theta_[kEta] = std::clamp(c[0], 0.05, 1.0);
-    theta_[kTauG] = c[1];
-    theta_[kMuG] = c[2];
-    theta_[kJg] = c[3];
-  }
-
-  const MotorLog& log_;
-  const DriveFitOptions& options_;
-  std::vector<double> theta_, velocity_;
-};
 
 /// Residuals of simulated against measured channels: per session the velocities, then the currents.
 class ResponseProblem {
@@ -193,14 +35,14 @@ class ResponseProblem {
 
   LeastSquaresProblem problem() const {
     LeastSquaresProblem problem;
-    problem.parameters = allParameters(options_);
+    problem.parameters = driveParameters(options_);
     if (options_.tie_constants) problem.parameters[kKt].fixed = true;
     problem.chunks = chunks_;
     problem.evaluate = [this](std::span<const double> theta, const Block& chunk, Eigen::Ref<VectorXd> residual,
                               Eigen::Ref<MatrixXd>* jacobian) {
       evaluate(theta, chunk, residual);
       if (jacobian == nullptr) return;
-      std::vector<FitParameter> parameters = allParameters(options_);
+      std::vector<FitParameter> parameters = driveParameters(options_);
       if (options_.tie_constants) parameters[kKt].fixed = true;
       differentiateNumerically(
           parameters, theta, [&](std::span<const double> moved, Eigen::Ref<VectorXd> r) { evaluate(moved, chunk, r); },
@@ -262,7 +104,7 @@ double rms(const std::vector<double>& simulated, const std::vector<double>& meas
 }
 
 double spread(const std::vector<double>& values) {
-  const VectorXd v = column(values);
+  const Eigen::Map<const VectorXd> v(values.data(), static_cast<Index>(values.size()));
   return std::sqrt((v.array() - v.mean()).square().mean());
 }
 
@@ -323,15 +165,43 @@ std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& opt
   return missing;
 }
 
+/// Rough fits from the regression, and from mechanical parameters that are off by a factor; the best first.
+std::vector<LeastSquaresResult> fitFromSeveralStarts(const LeastSquaresProblem& problem, std::vector<double> theta) {
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    const FitParameter& p = problem.parameters[i];
+    if (!p.fixed) theta[i] = std::clamp(std::max(theta[i], 1e-9), p.lower, p.upper);
+  }
+  LeastSquaresOptions rough;
+  rough.max_iterations = 40;
+  rough.function_tolerance = 1e-8;
+  std::vector<LeastSquaresResult> found;
+  for (const double factor : {1.0, 0.3, 3.0}) {
+    std::vector<double> start = theta;
+    for (const std::size_t i : {kJm, kMuM, kTauM, kMuG, kTauG, kJg}) {
+      start[i] *= problem.parameters[i].fixed ? 1.0 : factor;
+    }
+    found.push_back(minimise(problem, start, rough));
+  }
+  std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
+  return found;
+}
+
+/// What is tied to another parameter takes its estimate over; what is missing has none.
+void settleEstimates(Uncertainty& uncertainty, const DriveFitOptions& options,
+                     const std::vector<std::string>& missing) {
+  if (options.tie_constants) {
+    Estimate& torque = uncertainty.estimates[kKt];
+    const Estimate& emf = uncertainty.estimates[kKe];
+    torque.value = emf.value, torque.sd = emf.sd, torque.lower95 = emf.lower95, torque.upper95 = emf.upper95;
+  }
+  for (Estimate& e : uncertainty.estimates) {
+    if (std::ranges::find(missing, e.name) == missing.end()) continue;
+    e.value = e.sd = e.lower95 = e.upper95 = std::nan("");
+    e.fixed = e.identifiable = false;
+  }
+}
+
 }  // namespace
-
-Motor motorOf(std::span<const double> theta) {
-  return {theta[kR], theta[kL], theta[kKe], theta[kKt], theta[kJm], theta[kMuM], theta[kTauM], 0.0};
-}
-
-Gearbox gearboxOf(std::span<const double> theta, double ratio) {
-  return {ratio, theta[kEta], theta[kJg], theta[kMuG], theta[kTauG]};
-}
 
 DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::vector<bool>& held) {
   checkMotorLog(log);
@@ -339,38 +209,22 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   DriveFit fit;
   const std::vector<std::string> missing = settleMissing(log, options, fit.warnings);
   fit.rows = log.rows();
-  fit.first_guess = FirstGuess(log, options).theta();
+  fit.first_guess = driveFirstGuess(log, options);
   ResponseProblem response(log, options, held);
   const LeastSquaresProblem problem = response.problem();
   const std::size_t free = problem.freeParameters().size();
   if (log.rows() <= free) {
     throw DataError(fmt::format("{}: found {} rows for {} parameters, expected many more", log.file, log.rows(), free));
   }
-  std::vector<double> theta = fit.first_guess;
-  for (std::size_t i = 0; i < theta.size(); ++i) {
-    if (!problem.parameters[i].fixed) {
-      theta[i] = std::clamp(std::max(theta[i], 1e-9), problem.parameters[i].lower, problem.parameters[i].upper);
-    }
-  }
   const auto measure = [&](std::span<const double> at) {
     std::vector<double> all(at.begin(), at.end());
     if (options.tie_constants) all[kKt] = all[kKe];
     return simulateDrive(log, motorOf(all), gearboxOf(all, options.ratio));
   };
-  // Several starts: the regression, and mechanical parameters off by a factor; the channels' weights follow the fit.
+  // The channels' weights follow the fit.
   response.velocityScale = response.hasVelocity() ? spread(log.velocity) : 1.0;
   response.currentScale = response.hasCurrent() ? spread(log.current) : 1.0;
-  LeastSquaresOptions rough;
-  rough.max_iterations = 40;
-  rough.function_tolerance = 1e-8;
-  std::vector<LeastSquaresResult> found;
-  for (const double factor : {1.0, 0.3, 3.0}) {
-    std::vector<double> start = theta;
-    for (const std::size_t i : {kJm, kMuM, kTauM, kMuG, kTauG, kJg})
-      start[i] *= problem.parameters[i].fixed ? 1.0 : factor;
-    found.push_back(minimise(problem, start, rough));
-  }
-  std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
+  const std::vector<LeastSquaresResult> found = fitFromSeveralStarts(problem, fit.first_guess);
   fit.starts = found.size();
   fit.distinct_minima = 1;
   for (std::size_t k = 1; k < found.size(); ++k) {
@@ -389,16 +243,7 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   fit.theta = best.theta;
   if (options.tie_constants) fit.theta[kKt] = fit.theta[kKe];
   fit.uncertainty = estimateUncertainty(problem, best.theta, response.labels());
-  if (options.tie_constants) {
-    Estimate& torque = fit.uncertainty.estimates[kKt];
-    const Estimate& emf = fit.uncertainty.estimates[kKe];
-    torque.value = emf.value, torque.sd = emf.sd, torque.lower95 = emf.lower95, torque.upper95 = emf.upper95;
-  }
-  for (Estimate& e : fit.uncertainty.estimates) {
-    if (std::ranges::find(missing, e.name) == missing.end()) continue;
-    e.value = e.sd = e.lower95 = e.upper95 = std::nan("");
-    e.fixed = e.identifiable = false;
-  }
+  settleEstimates(fit.uncertainty, options, missing);
   const DriveResponse r = measure(fit.theta);
   const auto channel = [&](const char* name, const char* unit, const std::vector<double>& simulated,
                            const std::vector<double>& measured) {

@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include "simgap/core/error.h"
 #include "simgap/measure/log_checks.h"
@@ -13,6 +15,8 @@
 namespace simgap {
 namespace {
 
+constexpr std::array kChannels = {&FrictionData::time,      &FrictionData::effort,    &FrictionData::velocity,
+                                  &FrictionData::log_speed, &FrictionData::direction, &FrictionData::load};
 constexpr double kLowestLogSpeed = -600.0;  // exp of it is still a number; log(0) is none
 
 /// Calls `work(begin, end)` for each run of rows of one session.
@@ -144,40 +148,51 @@ std::vector<bool> chosenSessions(const DriveLog& log, const std::vector<std::str
   return chosen;
 }
 
-template <typename Array>
-Array pick(const Array& all, const std::vector<std::size_t>& rows) {
-  Array some(static_cast<Eigen::Index>(rows.size()), all.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    some.row(static_cast<Eigen::Index>(i)) = all.row(static_cast<Eigen::Index>(rows[i]));
+/// Drops rows channel by channel, in place: the data are the largest thing in memory.
+void keepRows(FrictionData& data, const std::vector<bool>& keep) {
+  std::size_t kept = 0;
+  std::vector<Block> blocks;
+  std::size_t block = 0, block_begin = 0;
+  const auto closeBlocks = [&](std::size_t row) {
+    for (; block < data.blocks.size() && data.blocks[block].end <= row; ++block) {
+      if (block_begin < kept) blocks.push_back({block_begin, kept});
+    }
+  };
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    closeBlocks(i);
+    if (block < data.blocks.size() && data.blocks[block].begin == i) block_begin = kept;
+    if (!keep[i]) continue;
+    const auto from = static_cast<Eigen::Index>(i), to = static_cast<Eigen::Index>(kept);
+    for (Eigen::ArrayXd FrictionData::*channel : kChannels) (data.*channel)[to] = (data.*channel)[from];
+    for (Eigen::Index k = 0; k < data.load_per.cols(); ++k) data.load_per(to, k) = data.load_per(from, k);
+    data.session[kept] = data.session[i];
+    data.row[kept] = data.row[i];
+    if (!data.keep.empty()) data.keep[kept] = data.keep[i];
+    ++kept;
   }
-  return some;
+  closeBlocks(keep.size());
+  const auto n = static_cast<Eigen::Index>(kept);
+  for (Eigen::ArrayXd FrictionData::*channel : kChannels) (data.*channel).conservativeResize(n);
+  data.load_per.conservativeResize(n, Eigen::NoChange);
+  data.session.resize(kept);
+  data.row.resize(kept);
+  if (!data.keep.empty()) data.keep.resize(kept);
+  data.blocks = std::move(blocks);
+}
+
+/// A channel as an array; the vector's memory is given back.
+Eigen::ArrayXd take(std::vector<double>& channel) {
+  const Eigen::ArrayXd values =
+      Eigen::Map<const Eigen::ArrayXd>(channel.data(), static_cast<Eigen::Index>(channel.size()));
+  channel = {};
+  return values;
 }
 
 }  // namespace
 
 FrictionData selectRows(const FrictionData& data, const std::vector<bool>& keep) {
-  std::vector<std::size_t> rows, before(keep.size() + 1, 0);
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    before[i + 1] = before[i] + (keep[i] ? 1 : 0);
-    if (keep[i]) rows.push_back(i);
-  }
   FrictionData some = data;
-  for (Eigen::ArrayXd FrictionData::*channel :
-       {&FrictionData::time, &FrictionData::effort, &FrictionData::velocity, &FrictionData::log_speed,
-        &FrictionData::direction, &FrictionData::load}) {
-    some.*channel = pick(data.*channel, rows);
-  }
-  some.load_per = pick(data.load_per, rows);
-  some.session.clear();
-  some.row.clear();
-  for (const std::size_t i : rows) {
-    some.session.push_back(data.session[i]);
-    some.row.push_back(data.row[i]);
-  }
-  some.blocks.clear();
-  for (const Block& block : data.blocks) {
-    if (before[block.begin] < before[block.end]) some.blocks.push_back({before[block.begin], before[block.end]});
-  }
+  keepRows(some, keep);
   return some;
 }
 
@@ -208,26 +223,26 @@ FrictionData prepareFrictionData(DriveLog log, const Bench& bench, const Frictio
   for (std::size_t i = 0; i < log.rows(); ++i) {
     if (!chosen[static_cast<std::size_t>(log.session[i])]) sign.keep[i] = false;
   }
-  const auto n = static_cast<Eigen::Index>(log.rows());
-  const auto column = [n](const std::vector<double>& v) { return Eigen::Map<const Eigen::ArrayXd>(v.data(), n); };
-  data.time = column(log.time);
-  data.effort = column(log.effort);
-  data.velocity = column(log.velocity);
-  data.log_speed = data.velocity.abs().log().max(kLowestLogSpeed);
-  data.direction.resize(n);
-  for (Eigen::Index i = 0; i < n; ++i) data.direction[i] = sign.direction[static_cast<std::size_t>(i)];
-  data.session = log.session;
-  data.row.resize(log.rows());
-  for (std::size_t i = 0; i < log.rows(); ++i) data.row[i] = i;
-  data.block_seconds = options.block_seconds;
+  const std::size_t rows = log.rows();
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
-  log = {};  // the log is the largest thing in memory
+  data.block_seconds = options.block_seconds;
+  data.time = take(log.time);
+  data.effort = take(log.effort);
+  data.velocity = take(log.velocity);
+  data.direction.resize(static_cast<Eigen::Index>(rows));
+  std::ranges::copy(sign.direction, data.direction.begin());
+  data.session = std::move(log.session);
+  log = {};
+  data.log_speed = data.velocity.abs().log().max(kLowestLogSpeed);
+  data.row.resize(rows);
+  std::iota(data.row.begin(), data.row.end(), std::size_t{0});
   if (options.all_rows) {
     data.keep = std::move(sign.keep);
     return data;
   }
   const bool all = std::ranges::all_of(sign.keep, [](bool kept) { return kept; });
-  return all ? data : selectRows(data, sign.keep);
+  if (!all) keepRows(data, sign.keep);
+  return data;
 }
 
 }  // namespace simgap

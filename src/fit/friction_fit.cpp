@@ -16,6 +16,8 @@ namespace {
 
 using Eigen::Index;
 
+constexpr double kRival = 1.01;  // of the lowest cost: minima that other rows could turn into the lowest
+
 /// What the log lacks for this law, as one sentence; empty when nothing.
 std::string missing(const FrictionModel& model, const FrictionData& data) {
   const bool gain_fixed = model.parameters()[0].fixed;
@@ -72,8 +74,7 @@ std::vector<std::string> gaps(const FrictionModel& model, const FrictionData& da
 /// Sums over the rows of each part; parts are folds, or any split that gives every thread work.
 std::vector<StribeckMoments> sumParts(const FrictionModel& model, std::span<const double> rig, int parts) {
   const FrictionData& data = model.data();
-  const double top = data.log_speed.maxCoeff();
-  std::vector<StribeckMoments> sums(static_cast<std::size_t>(parts), StribeckMoments(model.shapes(), top));
+  std::vector<StribeckMoments> sums(static_cast<std::size_t>(parts), StribeckMoments(model.shapes(), data.log_speed));
   tbb::parallel_for(0, parts, [&](int part) {
     for (std::size_t b = static_cast<std::size_t>(part); b < data.blocks.size(); b += static_cast<std::size_t>(parts)) {
       for (Block rows = {data.blocks[b].begin, 0}; rows.begin < data.blocks[b].end; rows.begin = rows.end) {
@@ -105,7 +106,9 @@ std::optional<double> crossValidate(const FrictionModel& model, const std::vecto
     training.add(folds[f], -1.0);
     const SeparableProblem problem = separable(model, training);
     SeparableMinimum best;
+    // Without a fifth of the rows a near rival may win.
     for (std::size_t m = 0; m < std::min<std::size_t>(minima.size(), 2); ++m) {
+      if (minima[m].linear.cost > kRival * minima[0].linear.cost) break;
       SeparableMinimum found = refineSeparable(problem, minima[m].p);
       if (m == 0 || found.linear.cost < best.linear.cost) best = std::move(found);
     }
@@ -172,26 +175,23 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   fit.minima = search.minima;
   fit.profile = std::move(search.profile);
 
-  // The search has found the minimum to some 1e-7 of its box; a relative 1e-10 of the cost is far below the noise, and
-  // without noise the convergence is quadratic anyway.
-  LeastSquaresOptions fine;
-  fine.max_iterations = 100;
-  fine.function_tolerance = 1e-10;
-  fine.parameter_tolerance = 1e-9;
-  LeastSquaresResult best = minimise(problem, model.thetaOf(search.minima[0]), fine);
+  LeastSquaresResult best = minimise(problem, model.thetaOf(search.minima[0]));
   if (options.loss != LossKind::kSquares) {
     problem.loss = scaledLoss(options, residuals(problem, best.theta));
-    best = minimise(problem, best.theta, fine);
+    best = minimise(problem, best.theta);
   }
-  // Bins are exact to some 1e-5 of the cost: nearer rivals have to be polished too, and all under a robust loss, which
-  // the search does not know.
+  // Bins are exact to some 1e-5 of the cost, 1e-4 where delta is large: nearer rivals have to be polished too, and all
+  // under a robust loss, which the search does not know.
   LeastSquaresOptions quick;
   quick.max_iterations = 30;
   quick.function_tolerance = 1e-9;
-  const double near = options.loss == LossKind::kSquares ? 1.0001 * search.minima[0].linear.cost : kInfinity;
+  const double near = options.loss == LossKind::kSquares ? 1.001 * search.minima[0].linear.cost : kInfinity;
   for (std::size_t m = 1; m < search.minima.size() && search.minima[m].linear.cost < near; ++m) {
-    LeastSquaresResult rival = minimise(problem, model.thetaOf(search.minima[m]), quick);
-    if (rival.cost < best.cost) best = minimise(problem, rival.theta, fine);
+    const LeastSquaresResult rival = minimise(problem, model.thetaOf(search.minima[m]), quick);
+    // Only a rival that a rough polish brings near can still win.
+    if (rival.cost > (1.0 + 1e-6) * best.cost) continue;
+    LeastSquaresResult polished = minimise(problem, rival.theta);
+    if (polished.cost < best.cost) best = std::move(polished);
   }
   fit.theta = best.theta;
   const Eigen::VectorXd r = residuals(problem, fit.theta);

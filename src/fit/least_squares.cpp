@@ -45,8 +45,9 @@ MatrixXd factor(const Eigen::Ref<const MatrixXd>& matrix) {
 /// All rows as seen by Ceres: cost, and the factor of [J r].
 class Reduction {
  public:
-  explicit Reduction(const LeastSquaresProblem& problem)
-      : problem_(problem), free_(problem.freeParameters()), loss_(makeLoss(problem.loss)) {}
+  /// \param free  indices of the parameters that move.
+  Reduction(const LeastSquaresProblem& problem, std::vector<int> free)
+      : problem_(problem), free_(std::move(free)), loss_(makeLoss(problem.loss)) {}
 
   const std::vector<int>& freeParameters() const { return free_; }
 
@@ -146,8 +147,12 @@ class ReducedCost : public ceres::CostFunction {
   std::vector<double> theta_;
 };
 
-LeastSquaresResult solveFrom(const LeastSquaresProblem& problem, ReducedCost& cost, const std::vector<int>& free,
+/// One run of Ceres over the parameters `free`.
+LeastSquaresResult solveFree(const LeastSquaresProblem& problem, const std::vector<int>& free,
                              const std::vector<double>& start, const LeastSquaresOptions& options, double radius) {
+  const Reduction reduction(problem, free);
+  if (free.empty()) return {start, reduction.cost(start), true, 0, "nothing to fit"};
+  ReducedCost cost(reduction, start);
   std::vector<double> values;
   for (const int i : free) values.push_back(start[static_cast<std::size_t>(i)]);
   ceres::Problem::Options ownership;
@@ -166,6 +171,7 @@ LeastSquaresResult solveFrom(const LeastSquaresProblem& problem, ReducedCost& co
   solver.function_tolerance = options.function_tolerance;
   solver.parameter_tolerance = options.parameter_tolerance;
   solver.gradient_tolerance = 1e-16;
+  solver.max_num_line_search_step_size_iterations = 0;  // steps are cut at the bounds; solve() holds what they hit
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
@@ -173,6 +179,50 @@ LeastSquaresResult solveFrom(const LeastSquaresProblem& problem, ReducedCost& co
   LeastSquaresResult result{start, 2.0 * summary.final_cost, summary.termination_type == ceres::CONVERGENCE,
                             static_cast<int>(summary.iterations.size()), summary.message};
   for (std::size_t j = 0; j < free.size(); ++j) result.theta[static_cast<std::size_t>(free[j])] = values[j];
+  return result;
+}
+
+/// The free parameters that the cost presses against a bound they are on.
+std::vector<int> pressed(const LeastSquaresProblem& problem, std::span<const double> theta) {
+  constexpr double kPress = 1e-7;  // least cosine between a column and the residual: 1e-14 of the cost to be gained
+  std::vector<int> on_bound;
+  for (const int i : problem.freeParameters()) {
+    const FitParameter& p = problem.parameters[static_cast<std::size_t>(i)];
+    const double value = theta[static_cast<std::size_t>(i)];
+    if (value <= p.lower || value >= p.upper) on_bound.push_back(i);
+  }
+  if (on_bound.empty()) return {};
+  double cost = 0.0;
+  const MatrixXd upper = Reduction(problem, on_bound).reduce(theta, cost);
+  const auto n = static_cast<Index>(on_bound.size());
+  const VectorXd slope = upper.topLeftCorner(n, n).transpose() * upper.col(n).head(n);
+  std::vector<int> held;
+  for (Index j = 0; j < n; ++j) {
+    const int i = on_bound[static_cast<std::size_t>(j)];
+    const bool low = theta[static_cast<std::size_t>(i)] <= problem.parameters[static_cast<std::size_t>(i)].lower;
+    const double outward = low ? slope[j] : -slope[j];
+    if (outward >= -kPress * upper.col(j).norm() * std::sqrt(cost)) held.push_back(i);
+  }
+  return held;
+}
+
+/// Ceres cuts steps at the bounds and then creeps along them: what is pressed against its bound is held there, as the
+/// active-set methods do, until nothing changes (Nocedal & Wright 2006, chapter 16.5).
+LeastSquaresResult solve(const LeastSquaresProblem& problem, const std::vector<double>& start,
+                         const LeastSquaresOptions& options, double radius) {
+  constexpr int kRounds = 10;
+  LeastSquaresResult result{start, 0.0, false, 0, ""};
+  std::vector<int> held = pressed(problem, start);
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<int> free = problem.freeParameters();
+    std::erase_if(free, [&](int i) { return std::ranges::find(held, i) != held.end(); });
+    const int before = result.iterations;
+    result = solveFree(problem, free, result.theta, options, radius);
+    result.iterations += before;
+    std::vector<int> now = pressed(problem, result.theta);
+    if (now == held) break;
+    held = std::move(now);
+  }
   return result;
 }
 
@@ -198,17 +248,9 @@ LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<doub
     const FitParameter& p = problem.parameters[i];
     if (!p.fixed) start[i] = std::clamp(start[i], p.lower, p.upper);
   }
-  const Reduction reduction(problem);
-  LeastSquaresResult result{start, 0.0, true, 0, "nothing to fit"};
-  const std::vector<int>& free = reduction.freeParameters();
-  if (free.empty()) {
-    result.cost = reduction.cost(start);
-    return result;
-  }
-  ReducedCost cost(reduction, start);
-  result.cost = std::numeric_limits<double>::infinity();
+  LeastSquaresResult result{start, std::numeric_limits<double>::infinity(), false, 0, ""};
   for (const double radius : options.radii) {
-    LeastSquaresResult found = solveFrom(problem, cost, free, start, options, radius);
+    LeastSquaresResult found = solve(problem, start, options, radius);
     if (found.cost < result.cost) result = std::move(found);
   }
   return result;
@@ -226,7 +268,7 @@ Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const do
 
 Eigen::MatrixXd triangularFactor(const LeastSquaresProblem& problem, std::span<const double> theta) {
   double cost = 0.0;
-  const MatrixXd upper = Reduction(problem).reduce(theta, cost);
+  const MatrixXd upper = Reduction(problem, problem.freeParameters()).reduce(theta, cost);
   return upper.topLeftCorner(upper.rows() - 1, upper.cols() - 1);
 }
 

@@ -8,37 +8,80 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kBins = 768;
 constexpr double kRange = 11.0;  // of log speed below the largest: a factor of 60,000
+constexpr Index kWide = 768;     // cells over the range
+constexpr Index kNarrow = 16 * kWide;
+constexpr Index kFewRows = 8192;  // so many rows are few: each has a narrow cell more or less to itself
 
 }  // namespace
 
-StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, double top)
-    : shapes_(std::move(shapes)), top_(top) {
+StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, double top, Index cells)
+    : shapes_(std::move(shapes)), top_(top), cells_(cells) {
   const auto columns = static_cast<Index>(shapes_.size());
-  for (Index j = 0; j < columns; ++j) {
-    if (shapes_[static_cast<std::size_t>(j)] != FrictionShape::kAlways) shaped_.push_back(j);
+  const auto weightOf = [&](Index a, Index b) {
+    const FrictionShape one = shapes_[static_cast<std::size_t>(a)], two = shapes_[static_cast<std::size_t>(b)];
+    const int sliding = (one == FrictionShape::kSliding ? 1 : 0) + (two == FrictionShape::kSliding ? 1 : 0);
+    const int still = (one == FrictionShape::kStatic ? 1 : 0) + (two == FrictionShape::kStatic ? 1 : 0);
+    if (sliding + still == 0) return kWeights;
+    if (sliding + still == 1) return sliding == 1 ? kSliding : kStatic;
+    return sliding == 2 ? kSlidingSliding : still == 2 ? kStaticStatic : kSlidingStatic;
+  };
+  for (int weight = 0; weight < kWeights; ++weight) {
+    first_[static_cast<std::size_t>(weight)] = static_cast<Index>(products_.size());
+    for (Index a = 0; a < columns; ++a) {
+      for (Index b = a; b < columns; ++b) {
+        if (weightOf(a, b) == weight) products_.push_back({a, b});
+      }
+    }
   }
-  const Index bins = shaped_.empty() ? 0 : kBins;
+  first_[kWeights] = static_cast<Index>(products_.size());
   always_ = Eigen::MatrixXd::Zero(columns, columns);
+}
+
+StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, double top)
+    : StribeckMoments(std::move(shapes), top, kWide) {
+  makeBins(cells_);
+}
+
+StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, const Eigen::ArrayXd& log_speed)
+    : StribeckMoments(std::move(shapes), log_speed.maxCoeff(), log_speed.size() > kFewRows ? kWide : kNarrow) {
+  std::vector<Index> bins(static_cast<std::size_t>(cells_), -1);
+  for (const double s : log_speed) bins[static_cast<std::size_t>(cellOf(s))] = 0;
+  Index count = 0;
+  for (Index& bin : bins) {
+    if (bin == 0) bin = count++;
+  }
+  bin_of_cell_ = std::make_shared<const std::vector<Index>>(std::move(bins));
+  makeBins(count);
+}
+
+void StribeckMoments::makeBins(Index bins) {
+  if (products_.empty()) return;
   count_ = sum_log_ = Eigen::VectorXd::Zero(bins);
-  mixed_ = Eigen::MatrixXd::Zero(columns * static_cast<Index>(shaped_.size()), bins);
+  mixed_ = Eigen::MatrixXd::Zero(bins, static_cast<Index>(products_.size()));
+}
+
+Index StribeckMoments::cellOf(double log_speed) const {
+  const double place = (log_speed - top_ + kRange) / kRange * static_cast<double>(cells_);
+  return std::min(static_cast<Index>(std::max(place, 0.0)), cells_ - 1);
 }
 
 void StribeckMoments::add(const Eigen::Ref<const Eigen::ArrayXd>& log_speed,
                           const Eigen::Ref<const Eigen::ArrayXXd>& x) {
   always_.noalias() += x.matrix().transpose() * x.matrix();
-  if (shaped_.empty()) return;
-  const auto s = static_cast<Index>(shaped_.size());
-  Eigen::VectorXd u(x.cols()), w(s);
+  if (products_.empty()) return;
+  Eigen::VectorXd u(x.cols());
   for (Index i = 0; i < x.rows(); ++i) {
     u = x.row(i);
-    for (Index k = 0; k < s; ++k) w[k] = u[shaped_[static_cast<std::size_t>(k)]];
-    const double place = (log_speed[i] - top_ + kRange) / kRange * static_cast<double>(kBins);
-    const Index bin = std::min(static_cast<Index>(std::max(place, 0.0)), kBins - 1);
+    const Index cell = cellOf(log_speed[i]);
+    const Index bin = bin_of_cell_ ? (*bin_of_cell_)[static_cast<std::size_t>(cell)] : cell;
     sum_log_[bin] += log_speed[i];
     count_[bin] += 1.0;
-    Eigen::Map<Eigen::MatrixXd>(mixed_.col(bin).data(), u.size(), s).noalias() += u * w.transpose();
+    double* sum = mixed_.data() + bin;
+    for (const Product& product : products_) {
+      *sum += u[product.a] * u[product.b];
+      sum += mixed_.rows();
+    }
   }
 }
 
@@ -50,29 +93,26 @@ void StribeckMoments::add(const StribeckMoments& other, double sign) {
 }
 
 Eigen::MatrixXd StribeckMoments::gram(double v_s, double delta) const {
-  if (shaped_.empty()) return always_;
-  const Eigen::ArrayXd log_speed = sum_log_.array() / count_.array().max(1.0);
-  const Eigen::ArrayXd exponent = (delta * (log_speed - std::log(v_s))).exp();
-  const Eigen::ArrayXd fixed = (-exponent).exp();
+  if (products_.empty()) return always_;
+  const Eigen::ArrayXd exponent = (delta * (sum_log_.array() / count_.array().max(1.0) - std::log(v_s))).exp();
+  // Squares of smaller values would be subnormal, and slow to reckon with.
+  constexpr double kLargest = 300.0, kSmallest = 1e-150;
+  const Eigen::ArrayXd still = (exponent > kLargest).select(0.0, (-exponent).exp());
   // 1 - exp(-x) without cancellation for small x.
-  const Eigen::ArrayXd sliding = (exponent < 1e-5).select(exponent * (1.0 - 0.5 * exponent), 1.0 - fixed);
-  const Index columns = always_.rows();
-  Eigen::MatrixXd weights(count_.size(), 5);  // by shape: 1 - E, E, and their products
-  weights << sliding, fixed, sliding * sliding, sliding * fixed, fixed * fixed;
-  const Eigen::MatrixXd sums = mixed_ * weights;
+  const Eigen::ArrayXd sliding =
+      (exponent < kSmallest).select(0.0, (exponent < 1e-5).select(exponent * (1.0 - 0.5 * exponent), 1.0 - still));
   Eigen::MatrixXd gram = always_;
-  for (std::size_t k = 0; k < shaped_.size(); ++k) {
-    const Index column = shaped_[k];
-    const bool is_static = shapes_[static_cast<std::size_t>(column)] == FrictionShape::kStatic;
-    const Index first = static_cast<Index>(k) * columns;
-    for (Index j = 0; j < columns; ++j) {
-      const FrictionShape other = shapes_[static_cast<std::size_t>(j)];
-      const Index weight = other == FrictionShape::kAlways
-                               ? (is_static ? 1 : 0)
-                               : 2 + (is_static ? 1 : 0) + (other == FrictionShape::kStatic ? 1 : 0);
-      gram(j, column) = gram(column, j) = sums(first + j, weight);
+  const auto sum = [&](Weight weight, const Eigen::ArrayXd& values) {
+    for (Index k = first_[weight]; k < first_[weight + 1]; ++k) {
+      const auto [a, b] = products_[static_cast<std::size_t>(k)];
+      gram(a, b) = gram(b, a) = mixed_.col(k).dot(values.matrix());
     }
-  }
+  };
+  sum(kSliding, sliding);
+  sum(kStatic, still);
+  sum(kSlidingSliding, sliding * sliding);
+  sum(kSlidingStatic, sliding * still);
+  sum(kStaticStatic, still * still);
   return gram;
 }
 

@@ -81,8 +81,8 @@ TEST_F(FitTest, PredictionsFollowTheFittedModel) {
   EXPECT_NEAR(rms * rms, mse, 1e-9 * mse);
   EXPECT_THAT(text("p/prediction.csv"),
               testing::StartsWith("time_s,motor_current_predicted_A,motor_current_measured_A\n"));
-  put("model.yaml", replaced(text("f/model.yaml"), "extensions: []", "extensions: [{effect: magic}]"));
-  expectRefused({"predict", "model.yaml", "log.csv", "-o", "q"}, 2, "found model extensions");
+  put("model.yaml", replaced(text("f/model.yaml"), "extensions: []", "extensions: [{effect: magic, parameters: {}}]"));
+  expectRefused({"predict", "model.yaml", "log.csv", "-o", "q"}, 2, "found no effect 'magic'");
 }
 
 TEST_F(FitTest, FreeAxisReadsItsRig) {

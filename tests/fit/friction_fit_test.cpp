@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <numeric>
@@ -255,9 +257,26 @@ TEST(FrictionFit, NamesTheStribeckVelocityWhenNothingIsSlow) {
 
 TEST(FrictionFit, ThreadsDoNotChangeTheResult) {
   const FrictionData data = frictionData(simulateFrictionLog(variantA(0.3), {.rows = 9000}));
-  const FrictionFit once = fit("variant-b", data), again = fit("variant-b", data);
-  EXPECT_EQ(once.theta, again.theta);
-  EXPECT_EQ(once.mse_heldout, again.mse_heldout);
+  const auto fitWith = [&](int threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+    tbb::task_arena arena(threads);  // more threads than cores, too
+    return arena.execute([&] {
+      EXPECT_EQ(tbb::this_task_arena::max_concurrency(), threads);
+      return fit("variant-b", data);
+    });
+  };
+  const FrictionFit one = fitWith(1);
+  for (const int threads : {2, 3, 8}) {
+    const FrictionFit many = fitWith(threads);
+    EXPECT_EQ(many.theta, one.theta) << threads;
+    EXPECT_EQ(many.mse, one.mse) << threads;
+    EXPECT_EQ(many.mse_heldout, one.mse_heldout) << threads;
+    EXPECT_EQ(many.profile.cost, one.profile.cost) << threads;
+    EXPECT_EQ(many.uncertainty.n_effective, one.uncertainty.n_effective) << threads;
+    EXPECT_TRUE(many.uncertainty.covariance == one.uncertainty.covariance) << threads;
+    ASSERT_EQ(many.minima.size(), one.minima.size()) << threads;
+    for (std::size_t m = 0; m < one.minima.size(); ++m) EXPECT_EQ(many.minima[m].p, one.minima[m].p) << threads;
+  }
 }
 
 }  // namespace

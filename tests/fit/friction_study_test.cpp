@@ -1,8 +1,10 @@
 // Studies over many simulated logs: coverage, bias, and the certificate of the global minimum.
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
 #include <random>
-#include <string_view>
 
 #include "simgap/fit/friction_fit.h"
 #include "support/friction_logs.h"
@@ -20,36 +22,74 @@ struct True {
   double value;
 };
 
+/// The bias of non-linear least squares to first order in the noise's variance (Box 1971):
+/// -1/2 (J^T J)^-1 sum_t J_t tr(C H_t), with C = s^2 (J^T J)^-1 and H_t the second derivatives of the t-th residual.
+Eigen::VectorXd leastSquaresBias(const LeastSquaresProblem& problem, const std::vector<double>& theta) {
+  const Eigen::VectorXd r = residuals(problem, theta);
+  Eigen::MatrixXd jacobian(r.size(), static_cast<Eigen::Index>(theta.size()));
+  for (const Block& chunk : problem.chunks) {
+    const auto begin = static_cast<Eigen::Index>(chunk.begin), n = static_cast<Eigen::Index>(chunk.size());
+    Eigen::VectorXd part(n);
+    Eigen::MatrixXd columns(n, jacobian.cols());
+    Eigen::Ref<Eigen::MatrixXd> view(columns);
+    problem.evaluate(theta, chunk, part, &view);
+    jacobian.middleRows(begin, n) = columns;
+  }
+  const double variance = r.squaredNorm() / static_cast<double>(r.size() - jacobian.cols());
+  const Eigen::MatrixXd covariance = variance * (jacobian.transpose() * jacobian).inverse();
+  // tr(C H_t) is the sum of second derivatives along the columns of C's factor.
+  const Eigen::MatrixXd directions = covariance.llt().matrixL();
+  Eigen::VectorXd curvature = Eigen::VectorXd::Zero(r.size());
+  constexpr double kStep = 0.05;  // standard deviations
+  for (Eigen::Index k = 0; k < directions.cols(); ++k) {
+    std::vector<double> up = theta, down = theta;
+    for (std::size_t i = 0; i < theta.size(); ++i) {
+      up[i] += kStep * directions(static_cast<Eigen::Index>(i), k);
+      down[i] -= kStep * directions(static_cast<Eigen::Index>(i), k);
+    }
+    curvature += (residuals(problem, up) - 2.0 * r + residuals(problem, down)) / (kStep * kStep);
+  }
+  return -0.5 * covariance / variance * (jacobian.transpose() * curvature);
+}
+
 struct Study {
   std::vector<int> covered;
-  std::vector<double> mean, error;  ///< of the estimates' deviation from the truth, and its standard error
+  /// Of the estimates' deviation from the truth: mean, its standard error, standard deviation of one estimate, and the
+  /// mean of the bias that every least-squares estimate has.
+  std::vector<double> mean, error, deviation, bias;
 };
 
 Study studyLogs(const DriveTruth& truth, std::size_t rows, const std::vector<True>& parameters) {
   Study study;
   study.covered.assign(parameters.size(), 0);
-  std::vector<double> sum(parameters.size()), squares(parameters.size());
+  std::vector<double> sum(parameters.size()), squares(parameters.size()), bias(parameters.size());
   FrictionFitOptions options;
   options.folds = 0;
+  const FrictionLaw& law = friction::find("variant-a");
   for (int log = 0; log < kLogs; ++log) {
     const FrictionData data = frictionData(simulateFrictionLog(
         truth, {.rows = rows, .sessions = 12, .seed = 1000 + rows + static_cast<std::size_t>(log)}));
-    const FrictionFit fit = fitFriction(friction::find("variant-a"), data, options);
+    const FrictionFit fit = fitFriction(law, data, options);
+    const Eigen::VectorXd box = leastSquaresBias(makeFrictionProblem(law, data, options), fit.theta);
     for (std::size_t p = 0; p < parameters.size(); ++p) {
-      for (const Estimate& e : fit.uncertainty.estimates) {
-        if (e.name != parameters[p].name) continue;
-        study.covered[p] += e.lower95 <= parameters[p].value && parameters[p].value <= e.upper95;
-        sum[p] += e.value - parameters[p].value;
-        squares[p] += (e.value - parameters[p].value) * (e.value - parameters[p].value);
-      }
+      const auto& all = fit.uncertainty.estimates;
+      const auto e = std::ranges::find(all, parameters[p].name, &Estimate::name);
+      study.covered[p] += e->lower95 <= parameters[p].value && parameters[p].value <= e->upper95;
+      sum[p] += e->value - parameters[p].value;
+      squares[p] += (e->value - parameters[p].value) * (e->value - parameters[p].value);
+      bias[p] += box[e - all.begin()];
     }
   }
   for (std::size_t p = 0; p < parameters.size(); ++p) {
     const double mean = sum[p] / kLogs;
     study.mean.push_back(mean);
-    study.error.push_back(std::sqrt(squares[p] / kLogs - mean * mean) / std::sqrt(kLogs));
-    std::printf("%-6s covered %.1f %%, mean error %+.2f standard errors\n", parameters[p].name,
-                100.0 * study.covered[p] / kLogs, mean / study.error[p]);
+    study.deviation.push_back(std::sqrt(squares[p] / kLogs - mean * mean));
+    study.error.push_back(study.deviation[p] / std::sqrt(kLogs));
+    study.bias.push_back(bias[p] / kLogs);
+    std::printf(
+        "%-6s covered %.1f %%, mean error %+.2f standard errors (%.2g); bias of least squares in white noise %+.2f\n",
+        parameters[p].name, 100.0 * study.covered[p] / kLogs, mean / study.error[p], mean,
+        study.bias[p] / study.error[p]);
   }
   return study;
 }
@@ -73,17 +113,29 @@ TEST(SlowFrictionStudy, IntervalsCoverTheTruthUnderCorrelatedNoise) {
   }
 }
 
-TEST(SlowFrictionStudy, MeansAreUnbiased) {
+TEST(SlowFrictionStudy, MeansAreUnbiasedButForTheKnownBiasOfLeastSquares) {
+  // Least squares in a non-linear model is biased in proportion to the noise's variance: for delta here by 0.05 of its
+  // standard deviation, 0.7 standard errors of 200 logs. Box's formula says how much; what is left must be chance.
   DriveTruth truth;
   truth.sliding_offset = 0.6;
   truth.noise = 0.25;
   const std::vector<True> parameters = namesAndValues(truth);
   const Study study = studyLogs(truth, 20000, parameters);
   for (std::size_t p = 0; p < parameters.size(); ++p) {
-    // delta bends the model most: least squares finds it a sixth of its standard deviation too high here (2.1 standard
-    // errors of 200 logs), its finite-sample bias; that falls with the variance.
-    const double allowed = std::string_view(parameters[p].name) == "delta" ? 0.25 * std::sqrt(kLogs) : 2.0;
-    EXPECT_LE(std::abs(study.mean[p]), allowed * study.error[p]) << parameters[p].name;
+    EXPECT_LE(std::abs(study.mean[p] - study.bias[p]), 2.0 * study.error[p]) << parameters[p].name;
+    EXPECT_LE(std::abs(study.bias[p]), 0.2 * study.deviation[p]) << parameters[p].name;
+  }
+}
+
+TEST(SlowFrictionStudy, MeansAreUnbiasedWhereNoiseIsSmall) {
+  // A fifth of the noise: the bias falls to a twenty-fifth, a fifth of it in standard errors.
+  DriveTruth truth;
+  truth.sliding_offset = 0.6;
+  truth.noise = 0.05;
+  const std::vector<True> parameters = namesAndValues(truth);
+  const Study study = studyLogs(truth, 20000, parameters);
+  for (std::size_t p = 0; p < parameters.size(); ++p) {
+    EXPECT_LE(std::abs(study.mean[p]), 2.0 * study.error[p]) << parameters[p].name;
   }
 }
 
@@ -118,10 +170,10 @@ TEST(SlowFrictionStudy, NoRandomStartFindsALowerCost) {
     }
     const double ours = fit.mse * static_cast<double>(fit.n);
     worst = std::max(worst, ours / lowest - 1.0);
-    best_of_all += ours <= lowest * (1.0 + 1e-6);
+    best_of_all += ours <= lowest * (1.0 + 1e-9);  // round-off of sums of squares
   }
-  std::printf("never above the best of %d starts on %d of %d logs; worst excess %.2e\n", kStarts, best_of_all, kHardLogs,
-              worst);
+  std::printf("never above the best of %d starts on %d of %d logs; worst excess %.2e\n", kStarts, best_of_all,
+              kHardLogs, worst);
   EXPECT_EQ(best_of_all, kHardLogs);
 }
 

@@ -32,6 +32,9 @@ struct NonlinearTerm {
   double upper;
   bool logarithmic = true;  ///< searched on a logarithmic scale
   int grid = 32;            ///< points over the box
+  /// The largest step on that scale (of the logarithm) over which the columns change little, at p. Where it is smaller
+  /// than the grid's, the grid of the first term and the first simplex of its refinement become finer.
+  std::function<double(std::span<const double> p)> step = {};
 };
 
 struct SeparableProblem {

@@ -100,8 +100,8 @@ struct Task {
     {
       const CsvTable table = session.readTable(role, file, options.table.csv());  // freed before rows are copied
       if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", file, table.skippedRows());
-      drive = readDriveLog(table, log);
       if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, table);
+      drive = readDriveLog(table, log);
     }
     FrictionDataOptions prepared = data;
     prepared.block_seconds = options.fit.blockSeconds(spanOf(drive));
@@ -220,10 +220,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--require", options->require,
                  "working point the data should cover: NAME:DEG_PER_S:NM at the joint, or 'paper' (003 table 1)")
       ->allow_extra_args(false);
-  options->fit.add(app);
-  options->table.add(app);
-  options->common.add(app);
-  return [options, argv, &app] { return run(*options, argv, app); };
+  return defineFit(options, app, argv, run);
 }
 
 }  // namespace

@@ -202,10 +202,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--curves", options->curves,
                  "the maker's curves (CSV, the same columns): a, b, c come from them, k from LOG, as in the paper");
   app.add_flag("--tied", options->tied, "b = -2a, as the muscle's geometry demands");
-  options->fit.add(app);
-  options->table.add(app);
-  options->common.add(app);
-  return [options, argv, &app] { return run(*options, argv, app); };
+  return defineFit(options, app, argv, run);
 }
 
 }  // namespace

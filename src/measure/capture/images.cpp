@@ -1,6 +1,5 @@
 #include "simgap/measure/capture/images.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <string.h>
 
@@ -9,6 +8,7 @@
 
 #include "image_module.h"
 #include "simgap/core/error.h"
+#include "simgap/core/module.h"
 
 namespace simgap {
 namespace {
@@ -17,18 +17,10 @@ namespace fs = std::filesystem;
 
 const std::set<std::string> kImageEndings = {".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp"};
 
-/// Beside the installed program, or where it was built.
 const ImageModule& imageModule() {
-  static const ImageModule* const loaded = [] {
-    std::error_code none;
-    const fs::path program = fs::read_symlink("/proc/self/exe", none);
-    const fs::path installed = program.parent_path() / "../lib/simgap/libsimgap_images.so";
-    const fs::path file = fs::exists(installed) ? installed : fs::path(SIMGAP_IMAGE_MODULE);
-    void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (handle == nullptr) throw ConfigError(fmt::format("the image module cannot be loaded: {}", dlerror()));
-    using Entry = const ImageModule* (*)();
-    return reinterpret_cast<Entry>(dlsym(handle, "simgapImageModule"))();
-  }();
+  using Entry = const ImageModule* (*)();
+  static const ImageModule* const loaded =
+      reinterpret_cast<Entry>(moduleEntry("libsimgap_images.so", SIMGAP_IMAGE_MODULE, "simgapImageModule"))();
   return *loaded;
 }
 

@@ -1,0 +1,15 @@
+/// \file
+/// Parts of the program that are loaded on first use, because the libraries they bring along cost time and memory at
+/// every start.
+#pragma once
+
+#include <string>
+
+namespace simgap {
+
+/// Loads a module: lib/simgap/NAME beside the installed program, else `built`, where it was built.
+/// \param entry  its function that returns what it offers, `extern "C"`.  \returns that function's address.
+/// \throws ConfigError when it cannot be loaded.
+void* moduleEntry(const std::string& name, const std::string& built, const char* entry);
+
+}  // namespace simgap

@@ -1,0 +1,21 @@
+// A controller as a user of the installed headers writes it: no library of the project, no other include path.
+#include <simgap/model/feed_forward.h>
+#include <simgap/model/pam.h>
+#include <cmath>
+#include <cstdio>
+
+int main() {
+  simgap::DriveFeedForward drive;
+  drive.k_a = 2.0;
+  drive.friction = {.n_c1 = 0.1, .n_c2 = 0.5, .n_s1 = 0.1, .n_s2 = 0.5, .k_v = 0.01, .v_s = 1.0, .delta = 1.0};
+  simgap::DirectionHold hold(0.2);
+  const double current = drive.effort(10.0, 30.0, hold.update(30.0));  // (10 + 0.1 * 10 + 0.5 + 0.01 * 30) / 2
+  simgap::Pam muscle;
+  muscle.a = 0.02, muscle.b = -0.01, muscle.c = 0.001, muscle.k = 1e5;
+  const auto force = muscle.force(4e5, 0.05);
+  const auto pressure = force ? muscle.pressure(*force, 0.05) : std::nullopt;
+  const bool right =
+      std::fabs(current - 5.9) < 1e-12 && hold.update(0.1) == 1.0 && pressure && std::fabs(*pressure - 4e5) < 1e-3;
+  std::printf("%.12g A, %.6g N, %.12g Pa\n", current, force.value_or(0.0), pressure.value_or(0.0));
+  return right ? 0 : 1;
+}
