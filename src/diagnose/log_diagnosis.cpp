@@ -95,9 +95,8 @@ Split splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
   }
   if (split.training.size() < 5 || split.heldout.empty()) {
     throw DataError(
-        fmt::format("{}: found {} blocks to learn from and {} to hold out, expected at least 5 and 1: record longer, "
-                    "or use shorter "
-                    "blocks (--block)",
+        fmt::format("{}: found {} blocks to learn from and {} to hold out, expected at least 5 and 1: record "
+                    "longer, or hold out less",
                     log.file, split.training.size(), split.heldout.size()));
   }
   return split;
