@@ -50,6 +50,11 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / std::max(1.0, static_cast<double>(values.size()));
 }
 
+std::vector<double> weighted(std::vector<double> errors, const std::vector<double>& weights) {
+  for (std::size_t p = 0; p < errors.size(); ++p) errors[p] *= weights[p];
+  return errors;
+}
+
 Interval intervalOf(const ExtensionParameter& p) {
   const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
   return {p.value, p.value - half, p.value + half};
@@ -71,8 +76,9 @@ class Diagnosing {
 
  private:
   void say(std::string_view what) {
-    const std::size_t total = 6 + options_.max_causes;
-    progress_(std::min(done_++, total), total, what);
+    const double total = 6.0 + static_cast<double>(options_.max_causes);
+    const double share = options_.self_test > 0 ? 0.0 : std::min(1.0, static_cast<double>(done_++) / total);
+    progress_(std::string(what), share);
   }
   PoseFit fitPlain(std::span<const Pose> poses);
   void findFaults();
@@ -110,21 +116,27 @@ void Diagnosing::measureGain() {
   Diagnosis& d = result_.diagnosis;
   PoseFit plain(problem_, split_.selection, {});
   plain.setSolution(selection_.z_plain);
-  d.baseline.mse = mean(squaredErrors(plain.model(), split_.selection));
-  const std::vector<double> before = squaredErrors(plain.model(), split_.heldout);
+  const std::vector<double> weights = precisionWeights(problem_, selection_.z_plain, split_.heldout);
+  const std::vector<double> fit_weights = precisionWeights(problem_, selection_.z_plain, split_.selection);
+  const auto errors = [&](const ArmModel& model) { return weighted(squaredErrors(model, split_.heldout), weights); };
+  const auto fit_error = [&](const ArmModel& model) {
+    return mean(weighted(squaredErrors(model, split_.selection), fit_weights));
+  };
+  d.baseline.mse = fit_error(plain.model());
+  const std::vector<double> before = errors(plain.model());
   d.baseline.mse_heldout = mean(before);
   d.extended = d.baseline;
   std::vector<double> last = before;
   for (std::size_t c = 0; c < selection_.causes.size(); ++c) {
     PoseFit fit(problem_, split_.selection, causesOf(selection_, c + 1));
-    fit.posterior().whiten(selection_.z_plain.size() == fit.z().size() ? selection_.z_plain : fit.extended(selection_.z));
+    fit.posterior().whiten(fit.extended(selection_.z));
     fit.descend(fit.extended(selection_.z));
-    const std::vector<double> now = squaredErrors(fit.model(), split_.heldout);
+    const std::vector<double> now = errors(fit.model());
     // Of the baseline's error: what this cause takes away from what the causes before it left.
     std::vector<double> saved(before.size());
     for (std::size_t p = 0; p < before.size(); ++p) saved[p] = before[p] - (last[p] - now[p]);
     if (!before.empty()) d.causes[c].gain_heldout = pairedGain(before, saved, options_.seed);
-    d.extended = {mean(squaredErrors(fit.model(), split_.selection)), mean(now)};
+    d.extended = {fit_error(fit.model()), mean(now)};
     last = now;
   }
 }

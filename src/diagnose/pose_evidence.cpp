@@ -108,14 +108,40 @@ std::vector<double> squaredErrors(const ArmModel& model, std::span<const Pose> p
   return errors;
 }
 
-double poseNoiseFloor(PoseFit& fit) {
-  double sum = 0.0;
-  const std::size_t poses = fit.posterior().poses().size();
-  for (std::size_t p = 0; p < poses; ++p) {
-    const Eigen::MatrixXd root = fit.posterior().whitening(p).inverse();
-    sum += (root * root.transpose()).trace();
+namespace {
+
+/// Variance of each pose, mean over the joints [deg^2].
+std::vector<double> variances(PosePosterior& posterior) {
+  std::vector<double> all;
+  for (std::size_t p = 0; p < posterior.poses().size(); ++p) {
+    const Eigen::MatrixXd root = posterior.whitening(p).inverse();
+    all.push_back((root * root.transpose()).trace() /
+                  (kDegree * kDegree * static_cast<double>(posterior.model().joints.size())));
   }
-  return sum / (kDegree * kDegree * static_cast<double>(poses * fit.posterior().model().joints.size()));
+  return all;
+}
+
+}  // namespace
+
+std::vector<double> precisionWeights(const PoseProblem& problem, const Eigen::VectorXd& z,
+                                     std::span<const Pose> poses) {
+  PoseFit fit(problem, poses, {});
+  fit.posterior().whiten(z);
+  std::vector<double> weights;
+  double sum = 0.0;
+  for (const double variance : variances(fit.posterior())) {
+    weights.push_back(1.0 / variance);
+    sum += weights.back();
+  }
+  for (double& weight : weights) weight *= static_cast<double>(weights.size()) / sum;
+  return weights;
+}
+
+double poseNoiseFloor(PoseFit& fit) {
+  double precision = 0.0;
+  const std::vector<double> all = variances(fit.posterior());
+  for (const double variance : all) precision += 1.0 / variance;
+  return static_cast<double>(all.size()) / precision;
 }
 
 namespace {

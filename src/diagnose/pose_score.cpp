@@ -11,6 +11,8 @@ namespace {
 // two standard deviations of the score.
 constexpr double kRevealed = 16.0;
 
+constexpr double kJump = 3.0;  // [sd] of a whitened pose
+
 Eigen::VectorXd stackErrors(const std::vector<PoseResidual>& poses) {
   const Eigen::Index n = poses.front().error.size();
   Eigen::VectorXd all(n * std::ssize(poses));
@@ -73,7 +75,11 @@ Eigen::VectorXd PoseScore::change(const PoseProblem& problem, const PoseCause& c
   if (!std::ranges::all_of(poses, &PoseResidual::valid)) return {};
   Eigen::VectorXd change = stackErrors(poses) - before;
   const Eigen::Index n = poses.front().error.size();
-  for (Eigen::Index p = 0; p < std::ssize(poses); ++p) change.segment(p * n, n) *= roots_[static_cast<std::size_t>(p)];
+  for (Eigen::Index p = 0; p < std::ssize(poses); ++p) {
+    // A pose that falls into another equilibrium says nothing of what a little more of the cause would do.
+    const double jump = change.segment(p * n, n).norm() / kJump;
+    change.segment(p * n, n) *= roots_[static_cast<std::size_t>(p)] / std::max(1.0, jump * jump);
+  }
   return change;
 }
 

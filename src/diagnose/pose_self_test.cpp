@@ -90,7 +90,7 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
       if (d.effect == test.hidden[e]) targets.push_back(&d);
     }
     for (int n = 0; n < options.self_test; ++n) {
-      progress(done++, total, "self-test");
+      progress("self-test: " + test.hidden[e], static_cast<double>(done++) / static_cast<double>(total));
       ArmModel model = truth.nominal;
       std::string label;
       const std::uint64_t seed = options.seed + 1000 * e + static_cast<std::uint64_t>(n) + 1;
@@ -112,7 +112,7 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
       }
       const PoseSet set = simulatePoses(model, fit, seed);
       const Diagnosis answer = diagnosePoses(problem.nominal, set, problem.parameters, problem.noise, inner,
-                                             [](std::size_t, std::size_t, std::string_view) {})
+                                             [](const std::string&, double) {})
                                    .diagnosis;
       const std::string name = answerOf(answer, test.hidden[e], label);
       const auto column = std::ranges::find(test.answers, name) - test.answers.begin();

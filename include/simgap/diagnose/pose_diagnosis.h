@@ -35,8 +35,8 @@ struct PoseDiagnosis {
   std::string pose_errors;    ///< CSV: joint errors of each pose before and after [deg], held out or not
 };
 
-/// `what`: the stage in words.
-using DiagnosisProgress = std::function<void(std::size_t done, std::size_t total, std::string_view what)>;
+/// Called with what is being done and the share of the whole that is done.
+using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
 
 /// \param parameters  the ordinary parameters that every hypothesis refits, with their priors
 /// \throws DataError: fewer than 8 poses.  NumericsError: no parameters give every pose an equilibrium.
