@@ -23,25 +23,29 @@ constexpr double kLargeExcess = 0.5;      // of the cross-validated error over w
 constexpr double kClearExcess = 4.0;      // standard deviations
 constexpr double kAbsorbed = 1.0;         // [sd] smallest shift of a parameter worth a word
 
-/// Poses of the selection and those held out, interleaved.
+/// Poses of the selection and those held out, without the faulty ones.
 struct Split {
   std::vector<Pose> selection, heldout, all;
-  std::vector<bool> is_heldout;  ///< shape (poses of the set)
 };
 
-Split splitPoses(const PoseSet& set, const std::vector<bool>& faulty, double holdout) {
-  Split split;
+/// Which poses only measure the gain, spread evenly over the order of recording.
+std::vector<bool> chooseHeldout(std::size_t poses, double holdout) {
+  std::vector<bool> heldout;
   double owed = 0.0;
+  for (std::size_t p = 0; p < poses; ++p) {
+    owed += holdout;
+    heldout.push_back(owed >= 1.0 - 1e-12);
+    if (heldout.back()) owed -= 1.0;
+  }
+  return heldout;
+}
+
+Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std::vector<bool>& faulty) {
+  Split split;
   for (std::size_t p = 0; p < set.poses.size(); ++p) {
-    bool out = false;
-    if (!faulty[p]) {
-      owed += holdout;
-      out = owed >= 1.0 - 1e-12;
-      if (out) owed -= 1.0;
-      split.all.push_back(set.poses[p]);
-      (out ? split.heldout : split.selection).push_back(set.poses[p]);
-    }
-    split.is_heldout.push_back(out);
+    if (faulty[p]) continue;
+    split.all.push_back(set.poses[p]);
+    (heldout[p] ? split.heldout : split.selection).push_back(set.poses[p]);
   }
   return split;
 }
@@ -80,8 +84,8 @@ class Diagnosing {
     const double share = options_.self_test > 0 ? 0.0 : std::min(1.0, static_cast<double>(done_++) / total);
     progress_(std::string(what), share);
   }
-  PoseFit fitPlain(std::span<const Pose> poses);
-  void findFaults();
+  Eigen::VectorXd fitPlain();
+  [[noreturn]] void failForPoses(std::size_t found) const;
   void measureGain();
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
@@ -92,23 +96,34 @@ class Diagnosing {
   const PoseDiagnosisOptions& options_;
   const DiagnosisProgress& progress_;
   std::size_t done_ = 0;
-  std::vector<bool> faulty_;
   Split split_;
   std::vector<PoseHypothesis> hypotheses_;
   PoseSelection selection_;
   PoseDiagnosis result_;
 };
 
-PoseFit Diagnosing::fitPlain(std::span<const Pose> poses) {
-  PoseFit fit(problem_, poses, {});
+/// Fits the model without causes to the poses of the selection and looks for faults in all. \returns where later fits
+/// start
+Eigen::VectorXd Diagnosing::fitPlain() {
+  const std::vector<bool> heldout = chooseHeldout(set_.poses.size(), options_.holdout);
+  std::vector<bool> faulty(set_.poses.size(), false);
+  split_ = splitPoses(set_, heldout, faulty);
+  if (split_.selection.size() < kFewestPoses) failForPoses(split_.selection.size());
+  PoseFit fit(problem_, split_.selection, {});
   fit.search(options_.starts, problem_.threads, options_.seed);
-  return fit;
+  PoseFit everywhere(problem_, set_.poses, {});
+  everywhere.posterior().whiten(fit.z());
+  everywhere.setSolution(fit.z());
+  result_.diagnosis.faults = findPoseFaults(everywhere, problem_.noise.capture_sd, faulty);
+  for (DataFault& fault : result_.diagnosis.faults) fault.corrected = options_.ignore_faults;
+  split_ = splitPoses(set_, heldout, faulty);
+  if (split_.selection.size() < kFewestPoses) failForPoses(split_.selection.size());
+  return fit.z();
 }
 
-void Diagnosing::findFaults() {
-  PoseFit fit = fitPlain(set_.poses);
-  result_.diagnosis.faults = findPoseFaults(fit, problem_.noise.capture_sd, faulty_);
-  for (DataFault& fault : result_.diagnosis.faults) fault.corrected = options_.ignore_faults;
+void Diagnosing::failForPoses(std::size_t found) const {
+  throw DataError(fmt::format("{}: found {} poses to select causes with, expected at least {}", set_.file, found,
+                              kFewestPoses));
 }
 
 /// Errors on the poses held out, without causes and with ever more of them.
@@ -210,17 +225,10 @@ PoseDiagnosis Diagnosing::run() {
   d.error_unit = "deg2";
   d.samples = set_.poses.size();
   say("fit without causes");
-  findFaults();
-  split_ = splitPoses(set_, faulty_, options_.holdout);
-  if (split_.selection.size() < kFewestPoses) {
-    throw DataError(fmt::format("{}: found {} poses to select causes with, expected at least {}", set_.file,
-                                split_.selection.size(), kFewestPoses));
-  }
+  const Eigen::VectorXd start = fitPlain();
   d.effective_samples = static_cast<double>(split_.all.size());
   hypotheses_ = poseHypotheses(problem_.nominal, split_.all, options_.effects, d.not_testable);
-  say("fit without causes");
-  PoseFit start = fitPlain(split_.selection);
-  selection_ = selectCauses(problem_, split_.selection, hypotheses_, start.z(), options_,
+  selection_ = selectCauses(problem_, split_.selection, hypotheses_, start, options_,
                             [this](std::string_view what) { say(what); });
   d.hypotheses = selection_.records;
   fillCauses();

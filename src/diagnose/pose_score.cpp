@@ -154,7 +154,12 @@ double smallestRevealed(const PoseProblem& problem, const PoseScore& score, cons
 }  // namespace
 
 std::vector<Detectable> detectableMagnitudes(const PoseProblem& problem, PoseFit& fit,
-                                             const std::vector<PoseHypothesis>& hypotheses) {
+                                             std::vector<PoseHypothesis> hypotheses) {
+  std::erase_if(hypotheses, [&](const PoseHypothesis& h) {
+    return std::ranges::any_of(fit.causes(), [&](const PoseCause& cause) {
+      return cause.effect == h.effect && cause.target == h.target;
+    });
+  });
   std::vector<Detectable> detectable(hypotheses.size());
   forEach(problem, hypotheses.size(), [&](std::size_t h) {
     PoseFit own = fit;

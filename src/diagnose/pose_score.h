@@ -33,8 +33,8 @@ class PoseScore {
 /// The moments at which a slip of each muscle would explain most, as starts.
 void placeSlips(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypothesis>& hypotheses);
 
-/// The smallest magnitude of each hypothesis that these poses would reveal.
+/// The smallest magnitude of each hypothesis, beside the causes of the fit, that these poses would reveal.
 std::vector<Detectable> detectableMagnitudes(const PoseProblem& problem, PoseFit& fit,
-                                             const std::vector<PoseHypothesis>& hypotheses);
+                                             std::vector<PoseHypothesis> hypotheses);
 
 }  // namespace simgap

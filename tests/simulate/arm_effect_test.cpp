@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "simgap/core/csv.h"
@@ -210,7 +212,9 @@ TEST_P(ArmEffects, ObservedSensitivitiesAgreeWithDifferences) {
       moved += column.norm() > 0.0;
     }
   }
-  if (c.effect->path == nullptr && c.effect->joint_torque == nullptr) EXPECT_GT(moved, 0);
+  if (c.effect->path == nullptr && c.effect->joint_torque == nullptr) {
+    EXPECT_GT(moved, 0);
+  }
 }
 
 TEST_P(ArmEffects, NeutralChangesNothing) {
