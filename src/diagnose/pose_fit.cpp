@@ -74,8 +74,9 @@ Eigen::VectorXd PoseFit::solutionWithout(std::size_t cause) const {
   return rest;
 }
 
-void PoseFit::descend(const Eigen::VectorXd& z, int max_iterations) {
-  const PosteriorFit fit = descendPosterior(posterior_, z, max_iterations);
+void PoseFit::descend(const Eigen::VectorXd& z, double tolerance) {
+  constexpr int kIterations = 60;
+  const PosteriorFit fit = descendPosterior(posterior_, z, kIterations, tolerance);
   z_ = fit.z;
   objective_ = fit.objective;
 }

@@ -61,7 +61,7 @@ class PoseFit {
   Eigen::VectorXd extended(const Eigen::VectorXd& z) const;
   /// The solution without the parameters of one cause.
   Eigen::VectorXd solutionWithout(std::size_t cause) const;
-  void descend(const Eigen::VectorXd& z, int max_iterations = 60);
+  void descend(const Eigen::VectorXd& z, double tolerance = 1e-7);
   /// The best of several starts, whitened with its own solution.
   void search(int starts, int threads, std::uint64_t seed);
   void setSolution(const Eigen::VectorXd& z) { z_ = z; }

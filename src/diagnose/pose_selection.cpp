@@ -17,6 +17,8 @@ constexpr std::size_t kFolds = 5;
 constexpr double kClearOdds = 4.0;     // log odds, after paying for the number of hypotheses, that a cause must reach
 constexpr double kTellApart = 3.5;     // log odds between two causes below which the poses do not tell them apart
 constexpr double kSmallestGain = 0.01;  // of the error on poses a fit has not seen
+constexpr double kTryTolerance = 3e-5;   // of the objective, some 0.01: far below what decides
+constexpr double kHopeless = 30.0;       // log odds behind a step's best, beyond which no exchange will bring a rival back
 constexpr std::size_t kTried = 6;      // candidates of a step that are cross-validated until one passes
 constexpr std::uint32_t kBootstrapPurpose = 21;
 
@@ -64,7 +66,8 @@ class Selection {
   PoseSelection run(const Eigen::VectorXd& start, const std::function<void(std::string_view)>& stage);
 
  private:
-  PoseFit refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z) const;
+  PoseFit refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
+                double tolerance = 1e-7) const;
   PoseFit settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) const;
   std::vector<PoseHypothesis> openBeside(const std::vector<PoseCause>& causes) const;
   std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const;
@@ -83,10 +86,11 @@ class Selection {
   std::vector<Fold> folds_;
 };
 
-PoseFit Selection::refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z) const {
+PoseFit Selection::refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
+                         double tolerance) const {
   PoseFit fit(problem_, poses_, causes);
   fit.posterior().whitenLike(like.posterior());
-  fit.descend(fit.extended(z));
+  fit.descend(fit.extended(z), tolerance);
   return fit;
 }
 
@@ -124,7 +128,7 @@ std::vector<PoseCandidate> Selection::tryAll(PoseFit& fit, const std::vector<Pos
   forEach(problem_, tries.size(), [&](std::size_t t) {
     std::vector<PoseCause> causes = fit.causes();
     causes.push_back(tries[t].cause);
-    PoseFit more = refit(causes, fit, fit.z());
+    PoseFit more = refit(causes, fit, fit.z(), kTryTolerance);
     tries[t].result = {tries[t].cause, more.z(), more.logEvidence() - evidence, fit.objective() - more.objective()};
   });
   std::vector<PoseCandidate> best(hypotheses.size());
@@ -207,7 +211,11 @@ bool Selection::step(PoseFit& fit, PoseSelection& selection) {
       } else {
         record.outcome = "accepted";
         accepted = &candidate;
-        selection.causes.push_back({candidate.cause, odds, record.p_adjusted, record.gain_inner, {}});
+        AcceptedCause cause{candidate.cause, odds, record.p_adjusted, record.gain_inner, {}, {}};
+        for (const PoseCandidate& other : candidates) {
+          if (other.evidence > candidate.evidence - kHopeless) cause.contenders.insert(other.cause.label());
+        }
+        selection.causes.push_back(std::move(cause));
       }
     } else {
       record.outcome = "passed over";
@@ -231,16 +239,26 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
     causes.erase(causes.begin());
     PoseFit without = refit(causes, fit, fit.solutionWithout(0));
     std::vector<PoseHypothesis> open = openBeside(causes);
+    const double paid = price(open);
+    std::erase_if(open, [&](const PoseHypothesis& h) {
+      return !cause.contenders.contains(PoseCause{h.effect, h.target, {}}.label());
+    });
     placeSlips(problem_, without, open);
     const std::vector<PoseCandidate> candidates = tryAll(without, open);
+    if (candidates.empty()) {
+      selection.causes.push_back(cause);
+      causes.push_back(cause.cause);
+      fit = refit(causes, fit, without.z());
+      continue;
+    }
     const PoseCandidate& best = candidates.front();
     if (best.cause.label() != cause.cause.label()) {
       selection.records.push_back({selection.causes.size() + 2, std::string(cause.cause.effect->name),
                                    cause.cause.target, {}, 1.0, "exchanged for " + best.cause.label()});
     }
     cause.cause = best.cause;
-    cause.odds = best.evidence - price(open);
-    cause.p_adjusted = pAdjusted(best, std::exp(price(open)));
+    cause.odds = best.evidence - paid;
+    cause.p_adjusted = pAdjusted(best, std::exp(paid));
     cause.rivals.clear();
     for (std::size_t r = 1; r < candidates.size(); ++r) {
       if (best.evidence - candidates[r].evidence < kTellApart) cause.rivals.push_back(candidates[r].cause.label());

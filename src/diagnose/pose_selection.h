@@ -4,6 +4,8 @@
 #pragma once
 
 #include <functional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "pose_fit.h"
@@ -37,6 +39,7 @@ struct AcceptedCause {
   double p_adjusted = 1.0;
   Interval gain_inner;
   std::vector<std::string> rivals;  ///< that these poses do not tell from it
+  std::set<std::string> contenders;  ///< that an exchange tries in its place
 };
 
 struct PoseSelection {

@@ -61,12 +61,15 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
       return;
     case Kind::kExtension:
       return differentiateByExtension(p.item, p.component, column);
-    case Kind::kGravity:
+    case Kind::kGravity: {
+      Eigen::Vector3d change = Eigen::Vector3d::Unit(p.component);
+      for (const Applied& applied : applied_) change = (applied.gravity.by_gravity * change).eval();
       for (int j = 0; j < std::ssize(links_); ++j) {
         const Eigen::Vector3d arm = links_[j].moment - links_[j].subtree_mass * links_[j].pivot;
-        addProjected(j, -arm.cross(Eigen::Vector3d::Unit(p.component)), column);
+        addProjected(j, -arm.cross(change), column);
       }
       return;
+    }
     case Kind::kParentPosition: {
       Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);
       if (parent_joint_[p.item] >= 0) shift = links_[parent_joint_[p.item]].rotation.col(p.component);

@@ -27,6 +27,22 @@ struct Case {
   EffectParameters p;
 };
 
+// Least distance of a muscle's ends from the joints it crosses, on the bodies next to them.
+double nearestEnd(const ArmModel& model, const std::string& name) {
+  double nearest = 1.0;
+  for (const Muscle& muscle : model.muscles) {
+    if (muscle.name != name) continue;
+    for (const int j : jointsCrossed(model, muscle)) {
+      for (const Attachment& end : muscle.attachments) {
+        const Joint& joint = model.joints[static_cast<std::size_t>(j)];
+        if (end.body == joint.parent) nearest = std::min(nearest, (end.point - joint.parent_position).norm());
+        if (end.body == joint.child) nearest = std::min(nearest, (end.point - joint.child_position).norm());
+      }
+    }
+  }
+  return nearest;
+}
+
 // A start of each effect, moved off whatever is special about it, on every target.
 std::vector<Case> cases() {
   const ArmModel model = test::exampleArm();
@@ -38,6 +54,8 @@ std::vector<Case> cases() {
           const ArmEffectParameter& parameter = effect->parameters[i];
           if (parameter.fitted) p[i] += (i == 0 ? 0.3 : 0.1) * parameter.scale;
         }
+        // Beyond what the nearer end allows, a radius is cut off, and there derivatives by attachments leave that out.
+        if (effect->path) p[0] = std::min(p[0], 0.7 * nearestEnd(model, target));
         Extension extension = makeExtension(*effect, target, p);
         if (checkExtension(extension, model).empty()) all.push_back({effect, target, p});
       }
@@ -131,9 +149,12 @@ TEST_P(ArmEffects, EveryParameterDerivativeAgreesWithDifferencesOfTheGradient) {
     Eigen::MatrixXd by_shaft(energy.degreesOfFreedom(), model.muscles.size());
     energy.differentiateByShafts(by_shaft);
     for (std::size_t p = 0; p < names.size(); ++p) {
-      // The way to a payload leads through the centre of mass: that this moves with the parts is left out.
-      if (payload && names[p].starts_with("bodies")) continue;
-      const double h = 1e-6 * std::max(0.1, std::abs(values[p]));
+      // The way to a payload leads from the joint through the centre of mass: that these move is left out.
+      if (payload && (names[p].starts_with("bodies") || names[p].find("child_position") != std::string::npos)) continue;
+      double h = 1e-6 * std::max(0.1, std::abs(values[p]));
+      for (const ArmEffectParameter& own : GetParam().effect->parameters) {
+        if (names[p].starts_with("extensions") && names[p].ends_with(own.name)) h = 1e-6 * own.scale;
+      }
       const auto gradientAt = [&](double value) {
         ArmModel changed = model;
         std::size_t k = 0;
@@ -261,6 +282,7 @@ std::vector<Case> onePerEffect() {
   }
   for (Case& c : some) {
     if (c.effect->path) c.p[0] = 0.06;
+    if (c.effect->joint_torque) c.p[1] = 0.05;
     if (c.effect->name == "payload") c.target = "forearm";
   }
   return some;

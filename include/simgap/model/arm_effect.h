@@ -62,7 +62,8 @@ struct BentPath {
 };
 
 struct GravityTerm {
-  Eigen::Vector3d gravity;  ///< [m/s^2]
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();         ///< [m/s^2]
+  Eigen::Matrix3d by_gravity = Eigen::Matrix3d::Identity();  ///< by what it was without the effect
   EffectSlopes by_parameter = EffectSlopes::Zero();
 };
 

@@ -19,7 +19,10 @@ GravityTerm tilted(const EffectParameters& p, const Eigen::Vector3d& g) {
   // Rodrigues: g cos + sinc (w x g) + versc w (w.g)
   const double sinc = angle > 1e-4 ? std::sin(angle) / angle : 1.0 - angle * angle / 6.0;
   const double versc = angle > 1e-4 ? (1.0 - std::cos(angle)) / (angle * angle) : 0.5 - angle * angle / 24.0;
-  GravityTerm term{std::cos(angle) * g + sinc * w.cross(g) + versc * w.dot(g) * w};
+  GravityTerm term;
+  term.by_gravity << 0.0, 0.0, w.y(), 0.0, 0.0, -w.x(), -w.y(), w.x(), 0.0;  // w x
+  term.by_gravity = std::cos(angle) * Eigen::Matrix3d::Identity() + sinc * term.by_gravity + versc * w * w.transpose();
+  term.gravity = term.by_gravity * g;
   // d sinc / d angle over angle, likewise versc
   const double d_sinc = angle > 1e-2 ? (std::cos(angle) - sinc) / (angle * angle) : -1.0 / 3.0 + angle * angle / 30.0;
   const double d_versc = angle > 1e-2 ? (sinc - 2.0 * versc) / (angle * angle) : -1.0 / 12.0 + angle * angle / 180.0;

@@ -48,8 +48,8 @@ JointTerm torque(const EffectParameters& p, JointType type, const JointPosition&
   JointTerm term;
   term.energy = 0.5 * p[0] * u * u;
   term.gradient = p[0] * u * axis;
-  term.hessian = p[0] * slope * axis * axis.transpose() +
-                 p[0] * u * bend * (Eigen::Matrix3d::Identity() - axis * axis.transpose());
+  const Eigen::Matrix3d along = axis * axis.transpose();
+  term.hessian = (p[0] * slope) * along + (p[0] * u * bend) * (Eigen::Matrix3d::Identity() - along);
   term.by_parameter.col(0) = u * axis;
   term.by_parameter.col(1) = -p[0] * slope * axis;
   return term;
