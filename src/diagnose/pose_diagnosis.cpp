@@ -12,6 +12,7 @@
 #include "pose_score.h"
 #include "pose_selection.h"
 #include "pose_self_test.h"
+#include "simgap/core/csv.h"
 #include "simgap/core/error.h"
 
 namespace simgap {
@@ -90,6 +91,7 @@ class Diagnosing {
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
   void decide();
+  std::string poseErrorsCsv(const ArmModel& before, const ArmModel& after) const;
 
   PoseProblem problem_;
   const PoseSet& set_;
@@ -122,8 +124,8 @@ Eigen::VectorXd Diagnosing::fitPlain() {
 }
 
 void Diagnosing::failForPoses(std::size_t found) const {
-  throw DataError(fmt::format("{}: found {} poses to select causes with, expected at least {}", set_.file, found,
-                              kFewestPoses));
+  throw DataError(
+      fmt::format("{}: found {} poses to select causes with, expected at least {}", set_.file, found, kFewestPoses));
 }
 
 /// Errors on the poses held out, without causes and with ever more of them.
@@ -169,7 +171,8 @@ void Diagnosing::fillCauses() {
 
 /// Ordinary parameters that moved when the causes came in, in their standard deviations afterwards.
 void Diagnosing::fillAbsorption(PoseFit& plain, PoseFit& fit) {
-  const Eigen::MatrixXd covariance = fit.curvature().llt().solve(Eigen::MatrixXd::Identity(fit.z().size(), fit.z().size()));
+  const Eigen::MatrixXd covariance =
+      fit.curvature().llt().solve(Eigen::MatrixXd::Identity(fit.z().size(), fit.z().size()));
   std::vector<Absorption> absorbed;
   for (std::size_t i = 0; i < fit.ordinary(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -186,8 +189,7 @@ void Diagnosing::decide() {
   const bool large_group = std::ranges::any_of(
       selection_.causes, [](const AcceptedCause& cause) { return cause.rivals.size() + 1 > kLargestGroup; });
   const bool group = std::ranges::any_of(selection_.causes, [](const auto& cause) { return !cause.rivals.empty(); });
-  const bool structure =
-      selection_.excess > kLargeExcess && selection_.excess > kClearExcess * selection_.excess_sd;
+  const bool structure = selection_.excess > kLargeExcess && selection_.excess > kClearExcess * selection_.excess_sd;
   std::string names;
   for (const AcceptedCause& cause : selection_.causes) {
     names += (names.empty() ? "" : ", ") + cause.cause.label();
@@ -198,26 +200,42 @@ void Diagnosing::decide() {
     d.sentence = d.faults.front().sentence;
   } else if (!selection_.causes.empty() && !large_group) {
     d.verdict = group ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
-    d.sentence = fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
-                             selection_.causes.size() == 1 ? "takes away" : "take away", 100.0 * gain,
-                             split_.heldout.size());
+    d.sentence =
+        fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
+                    selection_.causes.size() == 1 ? "takes away" : "take away", 100.0 * gain, split_.heldout.size());
   } else if (large_group) {
     d.verdict = DiagnosisVerdict::kUnexplained;
     d.sentence = fmt::format("something like {} is there, but these poses do not tell it from {} other causes", names,
                              selection_.causes.front().rivals.size());
   } else if (structure) {
     d.verdict = DiagnosisVerdict::kUnexplained;
-    d.sentence = fmt::format("the error on unseen poses is {:.0f} % above what noise and parameters explain, and no "
-                             "cause of the catalogue takes it away",
-                             100.0 * selection_.excess);
+    d.sentence = fmt::format(
+        "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no "
+        "cause of the catalogue takes it away",
+        100.0 * selection_.excess);
   } else {
     d.verdict = DiagnosisVerdict::kNothingFound;
     d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
   }
   if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {
-    d.warnings.push_back(fmt::format("the error on unseen poses is still {:.0f} % above what noise and parameters explain",
-                                     100.0 * selection_.excess));
+    d.warnings.push_back(
+        fmt::format("the error on unseen poses is still {:.0f} % above what noise and parameters explain",
+                    100.0 * selection_.excess));
   }
+}
+
+std::string Diagnosing::poseErrorsCsv(const ArmModel& before, const ArmModel& after) const {
+  CsvWriter csv({"pose", "held_out", "used", "before_deg", "after_deg"});
+  const std::vector<double> old = squaredErrors(before, set_.poses), now = squaredErrors(after, set_.poses);
+  const auto among = [](const std::vector<Pose>& poses, const std::string& name) {
+    return std::ranges::find(poses, name, &Pose::name) != poses.end() ? 1.0 : 0.0;
+  };
+  for (std::size_t p = 0; p < set_.poses.size(); ++p) {
+    const std::string& name = set_.poses[p].name;
+    csv.add(name).add(among(split_.heldout, name)).add(among(split_.all, name));
+    csv.add(std::sqrt(old[p])).add(std::sqrt(now[p])).endRow();
+  }
+  return csv.text();
 }
 
 PoseDiagnosis Diagnosing::run() {
@@ -258,10 +276,12 @@ PoseDiagnosis Diagnosing::run() {
   d.detectable = detectableMagnitudes(problem_, fit, hypotheses_);
   d.next_experiment = nextPoseExperiment(problem_, fit, selection_, hypotheses_, d.not_testable);
   decide();
+  result_.pose_errors = poseErrorsCsv(plain.model(), fit.model());
   result_.model = fit.model();
   const std::size_t given = result_.model.extensions.size() - d.extensions.size();
   std::ranges::copy(d.extensions, result_.model.extensions.begin() + static_cast<std::ptrdiff_t>(given));
-  if (options_.self_test > 0) d.self_test = selfTestPoses(problem_, plain, hypotheses_, d.detectable, options_, progress_);
+  if (options_.self_test > 0)
+    d.self_test = selfTestPoses(problem_, plain, hypotheses_, d.detectable, options_, progress_);
   return std::move(result_);
 }
 
@@ -274,7 +294,8 @@ void PoseDiagnosisOptions::validate() const {
     for (const ArmEffect* effect : arm_effects::all()) known += (known.empty() ? "" : ", ") + std::string(effect->name);
     throw ConfigError(fmt::format("--effects: found '{}', expected one of {}", name, known));
   }
-  if (!(level > 0.0 && level < 1.0)) throw ConfigError(fmt::format("--level: found {}, expected a number in (0, 1)", level));
+  if (!(level > 0.0 && level < 1.0))
+    throw ConfigError(fmt::format("--level: found {}, expected a number in (0, 1)", level));
   if (!(holdout > 0.0 && holdout < 0.9)) {
     throw ConfigError(fmt::format("--holdout: found {}, expected a fraction in (0, 0.9)", holdout));
   }
@@ -285,8 +306,7 @@ PoseDiagnosis diagnosePoses(const ArmModel& model, const PoseSet& set,
                             const PoseDiagnosisOptions& options, const DiagnosisProgress& progress) {
   options.validate();
   if (set.poses.size() < kFewestPoses) {
-    throw DataError(
-        fmt::format("{}: found {} poses, expected at least {}", set.file, set.poses.size(), kFewestPoses));
+    throw DataError(fmt::format("{}: found {} poses, expected at least {}", set.file, set.poses.size(), kFewestPoses));
   }
   return Diagnosing(model, set, parameters, noise, options, progress).run();
 }

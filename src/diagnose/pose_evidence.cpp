@@ -45,8 +45,12 @@ double median(std::vector<double> values) {
 DataFault fault(std::span<const Pose> poses, const std::vector<std::size_t>& which, std::string_view what) {
   std::vector<std::string> names;
   for (const std::size_t p : which) names.push_back(poses[p].name);
-  return {"pose", fmt::format("{} {}: {}", which.size() == 1 ? "pose" : "poses", fmt::join(names, ", "), what),
-          which.front() + 1, which.back() + 1, which.size(), false};
+  return {"pose",
+          fmt::format("{} {}: {}", which.size() == 1 ? "pose" : "poses", fmt::join(names, ", "), what),
+          which.front() + 1,
+          which.back() + 1,
+          which.size(),
+          false};
 }
 
 }  // namespace
@@ -68,8 +72,7 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   std::vector<std::size_t> flipped, stuck;
   for (std::size_t p = 0; p < poses.size(); ++p) {
     if (distances[p] < far) continue;
-    const bool copied = p > 0 && largest(model, poses[p].joints, poses[p - 1].joints) <
-                                     kCopied * capture_sd;
+    const bool copied = p > 0 && largest(model, poses[p].joints, poses[p - 1].joints) < kCopied * capture_sd;
     const bool moved = p > 0 && !predicted[p].empty() && !predicted[p - 1].empty() &&
                        largest(model, predicted[p], predicted[p - 1]) > kShouldMove;
     if (copied && moved) {
@@ -83,12 +86,14 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   }
   std::vector<DataFault> faults;
   if (!flipped.empty()) {
-    faults.push_back(fault(poses, flipped, "turned far from where any model puts them, as when markers are confused; "
-                                           "record them anew or leave them out"));
+    faults.push_back(fault(poses, flipped,
+                           "turned far from where any model puts them, as when markers are confused; "
+                           "record them anew or leave them out"));
   }
   if (!stuck.empty()) {
-    faults.push_back(fault(poses, stuck, "the same joint positions as in the pose before though the shafts moved; the "
-                                         "capture was stuck"));
+    faults.push_back(fault(poses, stuck,
+                           "the same joint positions as in the pose before though the shafts moved; the "
+                           "capture was stuck"));
   }
   return faults;
 }
@@ -149,10 +154,10 @@ namespace {
 /// What is known of every pose beside its error.
 struct PoseChannels {
   std::vector<std::string> names;
-  Eigen::MatrixXd values;        ///< shape (poses, channels)
-  Eigen::MatrixXd errors;        ///< shape (poses, dof), not whitened [rad]
-  Eigen::MatrixXd whitened;      ///< shape (poses, dof)
-  Eigen::MatrixXd missing;       ///< tension that would close the gap, shape (poses, muscles) [N]
+  Eigen::MatrixXd values;    ///< shape (poses, channels)
+  Eigen::MatrixXd errors;    ///< shape (poses, dof), not whitened [rad]
+  Eigen::MatrixXd whitened;  ///< shape (poses, dof)
+  Eigen::MatrixXd missing;   ///< tension that would close the gap, shape (poses, muscles) [N]
 };
 
 PoseChannels channelsOf(PoseFit& fit) {
@@ -221,7 +226,8 @@ void addBins(std::vector<EvidenceBin>& bins, const std::string& against, const E
     const std::span<const std::size_t> rows(order.data() + first, last - first);
     const auto [mean_before, half_before] = meanOf(before, rows);
     const auto [mean_after, half_after] = meanOf(after, rows);
-    bins.push_back({against, meanOf(channel, rows).first, mean_before, half_before, mean_after, half_after, rows.size()});
+    bins.push_back(
+        {against, meanOf(channel, rows).first, mean_before, half_before, mean_after, half_after, rows.size()});
   }
 }
 
@@ -232,8 +238,8 @@ std::vector<EvidenceBin> poseEvidence(PoseFit& before, PoseFit& after) {
   const std::vector<Joint>& joints = before.posterior().model().joints;
   std::vector<EvidenceBin> bins;
   const auto errorOf = [&](const PoseChannels& channels, std::size_t joint, Eigen::Index first) {
-    return Eigen::VectorXd(
-        channels.errors.middleCols(first, joints[joint].degreesOfFreedom()).rowwise().norm() / kDegree);
+    return Eigen::VectorXd(channels.errors.middleCols(first, joints[joint].degreesOfFreedom()).rowwise().norm() /
+                           kDegree);
   };
   for (Eigen::Index c = 0; c <= std::ssize(joints); ++c) {
     Eigen::Index first = 0;

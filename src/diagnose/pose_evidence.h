@@ -17,8 +17,8 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
 /// Squared joint error of each pose, mean over the joints [deg^2]; measured against the equilibrium next to it.
 std::vector<double> squaredErrors(const ArmModel& model, std::span<const Pose> poses);
 
-/// Weight of each pose by how precisely it can be known at all, mean 1: a pose that joint friction holds anywhere within
-/// ten degrees must not drown the others. \param z  of the model without causes
+/// Weight of each pose by how precisely it can be known at all, mean 1: a pose that joint friction holds anywhere
+/// within ten degrees must not drown the others. \param z  of the model without causes
 std::vector<double> precisionWeights(const PoseProblem& problem, const Eigen::VectorXd& z, std::span<const Pose> poses);
 
 /// Weighted mean squared error that remains for a right model: capture noise and what joint friction holds [deg^2].

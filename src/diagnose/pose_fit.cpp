@@ -9,7 +9,7 @@
 namespace simgap {
 namespace {
 
-constexpr double kUnbounded = 1e-9;    // curvature, in prior units, of what nothing bounds
+constexpr double kUnbounded = 1e-9;     // curvature, in prior units, of what nothing bounds
 constexpr double kNoEquilibrium = 1e4;  // d_p^2 of a pose the model cannot take
 
 ArmModel withCauses(ArmModel model, const std::vector<PoseCause>& causes) {
@@ -29,7 +29,8 @@ ParameterSpace spaceOf(const PoseProblem& problem, const ArmModel& model, const 
   for (const PoseCause& cause : causes) {
     for (const ArmEffectParameter& p : cause.effect->parameters) {
       if (!p.fitted) continue;
-      choices.push_back({"extensions." + cause.label() + "." + std::string(p.name), 0.1 * p.scale, {}, {}, p.scale, {}});
+      choices.push_back(
+          {"extensions." + cause.label() + "." + std::string(p.name), 0.1 * p.scale, {}, {}, p.scale, {}});
     }
   }
   return ParameterSpace(model, choices);

@@ -22,7 +22,9 @@ struct PoseCause {
   const ArmEffect* effect = nullptr;
   std::string target;
   EffectParameters start{};
-  std::string label() const { return target.empty() ? std::string(effect->name) : std::string(effect->name) + ":" + target; }
+  std::string label() const {
+    return target.empty() ? std::string(effect->name) : std::string(effect->name) + ":" + target;
+  }
 };
 
 /// What all fits of a diagnosis share.

@@ -47,9 +47,7 @@ PoseScore::PoseScore(PoseFit& fit) : fit_(fit) {
   factor.matrixL().solveInPlace(left_);
 }
 
-double PoseScore::information(const Eigen::VectorXd& s) const {
-  return s.squaredNorm() - (left_ * s).squaredNorm();
-}
+double PoseScore::information(const Eigen::VectorXd& s) const { return s.squaredNorm() - (left_ * s).squaredNorm(); }
 
 Eigen::MatrixXd PoseScore::slopes(const PoseProblem& problem, const PoseCause& cause) const {
   PoseFit more = withOneMore(problem, fit_, cause);
@@ -156,9 +154,8 @@ double smallestRevealed(const PoseProblem& problem, const PoseScore& score, cons
 std::vector<Detectable> detectableMagnitudes(const PoseProblem& problem, PoseFit& fit,
                                              std::vector<PoseHypothesis> hypotheses) {
   std::erase_if(hypotheses, [&](const PoseHypothesis& h) {
-    return std::ranges::any_of(fit.causes(), [&](const PoseCause& cause) {
-      return cause.effect == h.effect && cause.target == h.target;
-    });
+    return std::ranges::any_of(
+        fit.causes(), [&](const PoseCause& cause) { return cause.effect == h.effect && cause.target == h.target; });
   });
   std::vector<Detectable> detectable(hypotheses.size());
   forEach(problem, hypotheses.size(), [&](std::size_t h) {

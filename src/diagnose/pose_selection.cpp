@@ -14,12 +14,12 @@ namespace simgap {
 namespace {
 
 constexpr std::size_t kFolds = 5;
-constexpr double kClearOdds = 4.0;     // log odds, after paying for the number of hypotheses, that a cause must reach
-constexpr double kTellApart = 3.5;     // log odds between two causes below which the poses do not tell them apart
+constexpr double kClearOdds = 4.0;      // log odds, after paying for the number of hypotheses, that a cause must reach
+constexpr double kTellApart = 3.5;      // log odds between two causes below which the poses do not tell them apart
 constexpr double kSmallestGain = 0.01;  // of the error on poses a fit has not seen
-constexpr double kTryTolerance = 3e-5;   // of the objective, some 0.01: far below what decides
-constexpr double kHopeless = 30.0;       // log odds behind a step's best, beyond which no exchange will bring a rival back
-constexpr std::size_t kTried = 6;      // candidates of a step that are cross-validated until one passes
+constexpr double kTryTolerance = 3e-5;  // of the objective, some 0.01: far below what decides
+constexpr double kHopeless = 30.0;  // log odds behind a step's best, beyond which no exchange will bring a rival back
+constexpr std::size_t kTried = 6;   // candidates of a step that are cross-validated until one passes
 constexpr std::uint32_t kBootstrapPurpose = 21;
 
 struct Fold {
@@ -253,8 +253,12 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
     }
     const PoseCandidate& best = candidates.front();
     if (best.cause.label() != cause.cause.label()) {
-      selection.records.push_back({selection.causes.size() + 2, std::string(cause.cause.effect->name),
-                                   cause.cause.target, {}, 1.0, "exchanged for " + best.cause.label()});
+      selection.records.push_back({selection.causes.size() + 2,
+                                   std::string(cause.cause.effect->name),
+                                   cause.cause.target,
+                                   {},
+                                   1.0,
+                                   "exchanged for " + best.cause.label()});
     }
     cause.cause = best.cause;
     cause.odds = best.evidence - paid;
@@ -273,8 +277,12 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
 void Selection::prune(PoseFit& fit, PoseSelection& selection) {
   for (std::size_t c = selection.causes.size(); c-- > 0 && selection.causes.size() > 1;) {
     if (selection.causes[c].odds >= kClearOdds) continue;
-    selection.records.push_back({selection.causes.size() + 1, std::string(selection.causes[c].cause.effect->name),
-                                 selection.causes[c].cause.target, {}, 1.0, "pruned"});
+    selection.records.push_back({selection.causes.size() + 1,
+                                 std::string(selection.causes[c].cause.effect->name),
+                                 selection.causes[c].cause.target,
+                                 {},
+                                 1.0,
+                                 "pruned"});
     std::vector<PoseCause> causes = fit.causes();
     causes.erase(causes.begin() + static_cast<std::ptrdiff_t>(c));
     selection.causes.erase(selection.causes.begin() + static_cast<std::ptrdiff_t>(c));

@@ -27,9 +27,9 @@ std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<cons
 
 /// A hypothesis after its best refit.
 struct PoseCandidate {
-  PoseCause cause;        ///< with the choices that fitted best
-  Eigen::VectorXd z;      ///< of the whole model with it
-  double evidence = 0.0;  ///< log of the odds against the model without it, before counting hypotheses
+  PoseCause cause;          ///< with the choices that fitted best
+  Eigen::VectorXd z;        ///< of the whole model with it
+  double evidence = 0.0;    ///< log of the odds against the model without it, before counting hypotheses
   double likelihood = 0.0;  ///< objective that it saves
 };
 
@@ -38,7 +38,7 @@ struct AcceptedCause {
   double odds = 0.0;  ///< evidence less what the number of hypotheses costs
   double p_adjusted = 1.0;
   Interval gain_inner;
-  std::vector<std::string> rivals;  ///< that these poses do not tell from it
+  std::vector<std::string> rivals;   ///< that these poses do not tell from it
   std::set<std::string> contenders;  ///< that an exchange tries in its place
 };
 

@@ -111,9 +111,9 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
         label = extensionLabel(model.extensions.back());
       }
       const PoseSet set = simulatePoses(model, fit, seed);
-      const Diagnosis answer = diagnosePoses(problem.nominal, set, problem.parameters, problem.noise, inner,
-                                             [](const std::string&, double) {})
-                                   .diagnosis;
+      const Diagnosis answer =
+          diagnosePoses(problem.nominal, set, problem.parameters, problem.noise, inner, [](const std::string&, double) {
+          }).diagnosis;
       const std::string name = answerOf(answer, test.hidden[e], label);
       const auto column = std::ranges::find(test.answers, name) - test.answers.begin();
       if (column < std::ssize(test.answers)) ++test.count[e][static_cast<std::size_t>(column)];

@@ -1,6 +1,6 @@
 /// \file
-/// How often the diagnosis is right on this very design: each effect, and none, is put into the fitted model, the user's
-/// own commands are simulated with it, with the noise and the stiction that the fit assumes, and diagnosed anew.
+/// How often the diagnosis is right on this very design: each effect, and none, is put into the fitted model, the
+/// user's own commands are simulated with it, with the noise and the stiction that the fit assumes, and diagnosed anew.
 #pragma once
 
 #include "pose_fit.h"

@@ -67,8 +67,8 @@ void ArmObservation::turnMarkers(std::vector<JointPosition>& joints) const {
   }
 }
 
-void ArmObservation::observe(EquilibriumArm& arm, std::span<const double> shafts,
-                             std::span<const double> shafts_before, std::vector<JointPosition>& joints) {
+void ArmObservation::observe(EquilibriumArm& arm, std::span<const double> shafts, std::span<const double> shafts_before,
+                             std::vector<JointPosition>& joints) {
   joints = arm.joints();
   if (plain()) return;
   arm.linearise();

@@ -254,8 +254,7 @@ void BulletArm::applyForce(int body, const Eigen::Vector3d& from_origin, const E
   world_->body.addLinkTorque(link.index, toBullet(lever.cross(force)));
 }
 
-bool BulletArm::bendMuscle(int index, const std::array<Eigen::Vector3d, 2>& ends, BentPath& path,
-                           int& obstacle) const {
+bool BulletArm::bendMuscle(int index, const std::array<Eigen::Vector3d, 2>& ends, BentPath& path, int& obstacle) const {
   for (std::size_t e = 0; e < extensions_.size(); ++e) {
     const auto& [effect, target, p] = extensions_[e];
     if (!effect->path || target != index) continue;

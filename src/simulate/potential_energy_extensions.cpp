@@ -1,5 +1,6 @@
-/// What a model's extensions add to its energy. A line that touches a joint is a function L of three points x_a, its ends
-/// and the joint's centre, each carried by some joints: with r = x_a - pivot, s_a = dL/dx_a and C_ab the curvature,
+/// What a model's extensions add to its energy. A line that touches a joint is a function L of three points x_a, its
+/// ends and the joint's centre, each carried by some joints: with r = x_a - pivot, s_a = dL/dx_a and C_ab the
+/// curvature,
 ///
 ///   dL/dw_j = sum_a r_a x s_a,
 ///   d2L/dw_i dw_j = sum_ab (r_a x) C_ab (r_b x)^T + sum_a (r_a s_a^T - s_a.r_a 1)   (the last: i at or above j).
@@ -47,9 +48,14 @@ void PotentialEnergy::prepareExtensions() {
     if (effect->path) {
       const std::vector<int> crossed = jointsCrossed(model_, model_.muscles[target]);
       const int obstacle = crossed[static_cast<std::size_t>(std::lround(p[1])) - 1];
-      bends_.push_back({static_cast<int>(e), target, obstacle,
+      bends_.push_back({static_cast<int>(e),
+                        target,
+                        obstacle,
                         {muscles_[target].joint[0], muscles_[target].joint[1], parent_joint_[obstacle]},
-                        {}, {}, {}, std::vector<Eigen::Vector3d>(links_.size())});
+                        {},
+                        {},
+                        {},
+                        std::vector<Eigen::Vector3d>(links_.size())});
     }
     if (!effect->path && !effect->line && !effect->cord) continue;
     for (int m = 0; m < std::ssize(muscles_); ++m) muscles_[m].extended |= extensions_[e].on(m);

@@ -31,8 +31,7 @@ ArmModel modelOf(const reality::PoseDraw& draw) {
 }
 
 PoseSet posesOf(const reality::PoseDraw& draw, const std::vector<reality::TimedPose>& poses) {
-  return readPoseSet(CsvTable::parse(reality::posesCsv(draw.nominal, poses), "poses.csv"),
-                     modelOf(draw).poseLayout());
+  return readPoseSet(CsvTable::parse(reality::posesCsv(draw.nominal, poses), "poses.csv"), modelOf(draw).poseLayout());
 }
 
 PoseDiagnosis diagnose(const reality::PoseDraw& draw, const PoseDiagnosisOptions& options = {}) {

@@ -80,9 +80,9 @@ struct Placement {
   }
 };
 
-// sqrt(a^2 + R^2 - 2 a R cos(alpha)) - R alpha: a straight piece from a point at distance a to the circle's point at angle
-// alpha from it, less the arc that it saves. Its minimum over alpha makes the line shortest; by the envelope theorem the
-// derivatives of the minimum by `a` are those at fixed alpha, so alpha may be found in real numbers.
+// sqrt(a^2 + R^2 - 2 a R cos(alpha)) - R alpha: a straight piece from a point at distance a to the circle's point at
+// angle alpha from it, less the arc that it saves. Its minimum over alpha makes the line shortest; by the envelope
+// theorem the derivatives of the minimum by `a` are those at fixed alpha, so alpha may be found in real numbers.
 template <typename Scalar>
 Scalar shortestToCircle(const Scalar& a, double radius) {
   double low = 0.0, high = 1.57079632679489662;

@@ -12,8 +12,8 @@
 namespace simgap::reality {
 namespace {
 
-constexpr double kSession = 3600.0;     // [s]
-constexpr double kCreepTime = 1200.0;   // [s] of an exponential approach
+constexpr double kSession = 3600.0;    // [s]
+constexpr double kCreepTime = 1200.0;  // [s] of an exponential approach
 const double kCapture = 0.3 * M_PI / 180.0;
 
 class Draws {
@@ -192,9 +192,9 @@ Configuration drag(const Arm& arm, const std::vector<double>& shafts, const std:
       int first = 0;
       for (std::size_t i = 0; i < arm.links.size(); first += freedoms(arm.links[i++])) {
         const auto part = torque.segment(first, freedoms(arm.links[i]));
-        const bool stopped = arm.links[i].joint == Joint::kRevolute &&
-                             ((q[i].angle <= arm.links[i].lower && part[0] < 0.0) ||
-                              (q[i].angle >= arm.links[i].upper && part[0] > 0.0));
+        const bool stopped =
+            arm.links[i].joint == Joint::kRevolute && ((q[i].angle <= arm.links[i].lower && part[0] < 0.0) ||
+                                                       (q[i].angle >= arm.links[i].upper && part[0] > 0.0));
         const double over = part.norm() - friction[i];
         if (over > 0.0 && !stopped) excess.segment(first, part.size()) = over / part.norm() * part;
       }
@@ -221,7 +221,8 @@ Configuration withMarkers(const Arm& arm, Configuration q, const Session& sessio
       const bool child = int(i) == link, parent = arm.links[i].parent == link;
       if (!child && !parent) continue;
       if (arm.links[i].joint == Joint::kSpherical) {
-        q[i].rotation = child ? Eigen::Matrix3d(q[i].rotation * turn) : Eigen::Matrix3d(turn.transpose() * q[i].rotation);
+        q[i].rotation =
+            child ? Eigen::Matrix3d(q[i].rotation * turn) : Eigen::Matrix3d(turn.transpose() * q[i].rotation);
         continue;
       }
       const Eigen::Matrix3d hinge = rotationOf<double>(arm.links[i].axis * q[i].angle);
@@ -259,7 +260,8 @@ TimedPose recordAt(const Arm& truth, const Session& session, const std::vector<d
       return std::sqrt(-2.0 * std::log(noise.uniform(0, 1))) * std::cos(2.0 * M_PI * noise.uniform(0, 1));
     };
     for (JointPose& joint : recorded.joints) {
-      joint.rotation *= rotationOf<double>(Eigen::Vector3d(kCapture * normal(), kCapture * normal(), kCapture * normal()));
+      joint.rotation *=
+          rotationOf<double>(Eigen::Vector3d(kCapture * normal(), kCapture * normal(), kCapture * normal()));
       joint.angle += kCapture * normal();
     }
   } else {

@@ -86,7 +86,8 @@ std::vector<JointPosition> displaced(const ArmModel& model, std::vector<JointPos
     if (model.joints[j].type == JointType::kSpherical) {
       const Eigen::Vector3d v = w.segment<3>(d);
       const double angle = v.norm();
-      if (angle > 0.0) joints[j].rotation = joints[j].rotation * Eigen::Quaterniond(Eigen::AngleAxisd(angle, v / angle));
+      if (angle > 0.0)
+        joints[j].rotation = joints[j].rotation * Eigen::Quaterniond(Eigen::AngleAxisd(angle, v / angle));
     } else {
       joints[j].angle += w[d];
     }
@@ -249,9 +250,9 @@ TEST_P(ArmEffects, NeutralChangesNothing) {
   for (const Pose& pose : poses_) {
     neutral.setTime(pose.time);
     ASSERT_EQ(plain.solve(pose.shafts).stable, neutral.solve(pose.shafts).stable);
-    EXPECT_LT(test::largestError(plain.energy().model(), plain.joints(),
-                                 neutral.observe(pose.shafts, pose.shafts_before)),
-              1e-7);
+    EXPECT_LT(
+        test::largestError(plain.energy().model(), plain.joints(), neutral.observe(pose.shafts, pose.shafts_before)),
+        1e-7);
   }
 }
 
@@ -265,7 +266,8 @@ TEST_P(ArmEffects, FilesReadBackTheSame) {
 
 std::string caseName(const testing::TestParamInfo<Case>& info) {
   std::string name = std::string(info.param.effect->name) + "_" + info.param.target + "_" + std::to_string(info.index);
-  std::ranges::replace_if(name, [](char c) { return !std::isalnum(c); }, '_');
+  std::ranges::replace_if(
+      name, [](char c) { return !std::isalnum(c); }, '_');
   return name;
 }
 INSTANTIATE_TEST_SUITE_P(All, ArmEffects, testing::ValuesIn(cases()), caseName);
@@ -320,7 +322,8 @@ TEST(ArmExtensions, WhatIsWrongWithOneIsSaidWithItsLine) {
     return test::errorOf([&] { readArm(YamlNode::parse(arm + "extensions:\n  - " + entry + "\n", "a.yaml")); });
   };
   const std::string radius = "radius: {value: 0.03, unit: m}";
-  EXPECT_NE(error("{effect: muscle-warp, parameters: {}}").find("found 'muscle-warp', expected one of"), std::string::npos);
+  EXPECT_NE(error("{effect: muscle-warp, parameters: {}}").find("found 'muscle-warp', expected one of"),
+            std::string::npos);
   EXPECT_NE(error("{effect: muscle-wrap, target: elbow, parameters: {}}").find("expected the name of a muscle"),
             std::string::npos);
   EXPECT_NE(error("{effect: muscle-wrap, target: biceps, parameters: {" + radius + "}}").find("no parameter joint"),

@@ -31,8 +31,8 @@ struct PoseDiagnosisOptions {
 
 struct PoseDiagnosis {
   Diagnosis diagnosis;
-  ArmModel model;             ///< with the causes, fitted to all poses without a fault
-  std::string pose_errors;    ///< CSV: joint errors of each pose before and after [deg], held out or not
+  ArmModel model;           ///< with the causes, fitted to all poses without a fault
+  std::string pose_errors;  ///< CSV: root mean square joint error of each pose before and after [deg]
 };
 
 /// Called with what is being done and the share of the whole that is done.

@@ -45,19 +45,19 @@ struct Lengthening {
 
 /// What a taut cord has beyond the linear spring, at an expansion x > 0.
 struct CordTerm {
-  double energy = 0.0;     ///< [J]
-  double force = 0.0;      ///< its derivative by x [N]
-  double stiffness = 0.0;  ///< and the next [N/m]
+  double energy = 0.0;                              ///< [J]
+  double force = 0.0;                               ///< its derivative by x [N]
+  double stiffness = 0.0;                           ///< and the next [N/m]
   double by_stiffness = 0.0, by_rest_length = 0.0;  ///< of the force
   EffectParameters by_parameter{};                  ///< of the force
 };
 
 /// A line that bends round the centre of a joint; index 0, 1: its ends, as vectors from that centre.
 struct BentPath {
-  double length = 0.0;                                       ///< [m]
-  std::array<Eigen::Vector3d, 2> slope;                      ///< of the length, by each end
-  std::array<std::array<Eigen::Matrix3d, 2>, 2> curvature;   ///< second derivatives
-  double length_by_parameter = 0.0;                          ///< by the effect's first parameter
+  double length = 0.0;                                      ///< [m]
+  std::array<Eigen::Vector3d, 2> slope;                     ///< of the length, by each end
+  std::array<std::array<Eigen::Matrix3d, 2>, 2> curvature;  ///< second derivatives
+  double length_by_parameter = 0.0;                         ///< by the effect's first parameter
   std::array<Eigen::Vector3d, 2> slope_by_parameter;
 };
 
@@ -76,10 +76,10 @@ struct PointMass {
 
 /// Elastic energy of a joint.
 struct JointTerm {
-  double energy = 0.0;                                  ///< [J]
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();   ///< child's frame; revolute: about the axis, -, - [N m]
-  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();    ///< [N m/rad]
-  EffectSlopes by_parameter = EffectSlopes::Zero();     ///< of the gradient
+  double energy = 0.0;                                 ///< [J]
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< child's frame; revolute: about the axis, -, - [N m]
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();   ///< [N m/rad]
+  EffectSlopes by_parameter = EffectSlopes::Zero();    ///< of the gradient
 };
 
 /// A joint that stops short of its equilibrium, on the side it comes from.
@@ -98,7 +98,7 @@ struct ArmEffect {
   std::string_view equation;  ///< one line
   Target target;
   std::span<const ArmEffectParameter> parameters;
-  std::span<const EffectParameters> starts;      ///< where fits of it begin; also all choices of what is not fitted
+  std::span<const EffectParameters> starts;       ///< where fits of it begin; also all choices of what is not fitted
   std::span<const std::string_view> look_alikes;  ///< effects that poses hardly tell from it
   std::string_view separates_by;                  ///< the experiment that does
   bool needs_time = false;                        ///< of every pose

@@ -38,9 +38,9 @@ class ArmObservation {
     ArmExtension extension;
   };
   std::vector<Joint> joints_;
-  std::vector<Kept> extensions_;          ///< those with a marker_turn or stiction
-  std::vector<Eigen::VectorXd> lag_;      ///< per entry: by its torque, shape (dof)
-  std::vector<JointPosition> bones_;      ///< before the markers
+  std::vector<Kept> extensions_;      ///< those with a marker_turn or stiction
+  std::vector<Eigen::VectorXd> lag_;  ///< per entry: by its torque, shape (dof)
+  std::vector<JointPosition> bones_;  ///< before the markers
   bool markers_ = false;
 };
 

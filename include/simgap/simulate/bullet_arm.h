@@ -51,10 +51,10 @@ class BulletArm {
   double time() const;  ///< [s] since reset
   JointPosition jointPosition(std::size_t joint) const;
   std::vector<JointPosition> capturedPositions() const;  ///< of all joints, as markers show them
-  double jointSpeed(std::size_t joint) const;   ///< norm of its angular velocity [rad/s]
-  double shaftAngle(std::size_t muscle) const;  ///< [rad]
-  double shaftError(std::size_t muscle) const;  ///< reference - angle [rad]
-  bool isFinite() const;                        ///< false once the simulation has blown up
+  double jointSpeed(std::size_t joint) const;            ///< norm of its angular velocity [rad/s]
+  double shaftAngle(std::size_t muscle) const;           ///< [rad]
+  double shaftError(std::size_t muscle) const;           ///< reference - angle [rad]
+  bool isFinite() const;                                 ///< false once the simulation has blown up
 
   /// \name Sensors (000 section VI)
   ///@{

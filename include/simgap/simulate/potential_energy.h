@@ -39,7 +39,7 @@ struct StaticParameter {
     kStiffness,
     kSpindleRadius,
     kExtension,  ///< parameter `component` of extension `item`
-    kNone,  ///< dynamics only: moves no equilibrium
+    kNone,       ///< dynamics only: moves no equilibrium
   };
   Kind kind = Kind::kNone;
   int item = 0;       ///< muscle, joint or body
@@ -99,18 +99,18 @@ class PotentialEnergy {
     double shaft = 0.0, expansion = 0.0, force = 0.0, length = 0.0;
     double stiffness = 0.0;  ///< d force / d expansion
     bool extended = false;
-    int bend = -1;  ///< of bends_, while the line touches its joint
+    int bend = -1;                                         ///< of bends_, while the line touches its joint
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< u, from attachment 0 to 1
   };
 
   /// A line that touches a joint: three points, its ends and the joint's centre, and what moves them.
   struct Bend {
     int extension, muscle;
-    int obstacle;                                               ///< joint
-    std::array<int, 3> carrier;                                 ///< joint that carries each point, -1: fixed
+    int obstacle;                ///< joint
+    std::array<int, 3> carrier;  ///< joint that carries each point, -1: fixed
     BentPath path;
     std::array<Eigen::Vector3d, 3> point, slope;
-    std::vector<Eigen::Vector3d> moment;                        ///< shape (joints): dL/dw
+    std::vector<Eigen::Vector3d> moment;  ///< shape (joints): dL/dw
     Eigen::Matrix3d curvature(int a, int b) const;
   };
   /// What of an extension has to be known beyond its parameters.

@@ -1,5 +1,5 @@
-/// Cords and lines lengthen under load for as long as they are used, fast at first: v T log(1 + t / T) after t, which is
-/// v t while t is short and slows down beyond T (logarithmic creep of polymers).
+/// Cords and lines lengthen under load for as long as they are used, fast at first: v T log(1 + t / T) after t, which
+/// is v t while t is short and slows down beyond T (logarithmic creep of polymers).
 #include <algorithm>
 #include <cmath>
 

@@ -5,7 +5,8 @@
 namespace simgap::arm_effects {
 namespace {
 
-constexpr ArmEffectParameter kParameters[] = {{"hardening", "1", {-0.3, 20.0, false, "a number in [-0.3, 20]"}, 0.0, 0.5}};
+constexpr ArmEffectParameter kParameters[] = {
+    {"hardening", "1", {-0.3, 20.0, false, "a number in [-0.3, 20]"}, 0.0, 0.5}};
 constexpr EffectParameters kStarts[] = {{0.1}};
 constexpr std::string_view kLookAlikes[] = {"spindle-coiling"};
 
@@ -31,8 +32,9 @@ const ArmEffect cord_hardening{
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
-    .separates_by = "hold one shaft and pull the cord by the antagonist alone: a hardening cord resists ever more, coiling "
-                    "does not change",
+    .separates_by =
+        "hold one shaft and pull the cord by the antagonist alone: a hardening cord resists ever more, coiling "
+        "does not change",
     .cord = cord};
 
 }  // namespace simgap::arm_effects

@@ -15,15 +15,14 @@ Eigen::Vector3d shift(const EffectParameters& p) { return {p[0], p[1], p[2]}; }
 }  // namespace
 
 extern const ArmEffect joint_centre_offset;
-const ArmEffect joint_centre_offset{
-    .name = "joint-centre-offset",
-    .cause = "the joint turns about another point than the model says",
-    .equation = "parent_position' = parent_position + (x, y, z)",
-    .target = ArmEffect::Target::kJoint,
-    .parameters = kParameters,
-    .starts = kStarts,
-    .look_alikes = kLookAlikes,
-    .separates_by = "find the centre from markers while the joint is turned by hand",
-    .joint_shift = shift};
+const ArmEffect joint_centre_offset{.name = "joint-centre-offset",
+                                    .cause = "the joint turns about another point than the model says",
+                                    .equation = "parent_position' = parent_position + (x, y, z)",
+                                    .target = ArmEffect::Target::kJoint,
+                                    .parameters = kParameters,
+                                    .starts = kStarts,
+                                    .look_alikes = kLookAlikes,
+                                    .separates_by = "find the centre from markers while the joint is turned by hand",
+                                    .joint_shift = shift};
 
 }  // namespace simgap::arm_effects

@@ -24,7 +24,8 @@ const ArmEffect marker_frame_offset{
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
-    .separates_by = "calibrate the joints' axes anew from slow movements by hand: they give the bone's frame without muscles",
+    .separates_by =
+        "calibrate the joints' axes anew from slow movements by hand: they give the bone's frame without muscles",
     .marker_turn = turn};
 
 }  // namespace simgap::arm_effects

@@ -4,7 +4,8 @@
 ///
 ///   L = g(a) + g(b) + R theta,    g(a) = sqrt(a^2 - R^2) - R acos(R/a),    g'(a) = sqrt(1 - R^2/a^2).
 ///
-/// For a hinge the sphere stands for the cylinder about its axis: the same line while the ends lie in the plane of turning.
+/// For a hinge the sphere stands for the cylinder about its axis: the same line while the ends lie in the plane of
+/// turning.
 #include <algorithm>
 #include <cmath>
 
@@ -21,8 +22,8 @@ constexpr std::string_view kLookAlikes[] = {"spindle-coiling", "joint-centre-off
 constexpr double kLargest = 0.98;  // of the nearer end's distance: an end inside the sphere has no tangent
 
 struct End {
-  Eigen::Vector3d e;         // unit vector from the centre
-  Eigen::Vector3d t;         // unit tangent towards the other end
+  Eigen::Vector3d e;                                // unit vector from the centre
+  Eigen::Vector3d t;                                // unit tangent towards the other end
   double distance, slope, second, slope_by_radius;  // of g
 };
 
@@ -60,8 +61,7 @@ bool path(const EffectParameters& p, const Eigen::Vector3d& from, const Eigen::V
     path.slope[i] = slope * e - radius / a * t;
     path.slope_by_parameter[i] = capped ? Eigen::Vector3d::Zero() : Eigen::Vector3d(slope_by_radius * e - t / a);
     const double turn = radius / (a * a);
-    path.curvature[i][i] = second * e * e.transpose() +
-                           slope / a * (Eigen::Matrix3d::Identity() - e * e.transpose()) +
+    path.curvature[i][i] = second * e * e.transpose() + slope / a * (Eigen::Matrix3d::Identity() - e * e.transpose()) +
                            turn * (t * e.transpose() + e * t.transpose() + cosine / sine * m * m.transpose());
   }
   path.curvature[0][1] = -radius / (ends[0].distance * ends[1].distance * sine) * m * m.transpose();
@@ -86,7 +86,8 @@ const ArmEffect muscle_wrap{
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
-    .separates_by = "record poses on both sides of the contact: where the straight line clears the joint the wrap does nothing",
+    .separates_by =
+        "record poses on both sides of the contact: where the straight line clears the joint the wrap does nothing",
     .path = path,
     .expected = expected};
 

@@ -17,8 +17,8 @@ constexpr ArmEffectParameter kParameters[] = {
     {"stiffness", "Nm_rad", {-50.0, 500.0, false, "a number in [-50, 500]"}, 0.0, 1.0},
     {"rest_angle", "rad", {-3.2, 3.2, false, "a number in [-3.2, 3.2]"}, 0.5, 0.7},
     {"side", "1", {-1.0, 1.0, false, "-1, 0 or 1"}, 0.0, 1.0, false}};
-constexpr EffectParameters kStarts[] = {{0.05, 0.3, 0.0}, {0.1, 0.7, 1.0}, {0.3, 1.3, 1.0}, {0.1, 1.2, -1.0}, {0.3, 0.6, -1.0},
-                                        {0.05, 0.0, 1.0}};
+constexpr EffectParameters kStarts[] = {{0.05, 0.3, 0.0}, {0.1, 0.7, 1.0},  {0.3, 1.3, 1.0},
+                                        {0.1, 1.2, -1.0}, {0.3, 0.6, -1.0}, {0.05, 0.0, 1.0}};
 constexpr std::string_view kLookAlikes[] = {"muscle-wrap", "payload"};
 
 /// Stretch of the spring and its derivative by the joint's angle.
@@ -71,7 +71,8 @@ const ArmEffect passive_joint_torque{
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
-    .separates_by = "slacken all muscles and turn the joint by hand with a spring balance: what still pushes back is passive",
+    .separates_by =
+        "slacken all muscles and turn the joint by hand with a spring balance: what still pushes back is passive",
     .joint_torque = torque,
     .expected = expected};
 

@@ -5,9 +5,8 @@
 namespace simgap::arm_effects {
 namespace {
 
-constexpr ArmEffectParameter kParameters[] = {
-    {"angle", "rad", {-10.0, 10.0, false, "a number in [-10, 10]"}, 0.0, 0.7},
-    {"time", "s", kAnyNumber, 0.0, 1.0, false}};
+constexpr ArmEffectParameter kParameters[] = {{"angle", "rad", {-10.0, 10.0, false, "a number in [-10, 10]"}, 0.0, 0.7},
+                                              {"time", "s", kAnyNumber, 0.0, 1.0, false}};
 constexpr EffectParameters kStarts[] = {{0.1, 0.0}};
 constexpr std::string_view kLookAlikes[] = {"cord-creep", "potentiometer-slip"};
 
@@ -27,8 +26,9 @@ const ArmEffect potentiometer_slip{
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
-    .separates_by = "unwind the muscle until its line hangs slack and read the potentiometer: only the slipped one differs "
-                    "from before",
+    .separates_by =
+        "unwind the muscle until its line hangs slack and read the potentiometer: only the slipped one differs "
+        "from before",
     .needs_time = true,
     .line = line};
 

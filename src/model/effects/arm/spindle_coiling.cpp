@@ -1,11 +1,12 @@
-/// A line that winds over itself winds on a growing radius: r(phi) = r (1 + g phi), so that the shaft at phi has wound up
-/// r phi + r g phi^2 / 2 instead of r phi (000 eq. 12 with r kept under the integral).
+/// A line that winds over itself winds on a growing radius: r(phi) = r (1 + g phi), so that the shaft at phi has wound
+/// up r phi + r g phi^2 / 2 instead of r phi (000 eq. 12 with r kept under the integral).
 #include "simgap/model/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {
 
-constexpr ArmEffectParameter kParameters[] = {{"growth", "1_rad", {-0.5, 0.5, false, "a number in [-0.5, 0.5]"}, 0.0, 0.05}};
+constexpr ArmEffectParameter kParameters[] = {
+    {"growth", "1_rad", {-0.5, 0.5, false, "a number in [-0.5, 0.5]"}, 0.0, 0.05}};
 constexpr EffectParameters kStarts[] = {{0.02}};
 constexpr std::string_view kLookAlikes[] = {"cord-hardening", "muscle-wrap"};
 
@@ -25,8 +26,9 @@ const ArmEffect spindle_coiling{
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
-    .separates_by = "wind the muscle far with its antagonists slack, and again with them tight: coiling follows the "
-                    "shaft angle, a stiffening cord the force",
+    .separates_by =
+        "wind the muscle far with its antagonists slack, and again with them tight: coiling follows the "
+        "shaft angle, a stiffening cord the force",
     .line = line};
 
 }  // namespace simgap::arm_effects
