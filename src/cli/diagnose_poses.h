@@ -5,6 +5,7 @@
 #include <string>
 
 #include "simgap/cli/session.h"
+#include "simgap/core/error.h"
 #include "simgap/diagnose/pose_diagnosis.h"
 
 namespace simgap {

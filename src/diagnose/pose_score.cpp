@@ -70,13 +70,13 @@ Eigen::VectorXd PoseScore::change(const PoseProblem& problem, const PoseCause& c
   const Eigen::VectorXd before = stackErrors(fit_.posterior().evaluate(fit_.z(), false));
   PoseFit more = withOneMore(problem, fit_, cause);
   const std::vector<PoseResidual>& poses = more.posterior().evaluate(more.z(), false);
-  if (!std::ranges::all_of(poses, &PoseResidual::valid)) return {};
   Eigen::VectorXd change = stackErrors(poses) - before;
   const Eigen::Index n = poses.front().error.size();
   for (Eigen::Index p = 0; p < std::ssize(poses); ++p) {
-    // A pose that falls into another equilibrium says nothing of what a little more of the cause would do.
-    const double jump = change.segment(p * n, n).norm() / kJump;
-    change.segment(p * n, n) *= roots_[static_cast<std::size_t>(p)] / std::max(1.0, jump * jump);
+    // A pose that falls into another equilibrium, or has none, says nothing of what a little more would do.
+    const auto at = static_cast<std::size_t>(p);
+    const double part = std::min(1.0, kJump / std::max(kJump, change.segment(p * n, n).norm()));
+    change.segment(p * n, n) *= poses[at].valid ? roots_[at] * part : 0.0;
   }
   return change;
 }
@@ -122,31 +122,33 @@ void placeSlips(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypoth
 
 namespace {
 
-/// Half the information at a magnitude of the first parameter, the others as at their start.
-double revealed(const PoseProblem& problem, const PoseScore& score, const PoseHypothesis& hypothesis,
-                double magnitude) {
-  PoseCause cause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()};
-  cause.start[0] = magnitude;
-  const Eigen::VectorXd change = score.change(problem, cause);
-  return change.size() == 0 ? 0.0 : 0.5 * score.information(change);
-}
-
-/// Doubles from a hundredth of the plausible scale, then interpolates as a power law between the last two.
-double smallestRevealed(const PoseProblem& problem, const PoseScore& score, const PoseHypothesis& hypothesis) {
-  const ArmEffectParameter& p = hypothesis.effect->parameters[0];
+/// Without contact a wrap has no slope: it grows until what it changes would be seen, and the last doubling is
+/// interpolated as a power law.
+double smallestWrap(const PoseProblem& problem, const PoseScore& score, PoseCause cause) {
+  const ArmEffectParameter& p = cause.effect->parameters[0];
   double below = 0.0, below_gain = 0.0;
-  for (double magnitude = 0.03 * p.scale; magnitude <= std::min(30.0 * p.scale, p.range.upper); magnitude *= 2.0) {
-    const double gain = revealed(problem, score, hypothesis, magnitude);
-    if (gain < kRevealed) {
-      below = magnitude;
-      below_gain = gain;
-      continue;
+  for (double magnitude = 0.1 * p.scale; magnitude <= 3.0 * p.scale; magnitude *= 1.3) {
+    cause.start[0] = magnitude;
+    const double gain = 0.5 * score.information(score.change(problem, cause));
+    if (gain >= kRevealed && below_gain > 0.0) {
+      const double power = std::log(gain / below_gain) / std::log(magnitude / below);
+      return below * std::pow(kRevealed / below_gain, 1.0 / power);
     }
-    if (below_gain <= 0.0) return magnitude;
-    const double power = std::log(gain / below_gain) / std::log(magnitude / below);
-    return below * std::pow(kRevealed / below_gain, 1.0 / std::max(power, 0.5));
+    if (gain >= kRevealed) return magnitude;
+    below = magnitude;
+    below_gain = gain;
   }
   return std::nan("");
+}
+
+double smallestRevealed(const PoseProblem& problem, const PoseScore& score, const PoseHypothesis& hypothesis,
+                        std::span<const Pose> poses) {
+  PoseCause cause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()};
+  if (cause.effect->path) return smallestWrap(problem, score, cause);
+  cause.start[0] = cause.effect->parameters[0].neutral;
+  if (cause.effect->name == "potentiometer-slip") cause.start[1] = poses[poses.size() / 2].time;
+  const double information = score.information(score.slopes(problem, cause).col(0));
+  return information > 0.0 ? std::sqrt(2.0 * kRevealed / information) : std::nan("");
 }
 
 }  // namespace
@@ -164,7 +166,7 @@ std::vector<Detectable> detectableMagnitudes(const PoseProblem& problem, PoseFit
     const PoseHypothesis& hypothesis = hypotheses[h];
     const ArmEffectParameter& p = hypothesis.effect->parameters[0];
     detectable[h] = {std::string(hypothesis.effect->name), hypothesis.target, std::string(p.name), std::string(p.unit),
-                     smallestRevealed(problem, score, hypothesis)};
+                     smallestRevealed(problem, score, hypothesis, own.posterior().poses())};
   });
   std::erase_if(detectable, [](const Detectable& d) { return std::isnan(d.magnitude95); });
   return detectable;

@@ -20,7 +20,7 @@ class PoseScore {
   /// Signatures of the fitted parameters of one more cause at its start: the change of the residual per unit of the
   /// parameter, shape (poses * dof, fitted parameters).
   Eigen::MatrixXd slopes(const PoseProblem& problem, const PoseCause& cause) const;
-  /// The change of the residual that a cause makes, shape (poses * dof); empty when a pose has no equilibrium with it.
+  /// The change of the residual that a cause makes, shape (poses * dof); jumps are cut.
   Eigen::VectorXd change(const PoseProblem& problem, const PoseCause& cause) const;
 
  private:
