@@ -112,12 +112,24 @@ Eigen::VectorXd Diagnosing::fitPlain() {
   split_ = splitPoses(set_, heldout, faulty);
   if (split_.selection.size() < kFewestPoses) failForPoses(split_.selection.size());
   PoseFit fit(problem_, split_.selection, {});
-  fit.search(options_.starts, problem_.threads, options_.seed);
+  if (!fit.search(options_.starts, problem_.threads, options_.seed)) {
+    // Some pose has no equilibrium at any start: the fit begins without those, and they are looked at again below.
+    std::vector<Pose> solvable;
+    const std::vector<bool> without = fit.withoutEquilibrium();
+    for (std::size_t p = 0; p < without.size(); ++p) {
+      if (!without[p]) solvable.push_back(split_.selection[p]);
+    }
+    PoseFit some(problem_, solvable, {});
+    if (solvable.size() < kFewestPoses || !some.search(options_.starts, problem_.threads, options_.seed)) {
+      throw NumericsError(fmt::format("{}: no parameters of the model give every pose an equilibrium", set_.file));
+    }
+    fit.setSolution(some.z());
+  }
   PoseFit everywhere(problem_, set_.poses, {});
   everywhere.posterior().whiten(fit.z());
   everywhere.setSolution(fit.z());
   result_.diagnosis.faults = findPoseFaults(everywhere, problem_.noise.capture_sd, faulty);
-  for (DataFault& fault : result_.diagnosis.faults) fault.corrected = options_.ignore_faults;
+  for (DataFault& fault : result_.diagnosis.faults) fault.corrected |= options_.ignore_faults;
   split_ = splitPoses(set_, heldout, faulty);
   if (split_.selection.size() < kFewestPoses) failForPoses(split_.selection.size());
   return fit.z();

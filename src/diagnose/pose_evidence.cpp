@@ -60,11 +60,13 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   const ArmModel model = fit.model();
   const auto predicted = predictions(model, poses);
   std::vector<double> distances, off;
+  std::vector<std::size_t> unsolved;
   for (const PoseResidual& residual : fit.posterior().evaluate(fit.z(), false)) {
-    distances.push_back(residual.valid ? residual.error.norm() : 1e3);
+    if (!residual.valid) unsolved.push_back(distances.size());
+    distances.push_back(residual.valid ? residual.error.norm() : 0.0);
   }
   for (std::size_t p = 0; p < poses.size(); ++p) {
-    off.push_back(predicted[p].empty() ? M_PI : largest(model, predicted[p], poses[p].joints));
+    off.push_back(predicted[p].empty() ? 0.0 : largest(model, predicted[p], poses[p].joints));
   }
   const double far = std::max(kRobustScale, kFarFromOthers * median(distances));
   const double off_usual = kFarFromOthers * median(off);
@@ -85,6 +87,11 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
     faulty[p] = true;
   }
   std::vector<DataFault> faults;
+  for (const std::size_t p : unsolved) faulty[p] = true;
+  if (!unsolved.empty()) {
+    faults.push_back(fault(poses, unsolved, "the model has no equilibrium near it, so it is left out"));
+    faults.back().corrected = true;
+  }
   if (!flipped.empty()) {
     faults.push_back(fault(poses, flipped,
                            "turned far from where any model puts them, as when markers are confused; "

@@ -82,16 +82,25 @@ void PoseFit::descend(const Eigen::VectorXd& z, double tolerance) {
   objective_ = fit.objective;
 }
 
-void PoseFit::search(int starts, int threads, std::uint64_t seed) {
+bool PoseFit::search(int starts, int threads, std::uint64_t seed) {
   PosteriorFit best;
   best.objective = std::numeric_limits<double>::infinity();
   for (const PosteriorFit& fit :
        searchPosterior(posterior_, {starts, threads, seed}, [](const PosteriorFit&) { return false; })) {
     if (fit.objective < best.objective) best = fit;
   }
-  if (std::isinf(best.objective)) throw NumericsError("no parameters of the model give every pose an equilibrium");
+  if (std::isinf(best.objective)) return false;
   posterior_.whiten(best.z);
   descend(best.z);
+  return true;
+}
+
+std::vector<bool> PoseFit::withoutEquilibrium() {
+  PosePosterior balancing = posterior_;
+  const Eigen::VectorXd z = balanceTorques(balancing, Eigen::VectorXd::Zero(z_.size()));
+  std::vector<bool> without;
+  for (const PoseResidual& pose : balancing.evaluate(z, false)) without.push_back(!pose.valid);
+  return without;
 }
 
 Eigen::MatrixXd PoseFit::curvature() {

@@ -64,8 +64,10 @@ class PoseFit {
   /// The solution without the parameters of one cause.
   Eigen::VectorXd solutionWithout(std::size_t cause) const;
   void descend(const Eigen::VectorXd& z, double tolerance = 1e-7);
-  /// The best of several starts, whitened with its own solution.
-  void search(int starts, int threads, std::uint64_t seed);
+  /// The best of several starts, whitened with its own solution. \returns whether every pose found an equilibrium
+  bool search(int starts, int threads, std::uint64_t seed);
+  /// Poses without an equilibrium where all torques are balanced best, shape (poses).
+  std::vector<bool> withoutEquilibrium();
   void setSolution(const Eigen::VectorXd& z) { z_ = z; }
 
   /// Residuals at the solution, with Jacobians.

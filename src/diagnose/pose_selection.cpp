@@ -14,7 +14,7 @@ namespace simgap {
 namespace {
 
 constexpr std::size_t kFolds = 5;
-constexpr double kClearOdds = 4.0;      // log odds, after paying for the number of hypotheses, that a cause must reach
+constexpr double kClearOdds = 2.0;      // log odds, after paying for the number of hypotheses, that a cause must reach
 constexpr double kTellApart = 3.5;      // log odds between two causes below which the poses do not tell them apart
 constexpr double kSmallestGain = 0.01;  // of the error on poses a fit has not seen
 constexpr double kTryTolerance = 3e-5;  // of the objective, some 0.01: far below what decides

@@ -33,8 +33,8 @@ class Draws {
   std::mt19937_64 engine_;
 };
 
-// One row per effect and target: the magnitudes that a set of 80 poses can just reveal. Of this arm's muscles only these
-// two touch a sphere about a joint they cross in its range of poses.
+// One row per effect and target: the magnitudes that a set of 80 poses can just reveal. Of this arm's muscles only
+// these two touch a sphere about a joint they cross in its range of poses.
 struct Kind {
   std::string effect, target;
   double low, high;
