@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
+
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
+#include "simgap/model/arm_effect.h"
 #include "simgap/report/assets.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
@@ -29,7 +32,14 @@ std::unique_ptr<Evaluator> makeEvaluator(const std::string& name, const PoseProt
 PoseSet parsePoses(const Input& input, const ArmModel& model, const CsvOptions& options) {
   const CsvTable table = CsvTable::parse(input.content, input.file.string(), options);
   if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", table.name(), table.skippedRows());
-  return readPoseSet(table, model.poseLayout());
+  PoseSet set = readPoseSet(table, model.poseLayout());
+  for (const ArmExtension& extension : resolveExtensions(model)) {
+    if (extension.effect->needs_time && std::isnan(set.poses.front().time)) {
+      throw DataError(fmt::format("{}: found no column time_s, expected it: the model's {} needs it", set.file,
+                                  extension.effect->name));
+    }
+  }
+  return set;
 }
 
 Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet& set, const std::string& label,

@@ -79,7 +79,8 @@ struct Descent {
   bool usable;
 };
 
-Descent descend(const PosePosterior& posterior, Residuals residuals, Eigen::VectorXd& z, int max_iterations) {
+Descent descend(const PosePosterior& posterior, Residuals residuals, Eigen::VectorXd& z, int max_iterations,
+                double tolerance) {
   Sweep sweep(z, std::move(residuals));
   ceres::Problem::Options ownership;
   ownership.evaluation_callback = &sweep;
@@ -99,7 +100,7 @@ Descent descend(const PosePosterior& posterior, Residuals residuals, Eigen::Vect
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = max_iterations;
-  options.function_tolerance = 1e-7;
+  options.function_tolerance = tolerance;
   options.parameter_tolerance = 1e-8;
   options.num_threads = 1;  // the starts are parallel, and the sum must not depend on threads
   options.logging_type = ceres::SILENT;
@@ -110,13 +111,14 @@ Descent descend(const PosePosterior& posterior, Residuals residuals, Eigen::Vect
 
 }  // namespace
 
-PosteriorFit descendPosterior(PosePosterior& posterior, const Eigen::VectorXd& z, int max_iterations) {
+PosteriorFit descendPosterior(PosePosterior& posterior, const Eigen::VectorXd& z, int max_iterations,
+                              double tolerance) {
   PosteriorFit fit;
   fit.z = z;
   const Descent descent = descend(
       posterior,
       [&](const Eigen::VectorXd& at, bool jacobians) -> const auto& { return posterior.evaluate(at, jacobians); },
-      fit.z, max_iterations);
+      fit.z, max_iterations, tolerance);
   fit.iterations = descent.iterations;
   fit.evaluations = descent.evaluations;
   fit.objective = descent.usable ? posterior.objective(fit.z) : std::numeric_limits<double>::infinity();
@@ -125,13 +127,14 @@ PosteriorFit descendPosterior(PosePosterior& posterior, const Eigen::VectorXd& z
 
 Eigen::VectorXd balanceTorques(PosePosterior& posterior, const Eigen::VectorXd& z) {
   constexpr int kIterations = 5;
+  constexpr double kBalanceTolerance = 1e-7;
   Eigen::VectorXd balanced = z;
   for (const double sd : {20.0, 10.0, 5.0, 2.5, 1.2, 0.6}) {
     posterior.whiten(balanced);
     descend(
         posterior,
         [&](const Eigen::VectorXd& at, bool) -> const auto& { return posterior.evaluateTorques(at, sd * kDegree); },
-        balanced, kIterations);
+        balanced, kIterations, kBalanceTolerance);
   }
   return balanced;
 }

@@ -152,6 +152,7 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
       capture.segment(energy.firstDof(static_cast<int>(j)), components)
           .setConstant(captureVariance(poses_[p], j, components, noise_.capture_sd));
     }
+    energy.setTime(poses_[p].time);
     energy.setShafts(poses_[p].shafts);
     energy.evaluate(poses_[p].joints);
     stiffness_[p] = energy.hessian();
@@ -162,28 +163,36 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
   }
 }
 
+void PosePosterior::whitenLike(const PosePosterior& other) {
+  whitening_ = other.whitening_;
+  stiffness_ = other.stiffness_;
+}
+
 const std::vector<PoseResidual>& PosePosterior::evaluate(const Eigen::VectorXd& z, bool jacobians) {
   setParameters(z);
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     PoseResidual& residual = residuals_[p];
+    arm_.setTime(poses_[p].time);
     residual.valid = arm_.solveFrom(poses_[p].joints, poses_[p].shafts).stable;
     if (!residual.valid) continue;
+    const std::vector<JointPosition>& observed = arm_.observe(poses_[p].shafts, poses_[p].shafts_before);
     if (jacobians) {
       arm_.linearise();
-      arm_.sensitivities(static_parameters_, residual.jacobian);
+      arm_.observedSensitivities(static_parameters_, residual.jacobian);
       for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
     }
-    measureError(poses_[p], residual, jacobians);
+    measureError(poses_[p], observed, residual, jacobians);
     residual.error = whitening_[p] * residual.error;
     if (jacobians) residual.jacobian = whitening_[p] * residual.jacobian;
   }
   return residuals_;
 }
 
-void PosePosterior::measureError(const Pose& pose, PoseResidual& residual, bool jacobian) {
+void PosePosterior::measureError(const Pose& pose, const std::vector<JointPosition>& observed, PoseResidual& residual,
+                                 bool jacobian) const {
   for (std::size_t j = 0; j < model_.joints.size(); ++j) {
     const int d = arm_.energy().firstDof(static_cast<int>(j));
-    const JointPosition& simulated = arm_.joints()[j];
+    const JointPosition& simulated = observed[j];
     if (model_.joints[j].type == JointType::kRevolute) {
       residual.error[d] = simulated.angle - pose.joints[j].angle;
       continue;
@@ -199,6 +208,7 @@ const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::Vec
   PotentialEnergy energy(model_);
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     PoseResidual& residual = residuals_[p];
+    energy.setTime(poses_[p].time);
     energy.setShafts(poses_[p].shafts);
     energy.evaluate(poses_[p].joints);
     energy.differentiate(static_parameters_, residual.jacobian);

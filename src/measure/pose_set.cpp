@@ -58,6 +58,7 @@ std::vector<Eigen::Quaterniond> readRotations(const CsvTable& table, const std::
 struct Columns {
   std::vector<std::vector<double>> shafts;         ///< shape (muscles, rows)
   std::vector<std::vector<JointPosition>> joints;  ///< shape (joints, rows)
+  std::vector<double> time;                        ///< shape (rows) [s]; empty without
 };
 
 Columns readColumns(const CsvTable& table, const PoseLayout& layout) {
@@ -73,6 +74,7 @@ Columns readColumns(const CsvTable& table, const PoseLayout& layout) {
       for (std::size_t row = 0; row < table.rows(); ++row) positions[row].angle = angles[row];
     }
   }
+  if (table.hasQuantity("time", "s")) columns.time = table.quantity("time", "s");
   return columns;
 }
 
@@ -97,6 +99,14 @@ Pose meanPose(const std::string& name, const std::vector<std::size_t>& rows, con
     double sum = 0.0;
     for (const std::size_t row : rows) sum += shaft[row];
     pose.shafts.push_back(sum / repeats);
+  }
+  if (!columns.time.empty()) {
+    double sum = 0.0;
+    for (const std::size_t row : rows) sum += columns.time[row];
+    pose.time = sum / repeats;
+    if (rows.front() > 0) {
+      for (const auto& shaft : columns.shafts) pose.shafts_before.push_back(shaft[rows.front() - 1]);
+    }
   }
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
     const JointType type = layout.joints[j].type;

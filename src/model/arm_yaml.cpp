@@ -6,6 +6,8 @@
 #include <numbers>
 #include <set>
 
+#include "simgap/model/arm_effect.h"
+
 namespace simgap {
 namespace {
 
@@ -241,9 +243,12 @@ ArmModel readArm(const YamlNode& root) {
     model.muscles.push_back(readMuscle(muscle, model, root, names));
   }
   if (const auto extensions = root.find("extensions")) {
-    for (const YamlNode& extension : extensions->items()) {
-      const YamlNode effect = extension.at("effect");
-      effect.fail(fmt::format("found '{}', expected an effect that this version knows: none so far", effect.text()));
+    model.extensions = readExtensions(*extensions);
+    const std::vector<YamlNode> entries = extensions->items();
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+      const std::string wrong = checkExtension(model.extensions[i], model);
+      if (wrong.empty()) continue;
+      (findArmEffect(model.extensions[i].effect) ? entries[i] : entries[i].at("effect")).fail(wrong);
     }
   }
   root.expectAllRead();

@@ -93,6 +93,7 @@ std::string writeArm(const ArmModel& model) {
   if (gearbox_defaults) text += "gearbox_defaults: " + gearbox_default;
   text += model.muscles.empty() ? "muscles: []\n" : "muscles:\n";
   for (const Muscle& m : model.muscles) text += muscle(m, model, motor_default, gearbox_default);
+  if (!model.extensions.empty()) text += writeExtensions(model.extensions);
   return text;
 }
 

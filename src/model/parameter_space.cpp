@@ -5,6 +5,7 @@
 #include <set>
 
 #include "simgap/core/error.h"
+#include "simgap/model/arm_effect.h"
 
 namespace simgap {
 namespace {
@@ -70,6 +71,15 @@ void traverse(ArmModel& model, const Visit& visit) {
     item("viscous_friction_Nms", "Nms", kNonNegative, joint.viscous_friction);
   }
   for (Muscle& muscle : model.muscles) visitMuscle(muscle, ItemVisitor<Visit>("muscles", muscle.name, visit));
+  for (Extension& extension : model.extensions) {
+    const std::string label = extensionLabel(extension);
+    const ItemVisitor<Visit> item("extensions", label, visit);
+    const ArmEffect& effect = *findArmEffect(extension.effect);
+    for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+      const ArmEffectParameter& p = effect.parameters[i];
+      if (p.fitted) item(p.name, p.unit, p.range, extension.parameters[i].value);
+    }
+  }
 }
 
 std::pair<std::string_view, std::string_view> splitFirst(std::string_view path) {

@@ -130,10 +130,9 @@ void BulletArmOptions::validate() const {
   }
 }
 
-BulletArm::BulletArm(const ArmModel& model, const BulletArmOptions& options) : options_(options) {
+BulletArm::BulletArm(const ArmModel& model, const BulletArmOptions& options) : options_(options), observation_(model) {
   options_.validate();
   controller_steps_ = static_cast<int>(std::lround(1.0 / (options_.controller_rate * options_.step)));
-  build(model);
   setModel(model);
 }
 
@@ -161,7 +160,22 @@ void BulletArm::build(const ArmModel& model) {
 }
 
 void BulletArm::setModel(const ArmModel& model) {
-  if (model.bodies != bodies_ || model.joints != joints_ || model.gravity != gravity_) build(model);
+  ArmModel extended;  // the model itself, where it has no extensions
+  extensions_ = resolveExtensions(model);
+  observation_.setModel(model);
+  if (!extensions_.empty()) {
+    extended = model;
+    applyToModel(extensions_, extended);
+    for (const auto& [effect, target, p] : extensions_) {
+      if (effect->stiction) extended.joints[target].coulomb_friction = std::max(0.0, effect->stiction(p).torque);
+    }
+  }
+  const ArmModel& plain = extensions_.empty() ? model : extended;
+  if (!world_ || plain.bodies != bodies_ || plain.joints != joints_ || plain.gravity != gravity_) build(plain);
+  crossed_.assign(extensions_.size(), {});
+  for (std::size_t e = 0; e < extensions_.size(); ++e) {
+    if (extensions_[e].effect->path) crossed_[e] = jointsCrossed(model, model.muscles[extensions_[e].target]);
+  }
   if (muscles_.size() == model.muscles.size()) {
     for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].setModel(model.muscles[m], options_.step);
   } else {
@@ -232,44 +246,121 @@ void BulletArm::updateKinematics() {
   }
 }
 
-void BulletArm::applyMuscles() {
-  const bool controller_tick = steps_ % controller_steps_ == 0;
-  for (MuscleState& muscle : muscles_) {
-    std::array<Eigen::Vector3d, 2> arm, point, velocity;
-    for (std::size_t end = 0; end < 2; ++end) {
-      const int body = muscle.attachments[end].body;
-      arm[end] = frames_[body].rotation * muscle.attachments[end].point;
-      point[end] = frames_[body].origin + arm[end];
-      velocity[end] = drift_[body] + spin_[body].cross(arm[end]);
-    }
-    const Eigen::Vector3d line = point[1] - point[0];
-    const double length = line.norm();
-    const Eigen::Vector3d direction = length > 0.0 ? Eigen::Vector3d(line / length) : Eigen::Vector3d::Zero();
-    const double shaft_velocity = muscle.state.motor_velocity / muscle.drive.ratio();
-    const double cord_length = length - (muscle.kite_line_length - muscle.spindle_radius * muscle.state.shaft_angle);
-    const double cord_rate = direction.dot(velocity[1] - velocity[0]) + muscle.spindle_radius * shaft_velocity;
-    muscle.force = muscle.shock_cord.force(cord_length, cord_rate);
-    muscle.expansion = cord_length - muscle.shock_cord.rest_length;
+void BulletArm::applyForce(int body, const Eigen::Vector3d& from_origin, const Eigen::Vector3d& force) {
+  const Link& link = world_->links[body];
+  if (link.index < 0) return;
+  const Eigen::Vector3d lever = from_origin - frames_[body].rotation * link.centre_of_mass;
+  world_->body.addLinkForce(link.index, toBullet(force));
+  world_->body.addLinkTorque(link.index, toBullet(lever.cross(force)));
+}
 
-    for (std::size_t end = 0; end < 2 && muscle.force > 0.0; ++end) {
-      const int body = muscle.attachments[end].body;
-      const Link& link = world_->links[body];
-      if (link.index < 0) continue;
-      const Eigen::Vector3d pull = (end == 0 ? muscle.force : -muscle.force) * direction;
-      const Eigen::Vector3d lever = arm[end] - frames_[body].rotation * link.centre_of_mass;
-      world_->body.addLinkForce(link.index, toBullet(pull));
-      world_->body.addLinkTorque(link.index, toBullet(lever.cross(pull)));
+bool BulletArm::bendMuscle(int index, const std::array<Eigen::Vector3d, 2>& ends, BentPath& path, int& obstacle) const {
+  for (std::size_t e = 0; e < extensions_.size(); ++e) {
+    const auto& [effect, target, p] = extensions_[e];
+    if (!effect->path || target != index) continue;
+    obstacle = crossed_[e][static_cast<std::size_t>(std::lround(p[1])) - 1];
+    const Joint& joint = joints_[obstacle];
+    const Eigen::Vector3d centre = frames_[joint.parent] * joint.parent_position;
+    if (effect->path(p, ends[0] - centre, ends[1] - centre, path)) return true;
+  }
+  return false;
+}
+
+void BulletArm::applyMuscle(MuscleState& muscle, int index) {
+  std::array<Eigen::Vector3d, 2> arm, point, slope;  // slope: of the line's length by its ends
+  for (std::size_t end = 0; end < 2; ++end) {
+    const int body = muscle.attachments[end].body;
+    arm[end] = frames_[body].rotation * muscle.attachments[end].point;
+    point[end] = frames_[body].origin + arm[end];
+  }
+  const Eigen::Vector3d line = point[1] - point[0];
+  double length = line.norm();
+  slope[1] = length > 0.0 ? Eigen::Vector3d(line / length) : Eigen::Vector3d::Zero();
+  slope[0] = -slope[1];
+  double rate = 0.0;  // of the length
+  Lengthening longer;
+  BentPath path;
+  int obstacle = -1;
+  if (!extensions_.empty()) {
+    for (const ArmExtension& extension : extensions_) {
+      if (!extension.effect->line || !extension.on(index)) continue;
+      const Lengthening one =
+          extension.effect->line(extension.p, {muscle.state.shaft_angle, muscle.spindle_radius, pose_time_});
+      longer.length += one.length;
+      longer.by_shaft += one.by_shaft;
     }
-    if (controller_tick) {
-      muscle.voltage = std::clamp(options_.shaft_gain * (muscle.reference - muscle.state.shaft_angle),
-                                  -muscle.supply_voltage, muscle.supply_voltage);
+    if (bendMuscle(index, point, path, obstacle)) {
+      length = path.length;
+      slope = path.slope;
+    } else {
+      obstacle = -1;
     }
-    muscle.drive.step(muscle.state, muscle.voltage, muscle.force * muscle.spindle_radius);
+  }
+  const auto velocityAt = [&](int body, const Eigen::Vector3d& from_origin) {
+    return Eigen::Vector3d(drift_[body] + spin_[body].cross(from_origin));
+  };
+  for (std::size_t end = 0; end < 2; ++end) rate += slope[end].dot(velocityAt(muscle.attachments[end].body, arm[end]));
+  const Eigen::Vector3d centre_slope = -slope[0] - slope[1];  // what holds a bent line
+  Eigen::Vector3d centre_arm;
+  if (obstacle >= 0) {
+    const Joint& joint = joints_[obstacle];
+    centre_arm = frames_[joint.parent].rotation * joint.parent_position;
+    rate += centre_slope.dot(velocityAt(joint.parent, centre_arm));
+  }
+  const double winding_radius = muscle.spindle_radius - longer.by_shaft;
+  const double shaft_velocity = muscle.state.motor_velocity / muscle.drive.ratio();
+  const double cord_length =
+      length - (muscle.kite_line_length - muscle.spindle_radius * muscle.state.shaft_angle) - longer.length;
+  muscle.expansion = cord_length - muscle.shock_cord.rest_length;
+  const double cord_rate = rate + winding_radius * shaft_velocity;
+  muscle.force = muscle.shock_cord.force(cord_length, cord_rate);
+  if (!extensions_.empty() && muscle.expansion > 0.0) {
+    double more = 0.0;
+    for (const ArmExtension& extension : extensions_) {
+      if (extension.effect->cord && extension.on(index)) {
+        more += extension.effect->cord(extension.p, muscle.expansion, muscle.shock_cord).force;
+      }
+    }
+    if (more != 0.0) {
+      const ShockCord& cord = muscle.shock_cord;
+      muscle.force = std::max(0.0, cord.stiffness * muscle.expansion + more + cord.damping * cord_rate);
+    }
+  }
+  if (muscle.force > 0.0) {
+    for (std::size_t end = 0; end < 2; ++end) {
+      applyForce(muscle.attachments[end].body, arm[end], -muscle.force * slope[end]);
+    }
+    if (obstacle >= 0) applyForce(joints_[obstacle].parent, centre_arm, -muscle.force * centre_slope);
+  }
+  if (steps_ % controller_steps_ == 0) {
+    muscle.voltage = std::clamp(options_.shaft_gain * (muscle.reference - muscle.state.shaft_angle),
+                                -muscle.supply_voltage, muscle.supply_voltage);
+  }
+  muscle.drive.step(muscle.state, muscle.voltage, muscle.force * winding_radius);
+}
+
+void BulletArm::applyMuscles() {
+  for (std::size_t m = 0; m < muscles_.size(); ++m) applyMuscle(muscles_[m], static_cast<int>(m));
+}
+
+void BulletArm::applyJointTorques() {
+  for (const auto& [effect, target, p] : extensions_) {
+    if (!effect->joint_torque) continue;
+    const Joint& joint = joints_[target];
+    const JointTerm term = effect->joint_torque(p, joint.type, jointPosition(static_cast<std::size_t>(target)));
+    const Eigen::Vector3d in_child =
+        joint.type == JointType::kSpherical ? term.gradient : Eigen::Vector3d(term.gradient.x() * joint.axis);
+    const Eigen::Vector3d torque = frames_[joint.child].rotation * in_child;
+    const int child = world_->links[joint.child].index;
+    const int parent = world_->links[joint.parent].index;
+    world_->body.addLinkTorque(child, toBullet(-torque));
+    if (parent >= 0) world_->body.addLinkTorque(parent, toBullet(torque));
   }
 }
 
 void BulletArm::step() {
   applyMuscles();
+  if (!extensions_.empty()) applyJointTorques();
   world_->world.stepSimulation(options_.step, 0);
   updateKinematics();
   ++steps_;
@@ -288,6 +379,13 @@ JointPosition BulletArm::jointPosition(std::size_t joint) const {
     position.angle = q[0];
   }
   return position;
+}
+
+std::vector<JointPosition> BulletArm::capturedPositions() const {
+  std::vector<JointPosition> joints;
+  for (std::size_t j = 0; j < joints_.size(); ++j) joints.push_back(jointPosition(j));
+  observation_.turnMarkers(joints);
+  return joints;
 }
 
 double BulletArm::jointSpeed(std::size_t joint) const {

@@ -7,7 +7,10 @@ struct BulletReplay {
   using Arm = BulletArm;
   PoseProtocol protocol;
   Arm makeArm(const ArmModel& model) const { return Arm(model, protocol.arm); }
-  PoseOutcome operator()(Arm& arm, std::span<const double> shafts) const { return replayPose(arm, shafts, protocol); }
+  PoseOutcome operator()(Arm& arm, const Pose& pose) const {
+    arm.setTime(pose.time);
+    return replayPose(arm, pose.shafts, protocol);
+  }
 };
 
 }  // namespace

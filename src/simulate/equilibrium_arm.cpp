@@ -39,7 +39,7 @@ void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
 }  // namespace
 
 EquilibriumArm::EquilibriumArm(const ArmModel& model)
-    : energy_(model), shafts_(model.muscles.size()), factor_(energy_.degreesOfFreedom()) {
+    : energy_(model), observation_(model), shafts_(model.muscles.size()), factor_(energy_.degreesOfFreedom()) {
   const int n = energy_.degreesOfFreedom();
   joints_ = before_ = reached_ = rest_ = start_ = startPosition(model);
   held_.assign(static_cast<std::size_t>(n), 0);
@@ -52,7 +52,13 @@ EquilibriumArm::EquilibriumArm(const ArmModel& model)
 
 void EquilibriumArm::setModel(const ArmModel& model) {
   energy_.setModel(model);
+  observation_.setModel(model);
   rest_known_ = false;
+}
+
+void EquilibriumArm::setTime(double time) {
+  energy_.setTime(time);
+  if (energy_.needsTime()) rest_known_ = false;
 }
 
 EquilibriumSolution EquilibriumArm::solveFrom(std::span<const JointPosition> from, std::span<const double> shafts,
@@ -285,6 +291,19 @@ void EquilibriumArm::sensitivities(std::span<const StaticParameter> parameters, 
   energy_.differentiate(parameters, columns);
   applyInverseHessian(columns);
   columns = -columns;
+}
+
+const std::vector<JointPosition>& EquilibriumArm::observe(std::span<const double> shafts,
+                                                          std::span<const double> shafts_before) {
+  if (observation_.plain()) return joints_;
+  observation_.observe(*this, shafts, shafts_before, observed_);
+  return observed_;
+}
+
+void EquilibriumArm::observedSensitivities(std::span<const StaticParameter> parameters,
+                                           Eigen::Ref<Eigen::MatrixXd> columns) {
+  sensitivities(parameters, columns);
+  if (!observation_.plain()) observation_.chain(*this, parameters, columns);
 }
 
 }  // namespace simgap

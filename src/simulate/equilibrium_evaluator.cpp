@@ -7,17 +7,18 @@ namespace {
 struct EquilibriumReplay {
   using Arm = EquilibriumArm;
   Arm makeArm(const ArmModel& model) const { return Arm(model); }
-  PoseOutcome operator()(Arm& arm, std::span<const double> shafts) const {
+  PoseOutcome operator()(Arm& arm, const Pose& pose) const {
     PoseOutcome outcome;
-    const EquilibriumSolution solution = arm.solve(shafts);
+    arm.setTime(pose.time);
+    const EquilibriumSolution solution = arm.solve(pose.shafts);
     if (!solution.stable) {
       outcome.status = PoseStatus::kNoEquilibrium;
       outcome.worst_value = solution.torque;
       return outcome;
     }
     outcome.status = PoseStatus::kSteady;
-    outcome.joints = arm.joints();
-    outcome.shafts.assign(shafts.begin(), shafts.end());
+    outcome.joints = arm.observe(pose.shafts, pose.shafts_before);
+    outcome.shafts = pose.shafts;
     const std::vector<Muscle>& muscles = arm.energy().model().muscles;
     for (std::size_t m = 0; m < muscles.size(); ++m) {
       outcome.cord_expansion.push_back(arm.energy().expansion(m) / muscles[m].shock_cord.rest_length);

@@ -15,9 +15,8 @@
 
 namespace simgap {
 
-/// \tparam Replay  provides `Arm`, `Arm makeArm(const ArmModel&) const` and `PoseOutcome operator()(Arm&, shafts)
-/// const`;
-///                 an Arm is given other models by `setModel`.
+/// \tparam Replay  provides `Arm`, `Arm makeArm(const ArmModel&) const` and `PoseOutcome operator()(Arm&, const Pose&)
+///                 const`; an Arm is given other models by `setModel`.
 template <class Replay>
 class ParallelEvaluator : public Evaluator {
  public:
@@ -41,7 +40,7 @@ class ParallelEvaluator : public Evaluator {
         const std::size_t p = task % poses.size();
         if (!arm || p == 0) arm = &armFor(models[k]);
         if (interruptRequested() || first_invalid[k].load() < p) continue;
-        outcomes[task] = replay_(*arm, poses[p].shafts);
+        outcomes[task] = replay_(*arm, poses[p]);
         const bool invalid = outcomes[task].status != PoseStatus::kSteady;
         if (invalid && after_invalid == AfterInvalid::kSkipRest) lowerTo(first_invalid[k], p);
       }

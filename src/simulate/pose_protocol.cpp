@@ -61,7 +61,7 @@ PoseOutcome atRest(const BulletArm& arm) {
   PoseOutcome outcome;
   outcome.status = PoseStatus::kSteady;
   outcome.duration = arm.time();
-  for (std::size_t j = 0; j < arm.joints(); ++j) outcome.joints.push_back(arm.jointPosition(j));
+  outcome.joints = arm.capturedPositions();
   for (std::size_t m = 0; m < arm.muscles(); ++m) {
     outcome.shafts.push_back(arm.shaftAngle(m));
     outcome.cord_expansion.push_back(arm.cordExpansion(m));

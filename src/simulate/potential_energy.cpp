@@ -48,8 +48,9 @@ PotentialEnergy::PotentialEnergy(const ArmModel& model) {
 void PotentialEnergy::setModel(const ArmModel& model) {
   assert(model.muscles.size() == muscles_.size() && model.joints.size() == links_.size());
   model_ = model;
+  if (!model.extensions.empty() || !extensions_.empty()) prepareExtensions();
   for (std::size_t j = 0; j < links_.size(); ++j) {
-    const MassProperties mass = massProperties(model.bodies[model.joints[j].child]);
+    const MassProperties mass = massProperties(model_.bodies[model_.joints[j].child]);
     links_[j].mass = mass.mass;
     links_[j].centre_of_mass = mass.centre_of_mass;
   }
@@ -71,8 +72,9 @@ void PotentialEnergy::evaluate(std::span<const JointPosition> joints) {
   for (Eigen::Vector3d& moment : moments_) moment.setZero();
   for (Eigen::Matrix3d& block : blocks_) block.setZero();
   addGravity();
-  for (std::size_t m = 0; m < muscles_.size(); ++m) addMuscle(muscles_[m], model_.muscles[m]);
+  for (std::size_t m = 0; m < muscles_.size(); ++m) addMuscle(m);
   project();
+  if (!extensions_.empty()) addJointTerms(joints);
 }
 
 void PotentialEnergy::place(std::span<const JointPosition> joints) {
@@ -108,17 +110,37 @@ void PotentialEnergy::addGravity() {
   }
 }
 
-void PotentialEnergy::addMuscle(Line& line, const Muscle& muscle) {
+void PotentialEnergy::setForce(std::size_t m) {
+  Line& line = muscles_[m];
+  const Muscle& muscle = model_.muscles[m];
+  const ShockCord& cord = muscle.shock_cord;
+  line.expansion = line.length - muscle.kiteLineLength(line.shaft) - cord.rest_length;
+  if (line.extended) line.expansion -= lengthening(m).length;
+  line.force = cord.stiffness * std::max(0.0, line.expansion);
+  line.stiffness = cord.stiffness;
+  energy_ += 0.5 * line.force * line.expansion;
+  if (!line.extended || line.expansion <= 0.0) return;
+  const CordTerm term = cordTerm(m);
+  energy_ += term.energy;
+  line.force += term.force;
+  line.stiffness += term.stiffness;
+}
+
+void PotentialEnergy::addMuscle(std::size_t m) {
+  Line& line = muscles_[m];
+  const Muscle& muscle = model_.muscles[m];
   const std::array<Eigen::Vector3d, 2> ends = {pointInWorld(line.joint[0], muscle.attachments[0].point),
                                                pointInWorld(line.joint[1], muscle.attachments[1].point)};
+  if (line.extended && bendLine(line, m, ends)) {
+    setForce(m);
+    if (line.force != 0.0) addBend(line, bends_[static_cast<std::size_t>(line.bend)]);
+    return;
+  }
   const Eigen::Vector3d d = ends[1] - ends[0];
   line.length = std::max(d.norm(), kShortest);
   line.direction = d / line.length;
-  const ShockCord& cord = muscle.shock_cord;
-  line.expansion = line.length - muscle.kiteLineLength(line.shaft) - cord.rest_length;
-  line.force = cord.stiffness * std::max(0.0, line.expansion);
+  setForce(m);
   if (line.force == 0.0) return;
-  energy_ += 0.5 * line.force * line.expansion;
 
   const Eigen::Vector3d& u = line.direction;
   const double pull = line.force / line.length;
@@ -132,7 +154,7 @@ void PotentialEnergy::addMuscle(Line& line, const Muscle& muscle) {
     for (int a = line.first; a <= b; ++a) {
       const Lever& above = levers_[a];
       // (k - F/L) dL dL + F/L dd.dd + F u.d2d
-      Eigen::Matrix3d h = (cord.stiffness - pull) * above.moment * lever.moment.transpose();
+      Eigen::Matrix3d h = (line.stiffness - pull) * above.moment * lever.moment.transpose();
       const double same = above.end == lever.end ? pull : -pull;
       h.noalias() -= same * lever.arm * above.arm.transpose();
       h.diagonal().array() += same * above.arm.dot(lever.arm);

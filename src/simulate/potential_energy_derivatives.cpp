@@ -4,6 +4,7 @@
 ///   d(F t) = (k - F/L) (u.s) t + F/L (+-r x s) + F s x u,   the last when the shift changes the arm r about the pivot.
 ///
 /// A body's weight is the same with the force -m g and neither k nor F/L.
+#include <algorithm>
 #include <cassert>
 
 #include "simgap/core/error.h"
@@ -33,15 +34,24 @@ void PotentialEnergy::addProjected(int joint, const Eigen::Vector3d& derivative,
   }
 }
 
+void PotentialEnergy::addForce(std::size_t m, double factor, Eigen::Ref<Eigen::VectorXd> column) const {
+  const Line& line = muscles_[m];
+  if (line.bend >= 0) {
+    const Bend& bend = bends_[static_cast<std::size_t>(line.bend)];
+    for (int j = 0; j < std::ssize(links_); ++j) addProjected(j, factor * bend.moment[j], column);
+    return;
+  }
+  for (int b = line.first; b < line.last; ++b) addProjected(levers_[b].joint, factor * levers_[b].moment, column);
+}
+
 void PotentialEnergy::differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns) const {
   columns.setZero();
   for (std::size_t m = 0; m < muscles_.size(); ++m) {
     const Line& line = muscles_[m];
     if (line.force == 0.0) continue;
-    const double stretch = model_.muscles[m].shock_cord.stiffness * model_.muscles[m].spindle_radius;
-    for (int b = line.first; b < line.last; ++b) {
-      addProjected(levers_[b].joint, stretch * levers_[b].moment, columns.col(static_cast<Eigen::Index>(m)));
-    }
+    const double by_shaft = line.extended ? lengthening(m).by_shaft : 0.0;
+    addForce(m, line.stiffness * (model_.muscles[m].spindle_radius - by_shaft),
+             columns.col(static_cast<Eigen::Index>(m)));
   }
 }
 
@@ -49,12 +59,17 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
   switch (p.kind) {
     case Kind::kNone:
       return;
-    case Kind::kGravity:
+    case Kind::kExtension:
+      return differentiateByExtension(p.item, p.component, column);
+    case Kind::kGravity: {
+      Eigen::Vector3d change = Eigen::Vector3d::Unit(p.component);
+      for (const Applied& applied : applied_) change = (applied.gravity.by_gravity * change).eval();
       for (int j = 0; j < std::ssize(links_); ++j) {
         const Eigen::Vector3d arm = links_[j].moment - links_[j].subtree_mass * links_[j].pivot;
-        addProjected(j, -arm.cross(Eigen::Vector3d::Unit(p.component)), column);
+        addProjected(j, -arm.cross(change), column);
       }
       return;
+    }
     case Kind::kParentPosition: {
       Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);
       if (parent_joint_[p.item] >= 0) shift = links_[parent_joint_[p.item]].rotation.col(p.component);
@@ -70,56 +85,65 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
   }
 }
 
-Eigen::Vector3d PotentialEnergy::shiftTerm(const Line& line, double stiffness, const Lever& lever, int end,
-                                           const Eigen::Vector3d& shift, bool arm_changes) const {
+Eigen::Vector3d PotentialEnergy::shiftTerm(const Line& line, const Lever& lever, int end, const Eigen::Vector3d& shift,
+                                           bool arm_changes) const {
   const double pull = line.force / line.length;
   const double sign = lever.end == 1 ? 1.0 : -1.0;
   Eigen::Vector3d term =
-      (stiffness - pull) * line.direction.dot(shift) * lever.moment + pull * sign * lever.arm.cross(shift);
+      (line.stiffness - pull) * line.direction.dot(shift) * lever.moment + pull * sign * lever.arm.cross(shift);
   if (lever.end == end && arm_changes) term += line.force * shift.cross(line.direction);
   return end == 1 ? term : Eigen::Vector3d(-term);
 }
 
 void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {
-  const Line& line = muscles_[p.item];
+  const auto m = static_cast<std::size_t>(p.item);
+  const Line& line = muscles_[m];
   if (line.force == 0.0) return;
-  const double stiffness = model_.muscles[p.item].shock_cord.stiffness;
-  double factor = 0.0;  // of dL/dw
   switch (p.kind) {
     case Kind::kKiteLine:
+      return addForce(m, -line.stiffness, column);
     case Kind::kRestLength:
-      factor = -stiffness;
-      break;
+      return addForce(m, -line.stiffness + (line.extended ? cordTerm(m).by_rest_length : 0.0), column);
     case Kind::kStiffness:
-      factor = line.expansion;
-      break;
+      return addForce(m, line.expansion + (line.extended ? cordTerm(m).by_stiffness : 0.0), column);
     case Kind::kSpindleRadius:
-      factor = stiffness * line.shaft;
+      return addForce(m, line.stiffness * (line.shaft - (line.extended ? lengthening(m).by_radius : 0.0)), column);
+    default:
       break;
-    default: {
-      assert(p.kind == Kind::kAttachment);
-      const int joint = line.joint[p.part];
-      Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);
-      if (joint >= 0) shift = links_[joint].rotation.col(p.component);
-      for (int b = line.first; b < line.last; ++b) {
-        addProjected(levers_[b].joint, shiftTerm(line, stiffness, levers_[b], p.part, shift, true), column);
-      }
-      return;
-    }
   }
-  for (int b = line.first; b < line.last; ++b) addProjected(levers_[b].joint, factor * levers_[b].moment, column);
+  assert(p.kind == Kind::kAttachment);
+  const int joint = line.joint[p.part];
+  Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);
+  if (joint >= 0) shift = links_[joint].rotation.col(p.component);
+  if (line.bend >= 0) {
+    const Bend& bend = bends_[static_cast<std::size_t>(line.bend)];
+    const std::array<bool, 3> moved = {p.part == 0, p.part == 1, false};
+    for (int j = 0; j < std::ssize(links_); ++j) {
+      addProjected(j, bendShiftTerm(line, bend, j, shift, moved, true), column);
+    }
+    return;
+  }
+  for (int b = line.first; b < line.last; ++b) {
+    addProjected(levers_[b].joint, shiftTerm(line, levers_[b], p.part, shift, true), column);
+  }
+}
+
+/// The weight -m g of a point: its mass changes by `mass_change`, or it moves by `way` along `direction`.
+void PotentialEnergy::addWeight(int joint, const Eigen::Vector3d& point, double mass, const Eigen::Vector3d& direction,
+                                double mass_change, double way, Eigen::Ref<Eigen::VectorXd> column) const {
+  for (int j = joint; j >= 0; j = parent_joint_[j]) {
+    const Eigen::Vector3d move = mass_change * (point - links_[j].pivot) + mass * way * direction;
+    addProjected(j, -move.cross(model_.gravity), column);
+  }
 }
 
 void PotentialEnergy::differentiateByMass(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {
   const int joint = joint_of_body_[p.item];
   if (joint < 0) return;
   const Part& part = model_.bodies[p.item].parts[p.part];
-  for (int j = joint; j >= 0; j = parent_joint_[j]) {
-    const Eigen::Vector3d move = p.kind == Kind::kPartMass
-                                     ? Eigen::Vector3d(pointInWorld(joint, part.position) - links_[j].pivot)
-                                     : Eigen::Vector3d(part.mass * links_[joint].rotation.col(p.component));
-    addProjected(j, -move.cross(model_.gravity), column);
-  }
+  const bool by_mass = p.kind == Kind::kPartMass;
+  addWeight(joint, pointInWorld(joint, part.position), part.mass, links_[joint].rotation.col(p.component),
+            by_mass ? 1.0 : 0.0, by_mass ? 0.0 : 1.0, column);
 }
 
 void PotentialEnergy::differentiateByJointShift(int joint, const Eigen::Vector3d& shift, bool pivot_moves,
@@ -132,13 +156,21 @@ void PotentialEnergy::differentiateByJointShift(int joint, const Eigen::Vector3d
   for (std::size_t m = 0; m < muscles_.size(); ++m) {
     const Line& line = muscles_[m];
     if (line.force == 0.0) continue;
-    const double stiffness = model_.muscles[m].shock_cord.stiffness;
+    if (line.bend >= 0) {
+      const Bend& bend = bends_[static_cast<std::size_t>(line.bend)];
+      const auto below = [&](int point) { return bend.carrier[point] >= 0 && carries(joint, bend.carrier[point]); };
+      const std::array<bool, 3> moved = {below(0), below(1), below(2) || (pivot_moves && bend.obstacle == joint)};
+      for (int j = 0; j < std::ssize(links_); ++j) {
+        addProjected(j, bendShiftTerm(line, bend, j, shift, moved, changesArm(j)), column);
+      }
+      continue;
+    }
     for (int end = 0; end < 2; ++end) {
       const auto shifts = [&](int e) { return line.joint[e] >= 0 && carries(joint, line.joint[e]); };
       if (!shifts(end) || shifts(1 - end)) continue;
       for (int b = line.first; b < line.last; ++b) {
         const int j = levers_[b].joint;
-        addProjected(j, shiftTerm(line, stiffness, levers_[b], end, shift, changesArm(j)), column);
+        addProjected(j, shiftTerm(line, levers_[b], end, shift, changesArm(j)), column);
       }
     }
   }
@@ -160,10 +192,23 @@ int indexOf(const Items& items, std::string_view name) {
   return -1;
 }
 
+/// \param label  "effect:target"
+int extensionIndex(const ArmModel& model, std::string_view label) {
+  const auto found = std::ranges::find_if(
+      model.extensions, [&](const Extension& extension) { return extensionLabel(extension) == label; });
+  assert(found != model.extensions.end());
+  return static_cast<int>(found - model.extensions.begin());
+}
+
 StaticParameter staticParameter(const ArmModel& model, const ParameterPath& path) {
   StaticParameter parameter{Kind::kNone, 0, 0, std::max(0, path.component)};
   if (path.group == "gravity_m_s2") {
     parameter.kind = Kind::kGravity;
+  } else if (path.group == "extensions") {
+    parameter.kind = Kind::kExtension;
+    parameter.item = extensionIndex(model, path.item);
+    const auto& parameters = model.extensions[static_cast<std::size_t>(parameter.item)].parameters;
+    parameter.component = indexOf(parameters, path.member);
   } else if (path.group == "muscles") {
     parameter.item = indexOf(model.muscles, path.item);
     for (const auto& [member, kind] : kMuscleMembers) {

@@ -80,11 +80,56 @@ struct Placement {
   }
 };
 
+// sqrt(a^2 + R^2 - 2 a R cos(alpha)) - R alpha: a straight piece from a point at distance a to the circle's point at
+// angle alpha from it, less the arc that it saves. Its minimum over alpha makes the line shortest; by the envelope
+// theorem the derivatives of the minimum by `a` are those at fixed alpha, so alpha may be found in real numbers.
 template <typename Scalar>
-Scalar cordExpansion(const Muscle& muscle, double shaft, const Placement<Scalar>& placement) {
-  const Vector3<Scalar> line = placement.at(muscle.to) - placement.at(muscle.from);
+Scalar shortestToCircle(const Scalar& a, double radius) {
+  double low = 0.0, high = 1.57079632679489662;
+  for (int halving = 0; halving < 60; ++halving) {
+    const double alpha = 0.5 * (low + high), real = std::real(a);
+    const double straight = std::sqrt(real * real + radius * radius - 2.0 * real * radius * std::cos(alpha));
+    (real * std::sin(alpha) < straight ? low : high) = alpha;
+  }
+  const double alpha = 0.5 * (low + high);
+  return std::sqrt(a * a + radius * radius - 2.0 * a * radius * std::cos(alpha)) - radius * alpha;
+}
+
+// Length of the line between two points that may not pass through the round body of the muscle.
+template <typename Scalar>
+Scalar lineLength(const Muscle& muscle, const Arm& arm, const Placement<Scalar>& placement) {
+  const Vector3<Scalar> from = placement.at(muscle.from), to = placement.at(muscle.to);
+  const Vector3<Scalar> line = to - from;
+  const Scalar straight = std::sqrt(productSum<Scalar>(line, line));
+  if (muscle.wrap_link == kTorso) return straight;
+  const Link& link = arm.links[std::size_t(muscle.wrap_link)];
+  const Vector3<Scalar> centre = placement.at({link.parent, link.joint_in_parent});
+  Vector3<Scalar> p = from - centre, q = to - centre;
+  Scalar along = 0.0;  // the cylinder's axis
+  if (link.joint == Joint::kRevolute) {
+    const Vector3<Scalar> axis =
+        placement.world_from_link[std::size_t(muscle.wrap_link)] * link.axis.template cast<Scalar>();
+    along = productSum<Scalar>(q - p, axis);
+    p -= productSum<Scalar>(p, axis) * axis;
+    q -= productSum<Scalar>(q, axis) * axis;
+  }
+  // Does the straight line come nearer to the centre than the radius, between its ends?
+  const Vector3<Scalar> chord = q - p;
+  const double way = -std::real(productSum<Scalar>(p, chord)) / std::real(productSum<Scalar>(chord, chord));
+  const Vector3<Scalar> nearest = p + Scalar(way) * chord;
+  const double distance = std::sqrt(std::real(productSum<Scalar>(nearest, nearest)));
+  if (way <= 0.0 || way >= 1.0 || distance >= muscle.wrap_radius) return straight;
+  const Scalar a = std::sqrt(productSum<Scalar>(p, p)), b = std::sqrt(productSum<Scalar>(q, q));
+  const Scalar between = std::acos(productSum<Scalar>(p, q) / (a * b));
+  const Scalar round = shortestToCircle<Scalar>(a, muscle.wrap_radius) +
+                       shortestToCircle<Scalar>(b, muscle.wrap_radius) + muscle.wrap_radius * between;
+  return std::sqrt(round * round + along * along);
+}
+
+template <typename Scalar>
+Scalar cordExpansion(const Muscle& muscle, const Arm& arm, double shaft, const Placement<Scalar>& placement) {
   const double wound = muscle.spindle_radius * shaft + 0.5 * muscle.coiling * shaft * shaft;
-  return std::sqrt(productSum<Scalar>(line, line)) - muscle.kite_line + wound - muscle.cord_rest;
+  return lineLength<Scalar>(muscle, arm, placement) - muscle.kite_line + wound - muscle.cord_rest;
 }
 
 /// Largest rotation of a joint between two configurations [rad].

@@ -37,8 +37,21 @@ Scalar energy(const Problem& problem, const Configuration& q, const Displacement
       sum -= part.mass * productSum<Scalar>(gravity, placement.at({int(i), part.position}));
     }
   }
+  int first = 0;
+  for (std::size_t i = 0; i < problem.arm.links.size(); first += freedoms(problem.arm.links[i++])) {
+    const Link& link = problem.arm.links[i];
+    if (link.joint == Joint::kSpherical && link.skin != 0.0) {
+      const Matrix3<Scalar> turn =
+          q[i].rotation.template cast<Scalar>() * rotationOf<Scalar>(w.template segment<3>(first));
+      sum += 0.5 * link.skin * (3.0 - turn.trace());
+    }
+    if (link.joint == Joint::kRevolute && link.stop != 0.0) {
+      const Scalar beyond = q[i].angle + w[first] - link.stop_from;
+      if (std::real(beyond) > 0.0) sum += 0.5 * link.stop * beyond * beyond;
+    }
+  }
   for (std::size_t i = 0; i < problem.arm.muscles.size(); ++i) {
-    const Scalar expansion = cordExpansion(problem.arm.muscles[i], problem.shafts[i], placement);
+    const Scalar expansion = cordExpansion(problem.arm.muscles[i], problem.arm, problem.shafts[i], placement);
     if (std::real(expansion) <= 0.0) continue;
     const Muscle& muscle = problem.arm.muscles[i];
     const Scalar strain = expansion / muscle.cord_rest;
@@ -281,7 +294,7 @@ double largestStrain(const Arm& arm, std::span<const double> shafts, const Confi
   const Placement<double> placement(arm, configuration, Eigen::VectorXd::Zero(freedoms(arm)));
   double result = 0.0;
   for (std::size_t i = 0; i < arm.muscles.size(); ++i) {
-    result = std::max(result, cordExpansion(arm.muscles[i], shafts[i], placement) / arm.muscles[i].cord_rest);
+    result = std::max(result, cordExpansion(arm.muscles[i], arm, shafts[i], placement) / arm.muscles[i].cord_rest);
   }
   return result;
 }

@@ -43,6 +43,12 @@ struct Link {
   double coulomb = 0.0;                                       ///< [N m]
   double viscous = 0.0;                                       ///< [N m s]
   std::vector<Part> parts;
+  /// \name What a model may not know of; 0: nothing
+  ///@{
+  double skin = 0.0;       ///< spherical: energy skin/2 (3 - trace R), about skin * angle^2 / 2 [N m/rad]
+  double stop = 0.0;       ///< revolute: an elastic stop, 1/2 stop (angle - stop_from)^2 above stop_from [N m/rad]
+  double stop_from = 0.0;  ///< [rad]
+  ///@}
 };
 
 struct Attachment {
@@ -62,6 +68,10 @@ struct Muscle {
   ///@{
   double coiling = 0.0;    ///< growth of the radius as the line winds up: r phi + coiling phi^2 / 2 [m/rad^2]
   double hardening = 0.0;  ///< F = k x (1 + hardening (x / L_SR)^2) (1)
+  /// It bends round a joint: over a sphere about the joint's centre (spherical) or a cylinder about its axis
+  /// (revolute).
+  int wrap_link = kTorso;    ///< the link whose joint it is; kTorso: none
+  double wrap_radius = 0.0;  ///< [m], smaller than the distance of either end
   ///@}
 };
 

@@ -16,7 +16,9 @@ struct PosteriorFit {
 };
 
 /// Descends from z to the next local minimum, within the parameters' bounds.
-PosteriorFit descendPosterior(PosePosterior& posterior, const Eigen::VectorXd& z, int max_iterations = 60);
+/// \param tolerance  ends where a step changes the objective by less than this fraction
+PosteriorFit descendPosterior(PosePosterior& posterior, const Eigen::VectorXd& z, int max_iterations = 60,
+                              double tolerance = 1e-7);
 
 /// A start near the measured poses that needs no equilibrium: parameters that balance all torques there, demanded ever
 /// more strictly (20 deg to 0.6 deg of what a torque would move the joints).

@@ -77,6 +77,8 @@ class PosePosterior {
 
   /// Whitens with the Hessians of the model at z. Objectives compare only under one whitening.
   void whiten(const Eigen::VectorXd& z);
+  /// Takes over the whitening of another posterior of the same poses.
+  void whitenLike(const PosePosterior& other);
   /// Residuals of all poses; equilibria are searched from the measured poses, shape (poses).
   const std::vector<PoseResidual>& evaluate(const Eigen::VectorXd& z, bool jacobians);
   /// The same for the torques at the measured poses, which should vanish: no equilibrium is searched. A torque counts
@@ -87,7 +89,8 @@ class PosePosterior {
 
  private:
   void setParameters(const Eigen::VectorXd& z);
-  void measureError(const Pose& pose, PoseResidual& residual, bool jacobian);
+  void measureError(const Pose& pose, const std::vector<JointPosition>& observed, PoseResidual& residual,
+                    bool jacobian) const;
 
   ArmModel model_;
   std::span<const Pose> poses_;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,8 @@ struct Pose {
   int repeats = 1;
   std::vector<double> spread;  ///< shape (joints) [rad]: root mean square deviation of the repeats from their
                                ///< mean with repeats - 1 in the denominator; 0 for a single repeat
+  double time = std::numeric_limits<double>::quiet_NaN();  ///< mean of the repeats' time_s [s]; NaN without
+  std::vector<double> shafts_before = {};  ///< of the pose recorded before it; empty for the first or without time_s
 };
 
 /// Poses in the order of their first row, with the file they came from.

@@ -10,6 +10,7 @@
 
 #include "simgap/core/rotation.h"
 #include "simgap/measure/pose_set.h"
+#include "simgap/model/extension.h"
 
 namespace simgap {
 
@@ -128,6 +129,7 @@ struct ArmModel {
   std::vector<Body> bodies;
   std::vector<Joint> joints;  ///< every joint's parent is fixed or the child of an earlier joint
   std::vector<Muscle> muscles;
+  std::vector<Extension> extensions;  ///< parameters in the order of their effect (arm_effect.h)
   Motor motor_defaults;
   Gearbox gearbox_defaults;
 

@@ -16,8 +16,8 @@ namespace simgap {
 
 /// Where a number stands in the model, as in its file with names for indices; joined only when somebody reads it.
 struct ParameterPath {
-  std::string_view group;   ///< "muscles", "joints", "bodies" or "gravity_m_s2"
-  std::string_view item;    ///< name of the muscle, joint or body
+  std::string_view group;   ///< "muscles", "joints", "bodies", "extensions" or "gravity_m_s2"
+  std::string_view item;    ///< name of the muscle, joint or body; of an extension "effect:target"
   std::string_view member;  ///< "shock_cord.stiffness_N_m"
   int component = -1;       ///< 0, 1, 2 for x, y, z of a vector
   std::string str() const;  ///< "muscles.biceps.attachments.0.point_m.x"

@@ -2,12 +2,14 @@
 /// The arm in Bullet: rigid bodies and joints as one multibody of a headless world, muscles as forces on it.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "simgap/model/arm.h"
 #include "simgap/model/kinematics.h"
+#include "simgap/simulate/arm_observation.h"
 #include "simgap/simulate/drive.h"
 
 namespace simgap {
@@ -30,8 +32,10 @@ class BulletArm {
   BulletArm(BulletArm&&) noexcept;
   BulletArm& operator=(BulletArm&&) noexcept;
 
-  /// Takes another model, and resets.
+  /// Takes another model, and resets. Its extensions act as in PotentialEnergy, but joint-stiction, which is here the
+  /// joint's own Coulomb friction.
   void setModel(const ArmModel& model);
+  void setTime(double time) { pose_time_ = time; }  ///< of the pose, for extensions that need it [s]
   /// Shafts 0, joints at startPosition(), everything at rest.
   void reset();
   /// \param references  shape (muscles) [rad]
@@ -46,10 +50,11 @@ class BulletArm {
 
   double time() const;  ///< [s] since reset
   JointPosition jointPosition(std::size_t joint) const;
-  double jointSpeed(std::size_t joint) const;   ///< norm of its angular velocity [rad/s]
-  double shaftAngle(std::size_t muscle) const;  ///< [rad]
-  double shaftError(std::size_t muscle) const;  ///< reference - angle [rad]
-  bool isFinite() const;                        ///< false once the simulation has blown up
+  std::vector<JointPosition> capturedPositions() const;  ///< of all joints, as markers show them
+  double jointSpeed(std::size_t joint) const;            ///< norm of its angular velocity [rad/s]
+  double shaftAngle(std::size_t muscle) const;           ///< [rad]
+  double shaftError(std::size_t muscle) const;           ///< reference - angle [rad]
+  bool isFinite() const;                                 ///< false once the simulation has blown up
 
   /// \name Sensors (000 section VI)
   ///@{
@@ -69,6 +74,11 @@ class BulletArm {
   void build(const ArmModel& model);
   void updateKinematics();
   void applyMuscles();
+  void applyMuscle(MuscleState& muscle, int index);
+  void applyForce(int body, const Eigen::Vector3d& from_origin, const Eigen::Vector3d& force);
+  /// The line of a muscle that touches a joint. \returns false where it runs straight
+  bool bendMuscle(int index, const std::array<Eigen::Vector3d, 2>& ends, BentPath& path, int& obstacle) const;
+  void applyJointTorques();
 
   BulletArmOptions options_;
   std::vector<Body> bodies_;
@@ -76,6 +86,10 @@ class BulletArm {
   Eigen::Vector3d gravity_;
   std::vector<JointPosition> start_;
   std::vector<MuscleState> muscles_;
+  std::vector<ArmExtension> extensions_;
+  std::vector<std::vector<int>> crossed_;  ///< per extension with a path: the joints its muscle crosses
+  ArmObservation observation_;
+  double pose_time_ = 0.0;
   std::vector<BodyInWorld> frames_;     ///< shape (bodies)
   std::vector<Eigen::Vector3d> spin_;   ///< angular velocity of each body in the world [rad/s]
   std::vector<Eigen::Vector3d> drift_;  ///< velocity of each body's origin in the world [m/s]

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "simgap/simulate/arm_observation.h"
 #include "simgap/simulate/potential_energy.h"
 
 namespace simgap {
@@ -25,6 +26,8 @@ class EquilibriumArm {
   explicit EquilibriumArm(const ArmModel& model);
   /// Another model of the same structure; the next pose starts from its rest.
   void setModel(const ArmModel& model);
+  /// When the next pose was recorded; only extensions that need it take notice [s].
+  void setTime(double time);
 
   /// The equilibrium that a slow movement of the shafts from 0 leads to (startPosition at shafts 0): straight from the
   /// rest, or by follow() where that leaves doubts. \param shafts  shape (muscles) [rad]
@@ -49,6 +52,12 @@ class EquilibriumArm {
   /// dq/dp by the implicit function theorem, -H^-1 dG/dp, 0 for a joint at its stop. After linearise().
   /// \param[out] columns  shape (dof, parameters.size()) [rad per unit of the parameter]
   void sensitivities(std::span<const StaticParameter> parameters, Eigen::Ref<Eigen::MatrixXd> columns);
+  /// The solution as a capture sees it: joints() unless the model's extensions say otherwise.
+  /// \param shafts_before  of the pose recorded before; may be empty
+  const std::vector<JointPosition>& observe(std::span<const double> shafts, std::span<const double> shafts_before);
+  /// Sensitivities of what observe() returned. After linearise().
+  void observedSensitivities(std::span<const StaticParameter> parameters, Eigen::Ref<Eigen::MatrixXd> columns);
+  const ArmObservation& observation() const { return observation_; }
   ///@}
 
  private:
@@ -62,7 +71,8 @@ class EquilibriumArm {
   void applyStep(double scale);
 
   PotentialEnergy energy_;
-  std::vector<JointPosition> joints_, start_, rest_, before_, reached_;
+  ArmObservation observation_;
+  std::vector<JointPosition> joints_, observed_, start_, rest_, before_, reached_;
   bool rest_known_ = false;
   std::vector<double> shafts_;
   std::vector<char> held_;   ///< per dof: pressed against its stop

@@ -11,6 +11,8 @@
 ///
 /// symmetrised for i = j. Everything else follows from these two lines by the chain rule, as a 3-vector per joint and a
 /// 3 x 3 block per pair of joints, projected on the joints' axes at the end.
+///
+/// A model's extensions add to it (arm_effect.h): lines lengthen, cords stiffen, muscles bend, joints are pushed.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +21,7 @@
 #include <string>
 #include <vector>
 
-#include "simgap/model/arm.h"
+#include "simgap/model/arm_effect.h"
 
 namespace simgap {
 
@@ -36,7 +38,8 @@ struct StaticParameter {
     kRestLength,
     kStiffness,
     kSpindleRadius,
-    kNone,  ///< dynamics only: moves no equilibrium
+    kExtension,  ///< parameter `component` of extension `item`
+    kNone,       ///< dynamics only: moves no equilibrium
   };
   Kind kind = Kind::kNone;
   int item = 0;       ///< muscle, joint or body
@@ -52,10 +55,13 @@ class PotentialEnergy {
   /// Another model of the same structure.
   void setModel(const ArmModel& model);
   void setShafts(std::span<const double> shafts);  ///< shape (muscles) [rad]
+  void setTime(double time) { time_ = time; }      ///< of the pose, for extensions that need it [s]
+  bool needsTime() const;
 
   int degreesOfFreedom() const { return dofs_; }
   int firstDof(int joint) const { return first_dof_[joint]; }
-  const ArmModel& model() const { return model_; }
+  const ArmModel& model() const { return model_; }  ///< with applyToModel() done
+  const std::vector<ArmExtension>& extensions() const { return extensions_; }
 
   /// Places the arm and computes everything that follows. \param joints  shape (joints)
   void evaluate(std::span<const JointPosition> joints);
@@ -91,12 +97,40 @@ class PotentialEnergy {
     std::array<int, 2> joint;  ///< that carries each attachment's body, -1: fixed
     int first, last;           ///< levers, those of an end in the order of the tree
     double shaft = 0.0, expansion = 0.0, force = 0.0, length = 0.0;
+    double stiffness = 0.0;  ///< d force / d expansion
+    bool extended = false;
+    int bend = -1;                                         ///< of bends_, while the line touches its joint
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< u, from attachment 0 to 1
+  };
+
+  /// A line that touches a joint: three points, its ends and the joint's centre, and what moves them.
+  struct Bend {
+    int extension, muscle;
+    int obstacle;                ///< joint
+    std::array<int, 3> carrier;  ///< joint that carries each point, -1: fixed
+    BentPath path;
+    std::array<Eigen::Vector3d, 3> point, slope;
+    std::vector<Eigen::Vector3d> moment;  ///< shape (joints): dL/dw
+    Eigen::Matrix3d curvature(int a, int b) const;
+  };
+  /// What of an extension has to be known beyond its parameters.
+  struct Applied {
+    GravityTerm gravity{};
+    int part = -1;  ///< the payload, of its body
+    Eigen::Vector3d way = Eigen::Vector3d::Zero();
   };
 
   void place(std::span<const JointPosition> joints);
   void addGravity();
-  void addMuscle(Line& line, const Muscle& muscle);
+  void addMuscle(std::size_t muscle);
+  void setForce(std::size_t muscle);  ///< from the line's length
+  void prepareExtensions();
+  void addJointTerms(std::span<const JointPosition> joints);
+  bool bendLine(Line& line, std::size_t muscle, const std::array<Eigen::Vector3d, 2>& ends);
+  void addBend(const Line& line, const Bend& bend);
+  /// Points of `moved` shift by `shift`. \param arm_changes  for the points a joint carries
+  Eigen::Vector3d bendShiftTerm(const Line& line, const Bend& bend, int joint, const Eigen::Vector3d& shift,
+                                const std::array<bool, 3>& moved, bool arm_changes) const;
   void project();
   Eigen::Matrix3d& block(int upper, int lower) {
     return blocks_[static_cast<std::size_t>(upper) * links_.size() + lower];
@@ -108,13 +142,23 @@ class PotentialEnergy {
   /// Adds the derivative of a joint's gradient, a vector in the world, to a column.
   void addProjected(int joint, const Eigen::Vector3d& derivative, Eigen::Ref<Eigen::VectorXd> column) const;
   /// What a lever's gradient changes by when an end shifts; `arm_changes`: and its joint's pivot does not.
-  Eigen::Vector3d shiftTerm(const Line& line, double stiffness, const Lever& lever, int end,
-                            const Eigen::Vector3d& shift, bool arm_changes) const;
+  Eigen::Vector3d shiftTerm(const Line& line, const Lever& lever, int end, const Eigen::Vector3d& shift,
+                            bool arm_changes) const;
   void differentiateByJointShift(int joint, const Eigen::Vector3d& shift, bool pivot_moves,
                                  Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateBy(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateByMuscle(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateByMass(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
+  void addWeight(int joint, const Eigen::Vector3d& point, double mass, const Eigen::Vector3d& direction,
+                 double mass_change, double way, Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiateByExtension(int extension, int parameter, Eigen::Ref<Eigen::VectorXd> column) const;
+  /// Derivative of the gradient when a muscle's force changes by `factor`.
+  void addForce(std::size_t muscle, double factor, Eigen::Ref<Eigen::VectorXd> column) const;
+  CordTerm cordTerm(std::size_t muscle) const;
+  Lengthening lengthening(std::size_t muscle) const;
+  LineState lineState(std::size_t muscle) const {
+    return {muscles_[muscle].shaft, model_.muscles[muscle].spindle_radius, time_};
+  }
 
   ArmModel model_;
   int dofs_ = 0;
@@ -126,6 +170,11 @@ class PotentialEnergy {
   std::vector<Lever> levers_;
   std::vector<Eigen::Vector3d> moments_;  ///< shape (joints), gradient in the world
   std::vector<Eigen::Matrix3d> blocks_;   ///< shape (joints, joints), Hessian in the world, the upper triangle
+  std::vector<ArmExtension> extensions_;
+  std::vector<Applied> applied_;        ///< shape (extensions)
+  std::vector<JointTerm> joint_terms_;  ///< shape (extensions)
+  std::vector<Bend> bends_;             ///< muscles that may touch a joint
+  double time_ = 0.0;                   ///< [s]
   double energy_ = 0.0;
   Eigen::VectorXd gradient_;
   Eigen::MatrixXd hessian_;

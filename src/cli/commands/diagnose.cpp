@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "../diagnose_poses.h"
 #include "../fit_options.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
@@ -18,7 +19,7 @@ namespace {
 struct Options {
   CommonOptions common;
   TableOptions table;
-  std::string model, log, bench;
+  std::string model, log, bench, poses, config;
   std::optional<double> ratio;
   std::string holdout;
   LogDiagnosisOptions diagnose;
@@ -84,6 +85,20 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
   Options options = given;
   options.diagnose.seed = options.common.seed.value_or(1);
   Session session("diagnose", options.common, argv);
+  if (options.log.empty() == options.poses.empty()) {
+    throw ConfigError("found neither or both of --log and --poses, expected one of them");
+  }
+  if (!options.poses.empty()) {
+    const PoseDiagnosisOptions pose_options{.effects = options.diagnose.effects,
+                                            .max_causes = static_cast<std::size_t>(options.diagnose.max_causes),
+                                            .level = options.diagnose.level,
+                                            .ignore_faults = options.diagnose.ignore_faults,
+                                            .self_test = options.diagnose.self_tests,
+                                            .threads = threads,
+                                            .seed = options.diagnose.seed};
+    return diagnosePoseFile(session, {options.model, options.poses, options.config, options.holdout},
+                            options.table.csv(), options.common, pose_options);
+  }
   FittedModel fitted;
   const DriveSubject subject = readSubject(options, session, fitted);
   Bench bench;
@@ -132,14 +147,19 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("MODEL", options->model, "fitted friction model (YAML), or the name of a law (classic, variant-a, …)")
+  app.add_option("MODEL", options->model,
+                 "fitted friction model or arm model (YAML), or the name of a friction law (classic, variant-a, …)")
       ->required();
-  app.add_option("--log", options->log, "measured log (CSV)")->required();
+  app.add_option("--log", options->log, "measured log (CSV) of a drive");
+  app.add_option("--poses", options->poses, "recorded poses (CSV) of an arm");
+  app.add_option("--config", options->config,
+                 "of --poses: calibration config with parameters and priors (default: the paper's)");
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML; default: external_torque_Nm)");
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")
       ->check(CLI::PositiveNumber & finiteNumber());
-  app.add_option("--holdout", options->holdout,
-                 "what only measures the gain: a fraction of the blocks (default 0.25), or COLUMN=VALUE,…");
+  app.add_option(
+      "--holdout", options->holdout,
+      "what only measures the gain: a fraction of the blocks or poses (default 0.25), or COLUMN=VALUE,… of a log");
   app.add_option("--effects", options->diagnose.effects, "try these causes only (comma-separated)")->delimiter(',');
   app.add_option("--max-causes", options->diagnose.max_causes, "stop after so many causes")->check(CLI::Range(1, 10));
   app.add_option("--level", options->diagnose.level, "false-alarm rate of each step")->check(CLI::Range(1e-6, 0.5));
@@ -156,6 +176,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command diagnose;
 const Command diagnose{"diagnose", "what the model gets wrong, the physical cause, and the gain on data never used",
-                       "  simgap diagnose runs/friction/model.yaml --log log.csv -o runs/diagnosis", define};
+                       "  simgap diagnose runs/friction/model.yaml --log log.csv -o runs/diagnosis\n"
+                       "  simgap diagnose data/arm-dense/arm.yaml --poses data/arm-dense/poses_calibration.csv",
+                       define};
 
 }  // namespace simgap::commands

@@ -1,0 +1,131 @@
+#include "pose_self_test.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/random.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kAboveDetectable = 1.5;  // of the magnitude that the poses should reveal
+constexpr std::uint32_t kNoisePurpose = 22, kTargetPurpose = 23;
+
+Eigen::Quaterniond turned(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle)) : Eigen::Quaterniond::Identity();
+}
+
+/// The poses as a rig like this would record them of a model: equilibria, each moved by noise drawn from the covariance
+/// that whitens it. A pose without an equilibrium is left out.
+PoseSet simulatePoses(const ArmModel& model, PoseFit& fit, std::uint64_t seed) {
+  const std::span<const Pose> poses = fit.posterior().poses();
+  EquilibriumArm arm(model);
+  const CounterRandom random(seed);
+  PoseSet set{"self-test", {}};
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    Pose pose = poses[p];
+    arm.setTime(pose.time);
+    if (!arm.solveFrom(pose.joints, pose.shafts).stable) continue;
+    pose.joints = arm.observe(pose.shafts, pose.shafts_before);
+    Eigen::VectorXd noise(fit.posterior().degreesOfFreedom());
+    for (Eigen::Index i = 0; i < noise.size(); ++i) {
+      noise[i] = random.normalPair({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(i), 0, kNoisePurpose})[0];
+    }
+    noise = fit.posterior().whitening(p).inverse() * noise;
+    Eigen::Index d = 0;
+    for (std::size_t j = 0; j < model.joints.size(); ++j) {
+      if (model.joints[j].type == JointType::kSpherical) {
+        pose.joints[j].rotation = (pose.joints[j].rotation * turned(noise.segment<3>(d))).normalized();
+      } else {
+        pose.joints[j].angle += noise[d];
+      }
+      d += model.joints[j].degreesOfFreedom();
+    }
+    set.poses.push_back(std::move(pose));
+  }
+  return set;
+}
+
+std::string answerOf(const Diagnosis& diagnosis, const std::string& hidden, const std::string& label) {
+  if (diagnosis.causes.empty() || diagnosis.verdict == DiagnosisVerdict::kUnexplained) {
+    return diagnosis.verdict == DiagnosisVerdict::kNothingFound ? "none" : std::string(toString(diagnosis.verdict));
+  }
+  const Cause& first = diagnosis.causes.front();
+  if (first.ambiguous_with.empty()) {
+    const Extension named{first.effect, first.target, {}};
+    return extensionLabel(named) == label || first.effect != hidden ? first.effect : first.effect + " elsewhere";
+  }
+  return "ambiguous";
+}
+
+}  // namespace
+
+SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses,
+                       const std::vector<Detectable>& detectable, const PoseDiagnosisOptions& options,
+                       const DiagnosisProgress& progress) {
+  SelfTest test;
+  test.hidden = {"none"};
+  test.answers = {"none", "ambiguous", "unexplained", "data-fault"};
+  for (const PoseHypothesis& h : hypotheses) {
+    const std::string name(h.effect->name);
+    if (std::ranges::find(test.hidden, name) != test.hidden.end()) continue;
+    test.hidden.push_back(name);
+    test.answers.push_back(name);
+    test.answers.push_back(name + " elsewhere");
+  }
+  test.count.assign(test.hidden.size(), std::vector<int>(test.answers.size(), 0));
+  PoseDiagnosisOptions inner = options;
+  inner.self_test = 0;
+  PoseProblem truth = problem;
+  truth.nominal = fit.model();
+  const std::size_t total = test.hidden.size() * static_cast<std::size_t>(options.self_test);
+  std::size_t done = 0;
+  int right = 0;
+  for (std::size_t e = 0; e < test.hidden.size(); ++e) {
+    std::vector<const Detectable*> targets;
+    for (const Detectable& d : detectable) {
+      if (d.effect == test.hidden[e]) targets.push_back(&d);
+    }
+    for (int n = 0; n < options.self_test; ++n) {
+      progress("self-test: " + test.hidden[e], static_cast<double>(done++) / static_cast<double>(total));
+      ArmModel model = truth.nominal;
+      std::string label;
+      const std::uint64_t seed = options.seed + 1000 * e + static_cast<std::uint64_t>(n) + 1;
+      if (e > 0) {
+        if (targets.empty()) continue;
+        const double u = CounterRandom(seed).uniform({0, 0, 0, kTargetPurpose});
+        const Detectable& d = *targets[static_cast<std::size_t>(u * static_cast<double>(targets.size()))];
+        const auto h = std::ranges::find_if(hypotheses, [&](const PoseHypothesis& other) {
+          return other.effect->name == d.effect && other.target == d.target;
+        });
+        EffectParameters p = h->starts.front();
+        p[0] = kAboveDetectable * d.magnitude95;
+        if (h->effect->name == "potentiometer-slip") {
+          const std::span<const Pose> poses = fit.posterior().poses();
+          p[1] = poses[poses.size() / 2].time;
+        }
+        model.extensions.push_back(makeExtension(*h->effect, d.target, p));
+        label = extensionLabel(model.extensions.back());
+      }
+      const PoseSet set = simulatePoses(model, fit, seed);
+      const Diagnosis answer =
+          diagnosePoses(problem.nominal, set, problem.parameters, problem.noise, inner, [](const std::string&, double) {
+          }).diagnosis;
+      const std::string name = answerOf(answer, test.hidden[e], label);
+      const auto column = std::ranges::find(test.answers, name) - test.answers.begin();
+      if (column < std::ssize(test.answers)) ++test.count[e][static_cast<std::size_t>(column)];
+      const bool quiet = name == "none" || name == "joint-stiction" || name == "unexplained";
+      if (e == 0) test.false_alarm_rate += quiet ? 0.0 : 1.0 / options.self_test;
+      if (e > 0 && name == test.hidden[e]) ++right;
+    }
+  }
+  if (test.hidden.size() > 1) {
+    test.power = right / (static_cast<double>(test.hidden.size() - 1) * options.self_test);
+  }
+  return test;
+}
+
+}  // namespace simgap

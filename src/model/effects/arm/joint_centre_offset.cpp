@@ -1,0 +1,28 @@
+/// The joint turns about another point of its parent than the model says: p' = p + (x, y, z).
+#include "simgap/model/arm_effect.h"
+
+namespace simgap::arm_effects {
+namespace {
+
+constexpr Range kRange{-0.2, 0.2, false, "a number in [-0.2, 0.2]"};
+constexpr ArmEffectParameter kParameters[] = {
+    {"x", "m", kRange, 0.0, 0.02}, {"y", "m", kRange, 0.0, 0.02}, {"z", "m", kRange, 0.0, 0.02}};
+constexpr EffectParameters kStarts[] = {{0.0, 0.0, 0.0}};
+constexpr std::string_view kLookAlikes[] = {"muscle-wrap"};
+
+Eigen::Vector3d shift(const EffectParameters& p) { return {p[0], p[1], p[2]}; }
+
+}  // namespace
+
+extern const ArmEffect joint_centre_offset;
+const ArmEffect joint_centre_offset{.name = "joint-centre-offset",
+                                    .cause = "the joint turns about another point than the model says",
+                                    .equation = "parent_position' = parent_position + (x, y, z)",
+                                    .target = ArmEffect::Target::kJoint,
+                                    .parameters = kParameters,
+                                    .starts = kStarts,
+                                    .look_alikes = kLookAlikes,
+                                    .separates_by = "find the centre from markers while the joint is turned by hand",
+                                    .joint_shift = shift};
+
+}  // namespace simgap::arm_effects

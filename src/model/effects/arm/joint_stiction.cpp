@@ -1,0 +1,31 @@
+/// Joint friction holds an arm short of its equilibrium, on the side it comes from: with d the way the joint would take
+/// while the shafts wind, dq = -H^-1 tau d/|d| for each joint. It comes from the rest at which every pose starts, or
+/// from the pose before.
+#include "simgap/model/arm_effect.h"
+
+namespace simgap::arm_effects {
+namespace {
+
+constexpr ArmEffectParameter kParameters[] = {
+    {"torque", "Nm", {-0.5, 10.0, false, "a number in [-0.5, 10]"}, 0.0, 0.05},
+    {"from_previous", "1", {0.0, 1.0, false, "0 or 1"}, 0.0, 1.0, false}};
+constexpr EffectParameters kStarts[] = {{0.01, 0.0}, {0.01, 1.0}};
+constexpr std::string_view kLookAlikes[] = {"passive-joint-torque"};
+
+Stiction stiction(const EffectParameters& p) { return {p[0], p[1] != 0.0}; }
+
+}  // namespace
+
+extern const ArmEffect joint_stiction;
+const ArmEffect joint_stiction{
+    .name = "joint-stiction",
+    .cause = "joint friction holds the arm short of its equilibrium, on the side it comes from",
+    .equation = "q = q_eq - H^-1 torque d/|d|, d = dq/dphi (phi - phi_before)",
+    .target = ArmEffect::Target::kJoint,
+    .parameters = kParameters,
+    .starts = kStarts,
+    .look_alikes = kLookAlikes,
+    .separates_by = "approach the same command from both sides: the two positions differ by twice the lag",
+    .stiction = stiction};
+
+}  // namespace simgap::arm_effects

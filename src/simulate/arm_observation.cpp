@@ -1,0 +1,159 @@
+#include "simgap/simulate/arm_observation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/simulate/equilibrium_arm.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kStill = 1e-9;  // [rad]: a joint that the shafts do not move has no side to come from
+
+Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+/// exp(w + dw) = exp(w) exp(J dw).
+Eigen::Matrix3d rightJacobian(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  const Eigen::Matrix3d x = cross(w);
+  if (angle < 1e-4) return Eigen::Matrix3d::Identity() - 0.5 * x + x * x / 6.0;
+  return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / (angle * angle) * x +
+         (angle - std::sin(angle)) / (angle * angle * angle) * x * x;
+}
+
+Eigen::Quaterniond turned(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle)) : Eigen::Quaterniond::Identity();
+}
+
+/// d twist about `axis` / dw when q goes to q exp(w).
+Eigen::RowVector3d twistSlope(const Eigen::Quaterniond& q, const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d v = q.vec();
+  const double s = v.dot(axis);
+  const Eigen::Vector3d ds = 0.5 * (q.w() * axis + axis.cross(v));
+  return 2.0 * (q.w() * ds + 0.5 * s * v).transpose() / (q.w() * q.w() + s * s);
+}
+
+}  // namespace
+
+void ArmObservation::setModel(const ArmModel& model) {
+  if (model.extensions.empty() && extensions_.empty()) return;
+  extensions_.clear();
+  markers_ = false;
+  const std::vector<ArmExtension> all = resolveExtensions(model);
+  for (std::size_t e = 0; e < all.size(); ++e) {
+    if (all[e].effect->marker_turn || all[e].effect->stiction) extensions_.push_back({static_cast<int>(e), all[e]});
+    markers_ |= all[e].effect->marker_turn != nullptr;
+  }
+  joints_ = model.joints;
+}
+
+Eigen::Vector3d ArmObservation::markerTurn(int body) const {
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  for (const auto& [index, extension] : extensions_) {
+    const auto hook = extension.effect->marker_turn;
+    if (hook && extension.target == body) turn += hook(extension.p);
+  }
+  return turn;
+}
+
+void ArmObservation::turnMarkers(std::vector<JointPosition>& joints) const {
+  for (std::size_t j = 0; markers_ && j < joints_.size(); ++j) {
+    joints[j] = markedPosition(joints_[j], joints[j], markerTurn(joints_[j].parent), markerTurn(joints_[j].child));
+  }
+}
+
+void ArmObservation::observe(EquilibriumArm& arm, std::span<const double> shafts, std::span<const double> shafts_before,
+                             std::vector<JointPosition>& joints) {
+  joints = arm.joints();
+  if (plain()) return;
+  arm.linearise();
+  const int n = arm.energy().degreesOfFreedom();
+  lag_.assign(extensions_.size(), Eigen::VectorXd::Zero(n));
+  Eigen::MatrixXd way;  // dq/dphi
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(n);
+  for (std::size_t k = 0; k < extensions_.size(); ++k) {
+    const ArmExtension& extension = extensions_[k].extension;
+    if (!extension.effect->stiction) continue;
+    const Stiction stiction = extension.effect->stiction(extension.p);
+    if (way.size() == 0) {
+      way.resize(n, std::ssize(shafts));
+      arm.energy().differentiateByShafts(way);
+      arm.applyInverseHessian(way);
+    }
+    Eigen::VectorXd wound = Eigen::Map<const Eigen::VectorXd>(shafts.data(), std::ssize(shafts));
+    if (stiction.from_previous && !shafts_before.empty()) {
+      wound -= Eigen::Map<const Eigen::VectorXd>(shafts_before.data(), std::ssize(shafts_before));
+    }
+    const int d = arm.energy().firstDof(extension.target);
+    const int components = joints_[extension.target].degreesOfFreedom();
+    const Eigen::VectorXd moved = -(way * wound).segment(d, components);
+    if (moved.norm() < kStill) continue;
+    Eigen::MatrixXd held = Eigen::VectorXd::Zero(n);
+    held.col(0).segment(d, components) = -moved.normalized();
+    arm.applyInverseHessian(held);
+    lag_[k] = held.col(0);
+    shift += stiction.torque * lag_[k];
+  }
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const int d = arm.energy().firstDof(static_cast<int>(j));
+    if (joints_[j].type == JointType::kSpherical) {
+      joints[j].rotation = (joints[j].rotation * turned(shift.segment<3>(d))).normalized();
+    } else {
+      joints[j].angle = std::clamp(joints[j].angle + shift[d], joints_[j].lower_limit, joints_[j].upper_limit);
+    }
+  }
+  bones_ = joints;
+  turnMarkers(joints);
+}
+
+void ArmObservation::chain(EquilibriumArm& arm, std::span<const StaticParameter> parameters,
+                           Eigen::Ref<Eigen::MatrixXd> columns) const {
+  const auto columnsOf = [&](int index, auto action) {
+    for (std::size_t c = 0; c < parameters.size(); ++c) {
+      if (parameters[c].kind != StaticParameter::Kind::kExtension || parameters[c].item != index) continue;
+      action(static_cast<Eigen::Index>(c), parameters[c].component);
+    }
+  };
+  for (std::size_t k = 0; k < extensions_.size(); ++k) {
+    if (!extensions_[k].extension.effect->stiction) continue;
+    columnsOf(extensions_[k].index, [&](Eigen::Index c, int) { columns.col(c) += lag_[k]; });
+  }
+  for (std::size_t j = 0; markers_ && j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    const int d = arm.energy().firstDof(static_cast<int>(j));
+    const bool ball = joint.type == JointType::kSpherical;
+    const Eigen::Vector3d parent_turn = markerTurn(joint.parent);
+    const Eigen::Vector3d child_turn = markerTurn(joint.child);
+    const Eigen::Quaterniond bone =
+        ball ? bones_[j].rotation : Eigen::Quaterniond(Eigen::AngleAxisd(bones_[j].angle, joint.axis));
+    const Eigen::Matrix3d marker_from_child = turned(child_turn).toRotationMatrix().transpose();
+    const Eigen::RowVector3d slope = twistSlope(turned(-parent_turn) * bone * turned(child_turn), joint.axis);
+    if (ball) {
+      columns.middleRows<3>(d) = (marker_from_child * columns.middleRows<3>(d)).eval();
+    } else {
+      columns.row(d) *= slope.dot(marker_from_child * joint.axis);
+    }
+    const auto addTurn = [&](Eigen::Index c, const Eigen::Vector3d& turn) {
+      if (ball) {
+        columns.col(c).segment<3>(d) += turn;
+      } else {
+        columns(d, c) += slope.dot(turn);
+      }
+    };
+    const Eigen::Matrix3d by_child = rightJacobian(child_turn);
+    const Eigen::Matrix3d by_parent =
+        -(bone * turned(child_turn)).toRotationMatrix().transpose() * rightJacobian(-parent_turn);
+    for (const auto& [index, extension] : extensions_) {
+      if (!extension.effect->marker_turn) continue;
+      if (extension.target == joint.child) columnsOf(index, [&](auto c, int i) { addTurn(c, by_child.col(i)); });
+      if (extension.target == joint.parent) columnsOf(index, [&](auto c, int i) { addTurn(c, by_parent.col(i)); });
+    }
+  }
+}
+
+}  // namespace simgap
