@@ -101,7 +101,9 @@ TEST_F(ArmGeometry, BendsMusclesRoundTheJointsTheyWrap) {
   double length = 0.0;
   for (std::size_t i = 1; i < y.size(); ++i) {
     length += std::hypot(y[i] - y[i - 1], z[i] - z[i - 1]);
-    if (i + 1 < y.size()) EXPECT_NEAR(std::hypot(y[i], z[i] - 1.0), kRadius, 1e-12);
+    if (i + 1 < y.size()) {
+      EXPECT_NEAR(std::hypot(y[i], z[i] - 1.0), kRadius, 1e-12);
+    }
   }
   const double arc = std::numbers::pi / 2 - std::acos(0.48) - std::acos(0.96);
   EXPECT_NEAR(length, std::sqrt(1.0 - 0.48 * 0.48) + std::sqrt(0.25 - 0.48 * 0.48) + kRadius * arc, 1e-4);
