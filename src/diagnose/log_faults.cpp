@@ -160,6 +160,13 @@ double robustDeviation(const Eigen::VectorXd& residual) {
 
 std::vector<DataFault> findFaults(const PreparedLog& log) {
   const DriveRows& rows = log.data.rows;
+  if (log.kind == DriveKind::kMotor || log.kind == DriveKind::kMuscle) {
+    // Voltages and pressures are set to levels, limits included: only lost samples can be told.
+    const bool motor = log.kind == DriveKind::kMotor;
+    std::vector<DataFault> faults;
+    findDropouts({motor ? "current_A" : log.effort_column, motor ? rows.current : rows.effort}, faults);
+    return faults;
+  }
   std::vector<NamedChannel> channels = {{log.effort_column, rows.effort}, {"motor_velocity", rows.speed}};
   if (rows.top_load > 0.0) channels.push_back({"external_torque", rows.load});
   std::vector<DataFault> faults;

@@ -87,9 +87,9 @@ double waldP(const DriveRegression& model, std::span<const double> theta, const 
 
 }  // namespace
 
-LogSearch::LogSearch(const FrictionLaw& law, const DriveData& data, std::vector<Block> training,
+LogSearch::LogSearch(const DriveBase& base, const DriveData& data, std::vector<Block> training,
                      const LogDiagnosisOptions& options)
-    : law_(law), data_(data), training_(std::move(training)), folds_(kFolds), options_(options) {
+    : base_(base), data_(data), training_(std::move(training)), folds_(kFolds), options_(options) {
   for (std::size_t b = 0; b < training_.size(); ++b) folds_[b % kFolds].push_back(training_[b]);
   training_rows_ = rowsIn(training_, data_.keep);
 }
@@ -98,8 +98,9 @@ std::shared_ptr<const DriveRegression> LogSearch::makeModel(const std::vector<co
   const bool named = std::ranges::find(effects, kPresliding, &DriveEffect::name) != effects.end();
   const double typical = std::sqrt(data_.rows.speed.square().mean()) * data_.rows.step;
   std::optional<double> nuisance;
-  if (!named) nuisance = std::max(kNuisancePresliding * typical, 1e-5);
-  return std::make_shared<const DriveRegression>(law_, effects, data_, nuisance);
+  const bool drive = base_.kind == DriveKind::kFriction || base_.kind == DriveKind::kGearbox;
+  if (drive && !named) nuisance = std::max(kNuisancePresliding * typical, 1e-5);
+  return std::make_shared<const DriveRegression>(base_, effects, data_, nuisance);
 }
 
 std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks) const {
@@ -175,7 +176,7 @@ Fitted LogSearch::fit(const std::vector<const DriveEffect*>& effects, const Fitt
     for (std::size_t k = 0; k < effects[e]->parameters.size(); ++k) start[first + k] = effects[e]->parameters[k].start;
   }
   const std::size_t speed = model->linear();
-  if (!law_.hasStribeck()) return fitFromStarts(model, {start});
+  if (!base_.hasStribeck()) return fitFromStarts(model, {start});
   for (const double v_s : {0.003, 0.01, 0.03, 0.1, 0.3, 1.0}) {
     for (const double delta : {0.6, 1.0, 2.0}) {
       start[speed] = v_s * data_.rows.top_speed;
