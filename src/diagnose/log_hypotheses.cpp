@@ -20,6 +20,8 @@ constexpr std::string_view kPresliding = "presliding-hysteresis";
 constexpr double kNuisancePresliding = 0.1;
 /// An effect whose signature is within that share of what the model's own parameters span is no finding of its own.
 constexpr double kAliased = 1e-3;
+/// Two causes that differ by less than that share of the error say the same in other words.
+constexpr double kSameEquation = 1e-4;
 /// Of the least gain: what a cause has to promise to be fitted at all.
 constexpr double kHopeless = 0.2;
 
@@ -215,6 +217,28 @@ void LogSearch::validate(Fitted& fitted) const {
   }
 }
 
+std::optional<std::vector<double>> LogSearch::otherStribeck(const DriveRegression& model,
+                                                            const std::vector<double>& start) const {
+  if (!base_.hasStribeck()) return std::nullopt;
+  double lowest = 0.0;
+  model.solveCoefficients(start, training_, &lowest);
+  lowest *= 1.0 - 0.5 * options_.least_gain;
+  std::optional<std::vector<double>> best;
+  for (const double v_s : {0.01, 0.03, 0.1, 0.3}) {
+    for (const double delta : {0.8, 1.6}) {
+      std::vector<double> other = start;
+      other[model.linear()] = v_s * data_.rows.top_speed;
+      other[model.linear() + 1] = delta;
+      double cost = 0.0;
+      other = model.solveCoefficients(std::move(other), training_, &cost);
+      if (cost >= lowest) continue;
+      lowest = cost;
+      best = std::move(other);
+    }
+  }
+  return best;
+}
+
 void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const {
   const std::size_t e = fitted.model->effects().size() - 1;
   const std::size_t first = fitted.model->firstParameter(e);
@@ -258,6 +282,9 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
     starts.back()[first] = base.theta[static_cast<std::size_t>(nuisance - base.model->parameters().begin())];
   }
   if (starts.empty()) return trial;
+  for (std::size_t s = starts.size(); s-- > 0;) {
+    if (auto other = otherStribeck(*model, starts[s])) starts.push_back(std::move(*other));
+  }
   // Most causes change nothing: the linearised model says so without a fit.
   trial.fitted = fitFromStarts(model, starts, (1.0 - kHopeless * options_.least_gain) * base.mse * training_rows_);
   trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
@@ -293,6 +320,7 @@ bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
   }
   const Fitted both = fitFromStarts(model, {from_winner, from_rival});
   const double rival_adds = winner.fitted.mse - both.mse, winner_adds = rival.fitted.mse - both.mse;
+  if (winner_adds < kSameEquation * both.mse) return false;
   return rival_adds < 0.2 * winner_adds && waldP(*model, both.theta, pieces(training_)) < options_.level;
 }
 

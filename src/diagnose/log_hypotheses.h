@@ -73,6 +73,10 @@ class LogSearch {
   /// below, or there is no fit; 0: none.
   Fitted fitFromStarts(std::shared_ptr<const DriveRegression> model, const std::vector<std::vector<double>>& starts,
                        double hopeless = 0.0) const;
+  /// The start with another v_s and delta, when they alone already fit better than those of `base`: the Stribeck curve
+  /// of a model that lacks something may lie far from the true one.
+  std::optional<std::vector<double>> otherStribeck(const DriveRegression& model,
+                                                   const std::vector<double>& start) const;
   void refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const;
   std::shared_ptr<const DriveRegression> makeModel(const std::vector<const DriveEffect*>& effects) const;
 

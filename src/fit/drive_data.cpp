@@ -192,14 +192,19 @@ std::vector<double> changesOf(const PamLog& log, const DriveRows& rows) {
   return changes;
 }
 
-/// Rows beside a step of the voltage: the current there is neither the one before nor the one after.
-void leaveOutSteps(const ArrayXd& voltage, std::vector<bool>& keep) {
-  constexpr double kStep = 0.05;  // of the range
-  constexpr Index kBeside = 3;
-  const double range = voltage.maxCoeff() - voltage.minCoeff();
-  for (Index i = 1; i < voltage.size(); ++i) {
-    if (std::abs(voltage[i] - voltage[i - 1]) < kStep * range) continue;
-    for (Index k = std::max<Index>(0, i - kBeside); k < std::min(voltage.size(), i + kBeside); ++k)
+/// Rows in and beside a jump: where a rate of change is far above its usual size, sampling and smoothing have blurred
+/// it.
+void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
+  constexpr double kJump = 6.0;  // of the median size
+  constexpr Index kBeside = 4;
+  std::vector<double> sizes(rate.begin(), rate.end());
+  for (double& size : sizes) size = std::abs(size);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double most = kJump * *middle;
+  for (Index i = 0; i < rate.size(); ++i) {
+    if (std::abs(rate[i]) <= most) continue;
+    for (Index k = std::max<Index>(0, i - kBeside); k < std::min(rate.size(), i + kBeside + 1); ++k)
       keep[static_cast<std::size_t>(k)] = false;
   }
 }
@@ -257,6 +262,14 @@ PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const Dr
   return log;
 }
 
+PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const DriveLogOptions& log_options,
+                               const FrictionDataOptions& options) {
+  PreparedLog log = prepareDriveData(table, bench, log_options, options);
+  log.kind = DriveKind::kGearbox;
+  leaveOutJumps(log.data.rows.acceleration, log.data.keep);
+  return log;
+}
+
 PreparedLog prepareMotorData(const CsvTable& table) {
   const MotorLog motor = readMotorLog(table);
   for (const auto& [name, channel] :
@@ -274,7 +287,7 @@ PreparedLog prepareMotorData(const CsvTable& table) {
   setDirection(motor.velocity, log);
   rows.current_rate = slopeOf(rows, rows.current, FrictionDataOptions::kDefaultBandwidth / rows.step);
   rows.temperature = optional(table, "temperature", "degC");
-  leaveOutSteps(rows.effort, log.data.keep);
+  leaveOutJumps(rows.current_rate, log.data.keep);
   addContext(table, log);
   addContext(log, "current", rows.current);
   addContext(log, "velocity", rows.speed);

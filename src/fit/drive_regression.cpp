@@ -311,7 +311,8 @@ std::vector<double> DriveRegression::startFrom(const DriveRegression& other, std
   return start;
 }
 
-std::vector<double> DriveRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks) const {
+std::vector<double> DriveRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
+                                                       double* cost) const {
   const Evaluation e = columns(std::span<const double>(theta).subspan(linear_));
   const auto c = static_cast<Index>(linear_);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
@@ -331,6 +332,7 @@ std::vector<double> DriveRegression::solveCoefficients(std::vector<double> theta
   }
   const LinearSolution solution = solveBounded(gram, terms);
   std::copy(solution.coefficients.begin(), solution.coefficients.end(), theta.begin());
+  if (cost != nullptr) *cost = solution.cost;
   return theta;
 }
 

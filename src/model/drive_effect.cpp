@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "simgap/core/error.h"
 
 namespace simgap {
@@ -21,8 +24,10 @@ std::string_view toString(Channel channel) {
 bool appliesTo(const DriveEffect& effect, DriveKind kind) {
   if (effect.kind == kind) return true;
   if (kind != DriveKind::kGearbox || effect.kind != DriveKind::kFriction) return false;
-  return effect.name != "load-dependence" && effect.name != "backdrive-asymmetry" && effect.name != "position-ripple" &&
-         effect.name != "presliding-hysteresis";
+  // The gearbox's own causes say these in its words; and where rows at jumps are left out, no delay can be seen.
+  constexpr std::array kOthers = {"load-dependence", "backdrive-asymmetry",   "stribeck",
+                                  "position-ripple", "presliding-hysteresis", "channel-delay"};
+  return std::ranges::find(kOthers, effect.name) == kOthers.end();
 }
 
 const DriveEffect& drive_effects::find(std::string_view name) {

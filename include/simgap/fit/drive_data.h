@@ -35,6 +35,10 @@ struct PreparedLog {
 PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const DriveLogOptions& log_options,
                              FrictionDataOptions options);
 
+/// The same for a motor with a gearbox on a bench, whose voltages and loads are often stepped.
+PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const DriveLogOptions& log_options,
+                               const FrictionDataOptions& options);
+
 /// The same for a winding's log (voltage, current, speed) and for a pneumatic muscle's.
 /// \throws DataError as readMotorLog and readPamLog, and when there is no voltage, current or velocity.
 PreparedLog prepareMotorData(const CsvTable& table);

@@ -60,7 +60,9 @@ class DriveRegression : public RowModel {
   /// A start for this model from one with other effects: what both have is taken over, the effects' p are neutral.
   std::vector<double> startFrom(const DriveRegression& other, std::span<const double> theta) const;
   /// The best coefficients for the p of theta on some blocks, within their bounds; p stays.
-  std::vector<double> solveCoefficients(std::vector<double> theta, std::span<const Block> blocks) const;
+  /// \param cost  set to the sum of squares there, when it is wanted.
+  std::vector<double> solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
+                                        double* cost = nullptr) const;
   /// Coefficients and p by name, for values from a model file. \param physical  parameters as PhysicalParameter has
   /// them.
   std::vector<double> thetaOf(std::span<const PhysicalParameter> physical) const;

@@ -42,9 +42,8 @@ PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind
   const DriveLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
   FrictionDataOptions data_options;
   data_options.bandwidth = bench.bandwidth;
-  PreparedLog log = prepareDriveData(table, bench, log_options, data_options);
-  log.kind = kind;
-  return log;
+  if (kind == DriveKind::kGearbox) return prepareGearboxData(table, bench, log_options, data_options);
+  return prepareDriveData(table, bench, log_options, data_options);
 }
 
 /// Of a winding or a muscle: what was fitted replaces what the file had; the spring of 002 is a parameter there.

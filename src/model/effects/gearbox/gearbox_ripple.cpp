@@ -37,7 +37,7 @@ void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*
 /// Power of the residual over the angle, on a grid that resolves it; the strongest peaks. An integrated angle drifts,
 /// and a fine peak with it: the grid is of the whole turns of the motor and of their first fractions and multiples.
 std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& residual) {
-  constexpr int kPeaks = 4, kGrid = 4000;
+  constexpr int kPeaks = 4, kGrid = 3000;
   const Eigen::ArrayXd angle = shaftAngle(rows);
   const double span = angle.maxCoeff() - angle.minCoeff();
   if (!(span > 0.0)) return {};
@@ -45,7 +45,7 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
   // Faster than half a turn between rows no ripple can be seen.
   const double travel = std::sqrt(rows.speed.square().mean()) * rows.step;
   const double highest = std::min(1.0 * std::numbers::pi / std::max(travel, 1e-9), lowest * kGrid / 4.0);
-  const Eigen::Index stride = std::max<Eigen::Index>(1, rows.rows() / 20000);
+  const Eigen::Index stride = std::max<Eigen::Index>(1, rows.rows() / 6000);
   std::vector<std::pair<double, double>> peaks;  // power, ratio
   double before = 0.0, last = 0.0, last_ratio = 0.0;
   for (double r = lowest; r < highest; r += 0.25 * lowest) {
