@@ -209,10 +209,12 @@ void conclude(Diagnosis& d, const Selection& selection, double structure) {
   }
   const double unnamed_gain = selection.unnamed ? selection.unnamed->gain->value : 0.0;
   const bool mostly_strange = d.causes.empty() ? strange : unnamed_gain > d.causes[0].gain_heldout.value;
-  d.verdict = lost || mostly_strange ? DiagnosisVerdict::kUnexplained
-              : d.causes.empty()     ? DiagnosisVerdict::kNothingFound
-              : grouped              ? DiagnosisVerdict::kAmbiguous
-                                     : DiagnosisVerdict::kCauseFound;
+  // What was chosen on some blocks and makes others worse explains nothing.
+  const bool refuted = !d.causes.empty() && d.extended.mse_heldout >= d.baseline.mse_heldout;
+  d.verdict = lost || mostly_strange || refuted ? DiagnosisVerdict::kUnexplained
+              : d.causes.empty()                ? DiagnosisVerdict::kNothingFound
+              : grouped                         ? DiagnosisVerdict::kAmbiguous
+                                                : DiagnosisVerdict::kCauseFound;
   std::vector<std::string> names;
   for (const Cause& cause : d.causes) {
     std::string name = cause.effect;
@@ -230,6 +232,11 @@ void conclude(Diagnosis& d, const Selection& selection, double structure) {
                       fmt::join(names, ", "), gain);
       break;
     case DiagnosisVerdict::kUnexplained:
+      if (refuted) {
+        d.sentence = fmt::format("Unexplained: {} fits the blocks it was chosen on, but not those held out.",
+                                 fmt::join(names, ", "));
+        break;
+      }
       d.sentence = fmt::format("Unexplained: the error depends on {} in a way that no cause of the catalogue explains.",
                                channel);
       break;

@@ -112,14 +112,14 @@ void findDropouts(const NamedChannel& channel, std::vector<DataFault>& faults) {
 void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   const DriveRows& rows = log.data.rows;
   const Index n = rows.rows();
-  Eigen::MatrixXd x(n, 4);
-  x << rows.load, rows.load.abs() * rows.direction, rows.direction, rows.speed;
+  Eigen::MatrixXd x(n, 5);
+  x << rows.load, rows.load.abs() * rows.direction, rows.direction, rows.speed, Eigen::ArrayXd::Ones(n);
   for (Index i = 0; i < n; ++i) {
     if (!log.data.keep[static_cast<std::size_t>(i)]) x.row(i).setZero();
   }
   const Eigen::VectorXd scale = x.colwise().norm().transpose();
   const Eigen::VectorXd c = x.colPivHouseholderQr().solve(rows.effort.matrix()).cwiseProduct(scale);
-  const double size = rows.effort.matrix().norm();
+  const double size = (rows.effort - rows.effort.mean()).matrix().norm();
   const double friction = c[1] + c[2] + c[3];
   if (rows.top_load > 0.0 && c[0] < -0.2 * size) {
     faults.push_back({"external_torque",

@@ -69,9 +69,12 @@ double distinctShare(const DriveRegression& model, std::span<const double> theta
 }
 
 /// p-value of "the last effect's sizes are neutral" from their covariance over pieces of the log (Wald 1943), for the
-/// largest of them, times the number of places a search may have looked at.
+/// largest of them, times the number of places a search may have looked at. A covariance from few pieces is too small
+/// and says nothing.
 double waldP(const DriveRegression& model, std::span<const double> theta, const std::vector<Block>& pieces) {
   constexpr double kSearched = 1000.0;
+  constexpr std::size_t kPiecesPerParameter = 5;
+  if (pieces.size() < kPiecesPerParameter * theta.size()) return 1.0;
   const Eigen::MatrixXd covariance = blockCovariance(model, pieces, theta);
   const std::size_t e = model.effects().size() - 1;
   const DriveEffect& effect = *model.effects()[e];

@@ -23,7 +23,8 @@ class Selector {
     return std::min(1.0, trial.p * static_cast<double>(count));  // Holm's first step: the smallest of `count`
   }
   bool acceptable(const Trial& trial, std::size_t count) const {
-    return trial.gain && trial.gain->value >= options_.least_gain && adjusted(trial, count) < options_.level;
+    return trial.gain && trial.gain->value >= options_.least_gain && trial.gain->lower95 > 0.0 &&
+           adjusted(trial, count) < options_.level;
   }
   std::optional<std::size_t> best(const std::vector<Trial>& trials) const;
   std::vector<Trial> step(const Fitted& base);

@@ -107,10 +107,22 @@ double medianStep(const DriveRows& rows) {
   return *middle;
 }
 
-/// A channel that the residual may depend on.
+/// A channel that the residual may depend on. A command or estimate that follows the effort is none: it says what was
+/// measured once more.
 void addContext(PreparedLog& log, const std::string& name, const ArrayXd& values) {
+  constexpr double kCopy = 0.9;  // correlation
   const double mean = values.mean(), sd = std::sqrt((values - mean).square().mean());
   if (!(sd > 1e-9 * (1.0 + std::abs(mean)))) return;
+  const ArrayXd& effort = log.data.rows.effort;
+  const double spread = std::sqrt((effort - effort.mean()).square().mean());
+  const double correlation = ((values - mean) * (effort - effort.mean())).mean() / std::max(sd * spread, 1e-300);
+  const bool given = name == "motor_velocity" || name == "external_torque" || name == "current" || name == "velocity" ||
+                     name == "pressure" || name == "contraction";
+  if (!given && std::abs(correlation) > kCopy) {
+    log.warnings.push_back(fmt::format("{} follows {} (correlation {:.2f}): not looked at as a cause", name,
+                                       log.effort_column, correlation));
+    return;
+  }
   log.context.push_back({name, values});
   log.data.rows.context.push_back((values - mean) / sd);
 }

@@ -58,8 +58,10 @@ DriveRegression::DriveRegression(const DriveBase& base, std::vector<const DriveE
     times_gain_.push_back(times_gain);
   };
   if (base.law != nullptr) {
-    addLinear("k_a", data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit, 1e-12, kInf,
-              false);
+    // Without a load there is no k_a: torques are then told in what the motor draws.
+    const bool loaded = (data.rows.load != 0.0).any();
+    addLinear("k_a", data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit,
+              loaded ? 1e-12 : 1.0, loaded ? kInf : 1.0, false);
     for (const FrictionTerm& term : base.law->terms)
       addLinear(std::string(term.name), termUnit(term.basis, data), 0.0, kInf, true);
   } else {
@@ -88,6 +90,7 @@ DriveRegression::DriveRegression(const DriveBase& base, std::vector<const DriveE
           p.kind == Kind::kScanned || p.kind == Kind::kConstant);
     }
   }
+  implicit_ = std::ranges::find(effects_, "tendon-compliance", &DriveEffect::name) != effects_.end();
   log_speed_ = data.rows.speed.abs().max(1e-12).log();
   const std::vector<int>& session = data.rows.session;
   const auto n = static_cast<std::size_t>(data.rows.rows());
@@ -222,7 +225,7 @@ DriveRegression::Evaluation DriveRegression::columns(std::span<const double> p) 
 
 Eigen::ArrayXd DriveRegression::predict(std::span<const double> theta) const {
   ArrayXd effort = explicitly(theta, data_->rows.effort);
-  if (base_.equation == nullptr || !base_.equation->implicit) return effort;
+  if (!implicit_) return effort;
   // f = F(f) from the measured f, row by row as Steffensen (1933) does it, so that its noise is not in the prediction.
   constexpr int kRounds = 3;
   ArrayXd start = data_->rows.effort;
@@ -263,9 +266,8 @@ void DriveRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& r
     return;
   }
   const Evaluation e = columns(theta.subspan(linear_));
-  const bool implicit = base_.equation != nullptr && base_.equation->implicit;
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
-  const ArrayXd predicted = implicit ? predict(theta) : ArrayXd(x_c.array() + e.cubic * x_c.array().cube());
+  const ArrayXd predicted = implicit_ ? predict(theta) : ArrayXd(x_c.array() + e.cubic * x_c.array().cube());
   residual = (predicted - data_->rows.effort).matrix();
   jacobian->resize(n, static_cast<Index>(parameters_.size()));
   if (e.cubic == 0.0) {
@@ -278,7 +280,7 @@ void DriveRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& r
     return std::isfinite(p.upper - p.lower) ? 1e-3 * (p.upper - p.lower) : 1e-9;
   };
   std::vector<double> moved(theta.begin(), theta.end());
-  for (std::size_t i = implicit ? 0 : linear_; i < parameters_.size(); ++i) {
+  for (std::size_t i = implicit_ ? 0 : linear_; i < parameters_.size(); ++i) {
     auto column = jacobian->col(static_cast<Index>(i));
     const FitParameter& parameter = parameters_[i];
     if (parameter.fixed) {

@@ -25,7 +25,7 @@ void fillMuscle(const DriveRows& /*rows*/, const DriveTerms& terms, Eigen::Ref<E
 
 }  // namespace
 
-const DriveEquation winding = {"motor", DriveKind::kMotor, kWinding, fillWinding, false};
-const DriveEquation muscle = {"pam", DriveKind::kMuscle, kMuscle, fillMuscle, true};
+const DriveEquation winding = {"motor", DriveKind::kMotor, kWinding, fillWinding};
+const DriveEquation muscle = {"pam", DriveKind::kMuscle, kMuscle, fillMuscle};
 
 }  // namespace simgap::drive_equations

@@ -107,6 +107,7 @@ class DriveRegression : public RowModel {
   std::vector<const DriveEffect*> effects_;
   const DriveData* data_;
   bool presliding_;
+  bool implicit_ = false;  ///< the effort stands on the right-hand side as well, through the stretch of a tendon
   std::vector<FitParameter> parameters_;
   std::vector<bool> times_gain_;  ///< shape (C)
   std::size_t linear_ = 0;

@@ -20,7 +20,6 @@ struct DriveEquation {
   std::span<const EffectColumn> columns;  ///< shape (C)
   /// \param x  shape (n, C).
   void (*fill)(const DriveRows& rows, const DriveTerms& terms, Eigen::Ref<Eigen::ArrayXXd> x);
-  bool implicit;  ///< the effort stands on the right-hand side as well
 };
 
 namespace drive_equations {
