@@ -49,7 +49,7 @@ ExitCode diagnosePoseFile(Session& session, const PoseDiagnosisInputs& inputs, c
   directory.write("hypotheses.csv", hypothesesCsv(diagnosis));
   directory.write("evidence.csv", evidenceCsv(diagnosis));
   if (diagnosis.self_test) directory.write("confusion.csv", confusionCsv(*diagnosis.self_test));
-  session.finish(toJson(diagnosis), makePage(diagnosis), terminalTable(diagnosis));
+  session.finish(toJson(diagnosis), terminalTable(diagnosis));
   return ExitCode::kDone;
 }
 

@@ -33,45 +33,45 @@ class Draws {
   std::mt19937_64 engine_;
 };
 
-// One row per effect and target: the magnitudes that a set of 80 poses can just reveal. Of this arm's muscles only
-// these two touch a sphere about a joint they cross in its range of poses.
+// One row per effect and target: the magnitudes that a set of 80 poses can just reveal, on average over arms. Of this
+// arm's muscles only a few touch a sphere about a joint they cross in its range of poses.
 struct Kind {
   std::string effect, target;
   double low, high;
 };
 
 std::vector<Kind> kinds() {
-  return {{"muscle-wrap", "muscle2", 0.045, 0.055},
-          {"muscle-wrap", "muscle10", 0.034, 0.037},
-          {"spindle-coiling", "", 0.008, 0.012},
-          {"spindle-coiling", "muscle1", 0.025, 0.035},
-          {"spindle-coiling", "muscle4", 0.022, 0.03},
-          {"spindle-coiling", "muscle10", 0.016, 0.022},
-          {"spindle-coiling", "muscle11", 0.02, 0.03},
-          {"cord-hardening", "", 0.12, 0.2},
-          {"cord-hardening", "muscle10", 0.2, 0.3},
-          {"cord-hardening", "muscle11", 0.2, 0.3},
-          {"cord-creep", "", 0.0025, 0.0035},
-          {"cord-creep", "muscle3", 0.006, 0.008},
-          {"cord-creep", "muscle10", 0.003, 0.004},
-          {"cord-creep", "muscle11", 0.004, 0.005},
-          {"potentiometer-slip", "muscle2", 0.9, 1.2},
-          {"potentiometer-slip", "muscle8", 1.0, 1.3},
-          {"potentiometer-slip", "muscle9", 1.0, 1.3},
-          {"potentiometer-slip", "muscle10", 1.0, 1.3},
-          {"potentiometer-slip", "muscle11", 1.1, 1.4},
-          {"gravity-tilt", "", 0.07, 0.1},
-          {"payload", "link1", 0.75, 1.0},
-          {"payload", "link2", 0.14, 0.2},
-          {"passive-joint-torque", "joint1", 0.25, 0.35},
-          {"passive-joint-torque", "joint2", 0.45, 0.7},
-          {"joint-stiction", "joint1", 0.1, 0.14},
-          {"joint-stiction", "joint2", 0.05, 0.07},
-          {"marker-frame-offset", "torso", 0.07, 0.1},
-          {"marker-frame-offset", "link1", 0.06, 0.09},
-          {"marker-frame-offset", "link2", 0.1, 0.14},
-          {"joint-centre-offset", "joint1", 0.018, 0.024},
-          {"joint-centre-offset", "joint2", 0.022, 0.03}};
+  return {{"muscle-wrap", "muscle1", 0.082, 0.09},
+          {"muscle-wrap", "muscle3", 0.08, 0.088},
+          {"muscle-wrap", "muscle10", 0.032, 0.036},
+          {"spindle-coiling", "", 0.026, 0.034},
+          {"spindle-coiling", "muscle4", 0.046, 0.06},
+          {"spindle-coiling", "muscle10", 0.09, 0.12},
+          {"spindle-coiling", "muscle11", 0.07, 0.09},
+          {"cord-hardening", "", 0.35, 0.5},
+          {"cord-hardening", "muscle10", 1.0, 1.5},
+          {"cord-hardening", "muscle11", 1.0, 1.5},
+          {"cord-creep", "", 0.0035, 0.005},
+          {"cord-creep", "muscle3", 0.006, 0.009},
+          {"cord-creep", "muscle10", 0.006, 0.008},
+          {"cord-creep", "muscle11", 0.0045, 0.0065},
+          {"potentiometer-slip", "muscle2", 0.35, 0.5},
+          {"potentiometer-slip", "muscle8", 0.4, 0.55},
+          {"potentiometer-slip", "muscle9", 0.3, 0.45},
+          {"potentiometer-slip", "muscle10", 0.28, 0.4},
+          {"potentiometer-slip", "muscle11", 0.25, 0.35},
+          {"gravity-tilt", "", 0.1, 0.15},
+          {"payload", "link1", 0.9, 1.2},
+          {"payload", "link2", 0.17, 0.22},
+          {"passive-joint-torque", "joint1", 0.5, 0.65},
+          {"passive-joint-torque", "joint2", 0.45, 0.6},
+          {"joint-stiction", "joint1", 0.1, 0.13},
+          {"joint-stiction", "joint2", 0.06, 0.08},
+          {"marker-frame-offset", "torso", 0.08, 0.12},
+          {"marker-frame-offset", "link1", 0.04, 0.06},
+          {"marker-frame-offset", "link2", 0.03, 0.045},
+          {"joint-centre-offset", "joint1", 0.02, 0.026},
+          {"joint-centre-offset", "joint2", 0.025, 0.04}};
 }
 
 int numberIn(const std::string& target) {
@@ -295,7 +295,7 @@ PoseDraw drawPoses(std::uint64_t seed, const PoseDrawOptions& options) {
       if (kind.effect == effect) choices.push_back(kind);
     }
     const Kind& kind = choices[draws.below(choices.size())];
-    const double strength = options.weak ? 1.0 : draws.uniform(1.5, 4.0);
+    const double strength = options.weak ? 1.0 : draws.uniform(1.4, 2.6);
     HiddenCause cause{effect, kind.target, strength * draws.uniform(kind.low, kind.high), 0.0};
     // A radius cannot grow beyond the ends of its muscle; strong is then as near to them as the rig lets it be.
     hide(cause, result.truth, session, draws);

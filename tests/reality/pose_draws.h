@@ -36,7 +36,7 @@ struct PoseDrawOptions {
   int poses = 80;
   int fresh = 0;
   int causes = 1;           ///< 0: nothing is hidden
-  bool weak = false;        ///< magnitudes near what such a set can just reveal; else 1.5 to 4 times that
+  bool weak = false;        ///< magnitudes near what such a set can just reveal; else 1.4 to 2.6 times that
   std::string effect = {};  ///< of the first cause; empty: drawn
   int flipped = 0;          ///< poses turned by a confusion of markers
 };
