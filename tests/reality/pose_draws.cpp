@@ -41,8 +41,7 @@ struct Kind {
 };
 
 std::vector<Kind> kinds() {
-  return {{"muscle-wrap", "muscle1", 0.082, 0.09},
-          {"muscle-wrap", "muscle3", 0.08, 0.088},
+  return {{"muscle-wrap", "muscle9", 0.055, 0.065},
           {"muscle-wrap", "muscle10", 0.032, 0.036},
           {"spindle-coiling", "", 0.026, 0.034},
           {"spindle-coiling", "muscle4", 0.046, 0.06},
