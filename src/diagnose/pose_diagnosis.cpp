@@ -88,6 +88,7 @@ class Diagnosing {
   Eigen::VectorXd fitPlain();
   [[noreturn]] void failForPoses(std::size_t found) const;
   void measureGain();
+  void dropUnconfirmed();
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
   void decide();
@@ -168,6 +169,22 @@ void Diagnosing::measureGain() {
     d.extended = {fit_error(fit.model()), mean(now)};
     last = now;
   }
+}
+
+/// Causes that make poses worse which took no part in their choice are none, however well they fitted the others.
+void Diagnosing::dropUnconfirmed() {
+  Diagnosis& d = result_.diagnosis;
+  const bool confirmed =
+      std::ranges::any_of(d.causes, [](const Cause& cause) { return cause.gain_heldout.upper95 > 0.0; });
+  if (d.causes.empty() || split_.heldout.empty() || confirmed) return;
+  for (const AcceptedCause& cause : selection_.causes) {
+    d.warnings.push_back(cause.cause.label() + " fits the poses of the selection, but makes those held out worse");
+  }
+  d.causes.clear();
+  d.extended = d.baseline;
+  selection_.causes.clear();
+  selection_.z = selection_.z_plain;
+  selection_.excess = selection_.excess_plain;
 }
 
 void Diagnosing::fillCauses() {
@@ -264,6 +281,7 @@ PoseDiagnosis Diagnosing::run() {
   fillCauses();
   say("gain on held-out poses");
   measureGain();
+  dropUnconfirmed();
 
   PoseFit plain(problem_, split_.all, {});
   plain.posterior().whiten(selection_.z_plain);
@@ -279,9 +297,9 @@ PoseDiagnosis Diagnosing::run() {
     }
   }
   fillAbsorption(plain, fit);
-  const double explainable = std::max(0.0, d.baseline.mse_heldout - d.noise_floor);
-  d.explainable_percent = 100.0 * explainable / d.baseline.mse_heldout;
   d.explained_percent = 100.0 * (d.baseline.mse_heldout - d.extended.mse_heldout) / d.baseline.mse_heldout;
+  // Beyond noise and what the parameters' own uncertainty does to poses they were not fitted to.
+  d.explainable_percent = std::max({0.0, d.explained_percent, 100.0 * (1.0 - 1.0 / (1.0 + selection_.excess_plain))});
   d.evidence = poseEvidence(plain, fit);
   d.unexplained = poseLeftovers(fit);
   say("what these poses could reveal");

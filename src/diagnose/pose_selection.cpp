@@ -19,7 +19,8 @@ constexpr double kTellApart = 3.5;      // log odds between two causes below whi
 constexpr double kSmallestGain = 0.01;  // of the error on poses a fit has not seen
 constexpr double kTryTolerance = 3e-5;  // of the objective, some 0.01: far below what decides
 constexpr double kHopeless = 30.0;  // log odds behind a step's best, beyond which no exchange will bring a rival back
-constexpr std::size_t kTried = 6;   // candidates of a step that are cross-validated until one passes
+constexpr std::size_t kFewPoses = 30;
+constexpr std::size_t kTried = 6;  // candidates of a step that are cross-validated until one passes
 constexpr std::uint32_t kBootstrapPurpose = 21;
 
 struct Fold {
@@ -206,7 +207,9 @@ bool Selection::step(PoseFit& fit, PoseSelection& selection) {
       causes.push_back(candidate.cause);
       const CrossValidation after = crossValidate(causes, candidate.z, fit.causes(), fit.z());
       record.gain_inner = pairedGain(before.distances, after.distances, options_.seed);
-      if (record.gain_inner.value < kSmallestGain) {
+      // Few poses let a wrong cause look good by absorbing what the priors do not: then it has to be clear of chance.
+      const double gain = poses_.size() < kFewPoses ? record.gain_inner.lower95 : record.gain_inner.value;
+      if (gain < kSmallestGain) {
         record.outcome = "rejected: no gain on inner validation poses";
       } else {
         record.outcome = "accepted";

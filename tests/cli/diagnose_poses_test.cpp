@@ -21,7 +21,7 @@ TEST_F(DiagnosePoses, WritesAResultAndAModelThatValidates) {
   EXPECT_EQ(result.at("format"), "simgap/diagnose/1");
   EXPECT_TRUE(result.contains("verdict"));
   EXPECT_GT(result.at("baseline").at("noise_floor").get<double>(), 0.0);
-  EXPECT_GT(result.at("detectable").size(), 2u);
+  EXPECT_GE(result.at("detectable").size(), 2u) << "a payload of either body";
   EXPECT_FALSE(result.at("next_experiment").get<std::string>().empty());
   succeed({"validate", "d/model.yaml", "--poses", "poses.csv", "--evaluator", "equilibrium", "-q", "-o", "v"});
 }
