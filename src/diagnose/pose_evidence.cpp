@@ -42,6 +42,14 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+bool hasOtherEquilibria(const ArmModel& model, const Pose& pose) {
+  EquilibriumArm arm(model);
+  arm.setTime(pose.time);
+  if (!arm.solve(pose.shafts).stable) return true;
+  const std::vector<JointPosition> known = arm.joints();
+  return distinctEquilibria(arm, pose.shafts, known).size() > 1;
+}
+
 DataFault fault(std::span<const Pose> poses, const std::vector<std::size_t>& which, std::string_view what) {
   std::vector<std::string> names;
   for (const std::size_t p : which) names.push_back(poses[p].name);
@@ -71,7 +79,7 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   const double far = std::max(kRobustScale, kFarFromOthers * median(distances));
   const double off_usual = kFarFromOthers * median(off);
   faulty.assign(poses.size(), false);
-  std::vector<std::size_t> flipped, stuck;
+  std::vector<std::size_t> flipped, elsewhere, stuck;
   for (std::size_t p = 0; p < poses.size(); ++p) {
     if (distances[p] < far) continue;
     const bool copied = p > 0 && largest(model, poses[p].joints, poses[p - 1].joints) < kCopied * capture_sd;
@@ -80,7 +88,7 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
     if (copied && moved) {
       stuck.push_back(p);
     } else if (off[p] > std::max(kFlippedAngle, off_usual)) {
-      flipped.push_back(p);
+      (hasOtherEquilibria(model, poses[p]) ? elsewhere : flipped).push_back(p);
     } else {
       continue;
     }
@@ -90,6 +98,10 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   for (const std::size_t p : unsolved) faulty[p] = true;
   if (!unsolved.empty()) {
     faults.push_back(fault(poses, unsolved, "the model has no equilibrium near it, so it is left out"));
+    faults.back().corrected = true;
+  }
+  if (!elsewhere.empty()) {
+    faults.push_back(fault(poses, elsewhere, "the arm can rest in several places at this command, and it is left out"));
     faults.back().corrected = true;
   }
   if (!flipped.empty()) {

@@ -18,7 +18,9 @@ constexpr double kClearOdds = 2.0;      // log odds, after paying for the number
 constexpr double kTellApart = 3.5;      // log odds between two causes below which the poses do not tell them apart
 constexpr double kSmallestGain = 0.01;  // of the error on poses a fit has not seen
 constexpr double kTryTolerance = 3e-5;  // of the objective, some 0.01: far below what decides
-constexpr double kHopeless = 30.0;  // log odds behind a step's best, beyond which no exchange will bring a rival back
+constexpr double kHopeless = 30.0;    // log odds behind a step's best, beyond which no exchange will bring a rival back
+constexpr double kSameMinimum = 0.3;  // objectives nearer than this belong to one minimum
+constexpr int kBetterBases = 3;
 constexpr std::size_t kFewPoses = 30;
 constexpr std::size_t kTried = 6;  // candidates of a step that are cross-validated until one passes
 constexpr std::uint32_t kBootstrapPurpose = 21;
@@ -74,6 +76,7 @@ class Selection {
   std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const;
   CrossValidation crossValidate(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z,
                                 const std::vector<PoseCause>& like, const Eigen::VectorXd& z_like) const;
+  bool improveBase(PoseFit& fit, const PoseCandidate& candidate) const;
   double price(const std::vector<PoseHypothesis>& hypotheses) const;
   double pAdjusted(const PoseCandidate& candidate, double tries) const;
   bool step(PoseFit& fit, PoseSelection& selection);
@@ -185,11 +188,24 @@ double Selection::pAdjusted(const PoseCandidate& candidate, double tries) const 
   return std::min(1.0, tries * chiSquaredTail(2.0 * candidate.likelihood, fittedParameters(*candidate.cause.effect)));
 }
 
+/// A hypothesis may have found the way out of a local minimum that had nothing to do with it: then the model without it
+/// goes there too. \returns whether that was better
+bool Selection::improveBase(PoseFit& fit, const PoseCandidate& candidate) const {
+  PoseFit other = refit(fit.causes(), fit, candidate.z.head(fit.z().size()));
+  if (!(other.objective() < fit.objective() - kSameMinimum)) return false;
+  fit = std::move(other);
+  return true;
+}
+
 /// One forward step. \returns whether a cause was accepted
 bool Selection::step(PoseFit& fit, PoseSelection& selection) {
   std::vector<PoseHypothesis> open = openBeside(fit.causes());
   placeSlips(problem_, fit, open);
-  const std::vector<PoseCandidate> candidates = tryAll(fit, open);
+  std::vector<PoseCandidate> candidates = tryAll(fit, open);
+  for (int round = 0; round < kBetterBases && !candidates.empty() && improveBase(fit, candidates.front()); ++round) {
+    candidates = tryAll(fit, open);
+  }
+  if (fit.causes().empty()) selection.z_plain = fit.z();
   const double paid = price(open);
   const std::size_t number = selection.causes.size() + 1;
   const CrossValidation before = crossValidate(fit.causes(), fit.z(), fit.causes(), fit.z());
@@ -296,8 +312,6 @@ void Selection::prune(PoseFit& fit, PoseSelection& selection) {
 PoseSelection Selection::run(const Eigen::VectorXd& start, const std::function<void(std::string_view)>& stage) {
   PoseSelection selection;
   PoseFit fit = settled({}, start);
-  selection.z_plain = fit.z();
-  const CrossValidation plain = crossValidate({}, fit.z(), {}, fit.z());
   do {
     stage(fmt::format("step {}", selection.causes.size() + 1));
   } while (step(fit, selection) && selection.causes.size() < options_.max_causes);
@@ -310,7 +324,7 @@ PoseSelection Selection::run(const Eigen::VectorXd& start, const std::function<v
     return std::accumulate(result.distances.begin(), result.distances.end(), 0.0) / result.expected - 1.0;
   };
   selection.excess = excess(last);
-  selection.excess_plain = excess(plain);
+  selection.excess_plain = excess(crossValidate({}, selection.z_plain, {}, selection.z_plain));
   selection.excess_sd = std::sqrt(2.0 / last.expected);
   return selection;
 }
