@@ -57,7 +57,8 @@ int run(const std::vector<std::string>& argv) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  mallopt(M_MMAP_THRESHOLD, 1 << 18);      // the columns of a log go back to the system as soon as they are freed
+  mallopt(M_MMAP_THRESHOLD, 1 << 18);  // the columns of a log go back to the system as soon as they are freed,
+  mallopt(M_TRIM_THRESHOLD, 1 << 26);  // the small ones of chunks stay, or every chunk would fault its pages in anew
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' log; what matters of it is in its summaries
   simgap::installInterruptHandlers();
   return run({argv, argv + argc});

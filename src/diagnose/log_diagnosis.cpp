@@ -314,6 +314,15 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
   const LogSearch search(*subject.law, log.data, split.training, options);
   if (!open()) {
     const Fitted first = search.fit(subject.effects, nullptr);
+    DriveData backwards = log.data;
+    backwards.rows.direction *= -1.0;
+    const DriveRegression mirror(*subject.law, subject.effects, backwards, 1.0);
+    Eigen::VectorXd flipped;
+    mirror.evaluate(mirror.startFrom(*first.model, first.theta), flipped, nullptr);
+    if (const std::size_t rows = takeOutUndecided(log, residualOf(first), flipped); rows > 0) {
+      d.warnings.push_back(
+          fmt::format("{} rows near rest were left out: their direction of motion cannot be decided", rows));
+    }
     for (const DataFault& fault : takeOutSpikes(log, residualOf(first))) d.faults.push_back(fault);
   }
   if (open() && !options.ignore_faults) {

@@ -16,6 +16,7 @@ using Eigen::Index;
 
 constexpr double kFewSpikes = 0.01;  // share of the rows that may be taken out without a verdict
 constexpr double kSpike = 8.0;       // in robust standard deviations
+constexpr double kUndecided = 4.0;   // likewise
 
 struct NamedChannel {
   std::string name;
@@ -143,6 +144,18 @@ void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   }
 }
 
+/// From the median size of the rows that count.
+double robustDeviation(const Eigen::VectorXd& residual) {
+  std::vector<double> sizes;
+  for (Index i = 0; i < residual.size(); ++i) {
+    if (residual[i] != 0.0) sizes.push_back(std::abs(residual[i]));
+  }
+  if (sizes.empty()) return 0.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return *middle / 0.6745;
+}
+
 }  // namespace
 
 std::vector<DataFault> findFaults(const PreparedLog& log) {
@@ -159,16 +172,21 @@ std::vector<DataFault> findFaults(const PreparedLog& log) {
   return faults;
 }
 
+std::size_t takeOutUndecided(PreparedLog& log, const Eigen::VectorXd& residual, const Eigen::VectorXd& flipped) {
+  const double limit = kUndecided * robustDeviation(residual);
+  std::size_t rows = 0;
+  for (Index i = 0; i < residual.size(); ++i) {
+    const bool between = residual[i] * flipped[i] < 0.0;
+    if (!between || std::abs(residual[i]) < limit || std::abs(log.data.rows.speed[i]) > log.dead_band) continue;
+    log.data.keep[static_cast<std::size_t>(i)] = false;
+    ++rows;
+  }
+  return rows;
+}
+
 std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual) {
   const DriveRows& rows = log.data.rows;
-  std::vector<double> sizes;
-  for (Index i = 0; i < residual.size(); ++i) {
-    if (residual[i] != 0.0) sizes.push_back(std::abs(residual[i]));
-  }
-  if (sizes.size() < 100) return {};
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  const double limit = kSpike * *middle / 0.6745;
+  const double limit = kSpike * robustDeviation(residual);
   std::vector<Index> spikes;
   for (Index i = 2; i + 2 < residual.size(); ++i) {
     if (std::abs(residual[i]) <= limit || std::abs(rows.speed[i]) < 3.0 * log.dead_band) continue;
@@ -184,7 +202,8 @@ std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& re
                           "outliers",
                           spikes.size(), kSpike),
               spikes.front(), spikes.back(), spikes.size());
-  fault.corrected = static_cast<double>(spikes.size()) <= kFewSpikes * static_cast<double>(sizes.size());
+  fault.corrected =
+      static_cast<double>(spikes.size()) <= kFewSpikes * static_cast<double>((residual.array() != 0.0).count());
   if (fault.corrected) {
     fault.sentence += "; they were left out";
     for (const Index i : spikes) log.data.keep[static_cast<std::size_t>(i)] = false;

@@ -67,6 +67,25 @@ ArrayXd restOf(const DriveRows& rows, double dead_band) {
   return rest;
 }
 
+/// Where a reversal lies within the dead band is a guess of some rows, and under load the wrong sign is the largest
+/// error there is: rows within the band do not count for some time before the first row that clearly moves the other
+/// way.
+void leaveOutUncertainReversals(const DriveRows& rows, double dead_band, std::vector<bool>& keep) {
+  constexpr double kUncertain = 0.3;  // [s]
+  const auto most = static_cast<Index>(std::ceil(kUncertain / rows.step));
+  double last_side = 0.0;
+  Index last = -1;
+  for (Index i = 0; i < rows.rows(); ++i) {
+    if (std::abs(rows.speed[i]) <= dead_band) continue;
+    const double side = rows.speed[i] > 0.0 ? 1.0 : -1.0;
+    if (last_side != 0.0 && side != last_side && rows.direction[i] == side) {
+      for (Index k = std::max(last + 1, i - most); k < i; ++k) keep[static_cast<std::size_t>(k)] = false;
+    }
+    last_side = side;
+    last = i;
+  }
+}
+
 double medianStep(const DriveRows& rows) {
   std::vector<double> steps;
   for (Index i = 1; i < rows.rows(); ++i) {
@@ -137,6 +156,7 @@ PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const Dr
   const auto first = std::find_if(rows.direction.begin(), rows.direction.end(), [](double d) { return d != 0.0; });
   std::fill(rows.direction.begin(), first, first != rows.direction.end() ? *first : 1.0);
   rows.step = medianStep(rows);
+  leaveOutUncertainReversals(rows, log.dead_band, data.keep);
   rows.top_speed = rows.speed.abs().maxCoeff();
   rows.top_load = rows.load.abs().maxCoeff();
   rows.acceleration =

@@ -1,8 +1,10 @@
 #include "simgap/report/arm_geometry.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "simgap/core/csv.h"
+#include "simgap/model/arm_effect.h"
 #include "simgap/model/kinematics.h"
 
 namespace simgap {
@@ -66,6 +68,41 @@ void addBodies(const ReplayedSet& replay, const std::string& pose, const char* s
   }
 }
 
+/// The shortest line between two points round a sphere, both as vectors from its centre: from, points on the arc, to.
+std::vector<Eigen::Vector3d> bentLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius) {
+  constexpr int kArcPoints = 7;
+  const Eigen::Vector3d e = from.normalized();
+  const Eigen::Vector3d across = (to - e * e.dot(to)).normalized();
+  const double first = std::acos(radius / from.norm());
+  const double last = std::atan2(across.dot(to), e.dot(to)) - std::acos(radius / to.norm());
+  std::vector<Eigen::Vector3d> points{from};
+  for (int k = 0; k < kArcPoints; ++k) {
+    const double angle = first + (last - first) * k / (kArcPoints - 1);
+    points.push_back(radius * (std::cos(angle) * e + std::sin(angle) * across));
+  }
+  points.push_back(to);
+  return points;
+}
+
+/// The points a muscle's line runs through: its attachments and, where it wraps round a joint, the arc.
+std::vector<Eigen::Vector3d> lineOf(const ArmModel& model, std::size_t m, const std::vector<BodyInWorld>& bodies) {
+  const Muscle& muscle = model.muscles[m];
+  std::vector<Eigen::Vector3d> points;
+  for (const Attachment& a : muscle.attachments) points.push_back(bodies[static_cast<std::size_t>(a.body)] * a.point);
+  for (const ArmExtension& extension : resolveExtensions(model)) {
+    if (extension.effect->path == nullptr || !extension.on(static_cast<int>(m))) continue;
+    const auto which = static_cast<std::size_t>(extension.p[1]) - 1;
+    const Joint& joint = model.joints[static_cast<std::size_t>(jointsCrossed(model, muscle)[which])];
+    const Eigen::Vector3d centre = bodies[static_cast<std::size_t>(joint.child)] * joint.child_position;
+    BentPath bent;
+    if (!extension.effect->path(extension.p, points.front() - centre, points.back() - centre, bent)) continue;
+    points = bentLine(points.front() - centre, points.back() - centre, extension.p[0]);
+    for (Eigen::Vector3d& point : points) point += centre;
+    break;
+  }
+  return points;
+}
+
 /// At rest a cord pulls with its stiffness alone: T = k (L_S - L_SR).
 void addMuscles(const ReplayedSet& replay, const std::string& pose, const PoseOutcome& outcome,
                 const std::vector<BodyInWorld>& bodies, CsvWriter& csv) {
@@ -73,10 +110,10 @@ void addMuscles(const ReplayedSet& replay, const std::string& pose, const PoseOu
     const Muscle& muscle = replay.model.muscles[m];
     const ShockCord& cord = muscle.shock_cord;
     const double tension = cord.force(cord.rest_length * (1.0 + outcome.cord_expansion[m]), 0.0);
-    for (std::size_t p = 0; p < muscle.attachments.size(); ++p) {
-      const Attachment& attachment = muscle.attachments[p];
+    const std::vector<Eigen::Vector3d> line = lineOf(replay.model, m, bodies);
+    for (std::size_t p = 0; p < line.size(); ++p) {
       csv.add(replay.set).add(pose).add(replay.state).add(muscle.name).add(static_cast<double>(p));
-      add(csv, bodies[static_cast<std::size_t>(attachment.body)] * attachment.point);
+      add(csv, line[p]);
       csv.add(tension).endRow();
     }
   }

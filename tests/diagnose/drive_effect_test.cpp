@@ -90,7 +90,8 @@ TEST_P(DriveEffectContract, NeutralValuesChangeNothing) {
   std::vector<double> theta = middle(model, data().rows);
   for (std::size_t k = 0; k < effect.columns.size(); ++k) theta[model.firstColumn(0) + k] = 0.0;
   for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
-    if (effect.parameters[k].kind == EffectParameter::Kind::kSmooth) {
+    // A bristle's travel is a shape, yet none at all is no bristle.
+    if (effect.parameters[k].kind == EffectParameter::Kind::kSmooth || effect.parameters.size() == 1) {
       theta[model.firstParameter(0) + k] = std::max(effect.parameters[k].neutral, effect.parameters[k].lower);
     }
   }

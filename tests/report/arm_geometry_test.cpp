@@ -87,6 +87,28 @@ TEST_F(ArmGeometry, DrawsMusclesWhereTheySimulatedWithTheirTension) {
   EXPECT_NEAR(muscles.quantity("tension", "N")[0], 1000.0 * 0.3 * 0.1, 1e-9);  // k L_SR expansion
 }
 
+// Ends 1 m and 0.5 m from the hinge, a right angle apart: a line round a sphere of 0.48 m touches it, since
+// acos(0.48) + acos(0.96) is less than 90°.
+TEST_F(ArmGeometry, BendsMusclesRoundTheJointsTheyWrap) {
+  constexpr double kRadius = 0.48;
+  ArmModel model = hinge();
+  model.extensions = {{"muscle-wrap", "cord", {{"radius", "m", kRadius, 0.0}, {"joint", "1", 1.0, 0.0}}}};
+  const ReplayedSet replay{"replayed", "simulated", model, poses_, judged_};
+  writeArmGeometry({&replay, 1}, folder_.directory());
+  const CsvTable muscles = table("arm_muscles.csv");
+  const std::vector<double> y = muscles.quantity("y", "m"), z = muscles.quantity("z", "m");
+  ASSERT_GT(y.size(), 4u);
+  double length = 0.0;
+  for (std::size_t i = 1; i < y.size(); ++i) {
+    length += std::hypot(y[i] - y[i - 1], z[i] - z[i - 1]);
+    if (i + 1 < y.size()) {
+      EXPECT_NEAR(std::hypot(y[i], z[i] - 1.0), kRadius, 1e-12);
+    }
+  }
+  const double arc = std::numbers::pi / 2 - std::acos(0.48) - std::acos(0.96);
+  EXPECT_NEAR(length, std::sqrt(1.0 - 0.48 * 0.48) + std::sqrt(0.25 - 0.48 * 0.48) + kRadius * arc, 1e-4);
+}
+
 TEST_F(ArmGeometry, ShapesTheBodiesWithBallsAtTheJoints) {
   const CsvTable parts = table("arm_parts.csv");
   EXPECT_THAT(parts.text("part"), ElementsAre("bone", "hinge"));
