@@ -12,6 +12,7 @@
 #include "pose_score.h"
 #include "pose_selection.h"
 #include "pose_self_test.h"
+#include "pose_validation.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/error.h"
 
@@ -55,11 +56,6 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / std::max(1.0, static_cast<double>(values.size()));
 }
 
-std::vector<double> weighted(std::vector<double> errors, const std::vector<double>& weights) {
-  for (std::size_t p = 0; p < errors.size(); ++p) errors[p] *= weights[p];
-  return errors;
-}
-
 Interval intervalOf(const ExtensionParameter& p) {
   const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
   return {p.value, p.value - half, p.value + half};
@@ -87,8 +83,7 @@ class Diagnosing {
   }
   Eigen::VectorXd fitPlain();
   [[noreturn]] void failForPoses(std::size_t found) const;
-  void measureGain();
-  void dropUnconfirmed();
+  void measureGain(const PoseProblem& without);
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
   void decide();
@@ -142,16 +137,14 @@ void Diagnosing::failForPoses(std::size_t found) const {
 }
 
 /// Errors on the poses held out, without causes and with ever more of them.
-void Diagnosing::measureGain() {
+void Diagnosing::measureGain(const PoseProblem& without) {
   Diagnosis& d = result_.diagnosis;
-  PoseFit plain(problem_, split_.selection, {});
+  PoseFit plain(without, split_.selection, {});
+  plain.posterior().whiten(selection_.z_plain);
   plain.setSolution(selection_.z_plain);
-  const std::vector<double> weights = precisionWeights(problem_, selection_.z_plain, split_.heldout);
-  const std::vector<double> fit_weights = precisionWeights(problem_, selection_.z_plain, split_.selection);
-  const auto errors = [&](const ArmModel& model) { return weighted(squaredErrors(model, split_.heldout), weights); };
-  const auto fit_error = [&](const ArmModel& model) {
-    return mean(weighted(squaredErrors(model, split_.selection), fit_weights));
-  };
+  const PoseErrors heldout(without, plain, split_.heldout), fitted(without, plain, split_.selection);
+  const auto errors = [&](const ArmModel& model) { return heldout.of(model); };
+  const auto fit_error = [&](const ArmModel& model) { return mean(fitted.of(model)); };
   d.baseline.mse = fit_error(plain.model());
   const std::vector<double> before = errors(plain.model());
   d.baseline.mse_heldout = mean(before);
@@ -169,22 +162,6 @@ void Diagnosing::measureGain() {
     d.extended = {fit_error(fit.model()), mean(now)};
     last = now;
   }
-}
-
-/// Causes that make poses worse which took no part in their choice are none, however well they fitted the others.
-void Diagnosing::dropUnconfirmed() {
-  Diagnosis& d = result_.diagnosis;
-  const bool confirmed =
-      std::ranges::any_of(d.causes, [](const Cause& cause) { return cause.gain_heldout.upper95 > 0.0; });
-  if (d.causes.empty() || split_.heldout.empty() || confirmed) return;
-  for (const AcceptedCause& cause : selection_.causes) {
-    d.warnings.push_back(cause.cause.label() + " fits the poses of the selection, but makes those held out worse");
-  }
-  d.causes.clear();
-  d.extended = d.baseline;
-  selection_.causes.clear();
-  selection_.z = selection_.z_plain;
-  selection_.excess = selection_.excess_plain;
 }
 
 void Diagnosing::fillCauses() {
@@ -277,13 +254,15 @@ PoseDiagnosis Diagnosing::run() {
   hypotheses_ = poseHypotheses(problem_.nominal, split_.all, options_.effects, d.not_testable);
   selection_ = selectCauses(problem_, split_.selection, hypotheses_, start, options_,
                             [this](std::string_view what) { say(what); });
+  PoseProblem without = problem_;
+  without.stray_friction = selection_.stray_plain;
+  problem_.stray_friction = selection_.stray;
   d.hypotheses = selection_.records;
   fillCauses();
   say("gain on held-out poses");
-  measureGain();
-  dropUnconfirmed();
+  measureGain(without);
 
-  PoseFit plain(problem_, split_.all, {});
+  PoseFit plain(without, split_.all, {});
   plain.posterior().whiten(selection_.z_plain);
   plain.descend(selection_.z_plain);
   PoseFit fit(problem_, split_.all, causesOf(selection_, selection_.causes.size()));

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "simgap/model/kinematics.h"
@@ -17,6 +18,7 @@ constexpr double kFlippedAngle = 35.0 * kDegree;  // marker confusion turns a fr
 constexpr double kFarFromOthers = 4.0;            // times the median distance
 constexpr double kCopied = 6.0;                   // capture sd between two recordings of a joint that did not move
 constexpr double kShouldMove = 12.0 * kDegree;
+constexpr double kUnpredictable = 100.0;  // [deg^2] variance of a pose that says nothing of a model
 constexpr std::size_t kBins = 5;
 
 /// Positions that the model predicts where the poses were measured; empty where it has none.
@@ -147,18 +149,35 @@ std::vector<double> variances(PosePosterior& posterior) {
 
 }  // namespace
 
-std::vector<double> precisionWeights(const PoseProblem& problem, const Eigen::VectorXd& z,
-                                     std::span<const Pose> poses) {
-  PoseFit fit(problem, poses, {});
-  fit.posterior().whiten(z);
-  std::vector<double> weights;
-  double sum = 0.0;
-  for (const double variance : variances(fit.posterior())) {
-    weights.push_back(1.0 / variance);
-    sum += weights.back();
+PoseErrors::PoseErrors(const PoseProblem& problem, PoseFit& fit, std::span<const Pose> poses) : poses_(poses) {
+  PoseFit there(problem, poses, fit.causes());
+  there.posterior().whiten(fit.z());
+  variances_ = variances(there.posterior());
+  const Eigen::LLT<Eigen::MatrixXd> curvature(fit.curvature());
+  const std::vector<PoseResidual>& residuals = there.posterior().evaluate(fit.z(), true);
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (!residuals[p].valid) variances_[p] = std::numeric_limits<double>::infinity();
+    if (!residuals[p].valid) continue;
+    const Eigen::MatrixXd jacobian = there.posterior().whitening(p).inverse() * residuals[p].jacobian;
+    variances_[p] += curvature.matrixL().solve(jacobian.transpose()).squaredNorm() /
+                     (kDegree * kDegree * static_cast<double>(there.posterior().model().joints.size()));
   }
-  for (double& weight : weights) weight *= static_cast<double>(weights.size()) / sum;
-  return weights;
+  double precision = 0.0;
+  for (const double variance : variances_) {
+    if (variance > kUnpredictable) continue;
+    precision += 1.0 / variance;
+    ++counted_;
+  }
+  typical_ = counted_ > 0 ? static_cast<double>(counted_) / precision : 0.0;
+}
+
+std::vector<double> PoseErrors::of(const ArmModel& model) const {
+  const std::vector<double> squared = squaredErrors(model, poses_);
+  std::vector<double> errors;
+  for (std::size_t p = 0; p < squared.size(); ++p) {
+    if (variances_[p] <= kUnpredictable) errors.push_back(typical_ * robustLoss(squared[p] / variances_[p]));
+  }
+  return errors;
 }
 
 double poseNoiseFloor(PoseFit& fit) {
