@@ -44,12 +44,17 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-bool hasOtherEquilibria(const ArmModel& model, const Pose& pose) {
-  EquilibriumArm arm(model);
-  arm.setTime(pose.time);
-  if (!arm.solve(pose.shafts).stable) return true;
-  const std::vector<JointPosition> known = arm.joints();
-  return distinctEquilibria(arm, pose.shafts, known).size() > 1;
+/// What gravity and muscles would do to the arm where it was measured [N m].
+std::vector<double> torquesAt(const ArmModel& model, std::span<const Pose> poses) {
+  PotentialEnergy energy(model);
+  std::vector<double> torques;
+  for (const Pose& pose : poses) {
+    energy.setTime(pose.time);
+    energy.setShafts(pose.shafts);
+    energy.evaluate(pose.joints);
+    torques.push_back(energy.gradient().norm());
+  }
+  return torques;
 }
 
 DataFault fault(std::span<const Pose> poses, const std::vector<std::size_t>& which, std::string_view what) {
@@ -80,8 +85,10 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   }
   const double far = std::max(kRobustScale, kFarFromOthers * median(distances));
   const double off_usual = kFarFromOthers * median(off);
+  const std::vector<double> torques = torquesAt(model, poses);
+  const double pushed = kFarFromOthers * median(torques);  // no model is wrong by that
   faulty.assign(poses.size(), false);
-  std::vector<std::size_t> flipped, elsewhere, stuck;
+  std::vector<std::size_t> flipped, soft, stuck;
   for (std::size_t p = 0; p < poses.size(); ++p) {
     if (distances[p] < far) continue;
     const bool copied = p > 0 && largest(model, poses[p].joints, poses[p - 1].joints) < kCopied * capture_sd;
@@ -90,7 +97,7 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
     if (copied && moved) {
       stuck.push_back(p);
     } else if (off[p] > std::max(kFlippedAngle, off_usual)) {
-      (hasOtherEquilibria(model, poses[p]) ? elsewhere : flipped).push_back(p);
+      (torques[p] > pushed ? flipped : soft).push_back(p);
     } else {
       continue;
     }
@@ -102,8 +109,10 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
     faults.push_back(fault(poses, unsolved, "the model has no equilibrium near it, so it is left out"));
     faults.back().corrected = true;
   }
-  if (!elsewhere.empty()) {
-    faults.push_back(fault(poses, elsewhere, "the arm can rest in several places at this command, and it is left out"));
+  if (!soft.empty()) {
+    faults.push_back(fault(poses, soft,
+                           "hardly anything holds the arm where the model rests at this command, so that small errors "
+                           "carry it far; left out"));
     faults.back().corrected = true;
   }
   if (!flipped.empty()) {

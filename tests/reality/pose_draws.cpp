@@ -111,10 +111,13 @@ void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
     muscle.wrap_link = number >= 9 ? 1 : 0;  // brachialis and triceps cross the elbow only
     muscle.wrap_radius = std::min(m, 0.97 * nearerEnd(arm, muscle, muscle.wrap_link));
     cause.magnitude = muscle.wrap_radius;
+    cause.parameters = {muscle.wrap_radius};
   } else if (cause.effect == "spindle-coiling") {
     forMuscles([&](Muscle& muscle) { muscle.coiling = m * muscle.spindle_radius; });
+    cause.parameters = {m};
   } else if (cause.effect == "cord-hardening") {
     forMuscles([&](Muscle& muscle) { muscle.hardening = m; });
+    cause.parameters = {m};
   } else if (cause.effect == "cord-creep") {
     session.creeping = number;
     session.creep = m;
@@ -123,13 +126,16 @@ void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
     session.slip = draws.sign() * m;
     cause.moment = session.slip_time = draws.uniform(0.3, 0.7) * kSession;
     cause.magnitude = session.slip;
+    cause.parameters = {session.slip};
   } else if (cause.effect == "gravity-tilt") {
     const double heading = draws.uniform(0.0, 2.0 * M_PI);
+    cause.parameters = {m * std::cos(heading), m * std::sin(heading)};
     arm.gravity = Eigen::AngleAxisd(m, Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.0)) * arm.gravity;
   } else if (cause.effect == "payload") {
     Part load;
     load.mass = m;
     load.position = {0.0, 0.01, -draws.uniform(0.12, 0.22)};
+    cause.parameters = {m, load.position.norm()};
     arm.links[std::size_t(number)].parts.push_back(load);
   } else if (cause.effect == "passive-joint-torque") {
     Link& link = arm.links[std::size_t(number)];
@@ -138,16 +144,21 @@ void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
     } else {
       link.stop = m;
       link.stop_from = draws.uniform(0.5, 0.9);
+      cause.parameters = {m, link.stop_from};
     }
   } else if (cause.effect == "joint-stiction") {
     session.sticking[std::size_t(number)] = m;
+    cause.parameters = {m};
   } else if (cause.effect == "marker-frame-offset") {
     // A turn of the forearm's markers shows about the elbow's axis only.
     Eigen::Vector3d axis = draws.direction();
     if (cause.target == "link2") axis = (Eigen::Vector3d(3.0 * draws.sign(), 0, 0) + axis).normalized();
     session.turned.push_back({cause.target == "torso" ? kTorso : number, m * axis});
+    cause.parameters = {m * axis.x(), m * axis.y(), m * axis.z()};
   } else if (cause.effect == "joint-centre-offset") {
-    arm.links[std::size_t(number)].joint_in_parent += m * draws.direction();
+    const Eigen::Vector3d shift = m * draws.direction();
+    cause.parameters = {shift.x(), shift.y(), shift.z()};
+    arm.links[std::size_t(number)].joint_in_parent += shift;
   } else {
     throw std::runtime_error("no such cause: " + cause.effect);
   }

@@ -17,6 +17,8 @@ struct HiddenCause {
   std::string target;      ///< as in the model file; empty: the whole
   double magnitude = 0.0;  ///< in the unit of the law that hides it
   double moment = 0.0;     ///< of a slip [s]
+  /// The same as the fitted parameters of the catalogue's effect; empty where its law is another one.
+  std::vector<double> parameters = {};
 };
 
 struct TimedPose {
