@@ -187,7 +187,7 @@ void Diagnosing::fillAbsorption(PoseFit& plain, PoseFit& fit) {
   }
   std::ranges::stable_sort(absorbed, std::greater<>(), [](const Absorption& a) { return std::abs(a.shift_sd); });
   if (absorbed.size() > 5) absorbed.resize(5);
-  if (!result_.diagnosis.causes.empty()) result_.diagnosis.causes.front().absorbed_by = absorbed;
+  if (!result_.diagnosis.causes.empty()) result_.diagnosis.causes.back().absorbed_by = absorbed;
 }
 
 void Diagnosing::decide() {
@@ -206,9 +206,12 @@ void Diagnosing::decide() {
     d.sentence = d.faults.front().sentence;
   } else if (!selection_.causes.empty() && !large_group) {
     d.verdict = group ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
-    d.sentence =
-        fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
-                    selection_.causes.size() == 1 ? "takes away" : "take away", 100.0 * gain, split_.heldout.size());
+    const bool one = selection_.causes.size() == 1;
+    d.sentence = gain > 0.0
+                     ? fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
+                                   one ? "takes away" : "take away", 100.0 * gain, split_.heldout.size())
+                     : fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it",
+                                   names, one ? "makes" : "make", split_.heldout.size());
   } else if (large_group) {
     d.verdict = DiagnosisVerdict::kUnexplained;
     d.sentence = fmt::format("something like {} is there, but these poses do not tell it from {} other causes", names,

@@ -292,14 +292,15 @@ std::vector<EvidenceBin> poseEvidence(PoseFit& before, PoseFit& after) {
     Eigen::Index first = 0;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const auto at = static_cast<std::size_t>(c);
-      addBins(bins, fmt::format("error of {} [deg] against {}", joints[j].name, old.names[at]), old.values.col(c),
-              errorOf(old, j, first), errorOf(now, j, first));
+      addBins(bins,
+              fmt::format("error of {} [deg] against {}{}", joints[j].name, old.names[at], at > 0 ? " [rad]" : ""),
+              old.values.col(c), errorOf(old, j, first), errorOf(now, j, first));
       first += joints[j].degreesOfFreedom();
     }
   }
   for (Eigen::Index m = 0; m < old.missing.cols(); ++m) {
     const Eigen::Index c = 1 + std::ssize(joints) + m;
-    addBins(bins, fmt::format("missing tension [N] against {}", old.names[static_cast<std::size_t>(c)]),
+    addBins(bins, fmt::format("missing tension [N] against {} [N]", old.names[static_cast<std::size_t>(c)]),
             old.values.col(c), old.missing.col(m), now.missing.col(m));
   }
   return bins;

@@ -13,8 +13,8 @@
 namespace simgap {
 namespace {
 
-constexpr double kClearOdds = 2.0;      // log odds that a cause must reach
-constexpr double kSureOdds = 8.0;       // from which a small gain on unseen poses is enough, as long as it may be one
+constexpr double kClearOdds = 1.0;      // log odds that a cause must reach
+constexpr double kSureOdds = 3.0;       // from which a small gain on unseen poses is enough, as long as it may be one
 constexpr double kTellApart = 3.5;      // log odds between two causes below which the poses do not tell them apart
 constexpr double kSmallestGain = 0.01;  // of the error on poses a fit has not seen
 constexpr double kTryTolerance = 3e-5;  // of the objective, some 0.01: far below what decides
