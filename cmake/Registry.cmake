@@ -1,10 +1,11 @@
-# A registry is written from a folder: every file NAME.cpp in it must define
+# A registry is written from one or more folders: every file NAME.cpp in it must define
 #     namespace simgap::<NAMESPACE> { extern const <TYPE> NAME; }
 # and the generated file defines   std::span<const TYPE* const> simgap::<NAMESPACE>::all().
 # Adding an entry is adding one file; the linker cannot drop it, because the generated table names it.
 function(simgap_registry target)
-  cmake_parse_arguments(arg "" "FOLDER;TYPE;HEADER;NAMESPACE" "" ${ARGN})
-  file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/${arg_FOLDER}/*.cpp)
+  cmake_parse_arguments(arg "" "TYPE;HEADER;NAMESPACE" "FOLDER" ${ARGN})
+  list(TRANSFORM arg_FOLDER REPLACE "(.+)" "${CMAKE_SOURCE_DIR}/\\1/*.cpp" OUTPUT_VARIABLE patterns)
+  file(GLOB files CONFIGURE_DEPENDS ${patterns})
   set(declarations "")
   set(entries "")
   foreach(file ${files})

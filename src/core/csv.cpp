@@ -11,6 +11,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "csv_cells.h"
 #include "simgap/core/error.h"
@@ -190,8 +191,7 @@ class CsvParser {
     result.text_ = text_;
     for (Column& column : columns_) {
       const bool number = column.kind == Kind::kNumber;
-      result.numbers_.push_back(number ? std::make_shared<const std::vector<double>>(std::move(column.numbers))
-                                       : nullptr);
+      result.numbers_.push_back(number ? std::make_shared<std::vector<double>>(std::move(column.numbers)) : nullptr);
     }
     return result;
   }
@@ -231,7 +231,7 @@ bool CsvTable::hasQuantity(std::string_view stem, std::string_view unit) const {
   return !matchQuantity(headers_, stem, unit).empty();
 }
 
-std::vector<double> CsvTable::quantity(std::string_view stem, std::string_view unit) const {
+QuantityMatch CsvTable::matched(std::string_view stem, std::string_view unit) const {
   const std::vector<QuantityMatch> matches = matchQuantity(headers_, stem, unit);
   if (matches.empty()) failMissing(stem, unit);
   if (matches.size() > 1) {
@@ -239,16 +239,31 @@ std::vector<double> CsvTable::quantity(std::string_view stem, std::string_view u
               fmt::format("found both {} and {}, expected only one of them", headers_[matches[0].index],
                           headers_[matches[1].index]));
   }
-  const auto& [column, _, conversion] = matches[0];
-  if (rows_ == 0) return {};
   // A column is text because its first cell is empty or no number, so that cell is the one to blame.
-  if (!numbers_[column]) failCell(0, column);
-  std::vector<double> values = *numbers_[column];
+  if (rows_ > 0 && !numbers_[matches[0].index]) failCell(0, matches[0].index);
+  return matches[0];
+}
+
+std::vector<double> CsvTable::converted(std::vector<double> values, const QuantityMatch& match) const {
   const auto bad = std::ranges::find_if(values, [](double value) { return std::isnan(value); });
-  if (bad != values.end()) failCell(static_cast<std::size_t>(bad - values.begin()), column);
+  if (bad != values.end()) failCell(static_cast<std::size_t>(bad - values.begin()), match.index);
   // Adding an offset of 0 would turn -0 into 0.
-  if (!conversion.isIdentity()) std::ranges::transform(values, values.begin(), conversion);
+  if (!match.conversion.isIdentity()) std::ranges::transform(values, values.begin(), match.conversion);
   return values;
+}
+
+std::vector<double> CsvTable::quantity(std::string_view stem, std::string_view unit) const {
+  const QuantityMatch match = matched(stem, unit);
+  if (rows_ == 0) return {};
+  return converted(*numbers_[match.index], match);
+}
+
+std::vector<double> CsvTable::takeQuantity(std::string_view stem, std::string_view unit) {
+  const QuantityMatch match = matched(stem, unit);
+  if (rows_ == 0) return {};
+  std::shared_ptr<std::vector<double>>& column = numbers_[match.index];
+  if (column.use_count() > 1) return converted(*column, match);
+  return converted(std::move(*std::exchange(column, nullptr)), match);
 }
 
 std::vector<std::string> CsvTable::text(std::string_view name) const {

@@ -22,6 +22,7 @@ void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) 
   const Eigen::ArrayXd factor = (1.0 + p[0] * u + p[1] * u.square()).max(0.02);
   terms.dry *= factor;
   terms.viscous *= factor;
+  if (terms.pressure.size() > 0) terms.pressure *= factor;
 }
 
 void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*terms*/,

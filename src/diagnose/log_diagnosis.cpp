@@ -17,12 +17,14 @@ namespace simgap {
 namespace {
 
 /// Why an effect cannot be tested on this log; empty when it can.
-std::string missingFor(const DriveEffect& effect, const FrictionLaw& law, const DriveData& data,
+std::string missingFor(const DriveEffect& effect, const DriveBase& base, const DriveData& data,
                        const std::vector<const DriveEffect*>& own) {
   for (const Channel channel : effect.needs) {
     if (!data.has(channel)) return fmt::format("needs {}", toString(channel));
   }
   if (std::ranges::find(own, &effect) != own.end()) return "the model already contains it";
+  if (base.law == nullptr) return {};
+  const FrictionLaw& law = *base.law;
   const auto hasTerm = [&](FrictionBasis basis, FrictionShape shape) {
     return std::ranges::any_of(law.terms, [&](const FrictionTerm& t) { return t.basis == basis && t.shape == shape; });
   };
@@ -47,8 +49,9 @@ std::vector<Hypothesis> namedHypotheses(const DriveSubject& subject, const Drive
                                         const LogDiagnosisOptions& options, Diagnosis& diagnosis) {
   std::vector<Hypothesis> list;
   for (const DriveEffect* effect : drive_effects::all()) {
+    if (!appliesTo(*effect, subject.base.kind)) continue;
     if (!options.effects.empty() && std::ranges::find(options.effects, effect->name) == options.effects.end()) continue;
-    const std::string reason = missingFor(*effect, *subject.law, data, subject.effects);
+    const std::string reason = missingFor(*effect, subject.base, data, subject.effects);
     if (reason.empty()) {
       list.push_back({effect, {}, {}});
     } else {
@@ -59,16 +62,7 @@ std::vector<Hypothesis> namedHypotheses(const DriveSubject& subject, const Drive
 }
 
 /// A dependence on each further channel, and on the product of any two channels.
-std::vector<Hypothesis> unnamedHypotheses(PreparedLog& log) {
-  const auto add = [&](const std::string& name, const Eigen::ArrayXd& values) {
-    const double mean = values.mean(), sd = std::sqrt((values - mean).square().mean());
-    if (!(sd > 0.0)) return;
-    log.context.push_back({name, values});
-    log.data.rows.context.push_back((values - mean) / sd);
-  };
-  add("motor_velocity", log.data.rows.speed);
-  add("external_torque", log.data.rows.load);
-  add("time", log.data.rows.time);
+std::vector<Hypothesis> unnamedHypotheses(const PreparedLog& log) {
   std::vector<Hypothesis> list;
   for (std::size_t a = 0; a < log.context.size(); ++a) {
     list.push_back({&kChannelDependence, log.context[a].name, {0.0, 0.0, static_cast<double>(a), -1.0}});
@@ -256,6 +250,7 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
     for (const std::string& other : cause.ambiguous_with) {
       text += fmt::format("; and {}", drive_effects::find(other).separates);
     }
+    if (log.data.rows.top_load == 0.0) return text + ".";
     return text + fmt::format(" ({:.0f} min at loads up to {:.3g} {} would do).", std::max(2.0, 0.2 * minutes),
                               log.data.rows.top_load, log.data.load_unit);
   }
@@ -311,17 +306,19 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
   const std::vector<Hypothesis> named = namedHypotheses(subject, log.data, options, d);
   const std::vector<Hypothesis> unnamed = unnamedHypotheses(log);
   const Split split = splitLog(log, options);
-  const LogSearch search(*subject.law, log.data, split.training, options);
+  const LogSearch search(subject.base, log.data, split.training, options);
   if (!open()) {
     const Fitted first = search.fit(subject.effects, nullptr);
-    DriveData backwards = log.data;
-    backwards.rows.direction *= -1.0;
-    const DriveRegression mirror(*subject.law, subject.effects, backwards, 1.0);
-    Eigen::VectorXd flipped;
-    mirror.evaluate(mirror.startFrom(*first.model, first.theta), flipped, nullptr);
-    if (const std::size_t rows = takeOutUndecided(log, residualOf(first), flipped); rows > 0) {
-      d.warnings.push_back(
-          fmt::format("{} rows near rest were left out: their direction of motion cannot be decided", rows));
+    if (subject.base.law != nullptr) {
+      DriveData backwards = log.data;
+      backwards.rows.direction *= -1.0;
+      const DriveRegression mirror(subject.base, subject.effects, backwards, 1.0);
+      Eigen::VectorXd flipped;
+      mirror.evaluate(mirror.startFrom(*first.model, first.theta), flipped, nullptr);
+      if (const std::size_t rows = takeOutUndecided(log, residualOf(first), flipped); rows > 0) {
+        d.warnings.push_back(
+            fmt::format("{} rows near rest were left out: their direction of motion cannot be decided", rows));
+      }
     }
     for (const DataFault& fault : takeOutSpikes(log, residualOf(first))) d.faults.push_back(fault);
   }

@@ -103,6 +103,7 @@ std::vector<EvidenceChannel> evidenceChannels(const PreparedLog& log) {
   ArrayXd session(rows.rows());
   for (Index i = 0; i < rows.rows(); ++i) session[i] = rows.session[static_cast<std::size_t>(i)];
   channels.push_back({"session", session});
+  std::erase_if(channels, [](const EvidenceChannel& c) { return !(c.values.maxCoeff() > c.values.minCoeff()); });
   return channels;
 }
 

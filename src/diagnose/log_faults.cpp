@@ -90,7 +90,11 @@ void findDropouts(const NamedChannel& channel, std::vector<DataFault>& faults) {
     Index end = i;
     while (end + 1 < n && channel.values[end] == 0.0) ++end;
     const double before = channel.values[i - 1], after = channel.values[end];
-    if (end - i <= 5 && before * after > 0.0 && std::min(std::abs(before), std::abs(after)) > 12.0 * noise) {
+    const double drop = std::min(std::abs(before), std::abs(after));
+    // A short rest between two moves is no dropout: there the values beside it change as fast.
+    const double earlier = channel.values[std::max<Index>(i - 2, 0)], later = channel.values[std::min(end + 1, n - 1)];
+    const double beside = std::max(std::abs(before - earlier), std::abs(later - after));
+    if (end - i <= 5 && before * after > 0.0 && drop > std::max(12.0 * noise, 3.0 * beside)) {
       if (first < 0) first = i;
       last = end - 1;
       rows += static_cast<std::size_t>(end - i);
@@ -160,6 +164,13 @@ double robustDeviation(const Eigen::VectorXd& residual) {
 
 std::vector<DataFault> findFaults(const PreparedLog& log) {
   const DriveRows& rows = log.data.rows;
+  if (log.kind == DriveKind::kMotor || log.kind == DriveKind::kMuscle) {
+    // Voltages and pressures are set to levels, limits included: only lost samples can be told.
+    const bool motor = log.kind == DriveKind::kMotor;
+    std::vector<DataFault> faults;
+    findDropouts({motor ? "current_A" : log.effort_column, motor ? rows.current : rows.effort}, faults);
+    return faults;
+  }
   std::vector<NamedChannel> channels = {{log.effort_column, rows.effort}, {"motor_velocity", rows.speed}};
   if (rows.top_load > 0.0) channels.push_back({"external_torque", rows.load});
   std::vector<DataFault> faults;

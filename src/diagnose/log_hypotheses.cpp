@@ -20,6 +20,8 @@ constexpr std::string_view kPresliding = "presliding-hysteresis";
 constexpr double kNuisancePresliding = 0.1;
 /// An effect whose signature is within that share of what the model's own parameters span is no finding of its own.
 constexpr double kAliased = 1e-3;
+/// Two causes that differ by less than that share of the error say the same in other words.
+constexpr double kSameEquation = 1e-4;
 /// Of the least gain: what a cause has to promise to be fitted at all.
 constexpr double kHopeless = 0.2;
 
@@ -87,9 +89,9 @@ double waldP(const DriveRegression& model, std::span<const double> theta, const 
 
 }  // namespace
 
-LogSearch::LogSearch(const FrictionLaw& law, const DriveData& data, std::vector<Block> training,
+LogSearch::LogSearch(const DriveBase& base, const DriveData& data, std::vector<Block> training,
                      const LogDiagnosisOptions& options)
-    : law_(law), data_(data), training_(std::move(training)), folds_(kFolds), options_(options) {
+    : base_(base), data_(data), training_(std::move(training)), folds_(kFolds), options_(options) {
   for (std::size_t b = 0; b < training_.size(); ++b) folds_[b % kFolds].push_back(training_[b]);
   training_rows_ = rowsIn(training_, data_.keep);
 }
@@ -98,8 +100,9 @@ std::shared_ptr<const DriveRegression> LogSearch::makeModel(const std::vector<co
   const bool named = std::ranges::find(effects, kPresliding, &DriveEffect::name) != effects.end();
   const double typical = std::sqrt(data_.rows.speed.square().mean()) * data_.rows.step;
   std::optional<double> nuisance;
-  if (!named) nuisance = std::max(kNuisancePresliding * typical, 1e-5);
-  return std::make_shared<const DriveRegression>(law_, effects, data_, nuisance);
+  const bool drive = base_.kind == DriveKind::kFriction || base_.kind == DriveKind::kGearbox;
+  if (drive && !named) nuisance = std::max(kNuisancePresliding * typical, 1e-5);
+  return std::make_shared<const DriveRegression>(base_, effects, data_, nuisance);
 }
 
 std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks) const {
@@ -175,7 +178,7 @@ Fitted LogSearch::fit(const std::vector<const DriveEffect*>& effects, const Fitt
     for (std::size_t k = 0; k < effects[e]->parameters.size(); ++k) start[first + k] = effects[e]->parameters[k].start;
   }
   const std::size_t speed = model->linear();
-  if (!law_.hasStribeck()) return fitFromStarts(model, {start});
+  if (!base_.hasStribeck()) return fitFromStarts(model, {start});
   for (const double v_s : {0.003, 0.01, 0.03, 0.1, 0.3, 1.0}) {
     for (const double delta : {0.6, 1.0, 2.0}) {
       start[speed] = v_s * data_.rows.top_speed;
@@ -212,6 +215,28 @@ void LogSearch::validate(Fitted& fitted) const {
       fitted.validation.rows[at] = unseen[f].rows[next[f]];
     }
   }
+}
+
+std::optional<std::vector<double>> LogSearch::otherStribeck(const DriveRegression& model,
+                                                            const std::vector<double>& start) const {
+  if (!base_.hasStribeck()) return std::nullopt;
+  double lowest = 0.0;
+  model.solveCoefficients(start, training_, &lowest);
+  lowest *= 1.0 - 0.5 * options_.least_gain;
+  std::optional<std::vector<double>> best;
+  for (const double v_s : {0.01, 0.03, 0.1, 0.3}) {
+    for (const double delta : {0.8, 1.6}) {
+      std::vector<double> other = start;
+      other[model.linear()] = v_s * data_.rows.top_speed;
+      other[model.linear() + 1] = delta;
+      double cost = 0.0;
+      other = model.solveCoefficients(std::move(other), training_, &cost);
+      if (cost >= lowest) continue;
+      lowest = cost;
+      best = std::move(other);
+    }
+  }
+  return best;
 }
 
 void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const {
@@ -257,6 +282,9 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
     starts.back()[first] = base.theta[static_cast<std::size_t>(nuisance - base.model->parameters().begin())];
   }
   if (starts.empty()) return trial;
+  for (std::size_t s = starts.size(); s-- > 0;) {
+    if (auto other = otherStribeck(*model, starts[s])) starts.push_back(std::move(*other));
+  }
   // Most causes change nothing: the linearised model says so without a fit.
   trial.fitted = fitFromStarts(model, starts, (1.0 - kHopeless * options_.least_gain) * base.mse * training_rows_);
   trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
@@ -292,6 +320,7 @@ bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
   }
   const Fitted both = fitFromStarts(model, {from_winner, from_rival});
   const double rival_adds = winner.fitted.mse - both.mse, winner_adds = rival.fitted.mse - both.mse;
+  if (winner_adds < kSameEquation * both.mse) return false;
   return rival_adds < 0.2 * winner_adds && waldP(*model, both.theta, pieces(training_)) < options_.level;
 }
 

@@ -41,11 +41,11 @@ struct Trial {
 
 class LogSearch {
  public:
-  /// All arguments must outlive it. \param training  blocks; \param law, data  of the model.
-  LogSearch(const FrictionLaw& law, const DriveData& data, std::vector<Block> training,
+  /// All arguments must outlive it. \param training  blocks; \param base, data  of the model.
+  LogSearch(const DriveBase& base, const DriveData& data, std::vector<Block> training,
             const LogDiagnosisOptions& options);
 
-  /// The law with these effects, started from `near` or, without one, by a global search over v_s and delta.
+  /// The base with these effects, started from `near` or, without one, by a global search over v_s and delta.
   Fitted fit(const std::vector<const DriveEffect*>& effects, const Fitted* near) const;
   void validate(Fitted& fitted) const;
 
@@ -73,10 +73,14 @@ class LogSearch {
   /// below, or there is no fit; 0: none.
   Fitted fitFromStarts(std::shared_ptr<const DriveRegression> model, const std::vector<std::vector<double>>& starts,
                        double hopeless = 0.0) const;
+  /// The start with another v_s and delta, when they alone already fit better than those of `base`: the Stribeck curve
+  /// of a model that lacks something may lie far from the true one.
+  std::optional<std::vector<double>> otherStribeck(const DriveRegression& model,
+                                                   const std::vector<double>& start) const;
   void refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const;
   std::shared_ptr<const DriveRegression> makeModel(const std::vector<const DriveEffect*>& effects) const;
 
-  const FrictionLaw& law_;
+  DriveBase base_;
   const DriveData& data_;
   std::vector<Block> training_;
   std::vector<std::vector<Block>> folds_;

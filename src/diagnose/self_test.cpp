@@ -96,12 +96,12 @@ SelfTest runSelfTest(const DriveSubject& subject, const PreparedLog& log, const 
     if (hidden[h] != nullptr) {
       std::vector<const DriveEffect*> effects = fitted.model->effects();
       effects.push_back(hidden[h]);
-      const DriveRegression model(*subject.law, effects, log.data, std::nullopt);
+      const DriveRegression model(subject.base, effects, log.data, std::nullopt);
       const double sign = random.uniform({.generation = draw, .purpose = 2}) < 0.5 ? -1.0 : 1.0;
       copy.data.rows.effort = model.predict(hide(model, fitted, log.data.rows, magnitudes[h], sign));
     }
     copy.data.rows.effort += resampled(log, residual, random, draw);
-    const LogSearch search(*subject.law, copy.data, training, options);
+    const LogSearch search(subject.base, copy.data, training, options);
     const std::vector<const DriveEffect*>& own = fitted.model->effects();
     const std::string answer = answerOf(selectCauses(search, own, named, unnamed, options, {}), own.size());
     const auto column = std::ranges::find(test.answers, answer) - test.answers.begin();

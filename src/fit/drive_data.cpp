@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 #include "simgap/core/error.h"
@@ -18,6 +19,7 @@ using Eigen::Index;
 
 constexpr double kBlocks = 80.0;                              // that a log is cut into, if they are long enough
 constexpr double kShortestBlock = 4.0, kLongestBlock = 20.0;  // [s]
+constexpr double kFewestBlocks = 40.0;                        // of a log so short that blocks have to be shorter
 
 ArrayXd toArray(const std::vector<double>& values) {
   return Eigen::Map<const ArrayXd>(values.data(), static_cast<Index>(values.size()));
@@ -27,17 +29,17 @@ ArrayXd optional(const CsvTable& table, const char* stem, const char* unit) {
   return table.hasQuantity(stem, unit) ? toArray(table.quantity(stem, unit)) : ArrayXd();
 }
 
-/// Acceleration from the smoothed velocity, session by session.
-ArrayXd accelerationOf(const DriveRows& rows, double bandwidth) {
-  ArrayXd acceleration = ArrayXd::Zero(rows.rows());
+/// d values / dt of the smoothed values, session by session.
+ArrayXd slopeOf(const DriveRows& rows, const ArrayXd& values, double bandwidth) {
+  ArrayXd slopes = ArrayXd::Zero(rows.rows());
   for (const Block& b : splitRows(rows.session, rows.session.size())) {
     if (b.size() < 4) continue;
     const std::span<const double> time(rows.time.data() + b.begin, b.size());
-    const std::span<const double> speed(rows.speed.data() + b.begin, b.size());
-    const std::vector<double> slope = differentiate(time, smooth(time, speed, bandwidth));
-    acceleration.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size())) = toArray(slope);
+    const std::span<const double> part(values.data() + b.begin, b.size());
+    const std::vector<double> slope = differentiate(time, smooth(time, part, bandwidth));
+    slopes.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size())) = toArray(slope);
   }
-  return acceleration;
+  return slopes;
 }
 
 /// Travel in the direction of motion since the row before, by trapezia; after a reversal since the turning point.
@@ -86,6 +88,13 @@ void leaveOutUncertainReversals(const DriveRows& rows, double dead_band, std::ve
   }
 }
 
+/// Time within sessions, cut into blocks.
+double blockSeconds(const std::vector<double>& time, const std::vector<int>& session) {
+  double seconds = 0.0;
+  for (const Block& b : splitRows(session, session.size())) seconds += time[b.end - 1] - time[b.begin];
+  return std::clamp(seconds / kBlocks, std::min(kShortestBlock, seconds / kFewestBlocks), kLongestBlock);
+}
+
 double medianStep(const DriveRows& rows) {
   std::vector<double> steps;
   for (Index i = 1; i < rows.rows(); ++i) {
@@ -98,13 +107,21 @@ double medianStep(const DriveRows& rows) {
   return *middle;
 }
 
+/// A channel that the residual may depend on.
+void addContext(PreparedLog& log, const std::string& name, const ArrayXd& values) {
+  const double mean = values.mean(), sd = std::sqrt((values - mean).square().mean());
+  if (!(sd > 1e-9 * (1.0 + std::abs(mean)))) return;
+  log.context.push_back({name, values});
+  log.data.rows.context.push_back((values - mean) / sd);
+}
+
 /// Numeric columns that no quantity of the model came from.
 void addContext(const CsvTable& table, PreparedLog& log) {
   static const std::set<std::string> kKnown = {"time",           "motor_current",  "motor_voltage", "motor_torque",
                                                "motor_force",    "motor_velocity", "velocity",      "joint_velocity",
                                                "motor_position", "position",       "session",       "external_torque",
-                                               "external_force"};
-  DriveRows& rows = log.data.rows;
+                                               "external_force", "current",        "voltage",       "load_torque",
+                                               "pressure",       "contraction",    "force"};
   for (const std::string& column : table.columns()) {
     const bool known = kKnown.contains(column) || kKnown.contains(splitUnit(column).stem);
     if (known || !table.isNumeric(column)) continue;
@@ -114,10 +131,81 @@ void addContext(const CsvTable& table, PreparedLog& log) {
     } catch (const DataError&) {
       continue;  // empty cells in a column nobody asked for
     }
-    const double mean = values.mean(), sd = std::sqrt((values - mean).square().mean());
-    if (!(sd > 1e-9 * (1.0 + std::abs(mean)))) continue;
-    log.context.push_back({column, values});
-    rows.context.push_back((values - mean) / sd);
+    addContext(log, column, values);
+  }
+}
+
+/// Before the first motion the direction is unknown: those rows do not count, but every number has to be one.
+void fillDirection(DriveRows& rows) {
+  const auto first = std::find_if(rows.direction.begin(), rows.direction.end(), [](double d) { return d != 0.0; });
+  std::fill(rows.direction.begin(), first, first != rows.direction.end() ? *first : 1.0);
+}
+
+/// What all logs have; channels without meaning for this kind are 0.
+PreparedLog prepared(DriveKind kind, const std::string& file, const std::vector<double>& time,
+                     const std::vector<int>& session, const std::vector<std::string>& session_names) {
+  PreparedLog log;
+  log.kind = kind;
+  log.file = file;
+  log.session_names = session_names;
+  log.blocks = splitBlocks(time, session, blockSeconds(time, session));
+  log.data.keep.assign(time.size(), true);
+  DriveRows& rows = log.data.rows;
+  rows.time = toArray(time);
+  rows.session = session;
+  rows.step = medianStep(rows);
+  rows.speed = rows.load = rows.acceleration = rows.travel = rows.rest = ArrayXd::Zero(rows.time.size());
+  return log;
+}
+
+void setDirection(const std::vector<double>& motion, PreparedLog& log) {
+  const MotionSign sign = holdSign(motion);
+  DriveRows& rows = log.data.rows;
+  rows.direction.resize(static_cast<Index>(motion.size()));
+  std::ranges::copy(sign.direction, rows.direction.begin());
+  fillDirection(rows);
+  log.dead_band = sign.dead_band;
+  rows.top_speed = rows.speed.abs().maxCoeff();
+}
+
+/// What a muscle's friction opposes: the change of its contraction or, in sessions at one length, of its pressure.
+std::vector<double> changesOf(const PamLog& log, const DriveRows& rows) {
+  constexpr double kFixedLength = 2e-3;  // spread of a contraction that is held
+  std::vector<double> changes(log.rows(), 0.0);
+  for (const Block& b : splitRows(log.session, log.rows())) {
+    const auto begin = static_cast<Index>(b.begin), n = static_cast<Index>(b.size());
+    const auto spread = [&](const ArrayXd& values) {
+      return values.segment(begin, n).maxCoeff() - values.segment(begin, n).minCoeff();
+    };
+    const ArrayXd& moved = spread(rows.contraction) > kFixedLength ? rows.contraction : rows.pressure;
+    const double scale = std::max(spread(moved), 1e-300);
+    ArrayXd slope = ArrayXd::Zero(n);
+    if (log.time.empty()) {  // levels, one after the other
+      slope.tail(n - 1) = moved.segment(begin, n).tail(n - 1) - moved.segment(begin, n).head(n - 1);
+    } else if (n >= 4) {
+      const std::span<const double> time(log.time.data() + b.begin, b.size());
+      const std::span<const double> values(moved.data() + begin, b.size());
+      slope = toArray(differentiate(time, smooth(time, values, FrictionDataOptions::kDefaultBandwidth / rows.step)));
+    }
+    ArrayXd::Map(changes.data() + begin, n) = slope / scale;
+  }
+  return changes;
+}
+
+/// Rows in and beside a jump: where a rate of change is far above its usual size, sampling and smoothing have blurred
+/// it.
+void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
+  constexpr double kJump = 6.0;  // of the median size
+  constexpr Index kBeside = 4;
+  std::vector<double> sizes(rate.begin(), rate.end());
+  for (double& size : sizes) size = std::abs(size);
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double most = kJump * *middle;
+  for (Index i = 0; i < rate.size(); ++i) {
+    if (std::abs(rate[i]) <= most) continue;
+    for (Index k = std::max<Index>(0, i - kBeside); k < std::min(rate.size(), i + kBeside + 1); ++k)
+      keep[static_cast<std::size_t>(k)] = false;
   }
 }
 
@@ -127,7 +215,7 @@ PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const Dr
                              FrictionDataOptions options) {
   options.all_rows = true;
   const DriveLog drive = readDriveLog(table, log_options);
-  options.block_seconds = std::clamp((drive.time.back() - drive.time.front()) / kBlocks, kShortestBlock, kLongestBlock);
+  options.block_seconds = blockSeconds(drive.time, drive.session);
   const FrictionData friction = prepareFrictionData(drive, bench, options);
   PreparedLog log;
   log.file = friction.file;
@@ -152,15 +240,13 @@ PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const Dr
   rows.load = friction.load;
   rows.session = friction.session;
   rows.direction = friction.direction;
-  // Before the first motion the direction is unknown: those rows do not count, but every number has to be one.
-  const auto first = std::find_if(rows.direction.begin(), rows.direction.end(), [](double d) { return d != 0.0; });
-  std::fill(rows.direction.begin(), first, first != rows.direction.end() ? *first : 1.0);
+  fillDirection(rows);
   rows.step = medianStep(rows);
   leaveOutUncertainReversals(rows, log.dead_band, data.keep);
   rows.top_speed = rows.speed.abs().maxCoeff();
   rows.top_load = rows.load.abs().maxCoeff();
   rows.acceleration =
-      accelerationOf(rows, options.bandwidth.value_or(FrictionDataOptions::kDefaultBandwidth / rows.step));
+      slopeOf(rows, rows.speed, options.bandwidth.value_or(FrictionDataOptions::kDefaultBandwidth / rows.step));
   rows.travel = travelOf(rows);
   rows.rest = restOf(rows, log.dead_band);
   rows.joint_angle = optional(table, "joint_position", "rad");
@@ -170,11 +256,88 @@ PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const Dr
   }
   rows.temperature = optional(table, "temperature", "degC");
   addContext(table, log);
+  addContext(log, "motor_velocity", rows.speed);
+  addContext(log, "external_torque", rows.load);
+  addContext(log, "time", rows.time);
   return log;
 }
 
+PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const DriveLogOptions& log_options,
+                               const FrictionDataOptions& options) {
+  PreparedLog log = prepareDriveData(table, bench, log_options, options);
+  log.kind = DriveKind::kGearbox;
+  leaveOutJumps(log.data.rows.acceleration, log.data.keep);
+  return log;
+}
+
+PreparedLog prepareMotorData(const CsvTable& table) {
+  const MotorLog motor = readMotorLog(table);
+  for (const auto& [name, channel] :
+       {std::pair("voltage_V", &motor.voltage), {"current_A", &motor.current}, {"velocity_rad_s", &motor.velocity}}) {
+    if (channel->empty())
+      throw DataError(fmt::format("{}:1: found no {}, expected it to diagnose a winding", motor.file, name));
+  }
+  PreparedLog log = prepared(DriveKind::kMotor, motor.file, motor.time, motor.session, motor.session_names);
+  log.effort_column = "voltage_V";
+  log.data.effort_unit = log.data.load_unit = "V";
+  DriveRows& rows = log.data.rows;
+  rows.effort = toArray(motor.voltage);
+  rows.current = toArray(motor.current);
+  rows.speed = toArray(motor.velocity);
+  setDirection(motor.velocity, log);
+  rows.current_rate = slopeOf(rows, rows.current, FrictionDataOptions::kDefaultBandwidth / rows.step);
+  rows.temperature = optional(table, "temperature", "degC");
+  leaveOutJumps(rows.current_rate, log.data.keep);
+  addContext(table, log);
+  addContext(log, "current", rows.current);
+  addContext(log, "velocity", rows.speed);
+  addContext(log, "time", rows.time);
+  return log;
+}
+
+PreparedLog prepareMuscleData(const CsvTable& table) {
+  const PamLog muscle = readPamLog(table);
+  std::vector<double> time = muscle.time;
+  if (time.empty()) {  // rows in their order
+    time.resize(muscle.rows());
+    std::iota(time.begin(), time.end(), 0.0);
+  }
+  PreparedLog log = prepared(DriveKind::kMuscle, muscle.file, time, muscle.session, muscle.session_names);
+  log.effort_column = "force_N";
+  log.data.effort_unit = log.data.load_unit = "N";
+  DriveRows& rows = log.data.rows;
+  rows.effort = toArray(muscle.force);
+  rows.pressure = toArray(muscle.pressure);
+  rows.contraction = toArray(muscle.contraction);
+  setDirection(changesOf(muscle, rows), log);
+  rows.temperature = optional(table, "temperature", "degC");
+  addContext(table, log);
+  addContext(log, "pressure", rows.pressure);
+  addContext(log, "contraction", rows.contraction);
+  addContext(log, "time", rows.time);
+  return log;
+}
+
+DriveBase baseOf(std::string_view name) {
+  if (name == "pam") return drive_equations::muscle;
+  if (name == "motor") return drive_equations::winding;
+  if (name == "gearbox") return {friction::find("coulomb"), DriveKind::kGearbox};
+  return friction::find(name);
+}
+
+DriveSubject subjectOf(std::string_view name) {
+  DriveSubject subject{baseOf(name), {}, {}};
+  if (subject.base.kind == DriveKind::kGearbox) subject.effects.push_back(&drive_effects::find("inertia"));
+  return subject;
+}
+
 DriveSubject subjectOf(const FittedModel& model) {
-  DriveSubject subject{&friction::find(model.law), {}, {}};
+  DriveSubject subject = subjectOf(model.kind == "friction" ? model.law : model.kind);
+  const double k = model.valueOr("k", std::numeric_limits<double>::infinity());
+  if (model.kind == "pam" && std::isfinite(k)) {
+    subject.effects.push_back(&drive_effects::find("tendon-compliance"));
+    subject.values.push_back({"tendon-compliance.compliance", "1_N", 1.0 / k, 0.0, false});
+  }
   for (const Extension& extension : model.extensions) {
     const DriveEffect& effect = drive_effects::find(extension.effect);
     subject.effects.push_back(&effect);
@@ -196,7 +359,7 @@ DriveSubject subjectOf(const FittedModel& model) {
 }
 
 Eigen::ArrayXd predictExtended(const DriveSubject& subject, const DriveData& data) {
-  const DriveRegression regression(*subject.law, subject.effects, data, std::nullopt);
+  const DriveRegression regression(subject.base, subject.effects, data, std::nullopt);
   return regression.predict(regression.thetaOf(subject.values));
 }
 

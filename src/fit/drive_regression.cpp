@@ -50,17 +50,22 @@ bool DriveData::has(Channel channel) const {
   return false;
 }
 
-DriveRegression::DriveRegression(const FrictionLaw& law, std::vector<const DriveEffect*> effects, const DriveData& data,
+DriveRegression::DriveRegression(const DriveBase& base, std::vector<const DriveEffect*> effects, const DriveData& data,
                                  std::optional<double> presliding)
-    : law_(&law), effects_(std::move(effects)), data_(&data), presliding_(presliding.has_value()) {
+    : base_(base), effects_(std::move(effects)), data_(&data), presliding_(presliding.has_value()) {
   const auto addLinear = [&](std::string name, std::string unit, double lower, double upper, bool times_gain) {
     add(std::move(name), std::move(unit), lower, upper);
     times_gain_.push_back(times_gain);
   };
-  addLinear("k_a", data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit, 1e-12, kInf,
-            false);
-  for (const FrictionTerm& term : law.terms)
-    addLinear(std::string(term.name), termUnit(term.basis, data), 0.0, kInf, true);
+  if (base.law != nullptr) {
+    addLinear("k_a", data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit, 1e-12, kInf,
+              false);
+    for (const FrictionTerm& term : base.law->terms)
+      addLinear(std::string(term.name), termUnit(term.basis, data), 0.0, kInf, true);
+  } else {
+    for (const EffectColumn& column : base.equation->columns)
+      addLinear(std::string(column.name), std::string(column.unit), column.lower, column.upper, false);
+  }
   for (const FitParameter& p : data.rig_parameters) addLinear(p.name, p.unit, 0.0, kInf, true);
   if (data.offset) addLinear("offset", data.effort_unit, -kInf, kInf, false);
   for (const DriveEffect* effect : effects_) {
@@ -71,7 +76,7 @@ DriveRegression::DriveRegression(const FrictionLaw& law, std::vector<const Drive
     }
   }
   linear_ = parameters_.size();
-  if (law.hasStribeck()) {
+  if (base.hasStribeck()) {
     add("v_s", data.velocity_unit, 1e-4 * data.rows.top_speed, 3.0 * data.rows.top_speed);
     add("delta", "1", 0.2, 8.0);
   }
@@ -100,11 +105,19 @@ void DriveRegression::add(std::string name, std::string unit, double lower, doub
   parameters_.push_back({std::move(name), std::move(unit), lower, upper, fixed});
 }
 
-DriveRegression::Terms DriveRegression::terms(std::span<const double> p) const {
+DriveRegression::Terms DriveRegression::terms(std::span<const double> p, const ArrayXd& effort) const {
   const DriveRows& rows = data_->rows;
-  Terms t{{rows.load, rows.direction, rows.speed, ArrayXd(), 0.0, 0.0}, ArrayXd()};
+  Terms t;
+  t.shared.load = rows.load;
+  t.shared.dry = rows.direction;
+  t.shared.viscous = rows.speed;
+  if (base_.kind == DriveKind::kMuscle) {
+    t.shared.effort = effort;
+    t.shared.pressure = rows.pressure;
+    t.shared.contraction = rows.contraction;
+  }
   std::size_t at = 0;
-  if (law_->hasStribeck()) {
+  if (base_.hasStribeck()) {
     t.still = (-(p[1] * (log_speed_ - std::log(p[0]))).min(50.0).exp()).exp();
     at = 2;
   } else {
@@ -139,15 +152,21 @@ void DriveRegression::visitColumns(const Terms& t, std::span<const double> p, co
       give(column);
     }
   };
-  give(terms.load);
-  for (const FrictionTerm& term : law_->terms) {
-    if (term.basis == FrictionBasis::kVelocity) {
-      shaped(terms.viscous, term.shape);
-    } else if (term.basis == FrictionBasis::kLoad) {
-      shaped(terms.load.abs() * terms.dry, term.shape);
-    } else {
-      shaped(terms.dry, term.shape);
+  if (base_.law != nullptr) {
+    give(terms.load);
+    for (const FrictionTerm& term : base_.law->terms) {
+      if (term.basis == FrictionBasis::kVelocity) {
+        shaped(terms.viscous, term.shape);
+      } else if (term.basis == FrictionBasis::kLoad) {
+        shaped(terms.load.abs() * terms.dry, term.shape);
+      } else {
+        shaped(terms.dry, term.shape);
+      }
     }
+  } else {
+    Eigen::ArrayXXd x(rows(), static_cast<Index>(base_.equation->columns.size()));
+    base_.equation->fill(data_->rows, terms, x);
+    for (Index k = 0; k < x.cols(); ++k) give(x.col(k));
   }
   for (Index k = 0; k < data_->rig.cols(); ++k) give(data_->rig.col(k));
   if (data_->offset) give(ArrayXd::Ones(rows()));
@@ -194,7 +213,7 @@ std::vector<bool> DriveRegression::counted(double delay) const {
 }
 
 DriveRegression::Evaluation DriveRegression::columns(std::span<const double> p) const {
-  const Terms t = terms(p);
+  const Terms t = terms(p, data_->rows.effort);
   Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.cubic, t.shared.delay};
   visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(static_cast<Index>(j)) = column; });
   delayRows(result.x, t.shared.delay);
@@ -202,8 +221,23 @@ DriveRegression::Evaluation DriveRegression::columns(std::span<const double> p) 
 }
 
 Eigen::ArrayXd DriveRegression::predict(std::span<const double> theta) const {
+  ArrayXd effort = explicitly(theta, data_->rows.effort);
+  if (base_.equation == nullptr || !base_.equation->implicit) return effort;
+  // f = F(f) from the measured f, row by row as Steffensen (1933) does it, so that its noise is not in the prediction.
+  constexpr int kRounds = 3;
+  ArrayXd start = data_->rows.effort;
+  for (int round = 0; round < kRounds; ++round) {
+    const ArrayXd again = explicitly(theta, effort);
+    const ArrayXd step = effort - start, slope = (again - effort) / (step.abs() > 1e-12).select(step, 1.0);
+    start = (slope < 0.9).select(start + step / (1.0 - slope), again);
+    effort = explicitly(theta, start);
+  }
+  return effort;
+}
+
+ArrayXd DriveRegression::explicitly(std::span<const double> theta, const ArrayXd& effort) const {
   const std::span<const double> p = theta.subspan(linear_);
-  const Terms t = terms(p);
+  const Terms t = terms(p, effort);
   ArrayXd sum = ArrayXd::Zero(rows());
   visitColumns(t, p, [&](std::size_t j, const auto& column) { sum += theta[j] * column; });
   delayRows(sum, t.shared.delay);
@@ -229,8 +263,9 @@ void DriveRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& r
     return;
   }
   const Evaluation e = columns(theta.subspan(linear_));
+  const bool implicit = base_.equation != nullptr && base_.equation->implicit;
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
-  const ArrayXd predicted = x_c.array() + e.cubic * x_c.array().cube();
+  const ArrayXd predicted = implicit ? predict(theta) : ArrayXd(x_c.array() + e.cubic * x_c.array().cube());
   residual = (predicted - data_->rows.effort).matrix();
   jacobian->resize(n, static_cast<Index>(parameters_.size()));
   if (e.cubic == 0.0) {
@@ -238,15 +273,19 @@ void DriveRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& r
   } else {
     jacobian->leftCols(linear) = (e.x.array().colwise() * (1.0 + 3.0 * e.cubic * x_c.array().square())).matrix();
   }
+  const auto typicalSize = [&](const FitParameter& p) {
+    if (base_.law != nullptr) return 1e-2;
+    return std::isfinite(p.upper - p.lower) ? 1e-3 * (p.upper - p.lower) : 1e-9;
+  };
   std::vector<double> moved(theta.begin(), theta.end());
-  for (std::size_t i = linear_; i < parameters_.size(); ++i) {
+  for (std::size_t i = implicit ? 0 : linear_; i < parameters_.size(); ++i) {
     auto column = jacobian->col(static_cast<Index>(i));
     const FitParameter& parameter = parameters_[i];
     if (parameter.fixed) {
       column.setZero();
       continue;
     }
-    double h = 1e-5 * std::max(std::abs(theta[i]), 1e-2);
+    double h = 1e-5 * std::max(std::abs(theta[i]), typicalSize(parameter));
     if (theta[i] + h > parameter.upper) h = -h;
     moved[i] = theta[i] + h;
     column = ((predict(moved) - predicted) / h).matrix();
@@ -264,7 +303,7 @@ std::vector<double> DriveRegression::startFrom(const DriveRegression& other, std
       start[p_begin_[e] + k] = effects_[e]->parameters[k].start;
     }
   }
-  if (presliding_) start[linear_ + (law_->hasStribeck() ? 2 : 0)] = 1e-3;
+  if (presliding_) start[linear_ + (base_.hasStribeck() ? 2 : 0)] = 1e-3;
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     const auto found = std::ranges::find(other.parameters_, parameters_[i].name, &FitParameter::name);
     if (found != other.parameters_.end()) start[i] = theta[static_cast<std::size_t>(found - other.parameters_.begin())];
@@ -272,7 +311,8 @@ std::vector<double> DriveRegression::startFrom(const DriveRegression& other, std
   return start;
 }
 
-std::vector<double> DriveRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks) const {
+std::vector<double> DriveRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
+                                                       double* cost) const {
   const Evaluation e = columns(std::span<const double>(theta).subspan(linear_));
   const auto c = static_cast<Index>(linear_);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
@@ -292,6 +332,7 @@ std::vector<double> DriveRegression::solveCoefficients(std::vector<double> theta
   }
   const LinearSolution solution = solveBounded(gram, terms);
   std::copy(solution.coefficients.begin(), solution.coefficients.end(), theta.begin());
+  if (cost != nullptr) *cost = solution.cost;
   return theta;
 }
 
@@ -301,8 +342,9 @@ std::vector<double> DriveRegression::thetaOf(std::span<const PhysicalParameter> 
     return found == physical.end() ? otherwise : found->value;
   };
   std::vector<double> theta(parameters_.size());
-  theta[0] = 1.0 / value("k_a", 1.0);
-  for (std::size_t i = 1; i < linear_; ++i) {
+  const bool gain = base_.law != nullptr;
+  if (gain) theta[0] = 1.0 / value("k_a", 1.0);
+  for (std::size_t i = gain ? 1 : 0; i < linear_; ++i) {
     theta[i] = value(parameters_[i].name, 0.0) * (times_gain_[i] ? theta[0] : 1.0);
   }
   for (std::size_t i = linear_; i < theta.size(); ++i) {
@@ -320,7 +362,7 @@ std::vector<PhysicalParameter> DriveRegression::physical(std::span<const double>
     const auto k = static_cast<Index>(i);
     PhysicalParameter p{parameter.name, parameter.unit, theta[i], 0.0, atBound(parameter, theta[i])};
     double variance = covariance(k, k);
-    if (i == 0) {
+    if (i == 0 && base_.law != nullptr) {
       p.value = 1.0 / gain;
       variance /= std::pow(gain, 4);
     } else if (i < linear_ && times_gain_[i]) {

@@ -176,7 +176,8 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   fit.profile = std::move(search.profile);
 
   LeastSquaresResult best = minimise(problem, model.thetaOf(search.minima[0]));
-  if (options.loss != LossKind::kSquares) {
+  const bool squares = options.loss == LossKind::kSquares;
+  if (!squares) {
     problem.loss = scaledLoss(options, residuals(problem, best.theta));
     best = minimise(problem, best.theta);
   }
@@ -185,7 +186,7 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   LeastSquaresOptions quick;
   quick.max_iterations = 30;
   quick.function_tolerance = 1e-9;
-  const double near = options.loss == LossKind::kSquares ? 1.001 * search.minima[0].linear.cost : kInfinity;
+  const double near = squares ? 1.001 * search.minima[0].linear.cost : kInfinity;
   for (std::size_t m = 1; m < search.minima.size() && search.minima[m].linear.cost < near; ++m) {
     const LeastSquaresResult rival = minimise(problem, model.thetaOf(search.minima[m]), quick);
     // Only a rival that a rough polish brings near can still win.
@@ -194,8 +195,7 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
     if (polished.cost < best.cost) best = std::move(polished);
   }
   fit.theta = best.theta;
-  const Eigen::VectorXd r = residuals(problem, fit.theta);
-  fit.mse = r.squaredNorm() / static_cast<double>(fit.n);
+  fit.mse = (squares ? best.cost : residuals(problem, fit.theta).squaredNorm()) / static_cast<double>(fit.n);
   if (!best.converged)
     fit.warnings.push_back(fmt::format("the polish of {} stopped early: {}", law.name, best.message));
   fit.uncertainty = estimateUncertainty(problem, fit.theta, data.session);
@@ -209,9 +209,13 @@ double meanSquaredError(const FrictionFit& fit, const FrictionData& data, const 
   return residuals(problem, fit.theta).squaredNorm() / static_cast<double>(data.rows());
 }
 
-Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options) {
-  const LeastSquaresProblem problem = makeFrictionProblem(*fit.law, data, options);
-  return residuals(problem, fit.theta).array() + (options.predict_load ? data.load : data.effort);
+Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options,
+                             const Block& rows) {
+  LeastSquaresProblem problem = makeFrictionProblem(*fit.law, data, options);
+  const Eigen::ArrayXd& measured = options.predict_load ? data.load : data.effort;
+  Eigen::VectorXd predicted(static_cast<Index>(rows.size()));
+  problem.evaluate(fit.theta, rows, predicted, nullptr);
+  return predicted.array() + measured.segment(static_cast<Index>(rows.begin), static_cast<Index>(rows.size()));
 }
 
 std::size_t compareFits(std::vector<FrictionFit>& fits) {

@@ -51,18 +51,6 @@ class Reduction {
 
   const std::vector<int>& freeParameters() const { return free_; }
 
-  double cost(std::span<const double> theta) const {
-    std::vector<double> costs(problem_.chunks.size());
-    tbb::parallel_for(std::size_t{0}, costs.size(), [&](std::size_t k) {
-      VectorXd r(static_cast<Index>(problem_.chunks[k].size()));
-      problem_.evaluate(theta, problem_.chunks[k], r, nullptr);
-      costs[k] = weigh(r, nullptr);
-    });
-    double sum = 0.0;
-    for (const double cost : costs) sum += cost;
-    return sum;
-  }
-
   /// Upper triangular, shape (F + 1, F + 1): of [J_free r] with robust weights. Sets `cost`.
   MatrixXd reduce(std::span<const double> theta, double& cost) const {
     const auto columns = static_cast<Index>(free_.size()) + 1;
@@ -125,33 +113,43 @@ class ReducedCost : public ceres::CostFunction {
     for (std::size_t j = 0; j < free.size(); ++j) theta[static_cast<std::size_t>(free[j])] = parameters[0][j];
     const auto count = static_cast<Index>(free.size());
     Eigen::Map<VectorXd> residual(out, count + 1);
+    // Most steps are accepted, and then the derivatives are asked for where the cost was: one pass serves both.
+    if (theta != at_) {
+      upper_ = reduction_.reduce(theta, cost_);
+      at_ = theta;
+    }
     if (jacobians == nullptr || jacobians[0] == nullptr) {
       residual.setZero();
-      residual[count] = std::sqrt(reduction_.cost(theta));
-      return std::isfinite(residual[count]);
+      residual[count] = std::sqrt(cost_);
+      return std::isfinite(cost_);
     }
-    double cost = 0.0;
-    const MatrixXd upper = reduction_.reduce(theta, cost);
-    residual.head(count) = upper.col(count).head(count);
+    residual.head(count) = upper_.col(count).head(count);
     // What the derivatives do not reach, and what a robust loss adds, so that the cost is exact.
-    residual[count] = std::sqrt(std::max(cost - residual.head(count).squaredNorm(), 0.0));
+    residual[count] = std::sqrt(std::max(cost_ - residual.head(count).squaredNorm(), 0.0));
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0], count + 1,
                                                                                                 count);
-    jacobian.topRows(count) = upper.topLeftCorner(count, count);
+    jacobian.topRows(count) = upper_.topLeftCorner(count, count);
     jacobian.row(count).setZero();
-    return std::isfinite(cost) && jacobian.allFinite();
+    return std::isfinite(cost_) && jacobian.allFinite();
   }
 
  private:
   const Reduction& reduction_;
   std::vector<double> theta_;
+  mutable std::vector<double> at_;  ///< where the last pass was: Ceres evaluates one point after the other
+  mutable MatrixXd upper_;          ///< its factor of [J r]
+  mutable double cost_ = 0.0;
 };
 
 /// One run of Ceres over the parameters `free`.
 LeastSquaresResult solveFree(const LeastSquaresProblem& problem, const std::vector<int>& free,
                              const std::vector<double>& start, const LeastSquaresOptions& options, double radius) {
   const Reduction reduction(problem, free);
-  if (free.empty()) return {start, reduction.cost(start), true, 0, "nothing to fit"};
+  if (free.empty()) {
+    double cost = 0.0;
+    reduction.reduce(start, cost);
+    return {start, cost, true, 0, "nothing to fit"};
+  }
   ReducedCost cost(reduction, start);
   std::vector<double> values;
   for (const int i : free) values.push_back(start[static_cast<std::size_t>(i)]);

@@ -17,7 +17,7 @@ struct Channel {
 };
 
 constexpr Channel kEfforts[] = {
-    {"motor_current", "A"}, {"motor_voltage", "V"}, {"motor_torque", "Nm"}, {"motor_force", "N"}};
+    {"motor_current", "A"}, {"motor_voltage", "V"}, {"motor_torque", "Nm"}, {"motor_force", "N"}, {"current", "A"}};
 
 /// The first of the channels that the table has, or null.
 template <std::size_t N>
@@ -28,24 +28,24 @@ const Channel* firstOf(const CsvTable& table, const Channel (&channels)[N]) {
 }
 
 /// A motion channel of the motor, or of the joint times the ratio; empty when there is neither.
-std::vector<double> readMotion(const CsvTable& table, const char* kind, const char* unit, double ratio) {
+std::vector<double> readMotion(CsvTable& table, const char* kind, const char* unit, double ratio) {
   for (const std::string& stem : {fmt::format("motor_{}", kind), std::string(kind)}) {
-    if (table.hasQuantity(stem, unit)) return table.quantity(stem, unit);
+    if (table.hasQuantity(stem, unit)) return table.takeQuantity(stem, unit);
   }
   const std::string joint = fmt::format("joint_{}", kind);
   if (ratio <= 0.0 || !table.hasQuantity(joint, unit)) return {};
-  std::vector<double> values = table.quantity(joint, unit);
+  std::vector<double> values = table.takeQuantity(joint, unit);
   for (double& value : values) value *= ratio;
   return values;
 }
 
-std::vector<double> optional(const CsvTable& table, const char* stem, const char* unit) {
-  return table.hasQuantity(stem, unit) ? table.quantity(stem, unit) : std::vector<double>{};
+std::vector<double> optional(CsvTable& table, const char* stem, const char* unit) {
+  return table.hasQuantity(stem, unit) ? table.takeQuantity(stem, unit) : std::vector<double>{};
 }
 
 }  // namespace
 
-std::vector<int> readSessions(const CsvTable& table, std::vector<std::string>& names) {
+std::vector<int> readSessions(CsvTable& table, std::vector<std::string>& names) {
   names = {"all"};
   std::vector<int> labels(table.rows(), 0);
   if (!table.has("session")) return labels;
@@ -57,7 +57,7 @@ std::vector<int> readSessions(const CsvTable& table, std::vector<std::string>& n
   };
   if (table.isNumeric("session")) {
     std::map<double, int> known;
-    const std::vector<double> values = table.quantity("session", "");
+    const std::vector<double> values = table.takeQuantity("session", "");
     for (std::size_t i = 0; i < labels.size(); ++i) {
       const bool same = i > 0 && values[i] == values[i - 1];
       labels[i] = same ? labels[i - 1] : label(known, values[i], fmt::format("{}", values[i]));
@@ -79,14 +79,14 @@ void requireRisingTime(const CsvTable& table, const std::vector<double>& time, c
   }
 }
 
-DriveLog readDriveLog(const CsvTable& table, const DriveLogOptions& options) {
+DriveLog readDriveLog(CsvTable table, const DriveLogOptions& options) {
   DriveLog log;
   log.file = table.name();
   if (table.rows() == 0) throw DataError(table.name() + ": found no rows, expected a log");
   const Channel* effort = firstOf(table, kEfforts);
   // The message of the strict reader lists what there is.
   if (effort == nullptr) effort = &kEfforts[0];
-  log.effort = table.quantity(effort->stem, effort->unit);
+  log.effort = table.takeQuantity(effort->stem, effort->unit);
   log.effort_name = effort->stem;
   log.effort_unit = effort->unit;
   log.linear = table.hasQuantity("position", "m") || table.hasQuantity("velocity", "m_s") ||
@@ -101,6 +101,7 @@ DriveLog readDriveLog(const CsvTable& table, const DriveLogOptions& options) {
                                         "(--map motor_velocity_rad_s=COLUMN renames)"));
   }
   log.load = log.linear ? optional(table, "external_force", "N") : optional(table, "external_torque", "Nm");
+  if (log.load.empty() && !log.linear) log.load = optional(table, "load_torque", "Nm");  // of a motor's bench
   log.session = readSessions(table, log.session_names);
   log.time = optional(table, "time", "s");
   log.has_time = !log.time.empty();
@@ -113,10 +114,10 @@ DriveLog readDriveLog(const CsvTable& table, const DriveLogOptions& options) {
   return log;
 }
 
-MotorLog readMotorLog(const CsvTable& table) {
+MotorLog readMotorLog(CsvTable table) {
   MotorLog log;
   log.file = table.name();
-  log.time = table.quantity("time", "s");
+  log.time = table.takeQuantity("time", "s");
   if (log.rows() < 2) throw DataError(fmt::format("{}: found {} rows, expected a log", table.name(), log.rows()));
   log.voltage = optional(table, "voltage", "V");
   log.current = optional(table, "current", "A");
@@ -127,12 +128,12 @@ MotorLog readMotorLog(const CsvTable& table) {
   return log;
 }
 
-PamLog readPamLog(const CsvTable& table) {
+PamLog readPamLog(CsvTable table) {
   PamLog log;
   log.file = table.name();
-  log.pressure = table.quantity("pressure", "Pa");
-  log.contraction = table.quantity("contraction", "");
-  log.force = table.quantity("force", "N");
+  log.pressure = table.takeQuantity("pressure", "Pa");
+  log.contraction = table.takeQuantity("contraction", "");
+  log.force = table.takeQuantity("force", "N");
   if (log.rows() == 0) throw DataError(table.name() + ": found no rows, expected a log");
   log.session = readSessions(table, log.session_names);
   log.time = optional(table, "time", "s");

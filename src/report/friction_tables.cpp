@@ -1,6 +1,7 @@
 #include "friction_tables.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -58,13 +59,18 @@ struct Grid {
       cells[i] = cell(data.velocity[k], v) + kCells * cell(loads[k], l);
       count[cells[i]] += 1.0;
     }
-    for (const FrictionFit& fit : report.fits) {
-      const ArrayXd wrong = (predictEffort(fit, data, report.options) - measured).abs();
-      std::vector<double> mean(count.size(), 0.0);
-      for (std::size_t i = 0; i < data.rows(); ++i) mean[cells[i]] += wrong[static_cast<Index>(i)];
+    error.resize(report.fits.size());
+    tbb::parallel_for(std::size_t{0}, error.size(), [&](std::size_t f) {
+      std::vector<double>& mean = error[f];
+      mean.assign(count.size(), 0.0);
+      for (const Block& rows : evenChunks(data.rows())) {
+        const ArrayXd predicted = predictEffort(report.fits[f], data, report.options, rows);
+        for (std::size_t i = rows.begin; i < rows.end; ++i) {
+          mean[cells[i]] += std::abs(predicted[static_cast<Index>(i - rows.begin)] - measured[static_cast<Index>(i)]);
+        }
+      }
       for (std::size_t c = 0; c < mean.size(); ++c) mean[c] = count[c] > 0.0 ? mean[c] / count[c] : std::nan("");
-      error.push_back(mean);
-    }
+    });
   }
 };
 
@@ -133,11 +139,8 @@ std::vector<TimeSample> timeSamples(const FrictionReport& report) {
   const std::size_t begin = (data.rows() - count) / 2;
   std::vector<TimeSample> samples;
   for (std::size_t i = begin; i < begin + count; ++i) samples.push_back({i, measured[static_cast<Index>(i)], {}});
-  std::vector<bool> shown(data.rows(), false);
-  std::fill_n(shown.begin() + static_cast<std::ptrdiff_t>(begin), count, true);
-  const FrictionData part = selectRows(data, shown);
   for (const FrictionFit& fit : report.fits) {
-    const ArrayXd predicted = predictEffort(fit, part, report.options);
+    const ArrayXd predicted = predictEffort(fit, data, report.options, {begin, begin + count});
     for (std::size_t k = 0; k < count; ++k) samples[k].predicted.push_back(predicted[static_cast<Index>(k)]);
   }
   return samples;

@@ -2,32 +2,59 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "reality/drive_draws.h"
+#include "reality/motor_log.h"
+#include "reality/pam_rig.h"
 #include "simgap/fit/drive_data.h"
 #include "support/files.h"
 
 namespace simgap::test {
 namespace {
 
-PreparedLog smallLog() {
+PreparedLog smallLog(DriveKind kind) {
+  if (kind == DriveKind::kMuscle) {
+    return prepareMuscleData(CsvTable::parse(reality::recordPam({}, {.sessions = 3, .rows = 600}).csv(), "log.csv"));
+  }
+  if (kind == DriveKind::kMotor) {
+    const reality::MotorDesign design{.seconds = 1.5, .rate = 500.0, .current_noise = 0.02, .velocity_noise = 0.2};
+    return prepareMotorData(CsvTable::parse(reality::simulateMotor({}, design).csv(), "log.csv"));
+  }
   reality::DriveRig rig = reality::drawRig(3);
   rig.rows = 3000;
   return prepareDriveData(CsvTable::parse(reality::recordDrive(rig, {}).csv(), "log.csv"), {}, {}, {});
 }
 
+/// The name of the model that the effect extends, and a base with plausible values.
+std::string modelOf(const DriveEffect& effect) {
+  if (effect.kind == DriveKind::kMuscle) return "pam";
+  return effect.kind == DriveKind::kMotor ? "motor" : "classic";
+}
+
 class DriveEffectContract : public testing::TestWithParam<const DriveEffect*> {
  protected:
+  static std::optional<double> presliding() {
+    if (GetParam()->kind == DriveKind::kMuscle || GetParam()->kind == DriveKind::kMotor) return std::nullopt;
+    return 0.05;
+  }
+  static DriveBase base() { return subjectOf(modelOf(*GetParam())).base; }
   static std::vector<double> middle(const DriveRegression& model, const DriveRows& rows) {
-    const DriveRegression plain(friction::find("classic"), {}, data(), 0.05);
+    const DriveRegression plain(base(), {}, data(), presliding());
     const std::vector<double> base = plain.thetaOf(std::vector<PhysicalParameter>{{"k_a", "", 1.2, 0, false},
                                                                                   {"n_c", "", 0.3, 0, false},
                                                                                   {"n_s", "", 0.4, 0, false},
                                                                                   {"k_v", "", 0.01, 0, false},
                                                                                   {"v_s", "", 6.0, 0, false},
                                                                                   {"delta", "", 1.1, 0, false},
-                                                                                  {"presliding", "", 0.02, 0, false}});
+                                                                                  {"presliding", "", 0.02, 0, false},
+                                                                                  {"a", "", 0.004, 0, false},
+                                                                                  {"b", "", -0.008, 0, false},
+                                                                                  {"c", "", 0.0025, 0, false},
+                                                                                  {"R", "", 0.8, 0, false},
+                                                                                  {"L", "", 0.004, 0, false},
+                                                                                  {"K_E", "", 0.02, 0, false}});
     std::vector<double> theta = model.startFrom(plain, base);
     const DriveEffect& effect = *model.effects()[0];
     if (effect.starts != nullptr) {
@@ -35,12 +62,16 @@ class DriveEffectContract : public testing::TestWithParam<const DriveEffect*> {
       if (!starts.empty())
         std::ranges::copy(starts.back(), theta.begin() + static_cast<std::ptrdiff_t>(model.firstParameter(0)));
     }
-    for (std::size_t k = 0; k < effect.columns.size(); ++k) theta[model.firstColumn(0) + k] = 0.05;
+    for (std::size_t k = 0; k < effect.columns.size(); ++k)
+      theta[model.firstColumn(0) + k] = effect.columns[k].unit == "m2" ? 1e-5 : 0.05;
     return theta;
   }
   static const DriveData& data() {
-    static const PreparedLog log = smallLog();
-    return log.data;
+    static const std::map<DriveKind, PreparedLog> logs = {{DriveKind::kFriction, smallLog(DriveKind::kFriction)},
+                                                          {DriveKind::kMotor, smallLog(DriveKind::kMotor)},
+                                                          {DriveKind::kMuscle, smallLog(DriveKind::kMuscle)}};
+    const DriveKind kind = GetParam()->kind;
+    return logs.at(kind == DriveKind::kGearbox ? DriveKind::kFriction : kind).data;
   }
 };
 
@@ -61,7 +92,7 @@ TEST_P(DriveEffectContract, SaysWhatItIs) {
 }
 
 TEST_P(DriveEffectContract, DerivativesAgreeWithDifferences) {
-  const DriveRegression model(friction::find("classic"), {GetParam()}, data(), std::nullopt);
+  const DriveRegression model(base(), {GetParam()}, data(), std::nullopt);
   const std::vector<double> theta = middle(model, data().rows);
   Eigen::VectorXd residual, ahead, behind;
   Eigen::MatrixXd jacobian;
@@ -85,8 +116,8 @@ TEST_P(DriveEffectContract, DerivativesAgreeWithDifferences) {
 
 TEST_P(DriveEffectContract, NeutralValuesChangeNothing) {
   const DriveEffect& effect = *GetParam();
-  const DriveRegression plain(friction::find("classic"), {}, data(), std::nullopt);
-  const DriveRegression model(friction::find("classic"), {&effect}, data(), std::nullopt);
+  const DriveRegression plain(base(), {}, data(), std::nullopt);
+  const DriveRegression model(base(), {&effect}, data(), std::nullopt);
   std::vector<double> theta = middle(model, data().rows);
   for (std::size_t k = 0; k < effect.columns.size(); ++k) theta[model.firstColumn(0) + k] = 0.0;
   for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
@@ -102,12 +133,12 @@ TEST_P(DriveEffectContract, NeutralValuesChangeNothing) {
 }
 
 TEST_P(DriveEffectContract, SurvivesAModelFile) {
-  const DriveRegression model(friction::find("classic"), {GetParam()}, data(), std::nullopt);
+  const DriveRegression model(base(), {GetParam()}, data(), std::nullopt);
   const std::vector<double> theta = middle(model, data().rows);
   const Eigen::MatrixXd none =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(theta.size()), static_cast<Eigen::Index>(theta.size()));
   FittedModel file;
-  file.kind = "friction";
+  file.kind = modelOf(*GetParam()) == "classic" ? "friction" : modelOf(*GetParam());
   file.law = "classic";
   file.extensions = model.extensions(theta, none);
   for (const PhysicalParameter& p : model.physical(theta, none)) {

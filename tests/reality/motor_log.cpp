@@ -21,7 +21,7 @@ MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
   const double viscous = gain * m.viscous + m.gear_viscous / m.ratio;
   const double coulomb = gain * m.coulomb + m.gear_coulomb;
   for (int session = 0; session < design.sessions; ++session) {
-    double i = 0.0, w = 0.0, voltage = 0.0, load = 0.0;
+    double i = 0.0, w = 0.0, voltage = 0.0, load = 0.0, warmth = 0.0, angle = 0.0, wheel = 0.0;
     for (int k = 0; k < rows; ++k) {
       if (k % 317 == 0) voltage = design.voltage * uniform(random);
       if (k % 523 == 0) load = design.load * uniform(random);
@@ -33,11 +33,20 @@ MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
       log.session.push_back(session);
       for (int s = 0; s < inner; ++s) {
         // The winding by the trapezoidal rule, the rotor by a symplectic step with friction that can hold it.
-        const double rate = (voltage - m.emf * w - m.resistance * i) / m.inductance;
+        const double brushes = m.brush_drop * i / (std::abs(i) + 0.2);
+        const double resistance = m.resistance * (1.0 + m.heating * warmth);
+        const double rate = (voltage - m.emf * w - resistance * i - brushes) / m.inductance;
+        warmth += kStep / m.heating_seconds * (i * i / 4.0 - warmth);
         i += rate * kStep / (1.0 + 0.5 * m.resistance * kStep / m.inductance);
-        const double driving = gain * m.torque * i - load - viscous * w;
+        angle += w * kStep;
+        // The wheel is pushed by whichever side of the play the rotor's tooth reaches, and stays where it is left.
+        const bool meshes = std::abs(angle - wheel) >= 0.5 * m.play;
+        if (meshes) wheel = angle - std::copysign(0.5 * m.play, angle - wheel);
+        const double teeth = m.load_loss * std::abs(load);
+        const double felt = meshes ? load + m.ripple * std::sin(m.ripple_turns * angle + 0.4) : 0.0;
+        const double driving = gain * m.torque * i - felt - viscous * w;
         const double free = w + driving * kStep / inertia;
-        const double hold = coulomb * kStep / inertia;
+        const double hold = (meshes ? coulomb + teeth : 0.2 * coulomb) * kStep / inertia;
         w = free > hold ? free - hold : free < -hold ? free + hold : 0.0;
       }
     }

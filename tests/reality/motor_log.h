@@ -12,6 +12,11 @@ struct MotorTruth {
   double resistance = 0.8, inductance = 4e-3, emf = 0.021, torque = 0.021;
   double inertia = 6e-6, viscous = 2e-6, coulomb = 0.002;
   double ratio = 1.0, efficiency = 1.0, gear_coulomb = 0.0, gear_viscous = 0.0, gear_inertia = 0.0;
+  double brush_drop = 0.0;                      ///< [V] of carbon on copper, half of it at 0.2 A
+  double heating = 0.0, heating_seconds = 20.;  ///< relative rise of the resistance at 2 A for long
+  double load_loss = 0.0;                       ///< share of the load's torque that the teeth take, either way
+  double ripple = 0.0, ripple_turns = 2.0;      ///< [N m] at the output, so often per turn of the rotor
+  double play = 0.0;                            ///< [rad] of the rotor between the teeth
 };
 
 struct MotorDesign {

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "simgap/core/units.h"
+
 namespace simgap {
 
 class CsvParser;
@@ -48,6 +50,8 @@ class CsvTable {
   /// \throws DataError: column missing (lists what is there, or names the wrong unit found), the quantity in two
   ///         units, or the first cell that is empty, NaN, infinite or no number, with its line.
   std::vector<double> quantity(std::string_view stem, std::string_view unit) const;
+  /// The same without a copy when no other table shares the column, which is then gone from this one.
+  std::vector<double> takeQuantity(std::string_view stem, std::string_view unit);
 
   /// A column as text, shape (rows); numbers as they stand in the file. Goes through the whole file.
   /// \throws DataError when missing.
@@ -58,6 +62,8 @@ class CsvTable {
 
  private:
   friend CsvParser;
+  QuantityMatch matched(std::string_view stem, std::string_view unit) const;
+  std::vector<double> converted(std::vector<double> values, const QuantityMatch& match) const;
   [[noreturn]] void failMissing(std::string_view stem, std::string_view unit) const;
   [[noreturn]] void failCell(std::size_t row, std::size_t column) const;
 
@@ -65,9 +71,9 @@ class CsvTable {
   std::size_t rows_ = 0;
   std::size_t skipped_ = 0;
   std::vector<std::string> headers_;
-  std::vector<std::shared_ptr<const std::vector<double>>> numbers_;  ///< NaN: a bad cell; null: a column of text
-  std::vector<std::uint32_t> lines_;                                 ///< empty when row r stands on line r + 2
-  std::shared_ptr<const std::string> text_;                          ///< the whole file
+  std::vector<std::shared_ptr<std::vector<double>>> numbers_;  ///< NaN: a bad cell; null: a column of text
+  std::vector<std::uint32_t> lines_;                           ///< empty when row r stands on line r + 2
+  std::shared_ptr<const std::string> text_;                    ///< the whole file
 };
 
 /// Builds a CSV text: a header row, then rows of numbers (shortest form that reads back exactly) and texts (quoted when

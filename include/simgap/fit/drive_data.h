@@ -20,8 +20,9 @@ struct ContextChannel {
 };
 
 struct PreparedLog {
+  DriveKind kind = DriveKind::kFriction;
   DriveData data;
-  std::vector<Block> blocks;            ///< of 4 to 20 s, held out together
+  std::vector<Block> blocks;            ///< of 4 to 20 s, shorter in short logs; held out together
   std::vector<ContextChannel> context;  ///< in the order of DriveRows::context
   std::vector<std::string> session_names;
   std::string file, effort_column;
@@ -34,17 +35,29 @@ struct PreparedLog {
 PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const DriveLogOptions& log_options,
                              FrictionDataOptions options);
 
-/// A friction model as the user has it.
+/// The same for a motor with a gearbox on a bench, whose voltages and loads are often stepped.
+PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const DriveLogOptions& log_options,
+                               const FrictionDataOptions& options);
+
+/// The same for a winding's log (voltage, current, speed) and for a pneumatic muscle's.
+/// \throws DataError as readMotorLog and readPamLog, and when there is no voltage, current or velocity.
+PreparedLog prepareMotorData(const CsvTable& table);
+PreparedLog prepareMuscleData(const CsvTable& table);
+
+/// A model as the user has it.
 struct DriveSubject {
-  const FrictionLaw* law;
+  DriveBase base;
   std::vector<const DriveEffect*> effects;  ///< of its extensions
   std::vector<PhysicalParameter> values;    ///< as the file holds them; empty for a law alone
 };
 
-/// \throws ConfigError: another kind than friction, an unknown law or effect, a parameter that an effect does not have.
+/// A muscle's spring is an effect on top of 002 eq. 14, the inertia of a gearbox one on top of Coulomb friction.
+/// \throws ConfigError: an unknown law or effect, a parameter that an effect does not have.
 DriveSubject subjectOf(const FittedModel& model);
+/// A friction law, "motor", "gearbox" or "pam". \throws ConfigError: an unknown name.
+DriveSubject subjectOf(std::string_view name);
 
-/// What an extended friction model predicts for a log, shape (rows).
+/// What an extended model predicts for a log, shape (rows).
 Eigen::ArrayXd predictExtended(const DriveSubject& subject, const DriveData& data);
 
 }  // namespace simgap

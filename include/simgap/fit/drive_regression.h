@@ -1,10 +1,12 @@
 /// \file
-/// A drive's log explained by a friction law and any number of effects (simgap/model/drive_effect.h):
+/// An actuator's log explained by a friction law, or another equation, and any number of effects
+/// (simgap/model/drive_effect.h):
 ///
 ///     effort = P + cubic P^3,    P = X(p) c / gain, delayed
 ///
-/// Parameters, in order: c, the coefficients of the columns (the first is 1 / k_a, torques enter as theta / k_a), then
-/// p: v_s and delta of the law, the presliding of every real drive as a nuisance, and the effects' own.
+/// Parameters, in order: c, the coefficients of the columns (of a law the first is 1 / k_a, torques enter as
+/// theta / k_a), then p: v_s and delta of the law, the presliding of every real drive as a nuisance, and the effects'
+/// own.
 #pragma once
 
 #include <optional>
@@ -12,9 +14,8 @@
 #include <vector>
 
 #include "simgap/fit/row_fit.h"
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/drive_equation.h"
 #include "simgap/model/extension.h"
-#include "simgap/model/friction_law.h"
 
 namespace simgap {
 
@@ -41,15 +42,15 @@ struct PhysicalParameter {
 
 class DriveRegression : public RowModel {
  public:
-  /// `law`, `effects` and `data` must outlive it. \param presliding  largest x_s of the nuisance [rad]; none without.
-  DriveRegression(const FrictionLaw& law, std::vector<const DriveEffect*> effects, const DriveData& data,
+  /// What `base` names, `effects` and `data` must outlive it. \param presliding  largest x_s of the nuisance [rad];
+  /// none without.
+  DriveRegression(const DriveBase& base, std::vector<const DriveEffect*> effects, const DriveData& data,
                   std::optional<double> presliding);
 
   const std::vector<FitParameter>& parameters() const override { return parameters_; }
   Eigen::Index rows() const override { return data_->rows.rows(); }
   void evaluate(std::span<const double> theta, Eigen::VectorXd& residual, Eigen::MatrixXd* jacobian) const override;
 
-  const FrictionLaw& law() const { return *law_; }
   const std::vector<const DriveEffect*>& effects() const { return effects_; }
   std::size_t linear() const { return linear_; }
   /// Index of the first of an effect's own p, and of its first column.
@@ -59,7 +60,9 @@ class DriveRegression : public RowModel {
   /// A start for this model from one with other effects: what both have is taken over, the effects' p are neutral.
   std::vector<double> startFrom(const DriveRegression& other, std::span<const double> theta) const;
   /// The best coefficients for the p of theta on some blocks, within their bounds; p stays.
-  std::vector<double> solveCoefficients(std::vector<double> theta, std::span<const Block> blocks) const;
+  /// \param cost  set to the sum of squares there, when it is wanted.
+  std::vector<double> solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
+                                        double* cost = nullptr) const;
   /// Coefficients and p by name, for values from a model file. \param physical  parameters as PhysicalParameter has
   /// them.
   std::vector<double> thetaOf(std::span<const PhysicalParameter> physical) const;
@@ -84,7 +87,9 @@ class DriveRegression : public RowModel {
     double part;         ///< of a row
   };
   Evaluation columns(std::span<const double> p) const;
-  Terms terms(std::span<const double> p) const;
+  /// \param effort  shape (rows): where the effort stands on the right.
+  Terms terms(std::span<const double> p, const Eigen::ArrayXd& effort) const;
+  Eigen::ArrayXd explicitly(std::span<const double> theta, const Eigen::ArrayXd& effort) const;
   /// Calls `visit(j, column)` for each column, over gain, not delayed.
   template <typename Visit>
   void visitColumns(const Terms& terms, std::span<const double> p, const Visit& visit) const;
@@ -98,7 +103,7 @@ class DriveRegression : public RowModel {
   }
   void add(std::string name, std::string unit, double lower, double upper, bool fixed = false);
 
-  const FrictionLaw* law_;
+  DriveBase base_;
   std::vector<const DriveEffect*> effects_;
   const DriveData* data_;
   bool presliding_;

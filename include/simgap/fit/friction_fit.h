@@ -68,8 +68,9 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
 /// Mean squared error of a fit on other rows.
 double meanSquaredError(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options);
 
-/// What the model predicts for every row, shape (rows).
-Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options);
+/// What the model predicts for some rows, shape (rows.size()).
+Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options,
+                             const Block& rows);
 
 /// Sets the BIC of all fits from one effective sample size: n_eff ln(mse) + k ln(n_eff). \returns index of the lowest.
 std::size_t compareFits(std::vector<FrictionFit>& fits);

@@ -43,7 +43,7 @@ struct DriveLogOptions {
 /// or `external_force_N`, `time_s` and `session`.
 /// \throws DataError: no effort, neither velocity nor position, joint channels without a ratio, time that does not
 ///         rise within a session, and all that CsvTable refuses.
-DriveLog readDriveLog(const CsvTable& table, const DriveLogOptions& options);
+DriveLog readDriveLog(CsvTable table, const DriveLogOptions& options);
 
 /// A motor or gearbox log (FORMATS). Velocity is the motor's.
 struct MotorLog {
@@ -59,7 +59,7 @@ struct MotorLog {
 };
 /// Every channel but time is optional here; the fits say which they need.
 /// \throws DataError as readDriveLog.
-MotorLog readMotorLog(const CsvTable& table);
+MotorLog readMotorLog(CsvTable table);
 
 /// A pneumatic muscle's log (FORMATS).
 struct PamLog {
@@ -72,11 +72,11 @@ struct PamLog {
   std::vector<std::string> session_names;
   std::size_t rows() const { return force.size(); }
 };
-PamLog readPamLog(const CsvTable& table);
+PamLog readPamLog(CsvTable table);
 
-/// Labels of the `session` column (text or number); all 0 when there is none.
+/// Labels of the `session` column (text or number), which is taken from the table; all 0 when there is none.
 /// \param names  set to the labels' texts.
-std::vector<int> readSessions(const CsvTable& table, std::vector<std::string>& names);
+std::vector<int> readSessions(CsvTable& table, std::vector<std::string>& names);
 
 /// \throws DataError at the first row whose time does not rise within its session.
 void requireRisingTime(const CsvTable& table, const std::vector<double>& time, const std::vector<int>& session);

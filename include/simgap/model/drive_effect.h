@@ -1,9 +1,10 @@
 /// \file
-/// A physical cause that a drive's model may lack: one file in src/model/effects/drive, found by CMake (EFFECTS:
-/// actuator logs). The model of a drive's effort is linear in all but a few numbers p:
+/// A physical cause that an actuator's model may lack: one file in src/model/effects/{drive,gearbox,motor,pam}, found
+/// by CMake (EFFECTS). The model of an actuator's effort is linear in all but a few numbers p:
 ///
 ///     effort = X(p) c,   X = [load | friction law's columns | effects' columns | 1] / gain
 ///
+/// or, for what is no drive with friction, X = [equation's columns | effects' columns] (simgap/model/drive_equation.h).
 /// An effect changes the terms the columns are made of (a factor on dry friction, another load …), adds columns, or
 /// both; none knows of the others. Efforts are the motor's, torques those the load is measured in; speed and
 /// acceleration are the motor's.
@@ -17,10 +18,18 @@
 
 namespace simgap {
 
+/// What a log is of.
+enum class DriveKind {
+  kFriction,  ///< a drive: effort against load and motion
+  kGearbox,   ///< the same of a motor with a gearbox on a bench
+  kMotor,     ///< a winding: voltage against current and speed
+  kMuscle,    ///< a pneumatic muscle: force against pressure and contraction
+};
+
 /// The rows of a log as effects see them; every array has shape (n), or is empty when the log has no such channel.
 struct DriveRows {
   Eigen::ArrayXd time;                  ///< [s]
-  Eigen::ArrayXd effort;                ///< what the motor drew
+  Eigen::ArrayXd effort;                ///< what the motor drew; a winding's voltage, a muscle's force
   Eigen::ArrayXd speed;                 ///< [rad/s]
   Eigen::ArrayXd direction;             ///< +1 or -1: the last direction of motion, held through rests
   Eigen::ArrayXd travel;                ///< [rad] in that direction since the row before, >= 0
@@ -30,6 +39,10 @@ struct DriveRows {
   Eigen::ArrayXd joint_angle;           ///< [rad]
   Eigen::ArrayXd motor_angle;           ///< [rad]
   Eigen::ArrayXd temperature;           ///< [deg C]
+  Eigen::ArrayXd current;               ///< [A] of a winding
+  Eigen::ArrayXd current_rate;          ///< [A/s]
+  Eigen::ArrayXd pressure;              ///< [Pa] gauge, of a muscle
+  Eigen::ArrayXd contraction;           ///< [1] apparent: of the muscle with its tendon
   std::vector<Eigen::ArrayXd> context;  ///< further logged channels, scaled to mean 0 and standard deviation 1
   std::vector<int> session;             ///< shape (n)
   double step = 0.0;                    ///< [s] median time between rows
@@ -47,6 +60,9 @@ struct DriveTerms {
   Eigen::ArrayXd gain;     ///< torque per ampere, relative to k_a; empty: 1
   double cubic = 0.0;      ///< [1/A^2] effort = I + cubic I^3
   double delay = 0.0;      ///< [s] the effort is logged that much later than the motion
+  Eigen::ArrayXd effort;       ///< [N] of a muscle: what stretches its tendon
+  Eigen::ArrayXd pressure;     ///< [Pa] that drives a muscle
+  Eigen::ArrayXd contraction;  ///< [1] of the muscle itself
 };
 
 /// A number that enters the model non-linearly.
@@ -78,6 +94,7 @@ std::string_view toString(Channel channel);
 
 struct DriveEffect {
   std::string_view name;                             ///< of the catalogue
+  DriveKind kind = DriveKind::kFriction;             ///< which logs can show it (see appliesTo)
   std::string_view cause;                            ///< one sentence for people
   std::string_view equation;                         ///< one line
   std::string_view source;                           ///< where it comes from
@@ -99,6 +116,9 @@ struct DriveEffect {
   /// False for values so small that sampling alone makes them; none: every value counts.
   bool (*counts)(std::span<const double> p, const DriveRows& rows) = nullptr;
 };
+
+/// A gearbox has its own causes and, but for those that say the same in other words, those of any drive.
+bool appliesTo(const DriveEffect& effect, DriveKind kind);
 
 namespace drive_effects {
 std::span<const DriveEffect* const> all();

@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <thread>
 
@@ -26,23 +27,63 @@ struct Options {
   LogDiagnosisOptions diagnose;
 };
 
-/// MODEL is a file, or the name of a law.
+/// MODEL is a file, or a name: of a friction law, motor, gearbox, or pam.
 DriveSubject readSubject(const Options& options, Session& session, FittedModel& fitted) {
   if (!std::filesystem::exists(options.model) && options.model.find('.') == std::string::npos) {
-    return {&friction::find(options.model), {}, {}};
+    return subjectOf(options.model);
   }
   const Input& input = session.read("model", options.model);
-  fitted = readFittedModel(YamlNode::parse(input.content, options.model), {"friction"});
+  fitted = readFittedModel(YamlNode::parse(input.content, options.model));
   return subjectOf(fitted);
+}
+
+PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind) {
+  if (kind == DriveKind::kMotor) return prepareMotorData(table);
+  if (kind == DriveKind::kMuscle) return prepareMuscleData(table);
+  const DriveLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
+  FrictionDataOptions data_options;
+  data_options.bandwidth = bench.bandwidth;
+  if (kind == DriveKind::kGearbox) return prepareGearboxData(table, bench, log_options, data_options);
+  return prepareDriveData(table, bench, log_options, data_options);
+}
+
+/// Of a winding or a muscle: what was fitted replaces what the file had; the spring of 002 is a parameter there.
+void takeOver(const DriveFitResult& fit, FittedModel& model) {
+  const auto put = [&](const FittedParameter& parameter) {
+    std::erase_if(model.parameters, [&](const FittedParameter& p) { return p.name == parameter.name; });
+    model.parameters.push_back(parameter);
+  };
+  for (const PhysicalParameter& p : fit.parameters) {
+    if (p.name.find('.') == std::string::npos) put({p.name, p.unit, p.value, p.sd, false});
+  }
+  if (model.kind != "pam") return;
+  model.law = "no-spring";
+  std::erase_if(model.parameters, [](const FittedParameter& p) { return p.name == "k"; });
+  const auto spring = std::ranges::find(model.extensions, "tendon-compliance", &Extension::effect);
+  if (spring == model.extensions.end()) return;
+  const ExtensionParameter& compliance = spring->parameters[0];
+  model.law = "spring";
+  put({"k", "N", 1.0 / compliance.value, compliance.sd / (compliance.value * compliance.value), false});
+  model.extensions.erase(spring);
 }
 
 /// A model as any other command reads it: the law refitted to the log, with the effects of `fit`.
 FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, const DriveFitResult& fit,
                       const DriveData& data, double dead_band, std::size_t rows, const Input& log) {
   FittedModel model = given;
-  model.kind = "friction";
-  model.law = subject.law->name;
+  const DriveKind kind = subject.base.kind;
   model.covariance.resize(0, 0);
+  model.data_file = log.file.filename().string();
+  model.data_sha256 = log.sha256;
+  model.data_rows = rows;
+  model.extensions = fit.extensions;
+  if (kind == DriveKind::kMotor || kind == DriveKind::kMuscle) {
+    model.kind = kind == DriveKind::kMotor ? "motor" : "pam";
+    takeOver(fit, model);
+    return model;
+  }
+  model.kind = "friction";
+  model.law = subject.base.name();
   model.parameters.clear();
   for (const PhysicalParameter& p : fit.parameters) {
     const bool own = p.name.find('.') == std::string::npos && p.name != "presliding";
@@ -51,10 +92,6 @@ FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, con
   model.settings["effort"] = data.effort_unit;
   model.settings.try_emplace("predicts", "effort");
   model.settings[quantityName("dead_band", data.velocity_unit)] = fmt::format("{}", dead_band);
-  model.extensions = fit.extensions;
-  model.data_file = log.file.filename().string();
-  model.data_sha256 = log.sha256;
-  model.data_rows = rows;
   return model;
 }
 
@@ -111,16 +148,13 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
   if (options.ratio) bench.ratio = options.ratio;
   const CsvTable table = session.readTable("log", options.log, options.table.csv());
   if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", options.log, table.skippedRows());
-  const DriveLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
-  FrictionDataOptions data_options;
-  data_options.bandwidth = bench.bandwidth;
-  PreparedLog log = prepareDriveData(table, bench, log_options, data_options);
+  PreparedLog log = prepareLog(table, bench, subject.base.kind);
   const Holdout holdout = readHoldout(options.holdout, table);
   if (holdout.fraction) options.diagnose.holdout = *holdout.fraction;
   options.diagnose.heldout_rows = holdout.rows;
   requireDiagnosable(log, options.diagnose);
   if (options.common.dry_run) {
-    fmt::print("would diagnose {} on {} rows of {}; nothing was written\n", subject.law->name, table.rows(),
+    fmt::print("would diagnose {} on {} rows of {}; nothing was written\n", subject.base.name(), table.rows(),
                options.log);
     return ExitCode::kDone;
   }
@@ -150,8 +184,10 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("MODEL", options->model,
-                 "fitted friction model or arm model (YAML), or the name of a friction law (classic, variant-a, …)")
+  app.add_option(
+         "MODEL", options->model,
+         "fitted model of a drive, motor, gearbox or muscle, or arm model (YAML); or a name: a friction law (classic, "
+         "variant-a, …), motor, gearbox or pam")
       ->required();
   app.add_option("--log", options->log, "measured log (CSV) of a drive");
   app.add_option("--poses", options->poses, "recorded poses (CSV) of an arm");

@@ -96,13 +96,10 @@ struct Task {
   DriveLogOptions log;
 
   FrictionData read(Session& session, const std::string& role, const std::string& file, Holdout* holdout) const {
-    DriveLog drive;
-    {
-      const CsvTable table = session.readTable(role, file, options.table.csv());  // freed before rows are copied
-      if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", file, table.skippedRows());
-      if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, table);
-      drive = readDriveLog(table, log);
-    }
+    CsvTable table = session.readTable(role, file, options.table.csv());
+    if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", file, table.skippedRows());
+    if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, table);
+    DriveLog drive = readDriveLog(std::move(table), log);
     FrictionDataOptions prepared = data;
     prepared.block_seconds = options.fit.blockSeconds(spanOf(drive));
     return prepareFrictionData(std::move(drive), bench, prepared);

@@ -74,7 +74,12 @@ Prediction predictFriction(const FittedModel& model, const Options& options, Ses
 }
 
 Prediction predictPam(const FittedModel& model, const Options& options, Session& session) {
-  const PamLog log = readPamLog(session.readTable("log", options.log, options.table.csv()));
+  const CsvTable table = session.readTable("log", options.log, options.table.csv());
+  const PamLog log = readPamLog(table);
+  if (!model.extensions.empty()) {
+    const Eigen::ArrayXd force = predictExtended(subjectOf(model), prepareMuscleData(table).data);
+    return {"force", "N", log.time, {force.begin(), force.end()}, log.force, 0};
+  }
   Pam muscle{model.value("a"), model.value("b"), model.value("c"),
              model.valueOr("k", std::numeric_limits<double>::infinity())};
   Prediction result{options.inverse ? "pressure" : "force", options.inverse ? "Pa" : "N", log.time, {}, {}, 0};
@@ -128,9 +133,12 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   Session session("predict", options.common, argv);
   const Input& input = session.read("model", options.model);
   const FittedModel model = readFittedModel(YamlNode::parse(input.content, options.model));
-  if (model.kind != "friction" && !model.extensions.empty()) {
-    throw ConfigError(fmt::format("{}: found extensions in a {} model, expected them in friction models only",
-                                  options.model, model.kind));
+  const bool extended = !model.extensions.empty();
+  if (extended && (model.kind == "motor" || model.kind == "gearbox" || (model.kind == "pam" && options.inverse))) {
+    throw ConfigError(
+        fmt::format("{}: found extensions in a {} model, expected them in friction models and, without "
+                    "--inverse, in muscles",
+                    options.model, model.kind));
   }
   const Prediction p = model.kind == "friction" ? predictFriction(model, options, session)
                        : model.kind == "pam"    ? predictPam(model, options, session)

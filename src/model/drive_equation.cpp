@@ -1,0 +1,31 @@
+#include "simgap/model/drive_equation.h"
+
+namespace simgap::drive_equations {
+namespace {
+
+constexpr EffectColumn kWinding[] = {{.name = "R", .unit = "ohm", .lower = 0.0, .torque = false},
+                                     {.name = "L", .unit = "H", .lower = 0.0, .torque = false},
+                                     {.name = "K_E", .unit = "Vs", .lower = 0.0, .torque = false}};
+
+void fillWinding(const DriveRows& rows, const DriveTerms& /*terms*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = rows.current;
+  x.col(1) = rows.current_rate;
+  x.col(2) = rows.speed;
+}
+
+constexpr EffectColumn kMuscle[] = {{.name = "a", .unit = "m2", .torque = false},
+                                    {.name = "b", .unit = "m2", .torque = false},
+                                    {.name = "c", .unit = "m2", .torque = false}};
+
+void fillMuscle(const DriveRows& /*rows*/, const DriveTerms& terms, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = terms.pressure * terms.contraction.square();
+  x.col(1) = terms.pressure * terms.contraction;
+  x.col(2) = terms.pressure;
+}
+
+}  // namespace
+
+const DriveEquation winding = {"motor", DriveKind::kMotor, kWinding, fillWinding, false};
+const DriveEquation muscle = {"pam", DriveKind::kMuscle, kMuscle, fillMuscle, true};
+
+}  // namespace simgap::drive_equations

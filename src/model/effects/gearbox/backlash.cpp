@@ -1,0 +1,52 @@
+/// \file
+/// After a reversal the motor turns freely through the teeth's play: over a travel `play` neither load nor the gear's
+/// friction reaches it; the teeth meet within a tenth of it.
+#include "simgap/model/drive_effect.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"play", "rad", 0.0, 20.0, 0.0, 0.0}};
+
+void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+  if (p[0] <= 0.0) return;
+  double since = 1e9;  // [rad] travel since the last reversal
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const bool same = i > 0 && rows.session[k] == rows.session[k - 1];
+    if (!same) since = 1e9;
+    if (same && rows.direction[i] != rows.direction[i - 1]) since = 0.0;
+    since += rows.travel[i];
+    const double engaged = 0.5 + 0.5 * std::tanh((since - p[0]) / (0.05 * p[0]));
+    terms.load[i] *= engaged;
+    terms.dry[i] *= engaged;
+  }
+}
+
+std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  const double stride = rows.top_speed * rows.step;
+  std::vector<std::vector<double>> list;
+  for (double play = 0.2 * stride; play < std::min(60.0 * stride, 20.0); play *= 1.8) list.push_back({play});
+  return list;
+}
+
+}  // namespace
+
+extern const DriveEffect backlash;
+const DriveEffect backlash = {
+    .name = "backlash",
+    .kind = DriveKind::kGearbox,
+    .cause = "after a reversal the motor turns freely through the play of the teeth",
+    .equation = "tau_ext = tau_fr = 0 for |travel since the reversal| < play",
+    .source = "Nordin & Gutman 2002",
+    .look_alikes = "presliding-hysteresis, channel-delay",
+    .separates = "slow reversals under load with many samples in the first travel after each",
+    .parameters = kParameters,
+    .apply = apply,
+    .starts = starts,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,87 @@
+/// \file
+/// Tooth mesh or an eccentric wheel: a torque that repeats with the shaft angle, a sin(r phi) + b cos(r phi), phi the
+/// logged motor angle or, without one, the integral of the speed.
+#include "simgap/model/drive_effect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"r", "1", 1e-4, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape}};
+constexpr EffectColumn kColumns[] = {{"a", "Nm"}, {"b", "Nm"}};
+
+Eigen::ArrayXd shaftAngle(const DriveRows& rows) {
+  if (rows.motor_angle.size() > 0) return rows.motor_angle;
+  if (rows.joint_angle.size() > 0) return rows.joint_angle;
+  Eigen::ArrayXd angle = Eigen::ArrayXd::Zero(rows.rows());
+  for (Eigen::Index i = 1; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double dt = rows.session[k] == rows.session[k - 1] ? rows.time[i] - rows.time[i - 1] : 0.0;
+    angle[i] = angle[i - 1] + 0.5 * dt * (rows.speed[i] + rows.speed[i - 1]);
+  }
+  return angle;
+}
+
+void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*terms*/,
+          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  const Eigen::ArrayXd angle = shaftAngle(rows);
+  x.col(0) = (p[0] * angle).sin();
+  x.col(1) = (p[0] * angle).cos();
+}
+
+/// Power of the residual over the angle, on a grid that resolves it; the strongest peaks. An integrated angle drifts,
+/// and a fine peak with it: the grid is of the whole turns of the motor and of their first fractions and multiples.
+std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& residual) {
+  constexpr int kPeaks = 4, kGrid = 3000;
+  const Eigen::ArrayXd angle = shaftAngle(rows);
+  const double span = angle.maxCoeff() - angle.minCoeff();
+  if (!(span > 0.0)) return {};
+  const double lowest = 2.0 * std::numbers::pi / span;
+  // Faster than half a turn between rows no ripple can be seen.
+  const double travel = std::sqrt(rows.speed.square().mean()) * rows.step;
+  const double highest = std::min(1.0 * std::numbers::pi / std::max(travel, 1e-9), lowest * kGrid / 4.0);
+  const Eigen::Index stride = std::max<Eigen::Index>(1, rows.rows() / 6000);
+  std::vector<std::pair<double, double>> peaks;  // power, ratio
+  double before = 0.0, last = 0.0, last_ratio = 0.0;
+  for (double r = lowest; r < highest; r += 0.25 * lowest) {
+    double s = 0.0, c = 0.0;
+    for (Eigen::Index i = 0; i < rows.rows(); i += stride) {
+      s += residual[i] * std::sin(r * angle[i]);
+      c += residual[i] * std::cos(r * angle[i]);
+    }
+    const double power = s * s + c * c;
+    if (last > before && last > power) peaks.emplace_back(last, last_ratio);
+    before = last;
+    last = power;
+    last_ratio = r;
+  }
+  std::ranges::sort(peaks, std::greater<>{}, &std::pair<double, double>::first);
+  std::vector<std::vector<double>> list;
+  for (std::size_t k = 0; k < std::min<std::size_t>(peaks.size(), kPeaks); ++k) list.push_back({peaks[k].second});
+  for (const double turn : {1.0, 2.0}) list.push_back({turn});
+  return list;
+}
+
+}  // namespace
+
+extern const DriveEffect gearbox_ripple;
+const DriveEffect gearbox_ripple = {
+    .name = "gearbox-ripple",
+    .kind = DriveKind::kGearbox,
+    .cause = "tooth mesh or an eccentric wheel: a torque that repeats with the shaft angle",
+    .equation = "tau += a sin(r phi) + b cos(r phi)",
+    .source = "catalogue of causes",
+    .look_alikes = "outliers, drift at low ratios",
+    .separates = "slow motion at constant speed over several turns, with the shaft angle logged",
+    .parameters = kParameters,
+    .columns = kColumns,
+    .fill = fill,
+    .starts = starts,
+};
+
+}  // namespace simgap::drive_effects

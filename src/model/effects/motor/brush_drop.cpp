@@ -1,0 +1,34 @@
+/// \file
+/// Brushes drop a nearly constant voltage against the current: V += V_b sign(i), smooth within a fiftieth of the usual
+/// current, where noise would decide the sign.
+#include "simgap/model/drive_effect.h"
+
+#include <cmath>
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectColumn kColumns[] = {{.name = "V_b", .unit = "V", .lower = 0.0, .torque = false}};
+
+void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms& /*terms*/,
+          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  const double small = 0.02 * std::sqrt(rows.current.square().mean()) + 1e-12;
+  x.col(0) = (rows.current / small).tanh();
+}
+
+}  // namespace
+
+extern const DriveEffect brush_drop;
+const DriveEffect brush_drop = {
+    .name = "brush-drop",
+    .kind = DriveKind::kMotor,
+    .cause = "the brushes drop a nearly constant voltage against the current",
+    .equation = "V += V_b sign(i)",
+    .source = "Hughes & Drury 2013, chapter 3",
+    .look_alikes = "winding-heating over one range of currents, an offset of the current sensor",
+    .separates = "slow ramps of the current through zero with the shaft held",
+    .columns = kColumns,
+    .fill = fill,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,32 @@
+/// \file
+/// Friction of the braid opposes the change of length, in proportion to the pressure that presses it together:
+///
+///     f -= h p sign(d eps / dt)
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectColumn kColumns[] = {{.name = "h", .unit = "m2", .torque = false}};
+
+void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms& terms,
+          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = -rows.direction * terms.pressure;
+}
+
+}  // namespace
+
+extern const DriveEffect contraction_hysteresis;
+const DriveEffect contraction_hysteresis = {
+    .name = "contraction-hysteresis",
+    .kind = DriveKind::kMuscle,
+    .cause = "friction of the braid opposes the change of length (of pressure, at a fixed length)",
+    .equation = "f -= h p sign(d eps / dt)",
+    .source = "Chou & Hannaford 1996; Tondu & Lopez 2000",
+    .look_alikes = "a valve's lag, when only one direction is recorded",
+    .separates = "the same lengths and pressures reached from both sides, slowly",
+    .columns = kColumns,
+    .fill = fill,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,30 @@
+/// \file
+/// An offset of the force sensor, or a weight that hangs on it: f + f0.
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectColumn kColumns[] = {{.name = "f0", .unit = "N", .torque = false}};
+
+void fill(std::span<const double> /*p*/, const DriveRows& /*rows*/, const DriveTerms& /*terms*/,
+          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = 1.0;
+}
+
+}  // namespace
+
+extern const DriveEffect force_bias;
+const DriveEffect force_bias = {
+    .name = "force-bias",
+    .kind = DriveKind::kMuscle,
+    .cause = "the force sensor has an offset, or a weight hangs on it",
+    .equation = "f + f0",
+    .source = "catalogue of causes",
+    .look_alikes = "pressure-threshold at one length",
+    .separates = "the force sensor's reading with the muscle vented and slack",
+    .columns = kColumns,
+    .fill = fill,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,27 @@
+/// \file
+/// The bladder takes up some pressure before the braid carries any: f = (p - p0) g(e).
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"p0", "Pa", 0.0, 5e5, 0.0, 0.0}};
+
+void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) { terms.pressure -= p[0]; }
+
+}  // namespace
+
+extern const DriveEffect pressure_threshold;
+const DriveEffect pressure_threshold = {
+    .name = "pressure-threshold",
+    .kind = DriveKind::kMuscle,
+    .cause = "the bladder's stiffness takes up the first of the pressure: no force below a threshold",
+    .equation = "f = (p - p0) g(e)",
+    .source = "Chou & Hannaford 1996",
+    .look_alikes = "pressure-bias: the same equation, no log of force and pressure can tell them apart",
+    .separates = "the pressure sensor's reading with the muscle vented, beside slow pressure ramps from there",
+    .parameters = kParameters,
+    .apply = apply,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,31 @@
+/// \file
+/// The tendon stretches with force, so that the muscle contracts by more than the joint shows (002 section III):
+///
+/// e = eps + f / k
+#include "simgap/model/drive_effect.h"
+
+namespace simgap::drive_effects {
+namespace {
+
+constexpr EffectParameter kParameters[] = {{"compliance", "1_N", 0.0, 1e-2, 0.0, 0.0}};
+
+void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) {
+  terms.contraction += p[0] * terms.effort;
+}
+
+}  // namespace
+
+extern const DriveEffect tendon_compliance;
+const DriveEffect tendon_compliance = {
+    .name = "tendon-compliance",
+    .kind = DriveKind::kMuscle,
+    .cause = "the tendon stretches with force, so that the muscle contracts by more than the joint shows",
+    .equation = "f = p g(eps + f / k), compliance = 1 / k",
+    .source = "002 section III, eq. 13-16",
+    .look_alikes = "pressure-threshold and end-effect at one force level",
+    .separates = "contraction at several pressures while the joint is held, with the muscle's own length measured",
+    .parameters = kParameters,
+    .apply = apply,
+};
+
+}  // namespace simgap::drive_effects

@@ -1,0 +1,150 @@
+// `simgap diagnose` on logs of motors, gearboxes and pneumatic muscles with a secret, and on simulated versions of the
+// experiments of 002 and 003.
+#include "cli/cli_fixture.h"
+#include "reality/friction_log.h"
+#include "reality/motor_log.h"
+#include "reality/pam_rig.h"
+#include "simgap/core/run_directory.h"
+
+namespace simgap::test {
+namespace {
+
+class DiagnoseActuators : public CliTest {
+ protected:
+  Json ask(const std::string& model, const std::string& csv) const {
+    put("log.csv", csv);
+    succeed({"diagnose", model, "--log", "log.csv", "-q", "--force", "-o", "d"});
+    return Json::parse(text("d/result.json"));
+  }
+  static reality::MotorDesign bench(std::uint64_t seed) {
+    reality::MotorDesign design;
+    design.seconds = 10.0;
+    design.sessions = 3;
+    design.current_noise = 0.02;
+    design.velocity_noise = 0.2;
+    design.seed = seed;
+    return design;
+  }
+  Json askMuscle(const reality::PamTruth& truth, std::uint64_t seed) const {
+    reality::PamDesign design;
+    design.seed = seed;
+    return ask("pam", reality::recordPam(truth, design).csv());
+  }
+  Json askMotor(const reality::MotorTruth& truth, std::uint64_t seed) const {
+    return ask("motor", reality::simulateMotor(truth, bench(seed)).csv());
+  }
+  Json askGearbox(const reality::MotorTruth& truth, std::uint64_t seed) const {
+    return ask("gearbox", reality::simulateMotor(truth, bench(seed)).csv());
+  }
+  static double valueOf(const Json& result, const std::string& parameter) {
+    for (const Json& p : result.at("causes").at(0).at("parameters")) {
+      if (p.at("name") == parameter) return p.at("value");
+    }
+    throw std::runtime_error("no parameter " + parameter);
+  }
+  static bool alone(const Json& result, const std::string& effect) {
+    return result.at("verdict") == "cause-found" && result.at("causes").size() == 1 &&
+           result.at("causes")[0].at("effect") == effect;
+  }
+};
+
+TEST_F(DiagnoseActuators, AreSilentWhereNothingIsHidden) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const Json muscle = askMuscle({}, seed), motor = askMotor({}, seed), gearbox = askGearbox({}, seed);
+    EXPECT_EQ(muscle.at("verdict"), "nothing-found") << muscle.at("sentence");
+    EXPECT_EQ(motor.at("verdict"), "nothing-found") << motor.at("sentence");
+    EXPECT_EQ(gearbox.at("verdict"), "nothing-found") << gearbox.at("sentence");
+    EXPECT_GE(muscle.at("detectable").size(), 4u);
+  }
+}
+
+// 002: the model without a tendon is wrong, and the more so the larger the force.
+TEST_F(DiagnoseActuators, FindTheTendonOf002) {
+  reality::PamTruth truth;
+  truth.tendon = 20000.0;
+  const Json result = askMuscle(truth, 3);
+  ASSERT_TRUE(alone(result, "tendon-compliance")) << result.at("sentence");
+  EXPECT_NEAR(1.0 / valueOf(result, "compliance"), 20000.0, 1000.0);
+  // Against force: the error of the model without the tendon, by what it moves the muscle.
+  const std::string model = text("d/model.yaml");
+  EXPECT_NE(model.find("law: spring"), std::string::npos) << model;
+  succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});
+  EXPECT_LT(Json::parse(text("p/result.json")).at("rms_error").get<double>(), 6.0);
+  succeed({"diagnose", "d/model.yaml", "--log", "log.csv", "-q", "-o", "again"});
+  EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "nothing-found");
+}
+
+TEST_F(DiagnoseActuators, NameWhatIsWrongWithAMuscle) {
+  reality::PamTruth hysteresis, ends, bias;
+  hysteresis.braid_friction = 3e-5;
+  ends.ends = 0.2;
+  bias.force_offset = 15.0;
+  EXPECT_TRUE(alone(askMuscle(hysteresis, 4), "contraction-hysteresis"));
+  EXPECT_TRUE(alone(askMuscle(ends, 5), "end-effect"));
+  const Json force = askMuscle(bias, 6);
+  ASSERT_TRUE(alone(force, "force-bias"));
+  EXPECT_NEAR(valueOf(force, "f0"), 15.0, 1.5);
+  succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});
+  EXPECT_LT(Json::parse(text("p/result.json")).at("rms_error").get<double>(), 6.0);
+}
+
+TEST_F(DiagnoseActuators, SayWhenNoLogCanTellTwoCausesApart) {
+  reality::PamTruth truth;
+  truth.bladder = 2e4;
+  const Json result = askMuscle(truth, 7);
+  EXPECT_EQ(result.at("verdict"), "ambiguous");
+  std::vector<std::string> group = result.at("causes")[0].at("ambiguous_with");
+  group.push_back(result.at("causes")[0].at("effect"));
+  EXPECT_THAT(group, ::testing::UnorderedElementsAre("pressure-threshold", "pressure-bias"));
+  EXPECT_NEAR(valueOf(result, "p0"), 2e4, 1e3);
+  truth.bladder = 0.0;
+  truth.sensor_offset = -2e4;  // more force than the reading explains: no bladder does that
+  EXPECT_TRUE(alone(askMuscle(truth, 8), "pressure-bias"));
+}
+
+TEST_F(DiagnoseActuators, SayUnexplainedForAMuscleThatBreathes) {
+  reality::PamTruth truth;
+  truth.breathing = 0.04;
+  const Json result = askMuscle(truth, 9);
+  EXPECT_EQ(result.at("verdict"), "unexplained") << result.at("sentence");
+  EXPECT_EQ(result.at("unexplained")[0].at("channel"), "humidity_percent");
+}
+
+TEST_F(DiagnoseActuators, NameWhatIsWrongWithAWinding) {
+  reality::MotorTruth brushes, warm;
+  brushes.brush_drop = 0.6;
+  warm.heating = 0.2;
+  const Json drop = askMotor(brushes, 10), heat = askMotor(warm, 11);
+  EXPECT_TRUE(alone(drop, "brush-drop")) << drop.at("sentence");
+  EXPECT_TRUE(alone(heat, "winding-heating")) << heat.at("sentence");
+}
+
+TEST_F(DiagnoseActuators, NameWhatIsWrongWithAGearbox) {
+  reality::MotorTruth loss, ripple;
+  loss.load_loss = 0.25;
+  ripple.ripple = 0.0015;
+  const Json lossy = askGearbox(loss, 12);
+  ASSERT_TRUE(alone(lossy, "load-dependent-efficiency")) << lossy.at("sentence");
+  EXPECT_NEAR(valueOf(lossy, "e"), 0.25, 0.05);
+  reality::MotorDesign slow = bench(13);  // a fast rotor's inertia smooths a ripple away
+  slow.voltage = 3.0;
+  const Json rippled = ask("gearbox", reality::simulateMotor(ripple, slow).csv());
+  ASSERT_TRUE(alone(rippled, "gearbox-ripple")) << rippled.at("sentence");
+  EXPECT_NEAR(valueOf(rippled, "r"), 2.0, 0.01);
+}
+
+// 003: friction without load on the sliding part alone (variant A) is worth some 15 %, and is no static offset.
+TEST_F(DiagnoseActuators, FindTheOffsetOf003) {
+  reality::DriveTruth truth;
+  truth.sliding_offset = 1.2;
+  truth.noise = 0.87;
+  reality::LogDesign design;
+  design.rows = 20000;
+  design.sessions = 20;
+  const Json result = ask("classic", reality::simulateFrictionLog(truth, design).csv());
+  ASSERT_TRUE(alone(result, "coulomb-offset")) << result.at("sentence");
+  EXPECT_NEAR(result.at("causes")[0].at("gain_heldout_percent").get<double>(), 15.0, 5.0);
+}
+
+}  // namespace
+}  // namespace simgap::test
