@@ -12,6 +12,7 @@
 #include "pose_score.h"
 #include "pose_selection.h"
 #include "pose_self_test.h"
+#include "pose_validation.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/error.h"
 
@@ -55,11 +56,6 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / std::max(1.0, static_cast<double>(values.size()));
 }
 
-std::vector<double> weighted(std::vector<double> errors, const std::vector<double>& weights) {
-  for (std::size_t p = 0; p < errors.size(); ++p) errors[p] *= weights[p];
-  return errors;
-}
-
 Interval intervalOf(const ExtensionParameter& p) {
   const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
   return {p.value, p.value - half, p.value + half};
@@ -87,7 +83,7 @@ class Diagnosing {
   }
   Eigen::VectorXd fitPlain();
   [[noreturn]] void failForPoses(std::size_t found) const;
-  void measureGain();
+  void measureGain(const PoseProblem& without);
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
   void decide();
@@ -141,16 +137,14 @@ void Diagnosing::failForPoses(std::size_t found) const {
 }
 
 /// Errors on the poses held out, without causes and with ever more of them.
-void Diagnosing::measureGain() {
+void Diagnosing::measureGain(const PoseProblem& without) {
   Diagnosis& d = result_.diagnosis;
-  PoseFit plain(problem_, split_.selection, {});
+  PoseFit plain(without, split_.selection, {});
+  plain.posterior().whiten(selection_.z_plain);
   plain.setSolution(selection_.z_plain);
-  const std::vector<double> weights = precisionWeights(problem_, selection_.z_plain, split_.heldout);
-  const std::vector<double> fit_weights = precisionWeights(problem_, selection_.z_plain, split_.selection);
-  const auto errors = [&](const ArmModel& model) { return weighted(squaredErrors(model, split_.heldout), weights); };
-  const auto fit_error = [&](const ArmModel& model) {
-    return mean(weighted(squaredErrors(model, split_.selection), fit_weights));
-  };
+  const PoseErrors heldout(without, plain, split_.heldout), fitted(without, plain, split_.selection);
+  const auto errors = [&](const ArmModel& model) { return heldout.of(model); };
+  const auto fit_error = [&](const ArmModel& model) { return mean(fitted.of(model)); };
   d.baseline.mse = fit_error(plain.model());
   const std::vector<double> before = errors(plain.model());
   d.baseline.mse_heldout = mean(before);
@@ -193,7 +187,7 @@ void Diagnosing::fillAbsorption(PoseFit& plain, PoseFit& fit) {
   }
   std::ranges::stable_sort(absorbed, std::greater<>(), [](const Absorption& a) { return std::abs(a.shift_sd); });
   if (absorbed.size() > 5) absorbed.resize(5);
-  if (!result_.diagnosis.causes.empty()) result_.diagnosis.causes.front().absorbed_by = absorbed;
+  if (!result_.diagnosis.causes.empty()) result_.diagnosis.causes.back().absorbed_by = absorbed;
 }
 
 void Diagnosing::decide() {
@@ -212,9 +206,12 @@ void Diagnosing::decide() {
     d.sentence = d.faults.front().sentence;
   } else if (!selection_.causes.empty() && !large_group) {
     d.verdict = group ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
-    d.sentence =
-        fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
-                    selection_.causes.size() == 1 ? "takes away" : "take away", 100.0 * gain, split_.heldout.size());
+    const bool one = selection_.causes.size() == 1;
+    d.sentence = gain > 0.0
+                     ? fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
+                                   one ? "takes away" : "take away", 100.0 * gain, split_.heldout.size())
+                     : fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it",
+                                   names, one ? "makes" : "make", split_.heldout.size());
   } else if (large_group) {
     d.verdict = DiagnosisVerdict::kUnexplained;
     d.sentence = fmt::format("something like {} is there, but these poses do not tell it from {} other causes", names,
@@ -260,12 +257,15 @@ PoseDiagnosis Diagnosing::run() {
   hypotheses_ = poseHypotheses(problem_.nominal, split_.all, options_.effects, d.not_testable);
   selection_ = selectCauses(problem_, split_.selection, hypotheses_, start, options_,
                             [this](std::string_view what) { say(what); });
+  PoseProblem without = problem_;
+  without.stray_friction = selection_.stray_plain;
+  problem_.stray_friction = selection_.stray;
   d.hypotheses = selection_.records;
   fillCauses();
   say("gain on held-out poses");
-  measureGain();
+  measureGain(without);
 
-  PoseFit plain(problem_, split_.all, {});
+  PoseFit plain(without, split_.all, {});
   plain.posterior().whiten(selection_.z_plain);
   plain.descend(selection_.z_plain);
   PoseFit fit(problem_, split_.all, causesOf(selection_, selection_.causes.size()));
@@ -279,9 +279,9 @@ PoseDiagnosis Diagnosing::run() {
     }
   }
   fillAbsorption(plain, fit);
-  const double explainable = std::max(0.0, d.baseline.mse_heldout - d.noise_floor);
-  d.explainable_percent = 100.0 * explainable / d.baseline.mse_heldout;
   d.explained_percent = 100.0 * (d.baseline.mse_heldout - d.extended.mse_heldout) / d.baseline.mse_heldout;
+  // Beyond noise and what the parameters' own uncertainty does to poses they were not fitted to.
+  d.explainable_percent = std::max({0.0, d.explained_percent, 100.0 * (1.0 - 1.0 / (1.0 + selection_.excess_plain))});
   d.evidence = poseEvidence(plain, fit);
   d.unexplained = poseLeftovers(fit);
   say("what these poses could reveal");

@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "simgap/model/kinematics.h"
@@ -17,6 +18,7 @@ constexpr double kFlippedAngle = 35.0 * kDegree;  // marker confusion turns a fr
 constexpr double kFarFromOthers = 4.0;            // times the median distance
 constexpr double kCopied = 6.0;                   // capture sd between two recordings of a joint that did not move
 constexpr double kShouldMove = 12.0 * kDegree;
+constexpr double kUnpredictable = 100.0;  // [deg^2] variance of a pose that says nothing of a model
 constexpr std::size_t kBins = 5;
 
 /// Positions that the model predicts where the poses were measured; empty where it has none.
@@ -40,6 +42,19 @@ double largest(const ArmModel& model, const std::vector<JointPosition>& a, const
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
   return values[values.size() / 2];
+}
+
+/// What gravity and muscles would do to the arm where it was measured [N m].
+std::vector<double> torquesAt(const ArmModel& model, std::span<const Pose> poses) {
+  PotentialEnergy energy(model);
+  std::vector<double> torques;
+  for (const Pose& pose : poses) {
+    energy.setTime(pose.time);
+    energy.setShafts(pose.shafts);
+    energy.evaluate(pose.joints);
+    torques.push_back(energy.gradient().norm());
+  }
+  return torques;
 }
 
 DataFault fault(std::span<const Pose> poses, const std::vector<std::size_t>& which, std::string_view what) {
@@ -70,8 +85,10 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   }
   const double far = std::max(kRobustScale, kFarFromOthers * median(distances));
   const double off_usual = kFarFromOthers * median(off);
+  const std::vector<double> torques = torquesAt(model, poses);
+  const double pushed = kFarFromOthers * median(torques);  // no model is wrong by that
   faulty.assign(poses.size(), false);
-  std::vector<std::size_t> flipped, stuck;
+  std::vector<std::size_t> flipped, soft, stuck;
   for (std::size_t p = 0; p < poses.size(); ++p) {
     if (distances[p] < far) continue;
     const bool copied = p > 0 && largest(model, poses[p].joints, poses[p - 1].joints) < kCopied * capture_sd;
@@ -80,7 +97,7 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
     if (copied && moved) {
       stuck.push_back(p);
     } else if (off[p] > std::max(kFlippedAngle, off_usual)) {
-      flipped.push_back(p);
+      (torques[p] > pushed ? flipped : soft).push_back(p);
     } else {
       continue;
     }
@@ -90,6 +107,12 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   for (const std::size_t p : unsolved) faulty[p] = true;
   if (!unsolved.empty()) {
     faults.push_back(fault(poses, unsolved, "the model has no equilibrium near it, so it is left out"));
+    faults.back().corrected = true;
+  }
+  if (!soft.empty()) {
+    faults.push_back(fault(poses, soft,
+                           "hardly anything holds the arm where the model rests at this command, so that small errors "
+                           "carry it far; left out"));
     faults.back().corrected = true;
   }
   if (!flipped.empty()) {
@@ -135,18 +158,35 @@ std::vector<double> variances(PosePosterior& posterior) {
 
 }  // namespace
 
-std::vector<double> precisionWeights(const PoseProblem& problem, const Eigen::VectorXd& z,
-                                     std::span<const Pose> poses) {
-  PoseFit fit(problem, poses, {});
-  fit.posterior().whiten(z);
-  std::vector<double> weights;
-  double sum = 0.0;
-  for (const double variance : variances(fit.posterior())) {
-    weights.push_back(1.0 / variance);
-    sum += weights.back();
+PoseErrors::PoseErrors(const PoseProblem& problem, PoseFit& fit, std::span<const Pose> poses) : poses_(poses) {
+  PoseFit there(problem, poses, fit.causes());
+  there.posterior().whiten(fit.z());
+  variances_ = variances(there.posterior());
+  const Eigen::LLT<Eigen::MatrixXd> curvature(fit.curvature());
+  const std::vector<PoseResidual>& residuals = there.posterior().evaluate(fit.z(), true);
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (!residuals[p].valid) variances_[p] = std::numeric_limits<double>::infinity();
+    if (!residuals[p].valid) continue;
+    const Eigen::MatrixXd jacobian = there.posterior().whitening(p).inverse() * residuals[p].jacobian;
+    variances_[p] += curvature.matrixL().solve(jacobian.transpose()).squaredNorm() /
+                     (kDegree * kDegree * static_cast<double>(there.posterior().model().joints.size()));
   }
-  for (double& weight : weights) weight *= static_cast<double>(weights.size()) / sum;
-  return weights;
+  double precision = 0.0;
+  for (const double variance : variances_) {
+    if (variance > kUnpredictable) continue;
+    precision += 1.0 / variance;
+    ++counted_;
+  }
+  typical_ = counted_ > 0 ? static_cast<double>(counted_) / precision : 0.0;
+}
+
+std::vector<double> PoseErrors::of(const ArmModel& model) const {
+  const std::vector<double> squared = squaredErrors(model, poses_);
+  std::vector<double> errors;
+  for (std::size_t p = 0; p < squared.size(); ++p) {
+    if (variances_[p] <= kUnpredictable) errors.push_back(typical_ * robustLoss(squared[p] / variances_[p]));
+  }
+  return errors;
 }
 
 double poseNoiseFloor(PoseFit& fit) {
@@ -252,14 +292,15 @@ std::vector<EvidenceBin> poseEvidence(PoseFit& before, PoseFit& after) {
     Eigen::Index first = 0;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const auto at = static_cast<std::size_t>(c);
-      addBins(bins, fmt::format("error of {} [deg] against {}", joints[j].name, old.names[at]), old.values.col(c),
-              errorOf(old, j, first), errorOf(now, j, first));
+      addBins(bins,
+              fmt::format("error of {} [deg] against {}{}", joints[j].name, old.names[at], at > 0 ? " [rad]" : ""),
+              old.values.col(c), errorOf(old, j, first), errorOf(now, j, first));
       first += joints[j].degreesOfFreedom();
     }
   }
   for (Eigen::Index m = 0; m < old.missing.cols(); ++m) {
     const Eigen::Index c = 1 + std::ssize(joints) + m;
-    addBins(bins, fmt::format("missing tension [N] against {}", old.names[static_cast<std::size_t>(c)]),
+    addBins(bins, fmt::format("missing tension [N] against {} [N]", old.names[static_cast<std::size_t>(c)]),
             old.values.col(c), old.missing.col(m), now.missing.col(m));
   }
   return bins;

@@ -17,9 +17,22 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
 /// Squared joint error of each pose, mean over the joints [deg^2]; measured against the equilibrium next to it.
 std::vector<double> squaredErrors(const ArmModel& model, std::span<const Pose> poses);
 
-/// Weight of each pose by how precisely it can be known at all, mean 1: a pose that joint friction holds anywhere
-/// within ten degrees must not drown the others. \param z  of the model without causes
-std::vector<double> precisionWeights(const PoseProblem& problem, const Eigen::VectorXd& z, std::span<const Pose> poses);
+/// Squared joint errors of poses, each counted by how precisely a model can predict it at all: by the noise and by what
+/// is not known of the parameters, both much larger where an arm is soft. Beyond some 6 sd they count ever less, as in
+/// the fits; poses that cannot be told within ten degrees are left out.
+class PoseErrors {
+ public:
+  /// \param fit  without causes, at its solution on the poses of the selection \param poses  must outlive it
+  PoseErrors(const PoseProblem& problem, PoseFit& fit, std::span<const Pose> poses);
+  /// Shape (poses that count) [deg^2].
+  std::vector<double> of(const ArmModel& model) const;
+
+ private:
+  std::span<const Pose> poses_;
+  std::vector<double> variances_;  ///< shape (poses) [deg^2]
+  std::size_t counted_ = 0;
+  double typical_ = 0.0;  ///< harmonic mean of those that count
+};
 
 /// Weighted mean squared error that remains for a right model: capture noise and what joint friction holds [deg^2].
 double poseNoiseFloor(PoseFit& fit);

@@ -12,7 +12,9 @@ namespace {
 constexpr double kUnbounded = 1e-9;     // curvature, in prior units, of what nothing bounds
 constexpr double kNoEquilibrium = 1e4;  // d_p^2 of a pose the model cannot take
 
-ArmModel withCauses(ArmModel model, const std::vector<PoseCause>& causes) {
+ArmModel withCauses(const PoseProblem& problem, const std::vector<PoseCause>& causes) {
+  ArmModel model = problem.nominal;
+  for (Joint& joint : model.joints) joint.coulomb_friction *= problem.stray_friction;
   for (const PoseCause& cause : causes) {
     EffectParameters p{};
     for (std::size_t i = 0; i < cause.effect->parameters.size(); ++i) {
@@ -43,13 +45,22 @@ Eigen::Index fittedParameters(const PoseCause& cause) {
 }  // namespace
 
 PoseFit::PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::vector<PoseCause> causes)
-    : prior_(withCauses(problem.nominal, causes)),
+    : prior_(withCauses(problem, causes)),
+      nominal_joints_(problem.nominal.joints),
       causes_(std::move(causes)),
       space_(spaceOf(problem, prior_, causes_)),
       posterior_(prior_, poses, space_, problem.noise),
       ordinary_(space_.size()),
       z_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(space_.size()))) {
   for (const PoseCause& cause : causes_) ordinary_ -= static_cast<std::size_t>(fittedParameters(cause));
+}
+
+ArmModel PoseFit::model() const {
+  ArmModel model = posterior_.modelAt(z_);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    model.joints[j].coulomb_friction = nominal_joints_[j].coulomb_friction;
+  }
+  return model;
 }
 
 Eigen::VectorXd PoseFit::extended(const Eigen::VectorXd& z) const {
@@ -116,8 +127,12 @@ Eigen::MatrixXd PoseFit::curvature() {
 
 double PoseFit::logEvidence() {
   if (!std::isfinite(objective_)) return -std::numeric_limits<double>::infinity();
+  double density = 0.0;  // of the poses' errors: the determinant of their whitening
+  for (std::size_t p = 0; p < posterior_.poses().size(); ++p) {
+    density += posterior_.whitening(p).diagonal().array().log().sum();  // triangular
+  }
   const Eigen::LLT<Eigen::MatrixXd> factor(curvature());
-  return -objective_ - factor.matrixLLT().diagonal().array().log().sum();
+  return density - objective_ - factor.matrixLLT().diagonal().array().log().sum();
 }
 
 std::vector<Extension> PoseFit::extensions() {

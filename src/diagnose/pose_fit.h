@@ -33,6 +33,7 @@ struct PoseProblem {
   std::vector<ParameterSpace::Choice> parameters;
   PoseNoise noise;
   int threads = 0;
+  double stray_friction = 1.0;  ///< share of the joints' Coulomb friction that may hold them on any side
 };
 
 /// Calls action(i) for i = 0 ... count - 1 on the problem's threads; results go where i says.
@@ -74,14 +75,15 @@ class PoseFit {
   const std::vector<PoseResidual>& linearised() { return posterior_.evaluate(z_, true); }
   /// Gauss-Newton curvature at the solution, priors included, shape (parameters, parameters).
   Eigen::MatrixXd curvature();
-  /// Log of the posterior's integral, up to a constant that all fits to the same whitened poses share (Laplace).
+  /// Log of the posterior's integral (Laplace), up to a constant that all fits to the same poses share.
   double logEvidence();
-  ArmModel model() const { return posterior_.modelAt(z_); }
+  ArmModel model() const;
   /// The causes with their fitted values and standard deviations.
   std::vector<Extension> extensions();
 
  private:
   ArmModel prior_;  ///< the nominal model with the causes at their expected values
+  std::vector<Joint> nominal_joints_;
   std::vector<PoseCause> causes_;
   ParameterSpace space_;
   PosePosterior posterior_;

@@ -8,41 +8,23 @@
 #include <numeric>
 
 #include "pose_score.h"
-#include "simgap/core/random.h"
+#include "pose_validation.h"
 
 namespace simgap {
 namespace {
 
-constexpr std::size_t kFolds = 5;
-constexpr double kClearOdds = 2.0;      // log odds, after paying for the number of hypotheses, that a cause must reach
+constexpr double kClearOdds = 1.0;      // log odds that a cause must reach
+constexpr double kSureOdds = 3.0;       // from which a small gain on unseen poses is enough, as long as it may be one
 constexpr double kTellApart = 3.5;      // log odds between two causes below which the poses do not tell them apart
 constexpr double kSmallestGain = 0.01;  // of the error on poses a fit has not seen
 constexpr double kTryTolerance = 3e-5;  // of the objective, some 0.01: far below what decides
-constexpr double kHopeless = 30.0;  // log odds behind a step's best, beyond which no exchange will bring a rival back
-constexpr std::size_t kTried = 6;   // candidates of a step that are cross-validated until one passes
-constexpr std::uint32_t kBootstrapPurpose = 21;
-
-struct Fold {
-  std::vector<Pose> training, validation;
-  std::vector<std::size_t> validation_index;
-};
-
-std::vector<Fold> interleavedFolds(std::span<const Pose> poses) {
-  std::vector<Fold> folds(kFolds);
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    for (std::size_t f = 0; f < kFolds; ++f) {
-      (p % kFolds == f ? folds[f].validation : folds[f].training).push_back(poses[p]);
-    }
-    folds[p % kFolds].validation_index.push_back(p);
-  }
-  return folds;
-}
-
-/// Squared distances of poses from fits to the others.
-struct CrossValidation {
-  std::vector<double> distances;  ///< robust, shape (poses)
-  double expected = 0.0;          ///< of their sum, were the model right
-};
+constexpr double kHopeless = 30.0;    // log odds behind a step's best, beyond which no exchange will bring a rival back
+constexpr double kSameMinimum = 0.3;  // objectives nearer than this belong to one minimum
+constexpr int kBetterBases = 3;
+constexpr double kShareStep = 1.4;  // of stray friction
+constexpr double kSmallestShare = 0.1, kLargestShare = 4.0;
+constexpr std::size_t kFewPoses = 30;
+constexpr std::size_t kTried = 6;  // candidates of a step that are cross-validated until one passes
 
 /// P(chi^2 > x) with n degrees of freedom, by the recursion Q_n = Q_(n-2) + (x/2)^(n/2 - 1) e^(-x/2) / Gamma(n/2).
 double chiSquaredTail(double x, int n) {
@@ -61,29 +43,30 @@ class Selection {
  public:
   Selection(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<PoseHypothesis>& hypotheses,
             const PoseDiagnosisOptions& options)
-      : problem_(problem), poses_(poses), hypotheses_(hypotheses), options_(options), folds_(interleavedFolds(poses)) {}
+      : problem_(problem), poses_(poses), hypotheses_(hypotheses), options_(options), folds_(poses) {}
 
   PoseSelection run(const Eigen::VectorXd& start, const std::function<void(std::string_view)>& stage);
 
  private:
   PoseFit refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
                 double tolerance = 1e-7) const;
-  PoseFit settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) const;
+  PoseFit settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z);
   std::vector<PoseHypothesis> openBeside(const std::vector<PoseCause>& causes) const;
   std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const;
-  CrossValidation crossValidate(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z,
-                                const std::vector<PoseCause>& like, const Eigen::VectorXd& z_like) const;
-  double price(const std::vector<PoseHypothesis>& hypotheses) const;
-  double pAdjusted(const PoseCandidate& candidate, double tries) const;
+  bool improveBase(PoseFit& fit, const PoseCandidate& candidate) const;
+  double share(const PoseHypothesis& hypothesis) const;
+  double pAdjusted(const PoseCandidate& candidate) const;
+  std::string objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before, double odds,
+                        Interval& gain) const;
   bool step(PoseFit& fit, PoseSelection& selection);
   void exchange(PoseFit& fit, PoseSelection& selection);
   void prune(PoseFit& fit, PoseSelection& selection);
 
-  const PoseProblem& problem_;
+  PoseProblem problem_;  ///< with the stray friction of the fit that others are compared with
   std::span<const Pose> poses_;
   std::vector<PoseHypothesis> hypotheses_;
   const PoseDiagnosisOptions& options_;
-  std::vector<Fold> folds_;
+  PoseFolds folds_;
 };
 
 PoseFit Selection::refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
@@ -94,12 +77,34 @@ PoseFit Selection::refit(const std::vector<PoseCause>& causes, PoseFit& like, co
   return fit;
 }
 
-/// Whitened anew with its own solution.
-PoseFit Selection::settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) const {
-  PoseFit fit(problem_, poses_, causes);
-  fit.posterior().whiten(z);
-  fit.descend(z);
-  return fit;
+/// Whitened anew with its own solution and the stray friction that makes the poses most probable. How much of a joint's
+/// friction points anywhere is not known beforehand: an arm that is wound slowly lags on one side.
+PoseFit Selection::settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) {
+  const auto fitWith = [&](double share) {
+    problem_.stray_friction = share;
+    PoseFit fit(problem_, poses_, causes);
+    fit.posterior().whiten(z);
+    fit.descend(z);
+    return fit;
+  };
+  const auto worth = [](PoseFit& fit, double share) { return fit.logEvidence() - 0.5 * std::pow(std::log(share), 2); };
+  double share = problem_.stray_friction;
+  PoseFit best = fitWith(share);
+  double highest = worth(best, share);
+  for (const double factor : {1.0 / kShareStep, kShareStep}) {
+    bool better = true;
+    for (double next = share * factor; better && next > kSmallestShare && next < kLargestShare; next *= factor) {
+      PoseFit other = fitWith(next);
+      const double value = worth(other, next);
+      better = value > highest;
+      if (!better) break;
+      highest = value;
+      share = next;
+      best = std::move(other);
+    }
+  }
+  problem_.stray_friction = share;
+  return best;
 }
 
 std::vector<PoseHypothesis> Selection::openBeside(const std::vector<PoseCause>& causes) const {
@@ -129,96 +134,102 @@ std::vector<PoseCandidate> Selection::tryAll(PoseFit& fit, const std::vector<Pos
     std::vector<PoseCause> causes = fit.causes();
     causes.push_back(tries[t].cause);
     PoseFit more = refit(causes, fit, fit.z(), kTryTolerance);
-    tries[t].result = {tries[t].cause, more.z(), more.logEvidence() - evidence, fit.objective() - more.objective()};
+    const double part = share(hypotheses[tries[t].hypothesis]);
+    tries[t].result = {tries[t].cause, more.z(), more.logEvidence() - evidence + std::log(part),
+                       fit.objective() - more.objective(), part};
   });
   std::vector<PoseCandidate> best(hypotheses.size());
-  for (PoseCandidate& candidate : best) candidate.evidence = -std::numeric_limits<double>::infinity();
+  for (PoseCandidate& candidate : best) candidate.odds = -std::numeric_limits<double>::infinity();
   for (const Try& one : tries) {
-    if (one.result.evidence > best[one.hypothesis].evidence) best[one.hypothesis] = one.result;
+    if (one.result.odds > best[one.hypothesis].odds) best[one.hypothesis] = one.result;
   }
-  std::erase_if(best, [](const PoseCandidate& candidate) { return std::isinf(candidate.evidence); });
-  std::ranges::stable_sort(best, std::greater<>(), &PoseCandidate::evidence);
+  std::erase_if(best, [](const PoseCandidate& candidate) { return std::isinf(candidate.odds); });
+  std::ranges::stable_sort(best, std::greater<>(), &PoseCandidate::odds);
   return best;
 }
 
-CrossValidation Selection::crossValidate(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z,
-                                         const std::vector<PoseCause>& like, const Eigen::VectorXd& z_like) const {
-  CrossValidation result;
-  result.distances.resize(poses_.size());
-  std::vector<double> expected(kFolds);
-  forEach(problem_, kFolds, [&](std::size_t f) {
-    const Fold& fold = folds_[f];
-    PoseFit whitening(problem_, fold.training, like);
-    whitening.posterior().whiten(z_like);
-    whitening.setSolution(z_like);
-    PoseFit fit(problem_, fold.training, causes);
-    fit.posterior().whitenLike(whitening.posterior());
-    fit.descend(z);
-    const std::vector<double> unseen = unseenDistances(fit, problem_, fold.validation, whitening);
-    for (std::size_t i = 0; i < unseen.size(); ++i) {
-      result.distances[fold.validation_index[i]] = robustLoss(unseen[i]);
-    }
-    const Eigen::LLT<Eigen::MatrixXd> curvature(fit.curvature());
-    PoseFit there(problem_, fold.validation, causes);
-    there.posterior().whiten(fit.z());
-    for (const PoseResidual& pose : there.posterior().evaluate(fit.z(), true)) {
-      const Eigen::MatrixXd left = curvature.matrixL().solve(pose.jacobian.transpose());
-      expected[f] += static_cast<double>(pose.error.size()) + left.squaredNorm();
-    }
-  });
-  result.expected = std::accumulate(expected.begin(), expected.end(), 0.0);
-  return result;
-}
-
-/// Log of how many hypotheses a step tries.
-double Selection::price(const std::vector<PoseHypothesis>& hypotheses) const {
-  double tries = 0.0;
-  for (const PoseHypothesis& h : hypotheses) {
-    const bool slip = h.effect->name == "potentiometer-slip";
-    tries += slip ? 0.25 * static_cast<double>(poses_.size()) : 1.0;  // neighbouring moments are no new hypotheses
+/// The share of all hypotheses that one has before any data: every effect is as likely as any other, and so is each of
+/// its targets and moments; an effect on all muscles is as likely as on some one of them.
+double Selection::share(const PoseHypothesis& hypothesis) const {
+  std::set<const ArmEffect*> effects;
+  double targets = 0.0;
+  bool whole = false;
+  for (const PoseHypothesis& h : hypotheses_) {
+    effects.insert(h.effect);
+    if (h.effect != hypothesis.effect) continue;
+    whole |= h.target.empty();
+    targets += h.target.empty() ? 0.0 : 1.0;
   }
-  return std::log(std::max(1.0, tries));
+  double ways = hypothesis.target.empty() ? 1.0 : targets;
+  if (whole && targets > 0.0) ways *= 2.0;
+  // Neighbouring moments are no new hypotheses.
+  if (hypothesis.effect->name == "potentiometer-slip") ways *= std::max(1.0, 0.25 * static_cast<double>(poses_.size()));
+  return 1.0 / (static_cast<double>(effects.size()) * ways);
 }
 
-double Selection::pAdjusted(const PoseCandidate& candidate, double tries) const {
-  return std::min(1.0, tries * chiSquaredTail(2.0 * candidate.likelihood, fittedParameters(*candidate.cause.effect)));
+double Selection::pAdjusted(const PoseCandidate& candidate) const {
+  const int freedom = fittedParameters(*candidate.cause.effect);
+  return std::min(1.0, chiSquaredTail(2.0 * candidate.likelihood, freedom) / candidate.share);
+}
+
+/// A hypothesis may have found the way out of a local minimum that had nothing to do with it: then the model without it
+/// goes there too. \returns whether that was better
+bool Selection::improveBase(PoseFit& fit, const PoseCandidate& candidate) const {
+  PoseFit other = refit(fit.causes(), fit, candidate.z.head(fit.z().size()));
+  if (!(other.objective() < fit.objective() - kSameMinimum)) return false;
+  fit = std::move(other);
+  return true;
+}
+
+/// Why a candidate that the evidence speaks for is not accepted: poses that its fits have not seen. \returns empty when
+/// it is
+std::string Selection::objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before,
+                                 double odds, Interval& gain) const {
+  std::vector<PoseCause> causes = fit.causes();
+  causes.push_back(candidate.cause);
+  const CrossValidation after = folds_.validate(problem_, causes, candidate.z, fit.causes(), fit.z());
+  gain = pairedGain(before.distances, after.distances, options_.seed);
+  // Few poses let a wrong cause look good by absorbing what the priors do not: then it has to be clear of chance.
+  const double surest = poses_.size() < kFewPoses ? gain.lower95 : odds < kSureOdds ? gain.value : gain.upper95;
+  return surest < kSmallestGain ? "rejected: no gain on inner validation poses" : "";
 }
 
 /// One forward step. \returns whether a cause was accepted
 bool Selection::step(PoseFit& fit, PoseSelection& selection) {
   std::vector<PoseHypothesis> open = openBeside(fit.causes());
   placeSlips(problem_, fit, open);
-  const std::vector<PoseCandidate> candidates = tryAll(fit, open);
-  const double paid = price(open);
+  std::vector<PoseCandidate> candidates = tryAll(fit, open);
+  for (int round = 0; round < kBetterBases && !candidates.empty() && improveBase(fit, candidates.front()); ++round) {
+    candidates = tryAll(fit, open);
+  }
+  if (fit.causes().empty()) {
+    selection.z_plain = fit.z();
+    selection.stray_plain = problem_.stray_friction;
+  }
   const std::size_t number = selection.causes.size() + 1;
-  const CrossValidation before = crossValidate(fit.causes(), fit.z(), fit.causes(), fit.z());
+  const CrossValidation before = folds_.validate(problem_, fit.causes(), fit.z(), fit.causes(), fit.z());
   const PoseCandidate* accepted = nullptr;
   std::size_t tried = 0;
   for (const PoseCandidate& candidate : candidates) {
+    const double odds = candidate.odds;
     HypothesisRecord record{number, std::string(candidate.cause.effect->name), candidate.cause.target, {}, 1.0, ""};
-    record.p_adjusted = pAdjusted(candidate, std::exp(paid));
-    const double odds = candidate.evidence - paid;
+    record.p_adjusted = pAdjusted(candidate);
     if (odds < kClearOdds || record.p_adjusted > options_.level) {
       record.outcome = fmt::format("rejected: log odds {:.1f}", odds);
-    } else if (!accepted && tried < kTried) {
+    } else if (accepted || tried == kTried) {
+      record.outcome = "passed over";
+    } else {
       ++tried;
-      std::vector<PoseCause> causes = fit.causes();
-      causes.push_back(candidate.cause);
-      const CrossValidation after = crossValidate(causes, candidate.z, fit.causes(), fit.z());
-      record.gain_inner = pairedGain(before.distances, after.distances, options_.seed);
-      if (record.gain_inner.value < kSmallestGain) {
-        record.outcome = "rejected: no gain on inner validation poses";
-      } else {
-        record.outcome = "accepted";
+      record.outcome = objection(fit, candidate, before, odds, record.gain_inner);
+      if (record.outcome.empty()) {
+        record.outcome = fmt::format("accepted: log odds {:.1f}", odds);
         accepted = &candidate;
         AcceptedCause cause{candidate.cause, odds, record.p_adjusted, record.gain_inner, {}, {}};
         for (const PoseCandidate& other : candidates) {
-          if (other.evidence > candidate.evidence - kHopeless) cause.contenders.insert(other.cause.label());
+          if (other.odds > candidate.odds - kHopeless) cause.contenders.insert(other.cause.label());
         }
         selection.causes.push_back(std::move(cause));
       }
-    } else {
-      record.outcome = "passed over";
     }
     selection.records.push_back(std::move(record));
   }
@@ -239,7 +250,6 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
     causes.erase(causes.begin());
     PoseFit without = refit(causes, fit, fit.solutionWithout(0));
     std::vector<PoseHypothesis> open = openBeside(causes);
-    const double paid = price(open);
     std::erase_if(open, [&](const PoseHypothesis& h) {
       return !cause.contenders.contains(PoseCause{h.effect, h.target, {}}.label());
     });
@@ -261,11 +271,11 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
                                    "exchanged for " + best.cause.label()});
     }
     cause.cause = best.cause;
-    cause.odds = best.evidence - paid;
-    cause.p_adjusted = pAdjusted(best, std::exp(paid));
+    cause.odds = best.odds;
+    cause.p_adjusted = pAdjusted(best);
     cause.rivals.clear();
     for (std::size_t r = 1; r < candidates.size(); ++r) {
-      if (best.evidence - candidates[r].evidence < kTellApart) cause.rivals.push_back(candidates[r].cause.label());
+      if (best.odds - candidates[r].odds < kTellApart) cause.rivals.push_back(candidates[r].cause.label());
     }
     selection.causes.push_back(cause);
     causes.push_back(best.cause);
@@ -293,8 +303,6 @@ void Selection::prune(PoseFit& fit, PoseSelection& selection) {
 PoseSelection Selection::run(const Eigen::VectorXd& start, const std::function<void(std::string_view)>& stage) {
   PoseSelection selection;
   PoseFit fit = settled({}, start);
-  selection.z_plain = fit.z();
-  const CrossValidation plain = crossValidate({}, fit.z(), {}, fit.z());
   do {
     stage(fmt::format("step {}", selection.causes.size() + 1));
   } while (step(fit, selection) && selection.causes.size() < options_.max_causes);
@@ -302,12 +310,14 @@ PoseSelection Selection::run(const Eigen::VectorXd& start, const std::function<v
   exchange(fit, selection);
   prune(fit, selection);
   selection.z = fit.z();
-  const CrossValidation last = crossValidate(fit.causes(), fit.z(), fit.causes(), fit.z());
+  selection.stray = problem_.stray_friction;
+  const CrossValidation last = folds_.validate(problem_, fit.causes(), fit.z(), fit.causes(), fit.z());
   const auto excess = [](const CrossValidation& result) {
     return std::accumulate(result.distances.begin(), result.distances.end(), 0.0) / result.expected - 1.0;
   };
   selection.excess = excess(last);
-  selection.excess_plain = excess(plain);
+  problem_.stray_friction = selection.stray_plain;
+  selection.excess_plain = excess(folds_.validate(problem_, {}, selection.z_plain, {}, selection.z_plain));
   selection.excess_sd = std::sqrt(2.0 / last.expected);
   return selection;
 }
@@ -318,26 +328,6 @@ PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> pos
                            const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,
                            const PoseDiagnosisOptions& options, const std::function<void(std::string_view)>& stage) {
   return Selection(problem, poses, hypotheses, options).run(start, stage);
-}
-
-Interval pairedGain(std::span<const double> before, std::span<const double> after, std::uint64_t seed) {
-  constexpr std::uint32_t kDraws = 2000;
-  const auto n = before.size();
-  const CounterRandom random(seed);
-  std::vector<double> gains(kDraws);
-  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
-    double sum_before = 0.0, sum_after = 0.0;
-    for (std::uint32_t i = 0; i < n; ++i) {
-      const auto p = static_cast<std::size_t>(random.uniform({draw, i, 0, kBootstrapPurpose}) * static_cast<double>(n));
-      sum_before += before[p];
-      sum_after += after[p];
-    }
-    gains[draw] = sum_before > 0.0 ? 1.0 - sum_after / sum_before : 0.0;
-  }
-  std::ranges::sort(gains);
-  const double sum_before = std::accumulate(before.begin(), before.end(), 0.0);
-  const double sum_after = std::accumulate(after.begin(), after.end(), 0.0);
-  return {sum_before > 0.0 ? 1.0 - sum_after / sum_before : 0.0, gains[kDraws / 40], gains[kDraws - 1 - kDraws / 40]};
 }
 
 std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,

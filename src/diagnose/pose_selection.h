@@ -29,13 +29,14 @@ std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<cons
 struct PoseCandidate {
   PoseCause cause;          ///< with the choices that fitted best
   Eigen::VectorXd z;        ///< of the whole model with it
-  double evidence = 0.0;    ///< log of the odds against the model without it, before counting hypotheses
+  double odds = 0.0;        ///< log of the odds against the model without it
   double likelihood = 0.0;  ///< objective that it saves
+  double share = 1.0;       ///< of all hypotheses, before any data
 };
 
 struct AcceptedCause {
   PoseCause cause;
-  double odds = 0.0;  ///< evidence less what the number of hypotheses costs
+  double odds = 0.0;  ///< log, against the model without it
   double p_adjusted = 1.0;
   Interval gain_inner;
   std::vector<std::string> rivals;   ///< that these poses do not tell from it
@@ -44,8 +45,9 @@ struct AcceptedCause {
 
 struct PoseSelection {
   std::vector<AcceptedCause> causes;
-  Eigen::VectorXd z;        ///< of the model with them, on the poses of the selection
-  Eigen::VectorXd z_plain;  ///< without
+  Eigen::VectorXd z;                      ///< of the model with them, on the poses of the selection
+  Eigen::VectorXd z_plain;                ///< without
+  double stray = 1.0, stray_plain = 1.0;  ///< PoseProblem::stray_friction with the causes and without
   std::vector<HypothesisRecord> records;
   double excess = 0.0;     ///< of the cross-validated squared distances over what the final model expects, a fraction
   double excess_sd = 0.0;  ///< of that under the model
@@ -55,8 +57,5 @@ struct PoseSelection {
 PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> poses,
                            const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,
                            const PoseDiagnosisOptions& options, const std::function<void(std::string_view)>& stage);
-
-/// Paired bootstrap of 1 - sum(after) / sum(before). \param before, after  squared errors of the same poses
-Interval pairedGain(std::span<const double> before, std::span<const double> after, std::uint64_t seed);
 
 }  // namespace simgap

@@ -175,8 +175,10 @@ std::string confusionCsv(const SelfTest& test) {
 
 std::string terminalTable(const Diagnosis& d) {
   std::string text = d.sentence + "\n\n";
-  text += fmt::format("gap       RMS {:.4g} on data never used, noise floor {:.4g} ({} = unit squared)\n",
-                      std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor), d.error_unit);
+  std::string unit = d.error_unit;  // of squares: "A2"
+  if (unit.ends_with('2')) unit.pop_back();
+  text += fmt::format("gap       RMS {:.4g} {} on data never used, noise floor {:.4g} {}\n",
+                      std::sqrt(d.baseline.mse_heldout), unit, std::sqrt(d.noise_floor), unit);
   for (const DataFault& f : d.faults) text += fmt::format("fault     {}\n", f.sentence);
   if (!d.causes.empty()) {
     text += "\n" + alignedTable(causeRows(d)) + "\n";

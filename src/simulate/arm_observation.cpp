@@ -43,11 +43,12 @@ Eigen::RowVector3d twistSlope(const Eigen::Quaterniond& q, const Eigen::Vector3d
 void ArmObservation::setModel(const ArmModel& model) {
   if (model.extensions.empty() && extensions_.empty()) return;
   extensions_.clear();
-  markers_ = false;
+  markers_ = sticks_ = false;
   const std::vector<ArmExtension> all = resolveExtensions(model);
   for (std::size_t e = 0; e < all.size(); ++e) {
     if (all[e].effect->marker_turn || all[e].effect->stiction) extensions_.push_back({static_cast<int>(e), all[e]});
     markers_ |= all[e].effect->marker_turn != nullptr;
+    sticks_ |= all[e].effect->stiction != nullptr;
   }
   joints_ = model.joints;
 }
@@ -67,46 +68,42 @@ void ArmObservation::turnMarkers(std::vector<JointPosition>& joints) const {
   }
 }
 
-void ArmObservation::observe(EquilibriumArm& arm, std::span<const double> shafts, std::span<const double> shafts_before,
-                             std::vector<JointPosition>& joints) {
-  joints = arm.joints();
-  if (plain()) return;
+/// The side that each stiction holds its joint on, a unit torque. \returns what they hold together
+Eigen::VectorXd ArmObservation::findSides(EquilibriumArm& arm, std::span<const double> shafts,
+                                          std::span<const double> shafts_before) {
   arm.linearise();
-  const int n = arm.energy().degreesOfFreedom();
-  lag_.assign(extensions_.size(), Eigen::VectorXd::Zero(n));
-  Eigen::MatrixXd way;  // dq/dphi
-  Eigen::VectorXd shift = Eigen::VectorXd::Zero(n);
+  const Eigen::Map<const Eigen::VectorXd> now(shafts.data(), std::ssize(shafts));
+  Eigen::MatrixXd way(arm.energy().degreesOfFreedom(), std::ssize(shafts));  // minus dq/dphi
+  arm.energy().differentiateByShafts(way);
+  arm.applyInverseHessian(way);
+  Eigen::VectorXd torque = Eigen::VectorXd::Zero(way.rows());
   for (std::size_t k = 0; k < extensions_.size(); ++k) {
     const ArmExtension& extension = extensions_[k].extension;
     if (!extension.effect->stiction) continue;
     const Stiction stiction = extension.effect->stiction(extension.p);
-    if (way.size() == 0) {
-      way.resize(n, std::ssize(shafts));
-      arm.energy().differentiateByShafts(way);
-      arm.applyInverseHessian(way);
-    }
-    Eigen::VectorXd wound = Eigen::Map<const Eigen::VectorXd>(shafts.data(), std::ssize(shafts));
+    Eigen::VectorXd wound = now;
     if (stiction.from_previous && !shafts_before.empty()) {
       wound -= Eigen::Map<const Eigen::VectorXd>(shafts_before.data(), std::ssize(shafts_before));
     }
     const int d = arm.energy().firstDof(extension.target);
     const int components = joints_[extension.target].degreesOfFreedom();
-    const Eigen::VectorXd moved = -(way * wound).segment(d, components);
-    if (moved.norm() < kStill) continue;
-    Eigen::MatrixXd held = Eigen::VectorXd::Zero(n);
-    held.col(0).segment(d, components) = -moved.normalized();
-    arm.applyInverseHessian(held);
-    lag_[k] = held.col(0);
-    shift += stiction.torque * lag_[k];
+    const Eigen::VectorXd back = (way * wound).segment(d, components);
+    if (back.norm() < kStill) continue;
+    sides_[k].segment(d, components) = back.normalized();
+    torque += stiction.torque * sides_[k];
   }
-  for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const int d = arm.energy().firstDof(static_cast<int>(j));
-    if (joints_[j].type == JointType::kSpherical) {
-      joints[j].rotation = (joints[j].rotation * turned(shift.segment<3>(d))).normalized();
-    } else {
-      joints[j].angle = std::clamp(joints[j].angle + shift[d], joints_[j].lower_limit, joints_[j].upper_limit);
-    }
+  return torque;
+}
+
+void ArmObservation::observe(EquilibriumArm& arm, std::span<const double> shafts, std::span<const double> shafts_before,
+                             std::vector<JointPosition>& joints) {
+  const int n = arm.energy().degreesOfFreedom();
+  sides_.assign(extensions_.size(), Eigen::VectorXd::Zero(n));
+  if (sticks_) {
+    const Eigen::VectorXd torque = findSides(arm, shafts, shafts_before);
+    if (!arm.hold(torque)) std::ranges::fill(sides_, Eigen::VectorXd::Zero(n));
   }
+  joints = arm.joints();
   bones_ = joints;
   turnMarkers(joints);
 }
@@ -121,7 +118,9 @@ void ArmObservation::chain(EquilibriumArm& arm, std::span<const StaticParameter>
   };
   for (std::size_t k = 0; k < extensions_.size(); ++k) {
     if (!extensions_[k].extension.effect->stiction) continue;
-    columnsOf(extensions_[k].index, [&](Eigen::Index c, int) { columns.col(c) += lag_[k]; });
+    Eigen::MatrixXd lag = sides_[k];
+    arm.applyInverseHessian(lag);
+    columnsOf(extensions_[k].index, [&](Eigen::Index c, int) { columns.col(c) += lag.col(0); });
   }
   for (std::size_t j = 0; markers_ && j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];

@@ -45,6 +45,7 @@ EquilibriumArm::EquilibriumArm(const ArmModel& model)
   held_.assign(static_cast<std::size_t>(n), 0);
   bound_ = held_;
   given_.resize(n);
+  torque_.setZero(n);
   reduced_.resize(n, n);
   inverse_.resize(n, n);
   step_.resize(n);
@@ -66,6 +67,7 @@ EquilibriumSolution EquilibriumArm::solveFrom(std::span<const JointPosition> fro
   std::copy(from.begin(), from.end(), joints_.begin());
   clamp(energy_.model(), joints_);
   energy_.setShafts(shafts);
+  torque_.setZero();
   return descend(max_iterations);
 }
 
@@ -105,16 +107,16 @@ EquilibriumSolution EquilibriumArm::descend(int max_iterations) {
 
 double EquilibriumArm::findHeld() {
   const ArmModel& model = energy_.model();
-  const Eigen::VectorXd& gradient = energy_.gradient();
+  const auto push = [&](int d) { return energy_.gradient()[d] - torque_[d]; };
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = model.joints[j];
     if (joint.type != JointType::kRevolute) continue;
     const int d = energy_.firstDof(static_cast<int>(j));
-    held_[d] = (joints_[j].angle <= joint.lower_limit + kStopTolerance && gradient[d] > 0.0) ||
-               (joints_[j].angle >= joint.upper_limit - kStopTolerance && gradient[d] < 0.0);
+    held_[d] = (joints_[j].angle <= joint.lower_limit + kStopTolerance && push(d) > 0.0) ||
+               (joints_[j].angle >= joint.upper_limit - kStopTolerance && push(d) < 0.0);
   }
   double torque = 0.0;
-  for (int d = 0; d < gradient.size(); ++d) torque = std::max(torque, held_[d] ? 0.0 : std::abs(gradient[d]));
+  for (int d = 0; d < energy_.degreesOfFreedom(); ++d) torque = std::max(torque, held_[d] ? 0.0 : std::abs(push(d)));
   return torque;
 }
 
@@ -132,7 +134,7 @@ bool EquilibriumArm::newtonStep() {
 bool EquilibriumArm::solveReduced() {
   const int n = energy_.degreesOfFreedom();
   reduced_ = energy_.hessian();
-  step_ = -energy_.gradient();
+  step_ = torque_ - energy_.gradient();
   for (int d = 0; d < n; ++d) {
     if (!bound_[d]) continue;
     if (given_[d] != 0.0) step_ -= given_[d] * reduced_.col(d);
@@ -291,6 +293,26 @@ void EquilibriumArm::sensitivities(std::span<const StaticParameter> parameters, 
   energy_.differentiate(parameters, columns);
   applyInverseHessian(columns);
   columns = -columns;
+}
+
+bool EquilibriumArm::hold(const Eigen::VectorXd& torque) {
+  constexpr int kIterations = 12;
+  constexpr double kFarthest = 0.6;  // [rad] of a joint: farther, friction says little of where an arm is
+  std::copy(joints_.begin(), joints_.end(), reached_.begin());
+  torque_ = torque;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    evaluate();
+    findHeld();
+    if (!newtonStep()) break;
+    const double longest = step_.lpNorm<Eigen::Infinity>();
+    applyStep(std::min(1.0, kLongestStep / longest));
+    if (wayFrom(reached_) > kFarthest) break;
+    if (longest < kLastStep) return true;
+  }
+  std::copy(reached_.begin(), reached_.end(), joints_.begin());
+  torque_.setZero();
+  evaluate();
+  return false;
 }
 
 const std::vector<JointPosition>& EquilibriumArm::observe(std::span<const double> shafts,

@@ -33,45 +33,44 @@ class Draws {
   std::mt19937_64 engine_;
 };
 
-// One row per effect and target: the magnitudes that a set of 80 poses can just reveal. Of this arm's muscles only
-// these two touch a sphere about a joint they cross in its range of poses.
+// One row per effect and target: the magnitudes that a set of 80 poses can just reveal, on average over arms. Of this
+// arm's muscles only a few touch a sphere about a joint they cross in its range of poses.
 struct Kind {
   std::string effect, target;
   double low, high;
 };
 
 std::vector<Kind> kinds() {
-  return {{"muscle-wrap", "muscle2", 0.045, 0.055},
-          {"muscle-wrap", "muscle10", 0.034, 0.037},
-          {"spindle-coiling", "", 0.008, 0.012},
-          {"spindle-coiling", "muscle1", 0.025, 0.035},
-          {"spindle-coiling", "muscle4", 0.022, 0.03},
-          {"spindle-coiling", "muscle10", 0.016, 0.022},
-          {"spindle-coiling", "muscle11", 0.02, 0.03},
-          {"cord-hardening", "", 0.12, 0.2},
-          {"cord-hardening", "muscle10", 0.2, 0.3},
-          {"cord-hardening", "muscle11", 0.2, 0.3},
-          {"cord-creep", "", 0.0025, 0.0035},
-          {"cord-creep", "muscle3", 0.006, 0.008},
-          {"cord-creep", "muscle10", 0.003, 0.004},
-          {"cord-creep", "muscle11", 0.004, 0.005},
-          {"potentiometer-slip", "muscle2", 0.9, 1.2},
-          {"potentiometer-slip", "muscle8", 1.0, 1.3},
-          {"potentiometer-slip", "muscle9", 1.0, 1.3},
-          {"potentiometer-slip", "muscle10", 1.0, 1.3},
-          {"potentiometer-slip", "muscle11", 1.1, 1.4},
-          {"gravity-tilt", "", 0.07, 0.1},
-          {"payload", "link1", 0.75, 1.0},
-          {"payload", "link2", 0.14, 0.2},
-          {"passive-joint-torque", "joint1", 0.25, 0.35},
-          {"passive-joint-torque", "joint2", 0.45, 0.7},
-          {"joint-stiction", "joint1", 0.1, 0.14},
-          {"joint-stiction", "joint2", 0.05, 0.07},
-          {"marker-frame-offset", "torso", 0.07, 0.1},
-          {"marker-frame-offset", "link1", 0.06, 0.09},
-          {"marker-frame-offset", "link2", 0.1, 0.14},
-          {"joint-centre-offset", "joint1", 0.018, 0.024},
-          {"joint-centre-offset", "joint2", 0.022, 0.03}};
+  return {{"muscle-wrap", "muscle9", 0.055, 0.065},
+          {"muscle-wrap", "muscle10", 0.032, 0.036},
+          {"spindle-coiling", "", 0.026, 0.034},
+          {"spindle-coiling", "muscle4", 0.046, 0.06},
+          {"spindle-coiling", "muscle10", 0.09, 0.12},
+          {"spindle-coiling", "muscle11", 0.07, 0.09},
+          {"cord-hardening", "", 0.35, 0.5},
+          {"cord-hardening", "muscle10", 1.0, 1.5},
+          {"cord-hardening", "muscle11", 1.0, 1.5},
+          {"cord-creep", "", 0.0035, 0.005},
+          {"cord-creep", "muscle3", 0.006, 0.009},
+          {"cord-creep", "muscle10", 0.006, 0.008},
+          {"cord-creep", "muscle11", 0.0045, 0.0065},
+          {"potentiometer-slip", "muscle2", 0.35, 0.5},
+          {"potentiometer-slip", "muscle8", 0.4, 0.55},
+          {"potentiometer-slip", "muscle9", 0.3, 0.45},
+          {"potentiometer-slip", "muscle10", 0.28, 0.4},
+          {"potentiometer-slip", "muscle11", 0.25, 0.35},
+          {"gravity-tilt", "", 0.1, 0.15},
+          {"payload", "link1", 0.9, 1.2},
+          {"payload", "link2", 0.17, 0.22},
+          {"passive-joint-torque", "joint1", 0.5, 0.65},
+          {"passive-joint-torque", "joint2", 0.45, 0.6},
+          {"joint-stiction", "joint1", 0.1, 0.13},
+          {"joint-stiction", "joint2", 0.06, 0.08},
+          {"marker-frame-offset", "torso", 0.08, 0.12},
+          {"marker-frame-offset", "link1", 0.04, 0.06},
+          {"marker-frame-offset", "link2", 0.03, 0.045},
+          {"joint-centre-offset", "joint1", 0.02, 0.026},
+          {"joint-centre-offset", "joint2", 0.025, 0.04}};
 }
 
 int numberIn(const std::string& target) {
@@ -112,10 +111,13 @@ void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
     muscle.wrap_link = number >= 9 ? 1 : 0;  // brachialis and triceps cross the elbow only
     muscle.wrap_radius = std::min(m, 0.97 * nearerEnd(arm, muscle, muscle.wrap_link));
     cause.magnitude = muscle.wrap_radius;
+    cause.parameters = {muscle.wrap_radius};
   } else if (cause.effect == "spindle-coiling") {
     forMuscles([&](Muscle& muscle) { muscle.coiling = m * muscle.spindle_radius; });
+    cause.parameters = {m};
   } else if (cause.effect == "cord-hardening") {
     forMuscles([&](Muscle& muscle) { muscle.hardening = m; });
+    cause.parameters = {m};
   } else if (cause.effect == "cord-creep") {
     session.creeping = number;
     session.creep = m;
@@ -124,13 +126,16 @@ void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
     session.slip = draws.sign() * m;
     cause.moment = session.slip_time = draws.uniform(0.3, 0.7) * kSession;
     cause.magnitude = session.slip;
+    cause.parameters = {session.slip};
   } else if (cause.effect == "gravity-tilt") {
     const double heading = draws.uniform(0.0, 2.0 * M_PI);
+    cause.parameters = {m * std::cos(heading), m * std::sin(heading)};
     arm.gravity = Eigen::AngleAxisd(m, Eigen::Vector3d(std::cos(heading), std::sin(heading), 0.0)) * arm.gravity;
   } else if (cause.effect == "payload") {
     Part load;
     load.mass = m;
     load.position = {0.0, 0.01, -draws.uniform(0.12, 0.22)};
+    cause.parameters = {m, load.position.norm()};
     arm.links[std::size_t(number)].parts.push_back(load);
   } else if (cause.effect == "passive-joint-torque") {
     Link& link = arm.links[std::size_t(number)];
@@ -139,16 +144,21 @@ void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
     } else {
       link.stop = m;
       link.stop_from = draws.uniform(0.5, 0.9);
+      cause.parameters = {m, link.stop_from};
     }
   } else if (cause.effect == "joint-stiction") {
     session.sticking[std::size_t(number)] = m;
+    cause.parameters = {m};
   } else if (cause.effect == "marker-frame-offset") {
     // A turn of the forearm's markers shows about the elbow's axis only.
     Eigen::Vector3d axis = draws.direction();
     if (cause.target == "link2") axis = (Eigen::Vector3d(3.0 * draws.sign(), 0, 0) + axis).normalized();
     session.turned.push_back({cause.target == "torso" ? kTorso : number, m * axis});
+    cause.parameters = {m * axis.x(), m * axis.y(), m * axis.z()};
   } else if (cause.effect == "joint-centre-offset") {
-    arm.links[std::size_t(number)].joint_in_parent += m * draws.direction();
+    const Eigen::Vector3d shift = m * draws.direction();
+    cause.parameters = {shift.x(), shift.y(), shift.z()};
+    arm.links[std::size_t(number)].joint_in_parent += shift;
   } else {
     throw std::runtime_error("no such cause: " + cause.effect);
   }
@@ -295,7 +305,7 @@ PoseDraw drawPoses(std::uint64_t seed, const PoseDrawOptions& options) {
       if (kind.effect == effect) choices.push_back(kind);
     }
     const Kind& kind = choices[draws.below(choices.size())];
-    const double strength = options.weak ? 1.0 : draws.uniform(1.5, 4.0);
+    const double strength = options.weak ? 1.0 : draws.uniform(1.4, 2.6);
     HiddenCause cause{effect, kind.target, strength * draws.uniform(kind.low, kind.high), 0.0};
     // A radius cannot grow beyond the ends of its muscle; strong is then as near to them as the rig lets it be.
     hide(cause, result.truth, session, draws);

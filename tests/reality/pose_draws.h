@@ -17,6 +17,8 @@ struct HiddenCause {
   std::string target;      ///< as in the model file; empty: the whole
   double magnitude = 0.0;  ///< in the unit of the law that hides it
   double moment = 0.0;     ///< of a slip [s]
+  /// The same as the fitted parameters of the catalogue's effect; empty where its law is another one.
+  std::vector<double> parameters = {};
 };
 
 struct TimedPose {
@@ -36,7 +38,7 @@ struct PoseDrawOptions {
   int poses = 80;
   int fresh = 0;
   int causes = 1;           ///< 0: nothing is hidden
-  bool weak = false;        ///< magnitudes near what such a set can just reveal; else 1.5 to 4 times that
+  bool weak = false;        ///< magnitudes near what such a set can just reveal; else 1.4 to 2.6 times that
   std::string effect = {};  ///< of the first cause; empty: drawn
   int flipped = 0;          ///< poses turned by a confusion of markers
 };

@@ -17,7 +17,7 @@ namespace simgap {
 
 struct PoseDiagnosisOptions {
   std::vector<std::string> effects;  ///< names to test; empty: all
-  std::size_t max_causes = 3;
+  std::size_t max_causes = 8;
   double level = 0.05;         ///< of significance, for all hypotheses together
   double holdout = 0.25;       ///< fraction of the poses that only measure the gain
   bool ignore_faults = false;  ///< go on without the faulty poses

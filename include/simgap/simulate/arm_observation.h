@@ -19,7 +19,8 @@ class ArmObservation {
   void setModel(const ArmModel& model);
   bool plain() const { return extensions_.empty(); }
 
-  /// The joints as captured. Linearises the arm. \param shafts_before  of the pose before; empty: unknown
+  /// The joints as captured. Moves the arm to where stiction holds it. \param shafts_before  of the pose before; empty:
+  /// unknown
   void observe(EquilibriumArm& arm, std::span<const double> shafts, std::span<const double> shafts_before,
                std::vector<JointPosition>& joints);
   /// Turns sensitivities of the equilibrium into those of what was last observed; how the direction of stiction depends
@@ -33,15 +34,16 @@ class ArmObservation {
   void turnMarkers(std::vector<JointPosition>& joints) const;
 
  private:
+  Eigen::VectorXd findSides(EquilibriumArm& arm, std::span<const double> shafts, std::span<const double> shafts_before);
   struct Kept {
     int index;  ///< among the model's extensions
     ArmExtension extension;
   };
   std::vector<Joint> joints_;
-  std::vector<Kept> extensions_;      ///< those with a marker_turn or stiction
-  std::vector<Eigen::VectorXd> lag_;  ///< per entry: by its torque, shape (dof)
-  std::vector<JointPosition> bones_;  ///< before the markers
-  bool markers_ = false;
+  std::vector<Kept> extensions_;        ///< those with a marker_turn or stiction
+  std::vector<Eigen::VectorXd> sides_;  ///< per entry: unit torque of what stiction holds, shape (dof)
+  std::vector<JointPosition> bones_;    ///< before the markers
+  bool markers_ = false, sticks_ = false;
 };
 
 }  // namespace simgap

@@ -52,7 +52,12 @@ class EquilibriumArm {
   /// dq/dp by the implicit function theorem, -H^-1 dG/dp, 0 for a joint at its stop. After linearise().
   /// \param[out] columns  shape (dof, parameters.size()) [rad per unit of the parameter]
   void sensitivities(std::span<const StaticParameter> parameters, Eigen::Ref<Eigen::MatrixXd> columns);
-  /// The solution as a capture sees it: joints() unless the model's extensions say otherwise.
+  /// Moves the solution to where a torque that friction holds, constant in the joints' frames, keeps the arm beside its
+  /// equilibrium. \param torque  shape (dof) [N m] \returns false, and changes nothing, where there is no such place
+  /// near
+  bool hold(const Eigen::VectorXd& torque);
+  /// The solution as a capture sees it: joints() unless the model's extensions say otherwise. With stiction joints()
+  /// is then where that holds the arm.
   /// \param shafts_before  of the pose recorded before; may be empty
   const std::vector<JointPosition>& observe(std::span<const double> shafts, std::span<const double> shafts_before);
   /// Sensitivities of what observe() returned. After linearise().
@@ -78,6 +83,7 @@ class EquilibriumArm {
   std::vector<char> held_;   ///< per dof: pressed against its stop
   std::vector<char> bound_;  ///< per dof: its step is given, by being held or by reaching a stop
   Eigen::VectorXd given_;    ///< that step
+  Eigen::VectorXd torque_;   ///< that friction holds, 0 in an equilibrium
   Eigen::MatrixXd reduced_, inverse_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::VectorXd step_;

@@ -22,6 +22,7 @@ struct Options {
   TableOptions table;
   std::string model, log, bench, poses, config;
   std::optional<double> ratio;
+  std::optional<int> max_causes;
   std::string holdout;
   LogDiagnosisOptions diagnose;
 };
@@ -121,13 +122,15 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
   Options options = given;
   options.diagnose.seed = options.common.seed.value_or(1);
+  if (options.max_causes) options.diagnose.max_causes = *options.max_causes;
   Session session("diagnose", options.common, argv);
   if (options.log.empty() == options.poses.empty()) {
     throw ConfigError("found neither or both of --log and --poses, expected one of them");
   }
   if (!options.poses.empty()) {
+    const auto max_causes = static_cast<std::size_t>(options.max_causes.value_or(PoseDiagnosisOptions{}.max_causes));
     const PoseDiagnosisOptions pose_options{.effects = options.diagnose.effects,
-                                            .max_causes = static_cast<std::size_t>(options.diagnose.max_causes),
+                                            .max_causes = max_causes,
                                             .level = options.diagnose.level,
                                             .ignore_faults = options.diagnose.ignore_faults,
                                             .self_test = options.diagnose.self_tests,
@@ -197,7 +200,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       "--holdout", options->holdout,
       "what only measures the gain: a fraction of the blocks or poses (default 0.25), or COLUMN=VALUE,… of a log");
   app.add_option("--effects", options->diagnose.effects, "try these causes only (comma-separated)")->delimiter(',');
-  app.add_option("--max-causes", options->diagnose.max_causes, "stop after so many causes")->check(CLI::Range(1, 10));
+  app.add_option("--max-causes", options->max_causes, "stop after so many causes (default 4, of poses 8)")
+      ->check(CLI::Range(1, 10));
   app.add_option("--level", options->diagnose.level, "false-alarm rate of each step")->check(CLI::Range(1e-6, 0.5));
   app.add_option("--self-test", options->diagnose.self_tests,
                  "hide every effect, and none, N times in this very log and count what is named")

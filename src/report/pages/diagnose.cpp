@@ -27,6 +27,11 @@ std::string number(const Json& value, const char* digits = "{:.4g}") {
   return value.is_number() ? fmt::format(fmt::runtime(digits), value.get<double>()) : "-";
 }
 
+std::string capitalised(std::string words) {
+  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] = static_cast<char>(words[0] - 'a' + 'A');
+  return words;
+}
+
 /// Squared errors are in "A2"; their roots in "A".
 std::string rootUnit(const Json& result) {
   const std::string unit = text(result, "error_unit");
@@ -137,8 +142,15 @@ void addEvidence(const ResultFiles& files, Page& page) {
     Series after{"with the causes", column("center"), column("after"), Series::Style::kLine, 0};
     before.half = column("before_ci95");
     after.half = column("after_ci95");
-    page.add(lineChart("Against " + against, {against}, {fmt::format("mean residual [{}]", rootUnit(files.result()))},
-                       {before, after}));
+    // Pose sets name the quantity too: "error of elbow [deg] against time_s".
+    constexpr std::string_view kAgainst = " against ";
+    const std::size_t split = against.find(kAgainst);
+    const bool named = split != std::string::npos;
+    const std::string channel = named ? against.substr(split + kAgainst.size()) : against;
+    const std::string quantity =
+        named ? "mean " + against.substr(0, split) : fmt::format("mean residual [{}]", rootUnit(files.result()));
+    const std::string title = (named ? against.substr(0, against.find(" [")) + " against " : "Against ") + channel;
+    page.add(lineChart(capitalised(title), {channel}, {quantity}, {before, after}));
   }
 }
 

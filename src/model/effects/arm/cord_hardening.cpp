@@ -6,7 +6,7 @@ namespace simgap::arm_effects {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
-    {"hardening", "1", {-0.3, 20.0, false, "a number in [-0.3, 20]"}, 0.0, 0.5}};
+    {"hardening", "1", {-0.3, 20.0, false, "a number in [-0.3, 20]"}, 0.0, 2.0}};
 constexpr EffectParameters kStarts[] = {{0.1}};
 constexpr std::string_view kLookAlikes[] = {"spindle-coiling"};
 

@@ -9,8 +9,8 @@ namespace simgap::arm_effects {
 namespace {
 
 constexpr Range kRange{-1.0, 1.0, false, "a number in [-1, 1]"};
-constexpr ArmEffectParameter kParameters[] = {{"about_x", "rad", kRange, 0.0, 0.1},
-                                              {"about_y", "rad", kRange, 0.0, 0.1}};
+constexpr ArmEffectParameter kParameters[] = {{"about_x", "rad", kRange, 0.0, 0.2},
+                                              {"about_y", "rad", kRange, 0.0, 0.2}};
 constexpr EffectParameters kStarts[] = {{0.0, 0.0}};
 constexpr std::string_view kLookAlikes[] = {"marker-frame-offset", "payload"};
 

@@ -6,7 +6,7 @@ namespace {
 
 constexpr Range kRange{-0.2, 0.2, false, "a number in [-0.2, 0.2]"};
 constexpr ArmEffectParameter kParameters[] = {
-    {"x", "m", kRange, 0.0, 0.02}, {"y", "m", kRange, 0.0, 0.02}, {"z", "m", kRange, 0.0, 0.02}};
+    {"x", "m", kRange, 0.0, 0.04}, {"y", "m", kRange, 0.0, 0.04}, {"z", "m", kRange, 0.0, 0.04}};
 constexpr EffectParameters kStarts[] = {{0.0, 0.0, 0.0}};
 constexpr std::string_view kLookAlikes[] = {"muscle-wrap"};
 

@@ -1,5 +1,5 @@
 /// Joint friction holds an arm short of its equilibrium, on the side it comes from: with d the way the joint would take
-/// while the shafts wind, dq = -H^-1 tau d/|d| for each joint. It comes from the rest at which every pose starts, or
+/// while the shafts wind, gravity and muscles still push it by tau d/|d| where it stops. It comes from the rest at which every pose starts, or
 /// from the pose before.
 #include "simgap/model/arm_effect.h"
 
@@ -20,7 +20,7 @@ extern const ArmEffect joint_stiction;
 const ArmEffect joint_stiction{
     .name = "joint-stiction",
     .cause = "joint friction holds the arm short of its equilibrium, on the side it comes from",
-    .equation = "q = q_eq - H^-1 torque d/|d|, d = dq/dphi (phi - phi_before)",
+    .equation = "dE/dq = -torque d/|d| at rest, d = dq/dphi (phi - phi_before)",
     .target = ArmEffect::Target::kJoint,
     .parameters = kParameters,
     .starts = kStarts,

@@ -15,7 +15,7 @@ namespace simgap::arm_effects {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
-    {"radius", "m", {0.0, 0.5, false, "a number in [0, 0.5]"}, 0.0, 0.04},
+    {"radius", "m", {0.0, 0.5, false, "a number in [0, 0.5]"}, 0.0, 0.06},
     {"joint", "1", {1.0, 9.0, false, "which of the joints the muscle crosses, from 1"}, 1.0, 1.0, false}};
 constexpr EffectParameters kStarts[] = {{0.02, 1.0}, {0.035, 1.0}, {0.055, 1.0}, {0.02, 2.0}, {0.035, 2.0}};
 constexpr std::string_view kLookAlikes[] = {"spindle-coiling", "joint-centre-offset", "passive-joint-torque"};

@@ -5,7 +5,7 @@
 namespace simgap::arm_effects {
 namespace {
 
-constexpr ArmEffectParameter kParameters[] = {{"angle", "rad", {-10.0, 10.0, false, "a number in [-10, 10]"}, 0.0, 0.7},
+constexpr ArmEffectParameter kParameters[] = {{"angle", "rad", {-10.0, 10.0, false, "a number in [-10, 10]"}, 0.0, 1.5},
                                               {"time", "s", kAnyNumber, 0.0, 1.0, false}};
 constexpr EffectParameters kStarts[] = {{0.1, 0.0}};
 constexpr std::string_view kLookAlikes[] = {"cord-creep", "potentiometer-slip"};
