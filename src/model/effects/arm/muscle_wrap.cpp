@@ -17,7 +17,8 @@ namespace {
 constexpr ArmEffectParameter kParameters[] = {
     {"radius", "m", {0.0, 0.5, false, "a number in [0, 0.5]"}, 0.0, 0.06},
     {"joint", "1", {1.0, 9.0, false, "which of the joints the muscle crosses, from 1"}, 1.0, 1.0, false}};
-constexpr EffectParameters kStarts[] = {{0.02, 1.0}, {0.035, 1.0}, {0.055, 1.0}, {0.02, 2.0}, {0.035, 2.0}};
+constexpr EffectParameters kStarts[] = {{0.02, 1.0},  {0.035, 1.0}, {0.055, 1.0},
+                                        {0.075, 1.0}, {0.02, 2.0},  {0.035, 2.0}};
 constexpr std::string_view kLookAlikes[] = {"spindle-coiling", "joint-centre-offset", "passive-joint-torque"};
 constexpr double kLargest = 0.98;  // of the nearer end's distance: an end inside the sphere has no tangent
 
