@@ -94,13 +94,24 @@ void StribeckMoments::add(const StribeckMoments& other, double sign) {
 
 Eigen::MatrixXd StribeckMoments::gram(double v_s, double delta) const {
   if (products_.empty()) return always_;
-  const Eigen::ArrayXd exponent = (delta * (sum_log_.array() / count_.array().max(1.0) - std::log(v_s))).exp();
-  // Squares of smaller values would be subnormal, and slow to reckon with.
-  constexpr double kLargest = 300.0, kSmallest = 1e-150;
-  const Eigen::ArrayXd still = (exponent > kLargest).select(0.0, (-exponent).exp());
+  const Eigen::ArrayXd log_exponent = delta * (sum_log_.array() / count_.array().max(1.0) - std::log(v_s));
+  // Exponentials are needed where E changes only, which for a steep curve is a small part of the bins: below it is 1 to
+  // 1e-10, above it 0 to 1e-17.
+  constexpr double kRest = -23.0, kGone = 3.7;
+  const Index bins = log_exponent.size();
+  Index low = 0, high = bins;
+  while (low < bins && log_exponent[low] < kRest) ++low;
+  while (high > low && log_exponent[high - 1] > kGone) --high;
+  Eigen::ArrayXd still(bins), sliding(bins);
+  still.head(low) = 1.0;
+  sliding.head(low) = 0.0;
+  still.tail(bins - high) = 0.0;
+  sliding.tail(bins - high) = 1.0;
+  const Eigen::ArrayXd exponent = log_exponent.segment(low, high - low).exp();
+  const auto between = still.segment(low, high - low);
+  still.segment(low, high - low) = (-exponent).exp();
   // 1 - exp(-x) without cancellation for small x.
-  const Eigen::ArrayXd sliding =
-      (exponent < kSmallest).select(0.0, (exponent < 1e-5).select(exponent * (1.0 - 0.5 * exponent), 1.0 - still));
+  sliding.segment(low, high - low) = (exponent < 1e-5).select(exponent * (1.0 - 0.5 * exponent), 1.0 - between);
   Eigen::MatrixXd gram = always_;
   const auto sum = [&](Weight weight, const Eigen::ArrayXd& values) {
     for (Index k = first_[weight]; k < first_[weight + 1]; ++k) {
