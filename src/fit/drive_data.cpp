@@ -20,6 +20,7 @@ using Eigen::Index;
 constexpr double kBlocks = 80.0;                              // that a log is cut into, if they are long enough
 constexpr double kShortestBlock = 4.0, kLongestBlock = 20.0;  // [s]
 constexpr double kFewestBlocks = 40.0;                        // of a log so short that blocks have to be shorter
+constexpr double kFewestRows = 50.0;                          // per block
 
 ArrayXd toArray(const std::vector<double>& values) {
   return Eigen::Map<const ArrayXd>(values.data(), static_cast<Index>(values.size()));
@@ -92,7 +93,8 @@ void leaveOutUncertainReversals(const DriveRows& rows, double dead_band, std::ve
 double blockSeconds(const std::vector<double>& time, const std::vector<int>& session) {
   double seconds = 0.0;
   for (const Block& b : splitRows(session, session.size())) seconds += time[b.end - 1] - time[b.begin];
-  return std::clamp(seconds / kBlocks, std::min(kShortestBlock, seconds / kFewestBlocks), kLongestBlock);
+  const double shortest = std::max(seconds / kFewestBlocks, kFewestRows * seconds / static_cast<double>(time.size()));
+  return std::clamp(seconds / kBlocks, std::min(kShortestBlock, shortest), kLongestBlock);
 }
 
 double medianStep(const DriveRows& rows) {
@@ -116,8 +118,8 @@ void addContext(PreparedLog& log, const std::string& name, const ArrayXd& values
   const ArrayXd& effort = log.data.rows.effort;
   const double spread = std::sqrt((effort - effort.mean()).square().mean());
   const double correlation = ((values - mean) * (effort - effort.mean())).mean() / std::max(sd * spread, 1e-300);
-  const bool given = name == "motor_velocity" || name == "external_torque" || name == "current" || name == "velocity" ||
-                     name == "pressure" || name == "contraction";
+  const bool given = name == "motor_velocity" || name == "time" || name == "external_torque" || name == "current" ||
+                     name == "velocity" || name == "pressure" || name == "contraction";
   if (!given && std::abs(correlation) > kCopy) {
     log.warnings.push_back(fmt::format("{} follows {} (correlation {:.2f}): not looked at as a cause", name,
                                        log.effort_column, correlation));
