@@ -109,28 +109,23 @@ double medianStep(const DriveRows& rows) {
   return *middle;
 }
 
-/// A channel that the residual may depend on. A command or estimate that follows the effort is none: it says what was
-/// measured once more.
+/// A channel that the residual may depend on.
 void addContext(PreparedLog& log, const std::string& name, const ArrayXd& values) {
-  constexpr double kCopy = 0.9;  // correlation
   const double mean = values.mean(), sd = std::sqrt((values - mean).square().mean());
   if (!(sd > 1e-9 * (1.0 + std::abs(mean)))) return;
-  const ArrayXd& effort = log.data.rows.effort;
-  const double spread = std::sqrt((effort - effort.mean()).square().mean());
-  const double correlation = ((values - mean) * (effort - effort.mean())).mean() / std::max(sd * spread, 1e-300);
-  const bool given = name == "motor_velocity" || name == "time" || name == "external_torque" || name == "current" ||
-                     name == "velocity" || name == "pressure" || name == "contraction";
-  if (!given && std::abs(correlation) > kCopy) {
-    log.warnings.push_back(fmt::format("{} follows {} (correlation {:.2f}): not looked at as a cause", name,
-                                       log.effort_column, correlation));
-    return;
-  }
   log.context.push_back({name, values});
   log.data.rows.context.push_back((values - mean) / sd);
 }
 
-/// Numeric columns that no quantity of the model came from.
+double correlation(const ArrayXd& a, const ArrayXd& b) {
+  const ArrayXd x = a - a.mean(), y = b - b.mean();
+  return (x * y).sum() / std::max(std::sqrt(x.square().sum() * y.square().sum()), 1e-300);
+}
+
+/// Numeric columns that no quantity of the model came from. A command or an estimate that follows the effort is no
+/// cause: it says what was measured once more.
 void addContext(const CsvTable& table, PreparedLog& log) {
+  constexpr double kCopy = 0.9;  // correlation
   static const std::set<std::string> kKnown = {"time",           "motor_current",  "motor_voltage", "motor_torque",
                                                "motor_force",    "motor_velocity", "velocity",      "joint_velocity",
                                                "motor_position", "position",       "session",       "external_torque",
@@ -144,6 +139,11 @@ void addContext(const CsvTable& table, PreparedLog& log) {
       values = toArray(table.quantity(column, ""));
     } catch (const DataError&) {
       continue;  // empty cells in a column nobody asked for
+    }
+    if (const double r = correlation(values, log.data.rows.effort); std::abs(r) > kCopy) {
+      log.warnings.push_back(
+          fmt::format("{} follows {} (correlation {:.2f}): not looked at as a cause", column, log.effort_column, r));
+      continue;
     }
     addContext(log, column, values);
   }
@@ -216,7 +216,7 @@ void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
   const double most = kJump * *middle;
-  for (Index i = 0; i < rate.size(); ++i) {
+  for (Index i = 0; i < rate.size() && most > 0.0; ++i) {
     if (std::abs(rate[i]) <= most) continue;
     for (Index k = std::max<Index>(0, i - kBeside); k < std::min(rate.size(), i + kBeside + 1); ++k)
       keep[static_cast<std::size_t>(k)] = false;

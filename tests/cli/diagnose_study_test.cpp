@@ -38,9 +38,11 @@ TEST_F(SlowDiagnosisStudy, NamesWhatIsHidden) {
   constexpr int kEach = 5;
   int counted = 0, alone = 0, grouped = 0, fresh_inside = 0, fresh_counted = 0;
   std::map<std::string, std::map<std::string, int>> confusion;
-  for (const std::string& effect : reality::drawableEffects()) {
-    for (std::uint64_t k = 0; k < kEach; ++k) {
-      const LogAnswer answer = ask(reality::drawEffect(effect, 1000 + 100 * k + confusion.size()));
+  const std::vector<std::string> effects = reality::drawableEffects();
+  for (std::uint64_t k = 0; k < kEach; ++k) {
+    for (std::size_t e = 0; e < effects.size(); ++e) {
+      const std::string& effect = effects[e];
+      const LogAnswer answer = ask(reality::drawEffect(effect, 1000 + 100 * k + e + (k > 0 ? 1 : 0)));
       const auto causes = answer.causes();
       ++confusion[effect][causes.empty() ? answer.verdict() : causes.size() > 1 ? "several" : causes[0].effect];
       if (answer.true_gain < 0.05) continue;

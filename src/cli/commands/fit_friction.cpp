@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -121,19 +123,25 @@ Task makeTask(const Options& options, Session& session) {
   return task;
 }
 
-/// Laws that the log can answer; the reasons why the others were left out.
+/// Laws that the log can answer; the reasons why the others were left out. All at once: each has stretches of its own
+/// that only one thread can do.
 std::vector<FrictionFit> fitAll(const std::vector<const FrictionLaw*>& laws, const FrictionData& data,
                                 const FrictionFitOptions& options, std::vector<std::string>& left_out) {
-  std::vector<FrictionFit> fits;
-  for (const FrictionLaw* law : laws) {
+  std::vector<std::optional<FrictionFit>> found(laws.size());
+  std::vector<std::string> reasons(laws.size());
+  tbb::parallel_for(std::size_t{0}, laws.size(), [&](std::size_t k) {
     try {
-      fits.push_back(fitFriction(*law, data, options));
+      found[k] = fitFriction(*laws[k], data, options);
     } catch (const DataError& error) {
-      if (laws.size() == 1) throw;
-      left_out.push_back(fmt::format("{} was left out: {}", law->name, error.what()));
-      if (law == laws.back() && fits.empty()) throw;
+      reasons[k] = error.what();
     }
+  });
+  std::vector<FrictionFit> fits;
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    if (found[k]) fits.push_back(std::move(*found[k]));
+    if (!reasons[k].empty()) left_out.push_back(fmt::format("{} was left out: {}", laws[k]->name, reasons[k]));
   }
+  if (fits.empty()) throw DataError(reasons.back());
   return fits;
 }
 
