@@ -87,6 +87,18 @@ VectorXd valuesAt(const VectorXd& all, std::span<const std::size_t> rows) {
   return some;
 }
 
+/// Rows far off, such as those of a reversal at the wrong moment, are taken for less: a few of them in a row would be
+/// all that a forest learns.
+VectorXd bounded(VectorXd residual, std::span<const std::size_t> rows) {
+  constexpr double kFar = 4.0;  // robust standard deviations
+  std::vector<double> sizes;
+  for (const std::size_t i : rows) sizes.push_back(std::abs(residual[static_cast<Index>(i)]));
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double far = kFar * *middle / 0.6745;
+  return residual.cwiseMax(-far).cwiseMin(far);
+}
+
 }  // namespace
 
 std::vector<EvidenceChannel> evidenceChannels(const PreparedLog& log) {
@@ -130,6 +142,9 @@ std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<E
 
 Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& channels, const VectorXd& residual,
                     std::uint64_t seed) {
+  const std::vector<std::size_t> kept = keptRows(log);
+  if (kept.empty()) return {};
+  const VectorXd near = bounded(residual, kept);
   std::vector<EvidenceChannel> used;
   for (const EvidenceChannel& c : channels) {
     if (c.name != "session" && c.name != "power_quadrant") used.push_back(c);  // others say the same
@@ -143,11 +158,11 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
   std::vector<double> shuffled(used.size(), 0.0);
   for (int f = 0; f < kForestFolds; ++f) {
     std::vector<std::size_t> training, test;
-    for (const std::size_t i : keptRows(log)) (fold[i] == f ? test : training).push_back(i);
+    for (const std::size_t i : kept) (fold[i] == f ? test : training).push_back(i);
     training = thinned(training, kForestRows);
     test = thinned(test, kForestRows);
     if (training.size() < 100 || test.empty()) return {};
-    const VectorXd y_training = valuesAt(residual, training), y = valuesAt(residual, test);
+    const VectorXd y_training = valuesAt(near, training), y = valuesAt(near, test);
     cv::Mat target(static_cast<int>(training.size()), 1, CV_32F);
     for (std::size_t i = 0; i < training.size(); ++i) {
       target.at<float>(static_cast<int>(i)) = static_cast<float>(y_training[static_cast<Index>(i)]);

@@ -17,6 +17,7 @@ using Eigen::Index;
 constexpr double kFewSpikes = 0.01;  // share of the rows that may be taken out without a verdict
 constexpr double kSpike = 8.0;       // in robust standard deviations
 constexpr double kUndecided = 4.0;   // likewise
+constexpr double kOther = 0.3;       // of the residual: what the other direction may leave to be the right one
 
 struct NamedChannel {
   std::string name;
@@ -188,7 +189,9 @@ std::size_t takeOutUndecided(PreparedLog& log, const Eigen::VectorXd& residual, 
   std::size_t rows = 0;
   for (Index i = 0; i < residual.size(); ++i) {
     const bool between = residual[i] * flipped[i] < 0.0;
-    if (!between || std::abs(residual[i]) < limit || std::abs(log.data.rows.speed[i]) > log.dead_band) continue;
+    const bool other = std::abs(flipped[i]) < std::min(limit, kOther * std::abs(residual[i]));
+    if (!(between || other) || std::abs(residual[i]) < limit || std::abs(log.data.rows.speed[i]) > log.dead_band)
+      continue;
     log.data.keep[static_cast<std::size_t>(i)] = false;
     ++rows;
   }
