@@ -54,12 +54,12 @@ struct DriveRows {
 
 /// What the columns are made of. Arrays of shape (n).
 struct DriveTerms {
-  Eigen::ArrayXd load;     ///< [N m] what the drive works against
-  Eigen::ArrayXd dry;      ///< what multiplies dry friction: direction x presliding x factors
-  Eigen::ArrayXd viscous;  ///< [rad/s] what multiplies k_v
-  Eigen::ArrayXd gain;     ///< torque per ampere, relative to k_a; empty: 1
-  double cubic = 0.0;      ///< [1/A^2] effort = I + cubic I^3
-  double delay = 0.0;      ///< [s] the effort is logged that much later than the motion
+  Eigen::ArrayXd load;         ///< [N m] what the drive works against
+  Eigen::ArrayXd dry;          ///< what multiplies dry friction: direction x presliding x factors
+  Eigen::ArrayXd viscous;      ///< [rad/s] what multiplies k_v
+  Eigen::ArrayXd gain;         ///< torque per ampere, relative to k_a; empty: 1
+  double cubic = 0.0;          ///< [1/A^2] effort = I + cubic I^3
+  double delay = 0.0;          ///< [s] the effort is logged that much later than the motion
   Eigen::ArrayXd effort;       ///< [N] of a muscle: what stretches its tendon
   Eigen::ArrayXd pressure;     ///< [Pa] that drives a muscle
   Eigen::ArrayXd contraction;  ///< [1] of the muscle itself
