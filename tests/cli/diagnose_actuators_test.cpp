@@ -65,7 +65,6 @@ TEST_F(DiagnoseActuators, FindTheTendonOf002) {
   const Json result = askMuscle(truth, 3);
   ASSERT_TRUE(alone(result, "tendon-compliance")) << result.at("sentence");
   EXPECT_NEAR(1.0 / valueOf(result, "compliance"), 20000.0, 1000.0);
-  // Against force: the error of the model without the tendon, by what it moves the muscle.
   const std::string model = text("d/model.yaml");
   EXPECT_NE(model.find("law: spring"), std::string::npos) << model;
   succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});

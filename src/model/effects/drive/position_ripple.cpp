@@ -4,9 +4,9 @@
 #include "simgap/model/drive_effect.h"
 
 #include <algorithm>
-#include <functional>
 #include <numbers>
-#include <utility>
+
+#include "../spectral_peaks.h"
 
 namespace simgap::drive_effects {
 namespace {
@@ -34,20 +34,12 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
   }
   // From one period in the range on: below that a ripple is a drift. A third of the bins' Nyquist frequency at most.
   const double lowest = 2.0 * std::numbers::pi / span, highest = kBins / 3.0 * std::numbers::pi / span;
-  std::vector<std::pair<double, double>> peaks;  // power, ratio
-  double before = 0.0, last = 0.0, last_ratio = 0.0;
-  for (double r = lowest; r < highest; r += 0.15 * lowest) {
+  const auto power = [&](double r) {
     const double s = (sum * (r * angle).sin()).sum(), c = (sum * (r * angle).cos()).sum();
-    const double power = s * s + c * c;
-    if (last > before && last > power) peaks.emplace_back(last, last_ratio);
-    before = last;
-    last = power;
-    last_ratio = r;
-  }
-  std::ranges::sort(peaks, std::greater<>{}, &std::pair<double, double>::first);
-  peaks.resize(std::min<std::size_t>(peaks.size(), 4));
+    return s * s + c * c;
+  };
   std::vector<std::vector<double>> list;
-  for (const auto& [power, ratio] : peaks) list.push_back({ratio});
+  for (const double ratio : strongestPeaks(lowest, highest, 0.15 * lowest, 4, power)) list.push_back({ratio});
   return list;
 }
 

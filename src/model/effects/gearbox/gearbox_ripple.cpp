@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
-#include <utility>
+
+#include "../spectral_peaks.h"
 
 namespace simgap::drive_effects {
 namespace {
@@ -44,25 +44,18 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
   const double lowest = 2.0 * std::numbers::pi / span;
   // Faster than half a turn between rows no ripple can be seen.
   const double travel = std::sqrt(rows.speed.square().mean()) * rows.step;
-  const double highest = std::min(1.0 * std::numbers::pi / std::max(travel, 1e-9), lowest * kGrid / 4.0);
+  const double highest = std::min(std::numbers::pi / std::max(travel, 1e-9), lowest * kGrid / 4.0);
   const Eigen::Index stride = std::max<Eigen::Index>(1, rows.rows() / 6000);
-  std::vector<std::pair<double, double>> peaks;  // power, ratio
-  double before = 0.0, last = 0.0, last_ratio = 0.0;
-  for (double r = lowest; r < highest; r += 0.25 * lowest) {
+  const auto power = [&](double r) {
     double s = 0.0, c = 0.0;
     for (Eigen::Index i = 0; i < rows.rows(); i += stride) {
       s += residual[i] * std::sin(r * angle[i]);
       c += residual[i] * std::cos(r * angle[i]);
     }
-    const double power = s * s + c * c;
-    if (last > before && last > power) peaks.emplace_back(last, last_ratio);
-    before = last;
-    last = power;
-    last_ratio = r;
-  }
-  std::ranges::sort(peaks, std::greater<>{}, &std::pair<double, double>::first);
+    return s * s + c * c;
+  };
   std::vector<std::vector<double>> list;
-  for (std::size_t k = 0; k < std::min<std::size_t>(peaks.size(), kPeaks); ++k) list.push_back({peaks[k].second});
+  for (const double ratio : strongestPeaks(lowest, highest, 0.25 * lowest, kPeaks, power)) list.push_back({ratio});
   for (const double turn : {1.0, 2.0}) list.push_back({turn});
   return list;
 }
