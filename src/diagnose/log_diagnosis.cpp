@@ -7,11 +7,13 @@
 #include <cmath>
 
 #include "channel_dependence.h"
+#include "log_causes.h"
 #include "log_evidence.h"
 #include "log_faults.h"
 #include "self_test.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/uncertainty.h"
+#include "transmission.h"
 
 namespace simgap {
 namespace {
@@ -96,20 +98,6 @@ Split splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
   return split;
 }
 
-std::vector<Absorption> absorption(const std::vector<PhysicalParameter>& before,
-                                   const std::vector<PhysicalParameter>& after) {
-  std::vector<Absorption> list;
-  for (const PhysicalParameter& a : after) {
-    const auto b = std::ranges::find(before, a.name, &PhysicalParameter::name);
-    if (b == before.end() || !(a.sd > 0.0) || a.name == "presliding") continue;
-    const double shift = (a.value - b->value) / a.sd;
-    if (std::abs(shift) > 2.0) list.push_back({a.name, shift});
-  }
-  std::ranges::sort(list, std::greater<>{}, [](const Absorption& a) { return std::abs(a.shift_sd); });
-  if (list.size() > 5) list.resize(5);
-  return list;
-}
-
 /// Variance of the noise whose neighbours correlate: differences over ever longer times stop growing where the noise
 /// has forgotten itself, and the motion is still smooth.
 double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
@@ -132,69 +120,6 @@ double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
     floor = sd * sd;
   }
   return floor;
-}
-
-/// A model fitted to all rows; `fitted` is moved there.
-DriveFitResult describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted) {
-  DriveFitResult fit;
-  const Eigen::MatrixXd covariance = search.refit(fitted, log.blocks);
-  fit.effects = fitted.model->effects();
-  fit.theta = fitted.theta;
-  fit.parameters = fitted.model->physical(fitted.theta, covariance);
-  fit.extensions = fitted.model->extensions(fitted.theta, covariance);
-  return fit;
-}
-
-Eigen::VectorXd residualOf(const Fitted& fitted) {
-  Eigen::VectorXd residual;
-  fitted.model->evaluate(fitted.theta, residual, nullptr);
-  return residual;
-}
-
-/// The smallest magnitude that would have been found: large enough against its own uncertainty (a z of 3 for the number
-/// of hypotheses, 1.6 for 95 % power), and against the least gain.
-std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
-                                   double effective_samples) {
-  std::vector<Detectable> list;
-  const double factor = detectionFactor(least_gain, effective_samples);
-  for (const Trial& trial : trials) {
-    if (!trial.identifiable || trial.fitted.theta.empty()) continue;
-    const DriveRegression& model = *trial.fitted.model;
-    const Eigen::MatrixXd covariance = blockCovariance(model, search.pieces(search.training()), trial.fitted.theta);
-    const std::vector<PhysicalParameter> all = model.physical(trial.fitted.theta, covariance);
-    const std::size_t e = model.effects().size() - 1;
-    const DriveEffect& effect = *model.effects()[e];
-    const std::size_t first = effect.columns.empty() ? model.firstParameter(e) : model.firstColumn(e);
-    const PhysicalParameter& p = all[first];
-    if (!(p.sd > 0.0)) continue;
-    const std::string name = p.name.substr(p.name.find('.') + 1);
-    list.push_back({std::string(effect.name), {}, name, p.unit, factor * p.sd});
-  }
-  return list;
-}
-
-std::vector<Cause> causesOf(const LogSearch& search, const Selection& selection, const std::vector<Block>& heldout,
-                            const DriveFitResult& baseline, const DriveFitResult& extended, std::size_t own,
-                            std::uint64_t seed) {
-  std::vector<Cause> causes;
-  PieceErrors last = search.errors(selection.baseline, heldout);
-  for (std::size_t k = 0; k + 1 < selection.steps.size(); ++k) {
-    const DriveEffect& effect = *extended.effects[own + k];
-    Cause& cause = causes.emplace_back();
-    cause.effect = effect.name;
-    cause.sentence = effect.cause;
-    const PieceErrors now = search.errors(selection.steps[k + 1], heldout);
-    cause.gain_heldout = pairedGain(last, now, seed);
-    last = now;
-    cause.p_adjusted = selection.p_adjusted[k];
-    cause.ambiguous_with = selection.ambiguous_with[k];
-    for (const ExtensionParameter& p : extended.extensions[own + k].parameters) {
-      const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
-      cause.parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
-    }
-    cause.absorbed_by = absorption(baseline.parameters, extended.parameters);
-  }
-  return causes;
 }
 
 constexpr double kStructure = 0.05;       // share of the error that forests have to explain to count as structure
@@ -301,6 +226,23 @@ void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& optio
   static_cast<void>(splitLog(log, options));
 }
 
+LogRefit refitLog(const DriveSubject& subject, const PreparedLog& log) {
+  const LogDiagnosisOptions options;
+  requireDiagnosable(log, options);
+  const LogSearch search(subject.base, log.data, log.blocks, options);
+  Fitted fitted = search.fitFrom(subject.effects, subject.values);
+  search.validate(fitted);
+  LogRefit result;
+  result.mse_heldout = fitted.validation.mse();
+  result.fit = describe(search, log, fitted);
+  result.mse = fitted.mse;
+  result.rows = static_cast<std::size_t>(std::ranges::count(log.data.keep, true));
+  result.effective_samples =
+      static_cast<double>(result.rows) / correlationTime(residualOf(fitted), log.data.rows.session);
+  result.predicted = fitted.model->predict(fitted.theta);
+  return result;
+}
+
 LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const LogDiagnosisOptions& options,
                          const DiagnosisProgress& progress) {
   LogDiagnosis result;
@@ -369,6 +311,7 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
                               split.training, progress);
   }
   conclude(d, selection, left.share);
+  addTransmission(subject, log, split.training, split.heldout, options, result);
   d.next_experiment = nextExperiment(d, log);
   return result;
 }

@@ -192,6 +192,14 @@ Fitted LogSearch::fit(const std::vector<const DriveEffect*>& effects, const Fitt
   return fitFromStarts(model, starts);
 }
 
+Fitted LogSearch::fitFrom(const std::vector<const DriveEffect*>& effects,
+                          std::span<const PhysicalParameter> values) const {
+  const auto model = makeModel(effects);
+  std::vector<std::vector<double>> starts{model->thetaOf(values)};
+  if (auto other = otherStribeck(*model, starts[0])) starts.push_back(std::move(*other));
+  return fitFromStarts(model, starts);
+}
+
 void LogSearch::validate(Fitted& fitted) const {
   const std::vector<Block> parts = pieces(training_);
   fitted.validation = {Eigen::ArrayXd(static_cast<Index>(parts.size())),

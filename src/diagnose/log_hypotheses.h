@@ -47,6 +47,8 @@ class LogSearch {
 
   /// The base with these effects, started from `near` or, without one, by a global search over v_s and delta.
   Fitted fit(const std::vector<const DriveEffect*>& effects, const Fitted* near) const;
+  /// The same from the values of a model file.
+  Fitted fitFrom(const std::vector<const DriveEffect*>& effects, std::span<const PhysicalParameter> values) const;
   void validate(Fitted& fitted) const;
 
   /// Every hypothesis on top of `base`, in their order; from several threads.
@@ -61,7 +63,7 @@ class LogSearch {
 
   /// Squared errors of a model on pieces of any blocks.
   PieceErrors errors(const Fitted& fitted, const std::vector<Block>& blocks) const;
-  /// The model refitted to all rows; its covariance.
+  /// The model refitted to some blocks, which moves `fitted` there; its covariance.
   Eigen::MatrixXd refit(Fitted& fitted, const std::vector<Block>& blocks) const;
 
   const std::vector<Block>& training() const { return training_; }

@@ -232,6 +232,9 @@ PreparedLog prepareDriveData(const CsvTable& table, const Bench& bench, const Dr
   options.block_seconds = blockSeconds(drive.time, drive.session);
   const FrictionData friction = prepareFrictionData(drive, bench, options);
   PreparedLog log;
+  if (friction.fits_angle) {
+    throw ConfigError(friction.file + ": found angle_offset_rad: fit, expected a number here: fit-friction finds it");
+  }
   log.file = friction.file;
   log.effort_column = quantityName(friction.effort_name, friction.effort_unit);
   log.session_names = friction.session_names;
@@ -332,6 +335,19 @@ PreparedLog prepareMuscleData(const CsvTable& table) {
   return log;
 }
 
+PreparedLog prepareTransmissionData(const PreparedLog& drive) {
+  PreparedLog log = drive;
+  log.kind = DriveKind::kTransmission;
+  log.effort_column = "joint_position_rad";
+  log.data.effort_unit = "rad";
+  log.data.rig.resize(log.data.rows.rows(), 0);
+  log.data.rig_parameters.clear();
+  log.data.rows.effort = log.data.rows.joint_angle;
+  log.context.clear();
+  log.data.rows.context.clear();
+  return log;
+}
+
 DriveBase baseOf(std::string_view name) {
   if (name == "pam") return drive_equations::muscle;
   if (name == "motor") return drive_equations::winding;
@@ -354,7 +370,12 @@ DriveSubject subjectOf(const FittedModel& model) {
   }
   for (const Extension& extension : model.extensions) {
     const DriveEffect& effect = drive_effects::find(extension.effect);
-    subject.effects.push_back(&effect);
+    const bool of_angles = effect.kind == DriveKind::kTransmission;
+    if (of_angles) {
+      subject.of_angles.push_back(extension);
+    } else {
+      subject.effects.push_back(&effect);
+    }
     for (const ExtensionParameter& p : extension.parameters) {
       const bool known =
           std::ranges::find(effect.columns, p.name, &EffectColumn::name) != effect.columns.end() ||

@@ -71,16 +71,55 @@ void completeMotion(DriveLog& log, bool acceleration, FrictionData& data) {
   if (acceleration) data.derived.emplace_back("acceleration");
 }
 
+void addColumn(FrictionData& data, const Eigen::ArrayXd& per_unit) {
+  data.load_per.conservativeResize(per_unit.size(), data.load_per.cols() + 1);
+  data.load_per.col(data.load_per.cols() - 1) = per_unit;
+}
+
+void addConstant(FrictionData& data, const char* name, const char* unit) {
+  data.rig_names.emplace_back(name);
+  data.rig_units.emplace_back(unit);
+}
+
 void addRigTerm(FrictionData& data, const BenchConstant& constant, const char* name, const char* unit,
                 const Eigen::ArrayXd& per_unit) {
   if (!constant.fitted) {
     data.load += constant.value * per_unit;
     return;
   }
-  data.load_per.conservativeResize(per_unit.size(), data.load_per.cols() + 1);
-  data.load_per.col(data.load_per.cols() - 1) = per_unit;
-  data.rig_names.emplace_back(name);
-  data.rig_units.emplace_back(unit);
+  addColumn(data, per_unit);
+  addConstant(data, name, unit);
+}
+
+/// m g l sin(theta - theta_0) + (m l^2 + J) theta''. \param angle, acceleration  of the pendulum.
+void addPendulum(FrictionData& data, const Bench& bench, const Eigen::ArrayXd& angle,
+                 const Eigen::ArrayXd& acceleration) {
+  const double mass = bench.mass.fitted ? 1.0 : bench.mass.value;
+  const double length = bench.length.fitted ? 1.0 : bench.length.value;
+  const double moment = mass * length;  // [kg m], per unit of what is fitted of it
+  const BenchConstant& amplitude = bench.length.fitted ? bench.length : bench.mass;
+  const auto addAmplitude = [&] {
+    if (amplitude.fitted) addConstant(data, bench.length.fitted ? "length" : "mass", bench.length.fitted ? "m" : "kg");
+  };
+  const Eigen::ArrayXd inertial =
+      bench.fitsWholeInertia() ? Eigen::ArrayXd::Zero(angle.size()) : Eigen::ArrayXd(moment * length * acceleration);
+  if (bench.angle_offset.fitted) {
+    data.fits_angle = true;
+    addColumn(data, moment * bench.gravity * angle.sin());
+    addColumn(data, -moment * bench.gravity * angle.cos());
+    addAmplitude();
+    addConstant(data, "angle_offset", "rad");
+    data.load += inertial;
+  } else {
+    const Eigen::ArrayXd load = moment * bench.gravity * (angle - bench.angle_offset.value).sin() + inertial;
+    if (amplitude.fitted) {
+      addColumn(data, load);
+    } else {
+      data.load += load;
+    }
+    addAmplitude();
+  }
+  addRigTerm(data, bench.inertia, bench.fitsWholeInertia() ? "total_inertia" : "inertia", "kg_m2", acceleration);
 }
 
 /// The load of the rig, in the signs of 003 eq. 3: what the motor must overcome in the positive direction.
@@ -98,11 +137,8 @@ void workOutLoad(const DriveLog& log, const Bench& bench, FrictionData& data) {
           log.file));
     case BenchLoad::kPendulum: {
       if (log.position.empty()) throw DataError(log.file + ":1: found no position, expected it for a pendulum");
-      const Eigen::ArrayXd angle = column(log.position) / bench.ratio.value_or(1.0) - bench.angle_offset;
-      const Eigen::ArrayXd acceleration = column(log.acceleration) / bench.ratio.value_or(1.0);
-      addRigTerm(data, bench.mass, "mass", "kg",
-                 bench.length * (bench.gravity * angle.sin() + bench.length * acceleration));
-      addRigTerm(data, bench.inertia, "inertia", "kg_m2", acceleration);
+      const double ratio = bench.ratio.value_or(1.0);
+      addPendulum(data, bench, column(log.position) / ratio, column(log.acceleration) / ratio);
       return;
     }
     case BenchLoad::kFreeAxis:
@@ -189,6 +225,44 @@ Eigen::ArrayXd take(std::vector<double>& channel) {
 }
 
 }  // namespace
+
+Eigen::VectorXd FrictionData::rigCoefficients(std::span<const double> rig) const {
+  const Eigen::Map<const Eigen::VectorXd> constants(rig.data(), static_cast<Eigen::Index>(rig.size()));
+  if (!fits_angle) return constants;
+  const std::size_t angle = angleIndex();
+  const double amplitude = angle > 0 ? rig[0] : 1.0;
+  Eigen::VectorXd coefficients(load_per.cols());
+  coefficients << amplitude * std::cos(rig[angle]), amplitude * std::sin(rig[angle]),
+      constants.tail(load_per.cols() - 2);
+  return coefficients;
+}
+
+std::vector<double> FrictionData::rigConstants(const Eigen::VectorXd& coefficients) const {
+  if (!fits_angle) return {coefficients.begin(), coefficients.end()};
+  std::vector<double> rig;
+  if (angleIndex() > 0) rig.push_back(coefficients.head<2>().norm());
+  rig.push_back(std::atan2(coefficients[1], coefficients[0]));
+  rig.insert(rig.end(), coefficients.begin() + 2, coefficients.end());
+  return rig;
+}
+
+Eigen::MatrixXd FrictionData::rigDerivatives(std::span<const double> rig) const {
+  const auto k = load_per.cols();
+  const auto r = static_cast<Eigen::Index>(rig.size());
+  if (!fits_angle) return Eigen::MatrixXd::Identity(k, r);
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(k, r);
+  const std::size_t angle = angleIndex();
+  const double c = std::cos(rig[angle]), s = std::sin(rig[angle]), amplitude = angle > 0 ? rig[0] : 1.0;
+  if (angle > 0) d.col(0).head<2>() << c, s;
+  d.col(static_cast<Eigen::Index>(angle)).head<2>() << -amplitude * s, amplitude * c;
+  d.bottomRightCorner(k - 2, k - 2).setIdentity();
+  return d;
+}
+
+Eigen::ArrayXd FrictionData::totalLoad(std::span<const double> rig) const {
+  if (rig_names.empty()) return load;
+  return load + (load_per.matrix() * rigCoefficients(rig)).array();
+}
 
 FrictionData selectRows(const FrictionData& data, const std::vector<bool>& keep) {
   FrictionData some = data;

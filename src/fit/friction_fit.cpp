@@ -34,7 +34,7 @@ std::string missing(const FrictionModel& model, const FrictionData& data) {
         "loads, or use --model coulomb or stribeck",
         model.law().name);
   }
-  if (data.load_per.cols() > 0 && (data.load == 0.0).all() && !gain_fixed && !model.rigFixed()) {
+  if (!model.loadScaleKnown()) {
     return fmt::format(
         "neither k_a nor {} is known, and only their ratio acts on this log: fix one of them (--fix "
         "k_a=…)",
@@ -72,7 +72,7 @@ std::vector<std::string> gaps(const FrictionModel& model, const FrictionData& da
 }
 
 /// Sums over the rows of each part; parts are folds, or any split that gives every thread work.
-std::vector<StribeckMoments> sumParts(const FrictionModel& model, std::span<const double> rig, int parts) {
+std::vector<StribeckMoments> sumParts(const FrictionModel& model, const Eigen::VectorXd& rig, int parts) {
   const FrictionData& data = model.data();
   std::vector<StribeckMoments> sums(static_cast<std::size_t>(parts), StribeckMoments(model.shapes(), data.log_speed));
   tbb::parallel_for(0, parts, [&](int part) {
@@ -157,7 +157,7 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   const int folds = std::min<int>(options.folds, static_cast<int>(data.blocks.size()));
   const int parts = std::max(folds, std::min<int>(8, static_cast<int>(data.blocks.size())));
   const int split = folds >= 2 ? folds : parts;
-  std::vector<double> rig = model.initialRig();
+  Eigen::VectorXd rig = model.initialRig();
   std::vector<StribeckMoments> sums;
   std::optional<StribeckMoments> total;
   SeparableResult search;

@@ -43,7 +43,8 @@ FrictionModel::FrictionModel(const FrictionLaw& law, const FrictionData& data, c
       offset_(options.offset),
       terms_(law.terms.size()),
       stribeck_(law.hasStribeck()),
-      rig_(static_cast<std::size_t>(data.load_per.cols())) {
+      rig_(data.rig_names.size()),
+      rig_columns_(static_cast<std::size_t>(data.load_per.cols())) {
   if (predict_load_ && rig_ > 0) {
     throw ConfigError("found constants of the rig to be fitted and the load to be predicted, expected one of them");
   }
@@ -51,7 +52,10 @@ FrictionModel::FrictionModel(const FrictionLaw& law, const FrictionData& data, c
   for (const FrictionTerm& term : law.terms) {
     addParameter(options, {std::string(term.name), unitOf(term.basis, data), 0.0, kInf});
   }
-  for (std::size_t k = 0; k < rig_; ++k) addParameter(options, {data.rig_names[k], data.rig_units[k], 0.0, kInf});
+  for (std::size_t k = 0; k < rig_; ++k) {
+    const bool angle = data.fits_angle && k == data.angleIndex();
+    addParameter(options, {data.rig_names[k], data.rig_units[k], angle ? -kInf : 0.0, kInf});
+  }
   if (offset_) addParameter(options, {"offset", predict_load_ ? data.load_unit : data.effort_unit, -kInf, kInf});
   linear_ = parameters_.size();
   if (law.hasStribeck()) {
@@ -84,7 +88,9 @@ std::size_t FrictionModel::freeCount() const {
   return static_cast<std::size_t>(std::ranges::count(parameters_, false, &FitParameter::fixed));
 }
 
-bool FrictionModel::rigFixed() const {
+bool FrictionModel::loadScaleKnown() const {
+  if (parameters_[0].fixed || rig_ == 0 || (data_->load != 0.0).any()) return true;
+  if (data_->fits_angle) return data_->angleIndex() == 0 || parameters_[1 + terms_].fixed;
   for (std::size_t k = 0; k < rig_; ++k) {
     if (!parameters_[1 + terms_ + k].fixed) return false;
   }
@@ -92,7 +98,7 @@ bool FrictionModel::rigFixed() const {
 }
 
 std::vector<FrictionShape> FrictionModel::shapes() const {
-  std::vector<FrictionShape> shapes(linear_ + 1, FrictionShape::kAlways);
+  std::vector<FrictionShape> shapes(linear_ - rig_ + rig_columns_ + 1, FrictionShape::kAlways);
   for (std::size_t j = 0; j < terms_; ++j) shapes[1 + j] = law_->terms[j].shape;
   return shapes;
 }
@@ -101,6 +107,12 @@ std::vector<LinearTerm> FrictionModel::linearTerms() const {
   std::vector<LinearTerm> terms;
   for (std::size_t i = 0; i < linear_; ++i) {
     const FitParameter& p = parameters_[i];
+    if (data_->fits_angle && i == 1 + terms_) {
+      terms.push_back({"cosine", -kInf, kInf, true});
+      terms.push_back({"sine", -kInf, kInf, true});
+      i += data_->angleIndex();
+      continue;
+    }
     LinearTerm term{p.name, p.lower, p.upper, false};
     if (i == 0 && !predict_load_) {
       term.lower = std::isfinite(p.upper) ? 1.0 / p.upper : 0.0;
@@ -125,31 +137,30 @@ std::vector<NonlinearTerm> FrictionModel::nonlinearTerms() const {
   return {{"v_s", v_s.lower, v_s.upper, true, 48, step}, {"delta", delta.lower, delta.upper, true, 20}};
 }
 
-std::vector<double> FrictionModel::initialRig() const {
+Eigen::VectorXd FrictionModel::initialRig() const {
   std::vector<double> rig;
   for (std::size_t k = 0; k < rig_; ++k) {
     const std::size_t i = 1 + terms_ + k;
     rig.push_back(parameters_[i].fixed ? fixed_[i] : std::clamp(1.0, parameters_[i].lower, parameters_[i].upper));
   }
-  return rig;
+  return data_->rigCoefficients(rig);
 }
 
-std::vector<double> FrictionModel::rigOf(std::span<const double> theta) const {
-  return {theta.begin() + static_cast<std::ptrdiff_t>(1 + terms_),
-          theta.begin() + static_cast<std::ptrdiff_t>(1 + terms_ + rig_)};
+Eigen::VectorXd FrictionModel::rigOf(std::span<const double> theta) const {
+  return data_->rigCoefficients(theta.subspan(1 + terms_, rig_));
 }
 
-Eigen::ArrayXXd FrictionModel::columns(std::span<const double> rig, const Block& rows) const {
+Eigen::ArrayXXd FrictionModel::columns(const Eigen::VectorXd& rig, const Block& rows) const {
   const auto begin = static_cast<Index>(rows.begin), n = static_cast<Index>(rows.size());
-  const auto terms = static_cast<Index>(terms_), all = static_cast<Index>(linear_) + 1;
+  const auto terms = static_cast<Index>(terms_), all = static_cast<Index>(linear_ - rig_ + rig_columns_) + 1;
   ArrayXXd x(n, all);
   const auto effort = data_->effort.segment(begin, n);
   ArrayXd load = data_->load.segment(begin, n);
   x.col(0) = predict_load_ ? ArrayXd(effort) : load;
   x.col(all - 1) = predict_load_ ? load : ArrayXd(effort);
-  for (std::size_t k = 0; k < rig_; ++k) {
-    const auto per = data_->load_per.col(static_cast<Index>(k)).segment(begin, n);
-    x.col(1 + terms + static_cast<Index>(k)) = per;
+  for (Index k = 0; k < rig.size(); ++k) {
+    const auto per = data_->load_per.col(k).segment(begin, n);
+    x.col(1 + terms + k) = per;
     load += rig[k] * per;
   }
   const ArrayXd size = predict_load_ ? ArrayXd(effort.abs()) : ArrayXd(load.abs());
@@ -176,10 +187,16 @@ std::vector<double> FrictionModel::thetaOf(const SeparableMinimum& minimum) cons
   std::vector<double> theta(parameters_.size());
   const std::vector<LinearTerm> terms = linearTerms();
   const double gain = std::max(minimum.linear.coefficients[0], 1e-300);
-  for (std::size_t i = 0; i < linear_; ++i) {
-    const double c = minimum.linear.coefficients[static_cast<Index>(i)];
-    theta[i] = i == 0 ? (predict_load_ ? gain : 1.0 / gain) : terms[i].times_gain ? c / gain : c;
+  Eigen::VectorXd physical = minimum.linear.coefficients;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    if (terms[i].times_gain) physical[static_cast<Index>(i)] /= gain;
   }
+  const auto law = static_cast<Index>(1 + terms_);
+  const std::vector<double> rig = data_->rigConstants(physical.segment(law, static_cast<Index>(rig_columns_)));
+  theta[0] = predict_load_ ? gain : 1.0 / gain;
+  std::copy(physical.begin() + 1, physical.begin() + law, theta.begin() + 1);
+  std::ranges::copy(rig, theta.begin() + law);
+  if (offset_) theta[linear_ - 1] = physical[physical.size() - 1];
   std::ranges::copy(minimum.p, theta.begin() + static_cast<std::ptrdiff_t>(linear_));
   for (std::size_t i = 0; i < theta.size(); ++i) {
     theta[i] = parameters_[i].fixed ? fixed_[i] : std::clamp(theta[i], parameters_[i].lower, parameters_[i].upper);
@@ -202,14 +219,13 @@ void FrictionModel::evaluate(std::span<const double> theta, const Block& rows, E
                              Eigen::Ref<Eigen::MatrixXd>* jacobian) const {
   const auto begin = static_cast<Index>(rows.begin), n = static_cast<Index>(rows.size());
   const auto terms = static_cast<Index>(terms_), rig = static_cast<Index>(rig_);
+  const Eigen::VectorXd coefficients = rigOf(theta);
   const double k_a = theta[0];
   const Eigen::Map<const Eigen::VectorXd> law(theta.data() + 1, terms);
   const double offset = offset_ ? theta[linear_ - 1] : 0.0;
   const ArrayXd effort = data_->effort.segment(begin, n);
   ArrayXd load = data_->load.segment(begin, n);
-  for (Index k = 0; k < rig; ++k) {
-    load += theta[static_cast<std::size_t>(1 + terms + k)] * data_->load_per.col(k).segment(begin, n);
-  }
+  for (Index k = 0; k < coefficients.size(); ++k) load += coefficients[k] * data_->load_per.col(k).segment(begin, n);
   const ArrayXd driving = predict_load_ ? ArrayXd(k_a * effort) : load;
   const ArrayXd size = driving.abs();
   ArrayXd exponent, still;
@@ -242,9 +258,10 @@ void FrictionModel::evaluate(std::span<const double> theta, const Block& rows, E
   j.col(0) =
       (predict_load_ ? ArrayXd(effort - per_load * sign * effort) : ArrayXd(-(predicted - offset) / k_a)).matrix();
   j.middleCols(1, terms) = scale * z.matrix();
-  for (Index k = 0; k < rig; ++k) {
-    const auto per = data_->load_per.col(k).segment(begin, n);
-    j.col(1 + terms + k) = (scale * per * (1.0 + per_load * sign)).matrix();
+  if (rig > 0) {
+    const Eigen::MatrixXd derivatives = data_->rigDerivatives(theta.subspan(1 + terms_, rig_));
+    j.middleCols(1 + terms, rig) = (scale * (1.0 + per_load * sign)).matrix().asDiagonal() *
+                                   (data_->load_per.middleRows(begin, n).matrix() * derivatives);
   }
   if (offset_) j.col(static_cast<Index>(linear_) - 1).setOnes();
   if (!stribeck_) return;

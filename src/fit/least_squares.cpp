@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
@@ -53,10 +54,20 @@ class Reduction {
 
   /// Upper triangular, shape (F + 1, F + 1): of [J_free r] with robust weights. Sets `cost`.
   MatrixXd reduce(std::span<const double> theta, double& cost) const {
+    std::vector<double> costs(problem_.chunks.size());
+    MatrixXd upper = reduce(
+        theta, [&](std::size_t k, const VectorXd& r, const MatrixXd& /*augmented*/) { costs[k] = robustCost(r); });
+    cost = std::accumulate(costs.begin(), costs.end(), 0.0);
+    return upper;
+  }
+
+  /// The same; `use(k, r, [J_free r])` sees every chunk k: its residuals and its weighted rows. From several threads.
+  template <typename Use>
+  MatrixXd reduce(std::span<const double> theta, const Use& use) const {
     const auto columns = static_cast<Index>(free_.size()) + 1;
-    std::vector<MatrixXd> factors(problem_.chunks.size());
-    std::vector<double> costs(factors.size());
-    tbb::parallel_for(std::size_t{0}, factors.size(), [&](std::size_t k) {
+    const auto chunks = static_cast<Index>(problem_.chunks.size());
+    MatrixXd stacked(chunks * columns, columns);
+    tbb::parallel_for(std::size_t{0}, problem_.chunks.size(), [&](std::size_t k) {
       const auto rows = static_cast<Index>(problem_.chunks[k].size());
       VectorXd r(rows);
       MatrixXd all = MatrixXd::Zero(rows, static_cast<Index>(theta.size()));
@@ -65,28 +76,21 @@ class Reduction {
       MatrixXd augmented(rows, columns);
       for (Index j = 0; j + 1 < columns; ++j) augmented.col(j) = all.col(free_[static_cast<std::size_t>(j)]);
       augmented.col(columns - 1) = r;
-      costs[k] = weigh(r, &augmented);
-      factors[k] = factor(augmented);
+      if (loss_ != nullptr) augmented.array().colwise() *= robustWeights(problem_.loss, r).sqrt();
+      use(k, r, augmented);
+      stacked.middleRows(static_cast<Index>(k) * columns, columns) = factor(augmented);
     });
-    MatrixXd stacked(static_cast<Index>(factors.size()) * columns, columns);
-    cost = 0.0;
-    for (std::size_t k = 0; k < factors.size(); ++k) {
-      stacked.middleRows(static_cast<Index>(k) * columns, columns) = factors[k];
-      cost += costs[k];
-    }
     return factor(stacked);
   }
 
  private:
-  /// The robust cost of residuals; scales the rows of `augmented` by the square roots of their weights.
-  double weigh(const VectorXd& r, MatrixXd* augmented) const {
+  double robustCost(const VectorXd& r) const {
     if (loss_ == nullptr) return r.squaredNorm();
     double cost = 0.0;
-    for (Index i = 0; i < r.size(); ++i) {
+    for (const double residual : r) {
       double rho[3];
-      loss_->Evaluate(r[i] * r[i], rho);
+      loss_->Evaluate(residual * residual, rho);
       cost += rho[0];
-      if (augmented != nullptr) augmented->row(i) *= std::sqrt(std::max(rho[1], 0.0));
     }
     return cost;
   }
@@ -264,10 +268,40 @@ Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const do
   return all;
 }
 
-Eigen::MatrixXd triangularFactor(const LeastSquaresProblem& problem, std::span<const double> theta) {
-  double cost = 0.0;
-  const MatrixXd upper = Reduction(problem, problem.freeParameters()).reduce(theta, cost);
-  return upper.topLeftCorner(upper.rows() - 1, upper.cols() - 1);
+Linearisation linearise(const LeastSquaresProblem& problem, std::span<const double> theta,
+                        std::span<const Block> pieces) {
+  const std::vector<int> free = problem.freeParameters();
+  const auto count = static_cast<Index>(free.size());
+  const NormalSums nothing{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
+  Linearisation result{VectorXd(static_cast<Index>(problem.rows())), {}, {pieces.size(), nothing}};
+  // A piece may reach over several chunks: each chunk sums its share.
+  struct Share {
+    std::size_t piece;
+    NormalSums sums;
+  };
+  std::vector<std::vector<Share>> shares(problem.chunks.size());
+  const MatrixXd upper =
+      Reduction(problem, free).reduce(theta, [&](std::size_t k, const VectorXd& r, const MatrixXd& augmented) {
+        const Block& chunk = problem.chunks[k];
+        result.residual.segment(static_cast<Index>(chunk.begin), r.size()) = r;
+        auto piece = std::ranges::upper_bound(pieces, chunk.begin, {}, &Block::end);
+        for (; piece != pieces.end() && piece->begin < chunk.end; ++piece) {
+          const std::size_t begin = std::max(piece->begin, chunk.begin), end = std::min(piece->end, chunk.end);
+          const auto rows =
+              augmented.middleRows(static_cast<Index>(begin - chunk.begin), static_cast<Index>(end - begin));
+          const auto j = rows.leftCols(count);
+          shares[k].push_back(
+              {static_cast<std::size_t>(piece - pieces.begin()), {j.transpose() * j, j.transpose() * rows.col(count)}});
+        }
+      });
+  for (const std::vector<Share>& chunk : shares) {
+    for (const Share& share : chunk) {
+      result.sums[share.piece].normal += share.sums.normal;
+      result.sums[share.piece].score += share.sums.score;
+    }
+  }
+  result.factor = upper.topLeftCorner(count, count);
+  return result;
 }
 
 Eigen::ArrayXd robustWeights(const Loss& loss, const Eigen::VectorXd& residual) {

@@ -20,34 +20,25 @@ constexpr double kSingular = 1e-9;  // of the largest singular value of the scal
 constexpr double kTakesPart = 0.2;  // component of a direction that cannot be determined
 constexpr double kAlias = 0.995;    // correlation from which only a combination is determined
 
-/// Sums over one block: J^T W J, shape (P, P), and J^T W r, shape (P).
-struct BlockSums {
-  MatrixXd normal;
-  VectorXd score;
-};
+/// Rows of one session that are summed together before the correlation time, and so the length of a block, is known.
+constexpr double kPieces = 400.0;
 
-std::vector<BlockSums> sumBlocks(const LeastSquaresProblem& problem, std::span<const double> theta,
-                                 const std::vector<Block>& blocks) {
-  const auto count = static_cast<Index>(theta.size());
-  std::vector<BlockSums> sums(blocks.size(), {MatrixXd::Zero(count, count), VectorXd::Zero(count)});
-  std::size_t b = 0;
-  for (const Block& chunk : problem.chunks) {
-    VectorXd r(static_cast<Index>(chunk.size()));
-    MatrixXd j = MatrixXd::Zero(r.size(), count);
-    Eigen::Ref<MatrixXd> jacobian(j);
-    problem.evaluate(theta, chunk, r, &jacobian);
-    const Eigen::ArrayXd weight = robustWeights(problem.loss, r);
-    for (std::size_t begin = chunk.begin; begin < chunk.end;) {
-      while (blocks[b].end <= begin) ++b;
-      const std::size_t end = std::min(chunk.end, blocks[b].end);
-      const auto at = static_cast<Index>(begin - chunk.begin), n = static_cast<Index>(end - begin);
-      const MatrixXd weighted = j.middleRows(at, n).array().colwise() * weight.segment(at, n);
-      sums[b].normal.noalias() += weighted.transpose() * j.middleRows(at, n);
-      sums[b].score.noalias() += weighted.transpose() * r.segment(at, n);
-      begin = end;
+/// Sums over blocks of `pieces_per_block` pieces; none reaches over a session's end.
+std::vector<NormalSums> joinPieces(const std::vector<NormalSums>& sums, std::span<const Block> pieces,
+                                   std::span<const int> session, std::size_t pieces_per_block) {
+  std::vector<NormalSums> blocks;
+  std::size_t first = 0;
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    const bool opens = p == 0 || session[pieces[p].begin] != session[pieces[first].begin];
+    if (opens || p - first == pieces_per_block) {
+      first = p;
+      blocks.push_back(sums[p]);
+      continue;
     }
+    blocks.back().normal += sums[p].normal;
+    blocks.back().score += sums[p].score;
   }
-  return sums;
+  return blocks;
 }
 
 /// (J^T J)^-1 over some columns of R, with the directions that the data do not determine left out.
@@ -77,8 +68,6 @@ Bread bread(const MatrixXd& r) {
   }
   return result;
 }
-
-MatrixXd columns(const MatrixXd& matrix, const std::vector<Index>& chosen) { return matrix(Eigen::all, chosen); }
 
 /// Names of undetermined parameters, and of pairs of which only a combination is determined.
 std::vector<std::string> describe(const Uncertainty& result) {
@@ -146,24 +135,24 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
                                 std::span<const int> session) {
   constexpr double kBlockTimes = 12.0;  // length of a block in correlation times
   constexpr std::size_t kFewestBlocks = 40;
-  constexpr double kMostBlocks = 400.0;
   const auto count = static_cast<Index>(theta.size());
   const std::vector<int> free = problem.freeParameters();
-  const VectorXd r = residuals(problem, theta);
+  const auto n = static_cast<double>(problem.rows());
+  const double rows_per_piece = std::max(1.0, std::ceil(n / kPieces));
+  const std::vector<Block> pieces = splitRows(session, static_cast<std::size_t>(rows_per_piece));
+  const Linearisation at = linearise(problem, theta, pieces);
+  const VectorXd& r = at.residual;
   Uncertainty result;
   result.correlation_rows = correlationTime(r, session);
-  const auto n = static_cast<double>(r.size());
   result.n_effective = n / result.correlation_rows;
-  const MatrixXd factor = triangularFactor(problem, theta);
 
-  const auto rows_per_block =
-      static_cast<std::size_t>(std::clamp(std::ceil(std::max(kBlockTimes * result.correlation_rows, n / kMostBlocks)),
-                                          1.0, std::max(1.0, n / static_cast<double>(kFewestBlocks))));
-  const std::vector<Block> blocks = splitRows(session, rows_per_block);
-  const bool sandwich = static_cast<double>(rows_per_block) >= 3.0 * result.correlation_rows &&
-                        blocks.size() >= std::max<std::size_t>(kFewestBlocks / 2, 3 * free.size());
-  const std::vector<BlockSums> sums = sandwich ? sumBlocks(problem, theta, blocks) : std::vector<BlockSums>();
-  if (sandwich) result.blocks = blocks.size();
+  const double pieces_per_block =
+      std::clamp(std::ceil(kBlockTimes * result.correlation_rows / rows_per_piece), 1.0,
+                 std::max(1.0, std::floor(n / (static_cast<double>(kFewestBlocks) * rows_per_piece))));
+  const std::vector<NormalSums> sums = joinPieces(at.sums, pieces, session, static_cast<std::size_t>(pieces_per_block));
+  const bool sandwich = pieces_per_block * rows_per_piece >= 3.0 * result.correlation_rows &&
+                        sums.size() >= std::max<std::size_t>(kFewestBlocks / 2, 3 * free.size());
+  if (sandwich) result.blocks = sums.size();
   const double variance = r.squaredNorm() / std::max(n - static_cast<double>(free.size()), 1.0);
 
   // Which columns of the factor are estimated: those on a bound are not free to move.
@@ -173,22 +162,20 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
     bound[j] = atBound(problem.parameters[i], theta[i]);
   }
   const auto covarianceOf = [&](const std::vector<Index>& chosen, std::vector<bool>& determined) {
-    const Bread inner = bread(columns(factor, chosen));
+    const Bread inner = bread(at.factor(Eigen::all, chosen));
     determined = inner.determined;
     if (!sandwich) return MatrixXd(variance * result.correlation_rows * inner.inverse);
-    std::vector<Index> parameters;
-    for (const Index j : chosen) parameters.push_back(free[static_cast<std::size_t>(j)]);
     // What the estimate would move by without the block, to first order: (J^T J - J_b^T J_b)^-1 J_b^T r_b.
     const auto f = static_cast<Index>(chosen.size());
     MatrixXd meat = MatrixXd::Zero(f, f);
-    for (const BlockSums& block : sums) {
-      const MatrixXd rest = MatrixXd::Identity(f, f) - block.normal(parameters, parameters) * inner.inverse;
-      const VectorXd score = block.score(parameters);
+    for (const NormalSums& block : sums) {
+      const MatrixXd rest = MatrixXd::Identity(f, f) - block.normal(chosen, chosen) * inner.inverse;
+      const VectorXd score = block.score(chosen);
       VectorXd move = inner.inverse * rest.partialPivLu().solve(score);
       if (!move.allFinite()) move = inner.inverse * score;  // all that is known of a parameter is in this block
       meat += move * move.transpose();
     }
-    const auto b = static_cast<double>(blocks.size());
+    const auto b = static_cast<double>(sums.size());
     return MatrixXd(meat * ((b - 1.0) / b));
   };
   std::vector<Index> inside, everything;
@@ -205,7 +192,7 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
     const FitParameter& p = problem.parameters[i];
     result.estimates.push_back({p.name, p.unit, theta[i], 0.0, theta[i], theta[i], false, p.fixed, true});
   }
-  const double degrees = sandwich ? static_cast<double>(blocks.size()) - 1.0
+  const double degrees = sandwich ? static_cast<double>(sums.size()) - 1.0
                                   : std::max(result.n_effective - static_cast<double>(free.size()), 1.0);
   const double t = studentQuantile(degrees);
   for (std::size_t a = 0; a < inside.size(); ++a) {

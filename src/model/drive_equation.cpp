@@ -23,9 +23,20 @@ void fillMuscle(const DriveRows& /*rows*/, const DriveTerms& terms, Eigen::Ref<E
   x.col(2) = terms.pressure;
 }
 
+constexpr EffectColumn kTransmission[] = {{.name = "inverse_ratio", .unit = "1", .torque = false},
+                                          {.name = "offset", .unit = "rad", .torque = false},
+                                          {.name = "lag", .unit = "s", .torque = false}};
+
+void fillTransmission(const DriveRows& rows, const DriveTerms& /*terms*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = rows.motor_angle;
+  x.col(1) = 1.0;
+  x.col(2) = -rows.speed;
+}
+
 }  // namespace
 
 const DriveEquation winding = {"motor", DriveKind::kMotor, kWinding, fillWinding};
 const DriveEquation muscle = {"pam", DriveKind::kMuscle, kMuscle, fillMuscle};
+const DriveEquation transmission = {"transmission", DriveKind::kTransmission, kTransmission, fillTransmission};
 
 }  // namespace simgap::drive_equations

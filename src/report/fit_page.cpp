@@ -65,6 +65,7 @@ void addIntervals(const Json& result, Page& page) {
 }
 
 void addCorrelation(const ResultFiles& files, Page& page) {
+  if (!files.has("correlation.csv")) return;
   const CsvTable table = files.table("correlation.csv");
   Map map;
   map.x_names = map.y_names = table.text("parameter");
@@ -145,6 +146,30 @@ void addFitDetails(const ResultFiles& files, Page& page) {
   addIntervals(result, page);
   addCorrelation(files, page);
   page.add(factTable(result));
+}
+
+bool isRefit(const ResultFiles& files) { return files.has("predictions.csv"); }
+
+Page refitPage(const ResultFiles& files) {
+  constexpr std::size_t kShown = 1500;
+  Page page = beginFitPage(files);
+  const CsvTable table = files.table("predictions.csv");
+  const std::size_t rows = table.rows(), shown = std::min(kShown, rows), begin = (rows - shown) / 2;
+  const auto stretch = [&](const char* column) {
+    const std::vector<double> all = numbersOf(table, column);
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(begin);
+    return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(shown));
+  };
+  const std::vector<double> time = stretch("time_s");
+  Chart chart = lineChart("Measured and predicted over time", {"time [s]"},
+                          {axisTitle(files.result().at("target").get<std::string>())},
+                          {{"measured", time, stretch("measured"), Series::Style::kLine, 6, /*faint=*/true},
+                           {files.result().at("model"), time, stretch("predicted"), Series::Style::kLine, 0}});
+  chart.note = "A stretch from the middle of the log.";
+  chart.wide = true;
+  page.add(std::move(chart));
+  addFitDetails(files, page);
+  return page;
 }
 
 std::string columnLike(const CsvTable& table, std::string_view stem) {

@@ -16,6 +16,10 @@ Page beginFitPage(const ResultFiles& files);
 /// Parameters with intervals, models compared, correlations, and what else the fit has to say.
 void addFitDetails(const ResultFiles& files, Page& page);
 
+/// An extended model fitted anew: measured and predicted over time, and its parameters.
+bool isRefit(const ResultFiles& files);
+Page refitPage(const ResultFiles& files);
+
 /// The column that is `stem`, or `stem` with a unit. \throws DataError when there is none.
 std::string columnLike(const CsvTable& table, std::string_view stem);
 

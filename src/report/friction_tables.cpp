@@ -22,11 +22,9 @@ constexpr std::size_t kShownPerBand = 500;
 /// Load of every row as the model sees it.
 ArrayXd loadOf(const FrictionReport& report) {
   const FrictionData& data = *report.data;
-  ArrayXd load = data.load;
-  for (Index k = 0; k < data.load_per.cols(); ++k) {
-    load += report.fits[report.best].value(data.rig_names[static_cast<std::size_t>(k)]) * data.load_per.col(k);
-  }
-  return load;
+  std::vector<double> rig;
+  for (const std::string& name : data.rig_names) rig.push_back(report.fits[report.best].value(name));
+  return data.totalLoad(rig);
 }
 
 ArrayXd measuredOf(const FrictionReport& report) {

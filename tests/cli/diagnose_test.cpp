@@ -1,8 +1,11 @@
 // `simgap diagnose` on logs as a user runs it: hidden effects are found by name, silence where there is none, faults
 // first.
+#include <cmath>
 #include <fstream>
+#include <random>
 
 #include "cli/cli_fixture.h"
+#include "simgap/core/csv.h"
 #include "support/diagnosis_study.h"
 
 namespace simgap::test {
@@ -62,6 +65,22 @@ TEST_F(DiagnoseTest, NamesAnAdhesionOffsetAndExtendsTheModel) {
   // The extended model is a model like any other: nothing is left to find in it.
   succeed({"diagnose", "d/model.yaml", "--log", "log.csv", "-q", "-o", "again"});
   EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "nothing-found");
+  // A fit to another log of the drive takes it, too.
+  succeed({"fit-friction", "fresh.csv", "--model", "d/model.yaml", "-q", "-o", "refit"});
+  const Json refit = Json::parse(text("refit/result.json"));
+  EXPECT_EQ(refit.at("model"), "classic + coulomb-offset");
+  EXPECT_NEAR(refit.at("mse_heldout").get<double>(), std::pow(draw.rig.current_noise, 2),
+              0.2 * std::pow(draw.rig.current_noise, 2));
+  const Json parameters = refit.at("parameters");
+  const auto offset =
+      std::ranges::find_if(parameters, [](const Json& p) { return p.at("name") == "coulomb-offset.n_c2"; });
+  ASSERT_NE(offset, parameters.end());
+  EXPECT_NEAR(offset->at("value").get<double>(), 0.35, 4.0 * offset->at("sd").get<double>());
+  EXPECT_THAT(text("refit/model.yaml"), HasSubstr("coulomb-offset"));
+  EXPECT_THAT(text("refit/report.html"), HasSubstr("Measured and predicted over time"));
+  expectRefused({"fit-friction", "fresh.csv", "--model", "d/model.yaml", "--fix", "k_a=1"}, 2,
+                "found --fix with --model d/model.yaml");
+  expectRefused({"fit-pam", "fresh.csv", "--model", "d/model.yaml"}, 2, "found a model of kind friction, expected pam");
 }
 
 TEST_F(DiagnoseTest, NamesADelayBetweenChannels) {
@@ -79,6 +98,42 @@ TEST_F(DiagnoseTest, NamesHeating) {
   draw.secret.viscous_heating = 0.04;
   draw.secret.dry_heating = 0.02;
   EXPECT_TRUE(ask(draw).namedAlone("friction-heating"));
+}
+
+TEST_F(DiagnoseTest, NamesATransmissionThatStretches) {
+  // 003 fig. 15: a cable is soft at first and stiffens. The motor's encoder is read 3 ms after the joint's.
+  reality::DriveDraw draw = shortDraw(16);
+  const auto withMotorAngle = [&](double stretch) {
+    const reality::DriveRecord record = reality::recordDrive(draw.rig, draw.secret);
+    std::mt19937_64 random(5);
+    std::normal_distribution<double> noise(0.0, 2e-3);
+    CsvWriter csv({"time_s", "motor_current_A", "motor_velocity_rad_s", "external_torque_Nm", "joint_position_rad",
+                   "motor_position_rad", "session"});
+    for (std::size_t i = 0; i < record.time.size(); ++i) {
+      const double load = record.torque[i];
+      const double stretched = std::copysign(stretch * (1.0 - std::exp(-std::abs(load) / 6.0)), load);
+      const double motor =
+          draw.rig.ratio * (record.angle[i] + stretched + noise(random)) + 0.003 * record.velocity[i] + 12.0;
+      csv.add(record.time[i]).add(record.current[i]).add(record.velocity[i]).add(load).add(record.angle[i]).add(motor);
+      csv.add(static_cast<double>(record.session[i])).endRow();
+    }
+    put("log.csv", csv.text());
+  };
+  withMotorAngle(0.0);
+  EXPECT_EQ(diagnoseLog().at("verdict"), "nothing-found");
+  withMotorAngle(0.004);
+  const Json found = diagnoseLog();
+  ASSERT_EQ(found.at("verdict"), "cause-found") << found.dump(1);
+  ASSERT_EQ(found.at("causes").size(), 1u);
+  EXPECT_EQ(found.at("causes")[0].at("effect"), "transmission-compliance");
+  const Json parameters = found.at("causes")[0].at("parameters");
+  EXPECT_GT(parameters[0].at("ci95")[0].get<double>(), 0.0);
+  EXPECT_GT(parameters[1].at("ci95")[0].get<double>(), 0.0) << "it stiffens";
+  // The model that comes out still predicts the effort, and nothing is left to find in it.
+  succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});
+  succeed({"diagnose", "d/model.yaml", "--log", "log.csv", "-q", "-o", "again"});
+  EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "nothing-found");
+  EXPECT_THAT(text("again/model.yaml"), HasSubstr("transmission-compliance"));
 }
 
 TEST_F(DiagnoseTest, SaysUnexplainedAndTheChannelForWhatHasNoName) {

@@ -40,14 +40,18 @@ class LawDerivativeTest : public testing::TestWithParam<const FrictionLaw*> {};
 TEST_P(LawDerivativeTest, AgreeWithCentralDifferences) {
   FrictionData data = frictionData(simulateFrictionLog(variantA(0.1), {.rows = 400, .sessions = 4}));
   for (const bool predict_load : {false, true}) {
-    for (const bool with_rig : {false, true}) {
-      if (with_rig && predict_load) continue;
-      if (with_rig) {
-        data.load_per = (0.3 + data.velocity * 0.01).eval();
-        data.rig_names = {"inertia"};
-        data.rig_units = {"kg_m2"};
-      } else {
-        data.load_per.resize(data.load.size(), 0);
+    using Names = std::vector<std::string>;
+    for (const Names& rig : {Names{}, Names{"inertia"}, Names{"angle_offset"}, Names{"mass", "angle_offset"},
+                             Names{"length", "angle_offset", "total_inertia"}}) {
+      if (!rig.empty() && predict_load) continue;
+      data.rig_names = rig;
+      data.rig_units = Names(rig.size(), "1");
+      data.fits_angle = std::ranges::find(rig, "angle_offset") != rig.end();
+      const bool known_amplitude = data.fits_angle && rig.front() == "angle_offset";
+      data.load_per.resize(data.load.size(), static_cast<Eigen::Index>(rig.size() + (known_amplitude ? 1 : 0)));
+      for (Eigen::Index k = 0; k < data.load_per.cols(); ++k) {
+        data.load_per.col(k) =
+            0.3 + 0.2 * static_cast<double>(k) + data.velocity * 0.01 * static_cast<double>(1 + k * k);
       }
       FrictionFitOptions options;
       options.offset = true;

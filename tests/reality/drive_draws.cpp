@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <random>
 #include <stdexcept>
 
@@ -166,6 +167,31 @@ DriveDraw drawPair(std::uint64_t seed) {
     draw.effects.push_back(drawable.name);
   }
   return draw;
+}
+
+std::optional<std::pair<std::string, double>> statedParameter(const DriveDraw& draw) {
+  const DriveSecret& s = draw.secret;
+  const std::map<std::string, std::pair<std::string, double>> stated = {
+      {"coulomb-offset", {"n_c2", s.coulomb_offset}},
+      {"static-offset", {"n_s2", s.static_offset}},
+      {"load-nonlinearity", {"n_2", s.load_quadratic}},
+      {"direction-asymmetry", {"a", s.direction_share}},
+      {"backdrive-asymmetry", {"b", s.backdrive_share}},
+      {"viscous-nonlinearity", {"m", 1.0 + s.viscous_bend}},
+      {"inertia", {"J", s.inertia}},
+      {"joint-gravity", {"mgl", s.hidden_weight}},
+      {"bend-friction", {"mu", s.capstan}},
+      {"position-ripple", {"r", s.ripple_ratio}},
+      {"stiction-ageing", {"c", s.ageing}},
+      {"friction-heating", {"beta_viscous", s.viscous_heating}},
+      {"torque-saturation", {"s", s.saturation}},
+      {"current-bias", {"I_0", s.current_bias}},
+      {"torque-bias", {"tau_0", s.torque_bias}},
+      {"channel-delay", {"dt", s.delay}},
+      {"regime-change", {"a", s.change_share}}};
+  const auto found = stated.find(draw.effects[0]);
+  if (found == stated.end()) return std::nullopt;
+  return found->second;
 }
 
 DriveDraw drawOutside(const std::string& kind, std::uint64_t seed) {

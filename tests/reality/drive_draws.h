@@ -3,7 +3,9 @@
 /// was tuned; changing it changes what every published rate means.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "reality/drive_rig.h"
@@ -28,6 +30,9 @@ DriveDraw drawNone(std::uint64_t seed);
 /// \param effect  of drawableEffects(). Half of the draws have an expected gain of 5–10 %, half of 10–60 %.
 DriveDraw drawEffect(const std::string& effect, std::uint64_t seed);
 DriveDraw drawPair(std::uint64_t seed);
+/// Name and true value of the parameter that an extended model states for the secret of `drawEffect`; none where
+/// catalogue and reality have different laws (bristles), or refer to different temperatures.
+std::optional<std::pair<std::string, double>> statedParameter(const DriveDraw& draw);
 DriveDraw drawOutside(const std::string& kind, std::uint64_t seed);
 
 }  // namespace simgap::reality

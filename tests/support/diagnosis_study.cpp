@@ -67,6 +67,17 @@ LogAnswer diagnoseDraw(const reality::DriveDraw& draw, const std::filesystem::pa
   return answer;
 }
 
+std::optional<bool> intervalHoldsTruth(const LogAnswer& answer) {
+  const auto truth = reality::statedParameter(answer.draw);
+  if (!truth) return std::nullopt;
+  for (const Json& parameter : answer.result.at("causes")[0].at("parameters")) {
+    if (parameter.at("name") != truth->first) continue;
+    const Json& interval = parameter.at("ci95");
+    return interval[0].get<double>() <= truth->second && truth->second <= interval[1].get<double>();
+  }
+  return std::nullopt;
+}
+
 double gainOnFreshLog(const reality::DriveDraw& draw, const std::filesystem::path& folder, const std::string& binary) {
   reality::DriveRig rig = draw.rig;
   rig.seed += 500000;

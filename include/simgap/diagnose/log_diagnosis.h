@@ -49,4 +49,17 @@ void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& optio
 LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const LogDiagnosisOptions& options,
                          const DiagnosisProgress& progress = {});
 
+/// A model with its effects, fitted to another log.
+struct LogRefit {
+  DriveFitResult fit;
+  double mse = 0.0;          ///< of all rows that count
+  double mse_heldout = 0.0;  ///< every fifth of the blocks predicted by a refit to the others
+  std::size_t rows = 0;      ///< that count
+  double effective_samples = 0.0;
+  Eigen::ArrayXd predicted;  ///< shape (rows of the log)
+};
+
+/// Starts from the values of `subject`. \throws as requireDiagnosable.
+LogRefit refitLog(const DriveSubject& subject, const PreparedLog& log);
+
 }  // namespace simgap

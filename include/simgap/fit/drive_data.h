@@ -44,11 +44,15 @@ PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const 
 PreparedLog prepareMotorData(const CsvTable& table);
 PreparedLog prepareMuscleData(const CsvTable& table);
 
+/// The same rows to explain the joint's angle by the motor's; the log must have both.
+PreparedLog prepareTransmissionData(const PreparedLog& drive);
+
 /// A model as the user has it.
 struct DriveSubject {
   DriveBase base;
   std::vector<const DriveEffect*> effects;  ///< of its extensions
   std::vector<PhysicalParameter> values;    ///< as the file holds them; empty for a law alone
+  std::vector<Extension> of_angles = {};    ///< extensions that say nothing about the effort: of the transmission
 };
 
 /// A muscle's spring is an effect on top of 002 eq. 14, the inertia of a gearbox one on top of Coulomb friction.

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,9 +35,12 @@ struct FrictionData {
   Eigen::ArrayXd log_speed;            ///< log |velocity|, bounded below
   Eigen::ArrayXd direction;            ///< +1 or -1, 0 where unknown (raw sign)
   Eigen::ArrayXd load;                 ///< [N m] known part
-  Eigen::ArrayXXd load_per;            ///< shape (n, R): load per unit of each fitted constant of the rig
-  std::vector<std::string> rig_names;  ///< shape (R): "mass", "inertia"
+  Eigen::ArrayXXd load_per;            ///< shape (n, K): load per unit of each coefficient of the rig's unknown part
+  std::vector<std::string> rig_names;  ///< shape (R): "mass", "length", "angle_offset", "inertia", "total_inertia"
   std::vector<std::string> rig_units;
+  /// "angle_offset" is among them: the first two coefficients are A cos(theta_0) and A sin(theta_0), where A is the
+  /// constant before it, or 1. Otherwise the coefficients are the constants.
+  bool fits_angle = false;
   std::vector<int> session;
   std::vector<Block> blocks;  ///< of block_seconds, for splits
   double block_seconds = 0.0;
@@ -53,6 +57,16 @@ struct FrictionData {
 
   std::size_t rows() const { return static_cast<std::size_t>(time.size()); }
   bool hasLoad() const { return load_per.cols() > 0 || (load != 0.0).any(); }
+  /// Place of "angle_offset" among the rig's constants: 1 after a fitted amplitude, else 0.
+  std::size_t angleIndex() const { return static_cast<std::size_t>(rig_names.front() != "angle_offset"); }
+
+  /// \name The rig's constants, shape (R), and the coefficients of `load_per`, shape (K).
+  ///@{
+  Eigen::VectorXd rigCoefficients(std::span<const double> rig) const;
+  std::vector<double> rigConstants(const Eigen::VectorXd& coefficients) const;
+  Eigen::MatrixXd rigDerivatives(std::span<const double> rig) const;  ///< shape (K, R)
+  Eigen::ArrayXd totalLoad(std::span<const double> rig) const;        ///< known and unknown part, shape (n)
+  ///@}
 };
 
 /// \throws DataError when the log cannot answer at all: constant effort, no motion, implausible units, no load channel

@@ -73,8 +73,22 @@ LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<doub
 /// Residuals at theta, shape (rows).
 Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const double> theta);
 
-/// The factor R of J^T J = R^T R over the free parameters, shape (F, F), with robust weights; F in their order.
-Eigen::MatrixXd triangularFactor(const LeastSquaresProblem& problem, std::span<const double> theta);
+/// Sums over some rows, with robust weights W: J^T W J, shape (F, F), and J^T W r, shape (F).
+struct NormalSums {
+  Eigen::MatrixXd normal;
+  Eigen::VectorXd score;
+};
+
+/// All that one pass over the rows tells about theta; F free parameters in their order.
+struct Linearisation {
+  Eigen::VectorXd residual;      ///< shape (rows)
+  Eigen::MatrixXd factor;        ///< R of J^T W J = R^T R, shape (F, F)
+  std::vector<NormalSums> sums;  ///< of each piece
+};
+
+/// \param pieces  of rows, in order, that cover all.
+Linearisation linearise(const LeastSquaresProblem& problem, std::span<const double> theta,
+                        std::span<const Block> pieces);
 
 /// rho'(r^2) of each residual, shape (n).
 Eigen::ArrayXd robustWeights(const Loss& loss, const Eigen::VectorXd& residual);

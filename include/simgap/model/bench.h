@@ -25,17 +25,19 @@ struct BenchConstant {
 struct Bench {
   BenchLoad load = BenchLoad::kTorqueSensor;
   BenchConstant mass;               ///< [kg] of the pendulum's bob, or of a linear axis
-  BenchConstant inertia;            ///< [kg m^2] besides m l^2
-  double length = 0.0;              ///< [m] pendulum
-  double angle_offset = 0.0;        ///< [rad] reading at which the pendulum hangs down
+  BenchConstant inertia;            ///< [kg m^2] besides m l^2; where `fitsWholeInertia`, all of it
+  BenchConstant length;             ///< [m] pendulum
+  BenchConstant angle_offset;       ///< [rad] reading at which the pendulum hangs down
   double gravity = 9.81;            ///< [m/s^2]
   std::optional<double> bandwidth;  ///< [Hz] of the smoothing that gives velocity and acceleration
   std::optional<double> ratio;      ///< motor per joint
 
   bool needsAcceleration() const { return load != BenchLoad::kTorqueSensor; }
+  /// Where m l is fitted with length or angle, m l^2 cannot be told from the inertia besides it.
+  bool fitsWholeInertia() const { return length.fitted || (angle_offset.fitted && mass.fitted); }
 };
 
-/// Keys: `load`, `mass_kg`, `inertia_kg_m2` (a number or `fit`), `length_m`, `angle_offset_rad`, `gravity_m_s2`,
+/// Keys: `load`, `mass_kg`, `inertia_kg_m2`, `length_m`, `angle_offset_rad` (each a number or `fit`), `gravity_m_s2`,
 /// `bandwidth_Hz`, `transmission_ratio`. \throws ConfigError.
 Bench readBench(const YamlNode& root);
 

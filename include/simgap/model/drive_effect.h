@@ -20,10 +20,11 @@ namespace simgap {
 
 /// What a log is of.
 enum class DriveKind {
-  kFriction,  ///< a drive: effort against load and motion
-  kGearbox,   ///< the same of a motor with a gearbox on a bench
-  kMotor,     ///< a winding: voltage against current and speed
-  kMuscle,    ///< a pneumatic muscle: force against pressure and contraction
+  kFriction,      ///< a drive: effort against load and motion
+  kGearbox,       ///< the same of a motor with a gearbox on a bench
+  kMotor,         ///< a winding: voltage against current and speed
+  kMuscle,        ///< a pneumatic muscle: force against pressure and contraction
+  kTransmission,  ///< between the two angles of a drive: the joint's against the motor's
 };
 
 /// The rows of a log as effects see them; every array has shape (n), or is empty when the log has no such channel.

@@ -25,6 +25,8 @@ struct DriveEquation {
 namespace drive_equations {
 extern const DriveEquation winding;  ///< V = R i + L di/dt + K_E w (000 eq. 8)
 extern const DriveEquation muscle;   ///< f = p (a e^2 + b e + c), e the muscle's own contraction (002 eq. 14)
+/// theta = theta_M / r + offset - lag w_M: a rigid transmission whose two encoders are not read at the same moment.
+extern const DriveEquation transmission;
 }  // namespace drive_equations
 
 /// Either of the two.

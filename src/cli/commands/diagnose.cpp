@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "../diagnose_poses.h"
+#include "../drive_subject.h"
 #include "../fit_options.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
@@ -26,74 +27,6 @@ struct Options {
   std::string holdout;
   LogDiagnosisOptions diagnose;
 };
-
-/// MODEL is a file, or a name: of a friction law, motor, gearbox, or pam.
-DriveSubject readSubject(const Options& options, Session& session, FittedModel& fitted) {
-  if (!std::filesystem::exists(options.model) && options.model.find('.') == std::string::npos) {
-    return subjectOf(options.model);
-  }
-  const Input& input = session.read("model", options.model);
-  fitted = readFittedModel(YamlNode::parse(input.content, options.model));
-  return subjectOf(fitted);
-}
-
-PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind) {
-  if (kind == DriveKind::kMotor) return prepareMotorData(table);
-  if (kind == DriveKind::kMuscle) return prepareMuscleData(table);
-  const DriveLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
-  FrictionDataOptions data_options;
-  data_options.bandwidth = bench.bandwidth;
-  if (kind == DriveKind::kGearbox) return prepareGearboxData(table, bench, log_options, data_options);
-  return prepareDriveData(table, bench, log_options, data_options);
-}
-
-/// Of a winding or a muscle: what was fitted replaces what the file had; the spring of 002 is a parameter there.
-void takeOver(const DriveFitResult& fit, FittedModel& model) {
-  const auto put = [&](const FittedParameter& parameter) {
-    std::erase_if(model.parameters, [&](const FittedParameter& p) { return p.name == parameter.name; });
-    model.parameters.push_back(parameter);
-  };
-  for (const PhysicalParameter& p : fit.parameters) {
-    if (p.name.find('.') == std::string::npos) put({p.name, p.unit, p.value, p.sd, false});
-  }
-  if (model.kind != "pam") return;
-  model.law = "no-spring";
-  std::erase_if(model.parameters, [](const FittedParameter& p) { return p.name == "k"; });
-  const auto spring = std::ranges::find(model.extensions, "tendon-compliance", &Extension::effect);
-  if (spring == model.extensions.end()) return;
-  const ExtensionParameter& compliance = spring->parameters[0];
-  model.law = "spring";
-  put({"k", "N", 1.0 / compliance.value, compliance.sd / (compliance.value * compliance.value), false});
-  model.extensions.erase(spring);
-}
-
-/// A model as any other command reads it: the law refitted to the log, with the effects of `fit`.
-FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, const DriveFitResult& fit,
-                      const DriveData& data, double dead_band, std::size_t rows, const Input& log) {
-  FittedModel model = given;
-  const DriveKind kind = subject.base.kind;
-  model.covariance.resize(0, 0);
-  model.data_file = log.file.filename().string();
-  model.data_sha256 = log.sha256;
-  model.data_rows = rows;
-  model.extensions = fit.extensions;
-  if (kind == DriveKind::kMotor || kind == DriveKind::kMuscle) {
-    model.kind = kind == DriveKind::kMotor ? "motor" : "pam";
-    takeOver(fit, model);
-    return model;
-  }
-  model.kind = "friction";
-  model.law = subject.base.name();
-  model.parameters.clear();
-  for (const PhysicalParameter& p : fit.parameters) {
-    const bool own = p.name.find('.') == std::string::npos && p.name != "presliding";
-    if (own) model.parameters.push_back({p.name, p.unit, p.value, p.sd, false});
-  }
-  model.settings["effort"] = data.effort_unit;
-  model.settings.try_emplace("predicts", "effort");
-  model.settings[quantityName("dead_band", data.velocity_unit)] = fmt::format("{}", dead_band);
-  return model;
-}
 
 std::string predictionsCsv(const PreparedLog& log, const LogDiagnosis& result) {
   CsvWriter csv({"time_s", "measured", "before", "after", "used"});
@@ -140,7 +73,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
                             options.table.csv(), options.common, pose_options);
   }
   FittedModel fitted;
-  const DriveSubject subject = readSubject(options, session, fitted);
+  const DriveSubject subject = readSubject(options.model, session, fitted);
   Bench bench;
   if (!options.bench.empty()) {
     bench = readBench(YamlNode::parse(session.read("bench", options.bench).content, options.bench));

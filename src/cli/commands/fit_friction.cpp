@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "../drive_subject.h"
 #include "../fit_options.h"
 #include "simgap/cli/command.h"
 #include "simgap/report/friction_report.h"
@@ -149,10 +150,16 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   const int threads =
       options.common.threads > 0 ? options.common.threads : static_cast<int>(std::thread::hardware_concurrency());
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  const std::vector<const FrictionLaw*> laws = chosenLaws(options.models);
-  const FrictionFitOptions fit_options = fitOptions(options);
   Session session("fit-friction", options.common, argv);
   const Task task = makeTask(options, session);
+  if (options.models.size() == 1 && namesFile(options.models[0])) {
+    Bench bench = task.bench;
+    if (options.bandwidth) bench.bandwidth = options.bandwidth;
+    return fitExtended({"fit-friction", options.models[0], options.log, bench, options.table.csv()}, session,
+                       options.common, app);
+  }
+  const std::vector<const FrictionLaw*> laws = chosenLaws(options.models);
+  const FrictionFitOptions fit_options = fitOptions(options);
   Holdout holdout;
   const FrictionData all = task.read(session, "log", options.log, &holdout);
   const std::string log_sha256 = session.inputs().back().sha256;
@@ -206,8 +213,10 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("LOG", options->log, "actuator log (CSV)")->required();
-  app.add_option("--model", options->models,
-                 "friction laws, comma-separated; 'all': the three of the paper, 'every': all there are")
+  app.add_option(
+         "--model", options->models,
+         "friction laws, comma-separated; 'all': the three of the paper, 'every': all there are; or the file of a "
+         "fitted or diagnosed model, whose law and extensions are fitted together")
       ->delimiter(',');
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML; default: external_torque_Nm)");
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")

@@ -1,14 +1,24 @@
 #include "../drive_command.h"
+#include "../drive_subject.h"
 #include "simgap/cli/command.h"
 
 namespace simgap::commands {
 namespace {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
-  auto options = std::make_shared<DriveCommandOptions>();
+  struct Options : DriveCommandOptions {
+    std::string model;
+  };
+  auto options = std::make_shared<Options>();
+  app.add_option("--model", options->model,
+                 "a diagnosed motor (YAML): the constants of its winding and its extensions are fitted together");
   options->add(app);
-  return [options, argv] {
+  return [options, argv, &app] {
     Session session("fit-motor", options->common, argv);
+    if (!options->model.empty()) {
+      return fitExtended({"fit-motor", options->model, options->log, {}, options->table.csv()}, session,
+                         options->common, app);
+    }
     return runDriveFit("motor", *options, session, {});
   };
 }

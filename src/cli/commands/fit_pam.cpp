@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "../drive_subject.h"
 #include "../fit_options.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/csv.h"
@@ -17,7 +18,7 @@ struct Options {
   CommonOptions common;
   TableOptions table;
   FitOptions fit;
-  std::string log, curves;
+  std::string log, curves, model;
   bool tied = false;
 };
 
@@ -135,6 +136,9 @@ std::string errorsCsv(const std::vector<Candidate>& candidates, const PamLog& lo
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-pam", options.common, argv);
+  if (!options.model.empty()) {
+    return fitExtended({"fit-pam", options.model, options.log, {}, options.table.csv()}, session, options.common, app);
+  }
   std::optional<PamFit> maker;
   const std::vector<FitParameter> known = {{"a", ""}, {"b", ""}, {"c", ""}, {"k", ""}};
   requireKnownParameters(options.fit, known);
@@ -199,6 +203,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("LOG", options->log, "log of the muscle (CSV: pressure_Pa, contraction, force_N)")->required();
+  app.add_option("--model", options->model,
+                 "a diagnosed muscle (YAML): its equation and its extensions are fitted together");
   app.add_option("--curves", options->curves,
                  "the maker's curves (CSV, the same columns): a, b, c come from them, k from LOG, as in the paper");
   app.add_flag("--tied", options->tied, "b = -2a, as the muscle's geometry demands");

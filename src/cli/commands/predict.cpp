@@ -59,15 +59,14 @@ Prediction predictFriction(const FittedModel& model, const Options& options, Ses
   const bool torque = model.setting("predicts") == "torque";
   Prediction result{
       torque ? "external_load" : data.effort_name, torque ? data.load_unit : data.effort_unit, {}, {}, {}, 0};
-  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(data.rows()); ++i) {
-    double load = data.load[i];
-    for (Eigen::Index k = 0; k < data.load_per.cols(); ++k) {
-      load += model.value(data.rig_names[static_cast<std::size_t>(k)]) * data.load_per(i, k);
-    }
+  std::vector<double> rig;
+  for (const std::string& name : data.rig_names) rig.push_back(model.value(name));
+  const Eigen::ArrayXd load = data.totalLoad(rig);
+  for (Eigen::Index i = 0; i < load.size(); ++i) {
     result.time.push_back(data.time[i]);
-    result.measured.push_back(torque ? load : data.effort[i]);
+    result.measured.push_back(torque ? load[i] : data.effort[i]);
     result.predicted.push_back(torque ? drive.load(data.effort[i], data.velocity[i], data.direction[i])
-                                      : drive.effort(load, data.velocity[i], data.direction[i]));
+                                      : drive.effort(load[i], data.velocity[i], data.direction[i]));
   }
   result.refused = data.log_rows - data.rows();
   return result;

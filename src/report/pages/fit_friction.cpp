@@ -175,6 +175,7 @@ void addModels(const ResultFiles& files, Page& page) {
 }
 
 Page make(const ResultFiles& files) {
+  if (isRefit(files)) return refitPage(files);
   Page page = beginFitPage(files);
   addTime(files, page);
   addFitDetails(files, page);

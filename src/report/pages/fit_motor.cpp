@@ -1,9 +1,16 @@
+#include "../fit_page.h"
 #include "../response_page.h"
 #include "simgap/report/result_page.h"
 
 namespace simgap::pages {
 
+namespace {
+
+Page make(const ResultFiles& files) { return isRefit(files) ? refitPage(files) : driveFitPage(files); }
+
+}  // namespace
+
 extern const ResultPage fit_motor;
-const ResultPage fit_motor{"simgap/fit-motor/1", driveFitPage};
+const ResultPage fit_motor{"simgap/fit-motor/1", make};
 
 }  // namespace simgap::pages

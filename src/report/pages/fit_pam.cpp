@@ -19,6 +19,7 @@ std::vector<Series> seriesOf(const CsvTable& table, const std::string& x, const 
 }
 
 Page make(const ResultFiles& files) {
+  if (isRefit(files)) return refitPage(files);
   Page page = beginFitPage(files);
   Chart forces = lineChart("Force over apparent contraction", {"apparent contraction"}, {"force [N]"},
                            seriesOf(files.table("forces.csv"), "contraction", "force_N"));

@@ -9,7 +9,7 @@ namespace {
 std::string answer(const Json& result) {
   std::string text =
       fmt::format("On {} poses the simulation misses the robot by", result.at("valid_poses").get<long>());
-  std::string separator;
+  const char* separator = "";
   for (const auto& [joint, error] : result.at("mje_deg").items()) {
     text += fmt::format("{} {}° ({})", separator, degreesCell(error), joint);
     separator = ",";
