@@ -35,8 +35,6 @@ void takeOver(const DriveFitResult& fit, FittedModel& model) {
   model.extensions.erase(spring);
 }
 
-constexpr double kNormal975 = 1.959963984540054;
-
 FitSummary summarise(const std::string& command, const PreparedLog& log, const FittedModel& model,
                      const LogRefit& refit) {
   FitSummary summary;
@@ -45,8 +43,9 @@ FitSummary summarise(const std::string& command, const PreparedLog& log, const F
   for (const Extension& e : model.extensions) summary.model += " + " + e.effect;
   summary.target = splitUnit(log.effort_column).stem;
   summary.target_unit = log.data.effort_unit;
+  const double t = studentQuantile(static_cast<double>(log.blocks.size()) - 1.0);
   for (const PhysicalParameter& p : refit.fit.parameters) {
-    const double half = kNormal975 * p.sd;
+    const double half = t * p.sd;
     summary.uncertainty.estimates.push_back(
         {p.name, p.unit, p.value, p.sd, p.value - half, p.value + half, p.at_bound, false, std::isfinite(p.sd)});
   }
@@ -74,11 +73,10 @@ DriveSubject readSubject(const std::string& model, Session& session, FittedModel
   return subjectOf(fitted);
 }
 
-PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind) {
+PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind, FrictionDataOptions data_options) {
   if (kind == DriveKind::kMotor) return prepareMotorData(table);
   if (kind == DriveKind::kMuscle) return prepareMuscleData(table);
   const DriveLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
-  FrictionDataOptions data_options;
   data_options.bandwidth = bench.bandwidth;
   if (kind == DriveKind::kGearbox) return prepareGearboxData(table, bench, log_options, data_options);
   return prepareDriveData(table, bench, log_options, data_options);

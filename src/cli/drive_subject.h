@@ -21,7 +21,8 @@ bool namesFile(const std::string& model);
 /// \param model  a file, or a name: of a friction law, motor, gearbox, or pam. \param fitted  set to what a file holds.
 DriveSubject readSubject(const std::string& model, Session& session, FittedModel& fitted);
 
-PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind);
+PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind,
+                       FrictionDataOptions data_options = {});
 
 /// A model as any other command reads it: the law refitted to the log, with the effects of `fit`.
 FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, const DriveFitResult& fit,

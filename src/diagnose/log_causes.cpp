@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/fit/uncertainty.h"
+
 namespace simgap {
 namespace {
 
@@ -63,6 +65,7 @@ std::vector<Cause> causesOf(const LogSearch& search, const Selection& selection,
                             std::uint64_t seed) {
   std::vector<Cause> causes;
   PieceErrors last = search.errors(selection.baseline, heldout);
+  const double t = studentQuantile(static_cast<double>(search.training().size() + heldout.size()) - 1.0);
   for (std::size_t k = 0; k + 1 < selection.steps.size(); ++k) {
     const DriveEffect& effect = *extended.effects[own + k];
     Cause& cause = causes.emplace_back();
@@ -74,7 +77,7 @@ std::vector<Cause> causesOf(const LogSearch& search, const Selection& selection,
     cause.p_adjusted = selection.p_adjusted[k];
     cause.ambiguous_with = selection.ambiguous_with[k];
     for (const ExtensionParameter& p : extended.extensions[own + k].parameters) {
-      const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
+      const double half = std::isfinite(p.sd) ? t * p.sd : 0.0;
       cause.parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
     }
     cause.absorbed_by = absorption(baseline.parameters, extended.parameters);

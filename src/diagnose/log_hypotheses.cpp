@@ -347,7 +347,10 @@ Eigen::MatrixXd LogSearch::refit(Fitted& fitted, const std::vector<Block>& block
   const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta);
   fitted.theta = fit.theta;
   fitted.mse = fit.cost / rowsIn(blocks, data_.keep);
-  return blockCovariance(*fitted.model, pieces(blocks), fitted.theta);
+  // What a model gets slightly wrong lasts for a whole motion: pieces would take it for many independent errors.
+  constexpr std::size_t kBlocksPerParameter = 3;
+  const bool enough = blocks.size() >= kBlocksPerParameter * fitted.theta.size();
+  return blockCovariance(*fitted.model, enough ? blocks : pieces(blocks), fitted.theta);
 }
 
 }  // namespace simgap

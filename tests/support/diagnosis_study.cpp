@@ -72,8 +72,10 @@ std::optional<bool> intervalHoldsTruth(const LogAnswer& answer) {
   if (!truth) return std::nullopt;
   for (const Json& parameter : answer.result.at("causes")[0].at("parameters")) {
     if (parameter.at("name") != truth->first) continue;
-    const Json& interval = parameter.at("ci95");
-    return interval[0].get<double>() <= truth->second && truth->second <= interval[1].get<double>();
+    const double low = parameter.at("ci95")[0], high = parameter.at("ci95")[1];
+    // A weight of -w that hangs down at theta_0 is one of w at theta_0 + pi.
+    const double value = truth->first == "mgl" && high < 0.0 ? -truth->second : truth->second;
+    return low <= value && value <= high;
   }
   return std::nullopt;
 }

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "../drive_command.h"
+#include "../drive_subject.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/csv.h"
+#include "simgap/core/units.h"
 #include "simgap/fit/drive_data.h"
 #include "simgap/measure/motion.h"
 #include "simgap/model/pam.h"
@@ -28,32 +30,54 @@ struct Prediction {
   std::size_t refused = 0;  ///< rows outside the model's range
 };
 
-Prediction predictFriction(const FittedModel& model, const Options& options, Session& session) {
-  const CsvTable table = session.readTable("log", options.log, options.table.csv());
-  DriveLogOptions log_options;
-  log_options.ratio = options.ratio.value_or(parseNumber(model.setting("transmission_ratio")).value_or(0.0));
-  DriveLog log = readDriveLog(table, log_options);
+/// The rig, with the ratio of the option or of the model.
+Bench benchOf(const FittedModel& model, const Options& options, Session& session) {
   Bench bench;
   if (!options.bench.empty()) {
     const Input& input = session.read("bench", options.bench);
     bench = readBench(YamlNode::parse(input.content, options.bench));
   }
-  FrictionDataOptions data_options;
-  data_options.dead_band = parseNumber(model.setting(quantityName("dead_band", log.velocityUnit())));
-  if (!model.extensions.empty()) {
-    const PreparedLog prepared = prepareDriveData(table, bench, log_options, data_options);
-    const Eigen::ArrayXd predicted = predictExtended(subjectOf(model), prepared.data);
-    Prediction extended{log.effort_name, log.effort_unit, {}, {}, {}, 0};
-    for (Eigen::Index i = 0; i < predicted.size(); ++i) {
-      if (!prepared.data.keep[static_cast<std::size_t>(i)]) continue;
-      extended.time.push_back(prepared.data.rows.time[i]);
-      extended.predicted.push_back(predicted[i]);
-      extended.measured.push_back(prepared.data.rows.effort[i]);
-    }
-    extended.refused = log.rows() - extended.time.size();
-    return extended;
+  const auto ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
+  if (ratio) bench.ratio = ratio;
+  return bench;
+}
+
+FrictionDataOptions dataOptions(const FittedModel& model) {
+  FrictionDataOptions options;
+  for (const char* unit : {"rad_s", "m_s"}) {
+    if (const auto band = parseNumber(model.setting(quantityName("dead_band", unit)))) options.dead_band = band;
   }
-  const FrictionData data = prepareFrictionData(std::move(log), bench, data_options);
+  return options;
+}
+
+/// A diagnosed model, law and extensions, on the rows that mean something: what a motor draws, the voltage of a
+/// winding, the force of a muscle.
+Prediction predictExtendedLog(const FittedModel& model, const Options& options, Session& session) {
+  if (model.kind == "gearbox" || options.inverse) {
+    throw ConfigError(fmt::format("{}: found extensions {}, expected none there", options.model,
+                                  options.inverse ? "with --inverse" : "in a gearbox model"));
+  }
+  const CsvTable table = session.readTable("log", options.log, options.table.csv());
+  const DriveSubject subject = subjectOf(model);
+  const PreparedLog log = prepareLog(table, benchOf(model, options, session), subject.base.kind, dataOptions(model));
+  const Eigen::ArrayXd predicted = predictExtended(subject, log.data);
+  const UnitName effort = splitUnit(log.effort_column);
+  Prediction result{effort.stem, effort.unit, {}, {}, {}, 0};
+  for (Eigen::Index i = 0; i < predicted.size(); ++i) {
+    if (!log.data.keep[static_cast<std::size_t>(i)]) continue;
+    result.time.push_back(log.data.rows.time[i]);
+    result.predicted.push_back(predicted[i]);
+    result.measured.push_back(log.data.rows.effort[i]);
+  }
+  result.refused = static_cast<std::size_t>(predicted.size()) - result.time.size();
+  return result;
+}
+
+Prediction predictFriction(const FittedModel& model, const Options& options, Session& session) {
+  const CsvTable table = session.readTable("log", options.log, options.table.csv());
+  const Bench bench = benchOf(model, options, session);
+  const FrictionData data =
+      prepareFrictionData(readDriveLog(table, {.ratio = bench.ratio.value_or(0.0)}), bench, dataOptions(model));
   const FrictionLaw& law = friction::find(model.law);
   const DriveFeedForward drive = feedForward(law, estimatesOf(model));
   const bool torque = model.setting("predicts") == "torque";
@@ -75,10 +99,6 @@ Prediction predictFriction(const FittedModel& model, const Options& options, Ses
 Prediction predictPam(const FittedModel& model, const Options& options, Session& session) {
   const CsvTable table = session.readTable("log", options.log, options.table.csv());
   const PamLog log = readPamLog(table);
-  if (!model.extensions.empty()) {
-    const Eigen::ArrayXd force = predictExtended(subjectOf(model), prepareMuscleData(table).data);
-    return {"force", "N", log.time, {force.begin(), force.end()}, log.force, 0};
-  }
   Pam muscle{model.value("a"), model.value("b"), model.value("c"),
              model.valueOr("k", std::numeric_limits<double>::infinity())};
   Prediction result{options.inverse ? "pressure" : "force", options.inverse ? "Pa" : "N", log.time, {}, {}, 0};
@@ -132,16 +152,10 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   Session session("predict", options.common, argv);
   const Input& input = session.read("model", options.model);
   const FittedModel model = readFittedModel(YamlNode::parse(input.content, options.model));
-  const bool extended = !model.extensions.empty();
-  if (extended && (model.kind == "motor" || model.kind == "gearbox" || (model.kind == "pam" && options.inverse))) {
-    throw ConfigError(
-        fmt::format("{}: found extensions in a {} model, expected them in friction models and, without "
-                    "--inverse, in muscles",
-                    options.model, model.kind));
-  }
-  const Prediction p = model.kind == "friction" ? predictFriction(model, options, session)
-                       : model.kind == "pam"    ? predictPam(model, options, session)
-                                                : predictDrive(model, options, session);
+  const Prediction p = !model.extensions.empty()  ? predictExtendedLog(model, options, session)
+                       : model.kind == "friction" ? predictFriction(model, options, session)
+                       : model.kind == "pam"      ? predictPam(model, options, session)
+                                                  : predictDrive(model, options, session);
   double sum = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < p.measured.size(); ++i) {

@@ -1,0 +1,104 @@
+// Writes measured data with one cause hidden in them, from the simulators of tests/reality:
+//   make_hidden_data EFFECT DIRECTORY [SEED]      log.csv, or arm.yaml and poses.csv
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <random>
+#include <string>
+
+#include "reality/drive_draws.h"
+#include "reality/motor_log.h"
+#include "reality/pam_rig.h"
+#include "reality/pose_draws.h"
+#include "simgap/core/csv.h"
+
+namespace {
+
+using namespace simgap::reality;
+
+const std::map<std::string, void (*)(PamTruth&)> kMuscle = {
+    {"tendon-compliance", [](PamTruth& t) { t.tendon = 20000.0; }},
+    {"pressure-threshold", [](PamTruth& t) { t.bladder = 2e4; }},
+    {"pressure-bias", [](PamTruth& t) { t.sensor_offset = -2e4; }},
+    {"contraction-hysteresis", [](PamTruth& t) { t.braid_friction = 3e-5; }},
+    {"end-effect", [](PamTruth& t) { t.ends = 0.2; }},
+    {"force-bias", [](PamTruth& t) { t.force_offset = 15.0; }}};
+
+const std::map<std::string, void (*)(MotorTruth&)> kMotor = {
+    {"brush-drop", [](MotorTruth& t) { t.brush_drop = 0.6; }},
+    {"winding-heating", [](MotorTruth& t) { t.heating = 0.2; }},
+    {"load-dependent-efficiency", [](MotorTruth& t) { t.load_loss = 0.25; }},
+    {"gearbox-ripple", [](MotorTruth& t) { t.ripple = 0.0015; }},
+    {"backlash", [](MotorTruth& t) { t.play = 4.0; }}};
+
+/// Sizes at which these show; the draws of the others do.
+const std::map<std::string, void (*)(DriveSecret&)> kDrive = {
+    {"presliding-hysteresis", [](DriveSecret& s) { s.bristle_travel = 1.0; }},
+    {"torque-bias", [](DriveSecret& s) { s.torque_bias = 1.0; }},
+    {"channel-delay", [](DriveSecret& s) { s.delay = 0.06; }}};
+
+/// A stretching cable (003 fig. 15: soft at first) between the log's joint and a motor angle of its own.
+std::string withMotorAngle(const DriveRecord& record, double ratio, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0.0, 2e-3);
+  simgap::CsvWriter csv({"time_s", "motor_current_A", "motor_velocity_rad_s", "external_torque_Nm",
+                         "joint_position_rad", "motor_position_rad", "session"});
+  for (std::size_t i = 0; i < record.time.size(); ++i) {
+    const double load = record.torque[i];
+    const double stretched = std::copysign(0.006 * (1.0 - std::exp(-std::abs(load) / 6.0)), load);
+    csv.add(record.time[i]).add(record.current[i]).add(record.velocity[i]).add(load).add(record.angle[i]);
+    csv.add(ratio * (record.angle[i] + stretched + noise(random))).add(static_cast<double>(record.session[i])).endRow();
+  }
+  return csv.text();
+}
+
+std::string driveLog(const std::string& effect, std::uint64_t seed) {
+  const auto sized = kDrive.find(effect);
+  const bool drawn = sized == kDrive.end() && std::ranges::find(drawableEffects(), effect) != drawableEffects().end();
+  DriveDraw draw = drawn ? drawEffect(effect, seed) : drawNone(seed);
+  if (sized != kDrive.end()) sized->second(draw.secret);
+  const DriveRecord record = recordDrive(draw.rig, draw.secret);
+  return effect == "transmission-compliance" ? withMotorAngle(record, draw.rig.ratio, seed) : record.csv();
+}
+
+std::string logOf(const std::string& effect, std::uint64_t seed) {
+  if (const auto muscle = kMuscle.find(effect); muscle != kMuscle.end()) {
+    PamTruth truth;
+    muscle->second(truth);
+    return recordPam(truth, {.seed = seed}).csv();
+  }
+  if (const auto motor = kMotor.find(effect); motor != kMotor.end()) {
+    MotorTruth truth;
+    motor->second(truth);
+    MotorDesign design{.seconds = 10.0, .sessions = 3, .current_noise = 0.02, .velocity_noise = 0.2, .seed = seed};
+    if (effect == "gearbox-ripple" || effect == "backlash") design.voltage = 3.0;
+    return simulateMotor(truth, design).csv();
+  }
+  return driveLog(effect, seed);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fputs("make_hidden_data EFFECT DIRECTORY [SEED]\n", stderr);
+    return 2;
+  }
+  const std::string effect = argv[1];
+  const std::filesystem::path directory = argv[2];
+  const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
+  std::filesystem::create_directories(directory);
+  const std::vector<std::string> of_arms = hiddenEffects();
+  if (std::ranges::find(of_arms, effect) == of_arms.end()) {
+    std::ofstream(directory / "log.csv") << logOf(effect, seed);
+    return 0;
+  }
+  const PoseDraw draw = drawPoses(seed, {.effect = effect});
+  std::ofstream(directory / "arm.yaml") << toYaml(draw.nominal, {});
+  std::ofstream(directory / "poses.csv") << posesCsv(draw.nominal, draw.poses);
+  return 0;
+}
