@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
@@ -27,6 +28,15 @@ struct Options {
   std::string holdout;
   LogDiagnosisOptions diagnose;
 };
+
+/// Every refit takes arrays as long as the log; unless told otherwise glibc asks the system for each of them, and a
+/// third of the time goes into that.
+void keepMemory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 1 << 28);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+}
 
 std::string predictionsCsv(const PreparedLog& log, const LogDiagnosis& result) {
   CsvWriter csv({"time_s", "measured", "before", "after", "used"});
@@ -72,6 +82,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
     return diagnosePoseFile(session, {options.model, options.poses, options.config, options.holdout},
                             options.table.csv(), options.common, pose_options);
   }
+  keepMemory();
   FittedModel fitted;
   const DriveSubject subject = readSubject(options.model, session, fitted);
   Bench bench;
