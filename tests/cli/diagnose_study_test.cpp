@@ -59,8 +59,11 @@ TEST_F(SlowDiagnosisStudy, NamesWhatIsHidden) {
       const Json cause = answer.result.at("causes")[0];
       const double fresh = 100.0 * gainOnFreshLog(answer.draw, folder_.path(), SIMGAP_BINARY);
       ++fresh_counted;
-      fresh_inside +=
-          cause.at("gain_ci95")[0].get<double>() <= fresh && fresh <= cause.at("gain_ci95")[1].get<double>();
+      const double low = cause.at("gain_ci95")[0], high = cause.at("gain_ci95")[1];
+      fresh_inside += low <= fresh && fresh <= high;
+      if (fresh < low || fresh > high) {
+        fmt::print("  gain on a fresh log {:.1f} %, stated {:.1f} to {:.1f} %\n", fresh, low, high);
+      }
     }
   }
   for (const auto& [effect, answers] : confusion) {
