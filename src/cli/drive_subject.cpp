@@ -43,9 +43,8 @@ FitSummary summarise(const std::string& command, const PreparedLog& log, const F
   for (const Extension& e : model.extensions) summary.model += " + " + e.effect;
   summary.target = splitUnit(log.effort_column).stem;
   summary.target_unit = log.data.effort_unit;
-  const double t = studentQuantile(static_cast<double>(log.blocks.size()) - 1.0);
   for (const PhysicalParameter& p : refit.fit.parameters) {
-    const double half = t * p.sd;
+    const double half = refit.fit.t * p.sd;
     summary.uncertainty.estimates.push_back(
         {p.name, p.unit, p.value, p.sd, p.value - half, p.value + half, p.at_bound, false, std::isfinite(p.sd)});
   }
@@ -71,6 +70,13 @@ DriveSubject readSubject(const std::string& model, Session& session, FittedModel
   const Input& input = session.read("model", model);
   fitted = readFittedModel(YamlNode::parse(input.content, model));
   return subjectOf(fitted);
+}
+
+Bench readRig(Session& session, const std::string& file, std::optional<double> ratio) {
+  Bench bench;
+  if (!file.empty()) bench = readBench(YamlNode::parse(session.read("bench", file).content, file));
+  if (ratio) bench.ratio = ratio;
+  return bench;
 }
 
 PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind, FrictionDataOptions data_options) {
@@ -109,10 +115,25 @@ FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, con
   return model;
 }
 
+std::string predictionsCsv(const PreparedLog& log,
+                           const std::vector<std::pair<std::string, const Eigen::ArrayXd*>>& predictions) {
+  std::vector<std::string> header{"time_s", "measured"};
+  for (const auto& [name, values] : predictions) header.push_back(name);
+  header.emplace_back("used");
+  CsvWriter csv(header);
+  for (Eigen::Index i = 0; i < log.data.rows.rows(); ++i) {
+    csv.add(log.data.rows.time[i]).add(log.data.rows.effort[i]);
+    for (const auto& [name, values] : predictions) csv.add((*values)[i]);
+    csv.add(log.data.keep[static_cast<std::size_t>(i)] ? 1.0 : 0.0).endRow();
+  }
+  return csv.text();
+}
+
 ExitCode fitExtended(const ExtendedFitOptions& options, Session& session, const CommonOptions& common,
                      const CLI::App& app) {
-  for (const char* name : {"--fix", "--bounds", "--sessions", "--holdout", "--block-s", "--validate", "--offset",
-                           "--loss", "--predict", "--sign", "--dead-band", "--require", "--into", "--curves"}) {
+  for (const char* name :
+       {"--fix", "--bounds", "--sessions", "--holdout", "--block-s", "--validate", "--offset", "--loss", "--predict",
+        "--sign", "--dead-band", "--require", "--into", "--muscle", "--curves", "--tied"}) {
     const CLI::Option* option = app.get_option_no_throw(name);
     if (option != nullptr && option->count() > 0) {
       throw ConfigError(
@@ -139,12 +160,7 @@ ExitCode fitExtended(const ExtendedFitOptions& options, Session& session, const 
   directory.write("config.resolved.yaml", resolvedOptions(app));
   const FittedModel model = modelFile(given, subject, refit.fit, log.data, log.dead_band, refit.rows, log_file);
   directory.write("model.yaml", writeFittedModel(model));
-  CsvWriter predictions({"time_s", "measured", "predicted", "used"});
-  for (Eigen::Index i = 0; i < refit.predicted.size(); ++i) {
-    predictions.add(log.data.rows.time[i]).add(log.data.rows.effort[i]).add(refit.predicted[i]);
-    predictions.add(log.data.keep[static_cast<std::size_t>(i)] ? 1.0 : 0.0).endRow();
-  }
-  directory.write("predictions.csv", predictions.text());
+  directory.write("predictions.csv", predictionsCsv(log, {{"predicted", &refit.predicted}}));
   const FitSummary summary = summarise(options.command, log, model, refit);
   directory.write("parameters.csv", parametersCsv(summary));
   session.finish(toJson(summary), terminalTable(summary));

@@ -31,6 +31,7 @@ DriveFitResult describe(const LogSearch& search, const PreparedLog& log, Fitted&
   fit.theta = fitted.theta;
   fit.parameters = fitted.model->physical(fitted.theta, covariance);
   fit.extensions = fitted.model->extensions(fitted.theta, covariance);
+  fit.t = studentQuantile(static_cast<double>(log.blocks.size()) - 1.0);
   return fit;
 }
 
@@ -65,7 +66,6 @@ std::vector<Cause> causesOf(const LogSearch& search, const Selection& selection,
                             std::uint64_t seed) {
   std::vector<Cause> causes;
   PieceErrors last = search.errors(selection.baseline, heldout);
-  const double t = studentQuantile(static_cast<double>(search.training().size() + heldout.size()) - 1.0);
   for (std::size_t k = 0; k + 1 < selection.steps.size(); ++k) {
     const DriveEffect& effect = *extended.effects[own + k];
     Cause& cause = causes.emplace_back();
@@ -77,7 +77,7 @@ std::vector<Cause> causesOf(const LogSearch& search, const Selection& selection,
     cause.p_adjusted = selection.p_adjusted[k];
     cause.ambiguous_with = selection.ambiguous_with[k];
     for (const ExtensionParameter& p : extended.extensions[own + k].parameters) {
-      const double half = std::isfinite(p.sd) ? t * p.sd : 0.0;
+      const double half = std::isfinite(p.sd) ? extended.t * p.sd : 0.0;
       cause.parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
     }
     cause.absorbed_by = absorption(baseline.parameters, extended.parameters);

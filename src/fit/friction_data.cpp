@@ -97,27 +97,20 @@ void addPendulum(FrictionData& data, const Bench& bench, const Eigen::ArrayXd& a
   const double mass = bench.mass.fitted ? 1.0 : bench.mass.value;
   const double length = bench.length.fitted ? 1.0 : bench.length.value;
   const double moment = mass * length;  // [kg m], per unit of what is fitted of it
-  const BenchConstant& amplitude = bench.length.fitted ? bench.length : bench.mass;
-  const auto addAmplitude = [&] {
-    if (amplitude.fitted) addConstant(data, bench.length.fitted ? "length" : "mass", bench.length.fitted ? "m" : "kg");
-  };
+  const BenchConstant amplitude{1.0, bench.length.fitted || bench.mass.fitted};
+  const auto [name, unit] = bench.length.fitted ? std::pair("length", "m") : std::pair("mass", "kg");
   const Eigen::ArrayXd inertial =
       bench.fitsWholeInertia() ? Eigen::ArrayXd::Zero(angle.size()) : Eigen::ArrayXd(moment * length * acceleration);
   if (bench.angle_offset.fitted) {
     data.fits_angle = true;
     addColumn(data, moment * bench.gravity * angle.sin());
     addColumn(data, -moment * bench.gravity * angle.cos());
-    addAmplitude();
+    if (amplitude.fitted) addConstant(data, name, unit);
     addConstant(data, "angle_offset", "rad");
     data.load += inertial;
   } else {
-    const Eigen::ArrayXd load = moment * bench.gravity * (angle - bench.angle_offset.value).sin() + inertial;
-    if (amplitude.fitted) {
-      addColumn(data, load);
-    } else {
-      data.load += load;
-    }
-    addAmplitude();
+    addRigTerm(data, amplitude, name, unit,
+               moment * bench.gravity * (angle - bench.angle_offset.value).sin() + inertial);
   }
   addRigTerm(data, bench.inertia, bench.fitsWholeInertia() ? "total_inertia" : "inertia", "kg_m2", acceleration);
 }

@@ -55,13 +55,14 @@ class Reduction {
   /// Upper triangular, shape (F + 1, F + 1): of [J_free r] with robust weights. Sets `cost`.
   MatrixXd reduce(std::span<const double> theta, double& cost) const {
     std::vector<double> costs(problem_.chunks.size());
-    MatrixXd upper = reduce(
-        theta, [&](std::size_t k, const VectorXd& r, const MatrixXd& /*augmented*/) { costs[k] = robustCost(r); });
+    MatrixXd upper = reduce(theta, [&](std::size_t k, const VectorXd& /*r*/, const MatrixXd& /*rows*/,
+                                       double of_chunk) { costs[k] = of_chunk; });
     cost = std::accumulate(costs.begin(), costs.end(), 0.0);
     return upper;
   }
 
-  /// The same; `use(k, r, [J_free r])` sees every chunk k: its residuals and its weighted rows. From several threads.
+  /// The same; `use(k, r, [J_free r], cost)` sees every chunk k: its residuals, weighted rows and cost. From several
+  /// threads.
   template <typename Use>
   MatrixXd reduce(std::span<const double> theta, const Use& use) const {
     const auto columns = static_cast<Index>(free_.size()) + 1;
@@ -76,21 +77,23 @@ class Reduction {
       MatrixXd augmented(rows, columns);
       for (Index j = 0; j + 1 < columns; ++j) augmented.col(j) = all.col(free_[static_cast<std::size_t>(j)]);
       augmented.col(columns - 1) = r;
-      if (loss_ != nullptr) augmented.array().colwise() *= robustWeights(problem_.loss, r).sqrt();
-      use(k, r, augmented);
+      const double cost = weigh(r, augmented);
+      use(k, r, augmented, cost);
       stacked.middleRows(static_cast<Index>(k) * columns, columns) = factor(augmented);
     });
     return factor(stacked);
   }
 
  private:
-  double robustCost(const VectorXd& r) const {
+  /// The robust cost of residuals; scales the rows of `augmented` by the square roots of their weights.
+  double weigh(const VectorXd& r, MatrixXd& augmented) const {
     if (loss_ == nullptr) return r.squaredNorm();
     double cost = 0.0;
-    for (const double residual : r) {
+    for (Index i = 0; i < r.size(); ++i) {
       double rho[3];
-      loss_->Evaluate(residual * residual, rho);
+      loss_->Evaluate(r[i] * r[i], rho);
       cost += rho[0];
+      augmented.row(i) *= std::sqrt(std::max(rho[1], 0.0));
     }
     return cost;
   }
@@ -281,19 +284,20 @@ Linearisation linearise(const LeastSquaresProblem& problem, std::span<const doub
   };
   std::vector<std::vector<Share>> shares(problem.chunks.size());
   const MatrixXd upper =
-      Reduction(problem, free).reduce(theta, [&](std::size_t k, const VectorXd& r, const MatrixXd& augmented) {
-        const Block& chunk = problem.chunks[k];
-        result.residual.segment(static_cast<Index>(chunk.begin), r.size()) = r;
-        auto piece = std::ranges::upper_bound(pieces, chunk.begin, {}, &Block::end);
-        for (; piece != pieces.end() && piece->begin < chunk.end; ++piece) {
-          const std::size_t begin = std::max(piece->begin, chunk.begin), end = std::min(piece->end, chunk.end);
-          const auto rows =
-              augmented.middleRows(static_cast<Index>(begin - chunk.begin), static_cast<Index>(end - begin));
-          const auto j = rows.leftCols(count);
-          shares[k].push_back(
-              {static_cast<std::size_t>(piece - pieces.begin()), {j.transpose() * j, j.transpose() * rows.col(count)}});
-        }
-      });
+      Reduction(problem, free)
+          .reduce(theta, [&](std::size_t k, const VectorXd& r, const MatrixXd& augmented, double /*cost*/) {
+            const Block& chunk = problem.chunks[k];
+            result.residual.segment(static_cast<Index>(chunk.begin), r.size()) = r;
+            auto piece = std::ranges::upper_bound(pieces, chunk.begin, {}, &Block::end);
+            for (; piece != pieces.end() && piece->begin < chunk.end; ++piece) {
+              const std::size_t begin = std::max(piece->begin, chunk.begin), end = std::min(piece->end, chunk.end);
+              const auto rows =
+                  augmented.middleRows(static_cast<Index>(begin - chunk.begin), static_cast<Index>(end - begin));
+              const auto j = rows.leftCols(count);
+              shares[k].push_back({static_cast<std::size_t>(piece - pieces.begin()),
+                                   {j.transpose() * j, j.transpose() * rows.col(count)}});
+            }
+          });
   for (const std::vector<Share>& chunk : shares) {
     for (const Share& share : chunk) {
       result.sums[share.piece].normal += share.sums.normal;
@@ -302,17 +306,6 @@ Linearisation linearise(const LeastSquaresProblem& problem, std::span<const doub
   }
   result.factor = upper.topLeftCorner(count, count);
   return result;
-}
-
-Eigen::ArrayXd robustWeights(const Loss& loss, const Eigen::VectorXd& residual) {
-  const auto function = makeLoss(loss);
-  Eigen::ArrayXd weights = Eigen::ArrayXd::Ones(residual.size());
-  for (Index i = 0; function != nullptr && i < residual.size(); ++i) {
-    double rho[3];
-    function->Evaluate(residual[i] * residual[i], rho);
-    weights[i] = std::max(rho[1], 0.0);
-  }
-  return weights;
 }
 
 bool atBound(const FitParameter& parameter, double value) {

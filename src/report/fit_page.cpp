@@ -148,6 +148,19 @@ void addFitDetails(const ResultFiles& files, Page& page) {
   page.add(factTable(result));
 }
 
+void addTimeChart(const ResultFiles& files, Page& page, const std::vector<double>& time,
+                  const std::vector<double>& measured,
+                  const std::vector<std::pair<std::string, std::vector<double>>>& predicted) {
+  std::vector<Series> lines{{"measured", time, measured, Series::Style::kLine, 6, /*faint=*/true}};
+  int colour = 0;
+  for (const auto& [model, values] : predicted) lines.push_back({model, time, values, Series::Style::kLine, colour++});
+  Chart chart = lineChart("Measured and predicted over time", {"time [s]"},
+                          {axisTitle(files.result().at("target").get<std::string>())}, lines);
+  chart.note = "A stretch from the middle of the log.";
+  chart.wide = true;
+  page.add(std::move(chart));
+}
+
 bool isRefit(const ResultFiles& files) { return files.has("predictions.csv"); }
 
 Page refitPage(const ResultFiles& files) {
@@ -161,13 +174,7 @@ Page refitPage(const ResultFiles& files) {
     return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(shown));
   };
   const std::vector<double> time = stretch("time_s");
-  Chart chart = lineChart("Measured and predicted over time", {"time [s]"},
-                          {axisTitle(files.result().at("target").get<std::string>())},
-                          {{"measured", time, stretch("measured"), Series::Style::kLine, 6, /*faint=*/true},
-                           {files.result().at("model"), time, stretch("predicted"), Series::Style::kLine, 0}});
-  chart.note = "A stretch from the middle of the log.";
-  chart.wide = true;
-  page.add(std::move(chart));
+  addTimeChart(files, page, time, stretch("measured"), {{files.result().at("model"), stretch("predicted")}});
   addFitDetails(files, page);
   return page;
 }

@@ -4,6 +4,8 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "simgap/report/page.h"
 #include "simgap/report/result_files.h"
@@ -15,6 +17,11 @@ Page beginFitPage(const ResultFiles& files);
 
 /// Parameters with intervals, models compared, correlations, and what else the fit has to say.
 void addFitDetails(const ResultFiles& files, Page& page);
+
+/// A stretch of the log and what each model predicts for it, by name.
+void addTimeChart(const ResultFiles& files, Page& page, const std::vector<double>& time,
+                  const std::vector<double>& measured,
+                  const std::vector<std::pair<std::string, std::vector<double>>>& predicted);
 
 /// An extended model fitted anew: measured and predicted over time, and its parameters.
 bool isRefit(const ResultFiles& files);

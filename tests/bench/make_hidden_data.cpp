@@ -1,20 +1,17 @@
 // Writes measured data with one cause hidden in them, from the simulators of tests/reality:
 //   make_hidden_data EFFECT DIRECTORY [SEED]      log.csv, or arm.yaml and poses.csv
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <random>
 #include <string>
 
 #include "reality/drive_draws.h"
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
 #include "reality/pose_draws.h"
-#include "simgap/core/csv.h"
 
 namespace {
 
@@ -41,28 +38,13 @@ const std::map<std::string, void (*)(DriveSecret&)> kDrive = {
     {"torque-bias", [](DriveSecret& s) { s.torque_bias = 1.0; }},
     {"channel-delay", [](DriveSecret& s) { s.delay = 0.06; }}};
 
-/// A stretching cable (003 fig. 15: soft at first) between the log's joint and a motor angle of its own.
-std::string withMotorAngle(const DriveRecord& record, double ratio, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> noise(0.0, 2e-3);
-  simgap::CsvWriter csv({"time_s", "motor_current_A", "motor_velocity_rad_s", "external_torque_Nm",
-                         "joint_position_rad", "motor_position_rad", "session"});
-  for (std::size_t i = 0; i < record.time.size(); ++i) {
-    const double load = record.torque[i];
-    const double stretched = std::copysign(0.006 * (1.0 - std::exp(-std::abs(load) / 6.0)), load);
-    csv.add(record.time[i]).add(record.current[i]).add(record.velocity[i]).add(load).add(record.angle[i]);
-    csv.add(ratio * (record.angle[i] + stretched + noise(random))).add(static_cast<double>(record.session[i])).endRow();
-  }
-  return csv.text();
-}
-
 std::string driveLog(const std::string& effect, std::uint64_t seed) {
   const auto sized = kDrive.find(effect);
   const bool drawn = sized == kDrive.end() && std::ranges::find(drawableEffects(), effect) != drawableEffects().end();
   DriveDraw draw = drawn ? drawEffect(effect, seed) : drawNone(seed);
   if (sized != kDrive.end()) sized->second(draw.secret);
   const DriveRecord record = recordDrive(draw.rig, draw.secret);
-  return effect == "transmission-compliance" ? withMotorAngle(record, draw.rig.ratio, seed) : record.csv();
+  return effect == "transmission-compliance" ? csvWithMotorAngle(record, draw.rig.ratio, 0.006) : record.csv();
 }
 
 std::string logOf(const std::string& effect, std::uint64_t seed) {

@@ -2,10 +2,8 @@
 // first.
 #include <cmath>
 #include <fstream>
-#include <random>
 
 #include "cli/cli_fixture.h"
-#include "simgap/core/csv.h"
 #include "support/diagnosis_study.h"
 
 namespace simgap::test {
@@ -101,23 +99,9 @@ TEST_F(DiagnoseTest, NamesHeating) {
 }
 
 TEST_F(DiagnoseTest, NamesATransmissionThatStretches) {
-  // 003 fig. 15: a cable is soft at first and stiffens. The motor's encoder is read 3 ms after the joint's.
   reality::DriveDraw draw = shortDraw(16);
   const auto withMotorAngle = [&](double stretch) {
-    const reality::DriveRecord record = reality::recordDrive(draw.rig, draw.secret);
-    std::mt19937_64 random(5);
-    std::normal_distribution<double> noise(0.0, 2e-3);
-    CsvWriter csv({"time_s", "motor_current_A", "motor_velocity_rad_s", "external_torque_Nm", "joint_position_rad",
-                   "motor_position_rad", "session"});
-    for (std::size_t i = 0; i < record.time.size(); ++i) {
-      const double load = record.torque[i];
-      const double stretched = std::copysign(stretch * (1.0 - std::exp(-std::abs(load) / 6.0)), load);
-      const double motor =
-          draw.rig.ratio * (record.angle[i] + stretched + noise(random)) + 0.003 * record.velocity[i] + 12.0;
-      csv.add(record.time[i]).add(record.current[i]).add(record.velocity[i]).add(load).add(record.angle[i]).add(motor);
-      csv.add(static_cast<double>(record.session[i])).endRow();
-    }
-    put("log.csv", csv.text());
+    put("log.csv", csvWithMotorAngle(reality::recordDrive(draw.rig, draw.secret), draw.rig.ratio, stretch));
   };
   withMotorAngle(0.0);
   EXPECT_EQ(diagnoseLog().at("verdict"), "nothing-found");

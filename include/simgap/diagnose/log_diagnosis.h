@@ -4,8 +4,10 @@
 /// choice.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "simgap/diagnose/diagnosis.h"
@@ -23,6 +25,10 @@ struct LogDiagnosisOptions {
   bool ignore_faults = false;
   int self_tests = 0;  ///< injections of every effect, and of none, into this design
   std::uint64_t seed = 1;
+
+  bool wants(std::string_view effect) const {
+    return effects.empty() || std::ranges::find(effects, effect) != effects.end();
+  }
 };
 
 /// A model fitted to all rows, with what is known of its parameters.
@@ -31,6 +37,7 @@ struct DriveFitResult {
   std::vector<double> theta;
   std::vector<PhysicalParameter> parameters;
   std::vector<Extension> extensions;
+  double t = 0.0;  ///< 97.5 % quantile of Student's t for their deviations: of as many blocks as there were
 };
 
 struct LogDiagnosis {

@@ -90,9 +90,6 @@ struct Linearisation {
 Linearisation linearise(const LeastSquaresProblem& problem, std::span<const double> theta,
                         std::span<const Block> pieces);
 
-/// rho'(r^2) of each residual, shape (n).
-Eigen::ArrayXd robustWeights(const Loss& loss, const Eigen::VectorXd& residual);
-
 /// True when a value sits on one of its bounds (to 1e-6 of the value, or of the other bound's distance).
 bool atBound(const FitParameter& parameter, double value);
 

@@ -38,15 +38,6 @@ void keepMemory() {
 #endif
 }
 
-std::string predictionsCsv(const PreparedLog& log, const LogDiagnosis& result) {
-  CsvWriter csv({"time_s", "measured", "before", "after", "used"});
-  for (Eigen::Index i = 0; i < log.data.rows.rows(); ++i) {
-    csv.add(log.data.rows.time[i]).add(log.data.rows.effort[i]).add(result.predicted_before[i]);
-    csv.add(result.predicted_after[i]).add(log.data.keep[static_cast<std::size_t>(i)] ? 1.0 : 0.0).endRow();
-  }
-  return csv.text();
-}
-
 /// One file per channel that what is left depends on: its shape.
 void writeLeftovers(const Diagnosis& diagnosis, const RunDirectory& directory) {
   for (const Leftover& left : diagnosis.unexplained) {
@@ -85,11 +76,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
   keepMemory();
   FittedModel fitted;
   const DriveSubject subject = readSubject(options.model, session, fitted);
-  Bench bench;
-  if (!options.bench.empty()) {
-    bench = readBench(YamlNode::parse(session.read("bench", options.bench).content, options.bench));
-  }
-  if (options.ratio) bench.ratio = options.ratio;
+  const Bench bench = readRig(session, options.bench, options.ratio);
   const CsvTable table = session.readTable("log", options.log, options.table.csv());
   if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", options.log, table.skippedRows());
   PreparedLog log = prepareLog(table, bench, subject.base.kind);
@@ -116,7 +103,8 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
           modelFile(fitted, subject, *fit, log.data, log.dead_band, result.diagnosis.samples, session.inputs().back());
       directory.write(name, writeFittedModel(model));
     }
-    directory.write("predictions.csv", predictionsCsv(log, result));
+    directory.write("predictions.csv",
+                    predictionsCsv(log, {{"before", &result.predicted_before}, {"after", &result.predicted_after}}));
     directory.write("hypotheses.csv", hypothesesCsv(result.diagnosis));
     directory.write("evidence.csv", evidenceCsv(result.diagnosis));
     writeLeftovers(result.diagnosis, directory);

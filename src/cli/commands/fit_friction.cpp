@@ -110,12 +110,7 @@ struct Task {
 };
 
 Task makeTask(const Options& options, Session& session) {
-  Task task{options, {}, {}, {}};
-  if (!options.bench.empty()) {
-    const Input& input = session.read("bench", options.bench);
-    task.bench = readBench(YamlNode::parse(input.content, options.bench));
-  }
-  if (options.ratio) task.bench.ratio = options.ratio;
+  Task task{options, readRig(session, options.bench, options.ratio), {}, {}};
   task.log.ratio = task.bench.ratio.value_or(0.0);
   task.data.raw_sign = options.sign == "raw";
   task.data.dead_band_widths = options.dead_band;

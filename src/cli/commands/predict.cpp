@@ -32,14 +32,8 @@ struct Prediction {
 
 /// The rig, with the ratio of the option or of the model.
 Bench benchOf(const FittedModel& model, const Options& options, Session& session) {
-  Bench bench;
-  if (!options.bench.empty()) {
-    const Input& input = session.read("bench", options.bench);
-    bench = readBench(YamlNode::parse(input.content, options.bench));
-  }
-  const auto ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
-  if (ratio) bench.ratio = ratio;
-  return bench;
+  return readRig(session, options.bench,
+                 options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio")));
 }
 
 FrictionDataOptions dataOptions(const FittedModel& model) {

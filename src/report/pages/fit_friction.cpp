@@ -22,17 +22,9 @@ std::vector<std::string> lawsOf(const Json& result) {
 
 void addTime(const ResultFiles& files, Page& page) {
   const CsvTable series = files.table("series.csv");
-  const std::vector<double> time = numbersOf(series, "time_s");
-  std::vector<Series> lines{{"measured", time, numbersOf(series, "measured"), Series::Style::kLine, 6, /*faint=*/true}};
-  int colour = 0;
-  for (const std::string& law : lawsOf(files.result())) {
-    lines.push_back({law, time, numbersOf(series, law), Series::Style::kLine, colour++});
-  }
-  Chart chart = lineChart("Measured and predicted over time", {"time [s]"},
-                          {axisTitle(files.result().at("target").get<std::string>())}, lines);
-  chart.note = "A stretch from the middle of the log.";
-  chart.wide = true;
-  page.add(std::move(chart));
+  std::vector<std::pair<std::string, std::vector<double>>> predicted;
+  for (const std::string& law : lawsOf(files.result())) predicted.emplace_back(law, numbersOf(series, law));
+  addTimeChart(files, page, numbersOf(series, "time_s"), numbersOf(series, "measured"), predicted);
 }
 
 /// Friction over velocity, one chart per band of load.

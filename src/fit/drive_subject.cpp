@@ -1,0 +1,65 @@
+// The model of a drive as a user has it: by name, or from a file.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "simgap/core/error.h"
+#include "simgap/fit/drive_data.h"
+
+namespace simgap {
+namespace {
+
+DriveBase baseOf(std::string_view name) {
+  if (name == "pam") return drive_equations::muscle;
+  if (name == "motor") return drive_equations::winding;
+  if (name == "gearbox") return {friction::find("coulomb"), DriveKind::kGearbox};
+  return friction::find(name);
+}
+
+}  // namespace
+
+DriveSubject subjectOf(std::string_view name) {
+  DriveSubject subject{baseOf(name), {}, {}};
+  if (subject.base.kind == DriveKind::kGearbox) subject.effects.push_back(&drive_effects::find("inertia"));
+  return subject;
+}
+
+DriveSubject subjectOf(const FittedModel& model) {
+  DriveSubject subject = subjectOf(model.kind == "friction" ? model.law : model.kind);
+  const double k = model.valueOr("k", std::numeric_limits<double>::infinity());
+  if (model.kind == "pam" && std::isfinite(k)) {
+    subject.effects.push_back(&drive_effects::find("tendon-compliance"));
+    subject.values.push_back({"tendon-compliance.compliance", "1_N", 1.0 / k, 0.0, false});
+  }
+  for (const Extension& extension : model.extensions) {
+    const DriveEffect& effect = drive_effects::find(extension.effect);
+    const bool of_angles = effect.kind == DriveKind::kTransmission;
+    if (of_angles) {
+      subject.of_angles.push_back(extension);
+    } else {
+      subject.effects.push_back(&effect);
+    }
+    for (const ExtensionParameter& p : extension.parameters) {
+      const bool known =
+          std::ranges::find(effect.columns, p.name, &EffectColumn::name) != effect.columns.end() ||
+          std::ranges::find(effect.parameters, p.name, &EffectParameter::name) != effect.parameters.end();
+      if (!known) {
+        throw ConfigError(fmt::format("found the parameter {} in the extension {}, which has none of that name", p.name,
+                                      effect.name));
+      }
+      subject.values.push_back({fmt::format("{}.{}", effect.name, p.name), p.unit, p.value, p.sd, false});
+    }
+    for (const EffectColumn& column : effect.columns) static_cast<void>(extension.value(column.name));
+    for (const EffectParameter& p : effect.parameters) static_cast<void>(extension.value(p.name));
+  }
+  for (const FittedParameter& p : model.parameters) subject.values.push_back({p.name, p.unit, p.value, p.sd, p.fixed});
+  return subject;
+}
+
+Eigen::ArrayXd predictExtended(const DriveSubject& subject, const DriveData& data) {
+  const DriveRegression regression(subject.base, subject.effects, data, std::nullopt);
+  return regression.predict(regression.thetaOf(subject.values));
+}
+
+}  // namespace simgap
