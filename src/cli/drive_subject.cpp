@@ -106,7 +106,7 @@ FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, con
   model.law = subject.base.name();
   model.parameters.clear();
   for (const PhysicalParameter& p : fit.parameters) {
-    const bool own = p.name.find('.') == std::string::npos && p.name != "presliding";
+    const bool own = p.name.find('.') == std::string::npos;
     if (own) model.parameters.push_back({p.name, p.unit, p.value, p.sd, false});
   }
   model.settings["effort"] = data.effort_unit;

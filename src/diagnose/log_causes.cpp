@@ -61,19 +61,16 @@ std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Tr
   return list;
 }
 
-std::vector<Cause> causesOf(const LogSearch& search, const Selection& selection, const std::vector<Block>& heldout,
+std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceErrors>& heldout,
                             const DriveFitResult& baseline, const DriveFitResult& extended, std::size_t own,
                             std::uint64_t seed) {
   std::vector<Cause> causes;
-  PieceErrors last = search.errors(selection.baseline, heldout);
-  for (std::size_t k = 0; k + 1 < selection.steps.size(); ++k) {
+  for (std::size_t k = 0; k + 1 < heldout.size(); ++k) {
     const DriveEffect& effect = *extended.effects[own + k];
     Cause& cause = causes.emplace_back();
     cause.effect = effect.name;
     cause.sentence = effect.cause;
-    const PieceErrors now = search.errors(selection.steps[k + 1], heldout);
-    cause.gain_heldout = pairedGain(last, now, seed);
-    last = now;
+    cause.gain_heldout = predictedGain(heldout[k].sum, heldout[k + 1].sum, seed);
     cause.p_adjusted = selection.p_adjusted[k];
     cause.ambiguous_with = selection.ambiguous_with[k];
     for (const ExtensionParameter& p : extended.extensions[own + k].parameters) {

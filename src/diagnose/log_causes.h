@@ -12,8 +12,9 @@ DriveFitResult describe(const LogSearch& search, const PreparedLog& log, Fitted&
 
 Eigen::VectorXd residualOf(const Fitted& fitted);
 
-/// \param own  number of effects the model had before; \param baseline, extended  fitted to all rows.
-std::vector<Cause> causesOf(const LogSearch& search, const Selection& selection, const std::vector<Block>& heldout,
+/// \param heldout  errors of each step of the selection; \param own  number of effects the model had before; \param
+/// baseline, extended  fitted to all rows.
+std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceErrors>& heldout,
                             const DriveFitResult& baseline, const DriveFitResult& extended, std::size_t own,
                             std::uint64_t seed);
 

@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include "channel_dependence.h"
+#include "held_out.h"
 #include "log_causes.h"
 #include "log_evidence.h"
 #include "log_faults.h"
 #include "self_test.h"
-#include "simgap/core/error.h"
 #include "simgap/fit/uncertainty.h"
 #include "testable.h"
 #include "transmission.h"
@@ -31,27 +31,6 @@ std::vector<Hypothesis> unnamedHypotheses(const PreparedLog& log) {
     }
   }
   return list;
-}
-
-struct Split {
-  std::vector<Block> training, heldout;
-};
-
-Split splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
-  Split split;
-  const auto every = static_cast<std::size_t>(std::max(2.0, std::round(1.0 / std::max(options.holdout, 0.02))));
-  for (std::size_t b = 0; b < log.blocks.size(); ++b) {
-    bool out = b % every == every / 2;
-    if (!options.heldout_rows.empty()) out = options.heldout_rows[log.blocks[b].begin];
-    (out ? split.heldout : split.training).push_back(log.blocks[b]);
-  }
-  if (split.training.size() < 5 || split.heldout.empty()) {
-    throw DataError(
-        fmt::format("{}: found {} blocks to learn from and {} to hold out, expected at least 5 and 1: record "
-                    "longer, or hold out less",
-                    log.file, split.training.size(), split.heldout.size()));
-  }
-  return split;
 }
 
 /// Variance of the noise whose neighbours correlate: differences over ever longer times stop growing where the noise
@@ -210,7 +189,7 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
   const auto open = [&] { return std::ranges::any_of(d.faults, [](const DataFault& f) { return !f.corrected; }); };
   const std::vector<Hypothesis> named = namedHypotheses(subject, log.data, options, d);
   const std::vector<Hypothesis> unnamed = unnamedHypotheses(log);
-  const Split split = splitLog(log, options);
+  const LogSplit split = splitLog(log, options);
   const LogSearch search(subject.base, log.data, split.training, options);
   if (!open()) {
     const Fitted first = search.fit(subject.effects, nullptr);
@@ -238,8 +217,9 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
   for (const std::string& name : selection.aliased) {
     d.not_testable.push_back({name, "the model's own parameters can take its place on this data"});
   }
-  d.baseline = {selection.baseline.mse, search.errors(selection.baseline, split.heldout).mse()};
-  d.extended = {selection.chosen.mse, search.errors(selection.chosen, split.heldout).mse()};
+  const std::vector<PieceErrors> heldout = heldOutErrors(search, selection, split.heldout, log.data.rows.session);
+  d.baseline = {selection.baseline.mse, heldout.front().mse()};
+  d.extended = {selection.chosen.mse, heldout.back().mse()};
 
   if (progress) progress("measuring what is left", 0.93);
   Fitted before = selection.baseline, after = selection.chosen;
@@ -250,8 +230,7 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
   const Eigen::VectorXd residual_before = residualOf(before), residual_after = residualOf(after);
   d.noise_floor = noiseFloor(log, residual_after);
   d.effective_samples = static_cast<double>(d.samples) / correlationTime(residual_after, log.data.rows.session);
-  d.causes = causesOf(search, selection, split.heldout, result.baseline, result.extended, subject.effects.size(),
-                      options.seed);
+  d.causes = causesOf(selection, heldout, result.baseline, result.extended, subject.effects.size(), options.seed);
   const std::vector<EvidenceChannel> channels = evidenceChannels(log);
   d.evidence = binEvidence(log, channels, residual_before, residual_after);
   const Ceiling left = explainable(log, channels, residual_after, options.seed);
@@ -266,7 +245,7 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
                               split.training, progress);
   }
   conclude(d, selection, left.share);
-  addTransmission(subject, log, split.training, split.heldout, options, result);
+  addTransmission(subject, log, split, options, result);
   d.extensions = result.extended.extensions;
   d.next_experiment = nextExperiment(d, log);
   return result;

@@ -200,6 +200,11 @@ Fitted LogSearch::fitFrom(const std::vector<const DriveEffect*>& effects,
   return fitFromStarts(model, starts);
 }
 
+Fitted LogSearch::refitted(const Fitted& fitted, const std::vector<Block>& blocks) const {
+  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = 3, .tolerance = 1e-5});
+  return {fitted.model, fit.theta, 0.0, {}};
+}
+
 void LogSearch::validate(Fitted& fitted) const {
   const std::vector<Block> parts = pieces(training_);
   fitted.validation = {Eigen::ArrayXd(static_cast<Index>(parts.size())),
@@ -212,9 +217,7 @@ void LogSearch::validate(Fitted& fitted) const {
         others.insert(others.end(), folds_[static_cast<std::size_t>(g)].begin(),
                       folds_[static_cast<std::size_t>(g)].end());
     }
-    Fitted refit{fitted.model, {}, 0.0, {}};
-    refit.theta = fitRows(*fitted.model, others, fitted.theta, {.max_iterations = 3, .tolerance = 1e-5}).theta;
-    unseen[static_cast<std::size_t>(f)] = errors(refit, folds_[static_cast<std::size_t>(f)]);
+    unseen[static_cast<std::size_t>(f)] = errors(refitted(fitted, others), folds_[static_cast<std::size_t>(f)]);
   });
   // Pieces of the folds, put back in the order of the log.
   std::vector<Index> next(kFolds, 0);

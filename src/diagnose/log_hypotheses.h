@@ -50,6 +50,8 @@ class LogSearch {
   /// The same from the values of a model file.
   Fitted fitFrom(const std::vector<const DriveEffect*>& effects, std::span<const PhysicalParameter> values) const;
   void validate(Fitted& fitted) const;
+  /// Refitted to other blocks, by a few steps from where it is.
+  Fitted refitted(const Fitted& fitted, const std::vector<Block>& blocks) const;
 
   /// Every hypothesis on top of `base`, in their order; from several threads.
   std::vector<Trial> tryAll(const Fitted& base, const std::vector<Hypothesis>& hypotheses) const;

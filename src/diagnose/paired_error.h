@@ -20,6 +20,12 @@ struct PieceErrors {
 /// of runs of neighbouring pieces (moving blocks: Kunsch 1989). A pure function of its arguments.
 Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::uint64_t seed);
 
+/// The same from the errors on pieces (shape (pieces)) that decided nothing, and where it will be, with 95 %, on as
+/// many other ones. That is a prediction: what was measured and what is to come are both drawn from the pieces again
+/// and again, and differ as their draws do (prediction bootstrap: Stine 1985). A few pieces, of one load or speed, show
+/// most of a cause: what varies evenly is the logarithm of explained : left. A pure function of its arguments.
+Interval predictedGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, std::uint64_t seed);
+
 /// One-sided p-value of "after is no better than before", the correlation of neighbouring pieces (AR(1)) counted: the
 /// smallest of three tests, times three. The mean difference is what the error is made of, but a few pieces under large
 /// loads rule it; the mean log ratio counts every piece alike; signed ranks find what only some pieces show.

@@ -5,8 +5,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "paired_error.h"
 #include "pose_advice.h"
 #include "pose_evidence.h"
 #include "pose_score.h"
@@ -52,9 +52,7 @@ Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std
   return split;
 }
 
-double mean(const std::vector<double>& values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / std::max(1.0, static_cast<double>(values.size()));
-}
+double mean(const Eigen::ArrayXd& values) { return values.size() > 0 ? values.mean() : 0.0; }
 
 Interval intervalOf(const ExtensionParameter& p) {
   const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
@@ -143,23 +141,17 @@ void Diagnosing::measureGain(const PoseProblem& without) {
   plain.posterior().whiten(selection_.z_plain);
   plain.setSolution(selection_.z_plain);
   const PoseErrors heldout(without, plain, split_.heldout), fitted(without, plain, split_.selection);
-  const auto errors = [&](const ArmModel& model) { return heldout.of(model); };
-  const auto fit_error = [&](const ArmModel& model) { return mean(fitted.of(model)); };
-  d.baseline.mse = fit_error(plain.model());
-  const std::vector<double> before = errors(plain.model());
-  d.baseline.mse_heldout = mean(before);
-  d.extended = d.baseline;
-  std::vector<double> last = before;
+  const Eigen::ArrayXd before = heldout.of(plain.model());
+  d.extended = d.baseline = {mean(fitted.of(plain.model())), mean(before)};
+  Eigen::ArrayXd last = before;
   for (std::size_t c = 0; c < selection_.causes.size(); ++c) {
     PoseFit fit(problem_, split_.selection, causesOf(selection_, c + 1));
     fit.posterior().whiten(fit.extended(selection_.z));
     fit.descend(fit.extended(selection_.z));
-    const std::vector<double> now = errors(fit.model());
+    const Eigen::ArrayXd now = heldout.of(fit.model());
     // Of the baseline's error: what this cause takes away from what the causes before it left.
-    std::vector<double> saved(before.size());
-    for (std::size_t p = 0; p < before.size(); ++p) saved[p] = before[p] - (last[p] - now[p]);
-    if (!before.empty()) d.causes[c].gain_heldout = pairedGain(before, saved, options_.seed);
-    d.extended = {fit_error(fit.model()), mean(now)};
+    if (before.size() > 0) d.causes[c].gain_heldout = predictedGain(before, before - (last - now), options_.seed);
+    d.extended = {mean(fitted.of(fit.model())), mean(now)};
     last = now;
   }
 }

@@ -180,11 +180,12 @@ PoseErrors::PoseErrors(const PoseProblem& problem, PoseFit& fit, std::span<const
   typical_ = counted_ > 0 ? static_cast<double>(counted_) / precision : 0.0;
 }
 
-std::vector<double> PoseErrors::of(const ArmModel& model) const {
+Eigen::ArrayXd PoseErrors::of(const ArmModel& model) const {
   const std::vector<double> squared = squaredErrors(model, poses_);
-  std::vector<double> errors;
+  Eigen::ArrayXd errors(static_cast<Eigen::Index>(counted_));
+  Eigen::Index at = 0;
   for (std::size_t p = 0; p < squared.size(); ++p) {
-    if (variances_[p] <= kUnpredictable) errors.push_back(typical_ * robustLoss(squared[p] / variances_[p]));
+    if (variances_[p] <= kUnpredictable) errors[at++] = typical_ * robustLoss(squared[p] / variances_[p]);
   }
   return errors;
 }

@@ -25,7 +25,7 @@ class PoseErrors {
   /// \param fit  without causes, at its solution on the poses of the selection \param poses  must outlive it
   PoseErrors(const PoseProblem& problem, PoseFit& fit, std::span<const Pose> poses);
   /// Shape (poses that count) [deg^2].
-  std::vector<double> of(const ArmModel& model) const;
+  Eigen::ArrayXd of(const ArmModel& model) const;
 
  private:
   std::span<const Pose> poses_;

@@ -16,8 +16,8 @@ constexpr double kDerived = 1e-9;  // of the joint's range: one angle was worked
 
 }  // namespace
 
-void addTransmission(const DriveSubject& subject, const PreparedLog& log, const std::vector<Block>& training,
-                     const std::vector<Block>& heldout, const LogDiagnosisOptions& options, LogDiagnosis& result) {
+void addTransmission(const DriveSubject& subject, const PreparedLog& log, const LogSplit& split,
+                     const LogDiagnosisOptions& options, LogDiagnosis& result) {
   Diagnosis& d = result.diagnosis;
   if (subject.base.kind != DriveKind::kFriction) return;
   DriveSubject transmission{drive_equations::transmission, {}, {}};
@@ -28,7 +28,7 @@ void addTransmission(const DriveSubject& subject, const PreparedLog& log, const 
   const std::vector<Hypothesis> hypotheses = namedHypotheses(transmission, log.data, options, d);
   if (hypotheses.empty()) return;
   const PreparedLog angles = prepareTransmissionData(log);
-  const LogSearch search(transmission.base, angles.data, training, options);
+  const LogSearch search(transmission.base, angles.data, split.training, options);
   const double range = angles.data.rows.effort.maxCoeff() - angles.data.rows.effort.minCoeff();
   if (std::sqrt(search.fit({}, nullptr).mse) < kDerived * range) {
     d.not_testable.push_back({std::string(hypotheses[0].effect->name), "needs two measured angles"});
@@ -41,7 +41,8 @@ void addTransmission(const DriveSubject& subject, const PreparedLog& log, const 
   for (const Detectable& least : detectable(search, selection.last, options.least_gain, samples))
     d.detectable.push_back(least);
   for (HypothesisRecord record : selection.records) d.hypotheses.push_back(std::move(record));
-  for (Cause& cause : causesOf(search, selection, heldout, rigid, elastic, 0, options.seed)) {
+  const std::vector<PieceErrors> heldout = heldOutErrors(search, selection, split.heldout, log.data.rows.session);
+  for (Cause& cause : causesOf(selection, heldout, rigid, elastic, 0, options.seed)) {
     const std::string found = fmt::format(
         "{}; the joint's angle follows from the motor's with {:.1f} % less squared "
         "error on data never used",

@@ -58,7 +58,10 @@ DriveSubject subjectOf(const FittedModel& model) {
 }
 
 Eigen::ArrayXd predictExtended(const DriveSubject& subject, const DriveData& data) {
-  const DriveRegression regression(subject.base, subject.effects, data, std::nullopt);
+  const auto presliding = std::ranges::find(subject.values, "presliding", &PhysicalParameter::name);
+  std::optional<double> largest;
+  if (presliding != subject.values.end()) largest = presliding->value;
+  const DriveRegression regression(subject.base, subject.effects, data, largest);
   return regression.predict(regression.thetaOf(subject.values));
 }
 

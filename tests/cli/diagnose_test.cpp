@@ -58,6 +58,14 @@ TEST_F(DiagnoseTest, NamesAnAdhesionOffsetAndExtendsTheModel) {
   EXPECT_FALSE(cause.at("absorbed_by").empty());
   EXPECT_THAT(entries(path("d")), IsSupersetOf({"baseline.yaml", "evidence.csv", "hypotheses.csv", "model.yaml",
                                                 "predictions.csv", "report.html", "result.json"}));
+  // What the files predict is what was measured: the same rows count, and friction builds up after a reversal.
+  for (const std::string model : {"baseline", "extended"}) {
+    const std::string file = model == "extended" ? "d/model.yaml" : "d/baseline.yaml";
+    succeed({"predict", file, "log.csv", "-q", "-o", "predicted-" + model});
+    const double rms = Json::parse(text("predicted-" + model + "/result.json")).at("rms_error");
+    const double mse = answer.result.at(model).at("mse");
+    EXPECT_NEAR(rms * rms, mse, 0.05 * mse) << model;
+  }
   const double fresh = gainOnFreshLog(draw, folder_.path(), SIMGAP_BINARY);
   EXPECT_GT(fresh, 0.5 * cause.at("gain_heldout_percent").get<double>() / 100.0);
   // The extended model is a model like any other: nothing is left to find in it.

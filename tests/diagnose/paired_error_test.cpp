@@ -68,5 +68,57 @@ TEST(PairedError, IntervalsCoverTheTrueGain) {
   EXPECT_GE(covered, 270);
 }
 
+struct Pair {
+  PieceErrors before, after;
+  double gain() const { return 1.0 - after.sum.sum() / before.sum.sum(); }
+};
+
+/// Sessions of uneven length, of which some show much more of a cause than others do.
+Pair drawSessions(Eigen::Index sessions, double share, double spread, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(500.0, 2000.0);
+  Pair pair{{Eigen::ArrayXd(sessions), Eigen::ArrayXd(sessions)}, {Eigen::ArrayXd(sessions), Eigen::ArrayXd(sessions)}};
+  for (Eigen::Index s = 0; s < sessions; ++s) {
+    const double rows = uniform(random);
+    const double explained = share * std::exp(spread * normal(random) - 0.5 * spread * spread);
+    pair.before.rows[s] = pair.after.rows[s] = rows;
+    pair.after.sum[s] = rows * (1.0 + normal(random) * std::sqrt(2.0 / rows));
+    pair.before.sum[s] = pair.after.sum[s] + rows * explained;
+  }
+  return pair;
+}
+
+TEST(PredictedGain, CoversTheGainOnAnotherLog) {
+  std::mt19937_64 random(3);
+  for (const double spread : {0.3, 1.0}) {
+    for (const double share : {0.06, 0.5}) {
+      constexpr int kLogs = 200;
+      int inside = 0, narrow_inside = 0;
+      for (int log = 0; log < kLogs; ++log) {
+        const Pair measured = drawSessions(20, share, spread, random),
+                   another = drawSessions(20, share, spread, random);
+        const Interval gain = predictedGain(measured.before.sum, measured.after.sum, 1);
+        EXPECT_NEAR(gain.value, measured.gain(), 1e-12);
+        inside += gain.lower95 <= another.gain() && another.gain() <= gain.upper95 ? 1 : 0;
+        const Interval of_mean = pairedGain(measured.before, measured.after, 1);
+        narrow_inside += of_mean.lower95 <= another.gain() && another.gain() <= of_mean.upper95 ? 1 : 0;
+      }
+      EXPECT_GE(inside, 0.90 * kLogs) << spread << " " << share;
+      EXPECT_LT(inside, 0.995 * kLogs) << "no interval is worth its name that never misses";
+      EXPECT_LT(narrow_inside, inside) << "a mean is known better than the next value";
+    }
+  }
+}
+
+TEST(PredictedGain, OfNothingLiesOnBothSidesOfZero) {
+  std::mt19937_64 random(4);
+  Pair pair = drawSessions(20, 0.0, 0.3, random);
+  pair.after.sum *= 1.0 + 1e-3;  // and a little worse
+  const Interval gain = predictedGain(pair.before.sum, pair.after.sum, 1);
+  EXPECT_LE(gain.value, 0.0);
+  EXPECT_LE(gain.lower95, gain.value);
+  EXPECT_GE(gain.upper95, gain.value);
+}
+
 }  // namespace
 }  // namespace simgap::test

@@ -18,34 +18,51 @@ using test::labelOf;
 
 constexpr double kWorthNaming = 0.05;  // of the squared error on fresh poses that the true model takes away
 
-/// What the model with the true cause takes away from the squared error on fresh poses, everything fitted.
-double trueGain(const reality::PoseDraw& draw) {
-  const PoseProblem problem{test::modelOf(draw), test::paperConfig().parameters, test::paperConfig().noise, 0};
-  const PoseSet set = test::posesOf(draw, draw.poses), fresh = test::posesOf(draw, draw.fresh);
-  PoseFit plain(problem, set.poses, {});
-  plain.search(8, 0, 1);
-  std::vector<NotTestable> none;
-  const reality::HiddenCause& hidden = draw.hidden[0];
-  double lowest = std::numeric_limits<double>::infinity();
-  ArmModel model;
-  for (const PoseHypothesis& h : poseHypotheses(problem.nominal, set.poses, {hidden.effect}, none)) {
-    if (h.target != hidden.target) continue;
-    for (EffectParameters start : h.starts) {
-      if (hidden.effect == "potentiometer-slip") start = {hidden.magnitude, hidden.moment};
-      PoseFit with(problem, set.poses, {{h.effect, h.target, start}});
-      with.posterior().whitenLike(plain.posterior());
-      with.descend(with.extended(plain.z()));
-      if (with.objective() >= lowest) continue;
-      lowest = with.objective();
-      model = with.model();
-    }
+/// What models take away from the squared error on fresh poses.
+class Judge {
+ public:
+  explicit Judge(const reality::PoseDraw& draw)
+      : draw_(draw),
+        problem_{test::modelOf(draw), test::paperConfig().parameters, test::paperConfig().noise, 0},
+        set_(test::posesOf(draw, draw.poses)),
+        fresh_(test::posesOf(draw, draw.fresh)),
+        plain_(problem_, set_.poses, {}) {
+    plain_.search(8, 0, 1);
   }
-  const PoseErrors errors(problem, plain, fresh.poses);
-  return pairedGain(errors.of(plain.model()), errors.of(model), 1).value;
-}
+  double gainOf(const ArmModel& model) {
+    const PoseErrors errors(problem_, plain_, fresh_.poses);
+    return 1.0 - errors.of(model).sum() / errors.of(plain_.model()).sum();
+  }
+  /// Of the model with the true cause, everything fitted.
+  double trueGain() {
+    std::vector<NotTestable> none;
+    const reality::HiddenCause& hidden = draw_.hidden[0];
+    double lowest = std::numeric_limits<double>::infinity();
+    ArmModel model;
+    for (const PoseHypothesis& h : poseHypotheses(problem_.nominal, set_.poses, {hidden.effect}, none)) {
+      if (h.target != hidden.target) continue;
+      for (EffectParameters start : h.starts) {
+        if (hidden.effect == "potentiometer-slip") start = {hidden.magnitude, hidden.moment};
+        PoseFit with(problem_, set_.poses, {{h.effect, h.target, start}});
+        with.posterior().whitenLike(plain_.posterior());
+        with.descend(with.extended(plain_.z()));
+        if (with.objective() >= lowest) continue;
+        lowest = with.objective();
+        model = with.model();
+      }
+    }
+    return gainOf(model);
+  }
+
+ private:
+  const reality::PoseDraw& draw_;
+  PoseProblem problem_;
+  PoseSet set_, fresh_;
+  PoseFit plain_;
+};
 
 struct Rates {
-  int sets = 0, alone = 0, in_group = 0, covered = 0, intervals = 0;
+  int sets = 0, alone = 0, in_group = 0, covered = 0, intervals = 0, gains = 0, gains_inside = 0;
   std::map<std::string, std::map<std::string, int>> confusion;
 
   void count(std::uint64_t seed, const reality::PoseDraw& draw, const Diagnosis& found) {
@@ -62,8 +79,11 @@ struct Rates {
     std::printf("  %lu %s: %s\n", static_cast<unsigned long>(seed), draw.hidden.empty() ? "none" : label.c_str(),
                 found.causes.empty() ? toString(found.verdict).data() : found.sentence.c_str());
     std::fflush(stdout);
-    if (found.causes.size() != 1) return;
-    const Cause& cause = found.causes[0];
+    // The joints of every drawn arm stick: to say so beside the hidden cause is no mistake.
+    std::vector<Cause> named = found.causes;
+    std::erase_if(named, [&](const Cause& c) { return c.effect == "joint-stiction" && truth != c.effect; });
+    if (named.size() != 1) return;
+    const Cause& cause = named[0];
     const bool right = labelOf(cause.effect, cause.target) == label;
     const bool listed = std::ranges::find(cause.ambiguous_with, label) != cause.ambiguous_with.end();
     alone += right && cause.ambiguous_with.empty();
@@ -75,9 +95,23 @@ struct Rates {
       covered += interval.lower95 <= value && value <= interval.upper95;
     }
   }
+  /// \param fresh  gain of the found model on fresh poses
+  void countGain(const Diagnosis& found, double fresh) {
+    if (found.causes.size() != 1) return;
+    const Interval& stated = found.causes[0].gain_heldout;
+    ++gains;
+    if (stated.lower95 <= fresh && fresh <= stated.upper95) {
+      ++gains_inside;
+    } else {
+      std::printf("    gain on fresh poses %.1f %%, stated %.1f to %.1f %%\n", 100.0 * fresh, 100.0 * stated.lower95,
+                  100.0 * stated.upper95);
+    }
+  }
   void print(const char* title) const {
-    std::printf("%s: %d sets, named alone %d, in a group of at most 3 %d, parameters in their interval %d of %d\n",
-                title, sets, alone, in_group, covered, intervals);
+    std::printf(
+        "%s: %d sets, named alone %d, in a group of at most 3 %d, parameters in their interval %d of %d, "
+        "gain on fresh poses in its interval %d of %d\n",
+        title, sets, alone, in_group, covered, intervals, gains_inside, gains);
     for (const auto& [truth, answers] : confusion) {
       std::printf("  %-24s", truth.c_str());
       for (const auto& [answer, n] : answers) std::printf(" %d x %s;", n, answer.c_str());
@@ -109,10 +143,13 @@ TEST(SlowPoseDiagnosis, HiddenCausesAreNamed) {
     options.weak = seed % 2 == 1;
     options.fresh = 40;
     const reality::PoseDraw draw = reality::drawPoses(seed, options);
-    const double gain = trueGain(draw);
+    Judge judge(draw);
+    const double gain = judge.trueGain();
     std::printf("  gain of the true model on fresh poses %.1f %%:", 100.0 * gain);
     Rates& rates = gain < kWorthNaming ? slight : options.weak ? weak : strong;
-    rates.count(seed, draw, test::diagnose(draw).diagnosis);
+    const PoseDiagnosis found = test::diagnose(draw);
+    rates.count(seed, draw, found.diagnosis);
+    if (gain >= kWorthNaming) rates.countGain(found.diagnosis, judge.gainOf(found.model));
   }
   strong.print("strong, the true model gains 5 % or more");
   weak.print("weak, the true model gains 5 % or more");
@@ -121,6 +158,7 @@ TEST(SlowPoseDiagnosis, HiddenCausesAreNamed) {
   EXPECT_GE(strong.alone + weak.alone, 0.9 * sets);
   EXPECT_GE(strong.in_group + weak.in_group, 0.97 * sets);
   EXPECT_GE(strong.covered + weak.covered, 0.85 * intervals);
+  EXPECT_GE(strong.gains_inside + weak.gains_inside, 0.9 * (strong.gains + weak.gains));
 }
 
 }  // namespace

@@ -44,11 +44,11 @@ FrictionDataOptions dataOptions(const FittedModel& model) {
   return options;
 }
 
-/// A diagnosed model, law and extensions, on the rows that mean something: what a motor draws, the voltage of a
-/// winding, the force of a muscle.
-Prediction predictExtendedLog(const FittedModel& model, const Options& options, Session& session) {
+/// A model of `diagnose`, its law with presliding and extensions, on the rows that mean something: what a motor draws,
+/// the voltage of a winding, the force of a muscle.
+Prediction predictDiagnosed(const FittedModel& model, const Options& options, Session& session) {
   if (model.kind == "gearbox" || options.inverse) {
-    throw ConfigError(fmt::format("{}: found extensions {}, expected none there", options.model,
+    throw ConfigError(fmt::format("{}: found a diagnosed model {}, expected none there", options.model,
                                   options.inverse ? "with --inverse" : "in a gearbox model"));
   }
   const CsvTable table = session.readTable("log", options.log, options.table.csv());
@@ -146,7 +146,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   Session session("predict", options.common, argv);
   const Input& input = session.read("model", options.model);
   const FittedModel model = readFittedModel(YamlNode::parse(input.content, options.model));
-  const Prediction p = !model.extensions.empty()  ? predictExtendedLog(model, options, session)
+  const bool diagnosed = !model.extensions.empty() || model.has("presliding");
+  const Prediction p = diagnosed                  ? predictDiagnosed(model, options, session)
                        : model.kind == "friction" ? predictFriction(model, options, session)
                        : model.kind == "pam"      ? predictPam(model, options, session)
                                                   : predictDrive(model, options, session);
