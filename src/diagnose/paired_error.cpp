@@ -70,20 +70,22 @@ Interval predictedGain(const ArrayXd& before, const ArrayXd& after, std::uint64_
     return 1.0 - sum_after / std::max(sum_before, 1e-300);
   };
   const double value = 1.0 - after.sum() / std::max(before.sum(), 1e-300);
-  std::vector<double> differences;
+  std::vector<double> differences, ratios;
   for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
     const double here = gainOf(draw, 1), there = gainOf(draw, 2);
-    differences.push_back(value > 0.0 ? logOdds(there) - logOdds(here) : there - here);
+    differences.push_back(there - here);
+    ratios.push_back(logOdds(there) - logOdds(here));
   }
   std::ranges::sort(differences);
+  std::ranges::sort(ratios);
   // Few pieces vary less than what they were drawn from: wider quantiles (expanded percentiles: Hesterberg 2015).
   const auto n = static_cast<double>(pieces);
   const double z = n > 1.0 ? studentQuantile(n - 1.0) * std::sqrt(n / (n - 1.0)) : 0.0;
   const auto tail = static_cast<std::size_t>(0.5 * std::erfc(z / std::sqrt(2.0)) * kDraws);
-  const double low = differences[tail], high = differences[kDraws - 1 - tail];
-  if (value <= 0.0) return {value, std::min(value, value + low), std::max(value, value + high)};
-  return {value, std::min(value, inverseLogOdds(logOdds(value) + low)),
-          std::max(value, inverseLogOdds(logOdds(value) + high))};
+  const double low = value + differences[tail], high = value + differences[kDraws - 1 - tail];
+  if (value <= 0.0) return {value, std::min(value, low), std::max(value, high)};
+  return {value, std::min(value, inverseLogOdds(logOdds(value) + ratios[tail])),
+          std::max({value, std::min(high, 1.0), inverseLogOdds(logOdds(value) + ratios[kDraws - 1 - tail])})};
 }
 
 namespace {

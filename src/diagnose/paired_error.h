@@ -23,7 +23,8 @@ Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::ui
 /// The same from the errors on pieces (shape (pieces)) that decided nothing, and where it will be, with 95 %, on as
 /// many other ones. That is a prediction: what was measured and what is to come are both drawn from the pieces again
 /// and again, and differ as their draws do (prediction bootstrap: Stine 1985). A few pieces, of one load or speed, show
-/// most of a cause: what varies evenly is the logarithm of explained : left. A pure function of its arguments.
+/// most of a cause: what varies evenly is the logarithm of explained : left, or, where those pieces are missing here,
+/// the gain itself; upwards the wider counts. A pure function of its arguments.
 Interval predictedGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, std::uint64_t seed);
 
 /// One-sided p-value of "after is no better than before", the correlation of neighbouring pieces (AR(1)) counted: the

@@ -42,7 +42,7 @@ std::string parametersText(const Cause& cause) {
 }
 
 std::vector<std::vector<std::string>> causeRows(const Diagnosis& d) {
-  std::vector<std::vector<std::string>> rows{{"cause", "held-out gain", "p (adjusted)", "parameters"}};
+  std::vector<std::vector<std::string>> rows{{"cause", "held-out gain (95 % on new data)", "p (adjusted)", "parameters"}};
   for (const Cause& c : d.causes) {
     rows.push_back({withTarget(c.effect, c.target), percent(c.gain_heldout), fmt::format("{:.2g}", c.p_adjusted),
                     parametersText(c)});

@@ -79,7 +79,8 @@ void addCauses(const Json& result, Page& page) {
   if (result.at("causes").empty()) return;
   std::vector<IntervalRow> rows;
   PageTable table{"Causes, in the order they were found",
-                  {"cause", "held-out gain [%]", "p (adjusted)", "parameters", "had been carried by", "what it is"},
+                  {"cause", "held-out gain [%] (95 % on new data)", "p (adjusted)", "parameters", "had been carried by",
+                   "what it is"},
                   {}};
   for (const Json& cause : result.at("causes")) {
     const Json &gain = cause.at("gain_heldout_percent"), &interval = cause.at("gain_ci95");
@@ -98,7 +99,7 @@ void addCauses(const Json& result, Page& page) {
                           number(cause.at("p_adjusted"), "{:.2g}"), parameters, carriers, text(cause, "sentence")});
   }
   Chart gains = intervalChart("What each cause saves on data never used", {"of the mean squared error [%]"}, rows);
-  gains.note = "With its 95 % interval.";
+  gains.note = "With the interval in which it lies, with 95 %, on other data as large as these.";
   page.add(std::move(gains));
   page.add(std::move(table));
 }
