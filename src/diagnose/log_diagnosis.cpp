@@ -246,6 +246,7 @@ LogDiagnosis diagnoseLog(const DriveSubject& subject, PreparedLog& log, const Lo
   }
   conclude(d, selection, left.share);
   addTransmission(subject, log, split, options, result);
+  warnOfHarm(d);
   d.extensions = result.extended.extensions;
   d.next_experiment = nextExperiment(d, log);
   return result;

@@ -280,6 +280,7 @@ PoseDiagnosis Diagnosing::run() {
   d.detectable = detectableMagnitudes(problem_, fit, hypotheses_);
   d.next_experiment = nextPoseExperiment(problem_, fit, selection_, hypotheses_, d.not_testable);
   decide();
+  warnOfHarm(d);
   result_.pose_errors = poseErrorsCsv(plain.model(), fit.model());
   result_.model = fit.model();
   const std::size_t given = result_.model.extensions.size() - d.extensions.size();

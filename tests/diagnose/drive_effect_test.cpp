@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "reality/drive_draws.h"
@@ -163,6 +164,16 @@ TEST_P(DriveEffectContract, SurvivesAModelFile) {
   const FittedModel read = readFittedModel(YamlNode::parse(writeFittedModel(file), "model.yaml"));
   const Eigen::ArrayXd predicted = predictExtended(subjectOf(read), data());
   EXPECT_LT((predicted - model.predict(theta)).abs().maxCoeff(), 1e-9 * (1.0 + predicted.abs().maxCoeff()));
+}
+
+TEST(PositionRipple, CountsFromOnePeriodInTheRangeOn) {
+  const PreparedLog log = smallLog(DriveKind::kFriction);
+  const Eigen::ArrayXd& angle = log.data.rows.joint_angle;
+  const double period = 2.0 * std::numbers::pi / (angle.maxCoeff() - angle.minCoeff());
+  const DriveEffect& ripple = drive_effects::find("position-ripple");
+  const double drift = 0.5 * period, real = 1.5 * period;
+  EXPECT_FALSE(ripple.counts({&drift, 1}, log.data.rows));
+  EXPECT_TRUE(ripple.counts({&real, 1}, log.data.rows));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, DriveEffectContract,

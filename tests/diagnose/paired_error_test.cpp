@@ -120,5 +120,16 @@ TEST(PredictedGain, OfNothingLiesOnBothSidesOfZero) {
   EXPECT_GE(gain.upper95, gain.value);
 }
 
+TEST(Diagnosis, DoubtsACauseThatMakesOtherDataWorse) {
+  Diagnosis diagnosis;
+  diagnosis.causes.resize(2);
+  diagnosis.causes[0].gain_heldout = {0.2, 0.1, 0.3};
+  diagnosis.causes[1].effect = "channel-delay";
+  diagnosis.causes[1].gain_heldout = {-0.5, -0.9, 0.0};
+  warnOfHarm(diagnosis);
+  ASSERT_EQ(diagnosis.warnings.size(), 1u);
+  EXPECT_TRUE(diagnosis.warnings[0].starts_with("channel-delay makes the data it was not chosen on worse, by 50 %"));
+}
+
 }  // namespace
 }  // namespace simgap::test

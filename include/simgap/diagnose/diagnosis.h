@@ -132,4 +132,7 @@ struct Diagnosis {
   std::vector<Extension> extensions;  ///< of the causes, as the extended model holds them
 };
 
+/// Adds a warning for each cause that makes the data it was not chosen on worse.
+void warnOfHarm(Diagnosis& diagnosis);
+
 }  // namespace simgap

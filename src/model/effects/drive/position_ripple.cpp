@@ -21,6 +21,12 @@ void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*
   x.col(1) = (p[0] * rows.joint_angle).cos();
 }
 
+/// The range of the angle holds a period: below that a ripple is a drift, which anything can cause.
+bool counts(std::span<const double> p, const DriveRows& rows) {
+  const double span = rows.joint_angle.maxCoeff() - rows.joint_angle.minCoeff();
+  return p[0] * span >= 0.9 * 2.0 * std::numbers::pi;
+}
+
 /// Power of the residual over the angle: rows are summed in narrow bins of the angle, then transformed directly.
 std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& residual) {
   constexpr Eigen::Index kBins = 2048;
@@ -32,7 +38,7 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
     const auto bin = static_cast<Eigen::Index>((rows.joint_angle[i] - low) / span * kBins);
     sum[std::min(bin, kBins - 1)] += residual[i];
   }
-  // From one period in the range on: below that a ripple is a drift. A third of the bins' Nyquist frequency at most.
+  // From one period in the range on, to a third of the bins' Nyquist frequency.
   const double lowest = 2.0 * std::numbers::pi / span, highest = kBins / 3.0 * std::numbers::pi / span;
   const auto power = [&](double r) {
     const double s = (sum * (r * angle).sin()).sum(), c = (sum * (r * angle).cos()).sum();
@@ -58,6 +64,7 @@ const DriveEffect position_ripple = {
     .needs = kNeeds,
     .fill = fill,
     .starts = starts,
+    .counts = counts,
 };
 
 }  // namespace simgap::drive_effects
