@@ -16,12 +16,12 @@ inline constexpr char kGitHash[] = \"@SIMGAP_GIT_HASH@\";
 ")
 include_directories(${CMAKE_BINARY_DIR}/generated)
 
-# Writes each asset into a C++ array that the target can read through simgap/report/assets.h.
+# Writes each asset into a C++ array that the target can read through simgap/report/html/assets.h.
 function(simgap_embed_assets target)
   set(config ${CMAKE_SOURCE_DIR}/configs/calibrate_arm.yaml)
   set(libraries ${CHART_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
   set(assets chart_js=${CHART_JS} three_js=${THREE_JS} orbit_controls_js=${ORBIT_CONTROLS_JS} calibrate_arm_yaml=${config})
-  file(GLOB templates CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/report/templates/*)
+  file(GLOB templates CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/report/html/templates/*)
   foreach(file ${templates})
     get_filename_component(name ${file} NAME)
     string(REPLACE "." "_" name ${name})
@@ -32,4 +32,5 @@ function(simgap_embed_assets target)
     COMMAND ${CMAKE_COMMAND} "-DASSETS=${assets}" -DOUTPUT=${output} -P ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake
     DEPENDS ${templates} ${config} ${libraries} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
   target_sources(${target} PRIVATE ${output})
+  set_source_files_properties(${output} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

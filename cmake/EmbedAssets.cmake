@@ -1,6 +1,6 @@
 # cmake -DASSETS="name=file;name=file" -DOUTPUT=assets.cpp -P EmbedAssets.cmake
 # Raw string literals: a compiler takes a megabyte of them at once, where an array of as many numbers takes seconds.
-set(content "// Written by CMake; do not edit.\n#include \"simgap/report/assets.h\"\nnamespace simgap::assets {\n")
+set(content "// Written by CMake; do not edit.\n#include \"simgap/report/html/assets.h\"\nnamespace simgap::assets {\n")
 foreach(asset ${ASSETS})
   string(FIND ${asset} "=" split)
   string(SUBSTRING ${asset} 0 ${split} name)

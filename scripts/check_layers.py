@@ -1,32 +1,60 @@
 #!/usr/bin/env python3
-"""Fails when a file includes a folder to its right: measure -> model -> simulate -> fit -> diagnose -> report -> cli.
+"""Fails when a file includes a room it may not know (docs/architecture.md).
 
-Also: tests/reality may include nothing of the project but core, because the data it makes judges the models.
+Data flows measure -> model -> simulate -> fit -> diagnose -> report -> cli: a room may include only what stands to its
+left, and no room below another family's. tests/reality may include nothing of the project but core, because the data it
+makes judges the models.
 """
 import pathlib
 import re
 import sys
 
-LAYERS = ["core", "measure", "model", "simulate", "fit", "diagnose", "report", "cli"]
-INCLUDE = re.compile(r'^\s*#\s*include\s*["<]simgap/(\w+)/')
+ROOMS = ["core", "optimize", "measure", "model", "simulate", "fit", "diagnose", "report", "cli"]
+# Families inside a room that know nothing of each other.
+APART = [("fit/poses", "fit/actuators"), ("diagnose/poses", "diagnose/logs"), ("measure/logs", "measure/capture"),
+         ("model/arm", "model/friction"), ("report/poses", "report/actuators"), ("report/capture", "report/actuators"),
+         ("report/diagnosis", "report/actuators")]
+# What a room's families share never includes one of them.
+SHARED = {"diagnose": ["poses", "logs"], "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
+INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?:simgap/)?([\w/]+)/\w+\.h[">]')
 
 
-def included_folders(file):
+def includes(file):
+    """Room of every file of the project that this one includes, with its line: "fit/poses"."""
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
         match = INCLUDE.match(line)
-        if match:
+        if match and match.group(1).split("/")[0] in ROOMS:
             yield number, match.group(1)
+
+
+def below(room, place):
+    return room == place or room.startswith(place + "/")
+
+
+def refusal(room, target):
+    """Why `room` may not include `target`; empty when it may."""
+    if ROOMS.index(target.split("/")[0]) > ROOMS.index(room.split("/")[0]):
+        return f"{room} may not include {target}"
+    for pair in APART:
+        for one, other in (pair, pair[::-1]):
+            if below(room, one) and below(target, other):
+                return f"{room} and {target} know nothing of each other"
+    for shared, families in SHARED.items():
+        places = [str(pathlib.PurePosixPath(shared).parent / f[3:]) if f.startswith("../") else f"{shared}/{f}" for f in families]
+        if room == shared and any(below(target, place) for place in places):
+            return f"{room} is shared and may not include {target}"
+    return ""
 
 
 def violations(root):
     for base in ("src", "include/simgap"):
-        for layer, folder in enumerate(LAYERS):
-            for file in sorted((root / base / folder).rglob("*.[ch]*")):
-                for number, target in included_folders(file):
-                    if target not in LAYERS[: layer + 1]:
-                        yield f"{file.relative_to(root)}:{number}: {folder} may not include {target}"
+        for file in sorted((root / base).rglob("*.[ch]*")):
+            room = file.parent.relative_to(root / base).as_posix()
+            for number, target in includes(file):
+                if why := refusal(room, target):
+                    yield f"{file.relative_to(root)}:{number}: {why}"
     for file in sorted((root / "tests/reality").rglob("*.[ch]*")):
-        for number, target in included_folders(file):
+        for number, target in includes(file):
             if target != "core":
                 yield f"{file.relative_to(root)}:{number}: tests/reality may not include {target}"
 

@@ -8,7 +8,7 @@
 #include "pose_inputs.h"
 #include "simgap/core/error.h"
 #include "simgap/core/progress.h"
-#include "simgap/report/diagnosis_report.h"
+#include "simgap/report/diagnosis/diagnosis_report.h"
 
 namespace simgap {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "simgap/cli/session.h"
 #include "simgap/core/error.h"
-#include "simgap/diagnose/pose_diagnosis.h"
+#include "simgap/diagnose/poses/pose_diagnosis.h"
 
 namespace simgap {
 

@@ -7,8 +7,8 @@
 
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
-#include "simgap/model/arm_yaml.h"
-#include "simgap/report/fit_report.h"
+#include "simgap/model/arm/arm_yaml.h"
+#include "simgap/report/actuators/fit_report.h"
 
 namespace simgap {
 namespace {

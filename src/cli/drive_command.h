@@ -4,7 +4,7 @@
 
 #include "fit_options.h"
 #include "simgap/core/error.h"
-#include "simgap/fit/drive_fit.h"
+#include "simgap/fit/actuators/drive_fit.h"
 
 namespace simgap {
 

@@ -10,13 +10,13 @@
 #include "fit_options.h"
 #include "simgap/core/error.h"
 #include "simgap/core/units.h"
-#include "simgap/report/fit_report.h"
+#include "simgap/report/actuators/fit_report.h"
 
 namespace simgap {
 namespace {
 
 /// Of a winding or a muscle: what was fitted replaces what the file had; the spring of 002 is a parameter there.
-void takeOver(const DriveFitResult& fit, FittedModel& model) {
+void takeOver(const LogFit& fit, FittedModel& model) {
   const auto put = [&](const FittedParameter& parameter) {
     std::erase_if(model.parameters, [&](const FittedParameter& p) { return p.name == parameter.name; });
     model.parameters.push_back(parameter);
@@ -65,7 +65,7 @@ bool namesFile(const std::string& model) {
   return std::filesystem::exists(model) || model.find('.') != std::string::npos;
 }
 
-DriveSubject readSubject(const std::string& model, Session& session, FittedModel& fitted) {
+ActuatorModel readSubject(const std::string& model, Session& session, FittedModel& fitted) {
   if (!namesFile(model)) return subjectOf(model);
   const Input& input = session.read("model", model);
   fitted = readFittedModel(YamlNode::parse(input.content, model));
@@ -79,26 +79,26 @@ Bench readRig(Session& session, const std::string& file, std::optional<double> r
   return bench;
 }
 
-PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind, FrictionDataOptions data_options) {
-  if (kind == DriveKind::kMotor) return prepareMotorData(table);
-  if (kind == DriveKind::kMuscle) return prepareMuscleData(table);
-  const DriveLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
+PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions data_options) {
+  if (kind == ActuatorKind::kMotor) return prepareMotorData(table);
+  if (kind == ActuatorKind::kPam) return preparePamData(table);
+  const ActuatorLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
   data_options.bandwidth = bench.bandwidth;
-  if (kind == DriveKind::kGearbox) return prepareGearboxData(table, bench, log_options, data_options);
-  return prepareDriveData(table, bench, log_options, data_options);
+  if (kind == ActuatorKind::kGearbox) return prepareGearboxData(table, bench, log_options, data_options);
+  return prepareActuatorData(table, bench, log_options, data_options);
 }
 
-FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, const DriveFitResult& fit,
-                      const DriveData& data, double dead_band, std::size_t rows, const Input& log) {
+FittedModel modelFile(const FittedModel& given, const ActuatorModel& subject, const LogFit& fit,
+                      const ActuatorData& data, double dead_band, std::size_t rows, const Input& log) {
   FittedModel model = given;
-  const DriveKind kind = subject.base.kind;
+  const ActuatorKind kind = subject.base.kind;
   model.covariance.resize(0, 0);
   model.data_file = log.file.filename().string();
   model.data_sha256 = log.sha256;
   model.data_rows = rows;
   model.extensions = fit.extensions;
-  if (kind == DriveKind::kMotor || kind == DriveKind::kMuscle) {
-    model.kind = kind == DriveKind::kMotor ? "motor" : "pam";
+  if (kind == ActuatorKind::kMotor || kind == ActuatorKind::kPam) {
+    model.kind = kind == ActuatorKind::kMotor ? "motor" : "pam";
     takeOver(fit, model);
     return model;
   }
@@ -141,7 +141,7 @@ ExitCode fitExtended(const ExtendedFitOptions& options, Session& session, const 
     }
   }
   FittedModel given;
-  const DriveSubject subject = readSubject(options.model, session, given);
+  const ActuatorModel subject = readSubject(options.model, session, given);
   if ("fit-" + given.kind != options.command) {
     throw ConfigError(fmt::format("{}: found a model of kind {}, expected {}: use fit-{}", options.model, given.kind,
                                   options.command.substr(4), given.kind));

@@ -11,9 +11,9 @@
 
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
-#include "simgap/diagnose/log_diagnosis.h"
-#include "simgap/model/bench.h"
-#include "simgap/model/fitted_model.h"
+#include "simgap/diagnose/logs/log_diagnosis.h"
+#include "simgap/measure/logs/bench.h"
+#include "simgap/model/actuator/fitted_model.h"
 
 namespace simgap {
 
@@ -21,17 +21,17 @@ namespace simgap {
 bool namesFile(const std::string& model);
 
 /// \param model  a file, or a name: of a friction law, motor, gearbox, or pam. \param fitted  set to what a file holds.
-DriveSubject readSubject(const std::string& model, Session& session, FittedModel& fitted);
+ActuatorModel readSubject(const std::string& model, Session& session, FittedModel& fitted);
 
 /// The rig of a file, or a torque sensor without one; `ratio` replaces its own.
 Bench readRig(Session& session, const std::string& file, std::optional<double> ratio);
 
-PreparedLog prepareLog(const CsvTable& table, const Bench& bench, DriveKind kind,
+PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind,
                        FrictionDataOptions data_options = {});
 
 /// A model as any other command reads it: the law refitted to the log, with the effects of `fit`.
-FittedModel modelFile(const FittedModel& given, const DriveSubject& subject, const DriveFitResult& fit,
-                      const DriveData& data, double dead_band, std::size_t rows, const Input& log);
+FittedModel modelFile(const FittedModel& given, const ActuatorModel& subject, const LogFit& fit,
+                      const ActuatorData& data, double dead_band, std::size_t rows, const Input& log);
 
 /// time_s, measured, predictions by name, and whether a row counts.
 std::string predictionsCsv(const PreparedLog& log,

@@ -12,8 +12,8 @@
 
 #include "simgap/cli/session.h"
 #include "simgap/core/error.h"
-#include "simgap/fit/friction_fit.h"
-#include "simgap/report/fit_report.h"
+#include "simgap/fit/actuators/friction_fit.h"
+#include "simgap/report/actuators/fit_report.h"
 
 namespace simgap {
 

@@ -8,8 +8,8 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
-#include "simgap/model/arm_effect.h"
-#include "simgap/report/assets.h"
+#include "simgap/model/arm/arm_effect.h"
+#include "simgap/report/html/assets.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
 namespace simgap {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "simgap/cli/session.h"
-#include "simgap/fit/calibration_result.h"
-#include "simgap/model/arm_yaml.h"
+#include "simgap/fit/poses/calibration_result.h"
+#include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap {
 

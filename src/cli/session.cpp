@@ -12,7 +12,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/units.h"
-#include "simgap/report/result_page.h"
+#include "simgap/report/html/result_page.h"
 
 namespace simgap {
 namespace {

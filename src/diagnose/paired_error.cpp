@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simgap/core/random.h"
-#include "simgap/fit/uncertainty.h"
+#include "simgap/optimize/uncertainty.h"
 
 namespace simgap {
 
@@ -42,6 +42,18 @@ Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::ui
   return gain;
 }
 
+double resampledGain(const ArrayXd& before, const ArrayXd& after, const CounterRandom& random, std::uint32_t draw,
+                     std::uint32_t purpose) {
+  double sum_before = 0.0, sum_after = 0.0;
+  for (Index k = 0; k < before.size(); ++k) {
+    const double u = random.uniform({draw, static_cast<std::uint32_t>(k), 0, purpose});
+    const auto piece = static_cast<Index>(u * static_cast<double>(before.size()));
+    sum_before += before[piece];
+    sum_after += after[piece];
+  }
+  return 1.0 - sum_after / std::max(sum_before, 1e-300);
+}
+
 namespace {
 
 /// Explained : left, on a logarithmic scale; a gain of nothing counts as a small one.
@@ -58,28 +70,18 @@ double inverseLogOdds(double odds) { return 1.0 / (1.0 + std::exp(-odds)); }
 Interval predictedGain(const ArrayXd& before, const ArrayXd& after, std::uint64_t seed) {
   constexpr std::size_t kDraws = 4000;
   const CounterRandom random(seed);
-  const Index pieces = before.size();
-  const auto gainOf = [&](std::uint32_t draw, std::uint32_t purpose) {
-    double sum_before = 0.0, sum_after = 0.0;
-    for (Index k = 0; k < pieces; ++k) {
-      const double u = random.uniform({draw, static_cast<std::uint32_t>(k), 0, purpose});
-      const auto piece = static_cast<Index>(u * static_cast<double>(pieces));
-      sum_before += before[piece];
-      sum_after += after[piece];
-    }
-    return 1.0 - sum_after / std::max(sum_before, 1e-300);
-  };
   const double value = 1.0 - after.sum() / std::max(before.sum(), 1e-300);
   std::vector<double> differences, ratios;
   for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
-    const double here = gainOf(draw, 1), there = gainOf(draw, 2);
+    const double here = resampledGain(before, after, random, draw, 1);
+    const double there = resampledGain(before, after, random, draw, 2);
     differences.push_back(there - here);
     ratios.push_back(logOdds(there) - logOdds(here));
   }
   std::ranges::sort(differences);
   std::ranges::sort(ratios);
   // Few pieces vary less than what they were drawn from: wider quantiles (expanded percentiles: Hesterberg 2015).
-  const auto n = static_cast<double>(pieces);
+  const auto n = static_cast<double>(before.size());
   const double z = n > 1.0 ? studentQuantile(n - 1.0) * std::sqrt(n / (n - 1.0)) : 0.0;
   const auto tail = static_cast<std::size_t>(0.5 * std::erfc(z / std::sqrt(2.0)) * kDraws);
   const double low = value + differences[tail], high = value + differences[kDraws - 1 - tail];

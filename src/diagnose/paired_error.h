@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "simgap/core/random.h"
 #include "simgap/diagnose/diagnosis.h"
 
 namespace simgap {
@@ -20,8 +21,12 @@ struct PieceErrors {
 /// of runs of neighbouring pieces (moving blocks: Kunsch 1989). A pure function of its arguments.
 Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::uint64_t seed);
 
-/// The same from the errors on pieces (shape (pieces)) that decided nothing, and where it will be, with 95 %, on as
-/// many other ones. That is a prediction: what was measured and what is to come are both drawn from the pieces again
+/// 1 - sum(after) / sum(before) of as many independent pieces, drawn with replacement: one draw of a paired bootstrap.
+double resampledGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, const CounterRandom& random,
+                     std::uint32_t draw, std::uint32_t purpose);
+
+/// As pairedGain, from the errors on pieces (shape (pieces)) that decided nothing, and where it will be, with 95 %, on
+/// as many other ones. That is a prediction: what was measured and what is to come are both drawn from the pieces again
 /// and again, and differ as their draws do (prediction bootstrap: Stine 1985). A few pieces, of one load or speed, show
 /// most of a cause: what varies evenly is the logarithm of explained : left, or, where those pieces are missing here,
 /// the gain itself; upwards the wider counts. A pure function of its arguments.

@@ -10,12 +10,6 @@ namespace {
 
 constexpr double kStill = 1e-9;  // [rad]: a joint that the shafts do not move has no side to come from
 
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
 /// exp(w + dw) = exp(w) exp(J dw).
 Eigen::Matrix3d rightJacobian(const Eigen::Vector3d& w) {
   const double angle = w.norm();

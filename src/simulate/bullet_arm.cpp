@@ -13,17 +13,17 @@ namespace {
 
 constexpr double kRunawaySpeed = 1e4;  // [rad/s]; no arm turns that fast, a simulation that blows up passes it
 
-/// A body's place in the multibody. Bullet wants link frames at the centre of mass along the principal axes.
-struct Link {
-  int index = -1;                                            ///< -1: a fixed body, the multibody's base
-  Eigen::Vector3d centre_of_mass = Eigen::Vector3d::Zero();  ///< in the body's frame
-  Eigen::Quaterniond body_from_link = Eigen::Quaterniond::Identity();
-};
-
 }  // namespace
 
 /// Bullet's objects, in the order they must be destroyed backwards.
 struct BulletArm::World {
+  /// A body's place in the multibody. Bullet wants link frames at the centre of mass along the principal axes.
+  struct Link {
+    int index = -1;                                            ///< -1: a fixed body, the multibody's base
+    Eigen::Vector3d centre_of_mass = Eigen::Vector3d::Zero();  ///< in the body's frame
+    Eigen::Quaterniond body_from_link = Eigen::Quaterniond::Identity();
+  };
+
   btDefaultCollisionConfiguration collision_configuration;
   btCollisionDispatcher dispatcher{&collision_configuration};
   btSimpleBroadphase broadphase;
@@ -247,7 +247,7 @@ void BulletArm::updateKinematics() {
 }
 
 void BulletArm::applyForce(int body, const Eigen::Vector3d& from_origin, const Eigen::Vector3d& force) {
-  const Link& link = world_->links[body];
+  const World::Link& link = world_->links[body];
   if (link.index < 0) return;
   const Eigen::Vector3d lever = from_origin - frames_[body].rotation * link.centre_of_mass;
   world_->body.addLinkForce(link.index, toBullet(force));

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "simgap/core/random.h"
-#include "simgap/model/kinematics.h"
+#include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
 namespace {

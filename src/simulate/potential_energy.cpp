@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "simgap/model/kinematics.h"
+#include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
 namespace {

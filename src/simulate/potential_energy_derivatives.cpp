@@ -8,7 +8,7 @@
 #include <cassert>
 
 #include "simgap/core/error.h"
-#include "simgap/model/parameter_space.h"
+#include "simgap/model/arm/parameter_space.h"
 #include "simgap/simulate/potential_energy.h"
 
 namespace simgap {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "simgap/measure/pose_set.h"
-#include "simgap/model/arm_yaml.h"
+#include "simgap/model/arm/arm_yaml.h"
 #include "simgap/simulate/bullet.h"
 #include "simgap/simulate/pose_protocol.h"
 

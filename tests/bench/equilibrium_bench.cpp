@@ -2,8 +2,8 @@
 /// A pose by energy minimisation beside the same pose by the Bullet protocol, and what its sensitivities cost.
 #include <benchmark/benchmark.h>
 
-#include "simgap/model/arm_yaml.h"
-#include "simgap/model/parameter_space.h"
+#include "simgap/model/arm/arm_yaml.h"
+#include "simgap/model/arm/parameter_space.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "simgap/simulate/pose_protocol.h"
 

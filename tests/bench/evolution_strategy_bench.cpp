@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "simgap/fit/evolution_strategy.h"
+#include "simgap/optimize/evolution_strategy.h"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "reality/friction_log.h"
-#include "simgap/fit/friction_fit.h"
+#include "simgap/fit/actuators/friction_fit.h"
 
 namespace {
 
@@ -25,11 +25,13 @@ void readCsv(benchmark::State& state) {
 }
 BENCHMARK(readCsv)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-FrictionData prepared() { return prepareFrictionData(readDriveLog(CsvTable::parse(logText(), "log.csv"), {}), {}, {}); }
+FrictionData prepared() {
+  return prepareFrictionData(readActuatorLog(CsvTable::parse(logText(), "log.csv"), {}), {}, {});
+}
 
 void prepare(benchmark::State& state) {
   const CsvTable table = CsvTable::parse(logText(), "log.csv");
-  for (auto _ : state) benchmark::DoNotOptimize(prepareFrictionData(readDriveLog(table, {}), {}, {}).rows());
+  for (auto _ : state) benchmark::DoNotOptimize(prepareFrictionData(readActuatorLog(table, {}), {}, {}).rows());
 }
 BENCHMARK(prepare)->Unit(benchmark::kMillisecond)->UseRealTime();
 

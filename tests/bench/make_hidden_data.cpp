@@ -17,7 +17,7 @@ namespace {
 
 using namespace simgap::reality;
 
-const std::map<std::string, void (*)(PamTruth&)> kMuscle = {
+const std::map<std::string, void (*)(PamTruth&)> kPam = {
     {"tendon-compliance", [](PamTruth& t) { t.tendon = 20000.0; }},
     {"pressure-threshold", [](PamTruth& t) { t.bladder = 2e4; }},
     {"pressure-bias", [](PamTruth& t) { t.sensor_offset = -2e4; }},
@@ -48,7 +48,7 @@ std::string driveLog(const std::string& effect, std::uint64_t seed) {
 }
 
 std::string logOf(const std::string& effect, std::uint64_t seed) {
-  if (const auto muscle = kMuscle.find(effect); muscle != kMuscle.end()) {
+  if (const auto muscle = kPam.find(effect); muscle != kPam.end()) {
     PamTruth truth;
     muscle->second(truth);
     return recordPam(truth, {.seed = seed}).csv();

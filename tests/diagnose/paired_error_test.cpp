@@ -1,5 +1,5 @@
 // Comparisons of two models piece by piece.
-#include "../../src/diagnose/paired_error.h"
+#include "diagnose/paired_error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // A controller as a user of the installed headers writes it: no library of the project, no other include path.
-#include <simgap/model/feed_forward.h>
-#include <simgap/model/pam.h>
+#include <simgap/model/actuator/feed_forward.h>
+#include <simgap/model/actuator/pam.h>
 #include <cmath>
 #include <cstdio>
 

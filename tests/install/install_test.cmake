@@ -8,7 +8,7 @@ function(run)
   endif()
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${PREFIX})
-foreach(file include/simgap/model/feed_forward.h include/simgap/model/pam.h lib/simgap/libsimgap_images.so
+foreach(file include/simgap/model/actuator/feed_forward.h include/simgap/model/actuator/pam.h lib/simgap/libsimgap_images.so
     lib/simgap/libsimgap_cma_es.so)
   if(NOT EXISTS ${PREFIX}/${file})
     message(FATAL_ERROR "${file} was not installed")

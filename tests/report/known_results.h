@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "simgap/report/pose_report.h"
+#include "simgap/report/poses/pose_report.h"
 
 namespace simgap::test {
 

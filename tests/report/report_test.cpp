@@ -1,4 +1,4 @@
-#include "simgap/report/pose_report.h"
+#include "simgap/report/poses/pose_report.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 
 #include "report/known_results.h"
 #include "simgap/core/run_directory.h"
-#include "simgap/report/page.h"
-#include "simgap/report/result_page.h"
+#include "simgap/report/html/page.h"
+#include "simgap/report/html/result_page.h"
 #include "support/files.h"
 
 namespace simgap::test {

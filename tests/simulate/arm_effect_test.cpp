@@ -1,6 +1,6 @@
 // The contract of every registered effect on an arm: its derivatives, its neutral value, its file, and that both
 // simulations take it alike.
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <cmath>
 
 #include "simgap/core/csv.h"
-#include "simgap/model/arm_yaml.h"
-#include "simgap/model/parameter_space.h"
+#include "simgap/model/arm/arm_yaml.h"
+#include "simgap/model/arm/parameter_space.h"
 #include "simgap/simulate/bullet_arm.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "simgap/simulate/pose_protocol.h"

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "reality/arm_statics.h"
-#include "simgap/model/parameter_space.h"
+#include "simgap/model/arm/parameter_space.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "support/arms.h"
 #include "support/statics.h"

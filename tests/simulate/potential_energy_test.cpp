@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "reality/arm_statics.h"
-#include "simgap/model/parameter_space.h"
+#include "simgap/model/arm/parameter_space.h"
 #include "simgap/simulate/potential_energy.h"
 #include "support/arms.h"
 #include "support/statics.h"

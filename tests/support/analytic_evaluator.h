@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "simgap/fit/calibration.h"
+#include "simgap/fit/poses/calibration.h"
 
 namespace simgap::test {
 

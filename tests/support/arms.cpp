@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "simgap/model/arm_yaml.h"
+#include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap::test {
 

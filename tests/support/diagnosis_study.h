@@ -31,13 +31,13 @@ struct LogAnswer {
   bool names(const std::string& effect) const;         ///< among others
 };
 
-/// Runs `binary diagnose classic` on the draw in a folder of its own, with `threads` threads.
+/// Runs `binary diagnose classic` on the draw in `folder`.
 LogAnswer diagnoseDraw(const reality::DriveDraw& draw, const std::filesystem::path& folder, const std::string& binary);
 
-/// The gain of the extended over the baseline model on a log of another motion with the same secret.
 /// Whether the stated 95 % interval of the hidden parameter holds its true value; none where it cannot be compared.
 std::optional<bool> intervalHoldsTruth(const LogAnswer& answer);
 
+/// The gain of the extended over the baseline model on a log of another motion with the same secret.
 double gainOnFreshLog(const reality::DriveDraw& draw, const std::filesystem::path& folder, const std::string& binary);
 
 /// Upper end of the exact 95 % interval of a rate of k in n (Clopper & Pearson 1934), one-sided.

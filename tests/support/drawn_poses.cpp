@@ -1,7 +1,7 @@
 #include "support/drawn_poses.h"
 
 #include "simgap/core/csv.h"
-#include "simgap/model/arm_yaml.h"
+#include "simgap/model/arm/arm_yaml.h"
 #include "support/files.h"
 
 namespace simgap::test {

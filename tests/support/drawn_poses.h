@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "reality/pose_draws.h"
-#include "simgap/diagnose/pose_diagnosis.h"
-#include "simgap/fit/calibration.h"
+#include "simgap/diagnose/poses/pose_diagnosis.h"
+#include "simgap/fit/poses/calibration.h"
 
 namespace simgap::test {
 

@@ -1,6 +1,6 @@
 #include "support/rig.h"
 
-#include "simgap/fit/calibration.h"
+#include "simgap/fit/poses/calibration.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "support/files.h"
 #include "support/statics.h"

@@ -4,7 +4,7 @@
 
 #include "reality/arm_rig.h"
 #include "simgap/measure/pose_set.h"
-#include "simgap/model/parameter_space.h"
+#include "simgap/model/arm/parameter_space.h"
 
 namespace simgap::test {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simgap/model/arm_yaml.h"
+#include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap::test {
 

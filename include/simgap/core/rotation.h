@@ -33,6 +33,9 @@ double jointError(JointType type, const JointPosition& a, const JointPosition& b
 /// The rotation that minimises the sum of squared chordal distances (Markley et al. 2007), w >= 0.
 Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations);
 
+/// The matrix of v x ., so that cross(v) w = v x w.
+Eigen::Matrix3d cross(const Eigen::Vector3d& v);
+
 /// Radians to degrees and back.
 inline constexpr double kDegree = 3.14159265358979323846 / 180.0;
 inline double toDegrees(double rad) { return rad / kDegree; }

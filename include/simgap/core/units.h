@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,8 @@
 #include <vector>
 
 namespace simgap {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// An affine conversion: target value = factor * value + offset.
 struct UnitConversion {

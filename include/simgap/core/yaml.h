@@ -27,7 +27,6 @@ struct Range {
   bool lower_open = false;    ///< lower itself is excluded
   std::string_view expected;  ///< in words, for the error: "> 0"
 };
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr Range kAnyNumber{-kInfinity, kInfinity, false, "a finite number"};
 inline constexpr Range kPositive{0.0, kInfinity, true, "a number > 0"};
 inline constexpr Range kNonNegative{0.0, kInfinity, false, "a number >= 0"};

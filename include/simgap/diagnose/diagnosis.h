@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "simgap/model/extension.h"
+#include "simgap/model/effects/extension.h"
 
 namespace simgap {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 #include "simgap/simulate/potential_energy.h"
 
 namespace simgap {

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "simgap/model/arm.h"
-#include "simgap/model/kinematics.h"
+#include "simgap/model/arm/arm.h"
+#include "simgap/model/arm/kinematics.h"
 #include "simgap/simulate/arm_observation.h"
 #include "simgap/simulate/drive.h"
 

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "simgap/model/arm.h"
+#include "simgap/model/arm/arm.h"
 
 namespace simgap {
 

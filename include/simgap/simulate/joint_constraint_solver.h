@@ -17,7 +17,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "simgap/model/arm.h"
+#include "simgap/model/arm/arm.h"
 #include "simgap/simulate/bullet.h"
 
 namespace simgap {

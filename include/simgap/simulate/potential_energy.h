@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
 

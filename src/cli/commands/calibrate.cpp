@@ -6,12 +6,12 @@
 #include <cstring>
 #include <set>
 
-#include "../pose_inputs.h"
+#include "cli/pose_inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
-#include "simgap/fit/posterior_search.h"
-#include "simgap/report/arm_geometry.h"
-#include "simgap/report/pose_report.h"
+#include "simgap/fit/poses/posterior_search.h"
+#include "simgap/report/poses/arm_geometry.h"
+#include "simgap/report/poses/pose_report.h"
 
 namespace simgap::commands {
 namespace {

@@ -6,7 +6,7 @@
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
 #include "simgap/measure/capture/image_pairs.h"
-#include "simgap/report/camera_calibration_report.h"
+#include "simgap/report/capture/camera_calibration_report.h"
 
 namespace simgap::commands {
 namespace {

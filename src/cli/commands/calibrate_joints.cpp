@@ -2,7 +2,7 @@
 
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
-#include "simgap/report/capture_rig_report.h"
+#include "simgap/report/capture/capture_rig_report.h"
 
 namespace simgap::commands {
 namespace {

@@ -6,7 +6,7 @@
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
 #include "simgap/measure/capture/capture_run.h"
-#include "simgap/report/capture_report.h"
+#include "simgap/report/capture/capture_report.h"
 
 namespace simgap::commands {
 namespace {

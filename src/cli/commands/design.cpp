@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include "../pose_inputs.h"
+#include "cli/pose_inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
-#include "simgap/fit/posterior_search.h"
-#include "simgap/report/design_report.h"
+#include "simgap/fit/poses/posterior_search.h"
+#include "simgap/report/poses/design_report.h"
 
 namespace simgap::commands {
 namespace {

@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <thread>
 
-#include "../diagnose_poses.h"
-#include "../drive_subject.h"
-#include "../fit_options.h"
+#include "cli/diagnose_poses.h"
+#include "cli/drive_subject.h"
+#include "cli/fit_options.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
-#include "simgap/diagnose/log_diagnosis.h"
-#include "simgap/model/fitted_model.h"
-#include "simgap/report/diagnosis_report.h"
+#include "simgap/diagnose/logs/log_diagnosis.h"
+#include "simgap/model/actuator/fitted_model.h"
+#include "simgap/report/diagnosis/diagnosis_report.h"
 
 namespace simgap::commands {
 namespace {
@@ -75,7 +75,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv, const C
   }
   keepMemory();
   FittedModel fitted;
-  const DriveSubject subject = readSubject(options.model, session, fitted);
+  const ActuatorModel subject = readSubject(options.model, session, fitted);
   const Bench bench = readRig(session, options.bench, options.ratio);
   const CsvTable table = session.readTable("log", options.log, options.table.csv());
   if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", options.log, table.skippedRows());

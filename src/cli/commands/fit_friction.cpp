@@ -8,10 +8,10 @@
 #include <set>
 #include <thread>
 
-#include "../drive_subject.h"
-#include "../fit_options.h"
+#include "cli/drive_subject.h"
+#include "cli/fit_options.h"
 #include "simgap/cli/command.h"
-#include "simgap/report/friction_report.h"
+#include "simgap/report/actuators/friction_report.h"
 
 namespace simgap::commands {
 namespace {
@@ -85,7 +85,7 @@ std::vector<Requirement> requirements(const std::vector<std::string>& texts) {
 }
 
 /// Seconds from the first row of a session to its last, summed.
-double spanOf(const DriveLog& log) {
+double spanOf(const ActuatorLog& log) {
   double seconds = 0.0;
   for (const Block& rows : splitRows(log.session, log.rows())) seconds += log.time[rows.end - 1] - log.time[rows.begin];
   return seconds;
@@ -96,13 +96,13 @@ struct Task {
   const Options& options;
   Bench bench;
   FrictionDataOptions data;
-  DriveLogOptions log;
+  ActuatorLogOptions log;
 
   FrictionData read(Session& session, const std::string& role, const std::string& file, Holdout* holdout) const {
     CsvTable table = session.readTable(role, file, options.table.csv());
     if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", file, table.skippedRows());
     if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, table);
-    DriveLog drive = readDriveLog(std::move(table), log);
+    ActuatorLog drive = readActuatorLog(std::move(table), log);
     FrictionDataOptions prepared = data;
     prepared.block_seconds = options.fit.blockSeconds(spanOf(drive));
     return prepareFrictionData(std::move(drive), bench, prepared);

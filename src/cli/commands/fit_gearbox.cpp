@@ -1,4 +1,4 @@
-#include "../drive_command.h"
+#include "cli/drive_command.h"
 #include "simgap/cli/command.h"
 
 namespace simgap::commands {

@@ -1,5 +1,5 @@
-#include "../drive_command.h"
-#include "../drive_subject.h"
+#include "cli/drive_command.h"
+#include "cli/drive_subject.h"
 #include "simgap/cli/command.h"
 
 namespace simgap::commands {

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "../drive_subject.h"
-#include "../fit_options.h"
+#include "cli/drive_subject.h"
+#include "cli/fit_options.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/csv.h"
-#include "simgap/fit/pam_fit.h"
-#include "simgap/report/fit_report.h"
+#include "simgap/fit/actuators/pam_fit.h"
+#include "simgap/report/actuators/fit_report.h"
 
 namespace simgap::commands {
 namespace {

@@ -3,14 +3,14 @@
 
 #include <cmath>
 
-#include "../drive_command.h"
-#include "../drive_subject.h"
+#include "cli/drive_command.h"
+#include "cli/drive_subject.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/units.h"
-#include "simgap/fit/drive_data.h"
-#include "simgap/measure/motion.h"
-#include "simgap/model/pam.h"
+#include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/prepared_log.h"
+#include "simgap/model/actuator/pam.h"
 
 namespace simgap::commands {
 namespace {
@@ -52,7 +52,7 @@ Prediction predictDiagnosed(const FittedModel& model, const Options& options, Se
                                   options.inverse ? "with --inverse" : "in a gearbox model"));
   }
   const CsvTable table = session.readTable("log", options.log, options.table.csv());
-  const DriveSubject subject = subjectOf(model);
+  const ActuatorModel subject = subjectOf(model);
   const PreparedLog log = prepareLog(table, benchOf(model, options, session), subject.base.kind, dataOptions(model));
   const Eigen::ArrayXd predicted = predictExtended(subject, log.data);
   const UnitName effort = splitUnit(log.effort_column);
@@ -71,7 +71,7 @@ Prediction predictFriction(const FittedModel& model, const Options& options, Ses
   const CsvTable table = session.readTable("log", options.log, options.table.csv());
   const Bench bench = benchOf(model, options, session);
   const FrictionData data =
-      prepareFrictionData(readDriveLog(table, {.ratio = bench.ratio.value_or(0.0)}), bench, dataOptions(model));
+      prepareFrictionData(readActuatorLog(table, {.ratio = bench.ratio.value_or(0.0)}), bench, dataOptions(model));
   const FrictionLaw& law = friction::find(model.law);
   const DriveFeedForward drive = feedForward(law, estimatesOf(model));
   const bool torque = model.setting("predicts") == "torque";

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "simgap/cli/command.h"
-#include "simgap/report/result_page.h"
+#include "simgap/report/html/result_page.h"
 
 namespace simgap::commands {
 namespace {

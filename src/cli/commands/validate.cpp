@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "../pose_inputs.h"
+#include "cli/pose_inputs.h"
 #include "simgap/cli/command.h"
-#include "simgap/report/arm_geometry.h"
-#include "simgap/report/pose_report.h"
+#include "simgap/report/poses/arm_geometry.h"
+#include "simgap/report/poses/pose_report.h"
 
 namespace simgap::commands {
 namespace {

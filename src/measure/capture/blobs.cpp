@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kWindowMargin = 2.0;  // [px] beyond the thresholded blob: where its blurred rim has faded
 constexpr double kRimExcess = 0.5;     // [px] by which the rim's window reaches beyond the margin; see below
-constexpr int kRounds = 4;             // of re-centring; the second already moves by less than 1e-3 px
+constexpr int kCentringRounds = 4;             // of re-centring; the second already moves by less than 1e-3 px
 
 /// Pixels between two boxes; 0 when they touch.
 double gapBetween(const cv::Rect& a, const cv::Rect& b) {
@@ -138,7 +138,7 @@ void BlobDetector::measure(const cv::Mat& image, const cv::Rect& box, double mar
   blob.centre = {box.x + 0.5 * (box.width - 1), box.y + 0.5 * (box.height - 1)};
   const double radius = 0.5 * std::max(box.width, box.height) + margin;
   Moments moments;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kCentringRounds; ++round) {
     moments = momentsWithin(image, blob.centre, radius, background);
     if (!(moments.mass > 0.0)) break;
     const Eigen::Vector2d step(moments.x / moments.mass, moments.y / moments.mass);
@@ -147,7 +147,7 @@ void BlobDetector::measure(const cv::Mat& image, const cv::Rect& box, double mar
   }
   const double rim = std::sqrt(blob.area / std::numbers::pi);
   const double width = margin + kRimExcess;
-  for (int round = 0; rim > width && round < kRounds; ++round) {
+  for (int round = 0; rim > width && round < kCentringRounds; ++round) {
     const Eigen::Vector2d step = rimStep(image, blob.centre, rim, width, background);
     blob.centre += step;
     if (step.norm() < 1e-3) break;

@@ -14,7 +14,7 @@ constexpr double kScaleTolerance = 1e-3;     // of a length
 constexpr double kSpreadTolerance = 1.5;     // observed by predicted standard deviation of a distance
 constexpr double kSpreadFloor = 0.05e-3;     // [m] of additional spread
 constexpr double kEpipolarTolerance = 0.05;  // [px] mean of the signed error
-constexpr std::size_t kFewestFrames = 10;
+constexpr std::size_t kFewestForStatistics = 10;
 
 double standardError(const RunningStatistics& s) { return s.sd() / std::sqrt(static_cast<double>(s.count())); }
 
@@ -165,7 +165,7 @@ std::vector<GeometryFinding> CaptureStatistics::doubts() const {
   double observed = 0.0;
   double predicted = 0.0;
   for (const DistanceStatistics& d : distances_) {
-    if (d.measured.count() < kFewestFrames) continue;
+    if (d.measured.count() < kFewestForStatistics) continue;
     observed += d.measured.sd() * d.measured.sd();
     predicted += d.variance.mean();
   }
@@ -178,7 +178,7 @@ std::vector<GeometryFinding> CaptureStatistics::doubts() const {
                      "depend on the place",
                      1e3 * std::sqrt(observed / pairs), 1e3 * std::sqrt(predicted / pairs))});
   }
-  if (epipolar_.count() > kFewestFrames && std::abs(epipolar_.mean()) > kEpipolarTolerance &&
+  if (epipolar_.count() > kFewestForStatistics && std::abs(epipolar_.mean()) > kEpipolarTolerance &&
       std::abs(epipolar_.mean()) > kSignificance * standardError(epipolar_)) {
     findings.push_back(
         {"epipolar", fmt::format("markers miss their epipolar lines by {:+.2f} px on average, expected 0 "

@@ -6,7 +6,7 @@
 namespace simgap {
 namespace {
 
-constexpr int kFewestMarkers = 3;  // fix a rotation
+constexpr int kFewestOfRotation = 3;  // fix a rotation
 // Another place for the same target counts as a rival when it fits almost as well.
 constexpr double kRivalRms = 0.1e-3;       // [m]
 constexpr double kRivalDistance = 3.0e-3;  // [m] a marker must move for the place to be another one
@@ -109,7 +109,7 @@ void TargetMatcher::judge(Search& search) {
 
 void TargetMatcher::assignMarker(Search& search, std::size_t marker) {
   const int left = static_cast<int>(search.assigned.size() - marker);
-  const int wanted = search.best ? search.best->visible : kFewestMarkers;
+  const int wanted = search.best ? search.best->visible : kFewestOfRotation;
   if (search.count + left < wanted) return;
   if (left == 0) {
     judge(search);
@@ -139,7 +139,7 @@ std::optional<TargetMatch> TargetMatcher::find(std::size_t target, const TargetP
   assignMarker(search, 0);
   failure = MatchFailure::kTooFewMarkers;
   if (!search.best) return std::nullopt;
-  const bool lonely = near == nullptr && search.best->visible == kFewestMarkers;
+  const bool lonely = near == nullptr && search.best->visible == kFewestOfRotation;
   if (lonely && search.best->rms > kLonelyTripleRms * options_.max_rms) return std::nullopt;
   failure = MatchFailure::kAmbiguous;
   const bool rivalled = search.rival && search.rival->visible == search.best->visible &&

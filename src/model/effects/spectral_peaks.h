@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 
 /// Peaks of power(r) for r from `lowest` in steps up to `highest`, at most `most`. \returns their r, the strongest
 /// first.
@@ -28,4 +28,4 @@ std::vector<double> strongestPeaks(double lowest, double highest, double step, s
   return ratios;
 }
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {

@@ -1,6 +1,6 @@
 /// Shock cord stiffens beyond its linear range (000 eq. 2-3 hold to 80 %): F = k x (1 + h (x / L_SR)^2), so that
 /// U = 1/2 k x^2 (1 + h/2 (x / L_SR)^2).
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {

@@ -1,5 +1,5 @@
 /// The joint turns about another point of its parent than the model says: p' = p + (x, y, z).
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {

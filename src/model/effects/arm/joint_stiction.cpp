@@ -1,7 +1,7 @@
 /// Joint friction holds an arm short of its equilibrium, on the side it comes from: with d the way the joint would take
 /// while the shafts wind, gravity and muscles still push it by tau d/|d| where it stops. It comes from the rest at
 /// which every pose starts, or from the pose before.
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {

@@ -1,6 +1,6 @@
 /// The frame that the capture gives a body is turned against its bone by the rotation vector w, in the body's frame:
 /// R_captured = R exp(w). Joints are captured as R_parent^-1 q R_child.
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {

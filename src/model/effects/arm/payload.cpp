@@ -1,6 +1,6 @@
 /// A body carries a mass that the model does not have, at a distance from its joint on the line through its centre of
 /// mass.
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {

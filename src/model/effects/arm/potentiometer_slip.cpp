@@ -1,6 +1,6 @@
 /// A potentiometer that slipped on its shaft reads the spindle wrong from one moment on: the line is wound by
 /// r (phi + a) for t >= t*, though the record says phi.
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {
@@ -22,7 +22,7 @@ const ArmEffect potentiometer_slip{
     .name = "potentiometer-slip",
     .cause = "the potentiometer slipped on its shaft at one moment",
     .equation = "L_K = L_K0 - r (phi + angle) from the moment time on",
-    .target = ArmEffect::Target::kMuscle,
+    .target = ArmEffect::Target::kPam,
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,

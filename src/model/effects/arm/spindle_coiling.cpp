@@ -1,6 +1,6 @@
 /// A line that winds over itself winds on a growing radius: r(phi) = r (1 + g phi), so that the shaft at phi has wound
 /// up r phi + r g phi^2 / 2 instead of r phi (000 eq. 12 with r kept under the integral).
-#include "simgap/model/arm_effect.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects {
 namespace {

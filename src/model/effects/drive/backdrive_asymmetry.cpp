@@ -1,14 +1,14 @@
 /// \file
 /// Friction that differs between driving a load and being driven by it: the whole friction x (1 + b sign(tau_ext w)).
 /// On a friction proportional to the load alone it is exactly a change of k_a (|tau| sign(w) sign(tau w) = tau).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"b", "1", -0.9, 0.9, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   const Eigen::ArrayXd factor = 1.0 + p[0] * (terms.load * rows.direction).sign();
   terms.dry *= factor;
   terms.viscous *= factor;
@@ -16,8 +16,8 @@ void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) 
 
 }  // namespace
 
-extern const DriveEffect backdrive_asymmetry;
-const DriveEffect backdrive_asymmetry = {
+extern const ActuatorEffect backdrive_asymmetry;
+const ActuatorEffect backdrive_asymmetry = {
     .name = "backdrive-asymmetry",
     .cause = "friction that differs between driving a load and being driven by it",
     .equation = "tau_fr (1 + b sign(tau_ext w))",
@@ -28,4 +28,4 @@ const DriveEffect backdrive_asymmetry = {
     .apply = apply,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

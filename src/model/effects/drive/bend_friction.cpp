@@ -1,26 +1,26 @@
 /// \file
 /// Cable friction that grows with the wrap angle (capstan): dry friction x exp(mu (theta - theta_mean)).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
-constexpr Channel kNeeds[] = {Channel::kJointAngle};
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
 constexpr EffectParameter kParameters[] = {
     {"mu", "1_rad", -3.0, 3.0, 0.0, 0.0}, {"theta_mean", "rad", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   terms.dry *= (p[0] * (rows.joint_angle - p[1])).max(-20.0).min(20.0).exp();
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   return {{0.0, rows.joint_angle.mean()}};
 }
 
 }  // namespace
 
-extern const DriveEffect bend_friction;
-const DriveEffect bend_friction = {
+extern const ActuatorEffect bend_friction;
+const ActuatorEffect bend_friction = {
     .name = "bend-friction",
     .cause = "cable friction that grows with the angle the cable is bent by",
     .equation = "tau_dry exp(mu (theta - theta_mean))",
@@ -33,4 +33,4 @@ const DriveEffect bend_friction = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,17 +1,17 @@
 /// \file
 /// The effort is logged later (or earlier) than the motion by dt: effort(t) belongs to the motion at t - dt.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
 #include <cmath>
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"dt", "s", -0.5, 0.5, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) { terms.delay += p[0]; }
+void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) { terms.delay += p[0]; }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   std::vector<std::vector<double>> list;
   for (int k = -10; k <= 10; ++k) {
     const double delay = (k + 0.37) * rows.step;  // off the samples, where the derivative jumps
@@ -21,12 +21,12 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
 }
 
 /// Where a reversal lies between two rows is not known better than to half a row.
-bool counts(std::span<const double> p, const DriveRows& rows) { return std::abs(p[0]) >= 0.5 * rows.step; }
+bool counts(std::span<const double> p, const ActuatorRows& rows) { return std::abs(p[0]) >= 0.5 * rows.step; }
 
 }  // namespace
 
-extern const DriveEffect channel_delay;
-const DriveEffect channel_delay = {
+extern const ActuatorEffect channel_delay;
+const ActuatorEffect channel_delay = {
     .name = "channel-delay",
     .cause = "the current is logged at another moment than the motion",
     .equation = "I(t) from the motion at t - dt",
@@ -39,4 +39,4 @@ const DriveEffect channel_delay = {
     .counts = counts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,27 +1,27 @@
 /// \file
 /// Dry friction at zero load, from adhesion or preload: + n_c2 on the whole dry friction, or (sliding_only = 1) on
 /// tau_c alone as in variant A (003 eq. 9). Both are this one cause; the data choose the form.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"sliding_only", "1", 0.0, 1.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 constexpr EffectColumn kColumns[] = {{"n_c2", "Nm", 0.0}};
 
-void fill(std::span<const double> p, const DriveRows& /*rows*/, const DriveTerms& terms, const Eigen::ArrayXd& still,
-          Eigen::Ref<Eigen::ArrayXXd> x) {
+void fill(std::span<const double> p, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
+          const Eigen::ArrayXd& still, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = terms.dry * (1.0 - p[0] * still);
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& /*rows*/, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& /*rows*/, const Eigen::ArrayXd& /*residual*/) {
   return {{0.0}, {1.0}};
 }
 
 }  // namespace
 
-extern const DriveEffect coulomb_offset;
-const DriveEffect coulomb_offset = {
+extern const ActuatorEffect coulomb_offset;
+const ActuatorEffect coulomb_offset = {
     .name = "coulomb-offset",
     .cause = "dry friction that is there without any load, from adhesion or preload",
     .equation = "tau_fr += n_c2 (1 - sliding_only E) sign(w)",
@@ -34,4 +34,4 @@ const DriveEffect coulomb_offset = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,21 +1,21 @@
 /// \file
 /// An offset of the current sensor: + I_0.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "I_0", .unit = "A", .torque = false}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& /*rows*/, const DriveTerms& /*terms*/,
+void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = 1.0;
 }
 
 }  // namespace
 
-extern const DriveEffect current_bias;
-const DriveEffect current_bias = {
+extern const ActuatorEffect current_bias;
+const ActuatorEffect current_bias = {
     .name = "current-bias",
     .cause = "the current sensor has an offset",
     .equation = "I + I_0",
@@ -26,4 +26,4 @@ const DriveEffect current_bias = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,20 +1,20 @@
 /// \file
 /// Dry friction that differs by the direction of motion: x (1 + a sign(w)).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"a", "1", -0.9, 0.9, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   terms.dry *= 1.0 + p[0] * rows.direction;
 }
 
 }  // namespace
 
-extern const DriveEffect direction_asymmetry;
-const DriveEffect direction_asymmetry = {
+extern const ActuatorEffect direction_asymmetry;
+const ActuatorEffect direction_asymmetry = {
     .name = "direction-asymmetry",
     .cause = "dry friction that differs by the direction of motion",
     .equation = "tau_dry (1 + a sign(w))",
@@ -25,4 +25,4 @@ const DriveEffect direction_asymmetry = {
     .apply = apply,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

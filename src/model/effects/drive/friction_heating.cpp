@@ -1,9 +1,9 @@
 /// \file
 /// Friction that falls as the drive warms up: viscous and dry friction x exp(-beta (T - T_mean)), a beta for each.
 /// Where no temperature is logged, a first-order warm-up 1 - exp(-t / t_warm) of the whole log stands for it.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"beta_viscous", "1", -2.0, 2.0, 0.0, 0.0},
@@ -11,7 +11,7 @@ constexpr EffectParameter kParameters[] = {{"beta_viscous", "1", -2.0, 2.0, 0.0,
                                            {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant},
                                            {"t_warm", "s", 1.0, 1e6, 1.0, 1.0, EffectParameter::Kind::kShape}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   Eigen::ArrayXd warmth;
   if (rows.temperature.size() > 0) {
     warmth = rows.temperature - p[2];
@@ -22,7 +22,7 @@ void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) 
   terms.dry *= (-p[1] * warmth).max(-20.0).min(20.0).exp();
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   if (rows.temperature.size() > 0) return {{0.0, 0.0, rows.temperature.mean(), 1.0}};
   const double length = rows.time[rows.rows() - 1] - rows.time[0];
   return {{0.05, 0.05, 0.0, 0.1 * length}, {0.05, 0.05, 0.0, 0.4 * length}, {0.05, 0.05, 0.0, 2.0 * length}};
@@ -30,8 +30,8 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
 
 }  // namespace
 
-extern const DriveEffect friction_heating;
-const DriveEffect friction_heating = {
+extern const ActuatorEffect friction_heating;
+const ActuatorEffect friction_heating = {
     .name = "friction-heating",
     .cause = "friction falls as the drive warms up",
     .equation = "tau_dry exp(-beta_dry (T - T_mean)), k_v exp(-beta_viscous (T - T_mean))",
@@ -43,4 +43,4 @@ const DriveEffect friction_heating = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

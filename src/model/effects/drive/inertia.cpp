@@ -1,21 +1,21 @@
 /// \file
 /// A torque that accelerates what the model takes for massless: + J dw/dt.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"J", "Nms2_rad", 0.0}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms& /*terms*/,
+void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = rows.acceleration;
 }
 
 }  // namespace
 
-extern const DriveEffect inertia;
-const DriveEffect inertia = {
+extern const ActuatorEffect inertia;
+const ActuatorEffect inertia = {
     .name = "inertia",
     .cause = "an inertia that the model leaves out has to be accelerated",
     .equation = "tau += J dw/dt",
@@ -26,4 +26,4 @@ const DriveEffect inertia = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,20 +1,20 @@
 /// \file
 /// A weight that the torque sensor does not see: load += mgl sin(theta - theta_0). Two coefficients of sine and cosine
 /// would be equivalent, but the load also sets the friction.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
-constexpr Channel kNeeds[] = {Channel::kJointAngle};
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
 constexpr EffectParameter kParameters[] = {{"mgl", "Nm", -1e4, 1e4, 0.0, 0.1},
                                            {"theta_0", "rad", -4.0, 4.0, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   terms.load += p[0] * (rows.joint_angle - p[1]).sin();
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   std::vector<std::vector<double>> list;
   for (const double angle : {-1.2, 0.0, 1.2}) {
     for (const double sign : {-1.0, 1.0}) list.push_back({sign * 0.05 * rows.top_load, angle});
@@ -24,8 +24,8 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
 
 }  // namespace
 
-extern const DriveEffect joint_gravity;
-const DriveEffect joint_gravity = {
+extern const ActuatorEffect joint_gravity;
+const ActuatorEffect joint_gravity = {
     .name = "joint-gravity",
     .cause = "a weight that the torque sensor does not see",
     .equation = "tau_ext += m g l sin(theta - theta_0)",
@@ -38,4 +38,4 @@ const DriveEffect joint_gravity = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,21 +1,21 @@
 /// \file
 /// Friction that grows with the load (003 eq. 7), for laws without that term: + n_c |tau_ext|.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"n_c", "1", 0.0}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& /*rows*/, const DriveTerms& terms,
+void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = terms.load.abs() * terms.dry;
 }
 
 }  // namespace
 
-extern const DriveEffect load_dependence;
-const DriveEffect load_dependence = {
+extern const ActuatorEffect load_dependence;
+const ActuatorEffect load_dependence = {
     .name = "load-dependence",
     .cause = "friction that grows with the load",
     .equation = "tau_fr += n_c |tau_ext| sign(w)",
@@ -26,4 +26,4 @@ const DriveEffect load_dependence = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

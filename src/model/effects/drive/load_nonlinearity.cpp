@@ -1,21 +1,21 @@
 /// \file
 /// Friction that grows faster or slower than the load: + n_2 tau_ext^2.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"n_2", "1_Nm"}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& /*rows*/, const DriveTerms& terms,
+void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = terms.load.square() * terms.dry;
 }
 
 }  // namespace
 
-extern const DriveEffect load_nonlinearity;
-const DriveEffect load_nonlinearity = {
+extern const ActuatorEffect load_nonlinearity;
+const ActuatorEffect load_nonlinearity = {
     .name = "load-nonlinearity",
     .cause = "friction that grows faster or slower than the load",
     .equation = "tau_fr += n_2 tau_ext^2 sign(w)",
@@ -26,4 +26,4 @@ const DriveEffect load_nonlinearity = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,34 +1,34 @@
 /// \file
 /// Cogging, a gear or a screw: a force that repeats with the shaft angle, a sin(r theta) + b cos(r theta). The ratio r
 /// is searched on the spectrum of the residual over the angle, then fitted.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
 #include <algorithm>
 #include <numbers>
 
-#include "../spectral_peaks.h"
+#include "model/effects/spectral_peaks.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
-constexpr Channel kNeeds[] = {Channel::kJointAngle};
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
 constexpr EffectParameter kParameters[] = {{"r", "1", 0.5, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape}};
 constexpr EffectColumn kColumns[] = {{"a", "Nm"}, {"b", "Nm"}};
 
-void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*terms*/,
+void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = (p[0] * rows.joint_angle).sin();
   x.col(1) = (p[0] * rows.joint_angle).cos();
 }
 
 /// The range of the angle holds a period: below that a ripple is a drift, which anything can cause.
-bool counts(std::span<const double> p, const DriveRows& rows) {
+bool counts(std::span<const double> p, const ActuatorRows& rows) {
   const double span = rows.joint_angle.maxCoeff() - rows.joint_angle.minCoeff();
   return p[0] * span >= 0.9 * 2.0 * std::numbers::pi;
 }
 
 /// Power of the residual over the angle: rows are summed in narrow bins of the angle, then transformed directly.
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& residual) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& residual) {
   constexpr Eigen::Index kBins = 2048;
   const double low = rows.joint_angle.minCoeff(), span = rows.joint_angle.maxCoeff() - low;
   if (!(span > 0.0)) return {};
@@ -51,8 +51,8 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
 
 }  // namespace
 
-extern const DriveEffect position_ripple;
-const DriveEffect position_ripple = {
+extern const ActuatorEffect position_ripple;
+const ActuatorEffect position_ripple = {
     .name = "position-ripple",
     .cause = "a force that repeats with the shaft angle: cogging, a gear, a screw",
     .equation = "tau += a sin(r theta) + b cos(r theta)",
@@ -67,4 +67,4 @@ const DriveEffect position_ripple = {
     .counts = counts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

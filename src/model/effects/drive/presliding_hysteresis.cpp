@@ -5,16 +5,16 @@
 ///
 /// Every real drive has a little of it: the baseline carries it with a small x_s as a nuisance; the cause is a large
 /// one.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
 #include <cmath>
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"x_s", "rad", 1e-6, 1e3, 0.0, 1.0, EffectParameter::Kind::kShape}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   double z = rows.rows() > 0 ? rows.direction[0] : 0.0;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const double d = rows.direction[i];
@@ -23,15 +23,15 @@ void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) 
   }
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   const double stride = rows.top_speed * rows.step;
   return {{0.03 * stride}, {0.3 * stride}, {3.0 * stride}};
 }
 
 }  // namespace
 
-extern const DriveEffect presliding_hysteresis;
-const DriveEffect presliding_hysteresis = {
+extern const ActuatorEffect presliding_hysteresis;
+const ActuatorEffect presliding_hysteresis = {
     .name = "presliding-hysteresis",
     .cause = "after a reversal friction builds up over some travel: backlash or elastic bristles",
     .equation = "tau_dry z, dz/dx = (sign(w) - z) / x_s",
@@ -43,4 +43,4 @@ const DriveEffect presliding_hysteresis = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

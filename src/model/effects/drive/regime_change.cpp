@@ -1,27 +1,27 @@
 /// \file
 /// Something was altered at one moment t_c (a cable re-tensioned, slipped): from then on dry friction x (1 + a) and
 /// the effort + I_1.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"a", "1", -0.9, 3.0, 0.0, 0.0},
                                            {"t_c", "s", -1e12, 1e12, 0.0, 0.0, EffectParameter::Kind::kScanned}};
 constexpr EffectColumn kColumns[] = {{.name = "I_1", .unit = "A", .torque = false}};
 
-Eigen::ArrayXd after(std::span<const double> p, const DriveRows& rows) { return (rows.time >= p[1]).cast<double>(); }
+Eigen::ArrayXd after(std::span<const double> p, const ActuatorRows& rows) { return (rows.time >= p[1]).cast<double>(); }
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   terms.dry *= 1.0 + p[0] * after(p, rows);
 }
 
-void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*terms*/,
+void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = after(p, rows);
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   const double begin = rows.time[0], length = rows.time[rows.rows() - 1] - begin;
   std::vector<std::vector<double>> list;
   for (int k = 2; k <= 38; ++k) list.push_back({0.0, begin + length * k / 40.0});
@@ -30,8 +30,8 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
 
 }  // namespace
 
-extern const DriveEffect regime_change;
-const DriveEffect regime_change = {
+extern const ActuatorEffect regime_change;
+const ActuatorEffect regime_change = {
     .name = "regime-change",
     .cause = "something was altered at one moment: a cable re-tensioned or slipped",
     .equation = "tau_dry (1 + a) and I + I_1 from t_c on",
@@ -45,4 +45,4 @@ const DriveEffect regime_change = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,21 +1,21 @@
 /// \file
 /// A preload that acts in the static term only (003 eq. 11: what variant B adds): + n_s2 E.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"n_s2", "Nm", 0.0}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& /*rows*/, const DriveTerms& terms,
+void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
           const Eigen::ArrayXd& still, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = terms.dry * still;
 }
 
 }  // namespace
 
-extern const DriveEffect static_offset;
-const DriveEffect static_offset = {
+extern const ActuatorEffect static_offset;
+const ActuatorEffect static_offset = {
     .name = "static-offset",
     .cause = "a preload that makes breaking away harder, but not sliding",
     .equation = "tau_s += n_s2",
@@ -26,4 +26,4 @@ const DriveEffect static_offset = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,21 +1,21 @@
 /// \file
 /// Breakaway friction that grows with the time at rest: tau_s += c log(1 + t_rest / 1 s).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"c", "Nm", 0.0}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms& terms, const Eigen::ArrayXd& still,
-          Eigen::Ref<Eigen::ArrayXXd> x) {
+void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& terms,
+          const Eigen::ArrayXd& still, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = terms.dry * still * (1.0 + rows.rest).log();
 }
 
 }  // namespace
 
-extern const DriveEffect stiction_ageing;
-const DriveEffect stiction_ageing = {
+extern const ActuatorEffect stiction_ageing;
+const ActuatorEffect stiction_ageing = {
     .name = "stiction-ageing",
     .cause = "breaking away takes more the longer the drive has rested",
     .equation = "tau_s += c log(1 + t_rest / 1 s)",
@@ -26,4 +26,4 @@ const DriveEffect stiction_ageing = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,22 +1,22 @@
 /// \file
 /// Friction that falls with speed near zero (003 eq. 4), for laws without that term: + tau_s exp(-|w / v_s|^delta).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"v_s", "rad_s", 1e-3, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape},
                                            {"delta", "1", 0.05, 20.0, 1.0, 1.0, EffectParameter::Kind::kShape}};
 constexpr EffectColumn kColumns[] = {{"tau_s", "Nm", 0.0}, {"n_s", "1", 0.0}};
 
-void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& terms, const Eigen::ArrayXd& /*still*/,
-          Eigen::Ref<Eigen::ArrayXXd> x) {
+void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
+          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   const Eigen::ArrayXd slow = (-(rows.speed.abs().max(1e-12) / p[0]).pow(p[1])).exp();
   x.col(0) = terms.dry * slow;
   x.col(1) = terms.load.abs() * terms.dry * slow;
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   std::vector<std::vector<double>> list;
   for (const double share : {0.01, 0.03, 0.1, 0.3}) list.push_back({share * rows.top_speed, 1.0});
   return list;
@@ -24,8 +24,8 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
 
 }  // namespace
 
-extern const DriveEffect stribeck;
-const DriveEffect stribeck = {
+extern const ActuatorEffect stribeck;
+const ActuatorEffect stribeck = {
     .name = "stribeck",
     .cause = "friction that falls with speed near zero",
     .equation = "tau_fr += (tau_s + n_s |tau_ext|) exp(-|w / v_s|^delta) sign(w)",
@@ -38,4 +38,4 @@ const DriveEffect stribeck = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

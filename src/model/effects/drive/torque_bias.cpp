@@ -1,18 +1,18 @@
 /// \file
 /// An offset of the torque sensor: tau_ext + tau_0, which also sets the friction.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"tau_0", "Nm", -1e4, 1e4, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) { terms.load += p[0]; }
+void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) { terms.load += p[0]; }
 
 }  // namespace
 
-extern const DriveEffect torque_bias;
-const DriveEffect torque_bias = {
+extern const ActuatorEffect torque_bias;
+const ActuatorEffect torque_bias = {
     .name = "torque-bias",
     .cause = "the torque sensor has an offset",
     .equation = "tau_ext + tau_0",
@@ -23,4 +23,4 @@ const DriveEffect torque_bias = {
     .apply = apply,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

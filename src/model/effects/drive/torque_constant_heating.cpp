@@ -1,27 +1,27 @@
 /// \file
 /// Magnets that weaken as they warm: k_a (1 - alpha (T - T_mean)).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
-constexpr Channel kNeeds[] = {Channel::kTemperature};
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTemperature};
 constexpr EffectParameter kParameters[] = {{"alpha", "1_K", -0.02, 0.02, 0.0, 0.0},
                                            {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   const Eigen::ArrayXd gain = (1.0 - p[0] * (rows.temperature - p[1])).max(0.05);
   terms.gain = terms.gain.size() > 0 ? Eigen::ArrayXd(terms.gain * gain) : gain;
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   return {{0.0, rows.temperature.mean()}};
 }
 
 }  // namespace
 
-extern const DriveEffect torque_constant_heating;
-const DriveEffect torque_constant_heating = {
+extern const ActuatorEffect torque_constant_heating;
+const ActuatorEffect torque_constant_heating = {
     .name = "torque-constant-heating",
     .cause = "the motor gives less torque per ampere as its magnets warm",
     .equation = "k_a (1 - alpha (T - T_mean))",
@@ -34,4 +34,4 @@ const DriveEffect torque_constant_heating = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,18 +1,18 @@
 /// \file
 /// Torque per ampere that falls at high current: effort = I + s I^3, I what an unsaturated motor would draw.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"s", "1_A2", -0.1, 1.0, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) { terms.cubic += p[0]; }
+void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) { terms.cubic += p[0]; }
 
 }  // namespace
 
-extern const DriveEffect torque_saturation;
-const DriveEffect torque_saturation = {
+extern const ActuatorEffect torque_saturation;
+const ActuatorEffect torque_saturation = {
     .name = "torque-saturation",
     .cause = "torque per ampere falls at high current",
     .equation = "I + s I^3",
@@ -23,4 +23,4 @@ const DriveEffect torque_saturation = {
     .apply = apply,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,16 +1,16 @@
 /// \file
 /// The cable or spring between motor and joint stretches under load, so that the joint lags behind the motor. Tested on
-/// the angles, not on the effort (drive_equations::transmission).
-#include "simgap/model/drive_effect.h"
+/// the angles, not on the effort (actuator_equations::transmission).
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "compliance", .unit = "rad_Nm", .torque = false},
                                      {.name = "hardening", .unit = "rad_Nm2", .torque = false}};
-constexpr Channel kNeeds[] = {Channel::kMotorAngle, Channel::kJointAngle};
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kMotorAngle, OptionalChannel::kJointAngle};
 
-void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms& /*terms*/,
+void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = -rows.load;
   x.col(1) = rows.load * rows.load.abs();
@@ -18,10 +18,10 @@ void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms
 
 }  // namespace
 
-extern const DriveEffect transmission_compliance;
-const DriveEffect transmission_compliance = {
+extern const ActuatorEffect transmission_compliance;
+const ActuatorEffect transmission_compliance = {
     .name = "transmission-compliance",
-    .kind = DriveKind::kTransmission,
+    .kind = ActuatorKind::kTransmission,
     .cause = "the cable or spring between motor and joint stretches under load",
     .equation = "theta_M / r - theta = compliance tau_ext - hardening tau_ext |tau_ext|",
     .source = "003 fig. 15",
@@ -32,4 +32,4 @@ const DriveEffect transmission_compliance = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,25 +1,25 @@
 /// \file
 /// A viscous term that saturates or grows with speed: k_v |w|^m sign(w), written k_v w |w / w_top|^(m - 1).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"m", "1", 0.1, 4.0, 1.0, 1.0},
                                            {"w_top", "rad_s", 1e-9, 1e9, 1.0, 1.0, EffectParameter::Kind::kConstant}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   terms.viscous *= (rows.speed.abs() / p[1]).max(1e-9).pow(p[0] - 1.0);
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   return {{1.0, rows.top_speed}, {0.5, rows.top_speed}, {2.0, rows.top_speed}};
 }
 
 }  // namespace
 
-extern const DriveEffect viscous_nonlinearity;
-const DriveEffect viscous_nonlinearity = {
+extern const ActuatorEffect viscous_nonlinearity;
+const ActuatorEffect viscous_nonlinearity = {
     .name = "viscous-nonlinearity",
     .cause = "viscous friction that saturates or grows with speed",
     .equation = "k_v w |w / w_top|^(m - 1)",
@@ -31,4 +31,4 @@ const DriveEffect viscous_nonlinearity = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,17 +1,17 @@
 /// \file
 /// After a reversal the motor turns freely through the teeth's play: over a travel `play` neither load nor the gear's
 /// friction reaches it; the teeth meet within a tenth of it.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"play", "rad", 0.0, 20.0, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   if (p[0] <= 0.0) return;
   double since = 1e9;  // [rad] travel since the last reversal
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
@@ -26,7 +26,7 @@ void apply(std::span<const double> p, const DriveRows& rows, DriveTerms& terms) 
   }
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   const double stride = rows.top_speed * rows.step;
   std::vector<std::vector<double>> list;
   for (double play = 0.2 * stride; play < std::min(60.0 * stride, 20.0); play *= 1.8) list.push_back({play});
@@ -35,10 +35,10 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
 
 }  // namespace
 
-extern const DriveEffect backlash;
-const DriveEffect backlash = {
+extern const ActuatorEffect backlash;
+const ActuatorEffect backlash = {
     .name = "backlash",
-    .kind = DriveKind::kGearbox,
+    .kind = ActuatorKind::kGearbox,
     .cause = "after a reversal the motor turns freely through the play of the teeth",
     .equation = "tau_ext = tau_fr = 0 for |travel since the reversal| < play",
     .source = "Nordin & Gutman 2002",
@@ -49,4 +49,4 @@ const DriveEffect backlash = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

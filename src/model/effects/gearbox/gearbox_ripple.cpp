@@ -1,21 +1,21 @@
 /// \file
 /// Tooth mesh or an eccentric wheel: a torque that repeats with the shaft angle, a sin(r phi) + b cos(r phi), phi the
 /// logged motor angle or, without one, the integral of the speed.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "../spectral_peaks.h"
+#include "model/effects/spectral_peaks.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"r", "1", 1e-4, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape}};
 constexpr EffectColumn kColumns[] = {{"a", "Nm"}, {"b", "Nm"}};
 
-Eigen::ArrayXd shaftAngle(const DriveRows& rows) {
+Eigen::ArrayXd shaftAngle(const ActuatorRows& rows) {
   if (rows.motor_angle.size() > 0) return rows.motor_angle;
   if (rows.joint_angle.size() > 0) return rows.joint_angle;
   Eigen::ArrayXd angle = Eigen::ArrayXd::Zero(rows.rows());
@@ -27,7 +27,7 @@ Eigen::ArrayXd shaftAngle(const DriveRows& rows) {
   return angle;
 }
 
-void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*terms*/,
+void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   const Eigen::ArrayXd angle = shaftAngle(rows);
   x.col(0) = (p[0] * angle).sin();
@@ -36,7 +36,7 @@ void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*
 
 /// Power of the residual over the angle, on a grid that resolves it; the strongest peaks. An integrated angle drifts,
 /// and a fine peak with it: the grid is of the whole turns of the motor and of their first fractions and multiples.
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& residual) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& residual) {
   constexpr int kPeaks = 4, kGrid = 3000;
   const Eigen::ArrayXd angle = shaftAngle(rows);
   const double span = angle.maxCoeff() - angle.minCoeff();
@@ -62,10 +62,10 @@ std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::Arra
 
 }  // namespace
 
-extern const DriveEffect gearbox_ripple;
-const DriveEffect gearbox_ripple = {
+extern const ActuatorEffect gearbox_ripple;
+const ActuatorEffect gearbox_ripple = {
     .name = "gearbox-ripple",
-    .kind = DriveKind::kGearbox,
+    .kind = ActuatorKind::kGearbox,
     .cause = "tooth mesh or an eccentric wheel: a torque that repeats with the shaft angle",
     .equation = "tau += a sin(r phi) + b cos(r phi)",
     .source = "catalogue of causes",
@@ -77,4 +77,4 @@ const DriveEffect gearbox_ripple = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

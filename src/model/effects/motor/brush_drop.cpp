@@ -1,16 +1,16 @@
 /// \file
 /// Brushes drop a nearly constant voltage against the current: V += V_b sign(i), smooth within a fiftieth of the usual
 /// current, where noise would decide the sign.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
 #include <cmath>
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "V_b", .unit = "V", .lower = 0.0, .torque = false}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms& /*terms*/,
+void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   const double small = 0.02 * std::sqrt(rows.current.square().mean()) + 1e-12;
   x.col(0) = (rows.current / small).tanh();
@@ -18,10 +18,10 @@ void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms
 
 }  // namespace
 
-extern const DriveEffect brush_drop;
-const DriveEffect brush_drop = {
+extern const ActuatorEffect brush_drop;
+const ActuatorEffect brush_drop = {
     .name = "brush-drop",
-    .kind = DriveKind::kMotor,
+    .kind = ActuatorKind::kMotor,
     .cause = "the brushes drop a nearly constant voltage against the current",
     .equation = "V += V_b sign(i)",
     .source = "Hughes & Drury 2013, chapter 3",
@@ -31,4 +31,4 @@ const DriveEffect brush_drop = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,18 +1,18 @@
 /// \file
 /// The winding warms up and its resistance grows: V += dR u i. u is the logged temperature from its coldest (0) to its
 /// warmest (1) or, without one, a thermal state that follows the losses, du/dt = (i^2 / mean(i^2) - u) / tau.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"tau", "s", 1.0, 1e4, 100.0, 100.0, EffectParameter::Kind::kShape}};
 constexpr EffectColumn kColumns[] = {{.name = "dR", .unit = "ohm", .lower = 0.0, .torque = false}};
 
-Eigen::ArrayXd warmth(double tau, const DriveRows& rows) {
+Eigen::ArrayXd warmth(double tau, const ActuatorRows& rows) {
   if (rows.temperature.size() > 0) {
     const double cold = rows.temperature.minCoeff();
     return (rows.temperature - cold) / std::max(rows.temperature.maxCoeff() - cold, 1e-9);
@@ -29,22 +29,22 @@ Eigen::ArrayXd warmth(double tau, const DriveRows& rows) {
   return u;
 }
 
-void fill(std::span<const double> p, const DriveRows& rows, const DriveTerms& /*terms*/,
+void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = rows.current * warmth(p[0], rows);
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& rows, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   const double span = rows.step * static_cast<double>(rows.rows());
   return {{std::max(0.02 * span, 1.0)}, {std::max(0.1 * span, 1.0)}, {std::max(0.5 * span, 1.0)}};
 }
 
 }  // namespace
 
-extern const DriveEffect winding_heating;
-const DriveEffect winding_heating = {
+extern const ActuatorEffect winding_heating;
+const ActuatorEffect winding_heating = {
     .name = "winding-heating",
-    .kind = DriveKind::kMotor,
+    .kind = ActuatorKind::kMotor,
     .cause = "the winding warms up and its resistance grows",
     .equation = "V += dR u i, u: logged temperature, or du/dt = (i^2 / mean(i^2) - u) / tau",
     .source = "000 eq. 8; copper: 0.39 % per K",
@@ -56,4 +56,4 @@ const DriveEffect winding_heating = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

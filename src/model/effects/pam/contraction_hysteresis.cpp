@@ -2,24 +2,24 @@
 /// Friction of the braid opposes the change of length, in proportion to the pressure that presses it together:
 ///
 ///     f -= h p sign(d eps / dt)
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "h", .unit = "m2", .torque = false}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& rows, const DriveTerms& terms,
+void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = -rows.direction * terms.pressure;
 }
 
 }  // namespace
 
-extern const DriveEffect contraction_hysteresis;
-const DriveEffect contraction_hysteresis = {
+extern const ActuatorEffect contraction_hysteresis;
+const ActuatorEffect contraction_hysteresis = {
     .name = "contraction-hysteresis",
-    .kind = DriveKind::kMuscle,
+    .kind = ActuatorKind::kPam,
     .cause = "friction of the braid opposes the change of length (of pressure, at a fixed length)",
     .equation = "f -= h p sign(d eps / dt)",
     .source = "Chou & Hannaford 1996; Tondu & Lopez 2000",
@@ -29,4 +29,4 @@ const DriveEffect contraction_hysteresis = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

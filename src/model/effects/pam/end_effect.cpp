@@ -2,28 +2,28 @@
 /// The sleeve's ends are no cylinder: the contraction that counts is larger at low pressure (Tondu & Lopez 2000):
 ///
 ///     e -> e (1 + s exp(-p / p_e))
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"s", "1", -0.5, 1.0, 0.0, 0.0},
                                            {"p_e", "Pa", 5e3, 5e5, 1e5, 1e5, EffectParameter::Kind::kShape}};
 
-void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
   terms.contraction *= 1.0 + p[0] * (-terms.pressure / p[1]).exp();
 }
 
-std::vector<std::vector<double>> starts(const DriveRows& /*rows*/, const Eigen::ArrayXd& /*residual*/) {
+std::vector<std::vector<double>> starts(const ActuatorRows& /*rows*/, const Eigen::ArrayXd& /*residual*/) {
   return {{0.1, 4e4}, {0.1, 1.5e5}, {-0.1, 1e5}};
 }
 
 }  // namespace
 
-extern const DriveEffect end_effect;
-const DriveEffect end_effect = {
+extern const ActuatorEffect end_effect;
+const ActuatorEffect end_effect = {
     .name = "end-effect",
-    .kind = DriveKind::kMuscle,
+    .kind = ActuatorKind::kPam,
     .cause = "the muscle's ends are no cylinder, so that the contraction that counts depends on pressure",
     .equation = "f = p g(e (1 + s exp(-p / p_e)))",
     .source = "Tondu & Lopez 2000",
@@ -34,4 +34,4 @@ const DriveEffect end_effect = {
     .starts = starts,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

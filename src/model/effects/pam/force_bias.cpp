@@ -1,23 +1,23 @@
 /// \file
 /// An offset of the force sensor, or a weight that hangs on it: f + f0.
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "f0", .unit = "N", .torque = false}};
 
-void fill(std::span<const double> /*p*/, const DriveRows& /*rows*/, const DriveTerms& /*terms*/,
+void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = 1.0;
 }
 
 }  // namespace
 
-extern const DriveEffect force_bias;
-const DriveEffect force_bias = {
+extern const ActuatorEffect force_bias;
+const ActuatorEffect force_bias = {
     .name = "force-bias",
-    .kind = DriveKind::kMuscle,
+    .kind = ActuatorKind::kPam,
     .cause = "the force sensor has an offset, or a weight hangs on it",
     .equation = "f + f0",
     .source = "catalogue of causes",
@@ -27,4 +27,4 @@ const DriveEffect force_bias = {
     .fill = fill,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,20 +1,20 @@
 /// \file
 /// An offset of the pressure sensor: f = (p - p0) g(e).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"p0", "Pa", -5e5, 5e5, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) { terms.pressure -= p[0]; }
+void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) { terms.pressure -= p[0]; }
 
 }  // namespace
 
-extern const DriveEffect pressure_bias;
-const DriveEffect pressure_bias = {
+extern const ActuatorEffect pressure_bias;
+const ActuatorEffect pressure_bias = {
     .name = "pressure-bias",
-    .kind = DriveKind::kMuscle,
+    .kind = ActuatorKind::kPam,
     .cause = "the pressure sensor has an offset",
     .equation = "f = (p - p0) g(e)",
     .source = "catalogue of causes",
@@ -24,4 +24,4 @@ const DriveEffect pressure_bias = {
     .apply = apply,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,20 +1,20 @@
 /// \file
 /// The bladder takes up some pressure before the braid carries any: f = (p - p0) g(e).
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"p0", "Pa", 0.0, 5e5, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) { terms.pressure -= p[0]; }
+void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) { terms.pressure -= p[0]; }
 
 }  // namespace
 
-extern const DriveEffect pressure_threshold;
-const DriveEffect pressure_threshold = {
+extern const ActuatorEffect pressure_threshold;
+const ActuatorEffect pressure_threshold = {
     .name = "pressure-threshold",
-    .kind = DriveKind::kMuscle,
+    .kind = ActuatorKind::kPam,
     .cause = "the bladder's stiffness takes up the first of the pressure: no force below a threshold",
     .equation = "f = (p - p0) g(e)",
     .source = "Chou & Hannaford 1996",
@@ -24,4 +24,4 @@ const DriveEffect pressure_threshold = {
     .apply = apply,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -2,23 +2,23 @@
 /// The tendon stretches with force, so that the muscle contracts by more than the joint shows (002 section III):
 ///
 /// e = eps + f / k
-#include "simgap/model/drive_effect.h"
+#include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::drive_effects {
+namespace simgap::actuator_effects {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"compliance", "1_N", 0.0, 1e-2, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const DriveRows& /*rows*/, DriveTerms& terms) {
+void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
   terms.contraction += p[0] * terms.effort;
 }
 
 }  // namespace
 
-extern const DriveEffect tendon_compliance;
-const DriveEffect tendon_compliance = {
+extern const ActuatorEffect tendon_compliance;
+const ActuatorEffect tendon_compliance = {
     .name = "tendon-compliance",
-    .kind = DriveKind::kMuscle,
+    .kind = ActuatorKind::kPam,
     .cause = "the tendon stretches with force, so that the muscle contracts by more than the joint shows",
     .equation = "f = p g(eps + f / k), compliance = 1 / k",
     .source = "002 section III, eq. 13-16",
@@ -28,4 +28,4 @@ const DriveEffect tendon_compliance = {
     .apply = apply,
 };
 
-}  // namespace simgap::drive_effects
+}  // namespace simgap::actuator_effects

@@ -1,0 +1,73 @@
+/// \file
+/// What a drive's log says is missing in a friction model: every cause of the catalogue refits the whole model, is
+/// judged on blocks it has not seen, and what is accepted is measured once more on blocks that had no part in the
+/// choice.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/diagnose/diagnosis.h"
+#include "simgap/fit/actuators/actuator_model.h"
+#include "simgap/measure/logs/prepared_log.h"
+
+namespace simgap {
+
+struct LogDiagnosisOptions {
+  std::vector<std::string> effects;  ///< only these; the whole catalogue when empty
+  int max_causes = 4;
+  double level = 0.05;                  ///< of the false-alarm rate of each step
+  double least_gain = 0.015;            ///< of the mean squared error that a cause has to save
+  double holdout = 0.25;                ///< fraction of the blocks that only measure the gain
+  std::vector<bool> heldout_rows = {};  ///< shape (rows): instead of `holdout`
+  bool ignore_faults = false;
+  int self_tests = 0;  ///< injections of every effect, and of none, into this design
+  std::uint64_t seed = 1;
+
+  bool wants(std::string_view effect) const {
+    return effects.empty() || std::ranges::find(effects, effect) != effects.end();
+  }
+};
+
+/// A model fitted to all rows, with what is known of its parameters.
+struct LogFit {
+  std::vector<const ActuatorEffect*> effects;
+  std::vector<double> theta;
+  std::vector<PhysicalParameter> parameters;
+  std::vector<Extension> extensions;
+  double t = 0.0;  ///< 97.5 % quantile of Student's t for their deviations: of as many blocks as there were
+};
+
+struct LogDiagnosis {
+  Diagnosis diagnosis;
+  LogFit baseline, extended;
+  Eigen::ArrayXd predicted_before, predicted_after;  ///< shape (rows)
+};
+
+/// Called with what is being done and the share of the whole that is done.
+using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
+
+/// What can be known before any work. \throws ConfigError: an unknown effect; DataError: too few blocks to learn from.
+void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& options);
+
+/// \throws DataError when the log cannot be fitted at all, and as requireDiagnosable.
+LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const LogDiagnosisOptions& options,
+                         const DiagnosisProgress& progress = {});
+
+/// A model with its effects, fitted to another log.
+struct LogRefit {
+  LogFit fit;
+  double mse = 0.0;          ///< of all rows that count
+  double mse_heldout = 0.0;  ///< every fifth of the blocks predicted by a refit to the others
+  std::size_t rows = 0;      ///< that count
+  double effective_samples = 0.0;
+  Eigen::ArrayXd predicted;  ///< shape (rows of the log)
+};
+
+/// Starts from the values of `subject`. \throws as requireDiagnosable.
+LogRefit refitLog(const ActuatorModel& subject, const PreparedLog& log);
+
+}  // namespace simgap

@@ -1,0 +1,47 @@
+/// \file
+/// What a model of an arm gets wrong on recorded poses, and what causes it (DIAGNOSE, "And on poses"). Every effect of
+/// the catalogue, on every target, refits the whole model; causes are taken one after the other as long as the evidence
+/// for one more is clear, and their gain is measured on poses that took no part in any of that.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "simgap/diagnose/diagnosis.h"
+#include "simgap/fit/poses/pose_noise.h"
+#include "simgap/measure/pose_set.h"
+#include "simgap/model/arm/parameter_space.h"
+
+namespace simgap {
+
+struct PoseDiagnosisOptions {
+  std::vector<std::string> effects;  ///< names to test; empty: all
+  std::size_t max_causes = 8;
+  double level = 0.05;         ///< of significance, for all hypotheses together
+  double holdout = 0.25;       ///< fraction of the poses that only measure the gain
+  bool ignore_faults = false;  ///< go on without the faulty poses
+  int starts = 8;              ///< of the fit without causes
+  int self_test = 0;           ///< sets simulated per effect
+  int threads = 0;             ///< 0: all
+  std::uint64_t seed = 1;
+  /// \throws ConfigError: an unknown effect, a level or a fraction outside (0, 1)
+  void validate() const;
+};
+
+struct PoseDiagnosis {
+  Diagnosis diagnosis;
+  ArmModel model;           ///< with the causes, fitted to all poses without a fault
+  std::string pose_errors;  ///< CSV: root mean square joint error of each pose before and after [deg]
+};
+
+/// Called with what is being done and the share of the whole that is done.
+using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
+
+/// \param parameters  the ordinary parameters that every hypothesis refits, with their priors
+/// \throws DataError: fewer than 8 poses.  NumericsError: no parameters give every pose an equilibrium.
+PoseDiagnosis diagnosePoses(const ArmModel& model, const PoseSet& set,
+                            const std::vector<ParameterSpace::Choice>& parameters, const PoseNoise& noise,
+                            const PoseDiagnosisOptions& options, const DiagnosisProgress& progress);
+
+}  // namespace simgap

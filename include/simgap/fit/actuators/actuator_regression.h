@@ -1,0 +1,108 @@
+/// \file
+/// An actuator's log explained by a friction law, or another equation, and any number of effects
+/// (simgap/model/effects/actuator_effect.h):
+///
+///     effort = P + cubic P^3,    P = X(p) c / gain, delayed
+///
+/// Parameters, in order: c, the coefficients of the columns (of a law the first is 1 / k_a, torques enter as
+/// theta / k_a), then p: v_s and delta of the law, the presliding of every real drive as a nuisance, and the effects'
+/// own.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/measure/logs/prepared_log.h"
+#include "simgap/model/actuator/actuator_equation.h"
+#include "simgap/model/effects/extension.h"
+#include "simgap/optimize/row_fit.h"
+
+namespace simgap {
+
+/// One physical parameter behind theta: value = theta_i, theta_i / theta_0, or 1 / theta_0.
+struct PhysicalParameter {
+  std::string name;  ///< "n_c2", with the effect before it: "coulomb-offset.n_c2"
+  std::string unit;
+  double value;
+  double sd;  ///< NaN when it is at a bound or without effect
+  bool at_bound;
+};
+
+class ActuatorRegression : public RowModel {
+ public:
+  /// What `base` names, `effects` and `data` must outlive it. \param presliding  largest x_s of the nuisance [rad];
+  /// none without.
+  ActuatorRegression(const ActuatorBase& base, std::vector<const ActuatorEffect*> effects, const ActuatorData& data,
+                     std::optional<double> presliding);
+
+  const std::vector<FitParameter>& parameters() const override { return parameters_; }
+  Eigen::Index rows() const override { return data_->rows.rows(); }
+  void evaluate(std::span<const double> theta, Eigen::VectorXd& residual, Eigen::MatrixXd* jacobian) const override;
+
+  const std::vector<const ActuatorEffect*>& effects() const { return effects_; }
+  std::size_t linear() const { return linear_; }
+  /// Index of the first of an effect's own p, and of its first column.
+  std::size_t firstParameter(std::size_t effect) const { return p_begin_[effect]; }
+  std::size_t firstColumn(std::size_t effect) const { return column_begin_[effect]; }
+
+  /// A start for this model from one with other effects: what both have is taken over, the effects' p are neutral.
+  std::vector<double> startFrom(const ActuatorRegression& other, std::span<const double> theta) const;
+  /// The best coefficients for the p of theta on some blocks, within their bounds; p stays.
+  /// \param cost  set to the sum of squares there, when it is wanted.
+  std::vector<double> solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
+                                        double* cost = nullptr) const;
+  /// Coefficients and p by name, for values from a model file. \param physical  parameters as PhysicalParameter has
+  /// them.
+  std::vector<double> thetaOf(std::span<const PhysicalParameter> physical) const;
+  std::vector<PhysicalParameter> physical(std::span<const double> theta, const Eigen::MatrixXd& covariance) const;
+  std::vector<Extension> extensions(std::span<const double> theta, const Eigen::MatrixXd& covariance) const;
+
+  /// What the model predicts, shape (rows), also in rows that do not count.
+  Eigen::ArrayXd predict(std::span<const double> theta) const;
+
+ private:
+  struct Evaluation {
+    Eigen::MatrixXd x;  ///< shape (rows, C), delayed, over gain
+    double cubic;
+    double delay;
+  };
+  struct Terms {
+    ActuatorTerms shared;
+    Eigen::ArrayXd still;  ///< shape (rows): E of the Stribeck term, 0 for laws without one
+  };
+  struct Shift {
+    Eigen::Index whole;  ///< rows
+    double part;         ///< of a row
+  };
+  Evaluation columns(std::span<const double> p) const;
+  /// \param effort  shape (rows): where the effort stands on the right.
+  Terms terms(std::span<const double> p, const Eigen::ArrayXd& effort) const;
+  Eigen::ArrayXd explicitly(std::span<const double> theta, const Eigen::ArrayXd& effort) const;
+  /// Calls `visit(j, column)` for each column, over gain, not delayed.
+  template <typename Visit>
+  void visitColumns(const Terms& terms, std::span<const double> p, const Visit& visit) const;
+  Shift shift(double delay) const;
+  template <typename Array>
+  void delayRows(Array& array, double delay) const;
+  Eigen::Index source(Eigen::Index row, Eigen::Index by) const;
+  std::vector<bool> counted(double delay) const;
+  std::span<const double> own(std::size_t effect, std::span<const double> p) const {
+    return p.subspan(p_begin_[effect] - linear_, effects_[effect]->parameters.size());
+  }
+  void add(std::string name, std::string unit, double lower, double upper, bool fixed = false);
+
+  ActuatorBase base_;
+  std::vector<const ActuatorEffect*> effects_;
+  const ActuatorData* data_;
+  bool presliding_;
+  bool implicit_ = false;  ///< the effort stands on the right-hand side as well, through the stretch of a tendon
+  std::vector<FitParameter> parameters_;
+  std::vector<bool> times_gain_;  ///< shape (C)
+  std::size_t linear_ = 0;
+  std::vector<std::size_t> p_begin_, column_begin_;
+  Eigen::ArrayXd log_speed_;                               ///< shape (rows)
+  std::vector<Eigen::Index> session_begin_, session_end_;  ///< shape (rows): limits of the row's session
+};
+
+}  // namespace simgap

@@ -1,0 +1,67 @@
+/// \file
+/// Fits the DC motor (000 eq. 8-9) and the gearbox (000 eq. 10-11) to logs. A regression of the equations gives the
+/// first guess, as 000 did; then the simulated response to the logged voltage (or, without it, current) and load is
+/// fitted to what was measured of current and velocity, so that noise in derivatives does not bias the result and
+/// neither steps nor loads need be synchronised.
+///
+///     L di/dt = V - R i - K_E w           J dw/dt = N eta K_T i - b w - c sign(w) - T
+///     J = N eta J_M + J_G / N,  b = N eta mu_M + mu_G / N,  c = N eta tau_CM + tau_CG
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/fit/actuators/friction_fit.h"
+#include "simgap/measure/logs/actuator_log.h"
+#include "simgap/model/arm/arm.h"
+#include "simgap/optimize/least_squares.h"
+#include "simgap/optimize/uncertainty.h"
+
+namespace simgap {
+
+struct DriveFitOptions {
+  bool fit_motor = true;  ///< its parameters are free
+  bool fit_gearbox = false;
+  Motor motor;         ///< known values when it is not fitted
+  double ratio = 1.0;  ///< N
+  std::map<std::string, double> fixed;
+  std::map<std::string, Bounds> bounds;
+  bool tie_constants = false;  ///< K_T = K_E (SI units, ideal DC motor)
+  double block_seconds = 20.0;
+};
+
+/// One measured channel that the simulation is compared with.
+struct DriveChannel {
+  std::string name;  ///< "velocity"
+  std::string unit;
+  double rms = 0.0;  ///< of the residual, on all rows
+  std::optional<double> rms_heldout;
+  double spread = 0.0;  ///< standard deviation of the measurement
+};
+
+struct DriveFit {
+  std::vector<double> first_guess;  ///< shape (P)
+  std::vector<double> theta;        ///< shape (P): R, L, K_E, K_T, J_M, mu_M, tau_CM, eta, tau_CG, mu_G, J_G
+  Uncertainty uncertainty;
+  std::vector<DriveChannel> channels;
+  std::size_t rows = 0;
+  std::size_t starts = 0, distinct_minima = 0;
+  std::vector<std::string> warnings;  ///< what could not be found, and why; its estimates are NaN
+};
+
+/// \param held  shape (rows): left out of the fit, or empty.
+/// \throws DataError: channels that make the whole fit impossible, with what to record.
+DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& held = {});
+
+/// Response of a drive to a log's inputs, from the measured state at the start of each session.
+struct DriveResponse {
+  std::vector<double> current, velocity;  ///< shape (rows) [A], [rad/s] of the motor
+};
+DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox);
+
+Motor motorOf(std::span<const double> theta);
+Gearbox gearboxOf(std::span<const double> theta, double ratio);
+
+}  // namespace simgap

@@ -1,0 +1,62 @@
+/// \file
+/// What the poses tell and what they cannot: Laplace's approximation of the posterior about a fit, with the
+/// Gauss-Newton curvature N = sum_p w_p J_p^T J_p + P. w_p: robust weight, P: 1 for each parameter with a prior.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/fit/poses/pose_posterior.h"
+
+namespace simgap {
+
+enum class Verdict {
+  kIdentifiable,     ///< the poses at least halve the standard deviation of the hand measurement
+  kWeak,             ///< they tell something; more poses could tell more
+  kNotIdentifiable,  ///< they tell nothing, or no number of poses could halve it: only a combination with others is
+                     ///< known
+};
+std::string_view toString(Verdict verdict);
+
+struct ParameterUncertainty {
+  double prior_sd;  ///< of the hand measurement, in the parameter's unit; infinite without one
+  double sd;        ///< of the posterior; infinite when nothing bounds it
+  Verdict verdict;
+};
+
+/// Parameters of which only a combination can be known.
+struct Combination {
+  std::vector<std::size_t> parameters;  ///< indices
+  bool always;                          ///< true: for any pose of the arm, false: for the recorded ones
+  std::string text;                     ///< "kite_line_length_m and shock_cord.rest_length_m of biceps: only their sum"
+};
+
+struct PoseUncertainty {
+  Eigen::MatrixXd covariance;           ///< of z, shape (parameters, parameters)
+  std::vector<double> singular_values;  ///< of the whitened Jacobian, in prior standard deviations, descending
+  std::vector<ParameterUncertainty> parameters;
+  std::vector<Combination> combinations;
+  std::vector<double>
+      distances;  ///< d_p of each pose; NaN without an equilibrium; beyond kRobustScale it is an outlier
+};
+
+/// \throws NumericsError when no pose has a stable equilibrium at z.
+PoseUncertainty assessUncertainty(PosePosterior& posterior, const Eigen::VectorXd& z, const ParameterSpace& space);
+
+/// Mean joint error that the posterior predicts for poses, if the model's structure is right: parameters, joint
+/// friction and capture noise drawn anew.
+struct PredictedError {
+  std::vector<double> mean, lower, upper;  ///< shape (joints) [rad]; 5 % and 95 % quantiles of a set of that size
+};
+
+/// \param uncertainty  of the fit at z  \param poses  their shafts and measured joints (equilibria start there)
+PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorXd& z,
+                            const PoseUncertainty& uncertainty, std::span<const Pose> poses);
+
+/// Commands like the recorded ones (each shaft within its recorded range) that lead to stable equilibria of the model
+/// at z, with their equilibrium as joints. A pure function of its arguments.
+std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
+                               std::uint64_t seed);
+
+}  // namespace simgap

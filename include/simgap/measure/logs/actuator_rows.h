@@ -1,0 +1,51 @@
+/// \file
+/// The rows of an actuator's log as models and effects see them: one array per channel, whatever the log was of.
+#pragma once
+
+#include <Eigen/Core>
+#include <string_view>
+#include <vector>
+
+namespace simgap {
+
+/// What a log is of.
+enum class ActuatorKind {
+  kFriction,      ///< a drive: effort against load and motion
+  kGearbox,       ///< the same of a motor with a gearbox on a bench
+  kMotor,         ///< a winding: voltage against current and speed
+  kPam,           ///< a pneumatic muscle: force against pressure and contraction
+  kTransmission,  ///< between the two angles of a drive: the joint's against the motor's
+};
+
+/// A channel that not every log has.
+enum class OptionalChannel { kJointAngle, kMotorAngle, kTemperature };
+std::string_view toString(OptionalChannel channel);
+
+/// The rows of a log as effects see them; every array has shape (n), or is empty when the log has no such channel.
+struct ActuatorRows {
+  Eigen::ArrayXd time;                  ///< [s]
+  Eigen::ArrayXd effort;                ///< what the motor drew; a winding's voltage, a muscle's force
+  Eigen::ArrayXd speed;                 ///< [rad/s]
+  Eigen::ArrayXd direction;             ///< +1 or -1: the last direction of motion, held through rests
+  Eigen::ArrayXd travel;                ///< [rad] in that direction since the row before, >= 0
+  Eigen::ArrayXd load;                  ///< [N m]
+  Eigen::ArrayXd acceleration;          ///< [rad/s^2]
+  Eigen::ArrayXd rest;                  ///< [s] how long the current rest lasts, or the last one lasted
+  Eigen::ArrayXd joint_angle;           ///< [rad]
+  Eigen::ArrayXd motor_angle;           ///< [rad]
+  Eigen::ArrayXd temperature;           ///< [deg C]
+  Eigen::ArrayXd current;               ///< [A] of a winding
+  Eigen::ArrayXd current_rate;          ///< [A/s]
+  Eigen::ArrayXd pressure;              ///< [Pa] gauge, of a muscle
+  Eigen::ArrayXd contraction;           ///< [1] apparent: of the muscle with its tendon
+  std::vector<Eigen::ArrayXd> context;  ///< further logged channels, scaled to mean 0 and standard deviation 1
+  std::vector<int> session;             ///< shape (n)
+  double step = 0.0;                    ///< [s] median time between rows
+  double top_speed = 0.0;               ///< [rad/s]
+  double top_load = 0.0;                ///< [N m]
+
+  Eigen::Index rows() const { return time.size(); }
+  bool has(OptionalChannel channel) const;
+};
+
+}  // namespace simgap

@@ -1,0 +1,166 @@
+/// \file
+/// Physical causes that an arm model of plain muscles and joints does not know (EFFECTS, "Pose sets"). One file per
+/// effect in src/model/effects/arm; a model holds them under `extensions:`. An effect states what it is and fills one
+/// hook: what it changes of a line's length, a cord's force, a muscle's path, gravity, masses, joint centres, joint
+/// torques, or of what the capture sees. Every hook returns its derivatives with it, so that both simulations and the
+/// fits take an extended model as any other.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/model/arm/arm.h"
+
+namespace simgap {
+
+inline constexpr int kMaxEffectParameters = 4;
+using EffectParameters = std::array<double, kMaxEffectParameters>;  ///< values in the effect's order; the rest unused
+using EffectSlopes = Eigen::Matrix<double, 3, kMaxEffectParameters>;
+
+struct ArmEffectParameter {
+  std::string_view name;
+  std::string_view unit;  ///< SI, as a suffix; "1" when dimensionless
+  Range range;            ///< what a model file may hold
+  double neutral;         ///< expected before any data; the first parameter's changes nothing
+  double scale;           ///< by how much it may plausibly differ from that (standard deviation of a prior)
+  bool fitted = true;     ///< false: a choice or a moment, found by trying
+};
+
+/// \name What hooks are given and return. Derivatives `by_...`; those by effect parameters in the effect's order.
+///@{
+struct LineState {
+  double shaft;   ///< [rad]
+  double radius;  ///< of the spindle [m]
+  double time;    ///< of the pose [s]; NaN when unknown
+};
+/// Line that a muscle has beyond L_K0 - r phi [m].
+struct Lengthening {
+  double length = 0.0, by_shaft = 0.0, by_radius = 0.0;
+  EffectParameters by_parameter{};
+};
+
+/// What a taut cord has beyond the linear spring, at an expansion x > 0.
+struct CordTerm {
+  double energy = 0.0;                              ///< [J]
+  double force = 0.0;                               ///< its derivative by x [N]
+  double stiffness = 0.0;                           ///< and the next [N/m]
+  double by_stiffness = 0.0, by_rest_length = 0.0;  ///< of the force
+  EffectParameters by_parameter{};                  ///< of the force
+};
+
+/// A line that bends round the centre of a joint; index 0, 1: its ends, as vectors from that centre.
+struct BentPath {
+  double length = 0.0;                                      ///< [m]
+  std::array<Eigen::Vector3d, 2> slope;                     ///< of the length, by each end
+  std::array<std::array<Eigen::Matrix3d, 2>, 2> curvature;  ///< second derivatives
+  double length_by_parameter = 0.0;                         ///< by the effect's first parameter
+  std::array<Eigen::Vector3d, 2> slope_by_parameter;
+};
+
+struct GravityTerm {
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();         ///< [m/s^2]
+  Eigen::Matrix3d by_gravity = Eigen::Matrix3d::Identity();  ///< by what it was without the effect
+  EffectSlopes by_parameter = EffectSlopes::Zero();
+};
+
+/// A mass on a body, on the way from its joint through its centre of mass.
+struct PointMass {
+  double mass;      ///< [kg]
+  double distance;  ///< from the joint [m]
+  EffectParameters mass_by_parameter{}, distance_by_parameter{};
+};
+
+/// Elastic energy of a joint.
+struct JointTerm {
+  double energy = 0.0;                                 ///< [J]
+  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();  ///< child's frame; revolute: about the axis, -, - [N m]
+  Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();   ///< [N m/rad]
+  EffectSlopes by_parameter = EffectSlopes::Zero();    ///< of the gradient
+};
+
+/// A joint that stops short of its equilibrium, on the side it comes from.
+struct Stiction {
+  double torque;       ///< [N m]
+  bool from_previous;  ///< comes from the pose before; else from rest
+};
+///@}
+
+/// A named physical cause and what it changes. Exactly one hook is set. All are pure, allocate nothing, throw nothing.
+struct ArmEffect {
+  enum class Target { kNone, kPam, kMuscleOrAll, kMovingBody, kBody, kJoint };
+
+  std::string_view name;      ///< as in the catalogue; the file's stem
+  std::string_view cause;     ///< one sentence a person understands
+  std::string_view equation;  ///< one line
+  Target target;
+  std::span<const ArmEffectParameter> parameters;
+  std::span<const EffectParameters> starts;       ///< where fits of it begin; also all choices of what is not fitted
+  std::span<const std::string_view> look_alikes;  ///< effects that poses hardly tell from it
+  std::string_view separates_by;                  ///< the experiment that does
+  bool needs_time = false;                        ///< of every pose
+
+  Lengthening (*line)(const EffectParameters& p, const LineState& state) = nullptr;
+  CordTerm (*cord)(const EffectParameters& p, double expansion, const ShockCord& cord) = nullptr;
+  /// \returns false where the straight line is free, and nothing is written
+  bool (*path)(const EffectParameters& p, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+               BentPath& path) = nullptr;
+  GravityTerm (*gravity)(const EffectParameters& p, const Eigen::Vector3d& gravity) = nullptr;
+  PointMass (*mass)(const EffectParameters& p) = nullptr;
+  /// Added to the joint's parent_position [m]; its derivative is the identity.
+  Eigen::Vector3d (*joint_shift)(const EffectParameters& p) = nullptr;
+  JointTerm (*joint_torque)(const EffectParameters& p, JointType type, const JointPosition& position) = nullptr;
+  /// Rotation vector from the body's bones to its markers, in the body's frame [rad]; its derivative is the identity.
+  Eigen::Vector3d (*marker_turn)(const EffectParameters& p) = nullptr;
+  Stiction (*stiction)(const EffectParameters& p) = nullptr;
+
+  /// Whether a choice makes sense for a target; null: always. \returns what is expected instead, empty when it does
+  std::string (*expected)(const EffectParameters& p, const ArmModel& model, int target) = nullptr;
+};
+
+namespace arm_effects {
+std::span<const ArmEffect* const> all();
+}
+
+/// \returns null when there is none of that name.
+const ArmEffect* findArmEffect(std::string_view name);
+
+/// Names of what an effect may be at home in: muscles, bodies or joints; "" for the whole arm or all muscles.
+std::vector<std::string> effectTargets(const ArmEffect& effect, const ArmModel& model);
+
+/// "muscle-wrap:biceps", "gravity-tilt": an extension by name.
+std::string extensionLabel(const Extension& extension);
+
+/// An extension of a model, ready for use.
+struct ArmExtension {
+  const ArmEffect* effect = nullptr;
+  int target = -1;  ///< index of the muscle, body or joint; -1: the whole
+  EffectParameters p{};
+  bool on(int item) const { return target < 0 || target == item; }
+};
+
+/// In the order of the model's extensions, which must be valid.
+std::vector<ArmExtension> resolveExtensions(const ArmModel& model);
+
+/// What is wrong with an extension in a model; empty when nothing is. Puts its parameters into the effect's order.
+std::string checkExtension(Extension& extension, const ArmModel& model);
+
+/// An extension with given parameters, in the effect's order; sd unknown.
+Extension makeExtension(const ArmEffect& effect, const std::string& target, const EffectParameters& p);
+
+/// Works what effects do to gravity, masses and joint centres into the model itself; a payload becomes the last part of
+/// its body. What muscles, joints and markers do stays to the simulation.
+void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model);
+
+/// Joints between a muscle's ends, from its first attachment on.
+std::vector<int> jointsCrossed(const ArmModel& model, const Muscle& muscle);
+
+/// What the capture sees of a simulated position when markers are turned against their bones: R_parent^-1 q R_child; of
+/// a revolute joint the part of that about its axis.
+JointPosition markedPosition(const Joint& joint, const JointPosition& position, const Eigen::Vector3d& parent_turn,
+                             const Eigen::Vector3d& child_turn);
+
+}  // namespace simgap

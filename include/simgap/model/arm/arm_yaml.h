@@ -1,0 +1,20 @@
+/// \file
+/// Arm models as files: `format: simgap/arm/1`.
+#pragma once
+
+#include <string>
+
+#include "simgap/core/yaml.h"
+#include "simgap/model/arm/arm.h"
+
+namespace simgap {
+
+/// Reads an arm and checks it as a whole: names are unique and known, every moving body hangs on exactly one joint
+/// whose chain ends at a fixed body, masses are positive.
+/// \throws ConfigError with file, line and path.
+ArmModel readArm(const YamlNode& root);
+
+/// The file that reads back as exactly the same model.
+std::string writeArm(const ArmModel& model);
+
+}  // namespace simgap

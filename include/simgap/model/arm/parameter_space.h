@@ -1,0 +1,79 @@
+/// \file
+/// The numbers of a model by name, and the choice of some of them by pattern (`muscles.*.attachments`).
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/core/yaml.h"
+#include "simgap/model/arm/arm.h"
+
+namespace simgap {
+
+/// Where a number stands in the model, as in its file with names for indices; joined only when somebody reads it.
+struct ParameterPath {
+  std::string_view group;   ///< "muscles", "joints", "bodies", "extensions" or "gravity_m_s2"
+  std::string_view item;    ///< name of the muscle, joint or body; of an extension "effect:target"
+  std::string_view member;  ///< "shock_cord.stiffness_N_m"
+  int component = -1;       ///< 0, 1, 2 for x, y, z of a vector
+  std::string str() const;  ///< "muscles.biceps.attachments.0.point_m.x"
+};
+
+/// What a number of the model is, whatever its value.
+struct ParameterKind {
+  std::string_view unit;  ///< SI, as a suffix: "N_m"
+  Range range;            ///< what a model file may hold
+};
+
+/// Calls `visit` with every number of the model that a calibration may change, in a fixed order.
+using ParameterVisitor = std::function<void(const ParameterPath& path, const ParameterKind& kind, double& value)>;
+void visitParameters(ArmModel& model, const ParameterVisitor& visit);
+
+/// True when the pattern's dot-separated parts match the first parts of the path; `*` stands for one whole part.
+bool matchesPattern(std::string_view pattern, std::string_view path);
+
+/// One parameter that is searched.
+struct SearchParameter {
+  std::string name;                ///< its path
+  std::string unit;                ///< SI
+  double initial;                  ///< value in the model
+  double step;                     ///< initial step size, > 0
+  double lower;                    ///< the configuration's, or what the model file may hold; may be -infinity
+  double upper;                    ///< likewise; may be +infinity
+  std::optional<double> prior_sd;  ///< how well the initial value is known, in the parameter's unit
+};
+
+/// A chosen subset of a model's numbers, in the order of visitParameters.
+class ParameterSpace {
+ public:
+  /// One entry of a configuration's `parameters:` list.
+  struct Choice {
+    std::string pattern;
+    double step;
+    std::optional<double> lower, upper;
+    std::optional<double> prior_sd;          ///< in the parameter's unit
+    std::optional<double> prior_sd_percent;  ///< of the initial value
+  };
+  /// Reads the list; `{pattern, step, lower?, upper?, prior_sd?, prior_sd_percent?}`.
+  static std::vector<Choice> readChoices(const YamlNode& list);
+
+  /// \throws ConfigError: a pattern that matches nothing, a parameter matched twice, lower > upper, an initial value
+  ///         outside its range.
+  ParameterSpace(const ArmModel& model, const std::vector<Choice>& choices);
+
+  const std::vector<SearchParameter>& parameters() const { return parameters_; }
+  std::size_t size() const { return parameters_.size(); }
+
+  /// Writes `values`, shape (size()), into the model the space was made from, or a copy of it.
+  void apply(std::span<const double> values, ArmModel& model) const;
+
+ private:
+  std::vector<SearchParameter> parameters_;
+  std::vector<std::size_t> positions_;  ///< position of each parameter among all visited numbers, ascending
+};
+
+}  // namespace simgap

@@ -1,0 +1,50 @@
+/// \file
+/// How well fitted parameters are known when the residuals of neighbouring rows are alike. The covariance is the
+/// jackknife over blocks of rows that are long against the residuals' correlation time (to first order; Bell &
+/// McCaffrey 2002 call it CR3): it needs no model of the noise and holds where the residual is partly misfit. With too
+/// few blocks it falls back on sigma^2 (J^T J)^-1 times the correlation time (the effective sample size).
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "simgap/optimize/least_squares.h"
+
+namespace simgap {
+
+/// A fitted parameter with what is known of it.
+struct Estimate {
+  std::string name;
+  std::string unit;
+  double value = 0.0;
+  double sd = 0.0;       ///< NaN when the data do not determine it; 0 when fixed
+  double lower95 = 0.0;  ///< 95 % interval; one-sided at a bound; NaN when not determined
+  double upper95 = 0.0;
+  bool at_bound = false;
+  bool fixed = false;
+  bool identifiable = true;
+};
+
+struct Uncertainty {
+  std::vector<Estimate> estimates;    ///< shape (P)
+  Eigen::MatrixXd covariance;         ///< shape (P, P); 0 for what is fixed or not determined
+  Eigen::MatrixXd correlation;        ///< shape (P, P)
+  double correlation_rows = 1.0;      ///< integrated correlation time of the residuals, in rows
+  double n_effective = 0.0;           ///< rows / correlation_rows
+  std::size_t blocks = 0;             ///< of the jackknife; 0 after the fallback
+  std::vector<std::string> findings;  ///< sentences: which parameters, or combinations, the data do not determine
+};
+
+/// \param session  shape (rows): correlations and blocks do not reach over sessions.
+Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta,
+                                std::span<const int> session);
+
+/// Integrated correlation time 1 + 2 sum rho(lag) in rows, >= 1, summed over the window of Sokal (1997).
+double correlationTime(const Eigen::VectorXd& residual, std::span<const int> session);
+
+/// 97.5 % quantile of Student's t (Cornish-Fisher expansion; better than 0.5 % from 6 degrees of freedom on).
+double studentQuantile(double degrees_of_freedom);
+
+}  // namespace simgap

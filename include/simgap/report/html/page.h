@@ -1,0 +1,59 @@
+/// \file
+/// One self-contained HTML page per result: the answer in a sentence, the figures, the details, where it came from.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "simgap/report/html/charts.h"
+
+namespace simgap {
+
+/// A table; cells are text, escaped on writing.
+struct PageTable {
+  std::string caption;
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;
+  bool folded = false;  ///< shown only when opened
+};
+
+/// A paragraph that stands out.
+struct PageText {
+  std::string text;
+};
+
+/// A view into three dimensions that a reader can turn: an arm over its poses, or markers over time.
+struct PageScene {
+  std::string caption;
+  std::string note;
+  Json scene;  ///< as templates/arm_view.js reads it
+};
+
+using PageBlock = std::variant<PageText, PageTable, Chart, PageScene>;
+
+struct PageSection {
+  std::string heading;  ///< empty for the figure right below the answer
+  std::vector<PageBlock> blocks;
+};
+
+struct Page {
+  std::string title;
+  std::string answer;              ///< the result in one sentence
+  std::vector<std::string> notes;  ///< what a reader must know before believing the answer
+  std::vector<PageSection> sections = {};
+  std::vector<std::pair<std::string, std::string>> provenance = {};
+
+  /// Adds a block to the last section; to a first one without a heading when there is none.
+  void add(PageBlock block) {
+    if (sections.empty()) sections.emplace_back();
+    sections.back().blocks.push_back(std::move(block));
+  }
+  void addSection(std::string heading) { sections.push_back({std::move(heading), {}}); }
+};
+
+/// The HTML text; opens from disk, needs no network.
+std::string renderPage(const Page& page);
+
+}  // namespace simgap

@@ -1,0 +1,32 @@
+/// \file
+/// Pages from result directories. A page is a function of the files alone, so that it can be made again at any time.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "simgap/core/run_directory.h"
+#include "simgap/report/html/page.h"
+#include "simgap/report/html/result_files.h"
+
+namespace simgap {
+
+/// What one command's results look like: one file in src/report/pages, found by CMake.
+struct ResultPage {
+  const char* format;  ///< of result.json: "simgap/calibrate/1"
+  Page (*make)(const ResultFiles& files);
+};
+
+namespace pages {
+std::span<const ResultPage* const> all();
+}
+
+/// The page of a result, with its provenance from run.json. A format without a page of its own is shown as tables.
+/// \throws DataError: result.json lacks a key, a table lacks a column.
+Page makePage(const ResultFiles& files);
+
+/// Writes report.html. \returns its path. \throws ConfigError, DataError: as ResultFiles and makePage.
+std::filesystem::path writeReport(const RunDirectory& directory);
+
+}  // namespace simgap

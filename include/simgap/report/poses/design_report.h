@@ -1,0 +1,24 @@
+/// \file
+/// The result of `design`: which poses to record next, and what they are worth.
+#pragma once
+
+#include <string>
+
+#include "simgap/core/run_directory.h"
+#include "simgap/fit/poses/pose_design.h"
+
+namespace simgap {
+
+struct DesignResult {
+  ArmModel model;  ///< fitted to the recorded poses
+  PoseSet recorded;
+  DesignOptions options;
+  PoseDesign design;
+};
+
+Json toJson(const DesignResult& result);
+/// The commands, ready for the rig: pose, shaft_<muscle>_rad, and where the model expects the joints.
+std::string nextPosesCsv(const DesignResult& result);
+std::string terminalTable(const DesignResult& result);
+
+}  // namespace simgap

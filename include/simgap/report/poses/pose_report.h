@@ -1,0 +1,49 @@
+/// \file
+/// The results of `calibrate` and `validate` as JSON (FORMATS), CSV and a table for the terminal.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/core/run_directory.h"
+#include "simgap/fit/poses/calibration_result.h"
+#include "simgap/report/text_table.h"
+
+namespace simgap {
+
+/// A limit the user set on a result.
+struct Criterion {
+  std::string name;  ///< "shoulder mje_deg"
+  double limit;
+  double value;
+  bool pass() const { return value <= limit; }  // NaN does not pass
+};
+
+struct ValidationResult {
+  PoseLayout layout;
+  PoseSet set;
+  Assessment assessment;
+  std::vector<Criterion> criteria;
+};
+
+/// \name calibrate
+///@{
+Json toJson(const CalibrationResult& result);
+std::string historyCsv(const CalibrationResult& result);
+std::string parametersCsv(const CalibrationResult& result);
+std::string errorsCsv(const CalibrationResult& result);  ///< set, pose, status and error before and after, per joint
+std::string singularValuesCsv(const CalibrationResult& result);
+/// What the poses tell of the parameters, what error to expect on others; lines for the terminal.
+std::string uncertaintyText(const CalibrationResult& result);
+std::string terminalTable(const CalibrationResult& result);
+///@}
+
+/// \name validate
+///@{
+Json toJson(const ValidationResult& result);
+std::string errorsCsv(const ValidationResult& result);
+std::string terminalTable(const ValidationResult& result);
+///@}
+
+}  // namespace simgap

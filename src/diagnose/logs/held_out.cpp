@@ -1,0 +1,78 @@
+#include "held_out.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
+  LogSplit split;
+  const auto every = static_cast<std::size_t>(std::max(2.0, std::round(1.0 / std::max(options.holdout, 0.02))));
+  for (std::size_t b = 0; b < log.blocks.size(); ++b) {
+    bool out = b % every == every / 2;
+    if (!options.heldout_rows.empty()) out = options.heldout_rows[log.blocks[b].begin];
+    (out ? split.heldout : split.training).push_back(log.blocks[b]);
+  }
+  if (split.training.size() < 5 || split.heldout.empty()) {
+    throw DataError(
+        fmt::format("{}: found {} blocks to learn from and {} to hold out, expected at least 5 and 1: record "
+                    "longer, or hold out less",
+                    log.file, split.training.size(), split.heldout.size()));
+  }
+  return split;
+}
+
+namespace {
+
+/// Held-out blocks that belong together.
+struct Unit {
+  std::vector<Block> blocks;
+  std::vector<Block> others;  ///< what a refit for them may see; empty: no refit, the fit itself predicts them
+};
+
+std::vector<Unit> unitsOf(const std::vector<Block>& heldout, const std::vector<Block>& training,
+                          const std::vector<int>& session) {
+  constexpr std::size_t kFewestSessions = 8;
+  std::vector<Unit> sessions, single;
+  for (const Block& block : heldout) {
+    single.push_back({{block}, {}});
+    const int own = session[block.begin];
+    if (sessions.empty() || session[sessions.back().blocks.back().begin] != own) {
+      Unit& unit = sessions.emplace_back(Unit{{}, training});
+      std::erase_if(unit.others, [&](const Block& b) { return session[b.begin] == own; });
+    }
+    sessions.back().blocks.push_back(block);
+  }
+  return sessions.size() < kFewestSessions ? single : sessions;
+}
+
+PieceErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::vector<Unit>& units) {
+  PieceErrors errors{ArrayXd(std::ssize(units)), ArrayXd(std::ssize(units))};
+  tbb::parallel_for(Index{0}, errors.sum.size(), [&](Index u) {
+    const auto& [blocks, others] = units[static_cast<std::size_t>(u)];
+    const PieceErrors own = search.errors(others.empty() ? fitted : search.refitted(fitted, others), blocks);
+    errors.sum[u] = own.sum.sum();
+    errors.rows[u] = own.rows.sum();
+  });
+  return errors;
+}
+
+}  // namespace
+
+std::vector<PieceErrors> heldOutErrors(const LogSearch& search, const Selection& selection,
+                                       const std::vector<Block>& heldout, const std::vector<int>& session) {
+  const std::vector<Unit> units = unitsOf(heldout, search.training(), session);
+  std::vector<PieceErrors> errors;
+  for (const Fitted& step : selection.steps) errors.push_back(errorsOf(search, step, units));
+  return errors;
+}
+
+}  // namespace simgap

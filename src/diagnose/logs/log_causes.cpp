@@ -1,0 +1,84 @@
+#include "log_causes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/optimize/uncertainty.h"
+
+namespace simgap {
+namespace {
+
+std::vector<Absorption> absorption(const std::vector<PhysicalParameter>& before,
+                                   const std::vector<PhysicalParameter>& after) {
+  std::vector<Absorption> list;
+  for (const PhysicalParameter& a : after) {
+    const auto b = std::ranges::find(before, a.name, &PhysicalParameter::name);
+    if (b == before.end() || !(a.sd > 0.0) || a.name == "presliding") continue;
+    const double shift = (a.value - b->value) / a.sd;
+    if (std::abs(shift) > 2.0) list.push_back({a.name, shift});
+  }
+  std::ranges::sort(list, std::greater<>{}, [](const Absorption& a) { return std::abs(a.shift_sd); });
+  if (list.size() > 5) list.resize(5);
+  return list;
+}
+
+}  // namespace
+
+LogFit describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted) {
+  LogFit fit;
+  const Eigen::MatrixXd covariance = search.refit(fitted, log.blocks);
+  fit.effects = fitted.model->effects();
+  fit.theta = fitted.theta;
+  fit.parameters = fitted.model->physical(fitted.theta, covariance);
+  fit.extensions = fitted.model->extensions(fitted.theta, covariance);
+  fit.t = studentQuantile(static_cast<double>(log.blocks.size()) - 1.0);
+  return fit;
+}
+
+Eigen::VectorXd residualOf(const Fitted& fitted) {
+  Eigen::VectorXd residual;
+  fitted.model->evaluate(fitted.theta, residual, nullptr);
+  return residual;
+}
+
+std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
+                                   double effective_samples) {
+  std::vector<Detectable> list;
+  const double factor = detectionFactor(least_gain, effective_samples);
+  for (const Trial& trial : trials) {
+    if (!trial.identifiable || trial.fitted.theta.empty()) continue;
+    const ActuatorRegression& model = *trial.fitted.model;
+    const Eigen::MatrixXd covariance = blockCovariance(model, search.pieces(search.training()), trial.fitted.theta);
+    const std::vector<PhysicalParameter> all = model.physical(trial.fitted.theta, covariance);
+    const std::size_t e = model.effects().size() - 1;
+    const ActuatorEffect& effect = *model.effects()[e];
+    const std::size_t first = effect.columns.empty() ? model.firstParameter(e) : model.firstColumn(e);
+    const PhysicalParameter& p = all[first];
+    if (!(p.sd > 0.0)) continue;
+    const std::string name = p.name.substr(p.name.find('.') + 1);
+    list.push_back({std::string(effect.name), {}, name, p.unit, factor * p.sd});
+  }
+  return list;
+}
+
+std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceErrors>& heldout, const LogFit& baseline,
+                            const LogFit& extended, std::size_t own, std::uint64_t seed) {
+  std::vector<Cause> causes;
+  for (std::size_t k = 0; k + 1 < heldout.size(); ++k) {
+    const ActuatorEffect& effect = *extended.effects[own + k];
+    Cause& cause = causes.emplace_back();
+    cause.effect = effect.name;
+    cause.sentence = effect.cause;
+    cause.gain_heldout = predictedGain(heldout[k].sum, heldout[k + 1].sum, seed);
+    cause.p_adjusted = selection.p_adjusted[k];
+    cause.ambiguous_with = selection.ambiguous_with[k];
+    for (const ExtensionParameter& p : extended.extensions[own + k].parameters) {
+      const double half = std::isfinite(p.sd) ? extended.t * p.sd : 0.0;
+      cause.parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
+    }
+    cause.absorbed_by = absorption(baseline.parameters, extended.parameters);
+  }
+  return causes;
+}
+
+}  // namespace simgap

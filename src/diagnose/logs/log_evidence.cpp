@@ -1,0 +1,199 @@
+#include "log_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <opencv2/ml.hpp>
+
+#include "simgap/optimize/uncertainty.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr std::size_t kBins = 20;
+constexpr int kForestFolds = 3;
+constexpr std::size_t kForestRows = 12000;  // per fold; more rows make the bound slower, not tighter
+
+std::vector<std::size_t> keptRows(const PreparedLog& log) {
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < log.data.keep.size(); ++i) {
+    if (log.data.keep[i]) rows.push_back(i);
+  }
+  return rows;
+}
+
+ArrayXd sinceReversal(const ActuatorRows& rows) {
+  ArrayXd time = ArrayXd::Zero(rows.rows());
+  for (Index i = 1; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const bool same = rows.session[k] == rows.session[k - 1] && rows.direction[i] == rows.direction[i - 1];
+    time[i] = same ? time[i - 1] + rows.time[i] - rows.time[i - 1] : 0.0;
+  }
+  return time;
+}
+
+struct Means {
+  double mean, ci95;
+};
+
+Means meanOf(const VectorXd& residual, std::span<const std::size_t> rows, double correlation) {
+  double sum = 0.0, squares = 0.0;
+  for (const std::size_t i : rows) {
+    const double r = residual[static_cast<Index>(i)];
+    sum += r;
+    squares += r * r;
+  }
+  const auto n = static_cast<double>(rows.size());
+  const double mean = sum / n, variance = std::max(squares / n - mean * mean, 0.0);
+  return {mean, 1.96 * std::sqrt(variance / std::max(n / correlation, 1.0))};
+}
+
+cv::Mat features(const std::vector<EvidenceChannel>& channels, std::span<const std::size_t> rows) {
+  cv::Mat x(static_cast<int>(rows.size()), static_cast<int>(channels.size()), CV_32F);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      x.at<float>(static_cast<int>(i), static_cast<int>(c)) =
+          static_cast<float>(channels[c].values[static_cast<Index>(rows[i])]);
+    }
+  }
+  return x;
+}
+
+double squaredError(const cv::Ptr<cv::ml::RTrees>& forest, const cv::Mat& x, const VectorXd& y) {
+  cv::Mat predicted;
+  forest->predict(x, predicted);
+  double sum = 0.0;
+  for (Index i = 0; i < y.size(); ++i) {
+    const double e = y[i] - static_cast<double>(predicted.at<float>(static_cast<int>(i)));
+    sum += e * e;
+  }
+  return sum;
+}
+
+std::vector<std::size_t> thinned(const std::vector<std::size_t>& rows, std::size_t most) {
+  if (rows.size() <= most) return rows;
+  std::vector<std::size_t> some;
+  for (std::size_t k = 0; k < most; ++k) some.push_back(rows[k * rows.size() / most]);
+  return some;
+}
+
+VectorXd valuesAt(const VectorXd& all, std::span<const std::size_t> rows) {
+  VectorXd some(static_cast<Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) some[static_cast<Index>(i)] = all[static_cast<Index>(rows[i])];
+  return some;
+}
+
+/// Rows far off, such as those of a reversal at the wrong moment, are taken for less: a few of them in a row would be
+/// all that a forest learns.
+VectorXd bounded(VectorXd residual, std::span<const std::size_t> rows) {
+  constexpr double kFar = 4.0;  // robust standard deviations
+  std::vector<double> sizes;
+  for (const std::size_t i : rows) sizes.push_back(std::abs(residual[static_cast<Index>(i)]));
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double far = kFar * *middle / 0.6745;
+  return residual.cwiseMax(-far).cwiseMin(far);
+}
+
+}  // namespace
+
+std::vector<EvidenceChannel> evidenceChannels(const PreparedLog& log) {
+  const ActuatorRows& rows = log.data.rows;
+  std::vector<EvidenceChannel> channels;
+  for (const ContextChannel& c : log.context) channels.push_back({c.name, c.values});
+  channels.push_back({"direction", rows.direction});
+  channels.push_back({"acceleration", rows.acceleration});
+  channels.push_back({"time_since_reversal_s", sinceReversal(rows)});
+  channels.push_back({"rest_s", rows.rest});
+  // 1: driving forwards, 2: driven forwards, 3: driving backwards, 4: driven backwards
+  const ArrayXd driven = (rows.load * rows.direction < 0.0).cast<double>();
+  channels.push_back({"power_quadrant", 1.0 + driven + 2.0 * (rows.direction < 0.0).cast<double>()});
+  ArrayXd session(rows.rows());
+  for (Index i = 0; i < rows.rows(); ++i) session[i] = rows.session[static_cast<std::size_t>(i)];
+  channels.push_back({"session", session});
+  std::erase_if(channels, [](const EvidenceChannel& c) { return !(c.values.maxCoeff() > c.values.minCoeff()); });
+  return channels;
+}
+
+std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<EvidenceChannel>& channels,
+                                     const VectorXd& before, const VectorXd& after) {
+  const double correlation = correlationTime(after, log.data.rows.session);
+  std::vector<EvidenceBin> bins;
+  for (const EvidenceChannel& channel : channels) {
+    std::vector<std::size_t> rows = keptRows(log);
+    const auto value = [&](std::size_t i) { return channel.values[static_cast<Index>(i)]; };
+    std::ranges::stable_sort(rows, {}, value);
+    for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+      end = std::min(rows.size(), begin + rows.size() / kBins + 1);
+      while (end < rows.size() && value(rows[end]) == value(rows[end - 1])) ++end;
+      const std::span<const std::size_t> part(rows.data() + begin, end - begin);
+      double center = 0.0;
+      for (const std::size_t i : part) center += value(i) / static_cast<double>(part.size());
+      const Means b = meanOf(before, part, correlation), a = meanOf(after, part, correlation);
+      bins.push_back({channel.name, center, b.mean, b.ci95, a.mean, a.ci95, part.size()});
+    }
+  }
+  return bins;
+}
+
+Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& channels, const VectorXd& residual,
+                    std::uint64_t seed) {
+  const std::vector<std::size_t> kept = keptRows(log);
+  if (kept.empty()) return {};
+  const VectorXd near = bounded(residual, kept);
+  std::vector<EvidenceChannel> used;
+  for (const EvidenceChannel& c : channels) {
+    if (c.name != "session" && c.name != "power_quadrant") used.push_back(c);  // others say the same
+  }
+  std::vector<int> fold(log.data.keep.size(), 0);
+  for (std::size_t b = 0; b < log.blocks.size(); ++b) {
+    for (std::size_t i = log.blocks[b].begin; i < log.blocks[b].end; ++i) fold[i] = static_cast<int>(b % kForestFolds);
+  }
+  cv::setRNGSeed(static_cast<int>(seed));
+  double total = 0.0, left = 0.0;
+  std::vector<double> shuffled(used.size(), 0.0);
+  for (int f = 0; f < kForestFolds; ++f) {
+    std::vector<std::size_t> training, test;
+    for (const std::size_t i : kept) (fold[i] == f ? test : training).push_back(i);
+    training = thinned(training, kForestRows);
+    test = thinned(test, kForestRows);
+    if (training.size() < 100 || test.empty()) return {};
+    const VectorXd y_training = valuesAt(near, training), y = valuesAt(near, test);
+    cv::Mat target(static_cast<int>(training.size()), 1, CV_32F);
+    for (std::size_t i = 0; i < training.size(); ++i) {
+      target.at<float>(static_cast<int>(i)) = static_cast<float>(y_training[static_cast<Index>(i)]);
+    }
+    const cv::Ptr<cv::ml::RTrees> forest = cv::ml::RTrees::create();
+    forest->setMaxDepth(10);
+    forest->setMinSampleCount(std::max(20, static_cast<int>(training.size() / 150)));
+    forest->setActiveVarCount(std::max(2, static_cast<int>(used.size() / 2)));
+    forest->setTermCriteria({cv::TermCriteria::MAX_ITER, 40, 0.0});
+    forest->train(features(used, training), cv::ml::ROW_SAMPLE, target);
+    cv::Mat x = features(used, test);
+    total += y.squaredNorm();
+    left += squaredError(forest, x, y);
+    for (std::size_t c = 0; c < used.size(); ++c) {
+      // Shuffled by a turn of half the rows: other values of the same channel, in other blocks.
+      const cv::Mat original = x.col(static_cast<int>(c)).clone();
+      for (int i = 0; i < x.rows; ++i) {
+        x.at<float>(i, static_cast<int>(c)) = original.at<float>((i + x.rows / 2) % x.rows);
+      }
+      shuffled[c] += squaredError(forest, x, y);
+      original.copyTo(x.col(static_cast<int>(c)));
+    }
+  }
+  Ceiling ceiling;
+  ceiling.share = std::max(0.0, 1.0 - left / std::max(total, 1e-300));
+  for (std::size_t c = 0; c < used.size(); ++c) {
+    const double lost = (shuffled[c] - left) / std::max(total, 1e-300);
+    if (lost > 0.1 * ceiling.share && lost > 0.002) ceiling.channels.push_back({used[c].name, lost});
+  }
+  std::ranges::stable_sort(ceiling.channels, std::greater<>{}, &Leftover::share);
+  return ceiling;
+}
+
+}  // namespace simgap

@@ -1,0 +1,360 @@
+#include "log_hypotheses.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+using Kind = EffectParameter::Kind;
+
+constexpr int kFolds = 5;
+constexpr double kPieceSeconds = 2.0;
+constexpr std::string_view kPresliding = "presliding-hysteresis";
+/// The presliding that every drive has: within this share of the typical travel between two rows.
+constexpr double kNuisancePresliding = 0.1;
+/// An effect whose signature is within that share of what the model's own parameters span is no finding of its own.
+constexpr double kAliased = 1e-3;
+/// Two causes that differ by less than that share of the error say the same in other words.
+constexpr double kSameEquation = 1e-4;
+/// Of the least gain: what a cause has to promise to be fitted at all.
+constexpr double kHopeless = 0.2;
+
+double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep) {
+  double rows = 0.0;
+  for (const Block& b : blocks) {
+    rows += static_cast<double>(std::count(keep.begin() + static_cast<std::ptrdiff_t>(b.begin),
+                                           keep.begin() + static_cast<std::ptrdiff_t>(b.end), true));
+  }
+  return rows;
+}
+
+/// The share of an effect's signature that the other parameters cannot imitate, over its parameters the largest.
+double distinctShare(const ActuatorRegression& model, std::span<const double> theta, std::span<const Block> blocks,
+                     std::size_t effect) {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd jacobian;
+  model.evaluate(theta, residual, &jacobian);
+  const Index p = jacobian.cols();
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(p, p);
+  for (const Block& b : blocks) {
+    const auto rows = jacobian.middleRows(static_cast<Index>(b.begin), static_cast<Index>(b.size()));
+    h.noalias() += rows.transpose() * rows;
+  }
+  std::vector<Index> own, others;
+  const std::size_t columns = model.firstColumn(effect), values = model.firstParameter(effect);
+  for (Index i = 0; i < p; ++i) {
+    if (h(i, i) <= 1e-300) continue;
+    const auto k = static_cast<std::size_t>(i);
+    const bool is_own = (k >= columns && k < columns + model.effects()[effect]->columns.size()) ||
+                        (k >= values && k < values + model.effects()[effect]->parameters.size());
+    (is_own ? own : others).push_back(i);
+  }
+  const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd unit = scale.asDiagonal() * h * scale.asDiagonal();
+  Eigen::MatrixXd base = unit(others, others);
+  base.diagonal().array() += 1e-10;
+  const Eigen::LDLT<Eigen::MatrixXd> factor(base);
+  double share = 0.0;
+  for (const Index i : own) {
+    const Eigen::VectorXd cross = unit.col(i)(others);
+    share = std::max(share, 1.0 - cross.dot(factor.solve(cross)));
+  }
+  return share;
+}
+
+/// p-value of "the last effect's sizes are neutral" from their covariance over pieces of the log (Wald 1943), for the
+/// largest of them, times the number of places a search may have looked at. A covariance from few pieces is too small
+/// and says nothing.
+double waldP(const ActuatorRegression& model, std::span<const double> theta, const std::vector<Block>& pieces) {
+  constexpr double kSearched = 1000.0;
+  constexpr std::size_t kPiecesPerParameter = 5;
+  if (pieces.size() < kPiecesPerParameter * theta.size()) return 1.0;
+  const Eigen::MatrixXd covariance = blockCovariance(model, pieces, theta);
+  const std::size_t e = model.effects().size() - 1;
+  const ActuatorEffect& effect = *model.effects()[e];
+  double largest = 0.0;
+  const auto look = [&](std::size_t i, double neutral) {
+    const double variance = covariance(static_cast<Index>(i), static_cast<Index>(i));
+    if (variance > 0.0) largest = std::max(largest, std::abs(theta[i] - neutral) / std::sqrt(variance));
+  };
+  for (std::size_t k = 0; k < effect.columns.size(); ++k) look(model.firstColumn(e) + k, 0.0);
+  for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
+    if (effect.parameters[k].kind == Kind::kSmooth) look(model.firstParameter(e) + k, effect.parameters[k].neutral);
+  }
+  return std::min(1.0, kSearched * std::erfc(largest / std::sqrt(2.0)));
+}
+
+}  // namespace
+
+LogSearch::LogSearch(const ActuatorBase& base, const ActuatorData& data, std::vector<Block> training,
+                     const LogDiagnosisOptions& options)
+    : base_(base), data_(data), training_(std::move(training)), folds_(kFolds), options_(options) {
+  for (std::size_t b = 0; b < training_.size(); ++b) folds_[b % kFolds].push_back(training_[b]);
+  training_rows_ = rowsIn(training_, data_.keep);
+}
+
+std::shared_ptr<const ActuatorRegression> LogSearch::makeModel(
+    const std::vector<const ActuatorEffect*>& effects) const {
+  const bool named = std::ranges::find(effects, kPresliding, &ActuatorEffect::name) != effects.end();
+  const double typical = std::sqrt(data_.rows.speed.square().mean()) * data_.rows.step;
+  std::optional<double> nuisance;
+  const bool drive = base_.kind == ActuatorKind::kFriction || base_.kind == ActuatorKind::kGearbox;
+  if (drive && !named) nuisance = std::max(kNuisancePresliding * typical, 1e-5);
+  return std::make_shared<const ActuatorRegression>(base_, effects, data_, nuisance);
+}
+
+std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks) const {
+  const auto rows = static_cast<std::size_t>(std::max(8.0, std::round(kPieceSeconds / data_.rows.step)));
+  std::vector<Block> pieces;
+  for (const Block& b : blocks) {
+    const std::size_t count = std::max<std::size_t>(1, (b.size() + rows / 2) / rows);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Block piece{b.begin + b.size() * k / count, b.begin + b.size() * (k + 1) / count};
+      if (rowsIn({piece}, data_.keep) > 0.0) pieces.push_back(piece);
+    }
+  }
+  return pieces;
+}
+
+PieceErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& blocks) const {
+  Eigen::VectorXd residual;
+  fitted.model->evaluate(fitted.theta, residual, nullptr);
+  const std::vector<Block> parts = pieces(blocks);
+  PieceErrors errors{Eigen::ArrayXd(static_cast<Index>(parts.size())),
+                     Eigen::ArrayXd(static_cast<Index>(parts.size()))};
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const auto part = residual.segment(static_cast<Index>(parts[k].begin), static_cast<Index>(parts[k].size()));
+    const double rows = rowsIn({parts[k]}, data_.keep);
+    // A delay moves the rows that do not count: the mean is compared, over the rows that every model has.
+    const auto counted = static_cast<double>((part.array() != 0.0).count());
+    errors.sum[static_cast<Index>(k)] = part.squaredNorm() * rows / std::max(counted, 1.0);
+    errors.rows[static_cast<Index>(k)] = rows;
+  }
+  return errors;
+}
+
+Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
+                                const std::vector<std::vector<double>>& at, double hopeless) const {
+  constexpr std::size_t kToTheEnd = 2;
+  std::vector<std::vector<double>> starts;
+  for (const std::vector<double>& start : at) starts.push_back(model->solveCoefficients(start, training_));
+  std::vector<std::pair<double, std::size_t>> promise;
+  for (std::size_t s = 0; s < starts.size(); ++s) {
+    promise.emplace_back(
+        starts.size() > kToTheEnd || hopeless > 0.0 ? linearisedCost(*model, training_, starts[s]) : 0.0, s);
+  }
+  std::ranges::stable_sort(promise);
+  if (hopeless > 0.0 && promise[0].first > hopeless) {
+    return {model, starts[promise[0].second], promise[0].first / training_rows_, {}};
+  }
+  promise.resize(std::min(promise.size(), kToTheEnd));
+  Fitted best{model, {}, 0.0, {}};
+  for (std::size_t k = 0; k < promise.size(); ++k) {
+    const RowFit fit = fitRows(*model, training_, starts[promise[k].second]);
+    if (k > 0 && fit.cost >= best.mse * training_rows_) continue;
+    best.theta = fit.theta;
+    best.mse = fit.cost / training_rows_;
+  }
+  return best;
+}
+
+Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const Fitted* near) const {
+  const auto model = makeModel(effects);
+  if (near != nullptr) return fitFromStarts(model, {model->startFrom(*near->model, near->theta)});
+  std::vector<std::vector<double>> starts;
+  std::vector<double> start(model->parameters().size(), 0.0);
+  start = model->startFrom(*model, start);
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    start[i] = std::clamp(0.01, model->parameters()[i].lower, model->parameters()[i].upper);
+    if (model->parameters()[i].name == "presliding") start[i] = 0.1 * model->parameters()[i].upper;
+  }
+  start[0] = 1.0;
+  std::vector<std::vector<double>> own = {{}};
+  for (std::size_t e = 0; e < effects.size(); ++e) {
+    const std::size_t first = model->firstParameter(e), columns = model->firstColumn(e);
+    for (std::size_t k = 0; k < effects[e]->columns.size(); ++k) start[columns + k] = 0.0;
+    for (std::size_t k = 0; k < effects[e]->parameters.size(); ++k) start[first + k] = effects[e]->parameters[k].start;
+  }
+  const std::size_t speed = model->linear();
+  if (!base_.hasStribeck()) return fitFromStarts(model, {start});
+  for (const double v_s : {0.003, 0.01, 0.03, 0.1, 0.3, 1.0}) {
+    for (const double delta : {0.6, 1.0, 2.0}) {
+      start[speed] = v_s * data_.rows.top_speed;
+      start[speed + 1] = delta;
+      starts.push_back(start);
+    }
+  }
+  return fitFromStarts(model, starts);
+}
+
+Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects,
+                          std::span<const PhysicalParameter> values) const {
+  const auto model = makeModel(effects);
+  std::vector<std::vector<double>> starts{model->thetaOf(values)};
+  if (auto other = otherStribeck(*model, starts[0])) starts.push_back(std::move(*other));
+  return fitFromStarts(model, starts);
+}
+
+Fitted LogSearch::refitted(const Fitted& fitted, const std::vector<Block>& blocks) const {
+  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = 3, .tolerance = 1e-5});
+  return {fitted.model, fit.theta, 0.0, {}};
+}
+
+void LogSearch::validate(Fitted& fitted) const {
+  const std::vector<Block> parts = pieces(training_);
+  fitted.validation = {Eigen::ArrayXd(static_cast<Index>(parts.size())),
+                       Eigen::ArrayXd(static_cast<Index>(parts.size()))};
+  std::vector<PieceErrors> unseen(kFolds);
+  tbb::parallel_for(0, kFolds, [&](int f) {
+    std::vector<Block> others;
+    for (int g = 0; g < kFolds; ++g) {
+      if (g != f)
+        others.insert(others.end(), folds_[static_cast<std::size_t>(g)].begin(),
+                      folds_[static_cast<std::size_t>(g)].end());
+    }
+    unseen[static_cast<std::size_t>(f)] = errors(refitted(fitted, others), folds_[static_cast<std::size_t>(f)]);
+  });
+  // Pieces of the folds, put back in the order of the log.
+  std::vector<Index> next(kFolds, 0);
+  Index at = 0;
+  for (std::size_t b = 0; b < training_.size(); ++b) {
+    const std::size_t f = b % kFolds;
+    for (std::size_t k = 0; k < pieces({training_[b]}).size(); ++k, ++at, ++next[f]) {
+      fitted.validation.sum[at] = unseen[f].sum[next[f]];
+      fitted.validation.rows[at] = unseen[f].rows[next[f]];
+    }
+  }
+}
+
+std::optional<std::vector<double>> LogSearch::otherStribeck(const ActuatorRegression& model,
+                                                            const std::vector<double>& start) const {
+  if (!base_.hasStribeck()) return std::nullopt;
+  double lowest = 0.0;
+  model.solveCoefficients(start, training_, &lowest);
+  lowest *= 1.0 - 0.5 * options_.least_gain;
+  std::optional<std::vector<double>> best;
+  for (const double v_s : {0.01, 0.03, 0.1, 0.3}) {
+    for (const double delta : {0.8, 1.6}) {
+      std::vector<double> other = start;
+      other[model.linear()] = v_s * data_.rows.top_speed;
+      other[model.linear() + 1] = delta;
+      double cost = 0.0;
+      other = model.solveCoefficients(std::move(other), training_, &cost);
+      if (cost >= lowest) continue;
+      lowest = cost;
+      best = std::move(other);
+    }
+  }
+  return best;
+}
+
+void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const {
+  const std::size_t e = fitted.model->effects().size() - 1;
+  const std::size_t first = fitted.model->firstParameter(e);
+  for (std::size_t k = 0; k < fitted.model->effects()[e]->parameters.size(); ++k) {
+    if (fitted.model->effects()[e]->parameters[k].kind != Kind::kScanned || starts.size() < 2) continue;
+    double width = std::abs(starts[1][first + k] - starts[0][first + k]);
+    for (int round = 0; round < 4; ++round, width /= 3.0) {
+      std::vector<std::vector<double>> near;
+      for (const double t : {-0.67, -0.33, 0.33, 0.67}) {
+        near.push_back(fitted.theta);
+        near.back()[first + k] += t * width;
+      }
+      Fitted trial = fitFromStarts(fitted.model, near);
+      if (trial.mse < fitted.mse) fitted = std::move(trial);
+    }
+  }
+}
+
+Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const {
+  Trial trial{hypothesis, {}, 0.0, {}, 1.0, true};
+  std::vector<const ActuatorEffect*> effects = base.model->effects();
+  effects.push_back(hypothesis.effect);
+  const auto model = makeModel(effects);
+  std::vector<double> start = model->startFrom(*base.model, base.theta);
+  const std::size_t first = model->firstParameter(effects.size() - 1);
+  std::ranges::copy(hypothesis.fixed, start.begin() + static_cast<std::ptrdiff_t>(first));
+  std::vector<std::vector<double>> starts;
+  if (hypothesis.effect->starts != nullptr && hypothesis.fixed.empty()) {
+    Eigen::VectorXd residual;
+    base.model->evaluate(base.theta, residual, nullptr);
+    for (const std::vector<double>& p : hypothesis.effect->starts(data_.rows, residual.array())) {
+      starts.push_back(start);
+      std::ranges::copy(p, starts.back().begin() + static_cast<std::ptrdiff_t>(first));
+    }
+  } else {
+    starts.push_back(start);
+  }
+  if (hypothesis.effect->name == kPresliding) {  // and where the nuisance was
+    const auto nuisance = std::ranges::find(base.model->parameters(), "presliding", &FitParameter::name);
+    starts.push_back(start);
+    starts.back()[first] = base.theta[static_cast<std::size_t>(nuisance - base.model->parameters().begin())];
+  }
+  if (starts.empty()) return trial;
+  for (std::size_t s = starts.size(); s-- > 0;) {
+    if (auto other = otherStribeck(*model, starts[s])) starts.push_back(std::move(*other));
+  }
+  // Most causes change nothing: the linearised model says so without a fit.
+  trial.fitted = fitFromStarts(model, starts, (1.0 - kHopeless * options_.least_gain) * base.mse * training_rows_);
+  trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
+  if (trial.gain_training < 0.5 * options_.least_gain) return trial;
+  refineScanned(trial.fitted, starts);
+  trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
+  trial.identifiable = distinctShare(*model, trial.fitted.theta, training_, effects.size() - 1) > kAliased;
+  if (!trial.identifiable) return trial;
+  const std::span<const double> p(trial.fitted.theta.data() + first, hypothesis.effect->parameters.size());
+  if (hypothesis.effect->counts != nullptr && !hypothesis.effect->counts(p, data_.rows)) return trial;
+  validate(trial.fitted);
+  trial.gain = pairedGain(base.validation, trial.fitted.validation, options_.seed);
+  trial.p = std::min(1.0, 2.0 * std::min(pairedP(base.validation, trial.fitted.validation),
+                                         waldP(*model, trial.fitted.theta, pieces(training_))));
+  return trial;
+}
+
+std::vector<Trial> LogSearch::tryAll(const Fitted& base, const std::vector<Hypothesis>& hypotheses) const {
+  std::vector<Trial> trials(hypotheses.size());
+  tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t h) { trials[h] = tryOne(base, hypotheses[h]); });
+  return trials;
+}
+
+bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
+  std::vector<const ActuatorEffect*> effects = rival.fitted.model->effects();
+  effects.push_back(winner.hypothesis.effect);
+  const auto model = makeModel(effects);
+  std::vector<double> from_rival = model->startFrom(*rival.fitted.model, rival.fitted.theta);
+  std::vector<double> from_winner = model->startFrom(*winner.fitted.model, winner.fitted.theta);
+  const std::size_t first = model->firstParameter(effects.size() - 1);
+  for (std::size_t k = 0; k < winner.hypothesis.effect->parameters.size(); ++k) {
+    from_rival[first + k] = from_winner[first + k];  // its reference values
+  }
+  const Fitted both = fitFromStarts(model, {from_winner, from_rival});
+  const double rival_adds = winner.fitted.mse - both.mse, winner_adds = rival.fitted.mse - both.mse;
+  if (winner_adds < kSameEquation * both.mse) return false;
+  return rival_adds < 0.2 * winner_adds && waldP(*model, both.theta, pieces(training_)) < options_.level;
+}
+
+Fitted LogSearch::without(const Fitted& fitted, std::size_t effect) const {
+  std::vector<const ActuatorEffect*> effects = fitted.model->effects();
+  effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
+  Fitted rest = fit(effects, &fitted);
+  validate(rest);
+  return rest;
+}
+
+Eigen::MatrixXd LogSearch::refit(Fitted& fitted, const std::vector<Block>& blocks) const {
+  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta);
+  fitted.theta = fit.theta;
+  fitted.mse = fit.cost / rowsIn(blocks, data_.keep);
+  // What a model gets slightly wrong lasts for a whole motion: pieces would take it for many independent errors.
+  constexpr std::size_t kBlocksPerParameter = 3;
+  const bool enough = blocks.size() >= kBlocksPerParameter * fitted.theta.size();
+  return blockCovariance(*fitted.model, enough ? blocks : pieces(blocks), fitted.theta);
+}
+
+}  // namespace simgap

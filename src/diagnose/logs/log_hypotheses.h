@@ -1,0 +1,95 @@
+/// \file
+/// Hypotheses on a log: each refits the whole model with one more effect, on the training blocks, and is judged on
+/// folds of them that its refit has not seen.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnose/paired_error.h"
+#include "simgap/diagnose/logs/log_diagnosis.h"
+
+namespace simgap {
+
+/// An effect to be tried; `fixed`: its reference parameters, where the data do not choose them.
+struct Hypothesis {
+  const ActuatorEffect* effect;
+  std::string target;         ///< channels of an unnamed dependence
+  std::vector<double> fixed;  ///< shape (P), or empty
+};
+
+/// A model that was fitted to the training blocks.
+struct Fitted {
+  std::shared_ptr<const ActuatorRegression> model;
+  std::vector<double> theta;  ///< shape (P)
+  double mse = 0.0;           ///< on the training rows
+  PieceErrors validation;     ///< of rows predicted by refits to the other folds; empty until validate()
+};
+
+/// One hypothesis on top of a model.
+struct Trial {
+  Hypothesis hypothesis;
+  Fitted fitted;
+  double gain_training = 0.0;
+  std::optional<Interval> gain;  ///< on unseen folds; none when the training gain is already too small
+  double p =
+      1.0;  ///< not adjusted: paired errors on unseen folds, or sizes against their covariance, the smaller twice
+  bool identifiable = true;  ///< false: the model's own parameters can take its place exactly
+};
+
+class LogSearch {
+ public:
+  /// All arguments must outlive it. \param training  blocks; \param base, data  of the model.
+  LogSearch(const ActuatorBase& base, const ActuatorData& data, std::vector<Block> training,
+            const LogDiagnosisOptions& options);
+
+  /// The base with these effects, started from `near` or, without one, by a global search over v_s and delta.
+  Fitted fit(const std::vector<const ActuatorEffect*>& effects, const Fitted* near) const;
+  /// The same from the values of a model file.
+  Fitted fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const PhysicalParameter> values) const;
+  void validate(Fitted& fitted) const;
+  /// Refitted to other blocks, by a few steps from where it is.
+  Fitted refitted(const Fitted& fitted, const std::vector<Block>& blocks) const;
+
+  /// Every hypothesis on top of `base`, in their order; from several threads.
+  std::vector<Trial> tryAll(const Fitted& base, const std::vector<Hypothesis>& hypotheses) const;
+
+  /// True when `winner` says all that `rival` says and more: in a model with both, the winner is significant and the
+  /// rival adds next to nothing (encompassing: Mizon & Richard 1986). Both on top of the same model.
+  bool encompasses(const Trial& winner, const Trial& rival) const;
+
+  /// The model without one of its effects, validated.
+  Fitted without(const Fitted& fitted, std::size_t effect) const;
+
+  /// Squared errors of a model on pieces of any blocks.
+  PieceErrors errors(const Fitted& fitted, const std::vector<Block>& blocks) const;
+  /// The model refitted to some blocks, which moves `fitted` there; its covariance.
+  Eigen::MatrixXd refit(Fitted& fitted, const std::vector<Block>& blocks) const;
+
+  const std::vector<Block>& training() const { return training_; }
+  std::vector<Block> pieces(const std::vector<Block>& blocks) const;
+
+ private:
+  Trial tryOne(const Fitted& base, const Hypothesis& hypothesis) const;
+  /// From each start, the most promising ones to the end. \param hopeless  cost that one of them has to promise to stay
+  /// below, or there is no fit; 0: none.
+  Fitted fitFromStarts(std::shared_ptr<const ActuatorRegression> model, const std::vector<std::vector<double>>& starts,
+                       double hopeless = 0.0) const;
+  /// The start with another v_s and delta, when they alone already fit better than those of `base`: the Stribeck curve
+  /// of a model that lacks something may lie far from the true one.
+  std::optional<std::vector<double>> otherStribeck(const ActuatorRegression& model,
+                                                   const std::vector<double>& start) const;
+  void refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const;
+  std::shared_ptr<const ActuatorRegression> makeModel(const std::vector<const ActuatorEffect*>& effects) const;
+
+  ActuatorBase base_;
+  const ActuatorData& data_;
+  std::vector<Block> training_;
+  std::vector<std::vector<Block>> folds_;
+  const LogDiagnosisOptions& options_;
+  double training_rows_ = 0.0;
+};
+
+}  // namespace simgap

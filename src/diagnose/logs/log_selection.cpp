@@ -1,0 +1,226 @@
+#include "log_selection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace simgap {
+namespace {
+
+/// Two causes whose validation errors differ by less than that share of the gain cannot be told apart.
+constexpr double kTie = 0.03;
+
+class Selector {
+ public:
+  Selector(const LogSearch& search, const std::vector<Hypothesis>& hypotheses, const LogDiagnosisOptions& options,
+           const DiagnosisProgress& progress)
+      : search_(search), hypotheses_(hypotheses), options_(options), progress_(progress) {}
+
+  Selection run(const std::vector<const ActuatorEffect*>& own, const std::vector<Hypothesis>& unnamed);
+
+ private:
+  double adjusted(const Trial& trial, std::size_t count) const {
+    return std::min(1.0, trial.p * static_cast<double>(count));  // Holm's first step: the smallest of `count`
+  }
+  bool acceptable(const Trial& trial, std::size_t count) const {
+    return trial.gain && trial.gain->value >= options_.least_gain && trial.gain->lower95 > 0.0 &&
+           adjusted(trial, count) < options_.level;
+  }
+  std::optional<std::size_t> best(const std::vector<Trial>& trials) const;
+  std::vector<Trial> step(const Fitted& base);
+  void record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted);
+  void prune();
+  void review();
+  void dropStandIns();
+  void drop(std::size_t k, const Fitted& rest, double gain);
+  std::vector<std::string> rivals(const std::vector<Trial>& trials, std::size_t accepted) const;
+  std::size_t causes() const { return selection_.chosen.model->effects().size() - own_; }
+  void rebuildSteps();
+  void tell(const std::string& what, double done) const {
+    if (progress_) progress_(what, done);
+  }
+
+  const LogSearch& search_;
+  const std::vector<Hypothesis>& hypotheses_;
+  const LogDiagnosisOptions& options_;
+  const DiagnosisProgress& progress_;
+  Selection selection_;
+  std::size_t own_ = 0;
+  std::size_t step_ = 0;
+  std::set<const ActuatorEffect*> dropped_;  ///< by pruning: what takes their place stays, or the steps would never end
+};
+
+std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) const {
+  std::optional<std::size_t> best;
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    if (!acceptable(trials[t], trials.size())) continue;
+    if (!best || trials[t].gain->value > trials[*best].gain->value) best = t;
+  }
+  return best;
+}
+
+std::vector<Trial> Selector::step(const Fitted& base) {
+  std::vector<Hypothesis> open;
+  for (const Hypothesis& h : hypotheses_) {
+    const bool chosen = std::ranges::find(base.model->effects(), h.effect) != base.model->effects().end();
+    if (!chosen && !dropped_.contains(h.effect)) open.push_back(h);
+  }
+  return search_.tryAll(base, open);
+}
+
+void Selector::record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted) {
+  ++step_;
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    const Trial& trial = trials[t];
+    HypothesisRecord entry{step_, std::string(trial.hypothesis.effect->name), trial.hypothesis.target, {}, 1.0, {}};
+    if (!trial.identifiable) {
+      entry.outcome = "not identifiable: the model's own parameters can imitate it";
+    } else if (!trial.gain) {
+      entry.gain_inner = {trial.gain_training, trial.gain_training, trial.gain_training};
+      entry.outcome = "rejected: too small, or gains too little on the rows it was fitted to";
+    } else {
+      entry.gain_inner = *trial.gain;
+      entry.p_adjusted = adjusted(trial, trials.size());
+      entry.outcome = accepted == t                             ? "accepted"
+                      : acceptable(trial, trials.size())        ? "significant, but another gains more"
+                      : trial.gain->value < options_.least_gain ? "rejected: gains too little on unseen blocks"
+                                                                : "rejected: not significant";
+    }
+    selection_.records.push_back(entry);
+  }
+}
+
+std::vector<std::string> Selector::rivals(const std::vector<Trial>& trials, std::size_t accepted) const {
+  const Trial& winner = trials[accepted];
+  std::vector<std::string> names;
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    if (t == accepted || !acceptable(trials[t], trials.size())) continue;
+    const double lead = winner.gain->value - trials[t].gain->value;
+    const bool tie = pairedP(trials[t].fitted.validation, winner.fitted.validation) > options_.level ||
+                     lead < kTie * winner.gain->value;
+    if (tie && !search_.encompasses(winner, trials[t])) names.emplace_back(trials[t].hypothesis.effect->name);
+  }
+  return names;
+}
+
+void Selector::drop(std::size_t k, const Fitted& rest, double gain) {
+  const ActuatorEffect* effect = selection_.chosen.model->effects()[own_ + k];
+  selection_.records.push_back({step_, std::string(effect->name), {}, {gain, gain, gain}, 1.0, "pruned"});
+  dropped_.insert(effect);
+  selection_.chosen = rest;
+  selection_.p_adjusted.erase(selection_.p_adjusted.begin() + static_cast<std::ptrdiff_t>(k));
+  selection_.ambiguous_with.erase(selection_.ambiguous_with.begin() + static_cast<std::ptrdiff_t>(k));
+}
+
+/// Takes out causes that the later ones made superfluous.
+void Selector::prune() {
+  for (std::size_t k = causes(); k-- > 0 && causes() > 1;) {
+    const Fitted rest = search_.without(selection_.chosen, own_ + k);
+    const double gain = 1.0 - selection_.chosen.validation.mse() / rest.validation.mse();
+    if (gain < options_.least_gain || pairedP(rest.validation, selection_.chosen.validation) >= options_.level) {
+      drop(k, rest, gain);
+    }
+  }
+}
+
+/// Takes out named causes that only stood in for what has no name: with that in the model they gain nothing.
+void Selector::dropStandIns() {
+  Fitted full = selection_.unnamed->fitted;
+  for (std::size_t k = causes(); k-- > 0;) {
+    Fitted rest = search_.without(full, own_ + k);
+    const double gain = 1.0 - full.validation.mse() / rest.validation.mse();
+    if (gain >= options_.least_gain) continue;
+    drop(k, search_.without(selection_.chosen, own_ + k), gain);
+    full = std::move(rest);
+  }
+  selection_.unnamed->gain = pairedGain(selection_.chosen.validation, full.validation, options_.seed);
+}
+
+/// With several causes, the first ones were chosen without the later ones: each is compared with its rivals again.
+void Selector::review() {
+  if (causes() < 2) return;
+  for (std::size_t k = 0; k < causes(); ++k) {
+    const Fitted rest = search_.without(selection_.chosen, own_ + k);
+    const std::vector<Trial> trials = step(rest);
+    const auto winner = best(trials);
+    record(trials, winner);
+    if (!winner) continue;
+    const ActuatorEffect* held = selection_.chosen.model->effects()[own_ + k];
+    const auto current = std::ranges::find_if(trials, [&](const Trial& t) { return t.hypothesis.effect == held; });
+    const auto at = static_cast<std::size_t>(current - trials.begin());
+    const bool swap = *winner != at && (!current->gain || pairedP(current->fitted.validation,
+                                                                  trials[*winner].fitted.validation) < options_.level);
+    const std::size_t chosen = swap ? *winner : at;
+    selection_.ambiguous_with[k] = rivals(trials, chosen);
+    selection_.p_adjusted[k] = adjusted(trials[chosen], trials.size());
+    if (!swap) continue;
+    std::vector<const ActuatorEffect*> effects = selection_.chosen.model->effects();
+    effects[own_ + k] = trials[chosen].hypothesis.effect;
+    selection_.chosen = search_.fit(effects, &trials[chosen].fitted);
+    search_.validate(selection_.chosen);
+  }
+}
+
+void Selector::rebuildSteps() {
+  selection_.steps = {selection_.baseline};
+  std::vector<const ActuatorEffect*> effects = selection_.chosen.model->effects();
+  for (std::size_t k = 1; k <= causes(); ++k) {
+    const std::vector<const ActuatorEffect*> some(effects.begin(),
+                                                  effects.begin() + static_cast<std::ptrdiff_t>(own_ + k));
+    selection_.steps.push_back(k == causes() ? selection_.chosen : search_.fit(some, &selection_.chosen));
+  }
+}
+
+Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std::vector<Hypothesis>& unnamed) {
+  own_ = own.size();
+  tell("fitting the model as it is", 0.0);
+  selection_.baseline = search_.fit(own, nullptr);
+  search_.validate(selection_.baseline);
+  selection_.chosen = selection_.baseline;
+  const double share = 0.8 / (options_.max_causes + 1.0);
+  while (static_cast<int>(causes()) < options_.max_causes) {
+    tell("trying causes", 0.1 + share * static_cast<double>(step_));
+    std::vector<Trial> trials = step(selection_.chosen);
+    const auto accepted = best(trials);
+    record(trials, accepted);
+    if (step_ == 1) {
+      for (const Trial& t : trials) {
+        if (!t.identifiable) selection_.aliased.emplace_back(t.hypothesis.effect->name);
+      }
+    }
+    selection_.last = std::move(trials);
+    if (!accepted) break;
+    Trial& winner = selection_.last[*accepted];
+    selection_.p_adjusted.push_back(adjusted(winner, selection_.last.size()));
+    selection_.ambiguous_with.push_back(rivals(selection_.last, *accepted));
+    selection_.chosen = winner.fitted;
+    prune();
+  }
+  tell("comparing each cause with its rivals", 0.8);
+  review();
+  prune();
+  tell("looking for what has no name", 0.9);
+  const std::vector<Trial> strange = search_.tryAll(selection_.chosen, unnamed);
+  const auto found = best(strange);
+  record(strange, found);
+  if (found) {
+    selection_.unnamed = strange[*found];
+    dropStandIns();
+  }
+  rebuildSteps();
+  return std::move(selection_);
+}
+
+}  // namespace
+
+double detectionFactor(double least_gain, double effective_samples) {
+  return std::max(4.6, std::sqrt(least_gain * effective_samples));
+}
+
+Selection selectCauses(const LogSearch& search, const std::vector<const ActuatorEffect*>& own,
+                       const std::vector<Hypothesis>& hypotheses, const std::vector<Hypothesis>& unnamed,
+                       const LogDiagnosisOptions& options, const DiagnosisProgress& progress) {
+  return Selector(search, hypotheses, options, progress).run(own, unnamed);
+}
+
+}  // namespace simgap

@@ -1,0 +1,31 @@
+/// \file
+/// Which causes a log calls for: forward steps while a further cause is significant, backward pruning, a review of each
+/// cause against its rivals, and at last what is outside the catalogue.
+#pragma once
+
+#include "log_hypotheses.h"
+
+namespace simgap {
+
+struct Selection {
+  Fitted baseline;
+  Fitted chosen;                   ///< with the named causes in order of acceptance, after the baseline's effects
+  std::vector<Fitted> steps;       ///< shape (causes + 1): baseline, with one cause, with two …
+  std::vector<double> p_adjusted;  ///< shape (causes)
+  std::vector<std::vector<std::string>> ambiguous_with;  ///< shape (causes)
+  std::optional<Trial> unnamed;                          ///< what a dependence outside the catalogue adds to `chosen`
+  std::vector<Trial> last;           ///< the trials on top of `chosen`: for what could have been detected
+  std::vector<std::string> aliased;  ///< effects that the model's own parameters can imitate exactly
+  std::vector<HypothesisRecord> records;
+};
+
+/// How many standard deviations an effect has to be large to be found: a z of 3 for the number of hypotheses, 1.6 for
+/// 95 % power, and the least gain.
+double detectionFactor(double least_gain, double effective_samples);
+
+/// \param hypotheses  named; \param unnamed  outside the catalogue
+Selection selectCauses(const LogSearch& search, const std::vector<const ActuatorEffect*>& own,
+                       const std::vector<Hypothesis>& hypotheses, const std::vector<Hypothesis>& unnamed,
+                       const LogDiagnosisOptions& options, const DiagnosisProgress& progress);
+
+}  // namespace simgap

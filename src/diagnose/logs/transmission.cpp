@@ -1,0 +1,62 @@
+#include "transmission.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "log_causes.h"
+#include "simgap/optimize/uncertainty.h"
+#include "testable.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kDerived = 1e-9;  // of the joint's range: one angle was worked out from the other
+
+}  // namespace
+
+void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const LogSplit& split,
+                     const LogDiagnosisOptions& options, LogDiagnosis& result) {
+  Diagnosis& d = result.diagnosis;
+  if (subject.base.kind != ActuatorKind::kFriction) return;
+  ActuatorModel transmission{actuator_equations::transmission, {}, {}};
+  for (const Extension& own : subject.of_angles) {
+    transmission.effects.push_back(&actuator_effects::find(own.effect));
+    for (LogFit* fit : {&result.baseline, &result.extended}) fit->extensions.push_back(own);
+  }
+  const std::vector<Hypothesis> hypotheses = namedHypotheses(transmission, log.data, options, d);
+  if (hypotheses.empty()) return;
+  const PreparedLog angles = prepareTransmissionData(log);
+  const LogSearch search(transmission.base, angles.data, split.training, options);
+  const double range = angles.data.rows.effort.maxCoeff() - angles.data.rows.effort.minCoeff();
+  if (std::sqrt(search.fit({}, nullptr).mse) < kDerived * range) {
+    d.not_testable.push_back({std::string(hypotheses[0].effect->name), "needs two measured angles"});
+    return;
+  }
+  const Selection selection = selectCauses(search, {}, hypotheses, {}, options, {});
+  Fitted before = selection.baseline, after = selection.chosen;
+  const LogFit rigid = describe(search, angles, before), elastic = describe(search, angles, after);
+  const double samples = static_cast<double>(d.samples) / correlationTime(residualOf(after), log.data.rows.session);
+  for (const Detectable& least : detectable(search, selection.last, options.least_gain, samples))
+    d.detectable.push_back(least);
+  for (HypothesisRecord record : selection.records) d.hypotheses.push_back(std::move(record));
+  const std::vector<PieceErrors> heldout = heldOutErrors(search, selection, split.heldout, log.data.rows.session);
+  for (Cause& cause : causesOf(selection, heldout, rigid, elastic, 0, options.seed)) {
+    const std::string found = fmt::format(
+        "{}; the joint's angle follows from the motor's with {:.1f} % less squared "
+        "error on data never used",
+        cause.effect, 100.0 * cause.gain_heldout.value);
+    if (d.verdict == DiagnosisVerdict::kNothingFound) {
+      d.verdict = DiagnosisVerdict::kCauseFound;
+      d.sentence = "Cause found: " + found + ".";
+    } else {
+      d.sentence += " And " + found + ".";
+    }
+    d.causes.push_back(std::move(cause));
+  }
+  result.extended.extensions.insert(result.extended.extensions.end(), elastic.extensions.begin(),
+                                    elastic.extensions.end());
+}
+
+}  // namespace simgap

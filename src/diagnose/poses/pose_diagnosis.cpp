@@ -1,0 +1,319 @@
+#include "simgap/diagnose/poses/pose_diagnosis.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/paired_error.h"
+#include "pose_advice.h"
+#include "pose_evidence.h"
+#include "pose_score.h"
+#include "pose_selection.h"
+#include "pose_self_test.h"
+#include "pose_validation.h"
+#include "simgap/core/csv.h"
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::size_t kFewestPoses = 8;
+constexpr std::size_t kLargestGroup = 3;  // a larger one is no answer
+constexpr double kLargeExcess = 0.5;      // of the cross-validated error over what the model itself expects
+constexpr double kClearExcess = 4.0;      // standard deviations
+constexpr double kAbsorbed = 1.0;         // [sd] smallest shift of a parameter worth a word
+
+/// Poses of the selection and those held out, without the faulty ones.
+struct Split {
+  std::vector<Pose> selection, heldout, all;
+};
+
+/// Which poses only measure the gain, spread evenly over the order of recording.
+std::vector<bool> chooseHeldout(std::size_t poses, double holdout) {
+  std::vector<bool> heldout;
+  double owed = 0.0;
+  for (std::size_t p = 0; p < poses; ++p) {
+    owed += holdout;
+    heldout.push_back(owed >= 1.0 - 1e-12);
+    if (heldout.back()) owed -= 1.0;
+  }
+  return heldout;
+}
+
+Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std::vector<bool>& faulty) {
+  Split split;
+  for (std::size_t p = 0; p < set.poses.size(); ++p) {
+    if (faulty[p]) continue;
+    split.all.push_back(set.poses[p]);
+    (heldout[p] ? split.heldout : split.selection).push_back(set.poses[p]);
+  }
+  return split;
+}
+
+double mean(const Eigen::ArrayXd& values) { return values.size() > 0 ? values.mean() : 0.0; }
+
+Interval intervalOf(const ExtensionParameter& p) {
+  const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
+  return {p.value, p.value - half, p.value + half};
+}
+
+std::vector<PoseCause> causesOf(const PoseSelection& selection, std::size_t first) {
+  std::vector<PoseCause> causes;
+  for (std::size_t c = 0; c < first; ++c) causes.push_back(selection.causes[c].cause);
+  return causes;
+}
+
+class Diagnosing {
+ public:
+  Diagnosing(const ArmModel& model, const PoseSet& set, const std::vector<ParameterSpace::Choice>& parameters,
+             const PoseNoise& noise, const PoseDiagnosisOptions& options, const DiagnosisProgress& progress)
+      : problem_{model, parameters, noise, options.threads}, set_(set), options_(options), progress_(progress) {}
+
+  PoseDiagnosis run();
+
+ private:
+  void say(std::string_view what) {
+    const double total = 6.0 + static_cast<double>(options_.max_causes);
+    const double share = options_.self_test > 0 ? 0.0 : std::min(1.0, static_cast<double>(done_++) / total);
+    progress_(std::string(what), share);
+  }
+  Eigen::VectorXd fitPlain();
+  [[noreturn]] void failForPoses(std::size_t found) const;
+  void measureGain(const PoseProblem& without);
+  void fillCauses();
+  void fillAbsorption(PoseFit& plain, PoseFit& fit);
+  void decide();
+  std::string poseErrorsCsv(const ArmModel& before, const ArmModel& after) const;
+
+  PoseProblem problem_;
+  const PoseSet& set_;
+  const PoseDiagnosisOptions& options_;
+  const DiagnosisProgress& progress_;
+  std::size_t done_ = 0;
+  Split split_;
+  std::vector<PoseHypothesis> hypotheses_;
+  PoseSelection selection_;
+  PoseDiagnosis result_;
+};
+
+/// Fits the model without causes to the poses of the selection and looks for faults in all. \returns where later fits
+/// start
+Eigen::VectorXd Diagnosing::fitPlain() {
+  const std::vector<bool> heldout = chooseHeldout(set_.poses.size(), options_.holdout);
+  std::vector<bool> faulty(set_.poses.size(), false);
+  split_ = splitPoses(set_, heldout, faulty);
+  if (split_.selection.size() < kFewestPoses) failForPoses(split_.selection.size());
+  PoseFit fit(problem_, split_.selection, {});
+  if (!fit.search(options_.starts, problem_.threads, options_.seed)) {
+    // Some pose has no equilibrium at any start: the fit begins without those, and they are looked at again below.
+    std::vector<Pose> solvable;
+    const std::vector<bool> without = fit.withoutEquilibrium();
+    for (std::size_t p = 0; p < without.size(); ++p) {
+      if (!without[p]) solvable.push_back(split_.selection[p]);
+    }
+    PoseFit some(problem_, solvable, {});
+    if (solvable.size() < kFewestPoses || !some.search(options_.starts, problem_.threads, options_.seed)) {
+      throw NumericsError(fmt::format("{}: no parameters of the model give every pose an equilibrium", set_.file));
+    }
+    fit.setSolution(some.z());
+  }
+  PoseFit everywhere(problem_, set_.poses, {});
+  everywhere.posterior().whiten(fit.z());
+  everywhere.setSolution(fit.z());
+  result_.diagnosis.faults = findPoseFaults(everywhere, problem_.noise.capture_sd, faulty);
+  for (DataFault& fault : result_.diagnosis.faults) fault.corrected |= options_.ignore_faults;
+  split_ = splitPoses(set_, heldout, faulty);
+  if (split_.selection.size() < kFewestPoses) failForPoses(split_.selection.size());
+  return fit.z();
+}
+
+void Diagnosing::failForPoses(std::size_t found) const {
+  throw DataError(
+      fmt::format("{}: found {} poses to select causes with, expected at least {}", set_.file, found, kFewestPoses));
+}
+
+/// Errors on the poses held out, without causes and with ever more of them.
+void Diagnosing::measureGain(const PoseProblem& without) {
+  Diagnosis& d = result_.diagnosis;
+  PoseFit plain(without, split_.selection, {});
+  plain.posterior().whiten(selection_.z_plain);
+  plain.setSolution(selection_.z_plain);
+  const PoseErrors heldout(without, plain, split_.heldout), fitted(without, plain, split_.selection);
+  const Eigen::ArrayXd before = heldout.of(plain.model());
+  d.extended = d.baseline = {mean(fitted.of(plain.model())), mean(before)};
+  Eigen::ArrayXd last = before;
+  for (std::size_t c = 0; c < selection_.causes.size(); ++c) {
+    PoseFit fit(problem_, split_.selection, causesOf(selection_, c + 1));
+    fit.posterior().whiten(fit.extended(selection_.z));
+    fit.descend(fit.extended(selection_.z));
+    const Eigen::ArrayXd now = heldout.of(fit.model());
+    // Of the baseline's error: what this cause takes away from what the causes before it left.
+    if (before.size() > 0) d.causes[c].gain_heldout = predictedGain(before, before - (last - now), options_.seed);
+    d.extended = {mean(fitted.of(fit.model())), mean(now)};
+    last = now;
+  }
+}
+
+void Diagnosing::fillCauses() {
+  for (const AcceptedCause& accepted : selection_.causes) {
+    Cause& cause = result_.diagnosis.causes.emplace_back();
+    cause.effect = accepted.cause.effect->name;
+    cause.target = accepted.cause.target;
+    cause.sentence = accepted.cause.effect->cause;
+    cause.p_adjusted = accepted.p_adjusted;
+    cause.ambiguous_with = accepted.rivals;
+  }
+}
+
+/// Ordinary parameters that moved when the causes came in, in their standard deviations afterwards.
+void Diagnosing::fillAbsorption(PoseFit& plain, PoseFit& fit) {
+  const Eigen::MatrixXd covariance =
+      fit.curvature().llt().solve(Eigen::MatrixXd::Identity(fit.z().size(), fit.z().size()));
+  std::vector<Absorption> absorbed;
+  for (std::size_t i = 0; i < fit.ordinary(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const double shift = (fit.z()[k] - plain.z()[k]) / std::sqrt(covariance(k, k));
+    if (std::abs(shift) >= kAbsorbed) absorbed.push_back({fit.space().parameters()[i].name, shift});
+  }
+  std::ranges::stable_sort(absorbed, std::greater<>(), [](const Absorption& a) { return std::abs(a.shift_sd); });
+  if (absorbed.size() > 5) absorbed.resize(5);
+  if (!result_.diagnosis.causes.empty()) result_.diagnosis.causes.back().absorbed_by = absorbed;
+}
+
+void Diagnosing::decide() {
+  Diagnosis& d = result_.diagnosis;
+  const bool large_group = std::ranges::any_of(
+      selection_.causes, [](const AcceptedCause& cause) { return cause.rivals.size() + 1 > kLargestGroup; });
+  const bool group = std::ranges::any_of(selection_.causes, [](const auto& cause) { return !cause.rivals.empty(); });
+  const bool structure = selection_.excess > kLargeExcess && selection_.excess > kClearExcess * selection_.excess_sd;
+  std::string names;
+  for (const AcceptedCause& cause : selection_.causes) {
+    names += (names.empty() ? "" : ", ") + cause.cause.label();
+  }
+  const double gain = 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout;
+  if (std::ranges::any_of(d.faults, [](const DataFault& fault) { return !fault.corrected; })) {
+    d.verdict = DiagnosisVerdict::kDataFault;
+    d.sentence = d.faults.front().sentence;
+  } else if (!selection_.causes.empty() && !large_group) {
+    d.verdict = group ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
+    const bool one = selection_.causes.size() == 1;
+    d.sentence = gain > 0.0
+                     ? fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
+                                   one ? "takes away" : "take away", 100.0 * gain, split_.heldout.size())
+                     : fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it",
+                                   names, one ? "makes" : "make", split_.heldout.size());
+  } else if (large_group) {
+    d.verdict = DiagnosisVerdict::kUnexplained;
+    d.sentence = fmt::format("something like {} is there, but these poses do not tell it from {} other causes", names,
+                             selection_.causes.front().rivals.size());
+  } else if (structure) {
+    d.verdict = DiagnosisVerdict::kUnexplained;
+    d.sentence = fmt::format(
+        "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no "
+        "cause of the catalogue takes it away",
+        100.0 * selection_.excess);
+  } else {
+    d.verdict = DiagnosisVerdict::kNothingFound;
+    d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
+  }
+  if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {
+    d.warnings.push_back(
+        fmt::format("the error on unseen poses is still {:.0f} % above what noise and parameters explain",
+                    100.0 * selection_.excess));
+  }
+}
+
+std::string Diagnosing::poseErrorsCsv(const ArmModel& before, const ArmModel& after) const {
+  CsvWriter csv({"pose", "held_out", "used", "before_deg", "after_deg"});
+  const std::vector<double> old = squaredErrors(before, set_.poses), now = squaredErrors(after, set_.poses);
+  const auto among = [](const std::vector<Pose>& poses, const std::string& name) {
+    return std::ranges::find(poses, name, &Pose::name) != poses.end() ? 1.0 : 0.0;
+  };
+  for (std::size_t p = 0; p < set_.poses.size(); ++p) {
+    const std::string& name = set_.poses[p].name;
+    csv.add(name).add(among(split_.heldout, name)).add(among(split_.all, name));
+    csv.add(std::sqrt(old[p])).add(std::sqrt(now[p])).endRow();
+  }
+  return csv.text();
+}
+
+PoseDiagnosis Diagnosing::run() {
+  Diagnosis& d = result_.diagnosis;
+  d.error_unit = "deg2";
+  d.samples = set_.poses.size();
+  say("fit without causes");
+  const Eigen::VectorXd start = fitPlain();
+  d.effective_samples = static_cast<double>(split_.all.size());
+  hypotheses_ = poseHypotheses(problem_.nominal, split_.all, options_.effects, d.not_testable);
+  selection_ = selectCauses(problem_, split_.selection, hypotheses_, start, options_,
+                            [this](std::string_view what) { say(what); });
+  PoseProblem without = problem_;
+  without.stray_friction = selection_.stray_plain;
+  problem_.stray_friction = selection_.stray;
+  d.hypotheses = selection_.records;
+  fillCauses();
+  say("gain on held-out poses");
+  measureGain(without);
+
+  PoseFit plain(without, split_.all, {});
+  plain.posterior().whiten(selection_.z_plain);
+  plain.descend(selection_.z_plain);
+  PoseFit fit(problem_, split_.all, causesOf(selection_, selection_.causes.size()));
+  fit.posterior().whiten(selection_.z);
+  fit.descend(selection_.z);
+  d.noise_floor = poseNoiseFloor(fit);
+  d.extensions = fit.extensions();
+  for (std::size_t c = 0; c < d.causes.size(); ++c) {
+    for (const ExtensionParameter& p : d.extensions[c].parameters) {
+      d.causes[c].parameters.push_back({p.name, p.unit, intervalOf(p)});
+    }
+  }
+  fillAbsorption(plain, fit);
+  d.explained_percent = 100.0 * (d.baseline.mse_heldout - d.extended.mse_heldout) / d.baseline.mse_heldout;
+  // Beyond noise and what the parameters' own uncertainty does to poses they were not fitted to.
+  d.explainable_percent = std::max({0.0, d.explained_percent, 100.0 * (1.0 - 1.0 / (1.0 + selection_.excess_plain))});
+  d.evidence = poseEvidence(plain, fit);
+  d.unexplained = poseLeftovers(fit);
+  say("what these poses could reveal");
+  d.detectable = detectableMagnitudes(problem_, fit, hypotheses_);
+  d.next_experiment = nextPoseExperiment(problem_, fit, selection_, hypotheses_, d.not_testable);
+  decide();
+  warnOfHarm(d);
+  result_.pose_errors = poseErrorsCsv(plain.model(), fit.model());
+  result_.model = fit.model();
+  const std::size_t given = result_.model.extensions.size() - d.extensions.size();
+  std::ranges::copy(d.extensions, result_.model.extensions.begin() + static_cast<std::ptrdiff_t>(given));
+  if (options_.self_test > 0)
+    d.self_test = selfTestPoses(problem_, plain, hypotheses_, d.detectable, options_, progress_);
+  return std::move(result_);
+}
+
+}  // namespace
+
+void PoseDiagnosisOptions::validate() const {
+  for (const std::string& name : effects) {
+    if (findArmEffect(name)) continue;
+    std::string known;
+    for (const ArmEffect* effect : arm_effects::all()) known += (known.empty() ? "" : ", ") + std::string(effect->name);
+    throw ConfigError(fmt::format("--effects: found '{}', expected one of {}", name, known));
+  }
+  if (!(level > 0.0 && level < 1.0))
+    throw ConfigError(fmt::format("--level: found {}, expected a number in (0, 1)", level));
+  if (!(holdout > 0.0 && holdout < 0.9)) {
+    throw ConfigError(fmt::format("--holdout: found {}, expected a fraction in (0, 0.9)", holdout));
+  }
+}
+
+PoseDiagnosis diagnosePoses(const ArmModel& model, const PoseSet& set,
+                            const std::vector<ParameterSpace::Choice>& parameters, const PoseNoise& noise,
+                            const PoseDiagnosisOptions& options, const DiagnosisProgress& progress) {
+  options.validate();
+  if (set.poses.size() < kFewestPoses) {
+    throw DataError(fmt::format("{}: found {} poses, expected at least {}", set.file, set.poses.size(), kFewestPoses));
+  }
+  return Diagnosing(model, set, parameters, noise, options, progress).run();
+}
+
+}  // namespace simgap

@@ -1,0 +1,167 @@
+#include "pose_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/fit/poses/posterior_search.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kUnbounded = 1e-9;     // curvature, in prior units, of what nothing bounds
+constexpr double kNoEquilibrium = 1e4;  // d_p^2 of a pose the model cannot take
+
+ArmModel withCauses(const PoseProblem& problem, const std::vector<PoseCause>& causes) {
+  ArmModel model = problem.nominal;
+  for (Joint& joint : model.joints) joint.coulomb_friction *= problem.stray_friction;
+  for (const PoseCause& cause : causes) {
+    EffectParameters p{};
+    for (std::size_t i = 0; i < cause.effect->parameters.size(); ++i) {
+      const ArmEffectParameter& parameter = cause.effect->parameters[i];
+      p[i] = parameter.fitted ? parameter.neutral : cause.start[i];
+    }
+    model.extensions.push_back(makeExtension(*cause.effect, cause.target, p));
+  }
+  return model;
+}
+
+ParameterSpace spaceOf(const PoseProblem& problem, const ArmModel& model, const std::vector<PoseCause>& causes) {
+  std::vector<ParameterSpace::Choice> choices = problem.parameters;
+  for (const PoseCause& cause : causes) {
+    for (const ArmEffectParameter& p : cause.effect->parameters) {
+      if (!p.fitted) continue;
+      choices.push_back(
+          {"extensions." + cause.label() + "." + std::string(p.name), 0.1 * p.scale, {}, {}, p.scale, {}});
+    }
+  }
+  return ParameterSpace(model, choices);
+}
+
+Eigen::Index fittedParameters(const PoseCause& cause) {
+  return std::ranges::count_if(cause.effect->parameters, [](const auto& p) { return p.fitted; });
+}
+
+}  // namespace
+
+PoseFit::PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::vector<PoseCause> causes)
+    : prior_(withCauses(problem, causes)),
+      nominal_joints_(problem.nominal.joints),
+      causes_(std::move(causes)),
+      space_(spaceOf(problem, prior_, causes_)),
+      posterior_(prior_, poses, space_, problem.noise),
+      ordinary_(space_.size()),
+      z_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(space_.size()))) {
+  for (const PoseCause& cause : causes_) ordinary_ -= static_cast<std::size_t>(fittedParameters(cause));
+}
+
+ArmModel PoseFit::model() const {
+  ArmModel model = posterior_.modelAt(z_);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    model.joints[j].coulomb_friction = nominal_joints_[j].coulomb_friction;
+  }
+  return model;
+}
+
+Eigen::VectorXd PoseFit::extended(const Eigen::VectorXd& z) const {
+  Eigen::VectorXd all(z_.size());
+  Eigen::Index i = static_cast<Eigen::Index>(ordinary_);
+  all.head(i) = z.head(i);
+  for (const PoseCause& cause : causes_) {
+    for (std::size_t k = 0; k < cause.effect->parameters.size(); ++k) {
+      if (!cause.effect->parameters[k].fitted) continue;
+      all[i] = i < z.size() ? z[i] : posterior_.parameters().scaled(i, cause.start[k]);
+      ++i;
+    }
+  }
+  return all;
+}
+
+Eigen::VectorXd PoseFit::solutionWithout(std::size_t cause) const {
+  auto first = static_cast<Eigen::Index>(ordinary_);
+  for (std::size_t c = 0; c < cause; ++c) first += fittedParameters(causes_[c]);
+  const Eigen::Index gone = fittedParameters(causes_[cause]);
+  Eigen::VectorXd rest(z_.size() - gone);
+  rest << z_.head(first), z_.tail(z_.size() - first - gone);
+  return rest;
+}
+
+void PoseFit::descend(const Eigen::VectorXd& z, double tolerance) {
+  constexpr int kIterations = 60;
+  const PosteriorFit fit = descendPosterior(posterior_, z, kIterations, tolerance);
+  z_ = fit.z;
+  objective_ = fit.objective;
+}
+
+bool PoseFit::search(int starts, int threads, std::uint64_t seed) {
+  PosteriorFit best;
+  best.objective = std::numeric_limits<double>::infinity();
+  for (const PosteriorFit& fit :
+       searchPosterior(posterior_, {starts, threads, seed}, [](const PosteriorFit&) { return false; })) {
+    if (fit.objective < best.objective) best = fit;
+  }
+  if (std::isinf(best.objective)) return false;
+  posterior_.whiten(best.z);
+  descend(best.z);
+  return true;
+}
+
+std::vector<bool> PoseFit::withoutEquilibrium() {
+  PosePosterior balancing = posterior_;
+  const Eigen::VectorXd z = balanceTorques(balancing, Eigen::VectorXd::Zero(z_.size()));
+  std::vector<bool> without;
+  for (const PoseResidual& pose : balancing.evaluate(z, false)) without.push_back(!pose.valid);
+  return without;
+}
+
+Eigen::MatrixXd PoseFit::curvature() {
+  const ScaledParameters& scaled = posterior_.parameters();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(z_.size(), z_.size());
+  for (Eigen::Index i = 0; i < z_.size(); ++i) sum(i, i) = scaled.hasPrior(i) ? 1.0 : kUnbounded;
+  for (const PoseResidual& pose : linearised()) {
+    if (!pose.valid) continue;
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(pose.jacobian.transpose(), robustWeight(pose.error.squaredNorm()));
+  }
+  return sum.selfadjointView<Eigen::Lower>();
+}
+
+double PoseFit::logEvidence() {
+  if (!std::isfinite(objective_)) return -std::numeric_limits<double>::infinity();
+  double density = 0.0;  // of the poses' errors: the determinant of their whitening
+  for (std::size_t p = 0; p < posterior_.poses().size(); ++p) {
+    density += posterior_.whitening(p).diagonal().array().log().sum();  // triangular
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(curvature());
+  return density - objective_ - factor.matrixLLT().diagonal().array().log().sum();
+}
+
+std::vector<Extension> PoseFit::extensions() {
+  const Eigen::MatrixXd covariance = curvature().llt().solve(Eigen::MatrixXd::Identity(z_.size(), z_.size()));
+  std::vector<Extension> found = model().extensions;
+  auto i = static_cast<Eigen::Index>(ordinary_);
+  const std::size_t given = found.size() - causes_.size();
+  for (std::size_t c = 0; c < causes_.size(); ++c) {
+    for (std::size_t k = 0; k < causes_[c].effect->parameters.size(); ++k) {
+      if (!causes_[c].effect->parameters[k].fitted) continue;
+      found[given + c].parameters[k].sd = posterior_.parameters().slope(i, z_[i]) * std::sqrt(covariance(i, i));
+      ++i;
+    }
+  }
+  found.erase(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(given));
+  return found;
+}
+
+std::vector<double> unseenDistances(const PoseFit& fit, const PoseProblem& problem, std::span<const Pose> poses,
+                                    const PoseFit& whitening_from) {
+  PoseFit like(problem, poses, whitening_from.causes());
+  like.posterior().whiten(whitening_from.z());
+  PoseFit there(problem, poses, fit.causes());
+  there.posterior().whitenLike(like.posterior());
+  std::vector<double> distances;
+  for (const PoseResidual& pose : there.posterior().evaluate(fit.z(), false)) {
+    distances.push_back(pose.valid ? pose.error.squaredNorm() : kNoEquilibrium);
+  }
+  return distances;
+}
+
+}  // namespace simgap

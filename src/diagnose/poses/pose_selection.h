@@ -1,0 +1,61 @@
+/// \file
+/// Which causes the poses speak for: greedy forward steps over all hypotheses, each a refit of the whole model, then
+/// exchange of causes for rivals, then backward pruning.
+#pragma once
+
+#include <functional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "pose_fit.h"
+#include "simgap/diagnose/poses/pose_diagnosis.h"
+
+namespace simgap {
+
+/// An effect on a target, with all starts that its fit tries.
+struct PoseHypothesis {
+  const ArmEffect* effect = nullptr;
+  std::string target;
+  std::vector<EffectParameters> starts;
+};
+
+/// All hypotheses that the poses can test, and why others cannot be.
+std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,
+                                           const std::vector<std::string>& effects,
+                                           std::vector<NotTestable>& not_testable);
+
+/// A hypothesis after its best refit.
+struct PoseCandidate {
+  PoseCause cause;          ///< with the choices that fitted best
+  Eigen::VectorXd z;        ///< of the whole model with it
+  double odds = 0.0;        ///< log of the odds against the model without it
+  double likelihood = 0.0;  ///< objective that it saves
+  double share = 1.0;       ///< of all hypotheses, before any data
+};
+
+struct AcceptedCause {
+  PoseCause cause;
+  double odds = 0.0;  ///< log, against the model without it
+  double p_adjusted = 1.0;
+  Interval gain_inner;
+  std::vector<std::string> rivals;   ///< that these poses do not tell from it
+  std::set<std::string> contenders;  ///< that an exchange tries in its place
+};
+
+struct PoseSelection {
+  std::vector<AcceptedCause> causes;
+  Eigen::VectorXd z;                      ///< of the model with them, on the poses of the selection
+  Eigen::VectorXd z_plain;                ///< without
+  double stray = 1.0, stray_plain = 1.0;  ///< PoseProblem::stray_friction with the causes and without
+  std::vector<HypothesisRecord> records;
+  double excess = 0.0;     ///< of the cross-validated squared distances over what the final model expects, a fraction
+  double excess_sd = 0.0;  ///< of that under the model
+  double excess_plain = 0.0;
+};
+
+PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> poses,
+                           const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,
+                           const PoseDiagnosisOptions& options, const std::function<void(std::string_view)>& stage);
+
+}  // namespace simgap

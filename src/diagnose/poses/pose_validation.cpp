@@ -1,0 +1,74 @@
+#include "pose_validation.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <numeric>
+
+#include "diagnose/paired_error.h"
+#include "simgap/core/random.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::size_t kFolds = 5;
+constexpr std::uint32_t kBootstrapPurpose = 21;
+
+}  // namespace
+
+PoseFolds::PoseFolds(std::span<const Pose> poses) : folds_(kFolds), poses_(poses.size()) {
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    for (std::size_t f = 0; f < kFolds; ++f) {
+      (p % kFolds == f ? folds_[f].validation : folds_[f].training).push_back(poses[p]);
+    }
+    folds_[p % kFolds].validation_index.push_back(p);
+  }
+}
+
+CrossValidation PoseFolds::validate(const PoseProblem& problem, const std::vector<PoseCause>& causes,
+                                    const Eigen::VectorXd& z, const std::vector<PoseCause>& like,
+                                    const Eigen::VectorXd& z_like) const {
+  CrossValidation result;
+  result.distances.resize(poses_);
+  std::vector<double> expected(kFolds);
+  forEach(problem, kFolds, [&](std::size_t f) {
+    const Fold& fold = folds_[f];
+    PoseFit whitening(problem, fold.training, like);
+    whitening.posterior().whiten(z_like);
+    whitening.setSolution(z_like);
+    PoseFit fit(problem, fold.training, causes);
+    fit.posterior().whitenLike(whitening.posterior());
+    fit.descend(z);
+    const std::vector<double> unseen = unseenDistances(fit, problem, fold.validation, whitening);
+    for (std::size_t i = 0; i < unseen.size(); ++i) {
+      result.distances[fold.validation_index[i]] = robustLoss(unseen[i]);
+    }
+    const Eigen::LLT<Eigen::MatrixXd> curvature(fit.curvature());
+    PoseFit there(problem, fold.validation, causes);
+    there.posterior().whiten(fit.z());
+    for (const PoseResidual& pose : there.posterior().evaluate(fit.z(), true)) {
+      const Eigen::MatrixXd left = curvature.matrixL().solve(pose.jacobian.transpose());
+      expected[f] += static_cast<double>(pose.error.size()) + left.squaredNorm();
+    }
+  });
+  result.expected = std::accumulate(expected.begin(), expected.end(), 0.0);
+  return result;
+}
+
+Interval pairedGain(std::span<const double> before, std::span<const double> after, std::uint64_t seed) {
+  constexpr std::uint32_t kDraws = 2000;
+  const CounterRandom random(seed);
+  const auto toArray = [](std::span<const double> values) -> Eigen::ArrayXd {
+    return Eigen::Map<const Eigen::ArrayXd>(values.data(), std::ssize(values));
+  };
+  const Eigen::ArrayXd all_before = toArray(before), all_after = toArray(after);
+  std::vector<double> gains(kDraws);
+  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
+    gains[draw] = resampledGain(all_before, all_after, random, draw, kBootstrapPurpose);
+  }
+  std::ranges::sort(gains);
+  const double sum_before = std::accumulate(before.begin(), before.end(), 0.0);
+  const double sum_after = std::accumulate(after.begin(), after.end(), 0.0);
+  return {sum_before > 0.0 ? 1.0 - sum_after / sum_before : 0.0, gains[kDraws / 40], gains[kDraws - 1 - kDraws / 40]};
+}
+
+}  // namespace simgap

@@ -1,0 +1,68 @@
+#include "simgap/fit/actuators/actuator_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+ActuatorBase baseOf(std::string_view name) {
+  if (name == "pam") return actuator_equations::muscle;
+  if (name == "motor") return actuator_equations::winding;
+  if (name == "gearbox") return {friction::find("coulomb"), ActuatorKind::kGearbox};
+  return friction::find(name);
+}
+
+}  // namespace
+
+ActuatorModel subjectOf(std::string_view name) {
+  ActuatorModel subject{baseOf(name), {}, {}};
+  if (subject.base.kind == ActuatorKind::kGearbox) subject.effects.push_back(&actuator_effects::find("inertia"));
+  return subject;
+}
+
+ActuatorModel subjectOf(const FittedModel& model) {
+  ActuatorModel subject = subjectOf(model.kind == "friction" ? model.law : model.kind);
+  const double k = model.valueOr("k", std::numeric_limits<double>::infinity());
+  if (model.kind == "pam" && std::isfinite(k)) {
+    subject.effects.push_back(&actuator_effects::find("tendon-compliance"));
+    subject.values.push_back({"tendon-compliance.compliance", "1_N", 1.0 / k, 0.0, false});
+  }
+  for (const Extension& extension : model.extensions) {
+    const ActuatorEffect& effect = actuator_effects::find(extension.effect);
+    const bool of_angles = effect.kind == ActuatorKind::kTransmission;
+    if (of_angles) {
+      subject.of_angles.push_back(extension);
+    } else {
+      subject.effects.push_back(&effect);
+    }
+    for (const ExtensionParameter& p : extension.parameters) {
+      const bool known =
+          std::ranges::find(effect.columns, p.name, &EffectColumn::name) != effect.columns.end() ||
+          std::ranges::find(effect.parameters, p.name, &EffectParameter::name) != effect.parameters.end();
+      if (!known) {
+        throw ConfigError(fmt::format("found the parameter {} in the extension {}, which has none of that name", p.name,
+                                      effect.name));
+      }
+      subject.values.push_back({fmt::format("{}.{}", effect.name, p.name), p.unit, p.value, p.sd, false});
+    }
+    for (const EffectColumn& column : effect.columns) static_cast<void>(extension.value(column.name));
+    for (const EffectParameter& p : effect.parameters) static_cast<void>(extension.value(p.name));
+  }
+  for (const FittedParameter& p : model.parameters) subject.values.push_back({p.name, p.unit, p.value, p.sd, p.fixed});
+  return subject;
+}
+
+Eigen::ArrayXd predictExtended(const ActuatorModel& subject, const ActuatorData& data) {
+  const auto presliding = std::ranges::find(subject.values, "presliding", &PhysicalParameter::name);
+  std::optional<double> largest;
+  if (presliding != subject.values.end()) largest = presliding->value;
+  const ActuatorRegression regression(subject.base, subject.effects, data, largest);
+  return regression.predict(regression.thetaOf(subject.values));
+}
+
+}  // namespace simgap

@@ -1,0 +1,386 @@
+#include "simgap/fit/actuators/actuator_regression.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/optimize/separable.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Kind = EffectParameter::Kind;
+
+
+/// The unit a catalogue entry means on this drive: "Nm" is the load's, "A" the effort's.
+std::string unitOn(std::string_view unit, const ActuatorData& data) {
+  std::string text(unit);
+  const auto replace = [&](std::string_view from, const std::string& to) {
+    if (const auto at = text.find(from); at != std::string::npos) text.replace(at, from.size(), to);
+  };
+  if (data.load_unit == "N") {
+    replace("Nm", "N");
+    replace("rad", "m");
+  }
+  if (data.effort_unit != "A") replace("A", data.effort_unit);
+  return text;
+}
+
+std::string termUnit(FrictionBasis basis, const ActuatorData& data) {
+  if (basis == FrictionBasis::kLoad) return "1";
+  if (basis == FrictionBasis::kDirection) return data.load_unit;
+  return data.load_unit == "N" ? "Ns_m" : "Nms_rad";
+}
+
+}  // namespace
+
+ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<const ActuatorEffect*> effects,
+                                       const ActuatorData& data, std::optional<double> presliding)
+    : base_(base), effects_(std::move(effects)), data_(&data), presliding_(presliding.has_value()) {
+  const auto addLinear = [&](std::string name, std::string unit, double lower, double upper, bool times_gain) {
+    add(std::move(name), std::move(unit), lower, upper);
+    times_gain_.push_back(times_gain);
+  };
+  if (base.law != nullptr) {
+    // Without a load there is no k_a: torques are then told in what the motor draws.
+    const bool loaded = (data.rows.load != 0.0).any();
+    addLinear("k_a", data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit,
+              loaded ? 1e-12 : 1.0, loaded ? kInfinity : 1.0, false);
+    for (const FrictionTerm& term : base.law->terms)
+      addLinear(std::string(term.name), termUnit(term.basis, data), 0.0, kInfinity, true);
+  } else {
+    for (const EffectColumn& column : base.equation->columns)
+      addLinear(std::string(column.name), std::string(column.unit), column.lower, column.upper, false);
+  }
+  for (const FitParameter& p : data.rig_parameters) addLinear(p.name, p.unit, 0.0, kInfinity, true);
+  if (data.offset) addLinear("offset", data.effort_unit, -kInfinity, kInfinity, false);
+  for (const ActuatorEffect* effect : effects_) {
+    column_begin_.push_back(parameters_.size());
+    for (const EffectColumn& column : effect->columns) {
+      addLinear(fmt::format("{}.{}", effect->name, column.name), unitOn(column.unit, data), column.lower, column.upper,
+                column.torque);
+    }
+  }
+  linear_ = parameters_.size();
+  if (base.hasStribeck()) {
+    add("v_s", data.velocity_unit, 1e-4 * data.rows.top_speed, 3.0 * data.rows.top_speed);
+    add("delta", "1", 0.2, 8.0);
+  }
+  if (presliding) add("presliding", "rad", 1e-6, *presliding);
+  for (const ActuatorEffect* effect : effects_) {
+    p_begin_.push_back(parameters_.size());
+    for (const EffectParameter& p : effect->parameters) {
+      add(fmt::format("{}.{}", effect->name, p.name), unitOn(p.unit, data), p.lower, p.upper,
+          p.kind == Kind::kScanned || p.kind == Kind::kConstant);
+    }
+  }
+  implicit_ = std::ranges::find(effects_, "tendon-compliance", &ActuatorEffect::name) != effects_.end();
+  log_speed_ = data.rows.speed.abs().max(1e-12).log();
+  const std::vector<int>& session = data.rows.session;
+  const auto n = static_cast<std::size_t>(data.rows.rows());
+  session_begin_.resize(n);
+  session_end_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    session_begin_[i] = i > 0 && session[i] == session[i - 1] ? session_begin_[i - 1] : static_cast<Index>(i);
+  }
+  for (std::size_t i = n; i-- > 0;) {
+    session_end_[i] = i + 1 < n && session[i] == session[i + 1] ? session_end_[i + 1] : static_cast<Index>(i + 1);
+  }
+}
+
+void ActuatorRegression::add(std::string name, std::string unit, double lower, double upper, bool fixed) {
+  parameters_.push_back({std::move(name), std::move(unit), lower, upper, fixed});
+}
+
+ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, const ArrayXd& effort) const {
+  const ActuatorRows& rows = data_->rows;
+  Terms t;
+  t.shared.load = rows.load;
+  t.shared.dry = rows.direction;
+  t.shared.viscous = rows.speed;
+  if (base_.kind == ActuatorKind::kPam) {
+    t.shared.effort = effort;
+    t.shared.pressure = rows.pressure;
+    t.shared.contraction = rows.contraction;
+  }
+  std::size_t at = 0;
+  if (base_.hasStribeck()) {
+    t.still = (-(p[1] * (log_speed_ - std::log(p[0]))).min(50.0).exp()).exp();
+    at = 2;
+  } else {
+    t.still = ArrayXd::Zero(rows.rows());
+  }
+  if (presliding_) actuator_effects::find("presliding-hysteresis").apply(p.subspan(at++, 1), rows, t.shared);
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e, p), rows, t.shared);
+  }
+  return t;
+}
+
+template <typename Visit>
+void ActuatorRegression::visitColumns(const Terms& t, std::span<const double> p, const Visit& visit) const {
+  const ActuatorTerms& terms = t.shared;
+  const bool gain = terms.gain.size() > 0;
+  std::size_t j = 0;
+  const auto give = [&](const auto& column) {
+    if (gain && (j == 0 || times_gain_[j])) {
+      visit(j, column / terms.gain);
+    } else {
+      visit(j, column);
+    }
+    ++j;
+  };
+  const auto shaped = [&](const auto& column, FrictionShape shape) {
+    if (shape == FrictionShape::kStatic) {
+      give(column * t.still);
+    } else if (shape == FrictionShape::kSliding) {
+      give(column * (1.0 - t.still));
+    } else {
+      give(column);
+    }
+  };
+  if (base_.law != nullptr) {
+    give(terms.load);
+    for (const FrictionTerm& term : base_.law->terms) {
+      if (term.basis == FrictionBasis::kVelocity) {
+        shaped(terms.viscous, term.shape);
+      } else if (term.basis == FrictionBasis::kLoad) {
+        shaped(terms.load.abs() * terms.dry, term.shape);
+      } else {
+        shaped(terms.dry, term.shape);
+      }
+    }
+  } else {
+    Eigen::ArrayXXd x(rows(), static_cast<Index>(base_.equation->columns.size()));
+    base_.equation->fill(data_->rows, terms, x);
+    for (Index k = 0; k < x.cols(); ++k) give(x.col(k));
+  }
+  for (Index k = 0; k < data_->rig.cols(); ++k) give(data_->rig.col(k));
+  if (data_->offset) give(ArrayXd::Ones(rows()));
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    const auto count = static_cast<Index>(effects_[e]->columns.size());
+    if (count == 0) continue;
+    Eigen::ArrayXXd added(rows(), count);
+    effects_[e]->fill(own(e, p), data_->rows, terms, t.still, added);
+    for (Index k = 0; k < count; ++k) give(added.col(k));
+  }
+}
+
+ActuatorRegression::Shift ActuatorRegression::shift(double delay) const {
+  const double shift = delay / data_->rows.step;
+  const double whole = std::floor(shift);
+  return {static_cast<Index>(whole), shift - whole};
+}
+
+template <typename Array>
+void ActuatorRegression::delayRows(Array& array, double delay) const {
+  if (delay == 0.0) return;
+  // effort(t) = P(t - delay): between the two rows before that moment, within the session.
+  const Shift by = shift(delay);
+  const Array original = array;
+  for (Index i = 0; i < rows(); ++i) {
+    array.row(i) =
+        (1.0 - by.part) * original.row(source(i, by.whole)) + by.part * original.row(source(i, by.whole + 1));
+  }
+}
+
+Eigen::Index ActuatorRegression::source(Index row, Index by) const {
+  const auto k = static_cast<std::size_t>(row);
+  return std::clamp(row - by, session_begin_[k], session_end_[k] - 1);
+}
+
+std::vector<bool> ActuatorRegression::counted(double delay) const {
+  if (delay == 0.0) return data_->keep;
+  const auto by = static_cast<Index>(std::lround(delay / data_->rows.step));
+  std::vector<bool> keep(data_->keep.size());
+  for (Index i = 0; i < rows(); ++i) {
+    keep[static_cast<std::size_t>(i)] = data_->keep[static_cast<std::size_t>(source(i, by))];
+  }
+  return keep;
+}
+
+ActuatorRegression::Evaluation ActuatorRegression::columns(std::span<const double> p) const {
+  const Terms t = terms(p, data_->rows.effort);
+  Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.cubic, t.shared.delay};
+  visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(static_cast<Index>(j)) = column; });
+  delayRows(result.x, t.shared.delay);
+  return result;
+}
+
+Eigen::ArrayXd ActuatorRegression::predict(std::span<const double> theta) const {
+  ArrayXd effort = explicitly(theta, data_->rows.effort);
+  if (!implicit_) return effort;
+  // f = F(f) from the measured f, row by row as Steffensen (1933) does it, so that its noise is not in the prediction.
+  constexpr int kRounds = 3;
+  ArrayXd start = data_->rows.effort;
+  for (int round = 0; round < kRounds; ++round) {
+    const ArrayXd again = explicitly(theta, effort);
+    const ArrayXd step = effort - start, slope = (again - effort) / (step.abs() > 1e-12).select(step, 1.0);
+    start = (slope < 0.9).select(start + step / (1.0 - slope), again);
+    effort = explicitly(theta, start);
+  }
+  return effort;
+}
+
+ArrayXd ActuatorRegression::explicitly(std::span<const double> theta, const ArrayXd& effort) const {
+  const std::span<const double> p = theta.subspan(linear_);
+  const Terms t = terms(p, effort);
+  ArrayXd sum = ArrayXd::Zero(rows());
+  visitColumns(t, p, [&](std::size_t j, const auto& column) { sum += theta[j] * column; });
+  delayRows(sum, t.shared.delay);
+  return t.shared.cubic == 0.0 ? sum : ArrayXd(sum + t.shared.cubic * sum.cube());
+}
+
+void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& residual,
+                                  Eigen::MatrixXd* jacobian) const {
+  const Index n = rows();
+  const auto linear = static_cast<Index>(linear_);
+  const auto blank = [&](auto&& array, const std::vector<bool>& keep) {
+    for (Index i = 0; i < n; ++i) {
+      if (!keep[static_cast<std::size_t>(i)]) array.row(i).setZero();
+    }
+  };
+  if (jacobian == nullptr) {
+    residual = (predict(theta) - data_->rows.effort).matrix();
+    double delay = 0.0;
+    for (std::size_t e = 0; e < effects_.size(); ++e) {
+      if (effects_[e]->name == "channel-delay") delay = theta[p_begin_[e]];
+    }
+    blank(residual, counted(delay));
+    return;
+  }
+  const Evaluation e = columns(theta.subspan(linear_));
+  const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
+  const ArrayXd predicted = implicit_ ? predict(theta) : ArrayXd(x_c.array() + e.cubic * x_c.array().cube());
+  residual = (predicted - data_->rows.effort).matrix();
+  jacobian->resize(n, static_cast<Index>(parameters_.size()));
+  if (e.cubic == 0.0) {
+    jacobian->leftCols(linear) = e.x;
+  } else {
+    jacobian->leftCols(linear) = (e.x.array().colwise() * (1.0 + 3.0 * e.cubic * x_c.array().square())).matrix();
+  }
+  const auto typicalSize = [&](const FitParameter& p) {
+    if (base_.law != nullptr) return 1e-2;
+    return std::isfinite(p.upper - p.lower) ? 1e-3 * (p.upper - p.lower) : 1e-9;
+  };
+  std::vector<double> moved(theta.begin(), theta.end());
+  for (std::size_t i = implicit_ ? 0 : linear_; i < parameters_.size(); ++i) {
+    auto column = jacobian->col(static_cast<Index>(i));
+    const FitParameter& parameter = parameters_[i];
+    if (parameter.fixed) {
+      column.setZero();
+      continue;
+    }
+    double h = 1e-5 * std::max(std::abs(theta[i]), typicalSize(parameter));
+    if (theta[i] + h > parameter.upper) h = -h;
+    moved[i] = theta[i] + h;
+    column = ((predict(moved) - predicted) / h).matrix();
+    moved[i] = theta[i];
+  }
+  const std::vector<bool> keep = counted(e.delay);
+  blank(residual, keep);
+  blank(*jacobian, keep);
+}
+
+std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& other,
+                                                  std::span<const double> theta) const {
+  std::vector<double> start(parameters_.size(), 0.0);
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    for (std::size_t k = 0; k < effects_[e]->parameters.size(); ++k) {
+      start[p_begin_[e] + k] = effects_[e]->parameters[k].start;
+    }
+  }
+  if (presliding_) start[linear_ + (base_.hasStribeck() ? 2 : 0)] = 1e-3;
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    const auto found = std::ranges::find(other.parameters_, parameters_[i].name, &FitParameter::name);
+    if (found != other.parameters_.end()) start[i] = theta[static_cast<std::size_t>(found - other.parameters_.begin())];
+  }
+  return start;
+}
+
+std::vector<double> ActuatorRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
+                                                          double* cost) const {
+  const Evaluation e = columns(std::span<const double>(theta).subspan(linear_));
+  const auto c = static_cast<Index>(linear_);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
+  Eigen::VectorXd row(c + 1);
+  for (const Block& b : blocks) {
+    for (std::size_t k = b.begin; k < b.end; ++k) {
+      if (!data_->keep[k]) continue;
+      const auto i = static_cast<Index>(k);
+      row << e.x.row(i).transpose(), data_->rows.effort[i];
+      gram.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    }
+  }
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  std::vector<LinearTerm> terms;
+  for (std::size_t i = 0; i < linear_; ++i) {
+    terms.push_back({parameters_[i].name, parameters_[i].lower, parameters_[i].upper, times_gain_[i]});
+  }
+  const LinearSolution solution = solveBounded(gram, terms);
+  std::copy(solution.coefficients.begin(), solution.coefficients.end(), theta.begin());
+  if (cost != nullptr) *cost = solution.cost;
+  return theta;
+}
+
+std::vector<double> ActuatorRegression::thetaOf(std::span<const PhysicalParameter> physical) const {
+  const auto value = [&](const std::string& name, double otherwise) {
+    const auto found = std::ranges::find(physical, name, &PhysicalParameter::name);
+    return found == physical.end() ? otherwise : found->value;
+  };
+  std::vector<double> theta(parameters_.size());
+  const bool gain = base_.law != nullptr;
+  if (gain) theta[0] = 1.0 / value("k_a", 1.0);
+  for (std::size_t i = gain ? 1 : 0; i < linear_; ++i) {
+    theta[i] = value(parameters_[i].name, 0.0) * (times_gain_[i] ? theta[0] : 1.0);
+  }
+  for (std::size_t i = linear_; i < theta.size(); ++i) {
+    theta[i] = value(parameters_[i].name, parameters_[i].name == "presliding" ? 1e-6 : 1.0);
+  }
+  return theta;
+}
+
+std::vector<PhysicalParameter> ActuatorRegression::physical(std::span<const double> theta,
+                                                            const Eigen::MatrixXd& covariance) const {
+  std::vector<PhysicalParameter> list;
+  const double gain = theta[0];
+  for (std::size_t i = 0; i < parameters_.size(); ++i) {
+    const FitParameter& parameter = parameters_[i];
+    const auto k = static_cast<Index>(i);
+    PhysicalParameter p{parameter.name, parameter.unit, theta[i], 0.0, atBound(parameter, theta[i])};
+    double variance = covariance(k, k);
+    if (i == 0 && base_.law != nullptr) {
+      p.value = 1.0 / gain;
+      variance /= std::pow(gain, 4);
+    } else if (i < linear_ && times_gain_[i]) {
+      p.value = theta[i] / gain;
+      variance = (variance - 2.0 * p.value * covariance(k, 0) + p.value * p.value * covariance(0, 0)) / (gain * gain);
+    }
+    p.sd = !parameter.fixed && covariance(k, k) > 0.0 ? std::sqrt(std::max(variance, 0.0)) : std::nan("");
+    list.push_back(p);
+  }
+  return list;
+}
+
+std::vector<Extension> ActuatorRegression::extensions(std::span<const double> theta,
+                                                      const Eigen::MatrixXd& covariance) const {
+  const std::vector<PhysicalParameter> all = physical(theta, covariance);
+  std::vector<Extension> list;
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    Extension& extension = list.emplace_back();
+    extension.effect = effects_[e]->name;
+    const auto take = [&](std::size_t i, std::string_view name) {
+      extension.parameters.push_back({std::string(name), all[i].unit, all[i].value, all[i].sd});
+    };
+    for (std::size_t k = 0; k < effects_[e]->columns.size(); ++k)
+      take(column_begin_[e] + k, effects_[e]->columns[k].name);
+    for (std::size_t k = 0; k < effects_[e]->parameters.size(); ++k)
+      take(p_begin_[e] + k, effects_[e]->parameters[k].name);
+  }
+  return list;
+}
+
+}  // namespace simgap

@@ -1,0 +1,13 @@
+/// \file
+/// The simulated response of a drive to a log's inputs, one session at a time.
+#pragma once
+
+#include "simgap/fit/actuators/drive_fit.h"
+
+namespace simgap {
+
+/// Fills current and velocity, shape (rows of the block), of one session.
+void simulateSession(const MotorLog& log, const Block& rows, const Motor& motor, const Gearbox& gearbox,
+                     std::span<double> current, std::span<double> velocity);
+
+}  // namespace simgap

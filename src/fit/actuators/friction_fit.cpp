@@ -1,0 +1,245 @@
+#include "simgap/fit/actuators/friction_fit.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "friction_model.h"
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kRival = 1.01;  // of the lowest cost: minima that other rows could turn into the lowest
+
+/// What the log lacks for this law, as one sentence; empty when nothing.
+std::string missing(const FrictionModel& model, const FrictionData& data) {
+  const bool gain_fixed = model.parameters()[0].fixed;
+  if (data.rows() <= model.freeCount()) {
+    return fmt::format("found {} usable rows for {} parameters of {}, expected many more", data.rows(),
+                       model.freeCount(), model.law().name);
+  }
+  if (!data.hasLoad() && !gain_fixed) {
+    return "the load is 0 throughout, so k_a cannot be found: record with loads, or fix it (--fix k_a=…)";
+  }
+  if (!data.hasLoad() && model.law().needsLoad()) {
+    return fmt::format(
+        "the load is 0 throughout, so the load-dependent friction of {} cannot be found: record with "
+        "loads, or use --model coulomb or stribeck",
+        model.law().name);
+  }
+  if (!model.loadScaleKnown()) {
+    return fmt::format(
+        "neither k_a nor {} is known, and only their ratio acts on this log: fix one of them (--fix "
+        "k_a=…)",
+        fmt::join(data.rig_names, ", "));
+  }
+  return {};
+}
+
+/// Warnings about what the motion cannot show.
+std::vector<std::string> gaps(const FrictionModel& model, const FrictionData& data, std::span<const double> theta) {
+  std::vector<std::string> sentences;
+  const bool forward = (data.direction > 0.0).any(), backward = (data.direction < 0.0).any();
+  if (!forward || !backward) {
+    sentences.push_back(
+        fmt::format("all motion is in one direction: friction cannot be told from {}; record both "
+                    "directions",
+                    data.hasLoad() ? "an offset or, under a load of one sign, from k_a" : "an offset"));
+  }
+  if (!model.law().hasStribeck() || model.parameters()[model.speedIndex()].fixed) return sentences;
+  const double v_s = theta[model.speedIndex()];
+  const auto below = (data.velocity.abs() < v_s).count();
+  const auto above = (data.velocity.abs() > v_s).count();
+  if (below < 20) {
+    sentences.push_back(
+        fmt::format("only {} rows are slower than v_s = {:.3g} {}: v_s, delta and static friction are "
+                    "not determined; record slow motion through rest",
+                    below, v_s, data.velocity_unit));
+  } else if (above < 20) {
+    sentences.push_back(
+        fmt::format("only {} rows are faster than v_s = {:.3g} {}: v_s, delta and Coulomb friction are "
+                    "not determined; record faster motion, or use a law without Stribeck term",
+                    above, v_s, data.velocity_unit));
+  }
+  return sentences;
+}
+
+/// Sums over the rows of each part; parts are folds, or any split that gives every thread work.
+std::vector<StribeckMoments> sumParts(const FrictionModel& model, const Eigen::VectorXd& rig, int parts) {
+  const FrictionData& data = model.data();
+  std::vector<StribeckMoments> sums(static_cast<std::size_t>(parts), StribeckMoments(model.shapes(), data.log_speed));
+  tbb::parallel_for(0, parts, [&](int part) {
+    for (std::size_t b = static_cast<std::size_t>(part); b < data.blocks.size(); b += static_cast<std::size_t>(parts)) {
+      for (Block rows = {data.blocks[b].begin, 0}; rows.begin < data.blocks[b].end; rows.begin = rows.end) {
+        rows.end = std::min(rows.begin + 2048, data.blocks[b].end);
+        sums[static_cast<std::size_t>(part)].add(
+            data.log_speed.segment(static_cast<Index>(rows.begin), static_cast<Index>(rows.size())),
+            model.columns(rig, rows));
+      }
+    }
+  });
+  return sums;
+}
+
+SeparableProblem separable(const FrictionModel& model, const StribeckMoments& moments) {
+  SeparableProblem problem{model.linearTerms(), model.nonlinearTerms(), {}};
+  problem.gram = [&moments](std::span<const double> p) {
+    return p.empty() ? moments.gram(1.0, 1.0) : moments.gram(p[0], p[1]);
+  };
+  return problem;
+}
+
+/// Mean squared error on blocks the fit has not seen: every fold is predicted by a fit to the others.
+std::optional<double> crossValidate(const FrictionModel& model, const std::vector<StribeckMoments>& folds,
+                                    const StribeckMoments& all, const std::vector<SeparableMinimum>& minima) {
+  if (folds.size() < 2) return std::nullopt;
+  std::vector<double> errors(folds.size());
+  tbb::parallel_for(std::size_t{0}, folds.size(), [&](std::size_t f) {
+    StribeckMoments training = all;
+    training.add(folds[f], -1.0);
+    const SeparableProblem problem = separable(model, training);
+    SeparableMinimum best;
+    // Without a fifth of the rows a near rival may win.
+    for (std::size_t m = 0; m < std::min<std::size_t>(minima.size(), 2); ++m) {
+      if (minima[m].linear.cost > kRival * minima[0].linear.cost) break;
+      SeparableMinimum found = refineSeparable(problem, minima[m].p);
+      if (m == 0 || found.linear.cost < best.linear.cost) best = std::move(found);
+    }
+    Eigen::VectorXd a(best.linear.coefficients.size() + 1);
+    a << best.linear.coefficients, -1.0;
+    errors[f] = a.dot(separable(model, folds[f]).gram(best.p) * a);
+  });
+  const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
+  return std::max(sum, 0.0) / static_cast<double>(model.data().rows());
+}
+
+/// The loss with its scale in the residual's unit, from the spread of the residuals of a least-squares fit.
+Loss scaledLoss(const FrictionFitOptions& options, Eigen::VectorXd residual) {
+  Eigen::VectorXd size = residual.cwiseAbs();
+  auto* const middle = size.data() + size.size() / 2;
+  std::nth_element(size.data(), middle, size.data() + size.size());
+  return {options.loss, options.loss_scale * std::max(*middle / 0.6745, 1e-12)};
+}
+
+}  // namespace
+
+double FrictionFit::value(std::string_view name) const {
+  for (const Estimate& e : uncertainty.estimates) {
+    if (e.name == name) return e.value;
+  }
+  return 0.0;
+}
+
+LeastSquaresProblem makeFrictionProblem(const FrictionLaw& law, const FrictionData& data,
+                                        const FrictionFitOptions& options) {
+  return FrictionModel(law, data, options).problem();
+}
+
+FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const FrictionFitOptions& options) {
+  const FrictionModel model(law, data, options);
+  if (const std::string sentence = missing(model, data); !sentence.empty()) {
+    throw DataError(fmt::format("{}: {}", data.file, sentence));
+  }
+  LeastSquaresProblem problem = model.problem();
+  FrictionFit fit;
+  fit.law = &law;
+  fit.predict_load = options.predict_load;
+  fit.n = data.rows();
+  fit.parameters = model.freeCount();
+
+  const int folds = std::min<int>(options.folds, static_cast<int>(data.blocks.size()));
+  const int parts = std::max(folds, std::min<int>(8, static_cast<int>(data.blocks.size())));
+  const int split = folds >= 2 ? folds : parts;
+  Eigen::VectorXd rig = model.initialRig();
+  std::vector<StribeckMoments> sums;
+  std::optional<StribeckMoments> total;
+  SeparableResult search;
+  // Load-dependent friction needs the load, which fitted constants of the rig change: search, take them over, again.
+  const int rounds = model.loadDependsOnRig() ? 4 : 1;
+  for (int round = 0; round < rounds; ++round) {
+    sums = sumParts(model, rig, split);
+    total = sums[0];
+    for (std::size_t k = 1; k < sums.size(); ++k) total->add(sums[k], 1.0);
+    search = searchSeparable(separable(model, *total));
+    rig = model.rigOf(model.thetaOf(search.minima[0]));
+  }
+  // Without a Stribeck term the problem is convex: one start is all there is.
+  fit.starts = law.hasStribeck() ? search.starts + search.minima.size() : 1;
+  fit.minima = search.minima;
+  fit.profile = std::move(search.profile);
+
+  LeastSquaresResult best = minimise(problem, model.thetaOf(search.minima[0]));
+  const bool squares = options.loss == LossKind::kSquares;
+  if (!squares) {
+    problem.loss = scaledLoss(options, residuals(problem, best.theta));
+    best = minimise(problem, best.theta);
+  }
+  // Bins are exact to some 1e-5 of the cost, 1e-4 where delta is large: nearer rivals have to be polished too, and all
+  // under a robust loss, which the search does not know.
+  LeastSquaresOptions quick;
+  quick.max_iterations = 30;
+  quick.function_tolerance = 1e-9;
+  const double near = squares ? 1.001 * search.minima[0].linear.cost : kInfinity;
+  for (std::size_t m = 1; m < search.minima.size() && search.minima[m].linear.cost < near; ++m) {
+    const LeastSquaresResult rival = minimise(problem, model.thetaOf(search.minima[m]), quick);
+    // Only a rival that a rough polish brings near can still win.
+    if (rival.cost > (1.0 + 1e-6) * best.cost) continue;
+    LeastSquaresResult polished = minimise(problem, rival.theta);
+    if (polished.cost < best.cost) best = std::move(polished);
+  }
+  fit.theta = best.theta;
+  fit.mse = (squares ? best.cost : residuals(problem, fit.theta).squaredNorm()) / static_cast<double>(fit.n);
+  if (!best.converged)
+    fit.warnings.push_back(fmt::format("the polish of {} stopped early: {}", law.name, best.message));
+  fit.uncertainty = estimateUncertainty(problem, fit.theta, data.session);
+  if (folds >= 2) fit.mse_heldout = crossValidate(model, sums, *total, fit.minima);
+  for (const std::string& sentence : gaps(model, data, fit.theta)) fit.warnings.push_back(sentence);
+  return fit;
+}
+
+double meanSquaredError(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options) {
+  const LeastSquaresProblem problem = makeFrictionProblem(*fit.law, data, options);
+  return residuals(problem, fit.theta).squaredNorm() / static_cast<double>(data.rows());
+}
+
+Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options,
+                             const Block& rows) {
+  LeastSquaresProblem problem = makeFrictionProblem(*fit.law, data, options);
+  const Eigen::ArrayXd& measured = options.predict_load ? data.load : data.effort;
+  Eigen::VectorXd predicted(static_cast<Index>(rows.size()));
+  problem.evaluate(fit.theta, rows, predicted, nullptr);
+  return predicted.array() + measured.segment(static_cast<Index>(rows.begin), static_cast<Index>(rows.size()));
+}
+
+std::size_t compareFits(std::vector<FrictionFit>& fits) {
+  const auto best_mse = std::ranges::min_element(fits, {}, &FrictionFit::mse);
+  // One effective sample size for all, from the model that leaves the least structure behind.
+  const double n = best_mse->uncertainty.n_effective;
+  for (FrictionFit& fit : fits) {
+    fit.bic = n * std::log(std::max(fit.mse, 1e-300)) + static_cast<double>(fit.parameters) * std::log(n);
+  }
+  const auto best = std::ranges::min_element(fits, {}, &FrictionFit::bic);
+  return static_cast<std::size_t>(best - fits.begin());
+}
+
+DriveFeedForward feedForward(const FrictionLaw& law, std::span<const Estimate> estimates) {
+  const auto value = [&](std::string_view name, double otherwise) {
+    const auto found = std::ranges::find(estimates, name, &Estimate::name);
+    return found == estimates.end() ? otherwise : found->value;
+  };
+  std::vector<double> theta;
+  for (const FrictionTerm& term : law.terms) theta.push_back(value(term.name, 0.0));
+  DriveFeedForward drive{law.closed_form(theta), value("k_a", 1.0), value("offset", 0.0)};
+  drive.friction.v_s = value("v_s", 1.0);
+  drive.friction.delta = value("delta", 1.0);
+  return drive;
+}
+
+}  // namespace simgap

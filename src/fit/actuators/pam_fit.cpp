@@ -1,0 +1,207 @@
+#include "simgap/fit/actuators/pam_fit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simgap/core/error.h"
+#include "simgap/measure/logs/channel_checks.h"
+#include "simgap/optimize/separable.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+
+
+/// The rows in use, and the model's residuals on them.
+class PamProblem {
+ public:
+  PamProblem(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows) : options_(options) {
+    for (std::size_t i = 0; i < log.rows(); ++i) {
+      if (!rows.empty() && !rows[i]) continue;
+      pressure.push_back(log.pressure[i]);
+      contraction.push_back(log.contraction[i]);
+      force.push_back(log.force[i]);
+      session.push_back(log.session[i]);
+    }
+    parameters = {{"a", "m2", -kInfinity, kInfinity}, {"b", "m2", -kInfinity, kInfinity}, {"c", "m2", -kInfinity, kInfinity}, {"k", "N", 1.0, 1e9}};
+    for (FitParameter& p : parameters) {
+      if (const auto bounds = options.bounds.find(p.name); bounds != options.bounds.end()) {
+        p.lower = bounds->second.lower;
+        p.upper = bounds->second.upper;
+      }
+      p.fixed = options.fixed.contains(p.name);
+    }
+    if (!options.spring) parameters[3].fixed = true;
+    if (options.tied) parameters[1].fixed = true;
+  }
+
+  std::size_t rows() const { return force.size(); }
+
+  LeastSquaresProblem problem() const {
+    LeastSquaresProblem p;
+    p.parameters = parameters;
+    p.chunks = evenChunks(rows());
+    p.evaluate = [this](std::span<const double> theta, const Block& block, Eigen::Ref<Eigen::VectorXd> r,
+                        Eigen::Ref<Eigen::MatrixXd>* j) { evaluate(theta, block, r, j); };
+    return p;
+  }
+
+  Pam muscle(std::span<const double> theta) const {
+    const double k = options_.spring || options_.fixed.contains("k") ? theta[3] : kInfinity;
+    return {theta[0], options_.tied ? -2.0 * theta[0] : theta[1], theta[2], k, -kInfinity, kInfinity};
+  }
+
+  /// f = p g(eps + f / k) with the measured force inside: linear in a, b, c for a given k; the first guess.
+  SeparableMinimum linear(double k) const {
+    SeparableProblem problem;
+    problem.linear = {{"a", -kInfinity, kInfinity}, {"b", -kInfinity, kInfinity}, {"c", -kInfinity, kInfinity}};
+    if (options_.tied) problem.linear.erase(problem.linear.begin() + 1);
+    for (std::size_t i = 0; i < problem.linear.size(); ++i) {
+      const auto fixed = options_.fixed.find(problem.linear[i].name);
+      if (fixed != options_.fixed.end()) problem.linear[i].lower = problem.linear[i].upper = fixed->second;
+    }
+    const auto columns = static_cast<Index>(problem.linear.size());
+    Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns + 1, columns + 1);
+    for (std::size_t i = 0; i < rows(); ++i) {
+      const double x = contraction[i] + force[i] / k, p = pressure[i];
+      Eigen::VectorXd row(columns + 1);
+      if (options_.tied) {
+        row << p * (x * x - 2.0 * x), p, force[i];
+      } else {
+        row << p * x * x, p * x, p, force[i];
+      }
+      gram += row * row.transpose();
+    }
+    return {{k}, solveBounded(gram, problem.linear)};
+  }
+
+  std::vector<double> thetaOf(const SeparableMinimum& m) const {
+    const Eigen::VectorXd& c = m.linear.coefficients;
+    std::vector<double> theta =
+        options_.tied ? std::vector{c[0], -2.0 * c[0], c[1], m.p[0]} : std::vector{c[0], c[1], c[2], m.p[0]};
+    for (std::size_t i = 0; i < theta.size(); ++i) {
+      if (const auto fixed = options_.fixed.find(parameters[i].name); fixed != options_.fixed.end())
+        theta[i] = fixed->second;
+    }
+    return theta;
+  }
+
+  std::vector<double> pressure, contraction, force;
+  std::vector<int> session;
+  std::vector<FitParameter> parameters;
+
+ private:
+  void evaluate(std::span<const double> theta, const Block& block, Eigen::Ref<Eigen::VectorXd> r,
+                Eigen::Ref<Eigen::MatrixXd>* jacobian) const {
+    const Pam m = muscle(theta);
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      const auto row = static_cast<Index>(i - block.begin);
+      const double p = pressure[i], eps = contraction[i];
+      // Without a real root the spring is too soft for this point: the largest force there is, at the turning point.
+      const double f = m.force(p, eps).value_or(m.k * (1.0 / (2.0 * std::max(p * m.a / m.k, 1e-300)) - eps));
+      r[row] = f - force[i];
+      if (jacobian == nullptr) continue;
+      // From F = f - p g(eps + f / k) = 0: df = -F_theta / F_f.
+      const double x = eps + f / m.k, slope = 2.0 * m.a * x + m.b;
+      const double stiffness = f > 0.0 ? 1.0 - p * slope / m.k : kInfinity;
+      (*jacobian)(row, 0) = p * (options_.tied ? x * x - 2.0 * x : x * x) / stiffness;
+      (*jacobian)(row, 1) = options_.tied ? 0.0 : p * x / stiffness;
+      (*jacobian)(row, 2) = p / stiffness;
+      (*jacobian)(row, 3) = std::isfinite(m.k) ? -p * slope * f / (m.k * m.k) / stiffness : 0.0;
+    }
+  }
+
+  PamFitOptions options_;
+};
+
+}  // namespace
+
+Pam PamFit::muscle() const { return {theta[0], theta[1], theta[2], theta[3]}; }
+
+std::optional<PamGeometry> geometryOf(double a, double c) {
+  // 002 eq. 12 with q = pi D^2 / 4 and t = tan^2 psi: a = 3 q / t, c = q (2 / t - 1).
+  const double q = 2.0 * a / 3.0 - c;
+  if (!(q > 0.0 && a > 0.0)) return std::nullopt;
+  return PamGeometry{std::sqrt(4.0 * q / std::numbers::pi), std::atan(std::sqrt(3.0 * q / a))};
+}
+
+PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows) {
+  // Pressures and lengths are set to levels: only their units can be checked.
+  const ChannelCheck levels[] = {{"pressure_Pa", log.pressure, 1e8}, {"contraction", log.contraction, 1.0}};
+  const ChannelCheck measured[] = {{"force_N", log.force, 1e6}};
+  PamFit fit;
+  (void)checkChannels(log.file, levels);
+  fit.warnings = checkChannels(log.file, measured);
+  const PamProblem model(log, options, rows);
+  LeastSquaresProblem problem = model.problem();
+  fit.n = model.rows();
+  fit.parameters = problem.freeParameters().size();
+  if (fit.n <= fit.parameters) {
+    throw DataError(
+        fmt::format("{}: found {} rows for {} parameters, expected many more", log.file, fit.n, fit.parameters));
+  }
+  if (isConstant(log.force))
+    throw DataError(log.file + ": force_N is constant throughout: nothing can be found from it");
+  if (isConstant(log.contraction)) {
+    fit.warnings.emplace_back("the contraction is constant: a, b, c and k act only together; record several lengths");
+  }
+  std::vector<LeastSquaresResult> found;
+  if (!options.spring) {
+    const double k = options.fixed.contains("k") ? options.fixed.at("k") : kInfinity;
+    found.push_back(minimise(problem, model.thetaOf(model.linear(k))));
+  } else {
+    // k over the whole plausible range, then the best few with the model's own force.
+    std::vector<SeparableMinimum> starts;
+    for (int i = 0; i <= 60; ++i) starts.push_back(model.linear(std::pow(10.0, 2.0 + 0.08 * i)));
+    fit.starts = starts.size();
+    std::vector<SeparableMinimum> chosen;
+    for (std::size_t i = 0; i < starts.size(); i += 12) chosen.push_back(starts[i]);
+    chosen.push_back(*std::ranges::min_element(starts, {}, [](const auto& s) { return s.linear.cost; }));
+    for (const SeparableMinimum& start : chosen) found.push_back(minimise(problem, model.thetaOf(start)));
+  }
+  std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
+  fit.starts += found.size();
+  fit.distinct_minima = 1;
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    if (found[i].cost > 1.0001 * found[i - 1].cost) ++fit.distinct_minima;
+  }
+  fit.theta = found.front().theta;
+  fit.mse = found.front().cost / static_cast<double>(fit.n);
+  fit.uncertainty = estimateUncertainty(problem, fit.theta, model.session);
+  if (options.tied) {
+    fit.theta[1] = -2.0 * fit.theta[0];
+    Estimate& b = fit.uncertainty.estimates[1];
+    const Estimate& a = fit.uncertainty.estimates[0];
+    b.value = fit.theta[1], b.sd = 2.0 * a.sd, b.lower95 = -2.0 * a.upper95, b.upper95 = -2.0 * a.lower95,
+    b.fixed = false;
+  }
+  if (!options.spring) {
+    if (!options.fixed.contains("k")) fit.theta[3] = kInfinity;
+    if (!options.fixed.contains("k")) fit.uncertainty.estimates.pop_back();
+    const auto count = static_cast<Index>(fit.uncertainty.estimates.size());
+    fit.uncertainty.covariance.conservativeResize(count, count);
+    fit.uncertainty.correlation.conservativeResize(count, count);
+  }
+  return fit;
+}
+
+double meanSquaredError(const PamFit& fit, const PamLog& log, const std::vector<bool>& rows) {
+  Pam muscle = fit.muscle();
+  muscle.lowest = -kInfinity;
+  muscle.highest = kInfinity;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    if (!rows.empty() && !rows[i]) continue;
+    const double wrong = muscle.force(log.pressure[i], log.contraction[i]).value_or(0.0) - log.force[i];
+    sum += wrong * wrong;
+    ++count;
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(count, 1));
+}
+
+}  // namespace simgap

@@ -1,0 +1,116 @@
+#include "simgap/fit/poses/pose_design.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+/// Covariance after a pose with whitened Jacobian J was recorded: C - C J^T (1 + J C J^T)^-1 J C.
+void addPose(Eigen::MatrixXd& covariance, const Eigen::MatrixXd& jacobian) {
+  const Eigen::MatrixXd gain = covariance * jacobian.transpose();
+  const Eigen::MatrixXd innovation = Eigen::MatrixXd::Identity(jacobian.rows(), jacobian.rows()) + jacobian * gain;
+  covariance -= gain * innovation.llt().solve(gain.transpose());
+}
+
+class GreedyDesign {
+ public:
+  /// \param targets  shape (candidates * dof, parameters): Jacobians of the joints themselves, not whitened
+  GreedyDesign(const std::vector<PoseResidual>& candidates, Eigen::MatrixXd targets, DesignCriterion criterion)
+      : candidates_(candidates),
+        targets_(std::move(targets)),
+        dof_(candidates.front().error.size()),
+        criterion_(criterion) {}
+
+  /// The candidate whose recording leaves the least; -1 when none is left.
+  int best(const Eigen::MatrixXd& covariance, const std::vector<bool>& used) const {
+    const Eigen::MatrixXd cross = covariance * targets_.transpose();  // C T^T, all targets side by side
+    Eigen::VectorXd variance(std::ssize(candidates_));                // of the joints at r
+    for (Eigen::Index r = 0; r < variance.size(); ++r) {
+      variance[r] = (targets_.middleRows(r * dof_, dof_) * cross.middleCols(r * dof_, dof_)).trace();
+    }
+    int found = -1;
+    double most = -1.0;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      if (used[c]) continue;
+      const Eigen::MatrixXd& jacobian = candidates_[c].jacobian;
+      const Eigen::MatrixXd innovation =
+          Eigen::MatrixXd::Identity(jacobian.rows(), jacobian.rows()) + jacobian * covariance * jacobian.transpose();
+      const Eigen::LLT<Eigen::MatrixXd> factor(innovation);
+      const double gain = criterion_ == DesignCriterion::kInformation
+                              ? 2.0 * factor.matrixLLT().diagonal().array().log().sum()
+                              : errorRemoved(factor, jacobian, cross, variance);
+      if (gain <= most) continue;
+      most = gain;
+      found = static_cast<int>(c);
+    }
+    return found;
+  }
+
+ private:
+  /// By how much the standard deviations fall in sum: the variance at r falls by |L^-1 J_c C T_r^T|^2 with
+  /// L L^T = 1 + J_c C J_c^T. A sum of variances would be ruled by the few softest poses.
+  double errorRemoved(const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::MatrixXd& jacobian,
+                      const Eigen::MatrixXd& cross, const Eigen::VectorXd& variance) const {
+    const Eigen::MatrixXd removed = factor.matrixL().solve(jacobian * cross);
+    double sum = 0.0;
+    for (Eigen::Index r = 0; r < variance.size(); ++r) {
+      const double less = variance[r] - removed.middleCols(r * dof_, dof_).squaredNorm();
+      sum += std::sqrt(variance[r]) - std::sqrt(std::max(0.0, less));
+    }
+    return sum;
+  }
+
+  const std::vector<PoseResidual>& candidates_;
+  Eigen::MatrixXd targets_;
+  Eigen::Index dof_;
+  DesignCriterion criterion_;
+};
+
+}  // namespace
+
+PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const ParameterSpace& space,
+                       const DesignOptions& options) {
+  const std::vector<Pose> candidates = drawCommands(posterior, z, options.candidates, options.seed);
+  // Other commands judge the choice than those it was made from.
+  const std::vector<Pose> unseen = drawCommands(posterior, z, 100, options.seed + 1);
+  if (candidates.size() < options.poses || unseen.empty()) {
+    throw NumericsError(fmt::format("only {} of {} candidate commands lead to a stable equilibrium with linear cords",
+                                    candidates.size(), options.candidates));
+  }
+  PoseUncertainty uncertainty = assessUncertainty(posterior, z, space);
+  PosePosterior there(posterior, candidates);
+  there.whiten(z);
+  const std::vector<PoseResidual> residuals = there.evaluate(z, true);
+  const Eigen::MatrixXd recorded = uncertainty.covariance;
+
+  PoseDesign design;
+  design.before = predictError(posterior, z, uncertainty, unseen);
+  std::vector<bool> used;
+  const Eigen::Index dof = posterior.degreesOfFreedom();
+  Eigen::MatrixXd targets(std::ssize(residuals) * dof, z.size());
+  for (std::size_t c = 0; c < residuals.size(); ++c) {
+    used.push_back(!residuals[c].valid);
+    targets.middleRows(static_cast<Eigen::Index>(c) * dof, dof) = there.whitening(c).inverse() * residuals[c].jacobian;
+  }
+  const GreedyDesign greedy(residuals, std::move(targets), options.criterion);
+  for (std::size_t k = 0; k < options.poses; ++k) {
+    const int next = greedy.best(uncertainty.covariance, used);
+    if (next < 0) break;
+    used[static_cast<std::size_t>(next)] = true;
+    addPose(uncertainty.covariance, residuals[static_cast<std::size_t>(next)].jacobian);
+    design.poses.push_back(candidates[static_cast<std::size_t>(next)]);
+    design.after.push_back(predictError(posterior, z, uncertainty, unseen));
+  }
+  uncertainty.covariance = recorded;
+  for (std::size_t k = 0; k < design.poses.size(); ++k) addPose(uncertainty.covariance, residuals[k].jacobian);
+  design.after_random = predictError(posterior, z, uncertainty, unseen);
+  return design;
+}
+
+}  // namespace simgap

@@ -1,0 +1,41 @@
+#include "simgap/fit/poses/pose_error.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+namespace simgap {
+
+Assessment assess(const PoseLayout& layout, std::span<const Pose> poses, std::span<const PoseOutcome> outcomes) {
+  Assessment result;
+  result.outcomes.assign(outcomes.begin(), outcomes.end());
+  result.errors.resize(poses.size());
+  result.mje.assign(layout.joints.size(), 0.0);
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (outcomes[p].status != PoseStatus::kSteady) continue;
+    ++result.valid;
+    for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+      const double error = jointError(layout.joints[j].type, poses[p].joints[j], outcomes[p].joints[j]);
+      result.errors[p].push_back(error);
+      result.mje[j] += error;
+      result.fitness += error * error;
+    }
+  }
+  for (double& mean : result.mje) mean /= static_cast<double>(result.valid);
+  if (result.valid < poses.size()) result.fitness = std::numeric_limits<double>::quiet_NaN();
+  return result;
+}
+
+std::string describe(const PoseOutcome& outcome, const PoseLayout& layout) {
+  switch (outcome.status) {
+    case PoseStatus::kAcquisitionError:
+      return fmt::format("acquisition error of {}, {:.1f} deg", layout.muscles[outcome.worst],
+                         toDegrees(outcome.worst_value));
+    case PoseStatus::kNotSteady:
+      return fmt::format("{} not steady, {:.3g} rad/s", layout.joints[outcome.worst].name, outcome.worst_value);
+    default:
+      return std::string(toString(outcome.status));
+  }
+}
+
+}  // namespace simgap

@@ -1,0 +1,250 @@
+#include "simgap/fit/poses/pose_posterior.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace simgap {
+namespace {
+
+// A measured spread of n repeats is worth n - 1 degrees of freedom, the stated capture noise this many.
+constexpr double kCaptureFreedom = 4.0;
+constexpr double kNearStop = 3.0;         // capture sd: a joint measured this near its stop may be held by it
+constexpr double kSmallestTorque = 1e-4;  // [N m], where neither stiffness nor friction would hold a joint
+
+std::vector<std::string> names(const ParameterSpace& space) {
+  std::vector<std::string> names;
+  for (const SearchParameter& p : space.parameters()) names.push_back(p.name);
+  return names;
+}
+
+/// Rotation vector of a unit quaternion, |.| <= pi.
+Eigen::Vector3d logarithm(const Eigen::Quaterniond& q) {
+  const double sine = q.vec().norm();
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+  if (sine < 1e-9) return 2.0 * sign * q.vec();
+  return sign * 2.0 * std::atan2(sine, std::abs(q.w())) / sine * q.vec();
+}
+
+Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d m;
+  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return m;
+}
+
+/// d log(exp(r) exp(w)) / dw at w = 0: the inverse right Jacobian of SO(3).
+Eigen::Matrix3d inverseRightJacobian(const Eigen::Vector3d& r) {
+  const double angle = r.norm();
+  const double factor =
+      angle < 1e-4 ? 1.0 / 12.0 : 1.0 / (angle * angle) - (1.0 + std::cos(angle)) / (2.0 * angle * std::sin(angle));
+  const Eigen::Matrix3d x = cross(r);
+  return Eigen::Matrix3d::Identity() + 0.5 * x + factor * x * x;
+}
+
+/// Variance of the mean of a joint's repeats, per component [rad^2].
+double captureVariance(const Pose& pose, std::size_t joint, int components, double capture_sd) {
+  const double freedom = pose.repeats - 1.0;
+  const double spread = pose.spread.empty() ? 0.0 : pose.spread[joint];
+  const double variance = (kCaptureFreedom * capture_sd * capture_sd + freedom * spread * spread / components) /
+                          (kCaptureFreedom + freedom);
+  return variance / pose.repeats;
+}
+
+}  // namespace
+
+double robustLoss(double squared) {
+  return kRobustScale * kRobustScale * std::log1p(squared / (kRobustScale * kRobustScale));
+}
+double robustWeight(double squared) { return 1.0 / (1.0 + squared / (kRobustScale * kRobustScale)); }
+
+ScaledParameters::ScaledParameters(const ParameterSpace& space) : parameters_(space.parameters()) {
+  for (const SearchParameter& p : parameters_) {
+    const double sd = p.prior_sd.value_or(p.step);
+    logarithmic_.push_back(p.lower > 0.0);
+    scale_.push_back(logarithmic_.back() ? sd / p.initial : sd);
+  }
+}
+
+double ScaledParameters::value(Eigen::Index i, double z) const {
+  const auto k = static_cast<std::size_t>(i);
+  const SearchParameter& p = parameters_[k];
+  const double value = logarithmic_[k] ? p.initial * std::exp(scale_[k] * z) : p.initial + scale_[k] * z;
+  return std::clamp(value, p.lower, p.upper);  // rounding must not carry a bound parameter beyond its bound
+}
+
+double ScaledParameters::scaled(Eigen::Index i, double value) const {
+  const auto k = static_cast<std::size_t>(i);
+  const double initial = parameters_[k].initial;
+  return (logarithmic_[k] ? std::log(value / initial) : value - initial) / scale_[k];
+}
+
+double ScaledParameters::slope(Eigen::Index i, double z) const {
+  const auto k = static_cast<std::size_t>(i);
+  return logarithmic_[k] ? scale_[k] * value(i, z) : scale_[k];
+}
+
+double ScaledParameters::lower(Eigen::Index i) const {
+  return scaled(i, parameters_[static_cast<std::size_t>(i)].lower);
+}
+double ScaledParameters::upper(Eigen::Index i) const {
+  return scaled(i, parameters_[static_cast<std::size_t>(i)].upper);
+}
+
+std::vector<double> ScaledParameters::values(const Eigen::VectorXd& z) const {
+  std::vector<double> values(scale_.size());
+  for (Eigen::Index i = 0; i < size(); ++i) values[static_cast<std::size_t>(i)] = value(i, z[i]);
+  return values;
+}
+
+Eigen::VectorXd ScaledParameters::scaled(std::span<const double> values) const {
+  Eigen::VectorXd z(size());
+  for (Eigen::Index i = 0; i < size(); ++i) z[i] = scaled(i, values[static_cast<std::size_t>(i)]);
+  return z;
+}
+
+PosePosterior::PosePosterior(const ArmModel& model, std::span<const Pose> poses, const ParameterSpace& space,
+                             const PoseNoise& noise)
+    : model_(model),
+      poses_(poses),
+      space_(space),
+      scaled_(space),
+      noise_(noise),
+      static_parameters_(staticParameters(model, names(space))),
+      arm_(model) {
+  const int n = arm_.energy().degreesOfFreedom();
+  whitening_.assign(poses.size(), Eigen::MatrixXd::Identity(n, n) / noise.capture_sd);
+  stiffness_.assign(poses.size(), Eigen::MatrixXd::Identity(n, n));
+  residuals_.resize(poses.size());
+  for (PoseResidual& residual : residuals_) {
+    residual.error.setZero(n);
+    residual.jacobian.setZero(n, scaled_.size());
+  }
+  whiten(Eigen::VectorXd::Zero(scaled_.size()));
+}
+
+PosePosterior::PosePosterior(const PosePosterior& other, std::span<const Pose> poses)
+    : PosePosterior(other.model_, poses, other.space_, other.noise_) {}
+
+ArmModel PosePosterior::modelAt(const Eigen::VectorXd& z) const {
+  ArmModel model = model_;
+  space_.apply(scaled_.values(z), model);
+  return model;
+}
+
+void PosePosterior::setParameters(const Eigen::VectorXd& z) {
+  space_.apply(scaled_.values(z), model_);
+  arm_.setModel(model_);
+}
+
+void PosePosterior::whiten(const Eigen::VectorXd& z) {
+  setParameters(z);
+  const int n = arm_.energy().degreesOfFreedom();
+  PotentialEnergy energy(model_);
+  Eigen::VectorXd friction(n), capture(n);
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      const Joint& joint = model_.joints[j];
+      const int components = joint.degreesOfFreedom();
+      const double coulomb = noise_.joint_friction ? joint.coulomb_friction : 0.0;
+      friction.segment(energy.firstDof(static_cast<int>(j)), components)
+          .setConstant(coulomb * coulomb / (components + 2));
+      capture.segment(energy.firstDof(static_cast<int>(j)), components)
+          .setConstant(captureVariance(poses_[p], j, components, noise_.capture_sd));
+    }
+    energy.setTime(poses_[p].time);
+    energy.setShafts(poses_[p].shafts);
+    energy.evaluate(poses_[p].joints);
+    stiffness_[p] = energy.hessian();
+    const Eigen::MatrixXd compliance = energy.hessian().inverse();
+    const Eigen::MatrixXd covariance =
+        Eigen::MatrixXd(capture.asDiagonal()) + compliance * friction.asDiagonal() * compliance.transpose();
+    whitening_[p] = covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(n, n));
+  }
+}
+
+void PosePosterior::whitenLike(const PosePosterior& other) {
+  whitening_ = other.whitening_;
+  stiffness_ = other.stiffness_;
+}
+
+const std::vector<PoseResidual>& PosePosterior::evaluate(const Eigen::VectorXd& z, bool jacobians) {
+  setParameters(z);
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    PoseResidual& residual = residuals_[p];
+    arm_.setTime(poses_[p].time);
+    residual.valid = arm_.solveFrom(poses_[p].joints, poses_[p].shafts).stable;
+    if (!residual.valid) continue;
+    const std::vector<JointPosition>& observed = arm_.observe(poses_[p].shafts, poses_[p].shafts_before);
+    if (jacobians) {
+      arm_.linearise();
+      arm_.observedSensitivities(static_parameters_, residual.jacobian);
+      for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
+    }
+    measureError(poses_[p], observed, residual, jacobians);
+    residual.error = whitening_[p] * residual.error;
+    if (jacobians) residual.jacobian = whitening_[p] * residual.jacobian;
+  }
+  return residuals_;
+}
+
+void PosePosterior::measureError(const Pose& pose, const std::vector<JointPosition>& observed, PoseResidual& residual,
+                                 bool jacobian) const {
+  for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+    const int d = arm_.energy().firstDof(static_cast<int>(j));
+    const JointPosition& simulated = observed[j];
+    if (model_.joints[j].type == JointType::kRevolute) {
+      residual.error[d] = simulated.angle - pose.joints[j].angle;
+      continue;
+    }
+    const Eigen::Vector3d error = logarithm(pose.joints[j].rotation.conjugate() * simulated.rotation);
+    residual.error.segment<3>(d) = error;
+    if (jacobian) residual.jacobian.middleRows<3>(d) = inverseRightJacobian(error) * residual.jacobian.middleRows<3>(d);
+  }
+}
+
+const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::VectorXd& z, double sd) {
+  setParameters(z);
+  PotentialEnergy energy(model_);
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    PoseResidual& residual = residuals_[p];
+    energy.setTime(poses_[p].time);
+    energy.setShafts(poses_[p].shafts);
+    energy.evaluate(poses_[p].joints);
+    energy.differentiate(static_parameters_, residual.jacobian);
+    for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
+    residual.error = energy.gradient();
+    Eigen::MatrixXd covariance = sd * sd * stiffness_[p] * stiffness_[p].transpose();
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      const Joint& joint = model_.joints[j];
+      const int components = joint.degreesOfFreedom();
+      const int d = energy.firstDof(static_cast<int>(j));
+      covariance.diagonal().segment(d, components).array() +=
+          joint.coulomb_friction * joint.coulomb_friction / (components + 2) + kSmallestTorque * kSmallestTorque;
+      const double angle = poses_[p].joints[j].angle;
+      const double near = kNearStop * noise_.capture_sd;
+      if (joint.type == JointType::kRevolute && ((angle < joint.lower_limit + near && residual.error[d] > 0.0) ||
+                                                 (angle > joint.upper_limit - near && residual.error[d] < 0.0))) {
+        residual.error[d] = 0.0;  // the stop holds it
+        residual.jacobian.row(d).setZero();
+      }
+    }
+    const auto factor = covariance.llt();
+    residual.valid = true;
+    factor.matrixL().solveInPlace(residual.error);
+    factor.matrixL().solveInPlace(residual.jacobian);
+  }
+  return residuals_;
+}
+
+double PosePosterior::objective(const Eigen::VectorXd& z) {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < z.size(); ++i) sum += scaled_.hasPrior(i) ? z[i] * z[i] : 0.0;
+  for (const PoseResidual& residual : evaluate(z, false)) {
+    if (!residual.valid) return std::numeric_limits<double>::infinity();
+    sum += robustLoss(residual.error.squaredNorm());
+  }
+  return 0.5 * sum;
+}
+
+}  // namespace simgap

@@ -1,0 +1,205 @@
+#include "simgap/fit/poses/pose_uncertainty.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "identifiability.h"
+#include "simgap/core/error.h"
+#include "simgap/core/random.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kHalved = 0.5;          // of the prior's standard deviation: identifiable
+constexpr double kUntouched = 0.95;      // not identifiable
+constexpr double kTinyCurvature = 1e-9;  // in prior units: nothing bounds such a direction
+constexpr std::size_t kCloud = 200;      // commands that stand for any pose of the arm
+constexpr int kDraws = 400;
+constexpr std::uint32_t kCloudPurpose = 5, kDrawPurpose = 6;
+
+Eigen::MatrixXd stackJacobians(const std::vector<PoseResidual>& poses, bool weighted) {
+  Eigen::Index rows = 0;
+  for (const PoseResidual& pose : poses) rows += pose.valid ? pose.error.size() : 0;
+  Eigen::MatrixXd stacked(rows, poses.front().jacobian.cols());
+  rows = 0;
+  for (const PoseResidual& pose : poses) {
+    if (!pose.valid) continue;
+    const double weight = weighted ? std::sqrt(robustWeight(pose.error.squaredNorm())) : 1.0;
+    stacked.middleRows(rows, pose.error.size()) = weight * pose.jacobian;
+    rows += pose.error.size();
+  }
+  return stacked;
+}
+
+/// Inverse of a curvature; directions that nothing bounds get the variance 1 / kTinyCurvature.
+Eigen::MatrixXd invertCurvature(const Eigen::MatrixXd& curvature) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(curvature);
+  const Eigen::VectorXd bounded = eigen.eigenvalues().cwiseMax(kTinyCurvature);
+  return eigen.eigenvectors() * bounded.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+std::string_view toString(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kIdentifiable:
+      return "identifiable";
+    case Verdict::kWeak:
+      return "weak";
+    case Verdict::kNotIdentifiable:
+      break;
+  }
+  return "not identifiable";
+}
+
+PoseUncertainty assessUncertainty(PosePosterior& posterior, const Eigen::VectorXd& z, const ParameterSpace& space) {
+  const ScaledParameters& scaled = posterior.parameters();
+  const std::vector<PoseResidual> residuals = posterior.evaluate(z, true);
+  PoseUncertainty result;
+  for (const PoseResidual& residual : residuals) {
+    result.distances.push_back(residual.valid ? residual.error.norm() : std::numeric_limits<double>::quiet_NaN());
+  }
+  if (std::none_of(residuals.begin(), residuals.end(), [](const PoseResidual& r) { return r.valid; })) {
+    throw NumericsError("uncertainty: no pose has a stable equilibrium with these parameters");
+  }
+  const Eigen::MatrixXd jacobian = stackJacobians(residuals, true);
+  Eigen::MatrixXd curvature = jacobian.transpose() * jacobian;
+  for (Eigen::Index i = 0; i < z.size(); ++i) curvature(i, i) += scaled.hasPrior(i) ? 1.0 : 0.0;
+  result.covariance = invertCurvature(curvature);
+  const Eigen::VectorXd singular = jacobian.bdcSvd().singularValues();
+  result.singular_values.assign(singular.begin(), singular.end());
+
+  // What no pose could tell, from a cloud of commands; whitening does not matter for that.
+  const std::vector<Pose> cloud = drawCommands(posterior, z, kCloud, 0);
+  Eigen::MatrixXd anywhere = jacobian;
+  if (!cloud.empty()) {
+    PosePosterior elsewhere(posterior, cloud);
+    elsewhere.whiten(z);
+    const Eigen::MatrixXd there = stackJacobians(elsewhere.evaluate(z, true), false);
+    anywhere.conservativeResize(jacobian.rows() + there.rows(), Eigen::NoChange);
+    anywhere.bottomRows(there.rows()) = there;
+  }
+  Eigen::VectorXd unknowable;  // variance that is left however many poses there are, of the prior's
+  result.combinations = findCombinations(jacobian, anywhere, space, unknowable);
+
+  for (Eigen::Index i = 0; i < z.size(); ++i) {
+    const double slope = scaled.slope(i, z[i]);
+    const double sd_z = std::sqrt(result.covariance(i, i));
+    const bool bounded = scaled.hasPrior(i) || sd_z < 0.1 / std::sqrt(kTinyCurvature);
+    ParameterUncertainty parameter{scaled.hasPrior(i) ? slope : std::numeric_limits<double>::infinity(),
+                                   bounded ? slope * sd_z : std::numeric_limits<double>::infinity(), Verdict::kWeak};
+    const double of_prior = scaled.hasPrior(i) ? sd_z : 0.0;
+    if (!bounded || of_prior > kUntouched || std::sqrt(unknowable[i]) > kHalved) {
+      parameter.verdict = Verdict::kNotIdentifiable;
+    } else if (of_prior <= kHalved) {
+      parameter.verdict = Verdict::kIdentifiable;
+    }
+    result.parameters.push_back(parameter);
+  }
+  return result;
+}
+
+PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorXd& z,
+                            const PoseUncertainty& uncertainty, std::span<const Pose> poses) {
+  PosePosterior there(posterior, poses);
+  there.whiten(z);
+  const std::vector<PoseResidual> residuals = there.evaluate(z, true);  // whitened: noise and friction are N(0, 1)
+  const Eigen::MatrixXd spread = uncertainty.covariance.llt().matrixL();
+  const std::vector<Joint>& joints = posterior.model().joints;
+  std::vector<std::vector<double>> mje(joints.size(), std::vector<double>(kDraws, 0.0));
+  std::vector<Eigen::MatrixXd> unwhiten;
+  for (std::size_t p = 0; p < poses.size(); ++p) unwhiten.push_back(there.whitening(p).inverse());
+  const CounterRandom random(0);
+  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
+    const auto normal = [&](std::size_t place, Eigen::Index i) {
+      return random.normalPair(
+          {draw, static_cast<std::uint32_t>(place), static_cast<std::uint32_t>(i), kDrawPurpose})[0];
+    };
+    Eigen::VectorXd change(z.size());
+    for (Eigen::Index i = 0; i < z.size(); ++i) change[i] = normal(0, i);
+    change = spread * change;
+    int valid = 0;
+    for (std::size_t p = 0; p < poses.size(); ++p) {
+      if (!residuals[p].valid) continue;
+      ++valid;
+      Eigen::VectorXd error = residuals[p].jacobian * change;
+      for (Eigen::Index i = 0; i < error.size(); ++i) error[i] += normal(p + 1, i);
+      error = unwhiten[p] * error;
+      Eigen::Index d = 0;
+      for (std::size_t j = 0; j < joints.size(); ++j) {
+        const int components = joints[j].degreesOfFreedom();
+        mje[j][draw] += error.segment(d, components).norm();
+        d += components;
+      }
+    }
+    for (auto& of_joint : mje) of_joint[draw] /= std::max(1, valid);
+  }
+  PredictedError predicted;
+  for (std::vector<double>& of_joint : mje) {
+    std::sort(of_joint.begin(), of_joint.end());
+    double sum = 0.0;
+    for (const double error : of_joint) sum += error;
+    predicted.mean.push_back(sum / kDraws);
+    predicted.lower.push_back(of_joint[kDraws / 20]);
+    predicted.upper.push_back(of_joint[kDraws - 1 - kDraws / 20]);
+  }
+  return predicted;
+}
+
+namespace {
+
+/// Stable, and no cord beyond its linear range.
+bool feasible(EquilibriumArm& arm, std::span<const double> shafts) {
+  if (!arm.solve(shafts).stable) return false;
+  const std::vector<Muscle>& muscles = arm.energy().model().muscles;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (arm.energy().expansion(m) > ShockCord::kLinearRange * muscles[m].shock_cord.rest_length) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
+                               std::uint64_t seed) {
+  constexpr std::size_t kTriesPerPose = 20;
+  const std::span<const Pose> recorded = posterior.poses();
+  EquilibriumArm arm(posterior.modelAt(z));
+  std::vector<double> lower = recorded.front().shafts, upper = lower;
+  for (const Pose& pose : recorded) {
+    for (std::size_t m = 0; m < lower.size(); ++m) {
+      lower[m] = std::min(lower[m], pose.shafts[m]);
+      upper[m] = std::max(upper[m], pose.shafts[m]);
+    }
+  }
+  const CounterRandom random(seed);
+  std::vector<Pose> commands;
+  for (std::uint32_t attempt = 0; commands.size() < count && attempt < kTriesPerPose * count; ++attempt) {
+    const auto draw = [&](std::uint32_t place) { return random.uniform({attempt, place, 0, kCloudPurpose}); };
+    const auto near = static_cast<std::size_t>(draw(0) * static_cast<double>(recorded.size()));
+    const std::vector<double>& home = recorded[near].shafts;
+    // Anywhere within the ranges; where muscles would fight too hard, nearer to a command that the arm has seen.
+    Pose command;
+    command.name = fmt::format("c{:04d}", attempt);
+    command.shafts.resize(home.size());
+    for (const double way : {1.0, 0.75, 0.5, 0.25}) {
+      for (std::uint32_t m = 0; m < home.size(); ++m) {
+        const double anywhere = lower[m] + draw(1 + m) * (upper[m] - lower[m]);
+        command.shafts[m] = home[m] + way * (anywhere - home[m]);
+      }
+      if (!feasible(arm, command.shafts)) continue;
+      command.joints = arm.joints();
+      command.spread.assign(command.joints.size(), 0.0);
+      commands.push_back(std::move(command));
+      break;
+    }
+  }
+  return commands;
+}
+
+}  // namespace simgap

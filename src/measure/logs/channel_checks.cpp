@@ -1,0 +1,84 @@
+#include "simgap/measure/logs/channel_checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+/// Share of rows in runs of at least `least` rows that stand exactly on `value`.
+double shareAt(std::span<const double> values, double value, std::size_t least) {
+  std::size_t count = 0, run = 0;
+  for (std::size_t i = 0; i <= values.size(); ++i) {
+    if (i < values.size() && values[i] == value) {
+      ++run;
+      continue;
+    }
+    if (run >= least) count += run;
+    run = 0;
+  }
+  return static_cast<double>(count) / static_cast<double>(values.size());
+}
+
+struct Run {
+  std::size_t begin = 0;
+  std::size_t size = 0;
+};
+
+Run longestRun(std::span<const double> values) {
+  Run longest, run;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    run = i > 0 && values[i] == values[i - 1] ? Run{run.begin, run.size + 1} : Run{i, 1};
+    if (run.size > longest.size) longest = run;
+  }
+  return longest;
+}
+
+}  // namespace
+
+bool isConstant(std::span<const double> values) {
+  return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
+}
+
+std::vector<std::string> checkChannels(const std::string& file, std::span<const ChannelCheck> channels) {
+  constexpr double kClippedShare = 0.005;
+  constexpr std::size_t kClippedRun = 3;
+  constexpr double kStuckShare = 0.05;
+  constexpr std::size_t kStuckRows = 50;
+  std::vector<std::string> warnings;
+  for (const auto& [name, values, plausible] : channels) {
+    if (values.empty()) continue;
+    const auto [low, high] = std::ranges::minmax(values);
+    const double largest = std::max(std::abs(low), std::abs(high));
+    if (largest > plausible) {
+      throw DataError(
+          fmt::format("{}: {} reaches {:.4g}, expected at most {:.4g}: is the unit in the column's name "
+                      "right? (--map gives a column another name)",
+                      file, name, largest, plausible));
+    }
+    if (low == high) continue;  // said by whoever needs the channel
+    for (const auto& [bound, side] : {std::pair{high, "above"}, std::pair{low, "below"}}) {
+      const double share = bound == 0.0 ? 0.0 : shareAt(values, bound, kClippedRun);
+      if (share < kClippedShare) continue;
+      warnings.push_back(
+          fmt::format("{} stands at {:.4g} in {:.1f} % of the rows, nothing is {}: it looks clipped, which "
+                      "biases every parameter; leave these rows out or record with a larger range",
+                      name, bound, 100.0 * share, side));
+    }
+    const Run run = longestRun(values);
+    if (run.size >= kStuckRows && static_cast<double>(run.size) > kStuckShare * static_cast<double>(values.size()) &&
+        values[run.begin] != 0.0 && values[run.begin] != high && values[run.begin] != low) {
+      warnings.push_back(
+          fmt::format("{} keeps the value {:.4g} for {} rows from row {}: it looks stuck; leave these "
+                      "rows out",
+                      name, values[run.begin], run.size, run.begin + 1));
+    }
+  }
+  return warnings;
+}
+
+}  // namespace simgap

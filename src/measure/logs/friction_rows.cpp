@@ -1,0 +1,315 @@
+#include "simgap/measure/logs/friction_rows.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "simgap/core/error.h"
+#include "simgap/measure/logs/channel_checks.h"
+#include "simgap/measure/logs/motion.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::array kChannels = {&FrictionData::time,      &FrictionData::effort,    &FrictionData::velocity,
+                                  &FrictionData::log_speed, &FrictionData::direction, &FrictionData::load};
+constexpr double kLowestLogSpeed = -600.0;  // exp of it is still a number; log(0) is none
+
+/// Calls `work(begin, end)` for each run of rows of one session.
+template <typename Work>
+void perSession(const std::vector<int>& session, const Work& work) {
+  std::size_t begin = 0;
+  for (std::size_t i = 1; i <= session.size(); ++i) {
+    if (i < session.size() && session[i] == session[begin]) continue;
+    work(begin, i);
+    begin = i;
+  }
+}
+
+double samplingRate(const ActuatorLog& log) {
+  double seconds = 0.0;
+  std::size_t steps = 0;
+  perSession(log.session, [&](std::size_t begin, std::size_t end) {
+    seconds += log.time[end - 1] - log.time[begin];
+    steps += end - 1 - begin;
+  });
+  return seconds > 0.0 ? static_cast<double>(steps) / seconds : 0.0;
+}
+
+/// Velocity and acceleration that were not logged, from position, else acceleration from velocity.
+void completeMotion(ActuatorLog& log, bool acceleration, FrictionData& data) {
+  const bool velocity = log.velocity.empty();
+  if (!velocity && !acceleration) return;
+  if (!log.has_time) {
+    throw DataError(fmt::format("{}: found no time_s, expected it: {} has to be worked out from motion", log.file,
+                                velocity ? "velocity" : "acceleration"));
+  }
+  const bool from_position = !log.position.empty();
+  if (velocity) log.velocity.resize(log.rows());
+  if (acceleration) log.acceleration.resize(log.rows());
+  perSession(log.session, [&](std::size_t begin, std::size_t end) {
+    const std::size_t n = end - begin;
+    if (n < 4) {
+      throw DataError(fmt::format("{}: session {} has {} rows, expected at least 4 to work out velocities", log.file,
+                                  log.session_names[static_cast<std::size_t>(log.session[begin])], n));
+    }
+    const auto part = [&](const std::vector<double>& all) { return std::span(all).subspan(begin, n); };
+    const auto put = [&](const std::vector<double>& values, std::vector<double>& all) {
+      std::ranges::copy(values, all.begin() + static_cast<std::ptrdiff_t>(begin));
+    };
+    const std::vector<double> speed =
+        from_position ? differentiate(part(log.time), smooth(part(log.time), part(log.position), data.bandwidth))
+                      : smooth(part(log.time), part(log.velocity), data.bandwidth);
+    if (velocity) put(speed, log.velocity);
+    if (acceleration) put(differentiate(part(log.time), speed), log.acceleration);
+  });
+  if (velocity) data.derived.emplace_back("velocity");
+  if (acceleration) data.derived.emplace_back("acceleration");
+}
+
+void addColumn(FrictionData& data, const Eigen::ArrayXd& per_unit) {
+  data.load_per.conservativeResize(per_unit.size(), data.load_per.cols() + 1);
+  data.load_per.col(data.load_per.cols() - 1) = per_unit;
+}
+
+void addConstant(FrictionData& data, const char* name, const char* unit) {
+  data.rig_names.emplace_back(name);
+  data.rig_units.emplace_back(unit);
+}
+
+void addRigTerm(FrictionData& data, const BenchConstant& constant, const char* name, const char* unit,
+                const Eigen::ArrayXd& per_unit) {
+  if (!constant.fitted) {
+    data.load += constant.value * per_unit;
+    return;
+  }
+  addColumn(data, per_unit);
+  addConstant(data, name, unit);
+}
+
+/// m g l sin(theta - theta_0) + (m l^2 + J) theta''. \param angle, acceleration  of the pendulum.
+void addPendulum(FrictionData& data, const Bench& bench, const Eigen::ArrayXd& angle,
+                 const Eigen::ArrayXd& acceleration) {
+  const double mass = bench.mass.fitted ? 1.0 : bench.mass.value;
+  const double length = bench.length.fitted ? 1.0 : bench.length.value;
+  const double moment = mass * length;  // [kg m], per unit of what is fitted of it
+  const BenchConstant amplitude{1.0, bench.length.fitted || bench.mass.fitted};
+  const auto [name, unit] = bench.length.fitted ? std::pair("length", "m") : std::pair("mass", "kg");
+  const Eigen::ArrayXd inertial =
+      bench.fitsWholeInertia() ? Eigen::ArrayXd::Zero(angle.size()) : Eigen::ArrayXd(moment * length * acceleration);
+  if (bench.angle_offset.fitted) {
+    data.fits_angle = true;
+    addColumn(data, moment * bench.gravity * angle.sin());
+    addColumn(data, -moment * bench.gravity * angle.cos());
+    if (amplitude.fitted) addConstant(data, name, unit);
+    addConstant(data, "angle_offset", "rad");
+    data.load += inertial;
+  } else {
+    addRigTerm(data, amplitude, name, unit,
+               moment * bench.gravity * (angle - bench.angle_offset.value).sin() + inertial);
+  }
+  addRigTerm(data, bench.inertia, bench.fitsWholeInertia() ? "total_inertia" : "inertia", "kg_m2", acceleration);
+}
+
+/// The load of the rig, in the signs of 003 eq. 3: what the motor must overcome in the positive direction.
+void workOutLoad(const ActuatorLog& log, const Bench& bench, FrictionData& data) {
+  const auto n = static_cast<Eigen::Index>(log.rows());
+  const auto column = [n](const std::vector<double>& v) { return Eigen::Map<const Eigen::ArrayXd>(v.data(), n); };
+  data.load = Eigen::ArrayXd::Zero(n);
+  data.load_per.resize(n, 0);
+  if (!log.load.empty()) data.load = column(log.load);
+  switch (bench.load) {
+    case BenchLoad::kTorqueSensor:
+      if (!log.load.empty()) return;
+      throw DataError(fmt::format(
+          "{}:1: found no external_torque_Nm, expected it, or --bench RIG.yaml that says where the load comes from",
+          log.file));
+    case BenchLoad::kPendulum: {
+      if (log.position.empty()) throw DataError(log.file + ":1: found no position, expected it for a pendulum");
+      const double ratio = bench.ratio.value_or(1.0);
+      addPendulum(data, bench, column(log.position) / ratio, column(log.acceleration) / ratio);
+      return;
+    }
+    case BenchLoad::kFreeAxis:
+      addRigTerm(data, log.linear ? bench.mass : bench.inertia, log.linear ? "mass" : "inertia",
+                 log.linear ? "kg" : "kg_m2", column(log.acceleration));
+      return;
+  }
+}
+
+void checkLog(const ActuatorLog& log, FrictionData& data) {
+  const std::string effort = quantityName(log.effort_name, log.effort_unit);
+  const std::string velocity = quantityName("motor_velocity", log.velocityUnit());
+  const double plausible_effort = log.effort_unit == "A" ? 2e3 : log.effort_unit == "V" ? 2e3 : 1e6;
+  const ChannelCheck channels[] = {{effort, log.effort, plausible_effort},
+                                   {velocity, log.velocity, log.linear ? 1e3 : 2e4},
+                                   {quantityName("external_torque", log.loadUnit()), log.load, 1e6}};
+  data.warnings = checkChannels(log.file, channels);
+  if (isConstant(log.effort)) {
+    throw DataError(
+        fmt::format("{}: {} is {:.4g} in every row, expected what the motor drew while it moved: no "
+                    "parameter can be found from this log",
+                    log.file, effort, log.effort.front()));
+  }
+  if (isConstant(log.velocity)) {
+    throw DataError(
+        fmt::format("{}: {} is {:.4g} in every row, expected motion: friction cannot be found; record slow "
+                    "and fast motion in both directions",
+                    log.file, velocity, log.velocity.front()));
+  }
+}
+
+std::vector<bool> chosenSessions(const ActuatorLog& log, const std::vector<std::string>& names) {
+  if (names.empty()) return std::vector<bool>(log.session_names.size(), true);
+  std::vector<bool> chosen(log.session_names.size(), false);
+  for (const std::string& name : names) {
+    const auto found = std::ranges::find(log.session_names, name);
+    if (found == log.session_names.end()) {
+      throw DataError(fmt::format("{}: found no session {}, expected one of {}", log.file, name,
+                                  fmt::join(log.session_names, ", ")));
+    }
+    chosen[static_cast<std::size_t>(found - log.session_names.begin())] = true;
+  }
+  return chosen;
+}
+
+/// Drops rows channel by channel, in place: the data are the largest thing in memory.
+void keepRows(FrictionData& data, const std::vector<bool>& keep) {
+  std::size_t kept = 0;
+  std::vector<Block> blocks;
+  std::size_t block = 0, block_begin = 0;
+  const auto closeBlocks = [&](std::size_t row) {
+    for (; block < data.blocks.size() && data.blocks[block].end <= row; ++block) {
+      if (block_begin < kept) blocks.push_back({block_begin, kept});
+    }
+  };
+  for (std::size_t i = 0; i < keep.size(); ++i) {
+    closeBlocks(i);
+    if (block < data.blocks.size() && data.blocks[block].begin == i) block_begin = kept;
+    if (!keep[i]) continue;
+    const auto from = static_cast<Eigen::Index>(i), to = static_cast<Eigen::Index>(kept);
+    for (Eigen::ArrayXd FrictionData::*channel : kChannels) (data.*channel)[to] = (data.*channel)[from];
+    for (Eigen::Index k = 0; k < data.load_per.cols(); ++k) data.load_per(to, k) = data.load_per(from, k);
+    data.session[kept] = data.session[i];
+    data.row[kept] = data.row[i];
+    if (!data.keep.empty()) data.keep[kept] = data.keep[i];
+    ++kept;
+  }
+  closeBlocks(keep.size());
+  const auto n = static_cast<Eigen::Index>(kept);
+  for (Eigen::ArrayXd FrictionData::*channel : kChannels) (data.*channel).conservativeResize(n);
+  data.load_per.conservativeResize(n, Eigen::NoChange);
+  data.session.resize(kept);
+  data.row.resize(kept);
+  if (!data.keep.empty()) data.keep.resize(kept);
+  data.blocks = std::move(blocks);
+}
+
+/// A channel as an array; the vector's memory is given back.
+Eigen::ArrayXd take(std::vector<double>& channel) {
+  const Eigen::ArrayXd values =
+      Eigen::Map<const Eigen::ArrayXd>(channel.data(), static_cast<Eigen::Index>(channel.size()));
+  channel = {};
+  return values;
+}
+
+}  // namespace
+
+Eigen::VectorXd FrictionData::rigCoefficients(std::span<const double> rig) const {
+  const Eigen::Map<const Eigen::VectorXd> constants(rig.data(), static_cast<Eigen::Index>(rig.size()));
+  if (!fits_angle) return constants;
+  const std::size_t angle = angleIndex();
+  const double amplitude = angle > 0 ? rig[0] : 1.0;
+  Eigen::VectorXd coefficients(load_per.cols());
+  coefficients << amplitude * std::cos(rig[angle]), amplitude * std::sin(rig[angle]),
+      constants.tail(load_per.cols() - 2);
+  return coefficients;
+}
+
+std::vector<double> FrictionData::rigConstants(const Eigen::VectorXd& coefficients) const {
+  if (!fits_angle) return {coefficients.begin(), coefficients.end()};
+  std::vector<double> rig;
+  if (angleIndex() > 0) rig.push_back(coefficients.head<2>().norm());
+  rig.push_back(std::atan2(coefficients[1], coefficients[0]));
+  rig.insert(rig.end(), coefficients.begin() + 2, coefficients.end());
+  return rig;
+}
+
+Eigen::MatrixXd FrictionData::rigDerivatives(std::span<const double> rig) const {
+  const auto k = load_per.cols();
+  const auto r = static_cast<Eigen::Index>(rig.size());
+  if (!fits_angle) return Eigen::MatrixXd::Identity(k, r);
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(k, r);
+  const std::size_t angle = angleIndex();
+  const double c = std::cos(rig[angle]), s = std::sin(rig[angle]), amplitude = angle > 0 ? rig[0] : 1.0;
+  if (angle > 0) d.col(0).head<2>() << c, s;
+  d.col(static_cast<Eigen::Index>(angle)).head<2>() << -amplitude * s, amplitude * c;
+  d.bottomRightCorner(k - 2, k - 2).setIdentity();
+  return d;
+}
+
+Eigen::ArrayXd FrictionData::totalLoad(std::span<const double> rig) const {
+  if (rig_names.empty()) return load;
+  return load + (load_per.matrix() * rigCoefficients(rig)).array();
+}
+
+FrictionData selectRows(const FrictionData& data, const std::vector<bool>& keep) {
+  FrictionData some = data;
+  keepRows(some, keep);
+  return some;
+}
+
+FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const FrictionDataOptions& options) {
+  FrictionData data;
+  data.file = log.file;
+  data.log_rows = log.rows();
+  data.effort_name = log.effort_name;
+  data.effort_unit = log.effort_unit;
+  data.angle_unit = log.angleUnit();
+  data.velocity_unit = log.velocityUnit();
+  data.load_unit = log.loadUnit();
+  data.session_names = log.session_names;
+  const bool derives = log.velocity.empty() || bench.needsAcceleration();
+  if (derives) {
+    data.bandwidth = options.bandwidth.value_or(
+        bench.bandwidth.value_or(FrictionDataOptions::kDefaultBandwidth * samplingRate(log)));
+  }
+  completeMotion(log, bench.needsAcceleration(), data);
+  checkLog(log, data);
+  workOutLoad(log, bench, data);
+
+  MotionSign sign =
+      options.raw_sign ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, options.dead_band);
+  data.dead_band = sign.dead_band;
+  data.reversals = sign.reversals;
+  const std::vector<bool> chosen = chosenSessions(log, options.sessions);
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    if (!chosen[static_cast<std::size_t>(log.session[i])]) sign.keep[i] = false;
+  }
+  const std::size_t rows = log.rows();
+  data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
+  data.block_seconds = options.block_seconds;
+  data.time = take(log.time);
+  data.effort = take(log.effort);
+  data.velocity = take(log.velocity);
+  data.direction.resize(static_cast<Eigen::Index>(rows));
+  std::ranges::copy(sign.direction, data.direction.begin());
+  data.session = std::move(log.session);
+  log = {};
+  data.log_speed = data.velocity.abs().log().max(kLowestLogSpeed);
+  data.row.resize(rows);
+  std::iota(data.row.begin(), data.row.end(), std::size_t{0});
+  if (options.all_rows) {
+    data.keep = std::move(sign.keep);
+    return data;
+  }
+  const bool all = std::ranges::all_of(sign.keep, [](bool kept) { return kept; });
+  if (!all) keepRows(data, sign.keep);
+  return data;
+}
+
+}  // namespace simgap

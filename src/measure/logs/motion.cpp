@@ -1,0 +1,126 @@
+#include "simgap/measure/logs/motion.h"
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace simgap {
+namespace {
+
+constexpr double kMedianOfNormal = 0.6744897501960817;
+
+/// The first row of the new direction: the turning point of travel, looked for backwards from the first row clearly on
+/// the new side, `to`. It ends where the noise of a rest would take the travel back (CUSUM: Page 1954).
+std::size_t turningPoint(std::span<const double> velocity, std::size_t from, std::size_t to, int direction,
+                         double dead_band) {
+  double travel = 0.0, farthest = 0.0;
+  std::size_t turn = to;
+  for (std::size_t i = to; i-- > from + 1 && farthest - travel <= dead_band;) {
+    travel += direction * velocity[i] - dead_band / 3.0;  // in a rest this sum falls
+    if (travel <= farthest) continue;
+    farthest = travel;
+    turn = i;
+  }
+  return turn;
+}
+
+}  // namespace
+
+double noiseLevel(std::span<const double> values) {
+  if (values.size() < 3) return 0.0;
+  std::vector<double> bends;
+  bends.reserve(values.size());
+  double quantum = 0.0;
+  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+    bends.push_back(std::abs(values[i - 1] - 2.0 * values[i] + values[i + 1]));
+    const double step = std::abs(values[i + 1] - values[i]);
+    if (step > 0.0 && (quantum == 0.0 || step < quantum)) quantum = step;
+  }
+  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
+  std::nth_element(bends.begin(), middle, bends.end());
+  // The variance of a second difference of white noise is 1 + 4 + 1 times the noise's.
+  return std::max(*middle / (kMedianOfNormal * std::sqrt(6.0)), quantum / 4.0);
+}
+
+MotionSign holdSign(std::span<const double> velocity, double widths, std::optional<double> dead_band) {
+  MotionSign sign;
+  sign.direction.assign(velocity.size(), 0);
+  sign.keep.assign(velocity.size(), true);
+  sign.dead_band = dead_band ? *dead_band : widths * noiseLevel(velocity);
+  int last = 0;
+  std::size_t last_row = 0;
+  for (std::size_t i = 0; i < velocity.size(); ++i) {
+    sign.direction[i] = static_cast<signed char>(last);
+    if (std::abs(velocity[i]) <= sign.dead_band || velocity[i] == 0.0) continue;
+    const int now = velocity[i] > 0.0 ? 1 : -1;
+    // In long rests single rows leave the dead band by chance: a reversal takes two in a row, or one far outside.
+    const bool lasts = i + 1 < velocity.size() && now * velocity[i + 1] > sign.dead_band;
+    if (last != 0 && now != last && !lasts && std::abs(velocity[i]) <= 2.0 * sign.dead_band) continue;
+    if (last == 0) {
+      std::fill_n(sign.keep.begin(), i, false);
+    } else if (now != last) {
+      const std::size_t turn = turningPoint(velocity, last_row, i, now, sign.dead_band);
+      std::fill(sign.direction.begin() + static_cast<std::ptrdiff_t>(turn),
+                sign.direction.begin() + static_cast<std::ptrdiff_t>(i), static_cast<signed char>(now));
+      sign.keep[turn - 1] = sign.keep[turn] = false;
+      ++sign.reversals;
+    }
+    sign.direction[i] = static_cast<signed char>(now);
+    last = now;
+    last_row = i;
+  }
+  if (last == 0) std::fill(sign.keep.begin(), sign.keep.end(), false);
+  return sign;
+}
+
+MotionSign rawSign(std::span<const double> velocity) {
+  MotionSign sign;
+  sign.keep.assign(velocity.size(), true);
+  for (const double v : velocity) sign.direction.push_back(static_cast<signed char>((v > 0.0) - (v < 0.0)));
+  return sign;
+}
+
+std::vector<double> smooth(std::span<const double> time, std::span<const double> values, double bandwidth) {
+  const auto n = static_cast<Eigen::Index>(values.size());
+  if (n < 4) return {values.begin(), values.end()};
+  const double mean_step = (time[n - 1] - time[0]) / static_cast<double>(n - 1);
+  // sin instead of its argument: exact for even steps also near the Nyquist frequency.
+  const double phase = std::min(std::numbers::pi * bandwidth * mean_step, std::numbers::pi / 2.0);
+  const double weight = std::pow(2.0 * std::sin(phase), -6.0);
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(4 * n));
+  for (Eigen::Index i = 0; i + 3 < n; ++i) {
+    // Third divided difference over four uneven steps, scaled to (-1, 3, -3, 1) for even ones.
+    for (int k = 0; k < 4; ++k) {
+      double coefficient = 6.0;
+      for (int j = 0; j < 4; ++j) {
+        if (j != k) coefficient *= mean_step / (time[i + k] - time[i + j]);
+      }
+      entries.emplace_back(i, i + k, coefficient);
+    }
+  }
+  Eigen::SparseMatrix<double> difference(n - 3, n);
+  difference.setFromTriplets(entries.begin(), entries.end());
+  Eigen::SparseMatrix<double> normal = weight * Eigen::SparseMatrix<double>(difference.transpose() * difference);
+  for (Eigen::Index i = 0; i < n; ++i) normal.coeffRef(i, i) += 1.0;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(normal);
+  const Eigen::VectorXd smoothed = factor.solve(Eigen::Map<const Eigen::VectorXd>(values.data(), n));
+  return {smoothed.begin(), smoothed.end()};
+}
+
+std::vector<double> differentiate(std::span<const double> time, std::span<const double> values) {
+  const std::size_t n = values.size();
+  std::vector<double> slope(n);
+  const auto secant = [&](std::size_t i) { return (values[i + 1] - values[i]) / (time[i + 1] - time[i]); };
+  slope[0] = secant(0);
+  slope[n - 1] = secant(n - 2);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const double before = time[i] - time[i - 1], after = time[i + 1] - time[i];
+    slope[i] = (after * secant(i - 1) + before * secant(i)) / (before + after);
+  }
+  return slope;
+}
+
+}  // namespace simgap

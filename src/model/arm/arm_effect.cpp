@@ -1,0 +1,199 @@
+#include "simgap/model/arm/arm_effect.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace simgap {
+namespace {
+
+using Target = ArmEffect::Target;
+
+std::string_view groupOf(Target target) {
+  switch (target) {
+    case Target::kPam:
+    case Target::kMuscleOrAll:
+      return "muscle";
+    case Target::kBody:
+    case Target::kMovingBody:
+      return "body";
+    case Target::kJoint:
+      return "joint";
+    case Target::kNone:
+      break;
+  }
+  return "";
+}
+
+template <class Items>
+int indexOf(const Items& items, std::string_view name) {
+  const auto found = std::ranges::find(items, name, [](const auto& item) -> std::string_view { return item.name; });
+  return found == items.end() ? -1 : static_cast<int>(found - items.begin());
+}
+
+int targetIndex(const ArmEffect& effect, const ArmModel& model, std::string_view target) {
+  const std::string_view group = groupOf(effect.target);
+  if (group == "muscle") return indexOf(model.muscles, target);
+  if (group == "body") return indexOf(model.bodies, target);
+  if (group == "joint") return indexOf(model.joints, target);
+  return -1;
+}
+
+const Joint* jointCarrying(const ArmModel& model, int body) {
+  const auto found = std::ranges::find(model.joints, body, &Joint::child);
+  return found == model.joints.end() ? nullptr : &*found;
+}
+
+std::vector<int> jointsAbove(const ArmModel& model, int body) {
+  std::vector<int> joints;
+  for (const Joint* joint = jointCarrying(model, body); joint; joint = jointCarrying(model, joint->parent)) {
+    joints.push_back(static_cast<int>(joint - model.joints.data()));
+  }
+  return joints;
+}
+
+Eigen::Quaterniond turned(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle)) : Eigen::Quaterniond::Identity();
+}
+
+}  // namespace
+
+const ArmEffect* findArmEffect(std::string_view name) {
+  for (const ArmEffect* effect : arm_effects::all()) {
+    if (effect->name == name) return effect;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> effectTargets(const ArmEffect& effect, const ArmModel& model) {
+  std::vector<std::string> targets;
+  const std::string_view group = groupOf(effect.target);
+  if (group.empty() || effect.target == Target::kMuscleOrAll) targets.emplace_back();
+  if (group == "muscle") {
+    for (const Muscle& muscle : model.muscles) targets.push_back(muscle.name);
+  } else if (group == "joint") {
+    for (const Joint& joint : model.joints) targets.push_back(joint.name);
+  } else if (group == "body") {
+    for (const Body& body : model.bodies) {
+      if (effect.target == Target::kBody || !body.fixed) targets.push_back(body.name);
+    }
+  }
+  return targets;
+}
+
+std::vector<int> jointsCrossed(const ArmModel& model, const Muscle& muscle) {
+  std::vector<int> up = jointsAbove(model, muscle.attachments[0].body);
+  std::vector<int> down = jointsAbove(model, muscle.attachments[1].body);
+  while (!up.empty() && !down.empty() && up.back() == down.back()) {
+    up.pop_back();
+    down.pop_back();
+  }
+  up.insert(up.end(), down.rbegin(), down.rend());
+  return up;
+}
+
+std::string extensionLabel(const Extension& extension) {
+  return extension.target.empty() ? extension.effect : extension.effect + ":" + extension.target;
+}
+
+std::vector<ArmExtension> resolveExtensions(const ArmModel& model) {
+  std::vector<ArmExtension> resolved;
+  resolved.reserve(model.extensions.size());
+  for (const Extension& extension : model.extensions) {
+    ArmExtension& entry = resolved.emplace_back();
+    entry.effect = findArmEffect(extension.effect);
+    entry.target = extension.target.empty() ? -1 : targetIndex(*entry.effect, model, extension.target);
+    for (std::size_t i = 0; i < extension.parameters.size(); ++i) entry.p[i] = extension.parameters[i].value;
+  }
+  return resolved;
+}
+
+std::string checkExtension(Extension& extension, const ArmModel& model) {
+  const ArmEffect* effect = findArmEffect(extension.effect);
+  if (!effect) {
+    std::vector<std::string_view> known;
+    for (const ArmEffect* other : arm_effects::all()) known.push_back(other->name);
+    return fmt::format("found '{}', expected one of {}", extension.effect, fmt::join(known, ", "));
+  }
+  const std::vector<std::string> targets = effectTargets(*effect, model);
+  if (std::ranges::find(targets, extension.target) == targets.end()) {
+    const std::string_view group = groupOf(effect->target);
+    if (group.empty()) return fmt::format("found the target '{}', {} has none", extension.target, effect->name);
+    return fmt::format("found the target '{}' of {}, expected the name of a {}", extension.target, effect->name, group);
+  }
+  std::vector<ExtensionParameter> ordered;
+  EffectParameters p{};
+  for (const ArmEffectParameter& wanted : effect->parameters) {
+    const auto found = std::ranges::find(extension.parameters, wanted.name, &ExtensionParameter::name);
+    if (found == extension.parameters.end()) {
+      return fmt::format("found no parameter {} of {}, expected {{value, unit: \"{}\"}}", wanted.name, effect->name,
+                         wanted.unit);
+    }
+    if (found->unit != wanted.unit) {
+      return fmt::format("found {} of {} in '{}', expected the unit {}", wanted.name, effect->name, found->unit,
+                         wanted.unit);
+    }
+    if (!(found->value >= wanted.range.lower && found->value <= wanted.range.upper)) {
+      return fmt::format("found {} = {} of {}, expected {}", wanted.name, found->value, effect->name,
+                         wanted.range.expected);
+    }
+    p[ordered.size()] = found->value;
+    ordered.push_back(*found);
+  }
+  for (const ExtensionParameter& given : extension.parameters) {
+    if (std::ranges::find(effect->parameters, given.name, &ArmEffectParameter::name) == effect->parameters.end()) {
+      return fmt::format("{} has no parameter '{}'", effect->name, given.name);
+    }
+  }
+  extension.parameters = std::move(ordered);
+  if (!effect->expected) return "";
+  const std::string expected = effect->expected(p, model, targetIndex(*effect, model, extension.target));
+  return expected.empty() ? "" : fmt::format("{} of {}: expected {}", effect->name, extension.target, expected);
+}
+
+Extension makeExtension(const ArmEffect& effect, const std::string& target, const EffectParameters& p) {
+  Extension extension{std::string(effect.name), target, {}};
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+    const ArmEffectParameter& parameter = effect.parameters[i];
+    extension.parameters.push_back({std::string(parameter.name), std::string(parameter.unit), p[i], std::nan("")});
+  }
+  return extension;
+}
+
+void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model) {
+  for (const auto& [effect, target, p] : extensions) {
+    if (effect->gravity) model.gravity = effect->gravity(p, model.gravity).gravity;
+    if (effect->joint_shift) model.joints[target].parent_position += effect->joint_shift(p);
+    if (!effect->mass) continue;
+    constexpr double kRadius = 0.005;  // [m]: small, for a simulation that asks for its inertia
+    const PointMass mass = effect->mass(p);
+    const Eigen::Vector3d pivot = jointCarrying(model, target)->child_position;
+    const Eigen::Vector3d way = massProperties(model.bodies[target]).centre_of_mass - pivot;
+    Part part;
+    part.name = "payload";
+    part.shape = Part::Shape::kSphere;
+    part.radius = kRadius;
+    part.mass = mass.mass;
+    part.position = pivot + mass.distance * (way.norm() > 0.0 ? way.normalized() : -Eigen::Vector3d::UnitZ());
+    model.bodies[target].parts.push_back(part);
+  }
+}
+
+JointPosition markedPosition(const Joint& joint, const JointPosition& position, const Eigen::Vector3d& parent_turn,
+                             const Eigen::Vector3d& child_turn) {
+  JointPosition marked = position;
+  if (joint.type == JointType::kSpherical) {
+    marked.rotation = (turned(-parent_turn) * position.rotation * turned(child_turn)).normalized();
+  } else {
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(position.angle, joint.axis));
+    const Eigen::Quaterniond seen = turned(-parent_turn) * q * turned(child_turn);
+    const double twist = 2.0 * std::atan2(seen.vec().dot(joint.axis), seen.w());
+    marked.angle = position.angle + std::remainder(twist - position.angle, 4.0 * std::acos(0.0));
+  }
+  return marked;
+}
+
+}  // namespace simgap

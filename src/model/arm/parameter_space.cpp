@@ -1,0 +1,194 @@
+#include "simgap/model/arm/parameter_space.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "simgap/core/error.h"
+#include "simgap/model/arm/arm_effect.h"
+
+namespace simgap {
+namespace {
+
+/// Names the numbers of one item (a muscle, a joint, a body) on behalf of visitParameters.
+template <class Visit>
+class ItemVisitor {
+ public:
+  ItemVisitor(std::string_view group, std::string_view item, const Visit& visit)
+      : group_(group), item_(item), visit_(visit) {}
+  void operator()(std::string_view member, std::string_view unit, const Range& range, double& value) const {
+    visit_(ParameterPath{group_, item_, member, -1}, ParameterKind{unit, range}, value);
+  }
+  void operator()(std::string_view member, std::string_view unit, Eigen::Vector3d& value) const {
+    for (int i = 0; i < 3; ++i)
+      visit_(ParameterPath{group_, item_, member, i}, ParameterKind{unit, kAnyNumber}, value[i]);
+  }
+
+ private:
+  std::string_view group_, item_;
+  const Visit& visit_;
+};
+
+template <class Visit>
+void visitMuscle(Muscle& muscle, const ItemVisitor<Visit>& visit) {
+  visit("attachments.0.point_m", "m", muscle.attachments[0].point);
+  visit("attachments.1.point_m", "m", muscle.attachments[1].point);
+  visit("kite_line_length_m", "m", kAnyNumber, muscle.kite_line_length);
+  visit("shock_cord.rest_length_m", "m", kPositive, muscle.shock_cord.rest_length);
+  visit("shock_cord.stiffness_N_m", "N_m", kPositive, muscle.shock_cord.stiffness);
+  visit("shock_cord.damping_Ns_m", "Ns_m", kNonNegative, muscle.shock_cord.damping);
+  visit("spindle_radius_m", "m", kPositive, muscle.spindle_radius);
+  visit("motor.resistance_ohm", "ohm", kPositive, muscle.motor.resistance);
+  visit("motor.inductance_H", "H", kPositive, muscle.motor.inductance);
+  visit("motor.back_emf_constant_Vs", "Vs", kPositive, muscle.motor.back_emf_constant);
+  visit("motor.torque_constant_Nm_A", "Nm_A", kPositive, muscle.motor.torque_constant);
+  visit("motor.inertia_kg_m2", "kg_m2", kPositive, muscle.motor.inertia);
+  visit("motor.viscous_friction_Nms", "Nms", kNonNegative, muscle.motor.viscous_friction);
+  visit("motor.coulomb_friction_Nm", "Nm", kNonNegative, muscle.motor.coulomb_friction);
+  visit("gearbox.efficiency", "1", kEfficiency, muscle.gearbox.efficiency);
+  visit("gearbox.viscous_friction_Nms", "Nms", kNonNegative, muscle.gearbox.viscous_friction);
+  visit("gearbox.coulomb_friction_Nm", "Nm", kNonNegative, muscle.gearbox.coulomb_friction);
+}
+
+/// The traversal itself, inlined with its visitor so that `apply` costs no calls and no strings.
+template <class Visit>
+void traverse(ArmModel& model, const Visit& visit) {
+  ItemVisitor<Visit>("gravity_m_s2", "", visit)("", "m_s2", model.gravity);
+  for (Body& body : model.bodies) {
+    const ItemVisitor<Visit> item("bodies", body.name, visit);
+    for (Part& part : body.parts) {
+      const std::string mass = part.name + ".mass_kg";
+      const std::string position = part.name + ".position_m";
+      item(mass, "kg", kPositive, part.mass);
+      item(position, "m", part.position);
+    }
+  }
+  for (Joint& joint : model.joints) {
+    const ItemVisitor<Visit> item("joints", joint.name, visit);
+    item("parent_position_m", "m", joint.parent_position);
+    item("child_position_m", "m", joint.child_position);
+    item("coulomb_friction_Nm", "Nm", kNonNegative, joint.coulomb_friction);
+    item("viscous_friction_Nms", "Nms", kNonNegative, joint.viscous_friction);
+  }
+  for (Muscle& muscle : model.muscles) visitMuscle(muscle, ItemVisitor<Visit>("muscles", muscle.name, visit));
+  for (Extension& extension : model.extensions) {
+    const std::string label = extensionLabel(extension);
+    const ItemVisitor<Visit> item("extensions", label, visit);
+    const ArmEffect& effect = *findArmEffect(extension.effect);
+    for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+      const ArmEffectParameter& p = effect.parameters[i];
+      if (p.fitted) item(p.name, p.unit, p.range, extension.parameters[i].value);
+    }
+  }
+}
+
+std::pair<std::string_view, std::string_view> splitFirst(std::string_view path) {
+  const auto dot = path.find('.');
+  if (dot == std::string_view::npos) return {path, {}};
+  return {path.substr(0, dot), path.substr(dot + 1)};
+}
+
+/// The smallest number a model file may hold; where 0 itself may not stand, one that is as good as 0.
+double smallest(const Range& range) { return range.lower_open ? range.lower + 1e-12 : range.lower; }
+
+SearchParameter makeParameter(const std::string& name, const ParameterKind& kind, double value,
+                              const ParameterSpace::Choice& choice) {
+  SearchParameter parameter{name,
+                            std::string(kind.unit),
+                            value,
+                            choice.step,
+                            std::max(choice.lower.value_or(-kInfinity), smallest(kind.range)),
+                            std::min(choice.upper.value_or(kInfinity), kind.range.upper),
+                            choice.prior_sd};
+  if (choice.prior_sd_percent) parameter.prior_sd = 0.01 * *choice.prior_sd_percent * std::abs(value);
+  if (value < parameter.lower || value > parameter.upper) {
+    throw ConfigError(fmt::format("parameters: pattern '{}': {} is {} {} in the model, outside its range [{}, {}]",
+                                  choice.pattern, name, value, kind.unit, parameter.lower, parameter.upper));
+  }
+  return parameter;
+}
+
+}  // namespace
+
+std::string ParameterPath::str() const {
+  std::string path(group);
+  if (!item.empty()) path.append(".").append(item);
+  if (!member.empty()) path.append(".").append(member);
+  if (component >= 0) path.append(".").push_back(static_cast<char>('x' + component));
+  return path;
+}
+
+void visitParameters(ArmModel& model, const ParameterVisitor& visit) { traverse(model, visit); }
+
+bool matchesPattern(std::string_view pattern, std::string_view path) {
+  while (!pattern.empty()) {
+    if (path.empty()) return false;
+    const auto [wanted, pattern_rest] = splitFirst(pattern);
+    const auto [part, path_rest] = splitFirst(path);
+    if (wanted != "*" && wanted != part) return false;
+    pattern = pattern_rest;
+    path = path_rest;
+  }
+  return true;
+}
+
+std::vector<ParameterSpace::Choice> ParameterSpace::readChoices(const YamlNode& list) {
+  std::vector<Choice> choices;
+  for (const YamlNode& node : list.items()) {
+    Choice choice;
+    choice.pattern = node.at("pattern").text();
+    if (choice.pattern.empty()) node.at("pattern").fail("found an empty text, which would match every number");
+    choice.step = node.at("step").number(kPositive);
+    if (const auto lower = node.find("lower")) choice.lower = lower->number();
+    if (const auto upper = node.find("upper")) choice.upper = upper->number();
+    if (choice.lower && choice.upper && *choice.lower > *choice.upper) {
+      node.fail(fmt::format("lower {} is above upper {}", *choice.lower, *choice.upper));
+    }
+    if (const auto sd = node.find("prior_sd")) choice.prior_sd = sd->number(kPositive);
+    if (const auto percent = node.find("prior_sd_percent")) choice.prior_sd_percent = percent->number(kPositive);
+    if (choice.prior_sd && choice.prior_sd_percent) node.fail("found both prior_sd and prior_sd_percent, expected one");
+    choices.push_back(std::move(choice));
+  }
+  if (choices.empty()) list.fail("found no parameter, expected at least one pattern");
+  return choices;
+}
+
+ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>& choices) {
+  ArmModel copy = model;
+  std::vector<bool> used(choices.size());
+  std::size_t position = 0;
+  traverse(copy, [&](const ParameterPath& path, const ParameterKind& kind, double& value) {
+    const std::string name = path.str();
+    const Choice* chosen = nullptr;
+    for (std::size_t c = 0; c < choices.size(); ++c) {
+      if (!matchesPattern(choices[c].pattern, name)) continue;
+      used[c] = true;
+      if (chosen) {
+        throw ConfigError(fmt::format("parameters: {} is matched by both '{}' and '{}', expected one pattern", name,
+                                      chosen->pattern, choices[c].pattern));
+      }
+      chosen = &choices[c];
+    }
+    if (chosen) {
+      parameters_.push_back(makeParameter(name, kind, value, *chosen));
+      positions_.push_back(position);
+    }
+    ++position;
+  });
+  for (std::size_t c = 0; c < choices.size(); ++c) {
+    if (!used[c]) {
+      throw ConfigError(fmt::format("parameters: pattern '{}' matches nothing in the model", choices[c].pattern));
+    }
+  }
+}
+
+void ParameterSpace::apply(std::span<const double> values, ArmModel& model) const {
+  std::size_t position = 0;
+  std::size_t next = 0;
+  traverse(model, [&](const ParameterPath&, const ParameterKind&, double& value) {
+    if (next < positions_.size() && positions_[next] == position) value = values[next++];
+    ++position;
+  });
+}
+
+}  // namespace simgap

@@ -1,0 +1,171 @@
+#include "simgap/optimize/row_fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Normal {
+  MatrixXd h;  ///< J^T J
+  VectorXd g;  ///< J^T r
+};
+
+double costOf(const VectorXd& residual, std::span<const Block> blocks) {
+  double cost = 0.0;
+  for (const Block& b : blocks) {
+    cost += residual.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size())).squaredNorm();
+  }
+  return cost;
+}
+
+Normal normalOf(const MatrixXd& jacobian, const VectorXd& residual, std::span<const Block> blocks) {
+  const Index p = jacobian.cols();
+  Normal normal{MatrixXd::Zero(p, p), VectorXd::Zero(p)};
+  for (const Block& b : blocks) {
+    const auto rows = jacobian.middleRows(static_cast<Index>(b.begin), static_cast<Index>(b.size()));
+    normal.h.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
+    normal.g.noalias() +=
+        rows.transpose() * residual.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size()));
+  }
+  normal.h.triangularView<Eigen::StrictlyUpper>() = normal.h.transpose();
+  return normal;
+}
+
+/// Parameters that a step may move: not fixed, not without effect, not pressed against a bound.
+std::vector<Index> freeOnes(const std::vector<FitParameter>& parameters, std::span<const double> theta,
+                            const Normal& normal) {
+  std::vector<Index> free;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    const bool pressed = (theta[i] <= parameters[i].lower && normal.g[k] > 0.0) ||
+                         (theta[i] >= parameters[i].upper && normal.g[k] < 0.0);
+    if (!parameters[i].fixed && !pressed && normal.h(k, k) > 1e-300) free.push_back(k);
+  }
+  return free;
+}
+
+/// The damped step within the bounds: parameters that would leave them are put on them, one after the other, and the
+/// rest is solved again. Shape (P).
+VectorXd step(const std::vector<FitParameter>& parameters, std::span<const double> theta, const Normal& normal,
+              std::vector<Index> free, double damping) {
+  VectorXd delta = VectorXd::Zero(normal.g.size());
+  while (!free.empty()) {
+    MatrixXd h = normal.h(free, free);
+    const VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
+    h = scale.asDiagonal() * h * scale.asDiagonal();
+    h.diagonal().array() += damping + 1e-12;
+    for (const Index i : free) delta[i] = 0.0;
+    const VectorXd slope = normal.g + normal.h * delta;
+    const VectorXd g = slope(free);
+    delta(free) = -scale.cwiseProduct(VectorXd(h.ldlt().solve(scale.cwiseProduct(g))));
+    Index worst = -1;
+    double excess = 0.0;
+    for (const Index i : free) {
+      const auto k = static_cast<std::size_t>(i);
+      const double end = theta[k] + delta[i];
+      const double beyond = std::max(parameters[k].lower - end, end - parameters[k].upper) * std::sqrt(normal.h(i, i));
+      if (beyond > excess) {
+        excess = beyond;
+        worst = i;
+      }
+    }
+    if (worst < 0) break;
+    const auto k = static_cast<std::size_t>(worst);
+    delta[worst] = (delta[worst] < 0.0 ? parameters[k].lower : parameters[k].upper) - theta[k];
+    std::erase(free, worst);
+  }
+  return delta;
+}
+
+}  // namespace
+
+RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
+               const RowFitOptions& options) {
+  const std::vector<FitParameter>& parameters = model.parameters();
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    if (!parameters[i].fixed) start[i] = std::clamp(start[i], parameters[i].lower, parameters[i].upper);
+  }
+  RowFit fit{std::move(start), 0.0, 0};
+  VectorXd residual, trial_residual;
+  MatrixXd jacobian;
+  double damping = 1e-6;
+  for (; fit.iterations < options.max_iterations; ++fit.iterations) {
+    model.evaluate(fit.theta, residual, &jacobian);
+    fit.cost = costOf(residual, blocks);
+    const Normal normal = normalOf(jacobian, residual, blocks);
+    const std::vector<Index> free = freeOnes(parameters, fit.theta, normal);
+    if (free.empty()) break;
+    bool better = false;
+    double decrease = 0.0;
+    for (; damping < 1e4 && !better; damping = better ? std::max(damping * 0.1, 1e-9) : damping * 10.0) {
+      const VectorXd delta = step(parameters, fit.theta, normal, free, damping);
+      std::vector<double> trial = fit.theta;
+      for (const Index i : free) {
+        const auto k = static_cast<std::size_t>(i);
+        trial[k] = std::clamp(trial[k] + delta[i], parameters[k].lower, parameters[k].upper);
+      }
+      model.evaluate(trial, trial_residual, nullptr);
+      const double cost = costOf(trial_residual, blocks);
+      decrease = fit.cost - cost;
+      better = decrease > 0.0;
+      if (better) {
+        fit.theta = std::move(trial);
+        fit.cost = cost;
+      }
+    }
+    if (!better || decrease <= options.tolerance * fit.cost) break;
+  }
+  return fit;
+}
+
+double linearisedCost(const RowModel& model, std::span<const Block> blocks, std::span<const double> start) {
+  VectorXd residual;
+  MatrixXd jacobian;
+  model.evaluate(start, residual, &jacobian);
+  const Normal normal = normalOf(jacobian, residual, blocks);
+  const std::vector<Index> free = freeOnes(model.parameters(), start, normal);
+  const double cost = costOf(residual, blocks);
+  if (free.empty()) return cost;
+  const VectorXd delta = step(model.parameters(), start, normal, free, 1e-9);
+  return cost + 2.0 * normal.g.dot(delta) + delta.dot(normal.h * delta);
+}
+
+Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> blocks, std::span<const double> theta) {
+  VectorXd residual;
+  MatrixXd jacobian;
+  model.evaluate(theta, residual, &jacobian);
+  const Normal normal = normalOf(jacobian, residual, blocks);
+  std::vector<Index> free;
+  for (const Index i : freeOnes(model.parameters(), theta, normal)) {
+    const FitParameter& p = model.parameters()[static_cast<std::size_t>(i)];
+    if (!atBound(p, theta[static_cast<std::size_t>(i)])) free.push_back(i);
+  }
+  const Index n = jacobian.cols();
+  MatrixXd covariance = MatrixXd::Zero(n, n);
+  if (free.empty()) return covariance;
+  const MatrixXd h = normal.h(free, free);
+  const VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
+  MatrixXd scaled = scale.asDiagonal() * h * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-12;
+  const auto f = static_cast<Index>(free.size());
+  const MatrixXd inverse = scale.asDiagonal() * scaled.ldlt().solve(MatrixXd::Identity(f, f)) * scale.asDiagonal();
+  MatrixXd scores = MatrixXd::Zero(f, f);
+  for (const Block& b : blocks) {
+    const auto begin = static_cast<Index>(b.begin), rows = static_cast<Index>(b.size());
+    const VectorXd all = jacobian.middleRows(begin, rows).transpose() * residual.segment(begin, rows);
+    const VectorXd g = all(free);
+    scores += g * g.transpose();
+  }
+  const double count = static_cast<double>(blocks.size());
+  const double correction = count / std::max(count - static_cast<double>(f), 1.0);
+  covariance(free, free) = correction * inverse * scores * inverse;
+  return covariance;
+}
+
+}  // namespace simgap

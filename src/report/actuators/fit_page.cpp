@@ -1,0 +1,214 @@
+#include "fit_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/error.h"
+#include "simgap/core/units.h"
+#include "simgap/report/actuators/fit_report.h"
+
+namespace simgap {
+namespace {
+
+/// "rad_s" -> "rad/s"
+std::string unitTitle(std::string unit) {
+  if (unit == "Nm") return "N m";
+  if (unit == "degC") return "°C";
+  std::ranges::replace(unit, '_', '/');
+  return unit;
+}
+
+std::string targetUnit(const Json& result) { return unitTitle(splitUnit(result.at("target").get<std::string>()).unit); }
+
+std::string number(const Json& value, const char* digits = "{:.5g}") {
+  return value.is_number() ? fmt::format(fmt::runtime(digits), value.get<double>()) : "-";
+}
+
+std::string noteOf(const Json& parameter) {
+  if (parameter.at("fixed").get<bool>()) return "fixed";
+  if (!parameter.at("identifiable").get<bool>()) return "not determined";
+  return parameter.at("at_bound").get<bool>() ? "at bound" : "";
+}
+
+PageTable parameterTable(const Json& result) {
+  PageTable table{"Parameters", {"parameter", "unit", "value", "sd", "95 % interval", ""}, {}};
+  for (const Json& p : result.at("parameters")) {
+    const double sd = numberOf(p.at("sd")), value = numberOf(p.at("value"));
+    const double lower = numberOf(p.at("ci95").at(0)), upper = numberOf(p.at("ci95").at(1));
+    const bool interval = !p.at("fixed").get<bool>() && std::isfinite(lower) && std::isfinite(upper);
+    const std::string unit = p.at("unit");
+    table.rows.push_back({p.at("name"), unit == "1" ? "-" : unit, std::isfinite(value) ? valueText(value, sd) : "-",
+                          number(p.at("sd"), "{:.2g}"),
+                          interval ? fmt::format("{} … {}", valueText(lower, sd), valueText(upper, sd)) : "-",
+                          noteOf(p)});
+  }
+  return table;
+}
+
+/// Intervals relative to the value: parameters of any unit stand on one axis.
+void addIntervals(const Json& result, Page& page) {
+  std::vector<IntervalRow> rows;
+  for (const Json& p : result.at("parameters")) {
+    const double value = numberOf(p.at("value"));
+    const double lower = numberOf(p.at("ci95").at(0)) / value, upper = numberOf(p.at("ci95").at(1)) / value;
+    if (p.at("fixed").get<bool>() || value == 0.0 || !std::isfinite(lower) || !std::isfinite(upper)) continue;
+    IntervalRow row{p.at("name"), 0.0, 100.0 * (std::min(lower, upper) - 1.0), 100.0 * (std::max(lower, upper) - 1.0)};
+    row.marked = p.at("at_bound");
+    rows.push_back(row);
+  }
+  if (rows.empty()) return;
+  Chart chart = intervalChart("How well each parameter is known", {"95 % interval about the value [%]"}, rows);
+  chart.note = "A triangle stands at its bound.";
+  page.add(std::move(chart));
+}
+
+void addCorrelation(const ResultFiles& files, Page& page) {
+  if (!files.has("correlation.csv")) return;
+  const CsvTable table = files.table("correlation.csv");
+  Map map;
+  map.x_names = map.y_names = table.text("parameter");
+  if (map.x_names.size() < 2) return;
+  const std::size_t count = map.x_names.size();
+  map.value.assign(count * count, std::nan(""));
+  for (std::size_t i = 0; i < count; ++i) {
+    map.x.push_back(static_cast<double>(i));
+    map.y.push_back(static_cast<double>(i));
+    const std::vector<double> column = numbersOf(table, map.x_names[i]);
+    for (std::size_t j = 0; j < count; ++j) map.value[i + count * j] = column[j];
+  }
+  map.diverging = true;
+  map.range = 1.0;
+  map.written = true;
+  page.add(mapChart("Correlation of the parameters", {""}, {""}, map));
+}
+
+PageTable comparisonTable(const Json& result) {
+  const Json& rows = result.at("comparison");
+  PageTable table{fmt::format("Models on the same rows (MSE in {}², * lowest BIC)", targetUnit(result)),
+                  {"model", "parameters", "MSE", "held-out MSE", "improvement", "held-out", "BIC"},
+                  {}};
+  const auto improvement = [&](const Json& row, const char* key) {
+    const double from = numberOf(rows.front().at(key)), to = numberOf(row.at(key));
+    return &row == &rows.front() || !std::isfinite(from - to) ? "/"
+                                                              : fmt::format("{:.2f} %", 100.0 * (from - to) / from);
+  };
+  for (const Json& row : rows) {
+    const std::string name = row.at("model");
+    table.rows.push_back({name + (name == result.at("model") ? " *" : ""), row.at("parameters").dump(),
+                          number(row.at("mse")), number(row.at("mse_heldout")), improvement(row, "mse"),
+                          improvement(row, "mse_heldout"), number(row.at("bic"), "{:.1f}")});
+  }
+  return table;
+}
+
+PageTable factTable(const Json& result) {
+  PageTable table{"Further results", {"", ""}, {}};
+  table.rows.push_back({"rows", fmt::format("{}, worth {:.0f} independent ones", result.at("n").get<long>(),
+                                            numberOf(result.at("n_effective")))});
+  if (result.at("mse_heldout").is_number()) table.rows.push_back({"held out", result.at("heldout")});
+  const Json& starts = result.at("starts");
+  if (starts.at("tried").get<long>() > 1) {
+    table.rows.push_back(
+        {"search", fmt::format("{} starts over the whole box, {} distinct local minima", starts.at("tried").get<long>(),
+                               starts.at("distinct_minima").get<long>())});
+  }
+  for (const auto& [name, text] : result.at("facts").items()) table.rows.push_back({name, text});
+  for (const Json& row : result.at("transfer")) {
+    table.rows.push_back({"on " + row.at("file").get<std::string>(),
+                          fmt::format("RMS {:.4g} {} ({} rows)", std::sqrt(numberOf(row.at("mse"))), targetUnit(result),
+                                      row.at("n").get<long>())});
+  }
+  return table;
+}
+
+}  // namespace
+
+Page beginFitPage(const ResultFiles& files) {
+  const Json& result = files.result();
+  const std::string format = result.at("format"), unit = targetUnit(result);
+  const double rms = std::sqrt(numberOf(result.at("mse"))), heldout = std::sqrt(numberOf(result.at("mse_heldout")));
+  Page page{"simgap " + format.substr(7, format.rfind('/') - 7),
+            fmt::format("{} predicts {} with an RMS error of {:.4g} {}", result.at("model").get<std::string>(),
+                        splitUnit(result.at("target").get<std::string>()).stem, rms, unit),
+            result.at("warnings").get<std::vector<std::string>>()};
+  page.answer += std::isfinite(heldout) ? fmt::format(", and {:.4g} {} on rows it was not fitted to.", heldout, unit)
+                                        : "; only rows it was not fitted to can show what that is worth.";
+  return page;
+}
+
+void addFitDetails(const ResultFiles& files, Page& page) {
+  const Json& result = files.result();
+  page.addSection("Parameters");
+  if (result.at("comparison").size() > 1) page.add(comparisonTable(result));
+  page.add(parameterTable(result));
+  addIntervals(result, page);
+  addCorrelation(files, page);
+  page.add(factTable(result));
+}
+
+void addTimeChart(const ResultFiles& files, Page& page, const std::vector<double>& time,
+                  const std::vector<double>& measured,
+                  const std::vector<std::pair<std::string, std::vector<double>>>& predicted) {
+  std::vector<Series> lines{{"measured", time, measured, Series::Style::kLine, 6, /*faint=*/true}};
+  int colour = 0;
+  for (const auto& [model, values] : predicted) lines.push_back({model, time, values, Series::Style::kLine, colour++});
+  Chart chart = lineChart("Measured and predicted over time", {"time [s]"},
+                          {axisTitle(files.result().at("target").get<std::string>())}, lines);
+  chart.note = "A stretch from the middle of the log.";
+  chart.wide = true;
+  page.add(std::move(chart));
+}
+
+bool isRefit(const ResultFiles& files) { return files.has("predictions.csv"); }
+
+Page refitPage(const ResultFiles& files) {
+  constexpr std::size_t kShown = 1500;
+  Page page = beginFitPage(files);
+  const CsvTable table = files.table("predictions.csv");
+  const std::size_t rows = table.rows(), shown = std::min(kShown, rows), begin = (rows - shown) / 2;
+  const auto stretch = [&](const char* column) {
+    const std::vector<double> all = numbersOf(table, column);
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>(begin);
+    return std::vector<double>(first, first + static_cast<std::ptrdiff_t>(shown));
+  };
+  const std::vector<double> time = stretch("time_s");
+  addTimeChart(files, page, time, stretch("measured"), {{files.result().at("model"), stretch("predicted")}});
+  addFitDetails(files, page);
+  return page;
+}
+
+std::string columnLike(const CsvTable& table, std::string_view stem) {
+  for (const std::string& column : table.columns()) {
+    if (column == stem || splitUnit(column).stem == stem) return column;
+  }
+  throw DataError(fmt::format("{}: found no column {}, expected one (with a unit or without)", table.name(), stem));
+}
+
+std::string axisTitle(const std::string& column) {
+  UnitName name = splitUnit(column);
+  std::ranges::replace(name.stem, '_', ' ');
+  return name.unit.empty() ? name.stem : fmt::format("{} [{}]", name.stem, unitTitle(name.unit));
+}
+
+Map gridOf(const CsvTable& table, const std::string& x, const std::string& y, const std::vector<double>& value) {
+  const std::vector<double> xs = numbersOf(table, x), ys = numbersOf(table, y);
+  const auto distinct = [](std::vector<double> values) {
+    std::ranges::sort(values);
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    return values;
+  };
+  Map map;
+  map.x = distinct(xs);
+  map.y = distinct(ys);
+  map.value.assign(map.x.size() * map.y.size(), std::nan(""));
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const auto column = std::ranges::lower_bound(map.x, xs[i]) - map.x.begin();
+    const auto row = std::ranges::lower_bound(map.y, ys[i]) - map.y.begin();
+    map.value[static_cast<std::size_t>(column) + map.x.size() * static_cast<std::size_t>(row)] = value[i];
+  }
+  return map;
+}
+
+}  // namespace simgap

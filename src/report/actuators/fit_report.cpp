@@ -1,0 +1,197 @@
+#include "simgap/report/actuators/fit_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/csv.h"
+#include "simgap/core/units.h"
+#include "simgap/report/text_table.h"
+
+namespace simgap {
+namespace {
+
+Json optionalNumber(const std::optional<double>& value) { return value ? numberOrNull(*value) : Json(nullptr); }
+
+std::string noteOf(const Estimate& e) {
+  if (e.fixed) return "fixed";
+  if (!e.identifiable) return "not determined";
+  return e.at_bound ? "at bound" : "";
+}
+
+std::string valueCell(const Estimate& e) {
+  if (!std::isfinite(e.value)) return "-";
+  return e.fixed ? fmt::format("{:.6g}", e.value) : valueText(e.value, e.sd);
+}
+
+std::string unitText(const std::string& unit) { return unit == "1" ? "-" : unit; }
+
+std::vector<std::vector<std::string>> parameterRows(const FitSummary& summary) {
+  std::vector<std::vector<std::string>> rows{{"parameter", "unit", "value", "sd", "95 % interval", ""}};
+  for (const Estimate& e : summary.uncertainty.estimates) {
+    const bool interval = !e.fixed && std::isfinite(e.lower95) && std::isfinite(e.upper95);
+    rows.push_back(
+        {e.name, unitText(e.unit), valueCell(e), !e.fixed && std::isfinite(e.sd) ? fmt::format("{:.2g}", e.sd) : "-",
+         interval ? fmt::format("{} … {}", valueText(e.lower95, e.sd), valueText(e.upper95, e.sd)) : "-", noteOf(e)});
+  }
+  return rows;
+}
+
+std::vector<std::vector<std::string>> comparisonRows(const FitSummary& summary) {
+  std::vector<std::vector<std::string>> rows{
+      {"model", "par.", "MSE", "held-out MSE", "improvement", "held-out", "BIC"}};
+  const ComparisonRow& first = summary.comparison.front();
+  const auto improvement = [](double from, double to) { return fmt::format("{:.2f} %", 100.0 * (from - to) / from); };
+  for (const ComparisonRow& row : summary.comparison) {
+    const bool is_first = &row == &first;
+    rows.push_back(
+        {row.model + (row.model == summary.model ? " *" : ""), fmt::format("{}", row.parameters),
+         fmt::format("{:.5g}", row.mse), row.mse_heldout ? fmt::format("{:.5g}", *row.mse_heldout) : "-",
+         is_first ? "/" : improvement(first.mse, row.mse),
+         is_first || !row.mse_heldout || !first.mse_heldout ? "/" : improvement(*first.mse_heldout, *row.mse_heldout),
+         fmt::format("{:.1f}", row.bic)});
+  }
+  return rows;
+}
+
+std::string errorText(const FitSummary& summary) {
+  std::string text = fmt::format("{}: RMS {:.4g} {}", summary.target, std::sqrt(summary.mse), summary.target_unit);
+  if (summary.mse_heldout) {
+    text +=
+        fmt::format(", held out {:.4g} {} ({})", std::sqrt(*summary.mse_heldout), summary.target_unit, summary.heldout);
+  }
+  return text + fmt::format("; {} rows, worth {:.0f} independent ones", summary.n, summary.uncertainty.n_effective);
+}
+
+std::vector<std::string> allWarnings(const FitSummary& summary) {
+  std::vector<std::string> all = summary.warnings;
+  for (const std::string& sentence : summary.uncertainty.findings) {
+    if (std::ranges::find(all, sentence) == all.end()) all.push_back(sentence);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string valueText(double value, double sd) {
+  if (!(sd > 0.0) || !std::isfinite(sd) || value == 0.0) return fmt::format("{:.5g}", value);
+  const int digits = static_cast<int>(std::floor(std::log10(std::abs(value))) - std::floor(std::log10(sd))) + 2;
+  return fmt::format("{:.{}g}", value, std::clamp(digits, 2, 10));
+}
+
+Json toJson(const FitSummary& summary) {
+  Json parameters = Json::array();
+  for (const Estimate& e : summary.uncertainty.estimates) {
+    parameters.push_back({{"name", e.name},
+                          {"unit", e.unit},
+                          {"value", numberOrNull(e.value)},
+                          {"sd", e.fixed ? Json(nullptr) : numberOrNull(e.sd)},
+                          {"ci95", {numberOrNull(e.lower95), numberOrNull(e.upper95)}},
+                          {"at_bound", e.at_bound},
+                          {"fixed", e.fixed},
+                          {"identifiable", e.identifiable}});
+  }
+  Json comparison = Json::array();
+  for (const ComparisonRow& row : summary.comparison) {
+    comparison.push_back({{"model", row.model},
+                          {"parameters", row.parameters},
+                          {"mse", numberOrNull(row.mse)},
+                          {"mse_heldout", optionalNumber(row.mse_heldout)},
+                          {"bic", numberOrNull(row.bic)}});
+  }
+  Json transfer = Json::array();
+  for (const TransferRow& row : summary.transfer) {
+    transfer.push_back({{"file", row.file}, {"n", row.rows}, {"mse", numberOrNull(row.mse)}});
+  }
+  Json facts = Json::object();
+  for (const auto& [name, text] : summary.facts) facts[name] = text;
+  return {{"format", "simgap/" + summary.command + "/1"},
+          {"model", summary.model},
+          {"target", quantityName(summary.target, summary.target_unit)},
+          {"parameters", parameters},
+          {"mse", numberOrNull(summary.mse)},
+          {"mse_heldout", optionalNumber(summary.mse_heldout)},
+          {"heldout", summary.heldout},
+          {"n", summary.n},
+          {"n_effective", numberOrNull(summary.uncertainty.n_effective)},
+          {"starts", {{"tried", summary.starts}, {"distinct_minima", summary.distinct_minima}}},
+          {"comparison", comparison},
+          {"transfer", transfer},
+          {"facts", facts},
+          {"warnings", allWarnings(summary)}};
+}
+
+std::string parametersCsv(const FitSummary& summary) {
+  CsvWriter csv({"name", "unit", "value", "sd", "ci95_lower", "ci95_upper", "at_bound", "fixed", "identifiable"});
+  const auto number = [](double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); };
+  for (const Estimate& e : summary.uncertainty.estimates) {
+    csv.add(e.name).add(e.unit).add(number(e.value)).add(number(e.sd)).add(number(e.lower95)).add(number(e.upper95));
+    csv.add(e.at_bound ? "true" : "false").add(e.fixed ? "true" : "false");
+    csv.add(e.identifiable ? "true" : "false").endRow();
+  }
+  return csv.text();
+}
+
+std::string correlationCsv(const FitSummary& summary) {
+  std::vector<std::string> header{"parameter"};
+  for (const Estimate& e : summary.uncertainty.estimates) header.push_back(e.name);
+  CsvWriter csv(header);
+  for (Eigen::Index i = 0; i < summary.uncertainty.correlation.rows(); ++i) {
+    csv.add(summary.uncertainty.estimates[static_cast<std::size_t>(i)].name);
+    for (Eigen::Index j = 0; j < summary.uncertainty.correlation.cols(); ++j)
+      csv.add(summary.uncertainty.correlation(i, j));
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+std::string terminalTable(const FitSummary& summary) {
+  std::string text;
+  if (summary.comparison.size() > 1) {
+    text += alignedTable(comparisonRows(summary)) + "* the lowest BIC; its parameters follow\n\n";
+  }
+  text += alignedTable(parameterRows(summary)) + errorText(summary) + "\n";
+  for (const TransferRow& row : summary.transfer) {
+    text +=
+        fmt::format("on {}: RMS {:.4g} {} ({} rows)\n", row.file, std::sqrt(row.mse), summary.target_unit, row.rows);
+  }
+  for (const auto& [name, value] : summary.facts) text += fmt::format("{}: {}\n", name, value);
+  if (summary.starts > 1) {
+    text += fmt::format("{} starts over the whole box, {} distinct local minima\n", summary.starts,
+                        summary.distinct_minima);
+  }
+  for (const std::string& warning : allWarnings(summary)) text += "note: " + warning + "\n";
+  return text;
+}
+
+FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty) {
+  FittedModel model;
+  model.kind = kind;
+  model.law = law;
+  std::vector<Eigen::Index> known;  // what could not be found is left out
+  for (std::size_t i = 0; i < uncertainty.estimates.size(); ++i) {
+    const Estimate& e = uncertainty.estimates[i];
+    if (!std::isfinite(e.value)) continue;
+    model.parameters.push_back({e.name, e.unit, e.value, e.sd, e.fixed});
+    known.push_back(static_cast<Eigen::Index>(i));
+  }
+  model.covariance = uncertainty.covariance(known, known);
+  return model;
+}
+
+std::vector<Estimate> estimatesOf(const FittedModel& model) {
+  std::vector<Estimate> estimates;
+  for (const FittedParameter& p : model.parameters) {
+    Estimate e;
+    e.name = p.name;
+    e.unit = p.unit;
+    e.value = p.value;
+    e.sd = p.sd;
+    e.fixed = p.fixed;
+    estimates.push_back(e);
+  }
+  return estimates;
+}
+
+}  // namespace simgap

@@ -1,0 +1,34 @@
+/// \file
+/// The tables behind the pictures of a friction fit: 003 figures 10, 12-14 and 16 on the user's data.
+#pragma once
+
+#include "simgap/report/actuators/friction_report.h"
+
+namespace simgap {
+
+/// A row that the plot over time shows.
+struct TimeSample {
+  std::size_t index;
+  double measured;
+  std::vector<double> predicted;  ///< shape (fits)
+};
+/// At most some 1,500 rows in order: a stretch without gaps around the middle of the log.
+std::vector<TimeSample> timeSamples(const FrictionReport& report);
+
+/// Per cell of torque x velocity: rows, and mean absolute error of every law.
+std::string mapsCsv(const FrictionReport& report);
+
+/// Whether the data reach each requirement.
+std::vector<std::string> requirementSentences(const FrictionReport& report);
+
+/// Friction over velocity in up to four bands of load: measured rows (what the effort yields beyond the load, by the
+/// best law's k_a), and the curve of every law at the band's middle, by the same k_a.
+std::string curvesCsv(const FrictionReport& report);
+/// Friction of the best law over velocity, at the middle of each band.
+std::string frictionCsv(const FrictionReport& report);
+/// Parameters of every law.
+std::string modelsCsv(const FrictionReport& report);
+/// Working points that the drive has to reach, as the motor sees them.
+std::string requirementsCsv(const FrictionReport& report);
+
+}  // namespace simgap

@@ -1,0 +1,40 @@
+#include <algorithm>
+
+#include "report/actuators/fit_page.h"
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages {
+namespace {
+
+/// Lines of a table with a column that names them; "measured" is drawn as points.
+std::vector<Series> seriesOf(const CsvTable& table, const std::string& x, const std::string& y) {
+  std::vector<Series> lines;
+  for (const std::string& name : distinctOf(table, "series")) {
+    lines.push_back({name, numbersWhere(table, x, "series", name), numbersWhere(table, y, "series", name)});
+    if (name != "measured") continue;
+    lines.back().style = Series::Style::kPoints;
+    lines.back().colour = 6;
+  }
+  return lines;
+}
+
+Page make(const ResultFiles& files) {
+  if (isRefit(files)) return refitPage(files);
+  Page page = beginFitPage(files);
+  Chart forces = lineChart("Force over apparent contraction", {"apparent contraction"}, {"force [N]"},
+                           seriesOf(files.table("forces.csv"), "contraction", "force_N"));
+  forces.wide = true;
+  page.add(std::move(forces));
+  std::vector<Series> errors = seriesOf(files.table("errors.csv"), "force_N", "error_N");
+  for (Series& points : errors) points.style = Series::Style::kPoints;
+  page.add(lineChart("Error over force", {"measured force [N]"}, {"predicted - measured [N]"}, errors));
+  addFitDetails(files, page);
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage fit_pam;
+const ResultPage fit_pam{"simgap/fit-pam/1", make};
+
+}  // namespace simgap::pages

@@ -1,0 +1,33 @@
+#include <fmt/format.h>
+
+#include "report/actuators/fit_page.h"
+#include "report/actuators/response_page.h"
+#include "simgap/core/units.h"
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages {
+namespace {
+
+Page make(const ResultFiles& files) {
+  const Json& result = files.result();
+  const UnitName target = splitUnit(result.at("predicts").get<std::string>());
+  Page page{"simgap predict",
+            fmt::format("The {} model predicts {} for {} rows", result.at("model").get<std::string>(), target.stem,
+                        result.at("rows").get<long>()),
+            {}};
+  page.answer += result.at("rms_error").is_number()
+                     ? fmt::format(", {:.4g} {} (RMS) from the log.", numberOf(result.at("rms_error")), target.unit)
+                     : "; the log holds nothing to compare with.";
+  if (const long left = result.at("left_out").get<long>(); left > 0) {
+    page.notes.push_back(fmt::format("{} rows were left out, or lie outside the model's range.", left));
+  }
+  addResponses(files.table("prediction.csv"), "_measured", "_predicted", page);
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage predict;
+const ResultPage predict{"simgap/predict/1", make};
+
+}  // namespace simgap::pages

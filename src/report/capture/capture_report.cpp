@@ -1,0 +1,173 @@
+#include "simgap/report/capture/capture_report.h"
+#include "simgap/report/text_table.h"
+
+#include <fmt/format.h>
+
+
+namespace simgap {
+namespace {
+
+double percent(std::size_t part, std::size_t all) {
+  return all > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(all) : 0.0;
+}
+
+using Rows = std::vector<std::vector<std::string>>;
+
+const std::vector<std::string> kTargetSightingHeader = {"target", "visible %", "markers", "fit RMS [mm]", "ambiguous"};
+
+Rows targetRows(const CaptureResult& result, const CaptureStatistics& s) {
+  Rows rows;
+  for (std::size_t t = 0; t < result.targets.targets.size(); ++t) {
+    const MarkerTarget& target = result.targets.targets[t];
+    rows.push_back({target.name, fmt::format("{:.1f}", percent(s.found(t), s.frames())),
+                    fmt::format("{:.2f} of {}", s.markers(t).mean(), target.markers.size()),
+                    fmt::format("{:.4f}", 1e3 * s.rms(t).rms()), std::to_string(s.ambiguous(t))});
+  }
+  return rows;
+}
+
+const std::vector<std::string> kPoseHeader = {"pose", "from [s]", "to [s]", "samples", "joints [deg]", "spread [deg]"};
+
+Rows poseRows(const CaptureResult& result) {
+  Rows rows;
+  for (std::size_t p = 0; p < result.poses.size(); ++p) {
+    const SteadyPose& pose = result.poses[p];
+    std::string angles, spreads;
+    for (std::size_t j = 0; j < result.rig.joints.size(); ++j) {
+      const bool revolute = result.rig.joints[j].type == JointType::kRevolute;
+      const double angle =
+          revolute ? pose.joints[j].angle : geodesicAngle(pose.joints[j].rotation, Eigen::Quaterniond::Identity());
+      angles += fmt::format("{}{:.2f}", j ? " / " : "", toDegrees(angle));
+      spreads += fmt::format("{}{:.3f}", j ? " / " : "", toDegrees(pose.spread[j]));
+    }
+    rows.push_back({fmt::format("p{:03}", p), fmt::format("{:.3f}", pose.start), fmt::format("{:.3f}", pose.end),
+                    std::to_string(pose.samples), angles, spreads});
+  }
+  return rows;
+}
+
+std::string answer(const CaptureResult& result, const CaptureStatistics& s) {
+  std::string text = fmt::format("{} pairs: all joints in {:.1f} % of them, {} steady poses", s.frames(),
+                                 percent(result.samples.size(), s.frames()), result.poses.size());
+  text += result.doubts.empty() ? "; nothing speaks against the geometry."
+                                : fmt::format("; the geometry is in doubt for {} reasons.", result.doubts.size());
+  return text;
+}
+
+Rows figureRows(const CaptureResult& result, const CaptureStatistics& s) {
+  Rows rows{
+      {"standard deviation of a blob's centre [px]", fmt::format("{:.4f}", s.centroidSd())},
+      {"epipolar error, mean and RMS [px]", fmt::format("{:+.4f}, {:.4f}", s.epipolar().mean(), s.epipolar().rms())},
+      {"ghosts per pair", fmt::format("{:.1f}", s.ghosts().mean())},
+      {"distances against the target file [%]", fmt::format("{:+.3f}", s.scaleErrorPercent())}};
+  if (result.rig.scale_bar && s.scaleBar().count() > 0) {
+    rows.push_back({"scale bar, measured and nominal [mm]",
+                    fmt::format("{:.4f}, {:.4f}", 1e3 * s.scaleBar().mean(), 1e3 * result.rig.scale_bar->length)});
+  }
+  if (result.times.camera_lag != 0.0) {
+    rows.push_back({"right camera behind left [ms]", fmt::format("{:.3f}", 1e3 * result.times.camera_lag)});
+  }
+  if (result.lag) {
+    const bool clear = result.lag->correlation > Lag::kClearCorrelation;
+    rows.push_back({"joints behind shafts [ms] (correlation)",
+                    clear ? fmt::format("{:.1f} ({:.2f})", 1e3 * result.lag->seconds, result.lag->correlation)
+                          : fmt::format("unclear ({:.2f})", result.lag->correlation)});
+  }
+  return rows;
+}
+
+}  // namespace
+
+Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
+  Json targets = Json::array();
+  for (std::size_t t = 0; t < result.targets.targets.size(); ++t) {
+    Json markers = Json::array();
+    for (const Eigen::Vector3d& m : result.targets.targets[t].markers) markers.push_back({m.x(), m.y(), m.z()});
+    targets.push_back({{"name", result.targets.targets[t].name},
+                       {"markers_m", markers},
+                       {"visible_percent", percent(s.found(t), s.frames())},
+                       {"markers", s.markers(t).mean()},
+                       {"rms_mm", 1e3 * s.rms(t).rms()},
+                       {"ambiguous_frames", s.ambiguous(t)}});
+  }
+  Json joint_types = Json::object();
+  for (const CaptureJoint& joint : result.rig.joints) {
+    joint_types[joint.name] = joint.type == JointType::kRevolute ? "revolute" : "spherical";
+  }
+  Json doubts = Json::array();
+  for (const GeometryFinding& f : result.doubts) doubts.push_back({{"name", f.name}, {"sentence", f.sentence}});
+  Json poses = Json::array();
+  for (std::size_t p = 0; p < result.poses.size(); ++p) {
+    const SteadyPose& pose = result.poses[p];
+    Json spread = Json::object();
+    for (std::size_t j = 0; j < result.rig.joints.size(); ++j) {
+      spread[result.rig.joints[j].name] = toDegrees(pose.spread[j]);
+    }
+    poses.push_back({{"pose", fmt::format("p{:03}", p)},
+                     {"start_s", pose.start},
+                     {"end_s", pose.end},
+                     {"samples", pose.samples},
+                     {"spread_deg", spread}});
+  }
+  const bool bar = result.rig.scale_bar && s.scaleBar().count() > 0;
+  return {{"format", "simgap/capture/1"},
+          {"pairs", s.frames()},
+          {"pairs_with_all_joints", result.samples.size()},
+          {"skipped", result.skipped},
+          {"marker_radius_m", result.targets.marker_radius},
+          {"targets", targets},
+          {"joint_types", joint_types},
+          {"ghosts_per_pair", s.ghosts().mean()},
+          {"rejected_blobs",
+           {{"area", s.rejections().area}, {"circularity", s.rejections().circularity}, {"edge", s.rejections().edge}}},
+          {"centroid_sd_px", s.centroidSd()},
+          {"epipolar_px", {{"mean", s.epipolar().mean()}, {"rms", s.epipolar().rms()}}},
+          {"scale_error_percent", s.scaleErrorPercent()},
+          {"scale_bar_mm", bar ? Json({{"measured", 1e3 * s.scaleBar().mean()},
+                                       {"sd", 1e3 * s.scaleBar().sd()},
+                                       {"nominal", 1e3 * result.rig.scale_bar->length}})
+                               : Json(nullptr)},
+          {"camera_lag_ms", 1e3 * result.times.camera_lag},
+          {"shaft_lag_ms", result.lag ? Json(1e3 * result.lag->seconds) : Json(nullptr)},
+          {"shaft_correlation", result.lag ? Json(result.lag->correlation) : Json(nullptr)},
+          {"geometry", {{"verdict", result.doubts.empty() ? "consistent" : "doubtful"}, {"findings", doubts}}},
+          {"poses", poses},
+          {"poses_outside_shaft_log", result.poses_outside_log}};
+}
+
+std::string distancesCsv(const CaptureResult& result, const CaptureStatistics& s) {
+  CsvWriter csv({"target", "markers", "nominal_mm", "mean_mm", "sd_mm", "predicted_sd_mm"});
+  for (const DistanceStatistics& d : s.distances()) {
+    csv.add(result.targets.targets[static_cast<std::size_t>(d.target)].name);
+    csv.add(fmt::format("{}-{}", d.markers[0], d.markers[1])).add(1e3 * d.nominal);
+    if (d.measured.count() > 1) {
+      csv.add(1e3 * d.measured.mean()).add(1e3 * d.measured.sd()).add(1e3 * std::sqrt(d.variance.mean()));
+    } else {
+      csv.add("").add("").add("");
+    }
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+std::string histogramCsv(const CaptureStatistics& s) {
+  CsvWriter csv({"error_mm", "count"});
+  for (int b = 0; b < DistanceHistogram::kBins; ++b) {
+    csv.add(fmt::format("{:.2f}", 1e3 * DistanceHistogram::kStep * (b - DistanceHistogram::kBins / 2 + 0.5)));
+    csv.add(static_cast<double>(s.histogram().counts[static_cast<std::size_t>(b)])).endRow();
+  }
+  return csv.text();
+}
+
+std::string terminalTable(const CaptureResult& result, const CaptureStatistics& s) {
+  Rows targets = targetRows(result, s);
+  targets.insert(targets.begin(), kTargetSightingHeader);
+  Rows poses = poseRows(result);
+  poses.insert(poses.begin(), kPoseHeader);
+  std::string text = answer(result, s) + "\n\n" + alignedTable(targets) + "\n" + alignedTable(figureRows(result, s)) +
+                     "\n" + alignedTable(poses);
+  for (const GeometryFinding& finding : result.doubts) text += "DOUBT: " + finding.sentence + "\n";
+  return text;
+}
+
+}  // namespace simgap

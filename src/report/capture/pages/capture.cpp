@@ -1,0 +1,268 @@
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/rotation.h"
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages {
+namespace {
+
+constexpr std::size_t kMostFrames = 100;  // of the three-dimensional view
+
+/// frames.csv: a row per target and frame where it was found.
+struct Frames {
+  std::vector<std::string> target;
+  std::vector<double> frame, time, visible, rms, epipolar;
+
+  explicit Frames(const CsvTable& table)
+      : target(table.text("target")),
+        frame(numbersOf(table, "frame")),
+        time(numbersOf(table, "time_s")),
+        visible(numbersOf(table, "visible")),
+        rms(numbersOf(table, "rms_mm")),
+        epipolar(numbersOf(table, "epipolar_px")) {}
+
+  /// A column of one target over time.
+  Series series(const std::string& name, const std::vector<double>& column) const {
+    Series line{name, {}, {}};
+    double last = 0.0;
+    for (std::size_t i = 0; i < target.size(); ++i) {
+      if (target[i] != name) continue;
+      if (!line.x.empty() && frame[i] > last + 1.0) {  // frames without the target
+        line.x.push_back(time[i]);
+        line.y.push_back(std::nan(""));
+      }
+      line.x.push_back(time[i]);
+      line.y.push_back(column[i]);
+      last = frame[i];
+    }
+    return line;
+  }
+};
+
+std::vector<std::string> targetNames(const Json& result) {
+  std::vector<std::string> names;
+  for (const Json& target : result.at("targets")) names.push_back(target.at("name"));
+  return names;
+}
+
+/// Shares of the values in bins over the range that holds all but the outermost percent.
+Chart histogram(const std::string& caption, const std::string& title, const std::vector<Series>& values) {
+  constexpr std::size_t kBins = 30;
+  std::vector<double> all;
+  for (const Series& series : values)
+    std::ranges::copy_if(series.y, std::back_inserter(all), [](double v) { return std::isfinite(v); });
+  if (all.empty()) all.push_back(0.0);
+  std::ranges::sort(all);
+  const auto quantile = [&](double q) {
+    return all[static_cast<std::size_t>(q * static_cast<double>(all.size() - 1))];
+  };
+  const double low = std::min(quantile(0.005), 0.0), high = std::max(quantile(0.995), low + 1e-12);
+  std::vector<Series> shares;
+  for (const Series& series : values) {
+    Series share{series.name, {}, std::vector<double>(kBins, 0.0)};
+    double count = 0.0;
+    for (const double v : series.y) {
+      if (!std::isfinite(v)) continue;
+      const double place = std::clamp((v - low) / (high - low), 0.0, 1.0) * static_cast<double>(kBins);
+      share.y[std::min(static_cast<std::size_t>(place), kBins - 1)] += 1.0;
+      count += 1.0;
+    }
+    for (double& bin : share.y) bin *= 100.0 / std::max(count, 1.0);
+    shares.push_back(share);
+  }
+  std::vector<std::string> labels;
+  for (std::size_t b = 0; b < kBins; ++b) {
+    labels.push_back(fmt::format("{:.3f}", low + (static_cast<double>(b) + 0.5) * (high - low) / kBins));
+  }
+  Chart chart = barChart(caption, labels, {"share [%]"}, shares);
+  chart.spec["x"] = {{"title", title}, {"log", false}};
+  return chart;
+}
+
+/// Joint angles over time, with the windows in which the arm rested.
+Chart jointAngles(const ResultFiles& files) {
+  const CsvTable table = files.table("joints.csv");
+  const std::vector<double> time = numbersOf(table, "time_s");
+  std::vector<Series> lines;
+  for (const auto& [joint, spread] : files.result().at("joint_types").items()) {
+    Series line{joint, time, {}};
+    if (spread == "revolute") {
+      line.y = numbersOf(table, joint + "_rad");
+      for (double& angle : line.y) angle = toDegrees(angle);
+    } else {
+      for (const double w : numbersOf(table, joint + "_qw")) {
+        line.y.push_back(toDegrees(2.0 * std::acos(std::min(std::abs(w), 1.0))));
+      }
+    }
+    lines.push_back(line);
+  }
+  Chart chart = lineChart("Joint angles", {"time [s]"}, {"angle [deg]"}, lines);
+  chart.note =
+      "Of a spherical joint: the angle from its zero pose. Shaded: the arm rests there, and each rest is a pose.";
+  chart.spec["bands"] = Json::array();
+  for (const Json& pose : files.result().at("poses")) {
+    chart.spec["bands"].push_back({pose.at("start_s"), pose.at("end_s")});
+  }
+  chart.wide = true;
+  return chart;
+}
+
+/// The markers where the fitted targets put them, in the left camera's frame.
+PageScene markerScene(const ResultFiles& files, const Frames& frames) {
+  const CsvTable table = files.table("frames.csv");
+  std::array<std::vector<double>, 7> frame;
+  const std::array<const char*, 7> names = {"qw", "qx", "qy", "qz", "x_m", "y_m", "z_m"};
+  for (std::size_t k = 0; k < 7; ++k) frame[k] = numbersOf(table, names[k]);
+  const std::vector<std::string> targets = targetNames(files.result());
+  std::vector<double> numbers = frames.frame;
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  const std::size_t stride = 1 + numbers.size() / kMostFrames;
+  Json poses = Json::array();
+  const auto shortNumber = [](double v) { return std::round(1e4 * v) / 1e4; };
+  std::size_t row = 0;
+  for (std::size_t n = 0; n < numbers.size(); n += stride) {
+    while (frames.frame[row] < numbers[n]) ++row;
+    Json markers = Json::array();
+    const double time = frames.time[row];
+    for (; row < frames.frame.size() && frames.frame[row] == numbers[n]; ++row) {
+      const auto t = static_cast<std::size_t>(std::ranges::find(targets, frames.target[row]) - targets.begin());
+      const Eigen::Quaterniond rotation(frame[0][row], frame[1][row], frame[2][row], frame[3][row]);
+      const Eigen::Vector3d origin(frame[4][row], frame[5][row], frame[6][row]);
+      for (const Json& marker : files.result().at("targets").at(t).at("markers_m")) {
+        const Eigen::Vector3d at = rotation * Eigen::Vector3d(marker.at(0), marker.at(1), marker.at(2)) + origin;
+        // The camera's y points down and its z away: shown upright, as the camera sees it.
+        markers.push_back({t, shortNumber(at.z()), shortNumber(-at.x()), shortNumber(-at.y())});
+      }
+    }
+    poses.push_back(
+        {{"name", fmt::format("{:.3f} s", time)},
+         {"states",
+          {{"markers",
+            {{"text", fmt::format("{} markers", markers.size())}, {"bodies", Json::array()}, {"markers", markers}}}}}});
+  }
+  PageScene scene{"The markers in space", "", {}};
+  scene.note = "Where the fitted targets put them, one colour per target. Drag or use the arrow keys to turn.";
+  scene.scene = {{"slider", "time"},         {"groups", targets},
+                 {"states", {"markers"}},    {"ghost", nullptr},
+                 {"bodies", Json::array()},  {"parts", Json::array()},
+                 {"most_tension", 0},        {"marker_radius", files.result().at("marker_radius_m")},
+                 {"look", {-1.0, 0.3, 0.3}}, {"poses", poses}};
+  return scene;
+}
+
+PageTable figures(const Json& result) {
+  const auto number = [](const Json& value, const char* digits) {
+    return fmt::format(fmt::runtime(digits), numberOf(value));
+  };
+  const Json& epipolar = result.at("epipolar_px");
+  PageTable table{"Figures", {"figure", "value"}, {}};
+  table.rows = {{"standard deviation of a blob's centre [px]", number(result.at("centroid_sd_px"), "{:.4f}")},
+                {"epipolar error, mean and RMS [px]",
+                 number(epipolar.at("mean"), "{:+.4f}") + ", " + number(epipolar.at("rms"), "{:.4f}")},
+                {"ghosts per pair", number(result.at("ghosts_per_pair"), "{:.1f}")},
+                {"distances against the target file [%]", number(result.at("scale_error_percent"), "{:+.3f}")}};
+  if (const Json& bar = result.at("scale_bar_mm"); !bar.is_null()) {
+    table.rows.push_back({"scale bar, measured and nominal [mm]",
+                          number(bar.at("measured"), "{:.4f}") + ", " + number(bar.at("nominal"), "{:.4f}")});
+  }
+  if (numberOf(result.at("camera_lag_ms")) != 0.0) {
+    table.rows.push_back({"right camera behind left [ms]", number(result.at("camera_lag_ms"), "{:.3f}")});
+  }
+  if (result.at("shaft_lag_ms").is_number()) {
+    table.rows.push_back(
+        {"joints behind shafts [ms] (correlation)",
+         number(result.at("shaft_lag_ms"), "{:.1f}") + " (" + number(result.at("shaft_correlation"), "{:.2f}") + ")"});
+  }
+  return table;
+}
+
+PageTable targetTable(const Json& result) {
+  PageTable table{"Targets", {"target", "visible %", "markers", "fit RMS [mm]", "ambiguous frames"}, {}};
+  for (const Json& t : result.at("targets")) {
+    table.rows.push_back({t.at("name"), fmt::format("{:.1f}", numberOf(t.at("visible_percent"))),
+                          fmt::format("{:.2f} of {}", numberOf(t.at("markers")), t.at("markers_m").size()),
+                          fmt::format("{:.4f}", numberOf(t.at("rms_mm"))), t.at("ambiguous_frames").dump()});
+  }
+  return table;
+}
+
+PageTable poseTable(const Json& result) {
+  PageTable table{"Steady poses", {"pose", "from [s]", "to [s]", "samples"}, {}};
+  for (const Json& pose : result.at("poses")) {
+    std::vector<std::string> row{pose.at("pose"), fmt::format("{:.3f}", numberOf(pose.at("start_s"))),
+                                 fmt::format("{:.3f}", numberOf(pose.at("end_s"))), pose.at("samples").dump()};
+    for (const auto& [joint, spread] : pose.at("spread_deg").items()) {
+      if (table.rows.empty()) table.header.push_back(joint + " spread [deg]");
+      row.push_back(fmt::format("{:.3f}", numberOf(spread)));
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+PageTable distanceTable(const ResultFiles& files) {
+  const CsvTable csv = files.table("distances.csv");
+  PageTable table{"Distances [mm]", {"markers", "nominal", "mean", "sd", "predicted sd"}, {}, true};
+  const auto target = csv.text("target"), markers = csv.text("markers");
+  const auto nominal = numbersOf(csv, "nominal_mm"), mean = numbersOf(csv, "mean_mm");
+  const auto sd = numbersOf(csv, "sd_mm"), predicted = numbersOf(csv, "predicted_sd_mm");
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    table.rows.push_back({target[i] + " " + markers[i], fmt::format("{:.3f}", nominal[i]),
+                          fmt::format("{:.3f}", mean[i]), fmt::format("{:.4f}", sd[i]),
+                          fmt::format("{:.4f}", predicted[i])});
+  }
+  return table;
+}
+
+Chart distanceHistogram(const ResultFiles& files) {
+  const CsvTable csv = files.table("histogram.csv");
+  Chart chart = barChart("Distances between markers of a target", csv.text("error_mm"), {"pairs of markers"},
+                         {{"measured - nominal", {}, numbersOf(csv, "count")}});
+  chart.spec["x"] = {{"title", "measured - nominal distance [mm]"}, {"log", false}};
+  return chart;
+}
+
+Page make(const ResultFiles& files) {
+  const Json& result = files.result();
+  const double pairs = std::max(numberOf(result.at("pairs")), 1.0);
+  const Json& doubts = result.at("geometry").at("findings");
+  Page page{"simgap capture",
+            fmt::format("{} pairs: all joints in {:.1f} % of them, {} steady poses; {}", result.at("pairs").dump(),
+                        100.0 * numberOf(result.at("pairs_with_all_joints")) / pairs, result.at("poses").size(),
+                        doubts.empty() ? "nothing speaks against the geometry."
+                                       : fmt::format("the geometry is in doubt for {} reasons.", doubts.size())),
+            {}};
+  for (const Json& doubt : doubts) page.notes.push_back(doubt.at("sentence"));
+  const Frames frames(files.table("frames.csv"));
+  std::vector<Series> visible, rms, epipolar;
+  for (const std::string& target : targetNames(result)) {
+    visible.push_back(frames.series(target, frames.visible));
+    rms.push_back(frames.series(target, frames.rms));
+    epipolar.push_back(frames.series(target, frames.epipolar));
+  }
+  page.add(jointAngles(files));
+  page.add(markerScene(files, frames));
+  page.addSection("How well the targets were seen");
+  page.add(lineChart("Visible markers of each target", {"time [s]"}, {"markers"}, visible));
+  page.add(lineChart("Fit of the targets", {"time [s]"}, {"fit RMS [mm]"}, rms));
+  page.add(histogram("Fit of the targets, distribution", "fit RMS [mm]", rms));
+  page.add(histogram("Epipolar error, distribution", "epipolar error [px]", epipolar));
+  page.add(distanceHistogram(files));
+  page.add(targetTable(result));
+  page.add(figures(result));
+  page.addSection("Poses");
+  page.add(poseTable(result));
+  page.add(distanceTable(files));
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage capture;
+const ResultPage capture{"simgap/capture/1", make};
+
+}  // namespace simgap::pages

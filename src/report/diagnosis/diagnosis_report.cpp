@@ -1,0 +1,218 @@
+#include "simgap/report/diagnosis/diagnosis_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/csv.h"
+#include "simgap/report/poses/pose_report.h"
+
+namespace simgap {
+namespace {
+
+Json pair(const Interval& interval, double scale = 1.0) {
+  return {numberOrNull(scale * interval.lower95), numberOrNull(scale * interval.upper95)};
+}
+
+std::string withTarget(const std::string& effect, const std::string& target) {
+  return target.empty() ? effect : effect + " of " + target;
+}
+
+std::string percent(double fraction) { return fmt::format("{:.1f} %", 100.0 * fraction); }
+
+std::string percent(const Interval& gain) {
+  return fmt::format("{:.1f} % ({:.1f} … {:.1f})", 100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95);
+}
+
+std::string parameterText(const CauseParameter& p) {
+  const std::string unit = p.unit == "1" ? "" : " " + p.unit;
+  const double half = 0.5 * (p.value.upper95 - p.value.lower95);
+  return half > 0.0 ? fmt::format("{} = {:.4g} ± {:.2g}{}", p.name, p.value.value, half, unit)
+                    : fmt::format("{} = {:.4g}{}", p.name, p.value.value, unit);
+}
+
+std::string parametersText(const Cause& cause) {
+  std::vector<std::string> texts;
+  for (const CauseParameter& p : cause.parameters) {
+    if (std::isfinite(p.value.value)) texts.push_back(parameterText(p));
+  }
+  return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+std::vector<std::vector<std::string>> causeRows(const Diagnosis& d) {
+  std::vector<std::vector<std::string>> rows{
+      {"cause", "held-out gain (95 % on new data)", "p (adjusted)", "parameters"}};
+  for (const Cause& c : d.causes) {
+    rows.push_back({withTarget(c.effect, c.target), percent(c.gain_heldout), fmt::format("{:.2g}", c.p_adjusted),
+                    parametersText(c)});
+  }
+  return rows;
+}
+
+std::vector<std::vector<std::string>> confusionRows(const SelfTest& test) {
+  std::vector<std::vector<std::string>> rows{{"hidden \\ named"}};
+  rows[0].insert(rows[0].end(), test.answers.begin(), test.answers.end());
+  for (std::size_t r = 0; r < test.hidden.size(); ++r) {
+    rows.push_back({test.hidden[r]});
+    for (const int count : test.count[r]) rows.back().push_back(count == 0 ? "." : std::to_string(count));
+  }
+  return rows;
+}
+
+Json selfTestJson(const SelfTest& test) {
+  return {{"hidden", test.hidden},
+          {"answers", test.answers},
+          {"count", test.count},
+          {"false_alarm_rate", numberOrNull(test.false_alarm_rate)},
+          {"power", numberOrNull(test.power)}};
+}
+
+Json causesJson(const Diagnosis& d) {
+  Json causes = Json::array();
+  for (const Cause& c : d.causes) {
+    Json parameters = Json::array(), absorbed = Json::array();
+    for (const CauseParameter& p : c.parameters) {
+      parameters.push_back(
+          {{"name", p.name}, {"unit", p.unit}, {"value", numberOrNull(p.value.value)}, {"ci95", pair(p.value)}});
+    }
+    for (const Absorption& a : c.absorbed_by) {
+      absorbed.push_back({{"parameter", a.parameter}, {"shift_sd", numberOrNull(a.shift_sd)}});
+    }
+    Json cause = {{"effect", c.effect},
+                  {"sentence", c.sentence},
+                  {"parameters", parameters},
+                  {"gain_heldout_percent", numberOrNull(100.0 * c.gain_heldout.value)},
+                  {"gain_ci95", pair(c.gain_heldout, 100.0)},
+                  {"p_adjusted", numberOrNull(c.p_adjusted)},
+                  {"ambiguous_with", c.ambiguous_with},
+                  {"absorbed_by", absorbed}};
+    if (!c.target.empty()) cause["target"] = c.target;
+    if (!c.channel.empty()) cause["channel"] = c.channel;
+    causes.push_back(cause);
+  }
+  return causes;
+}
+
+}  // namespace
+
+Json toJson(const Diagnosis& d) {
+  Json detectable = Json::array(), not_testable = Json::array(), faults = Json::array(), unexplained = Json::array();
+  for (const Detectable& x : d.detectable) {
+    detectable.push_back({{"effect", x.effect},
+                          {"target", x.target},
+                          {"parameter", x.parameter},
+                          {"unit", x.unit},
+                          {"magnitude95", numberOrNull(x.magnitude95)}});
+  }
+  for (const NotTestable& x : d.not_testable) not_testable.push_back({{"effect", x.effect}, {"reason", x.reason}});
+  for (const DataFault& f : d.faults) {
+    faults.push_back({{"channel", f.channel},
+                      {"sentence", f.sentence},
+                      {"first_row", f.first_row},
+                      {"last_row", f.last_row},
+                      {"rows", f.rows},
+                      {"corrected", f.corrected}});
+  }
+  for (const Leftover& l : d.unexplained) {
+    unexplained.push_back({{"channel", l.channel}, {"share_percent", numberOrNull(100.0 * l.share)}});
+  }
+  Json json = {
+      {"format", "simgap/diagnose/1"},
+      {"verdict", toString(d.verdict)},
+      {"sentence", d.sentence},
+      {"causes", causesJson(d)},
+      {"baseline",
+       {{"mse", numberOrNull(d.baseline.mse)},
+        {"mse_heldout", numberOrNull(d.baseline.mse_heldout)},
+        {"noise_floor", numberOrNull(d.noise_floor)}}},
+      {"extended", {{"mse", numberOrNull(d.extended.mse)}, {"mse_heldout", numberOrNull(d.extended.mse_heldout)}}},
+      {"error_unit", d.error_unit},
+      {"n", d.samples},
+      {"n_effective", numberOrNull(d.effective_samples)},
+      {"explainable_percent", numberOrNull(d.explainable_percent)},
+      {"explained_percent", numberOrNull(d.explained_percent)},
+      {"unexplained", unexplained},
+      {"detectable", detectable},
+      {"not_testable", not_testable},
+      {"faults", faults},
+      {"next_experiment", d.next_experiment},
+      {"warnings", d.warnings}};
+  if (d.self_test) json["self_test"] = selfTestJson(*d.self_test);
+  return json;
+}
+
+std::string hypothesesCsv(const Diagnosis& d) {
+  CsvWriter csv({"step", "effect", "target", "gain_percent", "gain_lower95_percent", "gain_upper95_percent",
+                 "p_adjusted", "outcome"});
+  for (const HypothesisRecord& h : d.hypotheses) {
+    csv.add(static_cast<double>(h.step)).add(h.effect).add(h.target).add(100.0 * h.gain_inner.value);
+    csv.add(100.0 * h.gain_inner.lower95).add(100.0 * h.gain_inner.upper95).add(h.p_adjusted).add(h.outcome).endRow();
+  }
+  return csv.text();
+}
+
+std::string evidenceCsv(const Diagnosis& d) {
+  CsvWriter csv({"against", "center", "before", "before_ci95", "after", "after_ci95", "rows"});
+  for (const EvidenceBin& b : d.evidence) {
+    csv.add(b.against).add(b.center).add(b.before).add(b.before_ci95).add(b.after).add(b.after_ci95);
+    csv.add(static_cast<double>(b.rows)).endRow();
+  }
+  return csv.text();
+}
+
+std::string confusionCsv(const SelfTest& test) {
+  std::vector<std::string> header{"hidden"};
+  header.insert(header.end(), test.answers.begin(), test.answers.end());
+  CsvWriter csv(header);
+  for (std::size_t r = 0; r < test.hidden.size(); ++r) {
+    csv.add(test.hidden[r]);
+    for (const int count : test.count[r]) csv.add(static_cast<double>(count));
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+std::string terminalTable(const Diagnosis& d) {
+  std::string text = d.sentence + "\n\n";
+  std::string unit = d.error_unit;  // of squares: "A2"
+  if (unit.ends_with('2')) unit.pop_back();
+  text += fmt::format("gap       RMS {:.4g} {} on data never used, noise floor {:.4g} {}\n",
+                      std::sqrt(d.baseline.mse_heldout), unit, std::sqrt(d.noise_floor), unit);
+  for (const DataFault& f : d.faults) text += fmt::format("fault     {}\n", f.sentence);
+  if (!d.causes.empty()) {
+    text += "\n" + alignedTable(causeRows(d)) + "\n";
+    for (const Cause& c : d.causes) {
+      text += fmt::format("{}: {}\n", withTarget(c.effect, c.target), c.sentence);
+      if (!c.ambiguous_with.empty()) {
+        text += fmt::format("  cannot be told apart here from: {}\n", fmt::join(c.ambiguous_with, ", "));
+      }
+    }
+    text += fmt::format("\ngain      RMS {:.4g} → {:.4g} on data never used\n", std::sqrt(d.baseline.mse_heldout),
+                        std::sqrt(d.extended.mse_heldout));
+    std::vector<std::string> absorbed;
+    for (const Absorption& a : d.causes.back().absorbed_by) {
+      absorbed.push_back(fmt::format("{} ({:+.1f} sd)", a.parameter, a.shift_sd));
+    }
+    if (!absorbed.empty()) text += fmt::format("absorbed  had been carried by {}\n", fmt::join(absorbed, ", "));
+  }
+  text += fmt::format("explained {:.0f} % of the error; {:.0f} % is explainable by what was logged\n",
+                      d.explained_percent, d.explainable_percent);
+  for (const Leftover& l : d.unexplained)
+    text += fmt::format("left over {} of the error depends on {}\n", percent(l.share), l.channel);
+  if (!d.not_testable.empty()) {
+    std::vector<std::string> names;
+    for (const NotTestable& x : d.not_testable) names.push_back(x.effect);
+    text += fmt::format("untested  {} (reasons in result.json)\n", fmt::join(names, ", "));
+  }
+  if (d.self_test) {
+    text += "\n" + alignedTable(confusionRows(*d.self_test));
+    text += fmt::format("self-test: false alarms {}, power {}\n", percent(d.self_test->false_alarm_rate),
+                        percent(d.self_test->power));
+  }
+  if (!d.next_experiment.empty()) text += fmt::format("\nnext      {}\n", d.next_experiment);
+  return text + "\n";
+}
+
+}  // namespace simgap

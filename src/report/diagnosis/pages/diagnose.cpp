@@ -1,0 +1,283 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages {
+namespace {
+
+std::string text(const Json& object, const char* key) { return object.value(key, std::string()); }
+
+/// "muscle-wrap of biceps"
+std::string causeName(const Json& cause) {
+  const std::string target = text(cause, "target");
+  return text(cause, "effect") + (target.empty() ? "" : " of " + target);
+}
+
+std::string joined(const Json& words) {
+  std::string all;
+  for (const Json& word : words) all += (all.empty() ? "" : ", ") + word.get<std::string>();
+  return all;
+}
+
+std::string number(const Json& value, const char* digits = "{:.4g}") {
+  return value.is_number() ? fmt::format(fmt::runtime(digits), value.get<double>()) : "-";
+}
+
+std::string capitalised(std::string words) {
+  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] = static_cast<char>(words[0] - 'a' + 'A');
+  return words;
+}
+
+/// Squared errors are in "A2"; their roots in "A".
+std::string rootUnit(const Json& result) {
+  const std::string unit = text(result, "error_unit");
+  return unit.ends_with('2') ? unit.substr(0, unit.size() - 1) : unit;
+}
+
+std::vector<std::string> notes(const Json& result) {
+  std::vector<std::string> notes;
+  for (const Json& fault : result.value("faults", Json::array())) notes.push_back(text(fault, "sentence"));
+  for (const Json& cause : result.at("causes")) {
+    const std::string rivals = joined(cause.at("ambiguous_with"));
+    if (!rivals.empty()) notes.push_back(causeName(cause) + " cannot be told apart here from " + rivals + ".");
+  }
+  for (const Json& left : result.value("unexplained", Json::array())) {
+    notes.push_back(fmt::format("{} % of the error depends on {} in a way that no known cause explains.",
+                                number(left.at("share_percent"), "{:.1f}"), text(left, "channel")));
+  }
+  for (const Json& warning : result.value("warnings", Json::array())) notes.push_back(warning);
+  return notes;
+}
+
+/// How large the gap is, and how small any model could make it.
+Chart gap(const Json& result) {
+  const auto rms = [](const Json& mse) { return std::sqrt(numberOf(mse)); };
+  const std::vector<double> errors = {rms(result.at("baseline").at("noise_floor")),
+                                      rms(result.at("baseline").at("mse_heldout")),
+                                      rms(result.at("extended").at("mse_heldout"))};
+  Chart chart = barChart("The gap on data never used", {"noise floor", "the model as it is", "with the causes"},
+                         {fmt::format("RMS error [{}]", rootUnit(result))}, {{"RMS error", {}, errors}});
+  chart.note = "No model can go below the noise floor.";
+  return chart;
+}
+
+/// "radius = 0.05 m (0.04 to 0.06)"; without the interval what was chosen, not fitted.
+std::string parameterText(const Json& parameter) {
+  const std::string unit = text(parameter, "unit");
+  const Json &lower = parameter.at("ci95").at(0), &upper = parameter.at("ci95").at(1);
+  const bool fitted = numberOf(lower) < numberOf(upper);
+  return fmt::format("{} = {}{}{}", text(parameter, "name"), number(parameter.at("value")),
+                     unit == "1" ? "" : " " + unit,
+                     fitted ? fmt::format(" ({} to {})", number(lower), number(upper)) : "");
+}
+
+void addCauses(const Json& result, Page& page) {
+  if (result.at("causes").empty()) return;
+  std::vector<IntervalRow> rows;
+  PageTable table{"Causes, in the order they were found",
+                  {"cause", "held-out gain [%] (95 % on new data)", "p (adjusted)", "parameters", "had been carried by",
+                   "what it is"},
+                  {}};
+  for (const Json& cause : result.at("causes")) {
+    const Json &gain = cause.at("gain_heldout_percent"), &interval = cause.at("gain_ci95");
+    rows.push_back({causeName(cause), numberOf(gain), numberOf(interval.at(0)), numberOf(interval.at(1))});
+    std::string parameters, carriers;
+    for (const Json& p : cause.at("parameters")) {
+      parameters += (parameters.empty() ? "" : "; ") + parameterText(p);
+    }
+    for (const Json& a : cause.at("absorbed_by")) {
+      carriers += fmt::format("{}{} ({} sd)", carriers.empty() ? "" : ", ", text(a, "parameter"),
+                              number(a.at("shift_sd"), "{:+.1f}"));
+    }
+    table.rows.push_back({causeName(cause),
+                          fmt::format("{} ({} to {})", number(gain, "{:.1f}"), number(interval.at(0), "{:.1f}"),
+                                      number(interval.at(1), "{:.1f}")),
+                          number(cause.at("p_adjusted"), "{:.2g}"), parameters, carriers, text(cause, "sentence")});
+  }
+  Chart gains = intervalChart("What each cause saves on data never used", {"of the mean squared error [%]"}, rows);
+  gains.note = "With the interval in which it lies, with 95 %, on other data as large as these.";
+  page.add(std::move(gains));
+  page.add(std::move(table));
+}
+
+void addPredictions(const ResultFiles& files, Page& page) {
+  if (!files.has("predictions.csv")) return;
+  const CsvTable table = files.table("predictions.csv");
+  const std::vector<double> time = numbersOf(table, "time_s");
+  Chart chart = lineChart("Measured and predicted", {"time [s]"}, {fmt::format("[{}]", rootUnit(files.result()))},
+                          {{"measured", time, numbersOf(table, "measured"), Series::Style::kLine, 6, /*faint=*/true},
+                           {"before", time, numbersOf(table, "before"), Series::Style::kLine, 1},
+                           {"with the causes", time, numbersOf(table, "after"), Series::Style::kLine, 0}});
+  chart.wide = true;
+  page.add(std::move(chart));
+}
+
+/// Channels, first those against which the causes took away most of the squared mean residual.
+std::vector<std::string> byGain(const CsvTable& table) {
+  const std::vector<std::string> against = table.text("against");
+  const std::vector<double> before = numbersOf(table, "before"), after = numbersOf(table, "after");
+  const std::vector<double> rows = numbersOf(table, "rows");
+  std::map<std::string, double> gain;
+  for (std::size_t i = 0; i < against.size(); ++i) {
+    const double taken = rows[i] * (before[i] * before[i] - after[i] * after[i]);
+    if (std::isfinite(taken)) gain[against[i]] += taken;
+  }
+  std::vector<std::string> channels = distinctOf(table, "against");
+  std::ranges::stable_sort(channels, std::greater(), [&](const std::string& channel) { return gain[channel]; });
+  return channels;
+}
+
+/// Mean residual against every channel, before and after the causes: what is left over shows as a shape.
+void addEvidence(const ResultFiles& files, Page& page) {
+  if (!files.has("evidence.csv")) return;
+  const CsvTable table = files.table("evidence.csv");
+  if (table.rows() == 0) return;
+  page.addSection("Evidence: the mean residual against what was logged");
+  for (const std::string& against : byGain(table)) {
+    const auto column = [&](const char* name) { return numbersWhere(table, name, "against", against); };
+    Series before{"before", column("center"), column("before"), Series::Style::kLine, 1};
+    Series after{"with the causes", column("center"), column("after"), Series::Style::kLine, 0};
+    before.half = column("before_ci95");
+    after.half = column("after_ci95");
+    // Pose sets name the quantity too: "error of elbow [deg] against time_s".
+    constexpr std::string_view kAgainst = " against ";
+    const std::size_t split = against.find(kAgainst);
+    const bool named = split != std::string::npos;
+    const std::string channel = named ? against.substr(split + kAgainst.size()) : against;
+    const std::string quantity =
+        named ? "mean " + against.substr(0, split) : fmt::format("mean residual [{}]", rootUnit(files.result()));
+    const std::string title = (named ? against.substr(0, against.find(" [")) + " against " : "Against ") + channel;
+    page.add(lineChart(capitalised(title), {channel}, {quantity}, {before, after}));
+  }
+}
+
+/// The rivals of the first step, best first, and the record of all steps.
+void addHypotheses(const ResultFiles& files, Page& page) {
+  constexpr std::size_t kMost = 20;
+  if (!files.has("hypotheses.csv")) return;
+  const CsvTable table = files.table("hypotheses.csv");
+  if (table.rows() == 0) return;
+  const auto step = table.text("step"), effect = table.text("effect"), target = table.text("target");
+  const auto outcome = table.text("outcome");
+  const auto gain = numbersOf(table, "gain_percent"), p = numbersOf(table, "p_adjusted");
+  const auto lower = numbersOf(table, "gain_lower95_percent"), upper = numbersOf(table, "gain_upper95_percent");
+  std::vector<IntervalRow> rivals;
+  PageTable record{"All steps", {"hypothesis", "step", "gain [%]", "p (adjusted)", "outcome"}, {}, true};
+  for (std::size_t i = 0; i < step.size(); ++i) {
+    const std::string name = effect[i] + (target[i].empty() ? "" : " of " + target[i]);
+    record.rows.push_back(
+        {name, step[i], number(numberOrNull(gain[i]), "{:.2f}"), number(numberOrNull(p[i]), "{:.2g}"), outcome[i]});
+    if (step[i] != step.front() || !std::isfinite(gain[i])) continue;
+    const bool accepted = outcome[i] == "accepted", ambiguous = outcome[i] == "ambiguous";
+    rivals.push_back({name, gain[i], lower[i], upper[i],
+                      accepted    ? "accepted"
+                      : ambiguous ? "ambiguous"
+                                  : "rejected",
+                      accepted    ? 0
+                      : ambiguous ? 1
+                                  : 6});
+  }
+  std::ranges::stable_sort(rivals, std::greater(), &IntervalRow::value);
+  const std::size_t count = rivals.size();
+  rivals.resize(std::min(count, kMost));
+  page.addSection("What was tested");
+  if (!rivals.empty()) {
+    Chart chart = intervalChart("Rivals of the first step, best first", {"gain on blocks not fitted [%]"}, rivals);
+    if (count > kMost) chart.note = fmt::format("The {} best of {}.", kMost, count);
+    chart.wide = true;
+    page.add(std::move(chart));
+  }
+  page.add(std::move(record));
+}
+
+/// How often a cause hidden in this design would be named rightly.
+void addSelfTest(const Json& result, Page& page) {
+  if (!result.contains("self_test")) return;
+  const Json& test = result.at("self_test");
+  Map map;
+  map.x_names = test.at("answers").get<std::vector<std::string>>();
+  const Json& hidden = test.at("hidden");
+  const Json& counts = test.at("count");
+  for (std::size_t a = 0; a < map.x_names.size(); ++a) map.x.push_back(static_cast<double>(a));
+  for (std::size_t h = hidden.size(); h-- > 0;) {  // the first row of the matrix stands at the top
+    map.y.push_back(static_cast<double>(map.y.size()));
+    map.y_names.push_back(hidden.at(h));
+    for (const Json& count : counts.at(h)) map.value.push_back(numberOf(count));
+  }
+  map.written = true;
+  map.unit = "trials";
+  page.addSection("Could these data have answered?");
+  const auto percent = [&](const char* key) { return fmt::format("{:.0f} %", 100.0 * numberOf(test.at(key))); };
+  page.add(PageText{"Causes hidden in this very design: false alarms in " + percent("false_alarm_rate") +
+                    " of the trials without any, power " + percent("power") + "."});
+  Chart chart = mapChart("Self-test: what was hidden, and what was named", {"named"}, {"hidden"}, map);
+  chart.wide = true;
+  page.add(std::move(chart));
+}
+
+void addLimits(const Json& result, Page& page) {
+  const Json detectable = result.value("detectable", Json::array());
+  if (!detectable.empty()) {
+    PageTable table{"The smallest effect these data could have shown",
+                    {"effect", "parameter", "magnitude (95 %)", "unit"},
+                    {},
+                    detectable.size() > 12};
+    for (const Json& d : detectable) {
+      table.rows.push_back(
+          {causeName(d), text(d, "parameter"), number(d.at("magnitude95"), "{:.3g}"), text(d, "unit")});
+    }
+    page.add(std::move(table));
+  }
+  const Json untested = result.value("not_testable", Json::array());
+  if (!untested.empty()) {
+    PageTable table{"Not testable with these data", {"effect", "because"}, {}};
+    for (const Json& n : untested) table.rows.push_back({text(n, "effect"), text(n, "reason")});
+    page.add(std::move(table));
+  }
+}
+
+PageTable figures(const Json& result) {
+  const std::string unit = text(result, "error_unit");
+  const Json &baseline = result.at("baseline"), &extended = result.at("extended");
+  PageTable table{fmt::format("Mean squared errors [{}]", unit), {"", "fitted", "never used"}, {}};
+  table.rows = {{"the model as it is", number(baseline.at("mse")), number(baseline.at("mse_heldout"))},
+                {"with the causes", number(extended.at("mse")), number(extended.at("mse_heldout"))},
+                {"noise floor", "", number(baseline.at("noise_floor"))}};
+  return table;
+}
+
+Page make(const ResultFiles& files) {
+  const Json& result = files.result();
+  const std::string sentence = text(result, "sentence");
+  Page page{"simgap diagnose", sentence.empty() ? "Verdict: " + text(result, "verdict") + "." : sentence,
+            notes(result)};
+  if (result.at("baseline").at("mse_heldout").is_number()) page.add(gap(result));
+  addCauses(result, page);
+  page.add(
+      PageText{fmt::format("Verdict: {}. The named causes explain {} % of the error; {} % is explainable by what "
+                           "was logged.",
+                           text(result, "verdict"), number(result.at("explained_percent"), "{:.0f}"),
+                           number(result.at("explainable_percent"), "{:.0f}"))});
+  if (const std::string next = text(result, "next_experiment"); !next.empty()) {
+    page.addSection("What to record next");
+    page.add(PageText{next});
+  }
+  addEvidence(files, page);
+  addPredictions(files, page);
+  addSelfTest(result, page);
+  addHypotheses(files, page);
+  addLimits(result, page);
+  page.add(figures(result));
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage diagnose;
+const ResultPage diagnose{"simgap/diagnose/1", make};
+
+}  // namespace simgap::pages

@@ -1,0 +1,151 @@
+#include "simgap/report/html/page.h"
+
+#include <algorithm>
+#include <kainjow/mustache.hpp>
+#include <string_view>
+
+#include "simgap/report/html/assets.h"
+
+namespace simgap {
+namespace {
+
+namespace mustache = kainjow::mustache;
+
+/// JSON inside a script element must neither end the element nor open a comment: "<" stands in its texts only.
+std::string scriptSafe(const Json& json) {
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at))
+    text.replace(at, 1, "\\u003c");
+  return text;
+}
+
+mustache::data cells(const std::vector<std::string>& texts) {
+  mustache::data list{mustache::data::type::list};
+  for (const std::string& text : texts) list << mustache::data{"cell", text};
+  return list;
+}
+
+/// Cells of a table's row, from `begin` on; the columns of words are set apart from those of numbers.
+mustache::data cells(const std::vector<std::string>& row, std::size_t begin, const std::vector<bool>& words) {
+  mustache::data list{mustache::data::type::list};
+  for (std::size_t c = begin; c < row.size(); ++c) {
+    mustache::data item;
+    item.set("cell", row[c]);
+    item.set("words", c < words.size() && words[c]);
+    list << item;
+  }
+  return list;
+}
+
+/// Per column: whether a cell reads as words, which stand to the left, where numbers stand to the right.
+std::vector<bool> wordColumns(const PageTable& table) {
+  std::vector<bool> words(table.header.size(), false);
+  for (const auto& row : table.rows) {
+    for (std::size_t c = 0; c < std::min(row.size(), words.size()); ++c) {
+      if (!row[c].empty() && std::string_view("0123456789+-./").find(row[c].front()) == std::string_view::npos) {
+        words[c] = true;
+      }
+    }
+  }
+  return words;
+}
+
+/// Turns blocks into what the template shows; the descriptions of charts and scenes are collected for report.js.
+class BlockRenderer {
+ public:
+  mustache::data operator()(const PageText& text) { return block("text", mustache::data{text.text}); }
+
+  mustache::data operator()(const PageTable& table) {
+    const std::vector<bool> words = wordColumns(table);
+    mustache::data rows{mustache::data::type::list};
+    for (const auto& row : table.rows) {
+      mustache::data item;
+      item.set("name", row.empty() ? "" : row.front());
+      item.set("cells", cells(row, 1, words));
+      rows << item;
+    }
+    mustache::data item;
+    item.set("caption", table.caption);
+    item.set("folded", table.folded);
+    item.set("header", cells(table.header, 0, words));
+    item.set("rows", rows);
+    return block("table", item);
+  }
+
+  mustache::data operator()(const Chart& chart) {
+    mustache::data item;
+    item.set("caption", chart.caption);
+    if (!chart.note.empty()) item.set("note", chart.note);
+    item.set("wide", chart.wide);
+    item.set("index", std::to_string(charts.size()));
+    charts.push_back(chart.spec);
+    return block("chart", item);
+  }
+
+  mustache::data operator()(const PageScene& scene) {
+    mustache::data item;
+    item.set("caption", scene.caption);
+    if (!scene.note.empty()) item.set("note", scene.note);
+    item.set("index", std::to_string(scenes.size()));
+    scenes.push_back(scene.scene);
+    return block("scene", item);
+  }
+
+  Json charts = Json::array(), scenes = Json::array();
+
+ private:
+  static mustache::data block(const char* kind, const mustache::data& item) {
+    mustache::data block;
+    block.set(kind, item);
+    return block;
+  }
+};
+
+mustache::data provenanceOf(const Page& page) {
+  mustache::data list{mustache::data::type::list};
+  for (const auto& [key, value] : page.provenance) {
+    mustache::data item;
+    item.set("key", key);
+    item.set("value", value);
+    list << item;
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string renderPage(const Page& page) {
+  BlockRenderer renderer;
+  mustache::data sections{mustache::data::type::list};
+  for (const PageSection& section : page.sections) {
+    mustache::data blocks{mustache::data::type::list};
+    for (const PageBlock& block : section.blocks) blocks << std::visit(renderer, block);
+    mustache::data item;
+    item.set("heading", section.heading);
+    item.set("headed", !section.heading.empty());
+    item.set("blocks", blocks);
+    sections << item;
+  }
+  mustache::data data;
+  data.set("title", page.title);
+  data.set("answer", page.answer);
+  data.set("notes", cells(page.notes));
+  data.set("noted", !page.notes.empty());
+  data.set("sections", sections);
+  data.set("provenance", provenanceOf(page));
+  data.set("css", std::string(assets::report_css()));
+  data.set("chart_js", std::string(assets::chart_js()));
+  data.set("report_js", std::string(assets::report_js()));
+  data.set("data", scriptSafe({{"charts", renderer.charts}, {"scenes", renderer.scenes}}));
+  if (!renderer.scenes.empty()) {  // three.js is two thirds of a page
+    mustache::data libraries;
+    libraries.set("three_js", std::string(assets::three_js()));
+    libraries.set("orbit_controls_js", std::string(assets::orbit_controls_js()));
+    libraries.set("arm_view_js", std::string(assets::arm_view_js()));
+    data.set("three_dimensions", libraries);
+  }
+  mustache::mustache page_template{std::string(assets::report_html())};
+  return page_template.render(data);
+}
+
+}  // namespace simgap

@@ -1,0 +1,97 @@
+#include "simgap/report/html/result_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+std::string textOf(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
+
+/// "simgap/calibrate/1" -> "calibrate"
+std::string commandOf(const std::string& format) {
+  const std::size_t begin = format.find('/'), end = format.rfind('/');
+  return begin < end ? format.substr(begin + 1, end - begin - 1) : format;
+}
+
+/// What a command without a page of its own has found: numbers and words in one table, lists of objects in their own.
+Page plainPage(const ResultFiles& files) {
+  const std::string command = commandOf(files.result().value("format", ""));
+  Page page{"simgap " + command, "The figures of this run.", {}};
+  PageTable figures{"Figures", {"name", "value"}, {}};
+  std::vector<PageTable> tables;
+  for (const auto& [key, value] : files.result().items()) {
+    if (key == "format") continue;
+    const bool objects = value.is_array() && !value.empty() && value.front().is_object();
+    if (!objects) {
+      figures.rows.push_back({key, textOf(value)});
+      continue;
+    }
+    PageTable table{key, {}, {}};
+    for (const auto& [name, cell] : value.front().items()) table.header.push_back(name);
+    for (const Json& row : value) {
+      table.rows.emplace_back();
+      for (const std::string& name : table.header) {
+        table.rows.back().push_back(row.contains(name) ? textOf(row.at(name)) : "");
+      }
+    }
+    tables.push_back(std::move(table));
+  }
+  page.add(std::move(figures));
+  for (PageTable& table : tables) page.add(std::move(table));
+  return page;
+}
+
+void addProvenance(const Json& run, Page& page) {
+  const auto words = [](const Json& argv) {
+    std::string text;
+    for (const Json& word : argv) text += (text.empty() ? "" : " ") + textOf(word);
+    return text;
+  };
+  page.provenance.emplace_back("command", words(run.at("argv")));
+  page.provenance.emplace_back("version",
+                               fmt::format("simgap {} ({})", textOf(run.at("version")), textOf(run.at("git_hash"))));
+  page.provenance.emplace_back("seed", textOf(run.at("seed")));
+  page.provenance.emplace_back("began", textOf(run.at("start")));
+  page.provenance.emplace_back("took", fmt::format("{:.3g} s", run.at("duration_s").get<double>()));
+  page.provenance.emplace_back("ended", textOf(run.at("status")));
+  for (const Json& input : run.at("inputs")) {
+    page.provenance.emplace_back(textOf(input.at("role")) + " (SHA-256)",
+                                 textOf(input.at("file")) + ": " + textOf(input.at("sha256")));
+  }
+  for (const Json& earlier : run.value("earlier", Json::array())) {
+    page.provenance.emplace_back("begun by", words(earlier.at("argv")));
+  }
+  const std::string status = textOf(run.at("status"));
+  if (status != "done") page.notes.insert(page.notes.begin(), "The run ended as: " + status);
+}
+
+}  // namespace
+
+Page makePage(const ResultFiles& files) {
+  const std::string format = files.result().value("format", "");
+  const auto known = std::ranges::find(pages::all(), format, [](const ResultPage* page) { return page->format; });
+  const auto file = [&](const char* name) { return (files.directory() / name).string(); };
+  Page page;
+  try {
+    page = known == pages::all().end() ? plainPage(files) : (*known)->make(files);
+  } catch (const Json::exception& error) {
+    throw DataError(fmt::format("{}: is no complete result ({}): {}", file("result.json"), format, error.what()));
+  }
+  try {
+    addProvenance(files.run(), page);
+  } catch (const Json::exception& error) {
+    throw DataError(fmt::format("{}: is no complete record of a run: {}", file("run.json"), error.what()));
+  }
+  return page;
+}
+
+std::filesystem::path writeReport(const RunDirectory& directory) {
+  directory.write("report.html", renderPage(makePage(ResultFiles(directory.path()))));
+  return directory.file("report.html");
+}
+
+}  // namespace simgap

@@ -1,9 +1,0 @@
-#include "../response_page.h"
-#include "simgap/report/result_page.h"
-
-namespace simgap::pages {
-
-extern const ResultPage fit_gearbox;
-const ResultPage fit_gearbox{"simgap/fit-gearbox/1", driveFitPage};
-
-}  // namespace simgap::pages

@@ -1,0 +1,225 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/poses/pose_page.h"
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages {
+namespace {
+
+std::string answer(const Json& result) {
+  const bool held_out = result.at("mje_deg").contains("validation");
+  const Json& judge = result.at("mje_deg").at(held_out ? "validation" : "calibration");
+  std::string text =
+      held_out ? "On poses the search never saw the gap went" : "On the poses it was fitted to the gap went";
+  std::string separator;
+  for (const auto& [joint, initial] : judge.at("initial").items()) {
+    text += fmt::format("{} from {} to {}° ({})", separator, degreesCell(initial),
+                        degreesCell(judge.at("final").at(joint)), joint);
+    separator = ",";
+  }
+  return text + (held_out ? "." : "; only poses it has not seen (--validation) can show what that is worth.");
+}
+
+/// Errors beyond what the posterior expects: the model lacks something.
+std::vector<std::string> notes(const Json& result) {
+  std::vector<std::string> notes;
+  for (const auto& [set, sides] : result.at("mje_deg").items()) {
+    const Json predicted = result.value("predicted_mje_deg", Json::object()).value(set, Json::object());
+    for (const auto& [joint, expected] : predicted.items()) {
+      const double found = numberOf(sides.at("final").at(joint)), upper = numberOf(expected.at("ci90").at(1));
+      if (!(found > upper)) continue;
+      notes.push_back(fmt::format(
+          "On the {} poses the {} misses by {:.2f}° where at most {:.2f}° was to be expected: something is not in the "
+          "model.",
+          set, joint, found, upper));
+    }
+  }
+  const Json outlying = result.value("outlying_poses", Json::array());
+  if (!outlying.empty()) {
+    std::string names;
+    for (const Json& pose : outlying) {
+      names += fmt::format("{}{} ({:.1f} sd)", names.empty() ? "" : ", ", pose.at("pose").get<std::string>(),
+                           pose.at("distance_sd").get<double>());
+    }
+    notes.push_back("Poses far from the fit, hardly counted: " + names + ".");
+  }
+  return notes;
+}
+
+/// Validation first, its worst pose first: what a reader wants to see.
+void addPoses(const ResultFiles& files, Page& page) {
+  const PoseErrorTables errors(files.table("errors.csv"), {"before", "after"}, "");
+  if (auto scene = armScene(files, errors.scenePoses())) page.add(std::move(*scene));
+  std::vector<std::string> sets = errors.sets();
+  std::ranges::reverse(sets);
+  for (const std::string& set : sets) page.add(errors.chart(set));
+}
+
+void addConvergence(const ResultFiles& files, Page& page) {
+  const Json& result = files.result();
+  const bool strategy = result.at("optimizer") == "es";
+  const CsvTable history = files.table("history.csv");
+  const std::vector<double> steps = numbersOf(history, "generation");
+  const Axis x{strategy || result.at("optimizer") == "cma-es" ? "generation" : "descent"};
+  std::vector<Series> mje;
+  for (const auto& [joint, value] : result.at("mje_deg").at("calibration").at("final").items()) {
+    mje.push_back({joint, steps, numbersOf(history, "mje_" + joint + "_deg")});
+  }
+  if (result.contains("capture_sd_deg")) {
+    const std::vector<double> noise(steps.size(), numberOf(result.at("capture_sd_deg")));
+    mje.push_back({"capture noise", steps, noise, Series::Style::kDashed, 6});
+  }
+  page.addSection("Convergence");
+  page.add(lineChart("Mean joint error of the best model so far", x, {"mean joint error [deg]", true}, mje));
+  page.add(
+      lineChart("Fitness", x, {"sum of squared errors [rad²]", true},
+                {{"best of all", steps, numbersOf(history, "best_so_far_rad2")},
+                 {strategy ? "best of the generation" : "best of the step", steps, numbersOf(history, "best_rad2")},
+                 {"median", steps, numbersOf(history, "median_rad2")}}));
+  if (!strategy) return;
+  page.add(lineChart("Step sizes, relative to the initial ones", x, {"step size / initial", true},
+                     {{"largest", steps, numbersOf(history, "sigma_max")},
+                      {"median", steps, numbersOf(history, "sigma_median")},
+                      {"smallest", steps, numbersOf(history, "sigma_min")}}));
+}
+
+/// How far a parameter has moved, in standard deviations of the hand measurement.
+IntervalRow moved(const Json& parameter) {
+  const double prior = numberOf(parameter.value("prior_sd", Json(nullptr)));
+  const double sd = numberOf(parameter.at("sd")) / prior;
+  const double way = (numberOf(parameter.at("value")) - numberOf(parameter.at("initial"))) / prior;
+  IntervalRow row{parameter.at("name"), way, way - sd, way + sd};
+  if (parameter.at("identifiable").is_string()) row.group = parameter.at("identifiable");
+  row.colour = row.group == "not identifiable" ? 6 : row.group == "weak" ? 1 : 0;
+  row.marked = parameter.at("at_bound");
+  return row;
+}
+
+void addMoved(const Json& result, Page& page) {
+  constexpr std::size_t kMost = 30;
+  std::vector<IntervalRow> rows;
+  for (const Json& parameter : result.at("parameters")) {
+    const IntervalRow row = moved(parameter);
+    if (std::isfinite(row.value)) rows.push_back(row);
+  }
+  std::ranges::stable_sort(rows, std::greater(), [](const IntervalRow& row) { return std::abs(row.value); });
+  if (rows.empty()) return;
+  const std::size_t count = rows.size();
+  rows.resize(std::min(count, kMost));
+  Chart chart = intervalChart("Parameters moved most", {"change / prior standard deviation"}, rows);
+  chart.note = fmt::format(
+      "{} of {}, with one standard deviation of what is known now; colour: what the poses tell of it; a triangle "
+      "stands at its bound.",
+      rows.size(), count);
+  chart.wide = true;
+  page.add(std::move(chart));
+}
+
+PageTable parameterTable(const Json& result) {
+  PageTable table{"All parameters",
+                  {"name", "unit", "initial", "calibrated", "change", "sd before", "sd after", "the poses", "at bound"},
+                  {},
+                  true};
+  const auto text = [](const Json& value, const char* digits) {
+    return value.is_number() ? fmt::format(fmt::runtime(digits), value.get<double>()) : std::string();
+  };
+  for (const Json& p : result.at("parameters")) {
+    table.rows.push_back({p.at("name"), p.at("unit"), text(p.at("initial"), "{:.6g}"), text(p.at("value"), "{:.6g}"),
+                          fmt::format("{:+.3g}", numberOf(p.at("value")) - numberOf(p.at("initial"))),
+                          text(p.value("prior_sd", Json(nullptr)), "{:.2g}"), text(p.at("sd"), "{:.2g}"),
+                          p.at("identifiable").is_string() ? p.at("identifiable").get<std::string>() : "",
+                          p.at("at_bound").get<bool>() ? "yes" : ""});
+  }
+  return table;
+}
+
+void addParameters(const ResultFiles& files, Page& page) {
+  const Json& result = files.result();
+  page.addSection("Parameters");
+  addMoved(result, page);
+  if (files.has("singular_values.csv")) {
+    const CsvTable values = files.table("singular_values.csv");
+    const std::vector<double> direction = numbersOf(values, "direction");
+    Chart chart = lineChart("What the poses tell", {"direction"}, {"singular value", true},
+                            {{"singular value", direction, numbersOf(values, "singular_value")},
+                             {"as much as the hand measurement", direction, std::vector<double>(direction.size(), 1.0),
+                              Series::Style::kDashed, 6}});
+    chart.note = "Directions above 1 are known better from the poses than from the hand measurements.";
+    page.add(std::move(chart));
+  }
+  if (result.contains("identifiability")) {
+    PageTable told{"What the poses tell of the parameters", {"verdict", "parameters"}, {}};
+    for (const auto& [verdict, count] : result.at("identifiability").items()) {
+      told.rows.push_back({verdict, std::to_string(count.get<long>())});
+    }
+    page.add(std::move(told));
+  }
+  const Json combinations = result.value("combinations", Json::array());
+  if (!combinations.empty()) {
+    PageTable known{"Known only together", {"parameters"}, {}, combinations.size() > 8};
+    for (const Json& combination : combinations) known.rows.push_back({combination.at("text")});
+    page.add(std::move(known));
+  }
+  page.add(parameterTable(result));
+}
+
+PageTable mjeTable(const Json& result) {
+  PageTable table{"Mean joint errors [deg]", {"poses"}, {}};
+  for (const auto& [joint, value] : result.at("mje_deg").at("calibration").at("final").items()) {
+    table.header.insert(table.header.end(), {joint + " before", "after"});
+  }
+  const auto add = [&](const std::string& name, const Json& sides) {
+    std::vector<std::string> row{name};
+    for (const auto& [joint, final] : sides.at("final").items()) {
+      row.insert(row.end(), {degreesCell(sides.at("initial").at(joint)), degreesCell(final)});
+    }
+    table.rows.push_back(row);
+  };
+  for (const auto& [set, sides] : result.at("mje_deg").items()) {
+    add(fmt::format("{} ({} poses)", set, result.at("valid_poses").at(set).at("of").get<long>()), sides);
+    add("  half angles of spherical joints, as 001 eq. 4", result.at("paper_mje_deg").at(set));
+  }
+  return table;
+}
+
+void addPredictions(const Json& result, Page& page) {
+  if (!result.contains("predicted_mje_deg")) return;
+  PageTable table{"Mean joint error that the posterior predicts, with a 90 % interval [deg]", {"poses"}, {}};
+  for (const auto& [set, joints] : result.at("predicted_mje_deg").items()) {
+    std::vector<std::string> row{set};
+    for (const auto& [joint, expected] : joints.items()) {
+      if (table.rows.empty()) {
+        table.header.insert(table.header.end(), {joint + " predicted", "5 %", "95 %", "found"});
+      }
+      row.insert(row.end(), {degreesCell(expected.at("mean")), degreesCell(expected.at("ci90").at(0)),
+                             degreesCell(expected.at("ci90").at(1)),
+                             set == "unseen" ? "" : degreesCell(result.at("mje_deg").at(set).at("final").at(joint))});
+    }
+    table.rows.push_back(row);
+  }
+  page.add(std::move(table));
+}
+
+Page make(const ResultFiles& files) {
+  const Json& result = files.result();
+  Page page{"simgap calibrate", answer(result), notes(result)};
+  addPoses(files, page);
+  page.addSection("How large the gap is");
+  page.add(mjeTable(result));
+  addPredictions(result, page);
+  addConvergence(files, page);
+  addParameters(files, page);
+  page.addSection("Poses");
+  page.add(PoseErrorTables(files.table("errors.csv"), {"before", "after"}, "").table(/*folded=*/true));
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage calibrate;
+const ResultPage calibrate{"simgap/calibrate/1", make};
+
+}  // namespace simgap::pages

@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include "report/poses/pose_page.h"
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages {
+namespace {
+
+/// "1.30 (0.90 to 1.80)"
+std::string interval(const Json& expected) {
+  return fmt::format("{} ({} to {})", degreesCell(expected.at("mean")), degreesCell(expected.at("ci90").at(0)),
+                     degreesCell(expected.at("ci90").at(1)));
+}
+
+std::string answer(const Json& result) {
+  const Json& predicted = result.at("predicted_mje_deg");
+  std::string text =
+      fmt::format("Recording {} more poses is expected to bring the error on unseen poses", result.at("poses").size());
+  std::string separator;
+  for (const auto& [joint, before] : predicted.at("before").items()) {
+    text += fmt::format("{} from {} to {}° ({})", separator, degreesCell(before.at("mean")),
+                        degreesCell(predicted.at("after").at(joint).at("mean")), joint);
+    separator = ",";
+  }
+  return text + ".";
+}
+
+Chart expectedErrors(const Json& result) {
+  const Json& predicted = result.at("predicted_mje_deg");
+  std::vector<Series> lines;
+  for (const auto& [joint, before] : predicted.at("before").items()) {
+    Series line{joint, {0.0}, {numberOf(before.at("mean"))}};
+    Series random{
+        joint + ", random commands instead", {}, {}, Series::Style::kPoints, static_cast<int>(lines.size() / 2)};
+    line.colour = random.colour;
+    for (const Json& pose : result.at("poses")) {
+      line.x.push_back(static_cast<double>(line.x.size()));
+      line.y.push_back(numberOf(pose.at("predicted_mje_deg").at(joint).at("mean")));
+    }
+    random.x = {line.x.back()};
+    random.y = {numberOf(predicted.at("after_random").at(joint).at("mean"))};
+    lines.push_back(line);
+    lines.push_back(random);
+  }
+  Chart chart = lineChart("Expected mean joint error with the first poses of the list recorded", {"poses added"},
+                          {"mean joint error [deg]"}, lines);
+  chart.wide = true;
+  return chart;
+}
+
+PageTable expectedTable(const Json& result) {
+  const Json& predicted = result.at("predicted_mje_deg");
+  PageTable table{"Predicted mean joint error of unseen poses, with a 90 % interval [deg]", {"recorded"}, {}};
+  const auto add = [&](std::string name, const Json& joints) {
+    std::vector<std::string> row{std::move(name)};
+    for (const auto& [joint, expected] : joints.items()) row.push_back(interval(expected));
+    table.rows.push_back(row);
+  };
+  for (const auto& [joint, before] : predicted.at("before").items()) table.header.push_back(joint);
+  add(fmt::format("the {} poses so far", result.at("recorded").get<long>()), predicted.at("before"));
+  for (const Json& pose : result.at("poses")) {
+    add("and " + pose.at("pose").get<std::string>(), pose.at("predicted_mje_deg"));
+  }
+  add(fmt::format("{} random commands instead", result.at("poses").size()), predicted.at("after_random"));
+  return table;
+}
+
+PageTable commands(const Json& result) {
+  PageTable table{"Commands [rad]; next_poses.csv holds them for the rig", {"pose"}, {}};
+  for (const Json& pose : result.at("poses")) {
+    std::vector<std::string> row{pose.at("pose")};
+    for (const auto& [muscle, shaft] : pose.at("shaft_rad").items()) {
+      if (table.rows.empty()) table.header.push_back(muscle);
+      row.push_back(fmt::format("{:.3f}", numberOf(shaft)));
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+Page make(const ResultFiles& files) {
+  Page page{"simgap design", answer(files.result()), {}};
+  page.add(expectedErrors(files.result()));
+  page.add(expectedTable(files.result()));
+  page.addSection("What to record");
+  page.add(commands(files.result()));
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage design;
+const ResultPage design{"simgap/design/1", make};
+
+}  // namespace simgap::pages

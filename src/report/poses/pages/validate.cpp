@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include "report/poses/pose_page.h"
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages {
+namespace {
+
+std::string answer(const Json& result) {
+  std::string text =
+      fmt::format("On {} poses the simulation misses the robot by", result.at("valid_poses").get<long>());
+  const char* separator = "";
+  for (const auto& [joint, error] : result.at("mje_deg").items()) {
+    text += fmt::format("{} {}° ({})", separator, degreesCell(error), joint);
+    separator = ",";
+  }
+  return text + " on average.";
+}
+
+std::vector<std::string> notes(const Json& result) {
+  std::vector<std::string> notes;
+  for (const Json& criterion : result.at("criteria")) {
+    if (criterion.at("pass").get<bool>()) continue;
+    notes.push_back(fmt::format("{} is {}, which fails the limit of {:g}.", criterion.at("name").get<std::string>(),
+                                degreesCell(criterion.at("value")), criterion.at("limit").get<double>()));
+  }
+  return notes;
+}
+
+PageTable mjeTable(const Json& result) {
+  PageTable table{
+      "Mean joint errors [deg]", {""}, {{"mean joint error"}, {"half angles of spherical joints, as 001 eq. 4"}}};
+  for (const auto& [joint, error] : result.at("mje_deg").items()) {
+    table.header.push_back(joint);
+    table.rows[0].push_back(degreesCell(error));
+    table.rows[1].push_back(degreesCell(result.at("paper_mje_deg").at(joint)));
+  }
+  return table;
+}
+
+Page make(const ResultFiles& files) {
+  const Json& result = files.result();
+  const PoseErrorTables errors(files.table("errors.csv"), {""}, "replayed");
+  Page page{"simgap validate", answer(result), notes(result)};
+  if (auto scene = armScene(files, errors.scenePoses())) page.add(std::move(*scene));
+  Chart chart = errors.chart("replayed");
+  chart.wide = true;
+  page.add(std::move(chart));
+  page.addSection("Numbers");
+  page.add(mjeTable(result));
+  if (!result.at("criteria").empty()) {
+    PageTable criteria{"Criteria", {"criterion", "limit", "found", "verdict"}, {}};
+    for (const Json& c : result.at("criteria")) {
+      criteria.rows.push_back({c.at("name"), fmt::format("{:g}", c.at("limit").get<double>()),
+                               degreesCell(c.at("value")), c.at("pass").get<bool>() ? "pass" : "FAIL"});
+    }
+    page.add(std::move(criteria));
+  }
+  page.add(errors.table(/*folded=*/false));
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage validate;
+const ResultPage validate{"simgap/validate/1", make};
+
+}  // namespace simgap::pages

@@ -1,0 +1,29 @@
+/// \file
+/// Pieces that the reports of calibrate and validate share.
+#pragma once
+
+#include <cmath>
+#include <numeric>
+
+#include "simgap/report/poses/pose_report.h"
+
+namespace simgap {
+
+/// {joint: degrees}
+Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje);
+
+/// "p003: acquisition error of biceps, 12.3 deg" for every invalid pose.
+std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout);
+
+/// Muscles whose cords do not pull in this pose.
+std::vector<std::string> slackMuscles(const PoseOutcome& outcome, const PoseLayout& layout);
+/// The same in one cell.
+std::string slackText(const PoseOutcome& outcome, const PoseLayout& layout);
+
+/// {joint: {mean, ci90}} in degrees.
+Json predictionJson(const PoseLayout& layout, const PredictedError& predicted);
+
+/// Angles as 001 eq. 4 prints them: half of the true one for spherical joints [rad].
+std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> angles);
+
+}  // namespace simgap

@@ -1,0 +1,190 @@
+// Every registered effect on drives: its promises to whoever uses it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "reality/drive_draws.h"
+#include "reality/motor_log.h"
+#include "reality/pam_rig.h"
+#include "simgap/fit/actuators/actuator_model.h"
+#include "simgap/measure/logs/prepared_log.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+PreparedLog smallLog(ActuatorKind kind) {
+  if (kind == ActuatorKind::kPam) {
+    return preparePamData(CsvTable::parse(reality::recordPam({}, {.sessions = 3, .rows = 600}).csv(), "log.csv"));
+  }
+  if (kind == ActuatorKind::kMotor) {
+    const reality::MotorDesign design{.seconds = 1.5, .rate = 500.0, .current_noise = 0.02, .velocity_noise = 0.2};
+    return prepareMotorData(CsvTable::parse(reality::simulateMotor({}, design).csv(), "log.csv"));
+  }
+  reality::DriveRig rig = reality::drawRig(3);
+  rig.rows = 3000;
+  return prepareActuatorData(CsvTable::parse(reality::recordDrive(rig, {}).csv(), "log.csv"), {}, {}, {});
+}
+
+/// With an angle of the motor that does not quite follow the joint's.
+PreparedLog transmissionLog() {
+  PreparedLog drive = smallLog(ActuatorKind::kFriction);
+  ActuatorRows& rows = drive.data.rows;
+  rows.motor_angle = 97.74 * (rows.joint_angle + 1e-3 * rows.load);
+  return prepareTransmissionData(drive);
+}
+
+/// The name of the model that the effect extends, and a base with plausible values.
+std::string modelOf(const ActuatorEffect& effect) {
+  if (effect.kind == ActuatorKind::kPam) return "pam";
+  return effect.kind == ActuatorKind::kMotor ? "motor" : "classic";
+}
+
+class DriveEffectContract : public testing::TestWithParam<const ActuatorEffect*> {
+ protected:
+  static std::optional<double> presliding() {
+    const ActuatorKind kind = GetParam()->kind;
+    if (kind == ActuatorKind::kFriction || kind == ActuatorKind::kGearbox) return 0.05;
+    return std::nullopt;
+  }
+  static ActuatorBase base() {
+    if (GetParam()->kind == ActuatorKind::kTransmission) return actuator_equations::transmission;
+    return subjectOf(modelOf(*GetParam())).base;
+  }
+  static std::vector<double> middle(const ActuatorRegression& model, const ActuatorRows& rows) {
+    const ActuatorRegression plain(base(), {}, data(), presliding());
+    const std::vector<double> base =
+        plain.thetaOf(std::vector<PhysicalParameter>{{"k_a", "", 1.2, 0, false},
+                                                     {"n_c", "", 0.3, 0, false},
+                                                     {"n_s", "", 0.4, 0, false},
+                                                     {"k_v", "", 0.01, 0, false},
+                                                     {"v_s", "", 6.0, 0, false},
+                                                     {"delta", "", 1.1, 0, false},
+                                                     {"presliding", "", 0.02, 0, false},
+                                                     {"a", "", 0.004, 0, false},
+                                                     {"b", "", -0.008, 0, false},
+                                                     {"c", "", 0.0025, 0, false},
+                                                     {"R", "", 0.8, 0, false},
+                                                     {"L", "", 0.004, 0, false},
+                                                     {"K_E", "", 0.02, 0, false},
+                                                     {"inverse_ratio", "", 0.0102, 0, false}});
+    std::vector<double> theta = model.startFrom(plain, base);
+    const ActuatorEffect& effect = *model.effects()[0];
+    if (effect.starts != nullptr) {
+      const auto starts = effect.starts(rows, Eigen::ArrayXd::LinSpaced(rows.rows(), -1.0, 1.0));
+      if (!starts.empty())
+        std::ranges::copy(starts.back(), theta.begin() + static_cast<std::ptrdiff_t>(model.firstParameter(0)));
+    }
+    for (std::size_t k = 0; k < effect.columns.size(); ++k)
+      theta[model.firstColumn(0) + k] = effect.columns[k].unit == "m2" ? 1e-5 : 0.05;
+    return theta;
+  }
+  static const ActuatorData& data() {
+    static const std::map<ActuatorKind, PreparedLog> logs = {
+        {ActuatorKind::kFriction, smallLog(ActuatorKind::kFriction)},
+        {ActuatorKind::kMotor, smallLog(ActuatorKind::kMotor)},
+        {ActuatorKind::kPam, smallLog(ActuatorKind::kPam)},
+        {ActuatorKind::kTransmission, transmissionLog()}};
+    const ActuatorKind kind = GetParam()->kind;
+    return logs.at(kind == ActuatorKind::kGearbox ? ActuatorKind::kFriction : kind).data;
+  }
+};
+
+TEST_P(DriveEffectContract, SaysWhatItIs) {
+  const ActuatorEffect& effect = *GetParam();
+  for (const std::string_view text :
+       {effect.name, effect.cause, effect.equation, effect.source, effect.look_alikes, effect.separates}) {
+    EXPECT_FALSE(text.empty()) << effect.name;
+  }
+  EXPECT_FALSE(effect.parameters.empty() && effect.columns.empty());
+  EXPECT_EQ(&actuator_effects::find(effect.name), &effect);
+  std::set<std::string_view> names;
+  for (const EffectParameter& p : effect.parameters) {
+    EXPECT_LE(p.lower, p.upper);
+    EXPECT_TRUE(names.insert(p.name).second) << p.name;
+  }
+  for (const EffectColumn& c : effect.columns) EXPECT_TRUE(names.insert(c.name).second) << c.name;
+}
+
+TEST_P(DriveEffectContract, DerivativesAgreeWithDifferences) {
+  const ActuatorRegression model(base(), {GetParam()}, data(), std::nullopt);
+  const std::vector<double> theta = middle(model, data().rows);
+  Eigen::VectorXd residual, ahead, behind;
+  Eigen::MatrixXd jacobian;
+  model.evaluate(theta, residual, &jacobian);
+  ASSERT_TRUE(residual.allFinite());
+  ASSERT_TRUE(jacobian.allFinite());
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    if (model.parameters()[i].fixed) continue;
+    if (GetParam()->name == "channel-delay" && i + 1 == theta.size()) continue;  // piecewise linear between rows
+    std::vector<double> moved = theta;
+    const double h = 1e-4 * std::max(std::abs(theta[i]), 0.01);
+    moved[i] = theta[i] + h;
+    model.evaluate(moved, ahead, nullptr);
+    moved[i] = theta[i] - h;
+    model.evaluate(moved, behind, nullptr);
+    const Eigen::VectorXd slope = (ahead - behind) / (2.0 * h);
+    const auto k = static_cast<Eigen::Index>(i);
+    EXPECT_LT((jacobian.col(k) - slope).norm(), 2e-3 * (slope.norm() + 1e-6)) << model.parameters()[i].name;
+  }
+}
+
+TEST_P(DriveEffectContract, NeutralValuesChangeNothing) {
+  const ActuatorEffect& effect = *GetParam();
+  const ActuatorRegression plain(base(), {}, data(), std::nullopt);
+  const ActuatorRegression model(base(), {&effect}, data(), std::nullopt);
+  std::vector<double> theta = middle(model, data().rows);
+  for (std::size_t k = 0; k < effect.columns.size(); ++k) theta[model.firstColumn(0) + k] = 0.0;
+  for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
+    // A bristle's travel is a shape, yet none at all is no bristle.
+    if (effect.parameters[k].kind == EffectParameter::Kind::kSmooth || effect.parameters.size() == 1) {
+      theta[model.firstParameter(0) + k] = std::max(effect.parameters[k].neutral, effect.parameters[k].lower);
+    }
+  }
+  const Eigen::ArrayXd with = model.predict(theta), without = plain.predict(plain.startFrom(model, theta));
+  // A bristle of no travel at all still needs a row to turn.
+  const double allowed = effect.name == "presliding-hysteresis" ? 0.02 : 1e-12;
+  EXPECT_LT(((with - without).abs() > 1e-9).cast<double>().mean(), allowed) << effect.name;
+}
+
+TEST_P(DriveEffectContract, SurvivesAModelFile) {
+  if (GetParam()->kind == ActuatorKind::kTransmission) GTEST_SKIP() << "says nothing about the effort";
+  const ActuatorRegression model(base(), {GetParam()}, data(), std::nullopt);
+  const std::vector<double> theta = middle(model, data().rows);
+  const Eigen::MatrixXd none =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(theta.size()), static_cast<Eigen::Index>(theta.size()));
+  FittedModel file;
+  file.kind = modelOf(*GetParam()) == "classic" ? "friction" : modelOf(*GetParam());
+  file.law = "classic";
+  file.extensions = model.extensions(theta, none);
+  for (const PhysicalParameter& p : model.physical(theta, none)) {
+    if (p.name.find('.') == std::string::npos) file.parameters.push_back({p.name, p.unit, p.value, p.sd, false});
+  }
+  const FittedModel read = readFittedModel(YamlNode::parse(writeFittedModel(file), "model.yaml"));
+  const Eigen::ArrayXd predicted = predictExtended(subjectOf(read), data());
+  EXPECT_LT((predicted - model.predict(theta)).abs().maxCoeff(), 1e-9 * (1.0 + predicted.abs().maxCoeff()));
+}
+
+TEST(PositionRipple, CountsFromOnePeriodInTheRangeOn) {
+  const PreparedLog log = smallLog(ActuatorKind::kFriction);
+  const Eigen::ArrayXd& angle = log.data.rows.joint_angle;
+  const double period = 2.0 * std::numbers::pi / (angle.maxCoeff() - angle.minCoeff());
+  const ActuatorEffect& ripple = actuator_effects::find("position-ripple");
+  const double drift = 0.5 * period, real = 1.5 * period;
+  EXPECT_FALSE(ripple.counts({&drift, 1}, log.data.rows));
+  EXPECT_TRUE(ripple.counts({&real, 1}, log.data.rows));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DriveEffectContract,
+                         testing::ValuesIn(actuator_effects::all().begin(), actuator_effects::all().end()),
+                         [](const auto& effect) {
+                           std::string name(effect.param->name);
+                           std::ranges::replace(name, '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace simgap::test

@@ -1,0 +1,119 @@
+#include "simgap/fit/actuators/pam_fit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kA = 0.06, kB = -0.12, kC = 0.015, kSpring = 20000.0;  // some 5 kN at 0.6 MPa; 4 kN stretch by 0.2
+
+/// Force by bisection of f = p g(eps + f / k): no formula of the model's root.
+double bisected(double pressure, double eps, double spring) {
+  const auto excess = [&](double f) {
+    const double x = eps + f / spring;
+    return pressure * (kA * x * x + kB * x + kC) - f;
+  };
+  if (excess(0.0) <= 0.0) return 0.0;
+  double low = 0.0, high = 2e4;
+  for (int i = 0; i < 200; ++i) (excess(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+  return low;
+}
+
+PamLog rig(double spring, double noise) {
+  PamLog log;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (int p = 1; p <= 6; ++p) {
+    for (int e = 0; e <= 40; ++e) {
+      log.pressure.push_back(1e5 * p);
+      log.contraction.push_back(-0.03 + 0.2 * e / 40.0);
+      log.force.push_back(bisected(log.pressure.back(), log.contraction.back(), spring) + noise * normal(random));
+      log.session.push_back(0);
+    }
+  }
+  log.session_names = {"all"};
+  log.file = "pam.csv";
+  return log;
+}
+
+TEST(Pam, ClosedFormIsTheRootOfTheImplicitEquation) {
+  const Pam muscle{kA, kB, kC, kSpring, -0.1, 0.9};
+  for (const double p : {5e4, 3e5, 6e5}) {
+    for (const double eps : {-0.05, 0.0, 0.1, 0.2}) {
+      EXPECT_NEAR(muscle.force(p, eps).value(), bisected(p, eps, kSpring), 1e-6 * 5000.0) << p << " " << eps;
+    }
+  }
+}
+
+TEST(Pam, PressureInvertsForce) {
+  const Pam muscle{kA, kB, kC, kSpring, -0.1, 0.9};
+  for (const double p : {1e5, 6e5}) {
+    const double f = muscle.force(p, 0.05).value();
+    EXPECT_NEAR(muscle.pressure(f, 0.05).value(), p, 1e-9 * p);
+  }
+}
+
+TEST(Pam, RefusesWhatLiesOutsideItsRangeAndNeverPushes) {
+  const Pam muscle{kA, kB, kC, kSpring, -0.05, 0.25};
+  EXPECT_FALSE(muscle.force(6e5, 0.3).has_value());
+  EXPECT_FALSE(muscle.pressure(4000.0, 0.2).has_value());
+  EXPECT_FALSE(muscle.pressure(-1.0, 0.1).has_value());
+  EXPECT_EQ(muscle.force(6e5, 0.2).value_or(-1.0), Pam({kA, kB, kC, kSpring, -1.0, 1.0}).force(6e5, 0.2).value());
+  EXPECT_EQ(Pam({kA, kB, -0.01, kSpring, -1.0, 1.0}).force(1e5, 0.2).value(), 0.0);
+}
+
+TEST(PamFit, RecoversTheMuscleAndItsSpring) {
+  const PamFit fit = fitPam(rig(kSpring, 0.0), {});
+  EXPECT_NEAR(fit.theta[0], kA, 1e-6 * kA);
+  EXPECT_NEAR(fit.theta[1], kB, -1e-6 * kB);
+  EXPECT_NEAR(fit.theta[2], kC, 1e-6 * kC);
+  EXPECT_NEAR(fit.theta[3], kSpring, 1e-6 * kSpring);
+}
+
+TEST(PamFit, TwoStagesAsInThePaper) {
+  PamFitOptions without;
+  without.spring = false;
+  const PamFit maker = fitPam(rig(1e12, 0.0), without);
+  PamFitOptions options;
+  options.fixed = {{"a", maker.theta[0]}, {"b", maker.theta[1]}, {"c", maker.theta[2]}};
+  const PamFit fit = fitPam(rig(kSpring, 20.0), options);
+  EXPECT_EQ(fit.parameters, 1u);
+  EXPECT_NEAR(fit.theta[3], kSpring, 0.01 * kSpring);
+  without.fixed = options.fixed;
+  EXPECT_LT(fit.mse, 0.2 * fitPam(rig(kSpring, 20.0), without).mse);
+}
+
+TEST(PamFit, TiedParametersFollowTheGeometry) {
+  PamFitOptions options;
+  options.tied = true;
+  const PamFit fit = fitPam(rig(kSpring, 0.0), options);
+  EXPECT_DOUBLE_EQ(fit.theta[1], -2.0 * fit.theta[0]);
+  EXPECT_EQ(fit.parameters, 3u);
+  // a = 3 pi D^2 / (4 tan^2 psi), c = (pi D^2 / 4)(3 / tan^2 psi - 1 / sin^2 psi): 002 eq. 12.
+  const double d = 0.02, psi = 0.45, q = 3.14159265358979 * d * d / 4.0;
+  const auto geometry = geometryOf(3.0 * q / std::pow(std::tan(psi), 2),
+                                   q * (3.0 / std::pow(std::tan(psi), 2) - 1.0 / std::pow(std::sin(psi), 2)));
+  ASSERT_TRUE(geometry);
+  EXPECT_NEAR(geometry->diameter, d, 1e-9);
+  EXPECT_NEAR(geometry->angle, psi, 1e-9);
+}
+
+TEST(PamFit, RefusesLogsThatCannotAnswer) {
+  PamLog log = rig(kSpring, 0.0);
+  log.force.assign(log.force.size(), 12.0);
+  EXPECT_THAT(errorOf([&] { fitPam(log, {}); }), HasSubstr("force_N is constant"));
+  log = rig(kSpring, 0.0);
+  log.contraction[0] = 12.0;
+  EXPECT_THAT(errorOf([&] { fitPam(log, {}); }), HasSubstr("is the unit"));
+}
+
+}  // namespace
+}  // namespace simgap::test

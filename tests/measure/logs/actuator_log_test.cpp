@@ -1,0 +1,83 @@
+#include "simgap/measure/logs/actuator_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simgap/core/blocks.h"
+#include "simgap/measure/logs/channel_checks.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+ActuatorLog read(const std::string& csv, const ActuatorLogOptions& options = {}) {
+  return readActuatorLog(CsvTable::parse(csv, "log.csv"), options);
+}
+
+TEST(ActuatorLog, ReadsUnitsSessionsAndOptionalChannels) {
+  const ActuatorLog log = read(
+      "time_ms,motor_current_mA,motor_velocity_rpm,external_torque_mNm,session\n"
+      "0,1000,60,500,a\n20,2000,-60,250,a\n0,3000,0,0,b\n");
+  EXPECT_THAT(log.effort, ElementsAre(1.0, 2.0, 3.0));
+  EXPECT_NEAR(log.velocity[0], 6.283185307, 1e-8);
+  EXPECT_THAT(log.load, ElementsAre(0.5, 0.25, 0.0));
+  EXPECT_THAT(log.session, ElementsAre(0, 0, 1));
+  EXPECT_THAT(log.session_names, ElementsAre("a", "b"));
+  EXPECT_THAT(log.position, IsEmpty());
+}
+
+TEST(ActuatorLog, ReadsLinearAxesAndOtherEfforts) {
+  const ActuatorLog axis = read("time_s,motor_force_N,position_m\n0,1,0\n1,2,0.1\n");
+  EXPECT_TRUE(axis.linear);
+  EXPECT_EQ(axis.effort_unit, "N");
+  const ActuatorLog servo = read("time_s,motor_voltage_V,position_deg\n0,1,0\n1,2,180\n");
+  EXPECT_EQ(servo.effort_unit, "V");
+  EXPECT_NEAR(servo.position[1], 3.14159265, 1e-8);
+}
+
+TEST(ActuatorLog, JointChannelsNeedTheRatio) {
+  const std::string csv = "motor_current_A,joint_velocity_rad_s,external_torque_Nm\n1,0.5,2\n2,1,3\n";
+  EXPECT_THAT(errorOf([&] { read(csv); }), HasSubstr("expected --ratio"));
+  EXPECT_THAT(read(csv, {.ratio = 10.0}).velocity, ElementsAre(5.0, 10.0));
+}
+
+TEST(ActuatorLog, RefusesTimeThatGoesBack) {
+  EXPECT_THAT(errorOf([] { read("time_s,motor_current_A,motor_velocity_rad_s\n0,1,1\n2,1,2\n1,1,3\n"); }),
+              HasSubstr("log.csv:4: time goes from 2 s to 1 s"));
+  EXPECT_THAT(errorOf([] { read("time_s,motor_current_A\n0,1\n"); }), HasSubstr("found no motor_velocity_rad_s"));
+}
+
+TEST(Blocks, StayWithinSessionsAndJumpsOfTime) {
+  const std::vector<double> time = {0, 1, 2, 3, 100, 101, 0, 1};
+  const std::vector<int> session = {0, 0, 0, 0, 0, 0, 1, 1};
+  const std::vector<Block> blocks = splitBlocks(time, session, 2.0);
+  ASSERT_EQ(blocks.size(), 4u);
+  EXPECT_EQ(blocks[0].end, 2u);
+  EXPECT_EQ(blocks[1].end, 4u);
+  EXPECT_EQ(blocks[2].end, 6u);
+  EXPECT_THAT(foldsOfBlocks(blocks, 2, 8), ElementsAre(0, 0, 1, 1, 0, 0, 1, 1));
+}
+
+TEST(LogChecks, NameImplausibleClippedAndStuckChannels) {
+  std::vector<double> values(1000);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = std::min(3.0 * std::sin(0.05 * static_cast<double>(i)), 2.0);
+  const auto check = [&](double plausible) {
+    const ChannelCheck channel[] = {{"motor_current_A", values, plausible}};
+    return checkChannels("log.csv", channel);
+  };
+  EXPECT_THAT(check(100.0), ElementsAre(HasSubstr("looks clipped")));
+  EXPECT_THAT(errorOf([&] { check(1.0); }), HasSubstr("is the unit in the column's name right"));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = i > 300 && i < 500 ? 0.123 : std::sin(0.05 * static_cast<double>(i));
+  EXPECT_THAT(check(100.0), ElementsAre(HasSubstr("looks stuck")));
+}
+
+}  // namespace
+}  // namespace simgap::test

@@ -1,0 +1,85 @@
+#include "simgap/measure/logs/motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace simgap {
+namespace {
+
+std::vector<double> times(std::size_t n, double rate) {
+  std::vector<double> t(n);
+  for (std::size_t i = 0; i < n; ++i) t[i] = static_cast<double>(i) / rate;
+  return t;
+}
+
+TEST(NoiseLevel, FindsWhiteNoiseUnderSlowMotion) {
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal;
+  std::vector<double> v;
+  for (int i = 0; i < 5000; ++i) v.push_back(10.0 * std::sin(0.01 * i) + 0.2 * normal(random));
+  EXPECT_NEAR(noiseLevel(v), 0.2, 0.01);
+}
+
+TEST(HoldSign, KeepsTheDirectionThroughARestAndTurnsAtTheTurningPoint) {
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> normal;
+  std::vector<double> v, truth;
+  for (int i = 0; i < 2000; ++i) {
+    // Forth for 5 s, rest for 10 s, back for 5 s, at 100 Hz.
+    const double w = i < 500    ? 5.0 * std::sin(std::numbers::pi * i / 500.0)
+                     : i < 1500 ? 0.0
+                                : -5.0 * std::sin(std::numbers::pi * (i - 1500) / 500.0);
+    v.push_back(w + 0.1 * normal(random));
+    truth.push_back(i < 1500 ? 1.0 : -1.0);
+  }
+  const MotionSign sign = holdSign(v);
+  EXPECT_EQ(sign.reversals, 1u);
+  std::size_t wrong = 0;
+  for (std::size_t i = 0; i < v.size(); ++i) wrong += sign.keep[i] && sign.direction[i] != truth[i];
+  EXPECT_LE(wrong, 6u) << "the turn may be some samples off, where the velocity is within its noise";
+}
+
+TEST(HoldSign, LeavesOutWhatComesBeforeTheFirstMotion) {
+  const MotionSign sign = holdSign(std::vector<double>{0.0, 0.0, 1.0, 1.0, -1.0, -1.0}, 3.5, 0.5);
+  EXPECT_EQ(sign.keep, (std::vector<bool>{false, false, true, false, false, true}));
+  EXPECT_EQ(sign.direction[3], 1);
+  EXPECT_EQ(sign.direction[4], -1);
+}
+
+TEST(RawSign, IsTheSign) {
+  const MotionSign sign = rawSign(std::vector<double>{-2.0, 0.0, 3.0});
+  EXPECT_EQ(sign.direction, (std::vector<signed char>{-1, 0, 1}));
+  EXPECT_EQ(sign.keep, (std::vector<bool>{true, true, true}));
+}
+
+TEST(Smooth, HalvesASineAtItsBandwidthWithoutShiftingIt) {
+  for (const double rate : {200.0, 1000.0}) {
+    const std::vector<double> t = times(4000, rate);
+    std::vector<double> y;
+    for (const double s : t) y.push_back(std::sin(2.0 * std::numbers::pi * 5.0 * s));
+    const std::vector<double> smoothed = smooth(t, y, 5.0);
+    for (std::size_t i = 1000; i < 3000; ++i) EXPECT_NEAR(smoothed[i], 0.5 * y[i], 2e-3);
+  }
+}
+
+TEST(Smooth, LeavesParabolasAloneAlsoOnUnevenTimes) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(0.5, 1.5);
+  std::vector<double> t{0.0}, y{1.0};
+  while (t.size() < 500) {
+    t.push_back(t.back() + 0.01 * uniform(random));
+    y.push_back(1.0 + 2.0 * t.back() - 3.0 * t.back() * t.back());
+  }
+  const std::vector<double> smoothed = smooth(t, y, 3.0);
+  const std::vector<double> slope = differentiate(t, smoothed);
+  for (std::size_t i = 1; i + 1 < t.size(); ++i) {
+    EXPECT_NEAR(smoothed[i], y[i], 1e-6);
+    EXPECT_NEAR(slope[i], 2.0 - 6.0 * t[i], 1e-4);
+  }
+}
+
+}  // namespace
+}  // namespace simgap
