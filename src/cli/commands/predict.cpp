@@ -146,7 +146,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   Session session("predict", options.common, argv);
   const Input& input = session.read("model", options.model);
   const FittedModel model = readFittedModel(YamlNode::parse(input.content, options.model));
-  const bool diagnosed = !model.extensions.empty() || model.has("presliding");
+  const bool diagnosed = !model.extensions.empty() || model.has(kNuisance);
   const Prediction p = diagnosed                  ? predictDiagnosed(model, options, session)
                        : model.kind == "friction" ? predictFriction(model, options, session)
                        : model.kind == "pam"      ? predictPam(model, options, session)

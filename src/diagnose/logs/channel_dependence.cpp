@@ -26,7 +26,7 @@ void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& t
 }
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   const Eigen::ArrayXd u = channelOf(p, rows);
   x.col(0) = u;
   x.col(1) = u.square();
@@ -38,6 +38,7 @@ const ActuatorEffect kChannelDependence = {
     .name = "channel-dependence",
     .cause = "friction or effort that depends on a logged channel in a way no named cause explains",
     .equation = "tau_fr (1 + a u + b u^2), I + c u + d u^2",
+    .signature = "not known",
     .source = "not a cause: what names the channel of an unknown one",
     .look_alikes = "",
     .separates = "the channel stepped up and down while all else repeats",

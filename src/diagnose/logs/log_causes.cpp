@@ -13,7 +13,7 @@ std::vector<Absorption> absorption(const std::vector<PhysicalParameter>& before,
   std::vector<Absorption> list;
   for (const PhysicalParameter& a : after) {
     const auto b = std::ranges::find(before, a.name, &PhysicalParameter::name);
-    if (b == before.end() || !(a.sd > 0.0) || a.name == "presliding") continue;
+    if (b == before.end() || !(a.sd > 0.0) || a.name == kNuisance) continue;
     const double shift = (a.value - b->value) / a.sd;
     if (std::abs(shift) > 2.0) list.push_back({a.name, shift});
   }

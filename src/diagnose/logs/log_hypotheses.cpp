@@ -15,7 +15,6 @@ using Kind = EffectParameter::Kind;
 
 constexpr int kFolds = 5;
 constexpr double kPieceSeconds = 2.0;
-constexpr std::string_view kPresliding = "presliding-hysteresis";
 /// The presliding that every drive has: within this share of the typical travel between two rows.
 constexpr double kNuisancePresliding = 0.1;
 /// An effect whose signature is within that share of what the model's own parameters span is no finding of its own.
@@ -101,7 +100,7 @@ LogSearch::LogSearch(const ActuatorBase& base, const ActuatorData& data, std::ve
 
 std::shared_ptr<const ActuatorRegression> LogSearch::makeModel(
     const std::vector<const ActuatorEffect*>& effects) const {
-  const bool named = std::ranges::find(effects, kPresliding, &ActuatorEffect::name) != effects.end();
+  const bool named = std::ranges::any_of(effects, [](const ActuatorEffect* effect) { return effect->in_every_drive; });
   const double typical = std::sqrt(data_.rows.speed.square().mean()) * data_.rows.step;
   std::optional<double> nuisance;
   const bool drive = base_.kind == ActuatorKind::kFriction || base_.kind == ActuatorKind::kGearbox;
@@ -172,7 +171,7 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
   start = model->startFrom(*model, start);
   for (std::size_t i = 0; i < start.size(); ++i) {
     start[i] = std::clamp(0.01, model->parameters()[i].lower, model->parameters()[i].upper);
-    if (model->parameters()[i].name == "presliding") start[i] = 0.1 * model->parameters()[i].upper;
+    if (model->parameters()[i].name == kNuisance) start[i] = 0.1 * model->parameters()[i].upper;
   }
   start[0] = 1.0;
   std::vector<std::vector<double>> own = {{}};
@@ -291,8 +290,8 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   } else {
     starts.push_back(start);
   }
-  if (hypothesis.effect->name == kPresliding) {  // and where the nuisance was
-    const auto nuisance = std::ranges::find(base.model->parameters(), "presliding", &FitParameter::name);
+  if (hypothesis.effect->in_every_drive) {  // and where the nuisance was
+    const auto nuisance = std::ranges::find(base.model->parameters(), kNuisance, &FitParameter::name);
     starts.push_back(start);
     starts.back()[first] = base.theta[static_cast<std::size_t>(nuisance - base.model->parameters().begin())];
   }

@@ -88,7 +88,7 @@ void placeSlips(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypoth
   const Eigen::Index n = fit.posterior().degreesOfFreedom();
   std::vector<PoseHypothesis*> slips;
   for (PoseHypothesis& hypothesis : hypotheses) {
-    if (hypothesis.effect->name == "potentiometer-slip") slips.push_back(&hypothesis);
+    if (hypothesis.effect->from_moment) slips.push_back(&hypothesis);
   }
   forEach(problem, slips.size(), [&](std::size_t h) {
     PoseHypothesis& slip = *slips[h];
@@ -146,7 +146,7 @@ double smallestRevealed(const PoseProblem& problem, const PoseScore& score, cons
   PoseCause cause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()};
   if (cause.effect->path) return smallestWrap(problem, score, cause);
   cause.start[0] = cause.effect->parameters[0].neutral;
-  if (cause.effect->name == "potentiometer-slip") cause.start[1] = poses[poses.size() / 2].time;
+  if (cause.effect->from_moment) cause.start[1] = poses[poses.size() / 2].time;
   const double information = score.information(score.slopes(problem, cause).col(0));
   return information > 0.0 ? std::sqrt(2.0 * kRevealed / information) : std::nan("");
 }

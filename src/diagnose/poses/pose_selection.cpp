@@ -163,7 +163,7 @@ double Selection::share(const PoseHypothesis& hypothesis) const {
   double ways = hypothesis.target.empty() ? 1.0 : targets;
   if (whole && targets > 0.0) ways *= 2.0;
   // Neighbouring moments are no new hypotheses.
-  if (hypothesis.effect->name == "potentiometer-slip") ways *= std::max(1.0, 0.25 * static_cast<double>(poses_.size()));
+  if (hypothesis.effect->from_moment) ways *= std::max(1.0, 0.25 * static_cast<double>(poses_.size()));
   return 1.0 / (static_cast<double>(effects.size()) * ways);
 }
 

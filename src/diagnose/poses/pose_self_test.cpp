@@ -103,7 +103,7 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
         });
         EffectParameters p = h->starts.front();
         p[0] = kAboveDetectable * d.magnitude95;
-        if (h->effect->name == "potentiometer-slip") {
+        if (h->effect->from_moment) {
           const std::span<const Pose> poses = fit.posterior().poses();
           p[1] = poses[poses.size() / 2].time;
         }
@@ -117,7 +117,8 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
       const std::string name = answerOf(answer, test.hidden[e], label);
       const auto column = std::ranges::find(test.answers, name) - test.answers.begin();
       if (column < std::ssize(test.answers)) ++test.count[e][static_cast<std::size_t>(column)];
-      const bool quiet = name == "none" || name == "joint-stiction" || name == "unexplained";
+      const ArmEffect* found = findArmEffect(name);
+      const bool quiet = name == "none" || name == "unexplained" || (found != nullptr && found->in_every_joint);
       if (e == 0) test.false_alarm_rate += quiet ? 0.0 : 1.0 / options.self_test;
       if (e > 0 && name == test.hidden[e]) ++right;
     }

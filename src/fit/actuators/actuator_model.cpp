@@ -58,7 +58,7 @@ ActuatorModel subjectOf(const FittedModel& model) {
 }
 
 Eigen::ArrayXd predictExtended(const ActuatorModel& subject, const ActuatorData& data) {
-  const auto presliding = std::ranges::find(subject.values, "presliding", &PhysicalParameter::name);
+  const auto presliding = std::ranges::find(subject.values, kNuisance, &PhysicalParameter::name);
   std::optional<double> largest;
   if (presliding != subject.values.end()) largest = presliding->value;
   const ActuatorRegression regression(subject.base, subject.effects, data, largest);

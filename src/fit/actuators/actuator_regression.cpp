@@ -14,7 +14,6 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 using Kind = EffectParameter::Kind;
 
-
 /// The unit a catalogue entry means on this drive: "Nm" is the load's, "A" the effort's.
 std::string unitOn(std::string_view unit, const ActuatorData& data) {
   std::string text(unit);
@@ -69,7 +68,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
     add("v_s", data.velocity_unit, 1e-4 * data.rows.top_speed, 3.0 * data.rows.top_speed);
     add("delta", "1", 0.2, 8.0);
   }
-  if (presliding) add("presliding", "rad", 1e-6, *presliding);
+  if (presliding) add(std::string(kNuisance), "rad", 1e-6, *presliding);
   for (const ActuatorEffect* effect : effects_) {
     p_begin_.push_back(parameters_.size());
     for (const EffectParameter& p : effect->parameters) {
@@ -77,7 +76,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
           p.kind == Kind::kScanned || p.kind == Kind::kConstant);
     }
   }
-  implicit_ = std::ranges::find(effects_, "tendon-compliance", &ActuatorEffect::name) != effects_.end();
+  implicit_ = std::ranges::any_of(effects_, [](const ActuatorEffect* effect) { return effect->implicit; });
   log_speed_ = data.rows.speed.abs().max(1e-12).log();
   const std::vector<int>& session = data.rows.session;
   const auto n = static_cast<std::size_t>(data.rows.rows());
@@ -108,12 +107,12 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
   }
   std::size_t at = 0;
   if (base_.hasStribeck()) {
-    t.still = (-(p[1] * (log_speed_ - std::log(p[0]))).min(50.0).exp()).exp();
+    t.stribeck = (-(p[1] * (log_speed_ - std::log(p[0]))).min(50.0).exp()).exp();
     at = 2;
   } else {
-    t.still = ArrayXd::Zero(rows.rows());
+    t.stribeck = ArrayXd::Zero(rows.rows());
   }
-  if (presliding_) actuator_effects::find("presliding-hysteresis").apply(p.subspan(at++, 1), rows, t.shared);
+  if (presliding_) actuator_effects::inEveryDrive().apply(p.subspan(at++, 1), rows, t.shared);
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e, p), rows, t.shared);
   }
@@ -135,9 +134,9 @@ void ActuatorRegression::visitColumns(const Terms& t, std::span<const double> p,
   };
   const auto shaped = [&](const auto& column, FrictionShape shape) {
     if (shape == FrictionShape::kStatic) {
-      give(column * t.still);
+      give(column * t.stribeck);
     } else if (shape == FrictionShape::kSliding) {
-      give(column * (1.0 - t.still));
+      give(column * (1.0 - t.stribeck));
     } else {
       give(column);
     }
@@ -164,7 +163,7 @@ void ActuatorRegression::visitColumns(const Terms& t, std::span<const double> p,
     const auto count = static_cast<Index>(effects_[e]->columns.size());
     if (count == 0) continue;
     Eigen::ArrayXXd added(rows(), count);
-    effects_[e]->fill(own(e, p), data_->rows, terms, t.still, added);
+    effects_[e]->fill(own(e, p), data_->rows, terms, t.stribeck, added);
     for (Index k = 0; k < count; ++k) give(added.col(k));
   }
 }
@@ -211,26 +210,32 @@ ActuatorRegression::Evaluation ActuatorRegression::columns(std::span<const doubl
 }
 
 Eigen::ArrayXd ActuatorRegression::predict(std::span<const double> theta) const {
-  ArrayXd effort = explicitly(theta, data_->rows.effort);
+  double delay = 0.0;
+  return predict(theta, delay);
+}
+
+ArrayXd ActuatorRegression::predict(std::span<const double> theta, double& delay) const {
+  ArrayXd effort = rightHandSide(theta, data_->rows.effort, delay);
   if (!implicit_) return effort;
   // f = F(f) from the measured f, row by row as Steffensen (1933) does it, so that its noise is not in the prediction.
   constexpr int kRounds = 3;
   ArrayXd start = data_->rows.effort;
   for (int round = 0; round < kRounds; ++round) {
-    const ArrayXd again = explicitly(theta, effort);
+    const ArrayXd again = rightHandSide(theta, effort, delay);
     const ArrayXd step = effort - start, slope = (again - effort) / (step.abs() > 1e-12).select(step, 1.0);
     start = (slope < 0.9).select(start + step / (1.0 - slope), again);
-    effort = explicitly(theta, start);
+    effort = rightHandSide(theta, start, delay);
   }
   return effort;
 }
 
-ArrayXd ActuatorRegression::explicitly(std::span<const double> theta, const ArrayXd& effort) const {
+ArrayXd ActuatorRegression::rightHandSide(std::span<const double> theta, const ArrayXd& effort, double& delay) const {
   const std::span<const double> p = theta.subspan(linear_);
   const Terms t = terms(p, effort);
   ArrayXd sum = ArrayXd::Zero(rows());
   visitColumns(t, p, [&](std::size_t j, const auto& column) { sum += theta[j] * column; });
-  delayRows(sum, t.shared.delay);
+  delay = t.shared.delay;
+  delayRows(sum, delay);
   return t.shared.cubic == 0.0 ? sum : ArrayXd(sum + t.shared.cubic * sum.cube());
 }
 
@@ -244,11 +249,8 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
     }
   };
   if (jacobian == nullptr) {
-    residual = (predict(theta) - data_->rows.effort).matrix();
     double delay = 0.0;
-    for (std::size_t e = 0; e < effects_.size(); ++e) {
-      if (effects_[e]->name == "channel-delay") delay = theta[p_begin_[e]];
-    }
+    residual = (predict(theta, delay) - data_->rows.effort).matrix();
     blank(residual, counted(delay));
     return;
   }
@@ -338,7 +340,7 @@ std::vector<double> ActuatorRegression::thetaOf(std::span<const PhysicalParamete
     theta[i] = value(parameters_[i].name, 0.0) * (times_gain_[i] ? theta[0] : 1.0);
   }
   for (std::size_t i = linear_; i < theta.size(); ++i) {
-    theta[i] = value(parameters_[i].name, parameters_[i].name == "presliding" ? 1e-6 : 1.0);
+    theta[i] = value(parameters_[i].name, parameters_[i].name == kNuisance ? 1e-6 : 1.0);
   }
   return theta;
 }

@@ -10,6 +10,10 @@ std::string_view toString(OptionalChannel channel) {
       return "motor_position_rad";
     case OptionalChannel::kTemperature:
       return "temperature_degC";
+    case OptionalChannel::kLoad:
+      return "a load that changes";
+    case OptionalChannel::kRest:
+      return "rests of 1 s and longer";
   }
   return "";
 }
@@ -22,6 +26,10 @@ bool ActuatorRows::has(OptionalChannel channel) const {
       return motor_angle.size() > 0;
     case OptionalChannel::kTemperature:
       return temperature.size() > 0;
+    case OptionalChannel::kLoad:
+      return top_load != 0.0;
+    case OptionalChannel::kRest:
+      return (rest > 0.5).any();
   }
   return false;
 }

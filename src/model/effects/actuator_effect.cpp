@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "simgap/core/error.h"
 
@@ -11,11 +10,7 @@ namespace simgap {
 
 bool appliesTo(const ActuatorEffect& effect, ActuatorKind kind) {
   if (effect.kind == kind) return true;
-  if (kind != ActuatorKind::kGearbox || effect.kind != ActuatorKind::kFriction) return false;
-  // The gearbox's own causes say these in its words; and where rows at jumps are left out, no delay can be seen.
-  constexpr std::array kOthers = {"load-dependence", "backdrive-asymmetry",   "stribeck",
-                                  "position-ripple", "presliding-hysteresis", "channel-delay"};
-  return std::ranges::find(kOthers, effect.name) == kOthers.end();
+  return kind == ActuatorKind::kGearbox && effect.kind == ActuatorKind::kFriction && effect.on_gearbox;
 }
 
 const ActuatorEffect& actuator_effects::find(std::string_view name) {
@@ -25,6 +20,10 @@ const ActuatorEffect& actuator_effects::find(std::string_view name) {
     known += fmt::format("{}{}", known.empty() ? "" : ", ", effect->name);
   }
   throw ConfigError(fmt::format("found no effect '{}' on actuators, expected one of {}", name, known));
+}
+
+const ActuatorEffect& actuator_effects::inEveryDrive() {
+  return **std::ranges::find_if(all(), [](const ActuatorEffect* effect) { return effect->in_every_drive; });
 }
 
 }  // namespace simgap

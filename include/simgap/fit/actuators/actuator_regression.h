@@ -69,7 +69,7 @@ class ActuatorRegression : public RowModel {
   };
   struct Terms {
     ActuatorTerms shared;
-    Eigen::ArrayXd still;  ///< shape (rows): E of the Stribeck term, 0 for laws without one
+    Eigen::ArrayXd stribeck;  ///< shape (rows): the Stribeck factor E, 0 for laws without one
   };
   struct Shift {
     Eigen::Index whole;  ///< rows
@@ -78,7 +78,10 @@ class ActuatorRegression : public RowModel {
   Evaluation columns(std::span<const double> p) const;
   /// \param effort  shape (rows): where the effort stands on the right.
   Terms terms(std::span<const double> p, const Eigen::ArrayXd& effort) const;
-  Eigen::ArrayXd explicitly(std::span<const double> theta, const Eigen::ArrayXd& effort) const;
+  /// The same, and by how much the effort is logged later than the motion [s].
+  Eigen::ArrayXd predict(std::span<const double> theta, double& delay) const;
+  /// The equation's right-hand side for an effort that stands there, shape (rows).
+  Eigen::ArrayXd rightHandSide(std::span<const double> theta, const Eigen::ArrayXd& effort, double& delay) const;
   /// Calls `visit(j, column)` for each column, over gain, not delayed.
   template <typename Visit>
   void visitColumns(const Terms& terms, std::span<const double> p, const Visit& visit) const;

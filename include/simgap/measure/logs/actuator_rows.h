@@ -17,8 +17,14 @@ enum class ActuatorKind {
   kTransmission,  ///< between the two angles of a drive: the joint's against the motor's
 };
 
-/// A channel that not every log has.
-enum class OptionalChannel { kJointAngle, kMotorAngle, kTemperature };
+/// What not every log has.
+enum class OptionalChannel {
+  kJointAngle,
+  kMotorAngle,
+  kTemperature,
+  kLoad,  ///< that changes
+  kRest,  ///< of 1 s and longer
+};
 std::string_view toString(OptionalChannel channel);
 
 /// The rows of a log as effects see them; every array has shape (n), or is empty when the log has no such channel.

@@ -90,18 +90,24 @@ struct Stiction {
 ///@}
 
 /// A named physical cause and what it changes. Exactly one hook is set. All are pure, allocate nothing, throw nothing.
+/// docs/effects.md is written from these fields (tests/model/effects/effects_page_test.cpp); nothing outside its file
+/// tests an effect by its name.
 struct ArmEffect {
   enum class Target { kNone, kPam, kMuscleOrAll, kMovingBody, kBody, kJoint };
 
-  std::string_view name;      ///< as in the catalogue; the file's stem
-  std::string_view cause;     ///< one sentence a person understands
-  std::string_view equation;  ///< one line
+  std::string_view name;            ///< as in the catalogue; the file's stem
+  std::string_view cause;           ///< one sentence a person understands
+  std::string_view equation;        ///< one line
+  std::string_view signature = {};  ///< what is left of the errors of a model without it; may be empty
+  std::string_view remarks = {};    ///< what else to know of it; may be empty
   Target target;
   std::span<const ArmEffectParameter> parameters;
   std::span<const EffectParameters> starts;       ///< where fits of it begin; also all choices of what is not fitted
   std::span<const std::string_view> look_alikes;  ///< effects that poses hardly tell from it
   std::string_view separates_by;                  ///< the experiment that does
   bool needs_time = false;                        ///< of every pose
+  bool from_moment = false;     ///< acts from a moment on, its second parameter, that a diagnosis has to search
+  bool in_every_joint = false;  ///< of a real arm: to find it is no false alarm
 
   Lengthening (*line)(const EffectParameters& p, const LineState& state) = nullptr;
   CordTerm (*cord)(const EffectParameters& p, double expansion, const ShockCord& cord) = nullptr;

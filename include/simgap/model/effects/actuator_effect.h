@@ -20,6 +20,8 @@
 
 namespace simgap {
 
+struct FrictionLaw;
+
 /// What the columns are made of. Arrays of shape (n).
 struct ActuatorTerms {
   Eigen::ArrayXd load;         ///< [N m] what the drive works against
@@ -57,24 +59,35 @@ struct EffectColumn {
   bool torque = true;  ///< false: adds to the effort itself
 };
 
+/// A named physical cause. Whoever needs to know something of an effect reads it here: nothing outside its file tests
+/// an effect by its name, and docs/effects.md is written from these fields (tests/model/effects/effects_page_test.cpp).
 struct ActuatorEffect {
   std::string_view name;                             ///< of the catalogue
   ActuatorKind kind = ActuatorKind::kFriction;       ///< which logs can show it (see appliesTo)
   std::string_view cause;                            ///< one sentence for people
   std::string_view equation;                         ///< one line
+  std::string_view signature;                        ///< what the residual of a model without it looks like
+  std::string_view remarks = {};                     ///< what else to know of it; may be empty
   std::string_view source;                           ///< where it comes from
   std::string_view look_alikes;                      ///< what it is easily confused with
   std::string_view separates;                        ///< the log that tells it from them: continues "record …"
   std::span<const EffectParameter> parameters = {};  ///< shape (P)
   std::span<const EffectColumn> columns = {};        ///< shape (C)
-  std::span<const OptionalChannel> needs = {};
+  std::span<const OptionalChannel> needs = {};       ///< of a log
+  /// True for laws of which it is a part already, or in which it has no meaning; none: it adds to every law.
+  bool (*contained_in)(const FrictionLaw& law) = nullptr;
+  bool needs_stribeck = false;  ///< it acts on the Stribeck term of a law
+  bool is_offset = false;       ///< a constant effort: part of every fit with an offset of its own
+  bool implicit = false;        ///< `apply` reads terms.effort: the effort stands on both sides of the equation
+  bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
+  bool on_gearbox = true;       ///< false: a gearbox's own causes say it in other words, or its rows cannot show it
 
   /// Changes the terms. \param p  shape (P), within the bounds.
   void (*apply)(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) = nullptr;
-  /// Fills the added columns (signed as the friction they add). \param still  shape (n): E of the Stribeck term, 0 for
-  /// laws without one.  \param x  shape (n, C).
+  /// Fills the added columns (signed as the friction they add). \param stribeck  shape (n): the Stribeck factor E,
+  /// 0 for laws without one.  \param x  shape (n, C).
   void (*fill)(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
-               const Eigen::ArrayXd& still, Eigen::Ref<Eigen::ArrayXXd> x) = nullptr;
+               const Eigen::ArrayXd& stribeck, Eigen::Ref<Eigen::ArrayXXd> x) = nullptr;
   /// Where to search, shape (starts)(P); none: at `start` of every parameter. \param residual  shape (n) of the model
   /// without the effect.
   std::vector<std::vector<double>> (*starts)(const ActuatorRows& rows, const Eigen::ArrayXd& residual) = nullptr;
@@ -82,13 +95,18 @@ struct ActuatorEffect {
   bool (*counts)(std::span<const double> p, const ActuatorRows& rows) = nullptr;
 };
 
-/// A gearbox has its own causes and, but for those that say the same in other words, those of any drive.
+/// Parameter by which a model has a little of the effect that is in every drive.
+inline constexpr std::string_view kNuisance = "presliding";
+
+/// A gearbox has its own causes and those of any drive that are not ruled out (on_gearbox).
 bool appliesTo(const ActuatorEffect& effect, ActuatorKind kind);
 
 namespace actuator_effects {
 std::span<const ActuatorEffect* const> all();
 /// \throws ConfigError that lists the known effects.
 const ActuatorEffect& find(std::string_view name);
+/// The effect that every real drive has a little of.
+const ActuatorEffect& inEveryDrive();
 }  // namespace actuator_effects
 
 }  // namespace simgap

@@ -51,6 +51,12 @@ struct FrictionLaw {
     }
     return false;
   }
+  bool hasTerm(FrictionBasis basis, FrictionShape shape) const {
+    for (const FrictionTerm& term : terms) {
+      if (term.basis == basis && term.shape == shape) return true;
+    }
+    return false;
+  }
   bool needsLoad() const {
     for (const FrictionTerm& term : terms) {
       if (term.basis == FrictionBasis::kLoad) return true;

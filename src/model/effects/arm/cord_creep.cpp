@@ -27,6 +27,8 @@ const ArmEffect cord_creep{
     .name = "cord-creep",
     .cause = "the shock cord or the kite line lengthens in the course of the session",
     .equation = "L_K = L_K0 - r phi + rate T log(1 + t / T)",
+    .signature = "a drift in the order of recording",
+    .remarks = "T is `time_constant`: linear at first, slowing down beyond T",
     .target = ArmEffect::Target::kMuscleOrAll,
     .parameters = kParameters,
     .starts = kStarts,

@@ -28,6 +28,7 @@ const ArmEffect cord_hardening{
     .name = "cord-hardening",
     .cause = "the shock cord stiffens as it is stretched far",
     .equation = "F = k x (1 + hardening (x / L_SR)^2)",
+    .signature = "a tension error that grows with the third power of the expansion",
     .target = ArmEffect::Target::kMuscleOrAll,
     .parameters = kParameters,
     .starts = kStarts,

@@ -42,6 +42,7 @@ const ArmEffect gravity_tilt{
     .name = "gravity-tilt",
     .cause = "the base is not level, so gravity pulls aslant",
     .equation = "g' = exp([about_x, about_y, 0]) g",
+    .signature = "a torque as of a weight, in one direction of space",
     .target = ArmEffect::Target::kNone,
     .parameters = kParameters,
     .starts = kStarts,

@@ -18,6 +18,9 @@ extern const ArmEffect joint_centre_offset;
 const ArmEffect joint_centre_offset{.name = "joint-centre-offset",
                                     .cause = "the joint turns about another point than the model says",
                                     .equation = "parent_position' = parent_position + (x, y, z)",
+                                    .remarks =
+                                        "the same as all attachments on the parent shifted the other way together, "
+                                        "which their hand measurements hardly allow",
                                     .target = ArmEffect::Target::kJoint,
                                     .parameters = kParameters,
                                     .starts = kStarts,

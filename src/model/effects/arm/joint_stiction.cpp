@@ -21,11 +21,16 @@ const ArmEffect joint_stiction{
     .name = "joint-stiction",
     .cause = "joint friction holds the arm short of its equilibrium, on the side it comes from",
     .equation = "dE/dq = -torque d/|d| at rest, d = dq/dphi (phi - phi_before)",
+    .remarks =
+        "it comes from rest, or from the pose before (`from_previous` 1). It is in every joint: a diagnosis counts the "
+        "model's Coulomb friction as noise at first, and this names the part that has a direction. In Bullet it is the "
+        "joint's Coulomb friction",
     .target = ArmEffect::Target::kJoint,
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
     .separates_by = "approach the same command from both sides: the two positions differ by twice the lag",
+    .in_every_joint = true,
     .stiction = stiction};
 
 }  // namespace simgap::arm_effects

@@ -20,6 +20,7 @@ const ArmEffect marker_frame_offset{
     .name = "marker-frame-offset",
     .cause = "the markers' frame is turned against the bone that carries it",
     .equation = "R_captured = R exp([about_x, about_y, about_z])",
+    .remarks = "a turn of the last body shows only about its hinge",
     .target = ArmEffect::Target::kBody,
     .parameters = kParameters,
     .starts = kStarts,

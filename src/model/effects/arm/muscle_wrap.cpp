@@ -83,6 +83,11 @@ const ArmEffect muscle_wrap{
     .name = "muscle-wrap",
     .cause = "the muscle bends round a joint or bone instead of running straight",
     .equation = "L = sqrt(a^2 - R^2) + sqrt(b^2 - R^2) + R (theta - acos(R/a) - acos(R/b)) where it touches",
+    .signature = "errors of the spanned joint on one side of an angle only, zero beyond it",
+    .remarks =
+        "the muscle touches a sphere about the centre of the joint number `joint` that it crosses (1: the first), of "
+        "radius R; a and b are the distances of its ends from there, theta the angle between them; where it does not "
+        "touch, the line is straight. Coiling changes its lever arm too, but follows the shaft",
     .target = ArmEffect::Target::kPam,
     .parameters = kParameters,
     .starts = kStarts,

@@ -67,6 +67,9 @@ const ArmEffect passive_joint_torque{
     .name = "passive-joint-torque",
     .cause = "skin, cables or an elastic stop push the joint back",
     .equation = "tau = -stiffness (q - rest_angle), on one side of it or on both",
+    .remarks =
+        "the spring acts on both sides of `rest_angle` (`side` 0), above it (1) or below (-1). For a spherical joint "
+        "the angle is the whole rotation from identity and `side` is 1",
     .target = ArmEffect::Target::kJoint,
     .parameters = kParameters,
     .starts = kStarts,

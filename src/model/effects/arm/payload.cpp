@@ -18,6 +18,9 @@ extern const ArmEffect payload;
 const ArmEffect payload{.name = "payload",
                         .cause = "the body carries a mass that the model does not have",
                         .equation = "E = ... - mass g.x at the distance from the joint",
+                        .remarks =
+                            "the mass lies on the way from the joint through the body's centre of mass. For a body "
+                            "next to the torso only mass x distance acts",
                         .target = ArmEffect::Target::kMovingBody,
                         .parameters = kParameters,
                         .starts = kStarts,

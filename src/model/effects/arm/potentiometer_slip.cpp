@@ -22,6 +22,7 @@ const ArmEffect potentiometer_slip{
     .name = "potentiometer-slip",
     .cause = "the potentiometer slipped on its shaft at one moment",
     .equation = "L_K = L_K0 - r (phi + angle) from the moment time on",
+    .signature = "a step in the order of recording",
     .target = ArmEffect::Target::kPam,
     .parameters = kParameters,
     .starts = kStarts,
@@ -30,6 +31,7 @@ const ArmEffect potentiometer_slip{
         "unwind the muscle until its line hangs slack and read the potentiometer: only the slipped one differs "
         "from before",
     .needs_time = true,
+    .from_moment = true,
     .line = line};
 
 }  // namespace simgap::arm_effects

@@ -22,6 +22,7 @@ const ArmEffect spindle_coiling{
     .name = "spindle-coiling",
     .cause = "the kite line winds over itself, so the spindle's radius grows with the line it holds",
     .equation = "L_K = L_K0 - r (phi + growth phi^2 / 2)",
+    .signature = "a tension error that grows with phi^2, whatever the force",
     .target = ArmEffect::Target::kMuscleOrAll,
     .parameters = kParameters,
     .starts = kStarts,

@@ -24,6 +24,7 @@ const ActuatorEffect bend_friction = {
     .name = "bend-friction",
     .cause = "cable friction that grows with the angle the cable is bent by",
     .equation = "tau_dry exp(mu (theta - theta_mean))",
+    .signature = "steps at reversals that grow with the joint angle",
     .source = "capstan equation",
     .look_alikes = "joint-gravity, load-nonlinearity where load and angle go together",
     .separates = "the same load at joint angles far apart",

@@ -8,7 +8,7 @@ namespace {
 constexpr EffectColumn kColumns[] = {{.name = "I_0", .unit = "A", .torque = false}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = 1.0;
 }
 
@@ -19,10 +19,12 @@ const ActuatorEffect current_bias = {
     .name = "current-bias",
     .cause = "the current sensor has an offset",
     .equation = "I + I_0",
+    .signature = "a constant residual",
     .source = "catalogue of causes",
     .look_alikes = "torque-bias, joint-gravity, direction-asymmetry",
     .separates = "rows with the motor switched off, and loads of both signs",
     .columns = kColumns,
+    .is_offset = true,
     .fill = fill,
 };
 

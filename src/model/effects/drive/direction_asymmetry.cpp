@@ -18,6 +18,7 @@ const ActuatorEffect direction_asymmetry = {
     .name = "direction-asymmetry",
     .cause = "dry friction that differs by the direction of motion",
     .equation = "tau_dry (1 + a sign(w))",
+    .signature = "steps at reversals that differ by direction; looks like an offset that grows with the load",
     .source = "catalogue of causes",
     .look_alikes = "current-bias, torque-bias, backdrive-asymmetry",
     .separates = "both directions under large loads of both signs",

@@ -35,6 +35,8 @@ const ActuatorEffect friction_heating = {
     .name = "friction-heating",
     .cause = "friction falls as the drive warms up",
     .equation = "tau_dry exp(-beta_dry (T - T_mean)), k_v exp(-beta_viscous (T - T_mean))",
+    .signature =
+        "steps and slopes that shrink while the temperature rises; without a temperature channel, over a warm-up time",
     .source = "catalogue of causes; viscosity falls about exponentially with temperature",
     .look_alikes = "regime-change, torque-constant-heating",
     .separates = "the same motion while the temperature goes up and while it goes down again",

@@ -8,7 +8,7 @@ namespace {
 constexpr EffectColumn kColumns[] = {{"J", "Nms2_rad", 0.0}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = rows.acceleration;
 }
 
@@ -19,6 +19,7 @@ const ActuatorEffect inertia = {
     .name = "inertia",
     .cause = "an inertia that the model leaves out has to be accelerated",
     .equation = "tau += J dw/dt",
+    .signature = "a residual in phase with the acceleration",
     .source = "catalogue of causes",
     .look_alikes = "joint-gravity and channel-delay on sinusoids of one frequency",
     .separates = "the same angles at a slow and at a fast frequency",

@@ -29,6 +29,7 @@ const ActuatorEffect joint_gravity = {
     .name = "joint-gravity",
     .cause = "a weight that the torque sensor does not see",
     .equation = "tau_ext += m g l sin(theta - theta_0)",
+    .signature = "a residual that is a sinusoid of the joint angle, the same in both directions",
     .source = "catalogue of causes",
     .look_alikes = "current-bias, torque-bias and inertia where the joint moves little",
     .separates = "slow motion over the widest range of joint angles",

@@ -5,10 +5,11 @@
 namespace simgap::actuator_effects {
 namespace {
 
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kLoad};
 constexpr EffectColumn kColumns[] = {{"n_2", "1_Nm"}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = terms.load.square() * terms.dry;
 }
 
@@ -19,10 +20,12 @@ const ActuatorEffect load_nonlinearity = {
     .name = "load-nonlinearity",
     .cause = "friction that grows faster or slower than the load",
     .equation = "tau_fr += n_2 tau_ext^2 sign(w)",
+    .signature = "residual x direction bends over the load",
     .source = "catalogue of causes; the next term of a series in the load",
     .look_alikes = "coulomb-offset, torque-saturation",
     .separates = "the same motion under at least four loads from zero to the largest",
     .columns = kColumns,
+    .needs = kNeeds,
     .fill = fill,
 };
 

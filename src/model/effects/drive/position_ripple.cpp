@@ -16,7 +16,7 @@ constexpr EffectParameter kParameters[] = {{"r", "1", 0.5, 1e4, 1.0, 1.0, Effect
 constexpr EffectColumn kColumns[] = {{"a", "Nm"}, {"b", "Nm"}};
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = (p[0] * rows.joint_angle).sin();
   x.col(1) = (p[0] * rows.joint_angle).cos();
 }
@@ -56,12 +56,14 @@ const ActuatorEffect position_ripple = {
     .name = "position-ripple",
     .cause = "a force that repeats with the shaft angle: cogging, a gear, a screw",
     .equation = "tau += a sin(r theta) + b cos(r theta)",
+    .signature = "a line in the spectrum of the residual over the angle; `r` counts periods per turn of the joint",
     .source = "catalogue of causes",
     .look_alikes = "outliers, joint-gravity at low ratios",
     .separates = "slow motion at constant speed over several periods",
     .parameters = kParameters,
     .columns = kColumns,
     .needs = kNeeds,
+    .on_gearbox = false,
     .fill = fill,
     .starts = starts,
     .counts = counts,

@@ -35,10 +35,15 @@ const ActuatorEffect presliding_hysteresis = {
     .name = "presliding-hysteresis",
     .cause = "after a reversal friction builds up over some travel: backlash or elastic bristles",
     .equation = "tau_dry z, dz/dx = (sign(w) - z) / x_s",
+    .signature = "rounded instead of sharp steps after reversals, as long in travel at every speed",
+    .remarks =
+        "a little of it is in every drive: the baseline carries up to a tenth of the typical travel between two rows",
     .source = "Dahl 1968",
     .look_alikes = "channel-delay, stribeck, transmission-compliance",
     .separates = "slow reversals with many samples in the first travel after each",
     .parameters = kParameters,
+    .in_every_drive = true,
+    .on_gearbox = false,
     .apply = apply,
     .starts = starts,
 };

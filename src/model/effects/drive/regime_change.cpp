@@ -17,7 +17,7 @@ void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& t
 }
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = after(p, rows);
 }
 
@@ -35,6 +35,7 @@ const ActuatorEffect regime_change = {
     .name = "regime-change",
     .cause = "something was altered at one moment: a cable re-tensioned or slipped",
     .equation = "tau_dry (1 + a) and I + I_1 from t_c on",
+    .signature = "a residual that changes once, at one moment",
     .source = "catalogue of causes",
     .look_alikes = "friction-heating and other drifts in time",
     .separates = "the first motion of the log once more at its end",

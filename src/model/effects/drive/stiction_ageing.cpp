@@ -5,11 +5,12 @@
 namespace simgap::actuator_effects {
 namespace {
 
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kRest};
 constexpr EffectColumn kColumns[] = {{"c", "Nm", 0.0}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& terms,
-          const Eigen::ArrayXd& still, Eigen::Ref<Eigen::ArrayXXd> x) {
-  x.col(0) = terms.dry * still * (1.0 + rows.rest).log();
+          const Eigen::ArrayXd& stribeck, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = terms.dry * stribeck * (1.0 + rows.rest).log();
 }
 
 }  // namespace
@@ -19,10 +20,13 @@ const ActuatorEffect stiction_ageing = {
     .name = "stiction-ageing",
     .cause = "breaking away takes more the longer the drive has rested",
     .equation = "tau_s += c log(1 + t_rest / 1 s)",
+    .signature = "breakaway peaks that grow with the rest before them",
     .source = "catalogue of causes",
     .look_alikes = "static-offset, presliding-hysteresis",
     .separates = "rests of 1, 3 and 10 s under load before slow motion",
     .columns = kColumns,
+    .needs = kNeeds,
+    .needs_stribeck = true,
     .fill = fill,
 };
 

@@ -1,6 +1,7 @@
 /// \file
 /// Friction that falls with speed near zero (003 eq. 4), for laws without that term: + tau_s exp(-|w / v_s|^delta).
 #include "simgap/model/effects/actuator_effect.h"
+#include "simgap/model/friction/friction_law.h"
 
 namespace simgap::actuator_effects {
 namespace {
@@ -10,7 +11,7 @@ constexpr EffectParameter kParameters[] = {{"v_s", "rad_s", 1e-3, 1e4, 1.0, 1.0,
 constexpr EffectColumn kColumns[] = {{"tau_s", "Nm", 0.0}, {"n_s", "1", 0.0}};
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   const Eigen::ArrayXd slow = (-(rows.speed.abs().max(1e-12) / p[0]).pow(p[1])).exp();
   x.col(0) = terms.dry * slow;
   x.col(1) = terms.load.abs() * terms.dry * slow;
@@ -22,6 +23,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return list;
 }
 
+bool containedIn(const FrictionLaw& law) { return law.hasStribeck(); }
+
 }  // namespace
 
 extern const ActuatorEffect stribeck;
@@ -29,11 +32,14 @@ const ActuatorEffect stribeck = {
     .name = "stribeck",
     .cause = "friction that falls with speed near zero",
     .equation = "tau_fr += (tau_s + n_s |tau_ext|) exp(-|w / v_s|^delta) sign(w)",
+    .signature = "effort above the model in slow motion, below it in fast motion, in both directions",
     .source = "003 eq. 4",
     .look_alikes = "static-offset, viscous-nonlinearity, presliding-hysteresis",
     .separates = "constant speeds between rest and a third of the top speed",
     .parameters = kParameters,
     .columns = kColumns,
+    .contained_in = containedIn,
+    .on_gearbox = false,
     .fill = fill,
     .starts = starts,
 };

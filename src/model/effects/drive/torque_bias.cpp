@@ -16,6 +16,7 @@ const ActuatorEffect torque_bias = {
     .name = "torque-bias",
     .cause = "the torque sensor has an offset",
     .equation = "tau_ext + tau_0",
+    .signature = "a constant residual, and friction that has its minimum beside zero load",
     .source = "catalogue of causes",
     .look_alikes = "current-bias, joint-gravity, direction-asymmetry",
     .separates = "rows with nothing attached to the sensor, and loads that pass through zero",

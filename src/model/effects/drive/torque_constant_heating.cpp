@@ -5,7 +5,7 @@
 namespace simgap::actuator_effects {
 namespace {
 
-constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTemperature};
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTemperature, OptionalChannel::kLoad};
 constexpr EffectParameter kParameters[] = {{"alpha", "1_K", -0.02, 0.02, 0.0, 0.0},
                                            {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 
@@ -25,6 +25,7 @@ const ActuatorEffect torque_constant_heating = {
     .name = "torque-constant-heating",
     .cause = "the motor gives less torque per ampere as its magnets warm",
     .equation = "k_a (1 - alpha (T - T_mean))",
+    .signature = "the effort per load, not the friction, follows the temperature",
     .source = "catalogue of causes",
     .look_alikes = "friction-heating, regime-change",
     .separates = "large loads in both directions while the temperature goes up and down",

@@ -16,6 +16,7 @@ const ActuatorEffect torque_saturation = {
     .name = "torque-saturation",
     .cause = "torque per ampere falls at high current",
     .equation = "I + s I^3",
+    .signature = "the largest efforts are larger than the model, as their cube",
     .source = "catalogue of causes",
     .look_alikes = "load-nonlinearity, viscous-nonlinearity",
     .separates = "the largest loads in both directions, held still and moving",

@@ -23,6 +23,7 @@ const ActuatorEffect viscous_nonlinearity = {
     .name = "viscous-nonlinearity",
     .cause = "viscous friction that saturates or grows with speed",
     .equation = "k_v w |w / w_top|^(m - 1)",
+    .signature = "residual x direction bends over the speed",
     .source = "catalogue of causes",
     .look_alikes = "stribeck, inertia, torque-saturation",
     .separates = "at least five constant speeds up to the largest",

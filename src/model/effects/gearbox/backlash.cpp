@@ -41,6 +41,7 @@ const ActuatorEffect backlash = {
     .kind = ActuatorKind::kGearbox,
     .cause = "after a reversal the motor turns freely through the play of the teeth",
     .equation = "tau_ext = tau_fr = 0 for |travel since the reversal| < play",
+    .signature = "the drive needs nothing for a travel after each reversal",
     .source = "Nordin & Gutman 2002",
     .look_alikes = "presliding-hysteresis, channel-delay",
     .separates = "slow reversals under load with many samples in the first travel after each",

@@ -28,7 +28,7 @@ Eigen::ArrayXd shaftAngle(const ActuatorRows& rows) {
 }
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   const Eigen::ArrayXd angle = shaftAngle(rows);
   x.col(0) = (p[0] * angle).sin();
   x.col(1) = (p[0] * angle).cos();
@@ -68,6 +68,7 @@ const ActuatorEffect gearbox_ripple = {
     .kind = ActuatorKind::kGearbox,
     .cause = "tooth mesh or an eccentric wheel: a torque that repeats with the shaft angle",
     .equation = "tau += a sin(r phi) + b cos(r phi)",
+    .signature = "a line in the spectrum over the shaft angle",
     .source = "catalogue of causes",
     .look_alikes = "outliers, drift at low ratios",
     .separates = "slow motion at constant speed over several turns, with the shaft angle logged",

@@ -9,7 +9,7 @@ namespace {
 constexpr EffectColumn kColumns[] = {{"e", "1", 0.0}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = terms.load.abs() * terms.dry;
 }
 
@@ -21,6 +21,7 @@ const ActuatorEffect load_dependent_efficiency = {
     .kind = ActuatorKind::kGearbox,
     .cause = "the gearbox loses a share of what it transmits, whichever way power flows",
     .equation = "tau += e |tau_ext| sign(w)",
+    .signature = "residual x direction grows with the load, lifting and lowering",
     .source = "000 eq. 11; Wang et al. 2011 (planetary gears)",
     .look_alikes = "exactly a larger k_a when the drive is never driven backwards",
     .separates = "the same loads lifted and lowered",

@@ -11,7 +11,7 @@ namespace {
 constexpr EffectColumn kColumns[] = {{.name = "V_b", .unit = "V", .lower = 0.0, .torque = false}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   const double small = 0.02 * std::sqrt(rows.current.square().mean()) + 1e-12;
   x.col(0) = (rows.current / small).tanh();
 }
@@ -24,6 +24,7 @@ const ActuatorEffect brush_drop = {
     .kind = ActuatorKind::kMotor,
     .cause = "the brushes drop a nearly constant voltage against the current",
     .equation = "V += V_b sign(i)",
+    .signature = "residual x sign(current) has one height at all currents",
     .source = "Hughes & Drury 2013, chapter 3",
     .look_alikes = "winding-heating over one range of currents, an offset of the current sensor",
     .separates = "slow ramps of the current through zero with the shaft held",

@@ -30,7 +30,7 @@ Eigen::ArrayXd warmth(double tau, const ActuatorRows& rows) {
 }
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = rows.current * warmth(p[0], rows);
 }
 
@@ -47,6 +47,7 @@ const ActuatorEffect winding_heating = {
     .kind = ActuatorKind::kMotor,
     .cause = "the winding warms up and its resistance grows",
     .equation = "V += dR u i, u: logged temperature, or du/dt = (i^2 / mean(i^2) - u) / tau",
+    .signature = "residual x current grows over minutes of large current and falls in rest",
     .source = "000 eq. 8; copper: 0.39 % per K",
     .look_alikes = "brush-drop, anything that drifts with time",
     .separates = "the shaft held at one current for minutes, then cooling and again",

@@ -26,6 +26,7 @@ const ActuatorEffect end_effect = {
     .kind = ActuatorKind::kPam,
     .cause = "the muscle's ends are no cylinder, so that the contraction that counts depends on pressure",
     .equation = "f = p g(e (1 + s exp(-p / p_e)))",
+    .signature = "a residual over contraction that is there at low pressure only",
     .source = "Tondu & Lopez 2000",
     .look_alikes = "pressure-threshold; without pressure dependence it is absorbed by a and b exactly",
     .separates = "force against length at a low and at a high pressure over the whole contraction",

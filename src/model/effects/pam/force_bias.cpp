@@ -8,7 +8,7 @@ namespace {
 constexpr EffectColumn kColumns[] = {{.name = "f0", .unit = "N", .torque = false}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& /*terms*/,
-          const Eigen::ArrayXd& /*still*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = 1.0;
 }
 
@@ -20,6 +20,7 @@ const ActuatorEffect force_bias = {
     .kind = ActuatorKind::kPam,
     .cause = "the force sensor has an offset, or a weight hangs on it",
     .equation = "f + f0",
+    .signature = "a constant residual, also without pressure",
     .source = "catalogue of causes",
     .look_alikes = "pressure-threshold at one length",
     .separates = "the force sensor's reading with the muscle vented and slack",

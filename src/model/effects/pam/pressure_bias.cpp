@@ -17,6 +17,7 @@ const ActuatorEffect pressure_bias = {
     .kind = ActuatorKind::kPam,
     .cause = "the pressure sensor has an offset",
     .equation = "f = (p - p0) g(e)",
+    .signature = "the force is 0 before, or after, the pressure is; a residual in proportion to g(e)",
     .source = "catalogue of causes",
     .look_alikes = "pressure-threshold: the same equation while it lowers the pressure",
     .separates = "the pressure sensor's reading with the muscle vented",

@@ -17,6 +17,7 @@ const ActuatorEffect pressure_threshold = {
     .kind = ActuatorKind::kPam,
     .cause = "the bladder's stiffness takes up the first of the pressure: no force below a threshold",
     .equation = "f = (p - p0) g(e)",
+    .signature = "the force is 0 before the pressure is; a residual in proportion to g(e), whatever the pressure",
     .source = "Chou & Hannaford 1996",
     .look_alikes = "pressure-bias: the same equation, no log of force and pressure can tell them apart",
     .separates = "the pressure sensor's reading with the muscle vented, beside slow pressure ramps from there",

@@ -21,10 +21,12 @@ const ActuatorEffect tendon_compliance = {
     .kind = ActuatorKind::kPam,
     .cause = "the tendon stretches with force, so that the muscle contracts by more than the joint shows",
     .equation = "f = p g(eps + f / k), compliance = 1 / k",
+    .signature = "force falls short of the model the more, the larger it is",
     .source = "002 section III, eq. 13-16",
     .look_alikes = "pressure-threshold and end-effect at one force level",
     .separates = "contraction at several pressures while the joint is held, with the muscle's own length measured",
     .parameters = kParameters,
+    .implicit = true,
     .apply = apply,
 };
 
