@@ -108,7 +108,7 @@ TEST_F(DiagnoseActuators, SayUnexplainedForAMuscleThatBreathes) {
   truth.breathing = 0.04;
   const Json result = askMuscle(truth, 9);
   EXPECT_EQ(result.at("verdict"), "unexplained") << result.at("sentence");
-  EXPECT_EQ(result.at("unexplained")[0].at("channel"), "humidity_percent");
+  EXPECT_EQ(result.at("left_over").at("channels")[0].at("channel"), "humidity_percent");
 }
 
 TEST_F(DiagnoseActuators, NameWhatIsWrongWithAWinding) {

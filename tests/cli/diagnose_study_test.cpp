@@ -99,7 +99,7 @@ TEST_F(SlowDiagnosisStudy, DoesNotNameWhatHasNoName) {
       const LogAnswer answer = ask(reality::drawOutside(kind, 7000 + 10 * static_cast<std::uint64_t>(logs) + k));
       wrong += answer.verdict() == "cause-found" ? 1 : 0;
       bool channel = false;
-      for (const Json& left : answer.result.at("unexplained"))
+      for (const Json& left : answer.result.at("left_over").at("channels"))
         channel = channel || left.at("channel") == answer.draw.channel;
       right += answer.verdict() == "unexplained" && channel ? 1 : 0;
     }

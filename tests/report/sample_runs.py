@@ -79,7 +79,7 @@ def diagnosis(folder):
         "format": "simgap/diagnose/1", "verdict": "ambiguous", "sentence": "Friction falls as the drive warms up, and a muscle bends round a bone.",
         "causes": causes, "baseline": {"mse": 0.010, "mse_heldout": 0.012, "noise_floor": 0.004}, "extended": {"mse": 0.006, "mse_heldout": 0.007},
         "error_unit": "A2", "n": 6000, "n_effective": 900.0, "explainable_percent": 50.0, "explained_percent": 41.0,
-        "unexplained": [{"channel": "time_s", "share_percent": 3.0}], "not_testable": [{"effect": "torque-constant-heating", "reason": "needs temperature_degC"}],
+        "left_over": {"share_percent": 3.0, "channels": [{"channel": "time_s", "share_percent": 3.0, "shape": ""}]}, "candidates": [], "not_testable": [{"effect": "torque-constant-heating", "reason": "needs temperature_degC"}],
         "detectable": [{"effect": "inertia", "target": "", "parameter": "J", "unit": "kg_m2", "magnitude95": 1e-5}],
         "faults": [{"channel": "current", "sentence": "Rows 10 to 12 are spikes.", "first_row": 10, "last_row": 12, "rows": 3, "corrected": True}],
         "next_experiment": "Let the drive cool down again while it moves.", "warnings": [],

@@ -15,7 +15,7 @@ namespace simgap {
 enum class DiagnosisVerdict {
   kCauseFound,    ///< named causes, each told apart from its look-alikes
   kAmbiguous,     ///< the first cause stands for a group that these data cannot separate
-  kUnexplained,   ///< structure is left that no cause of the catalogue explains
+  kUnexplained,   ///< nothing was found, and structure is left that no cause of the catalogue explains
   kNothingFound,  ///< no cause improves the model on data it has not seen
   kDataFault,     ///< the data are wrong before any physics
 };
@@ -50,6 +50,13 @@ struct Cause {
   double p_adjusted = 1.0;
   std::vector<std::string> ambiguous_with;  ///< "effect" or "effect:target"
   std::vector<Absorption> absorbed_by;      ///< largest shift first
+};
+
+/// A cause that a search accepted, but that is no finding.
+struct Candidate {
+  std::string effect, target;
+  std::string reason;     ///< why not, continues "not named: "
+  Interval gain_heldout;  ///< fraction of the held-out mean squared error
 };
 
 /// One hypothesis of one forward step, for hypotheses.csv.
@@ -93,7 +100,8 @@ struct EvidenceBin {
 /// Explainable structure left over, by channel.
 struct Leftover {
   std::string channel;
-  double share;  ///< of the held-out error that a function of the channels still explains
+  double share;       ///< of the baseline's held-out error that a function of the channel still explains
+  std::string shape;  ///< "rises with it", "falls with it", "bends"; empty when it has no plain one
 };
 
 struct ModelError {
@@ -117,10 +125,12 @@ struct Diagnosis {
   double effective_samples = 0.0;
   double noise_floor = 0.0;  ///< mean squared error that no model can go below
   ModelError baseline, extended;
-  std::vector<Cause> causes;         ///< in the order they were found
-  double explainable_percent = 0.0;  ///< of the baseline's held-out error, by any function of the logged channels
-  double explained_percent = 0.0;    ///< of the baseline's held-out error, by the named causes
-  std::vector<Leftover> unexplained;
+  std::vector<Cause> causes;          ///< in the order they were found
+  double explainable_percent = 0.0;   ///< of the baseline's held-out error, by any function of the logged channels
+  double explained_percent = 0.0;     ///< of the baseline's held-out error, by the named causes
+  double left_over_percent = 0.0;     ///< of the baseline's held-out error: structure that no named cause explains
+  std::vector<Leftover> unexplained;  ///< by channel; the shares add up to it
+  std::vector<Candidate> candidates;  ///< below the line: what may be, and why it is not named
   std::vector<HypothesisRecord> hypotheses;
   std::vector<Detectable> detectable;
   std::vector<NotTestable> not_testable;

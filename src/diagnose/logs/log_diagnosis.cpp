@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "channel_dependence.h"
+#include "findings.h"
 #include "held_out.h"
 #include "log_causes.h"
 #include "log_evidence.h"
@@ -60,52 +61,43 @@ double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
 constexpr double kStructure = 0.05;       // share of the error that forests have to explain to count as structure
 constexpr std::size_t kLargestGroup = 3;  // of causes that cannot be told apart; more is no answer
 
-void conclude(Diagnosis& d, const Selection& selection, double structure) {
-  const bool strange = selection.unnamed.has_value() || structure > kStructure;
-  bool grouped = false, lost = false;
-  for (const Cause& cause : d.causes) {
-    grouped = grouped || !cause.ambiguous_with.empty();
-    lost = lost || cause.ambiguous_with.size() + 1 > kLargestGroup;
-  }
-  const double unnamed_gain = selection.unnamed ? selection.unnamed->gain->value : 0.0;
-  const bool mostly_strange = d.causes.empty() ? strange : unnamed_gain > d.causes[0].gain_heldout.value;
-  // What was chosen on some blocks and makes others worse explains nothing.
-  const bool refuted = !d.causes.empty() && d.extended.mse_heldout >= d.baseline.mse_heldout;
-  d.verdict = lost || mostly_strange || refuted ? DiagnosisVerdict::kUnexplained
-              : d.causes.empty()                ? DiagnosisVerdict::kNothingFound
-              : grouped                         ? DiagnosisVerdict::kAmbiguous
-                                                : DiagnosisVerdict::kCauseFound;
+/// "bend-friction, current-bias or joint-gravity"
+std::string namesOf(const std::vector<Cause>& causes) {
   std::vector<std::string> names;
-  for (const Cause& cause : d.causes) {
+  for (const Cause& cause : causes) {
     std::string name = cause.effect;
     for (const std::string& other : cause.ambiguous_with) name += " or " + other;
     names.push_back(name);
   }
-  const double gain = 100.0 * (1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// What is left over, and by which channel; empty when it is no structure.
+std::string leftText(const Diagnosis& d) {
+  if (d.left_over_percent < 1.0) return {};
   const std::string channel = d.unexplained.empty() ? "the logged channels" : d.unexplained[0].channel;
-  switch (d.verdict) {
-    case DiagnosisVerdict::kCauseFound:
-    case DiagnosisVerdict::kAmbiguous:
-      d.sentence =
-          fmt::format("{}: {}; the extended model's squared error is {:.1f} % lower on data never used.",
-                      d.verdict == DiagnosisVerdict::kCauseFound ? "Cause found" : "Cause found, but not alone",
-                      fmt::join(names, ", "), gain);
-      break;
-    case DiagnosisVerdict::kUnexplained:
-      if (refuted) {
-        d.sentence = fmt::format("Unexplained: {} fits the blocks it was chosen on, but not those held out.",
-                                 fmt::join(names, ", "));
-        break;
-      }
-      d.sentence = fmt::format("Unexplained: the error depends on {} in a way that no cause of the catalogue explains.",
-                               channel);
-      break;
-    default:
-      d.sentence = fmt::format(
-          "Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, noise "
-          "floor {:.4g}.",
-          std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor));
+  const std::string shape =
+      d.unexplained.empty() || d.unexplained[0].shape.empty() ? "" : fmt::format(" ({})", d.unexplained[0].shape);
+  return fmt::format("{:.0f} % of the squared error, by {}{}", d.left_over_percent, channel, shape);
+}
+
+/// What was found is one statement, what is left another: nothing that was found is unsaid because more is there.
+void conclude(Diagnosis& d) {
+  const bool grouped = std::ranges::any_of(d.causes, [](const Cause& cause) { return !cause.ambiguous_with.empty(); });
+  const std::string left = leftText(d);
+  if (d.causes.empty()) {
+    d.verdict = left.empty() ? DiagnosisVerdict::kNothingFound : DiagnosisVerdict::kUnexplained;
+    d.sentence = left.empty() ? fmt::format(
+                                    "Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, "
+                                    "noise floor {:.4g}.",
+                                    std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor))
+                              : fmt::format("Unexplained: no cause of the catalogue was found. Left: {}.", left);
+    return;
   }
+  d.verdict = grouped ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
+  d.sentence = fmt::format("Found{}: {} ({:.0f} % of the squared error on data never used). Left: {}.",
+                           grouped ? ", but not alone" : "", namesOf(d.causes), d.explained_percent,
+                           left.empty() ? "nothing that the logged channels show" : left);
 }
 
 std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
@@ -122,6 +114,8 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
                               log.data.rows.top_load, log.data.load_unit);
   }
   if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) {
+    if (d.unexplained[0].channel == "time")
+      return "Repeat the first motion at the end of the log and once in its middle: that tells a drift from chance.";
     return fmt::format("Repeat one motion and load while {} is stepped up and down over its range: that shows its law.",
                        d.unexplained[0].channel);
   }
@@ -136,22 +130,64 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
       4.0 * minutes);
 }
 
-/// What a look outside the catalogue and forests say is left.
-std::vector<Leftover> leftovers(const Selection& selection, const PreparedLog& log, const Ceiling& left) {
+/// How the residual follows a channel, from its bins: correlation with the channel or with the distance from its
+/// middle.
+std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string& channel) {
+  constexpr double kPlain = 0.8;
+  std::vector<const EvidenceBin*> bins;
+  for (const EvidenceBin& bin : evidence) {
+    if (bin.against.starts_with(channel) && std::isfinite(bin.after)) bins.push_back(&bin);
+  }
+  if (bins.size() < 5) return {};
+  Eigen::ArrayXd x(std::ssize(bins)), y(std::ssize(bins));
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    x[k] = bins[static_cast<std::size_t>(k)]->center;
+    y[k] = bins[static_cast<std::size_t>(k)]->after;
+  }
+  const auto correlation = [&](const Eigen::ArrayXd& of) {
+    const Eigen::ArrayXd a = of - of.mean(), b = y - y.mean();
+    return (a * b).sum() / std::max(std::sqrt(a.square().sum() * b.square().sum()), 1e-300);
+  };
+  if (std::abs(correlation(x)) > kPlain) return correlation(x) > 0.0 ? "rises with it" : "falls with it";
+  const Eigen::ArrayXd away = (x - 0.5 * (x.minCoeff() + x.maxCoeff())).abs();
+  return std::abs(correlation(away)) > kPlain ? "differs between its middle and its ends" : "";
+}
+
+/// What a look outside the catalogue and forests say is left, as shares of the baseline's error that add up.
+void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Ceiling& left, Diagnosis& d) {
+  const double unnamed = selection.unnamed ? std::max(0.0, selection.unnamed->gain->value) : 0.0;
+  const double forests = left.share > kStructure ? left.share : 0.0;
+  const double remaining = 1.0 - 0.01 * d.explained_percent;
+  d.left_over_percent = 100.0 * remaining * std::min(1.0, std::max(unnamed, forests));
   std::vector<Leftover> list;
   if (selection.unnamed) {
     const std::vector<double>& fixed = selection.unnamed->hypothesis.fixed;
     for (const double channel : {fixed[2], fixed[3]}) {
-      if (channel >= 0.0)
-        list.push_back({log.context[static_cast<std::size_t>(channel)].name, selection.unnamed->gain->value});
+      if (channel >= 0.0) list.push_back({log.context[static_cast<std::size_t>(channel)].name, unnamed, {}});
     }
   }
-  if (left.share < kStructure) return list;
   for (const Leftover& l : left.channels) {
     const bool known = std::ranges::any_of(list, [&](const Leftover& other) { return other.channel == l.channel; });
-    if (!known) list.push_back(l);
+    if (!known && forests > 0.0 && l.share > 0.0) list.push_back(l);
   }
-  return list;
+  double sum = 0.0;
+  for (const Leftover& l : list) sum += l.share;
+  for (Leftover& l : list) {
+    l.share *= 0.01 * d.left_over_percent / std::max(sum, 1e-300);
+    l.shape = shapeOf(d.evidence, l.channel);
+  }
+  if (d.left_over_percent > 0.0) d.unexplained = std::move(list);
+}
+
+/// Groups too large to be an answer are candidates, all of them.
+void dropLargeGroups(const LogSearch& search, std::size_t own, Selection& selection, Diagnosis& d) {
+  for (std::size_t k = selection.steps.size() - 1; k-- > 0;) {
+    if (selection.ambiguous_with[k].size() + 1 <= kLargestGroup) continue;
+    const std::string reason =
+        fmt::format("cannot be told apart here from {}", fmt::join(selection.ambiguous_with[k], ", "));
+    d.candidates.push_back({std::string(selection.chosen.model->effects()[own + k]->name), {}, reason, {}});
+    dropCause(search, own, k, selection);
+  }
 }
 
 }  // namespace
@@ -208,12 +244,18 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   }
   if (open() && !options.ignore_faults) {
     d.verdict = DiagnosisVerdict::kDataFault;
+    d.baseline = d.extended = {std::nan(""), std::nan("")};  // nothing was fitted
+    d.noise_floor = d.explained_percent = d.explainable_percent = std::nan("");
     d.sentence = "Data fault: " + std::ranges::find(d.faults, false, &DataFault::corrected)->sentence + ".";
     d.next_experiment = "Mend or leave out these rows and diagnose again, or go on with --ignore-faults.";
     return result;
   }
-  const Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
+  Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
   d.hypotheses = selection.records;
+  dropLargeGroups(search, subject.effects.size(), selection, d);
+  for (Candidate& candidate : keepFindings(search, log, split, subject.effects.size(), options.seed, selection)) {
+    d.candidates.push_back(std::move(candidate));
+  }
   for (const std::string& name : selection.aliased) {
     d.not_testable.push_back({name, "the model's own parameters can take its place on this data"});
   }
@@ -235,16 +277,16 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   d.evidence = binEvidence(log, channels, residual_before, residual_after);
   const Ceiling left = explainable(log, channels, residual_after, options.seed);
   const Ceiling whole = d.causes.empty() ? left : explainable(log, channels, residual_before, options.seed);
-  d.unexplained = leftovers(selection, log, left);
   const double explained = std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
   d.explained_percent = 100.0 * explained;
+  sayWhatIsLeft(selection, log, left, d);
   d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
   d.detectable = detectable(search, selection.last, options.least_gain, d.effective_samples);
   if (options.self_tests > 0) {
     d.self_test = runSelfTest(subject, log, after, named, unnamed, d.detectable, d.effective_samples, options,
                               split.training, progress);
   }
-  conclude(d, selection, left.share);
+  conclude(d);
   addTransmission(subject, log, split, options, result);
   warnOfHarm(d);
   d.extensions = result.extended.extensions;

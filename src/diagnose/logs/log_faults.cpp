@@ -14,78 +14,85 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
-constexpr double kFewSpikes = 0.01;  // share of the rows that may be taken out without a verdict
-constexpr double kSpike = 8.0;       // in robust standard deviations
-constexpr double kUndecided = 4.0;   // likewise
-constexpr double kOther = 0.3;       // of the residual: what the other direction may leave to be the right one
+constexpr double kFewSpikes = 0.01;   // share of the rows that may be taken out without a verdict
+constexpr double kMostLeftOut = 0.4;  // of the rows: with more of them gone the rest tells another story
+constexpr double kSpike = 8.0;        // in robust standard deviations
+constexpr double kUndecided = 4.0;    // likewise
+constexpr double kMirrored = 0.7;     // correlation of effort and load beyond which signs are opposite
+constexpr double kOther = 0.3;        // of the residual: what the other direction may leave to be the right one
 
 struct NamedChannel {
   std::string name;
   const ArrayXd& values;
 };
 
+/// Rows that cannot be believed are left out, and said; only where little else is left they are a reason to stop.
+void leaveOut(const std::string& channel, const std::string& sentence, const std::vector<Index>& bad, PreparedLog& log,
+              std::vector<DataFault>& faults) {
+  DataFault fault{
+      channel,    sentence, static_cast<std::size_t>(bad.front() + 1), static_cast<std::size_t>(bad.back() + 1),
+      bad.size(), false};
+  fault.corrected = static_cast<double>(bad.size()) <= kMostLeftOut * static_cast<double>(log.data.rows.rows());
+  if (fault.corrected) {
+    fault.sentence += "; they were left out";
+    for (const Index i : bad) log.data.keep[static_cast<std::size_t>(i)] = false;
+  }
+  faults.push_back(std::move(fault));
+}
+
 DataFault faultOf(const std::string& channel, const std::string& sentence, Index first, Index last, std::size_t rows) {
   return {channel, sentence, static_cast<std::size_t>(first + 1), static_cast<std::size_t>(last + 1), rows, false};
 }
 
 /// Rows at the very end of the range, several in a row: a converter or an amplifier that cannot go further.
-void findClipping(const NamedChannel& channel, std::vector<DataFault>& faults) {
+void findClipping(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
   for (const double limit : {channel.values.maxCoeff(), channel.values.minCoeff()}) {
-    std::size_t rows = 0, runs = 0;
-    Index first = -1, last = -1;
+    std::size_t runs = 0;
+    std::vector<Index> rows;
     for (Index i = 0, end = 0; i < channel.values.size(); i = std::max(end, i + 1)) {
       end = i;
       while (end < channel.values.size() && channel.values[end] == limit) ++end;
       if (end - i < 4) continue;
-      if (first < 0) first = i;
-      last = end - 1;
-      rows += static_cast<std::size_t>(end - i);
+      for (Index k = i; k < end; ++k) rows.push_back(k);
       ++runs;
     }
-    if (limit == 0.0 || runs < 2 || static_cast<double>(rows) < 1e-3 * static_cast<double>(channel.values.size()))
+    if (limit == 0.0 || runs < 2 ||
+        static_cast<double>(rows.size()) < 1e-3 * static_cast<double>(channel.values.size()))
       continue;
-    faults.push_back(
-        faultOf(channel.name,
-                fmt::format("{} sits at its limit {:.4g} in {} rows ({} times for at least 4 rows in a row): "
-                            "saturated; leave them out, or record with a wider range",
-                            channel.name, limit, rows, runs),
-                first, last, rows));
+    leaveOut(channel.name,
+             fmt::format("{} sits at its limit {:.4g} in {} rows ({} times for at least 4 rows in a row): saturated",
+                         channel.name, limit, rows.size(), runs),
+             rows, log, faults);
   }
 }
 
 /// A channel that repeats one value for a second and longer while the drive moves, though it is noisy otherwise.
-void findStuck(const NamedChannel& channel, const PreparedLog& log, std::vector<DataFault>& faults) {
+void findStuck(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
   const ActuatorRows& rows = log.data.rows;
   const Index n = channel.values.size();
   Index repeats = 0;
   for (Index i = 1; i < n; ++i) repeats += channel.values[i] == channel.values[i - 1] ? 1 : 0;
   if (static_cast<double>(repeats) > 0.3 * static_cast<double>(n)) return;  // coarse steps: repeats are normal
   const auto least = static_cast<Index>(std::max(10.0, 0.5 / rows.step));
-  std::size_t stuck = 0;
-  Index first = -1, last = -1;
+  std::vector<Index> stuck;
   for (Index i = 0, end = 0; i < n; i = end) {
     end = i + 1;
     while (end < n && channel.values[end] == channel.values[i]) ++end;
     if (end - i < least || !(rows.speed.segment(i, end - i).abs().mean() > 2.0 * log.dead_band)) continue;
-    if (first < 0) first = i;
-    last = end - 1;
-    stuck += static_cast<std::size_t>(end - i);
+    for (Index k = i; k < end; ++k) stuck.push_back(k);
   }
-  if (stuck == 0) return;
-  faults.push_back(
-      faultOf(channel.name,
-              fmt::format("{} is stuck (one value for {:.1f} s and longer while the drive moves) in {} rows: "
-                          "leave them out, or mend the sensor",
-                          channel.name, static_cast<double>(least) * rows.step, stuck),
-              first, last, stuck));
+  if (stuck.empty()) return;
+  leaveOut(channel.name,
+           fmt::format("{} is stuck (one value for {:.1f} s and longer while the drive moves) in {} rows", channel.name,
+                       static_cast<double>(least) * rows.step, stuck.size()),
+           stuck, log, faults);
 }
 
 /// Exact zeros among values that are far from it.
-void findDropouts(const NamedChannel& channel, std::vector<DataFault>& faults) {
+void findDropouts(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
   const Index n = channel.values.size();
   const double noise = noiseLevel(std::span<const double>(channel.values.data(), static_cast<std::size_t>(n)));
-  std::size_t rows = 0;
-  Index first = -1, last = -1;
+  std::vector<Index> rows;
   for (Index i = 1; i + 1 < n; ++i) {
     if (channel.values[i] != 0.0) continue;
     Index end = i;
@@ -96,20 +103,17 @@ void findDropouts(const NamedChannel& channel, std::vector<DataFault>& faults) {
     const double earlier = channel.values[std::max<Index>(i - 2, 0)], later = channel.values[std::min(end + 1, n - 1)];
     const double beside = std::max(std::abs(before - earlier), std::abs(later - after));
     if (end - i <= 5 && before * after > 0.0 && drop > std::max(12.0 * noise, 3.0 * beside)) {
-      if (first < 0) first = i;
-      last = end - 1;
-      rows += static_cast<std::size_t>(end - i);
+      for (Index k = i; k < end; ++k) rows.push_back(k);
     }
     i = end;
   }
-  if (rows < 3) return;
-  faults.push_back(faultOf(
-      channel.name,
-      fmt::format("{} drops to exactly 0 and back in {} rows: lost samples; leave them out", channel.name, rows), first,
-      last, rows));
+  if (rows.size() < 3) return;
+  leaveOut(channel.name,
+           fmt::format("{} drops to exactly 0 and back in {} rows: lost samples", channel.name, rows.size()), rows, log,
+           faults);
 }
 
-/// Signs that no drive can have: load that helps to draw current, friction that gives energy.
+/// Signs that no drive can have: load that helps to draw current, a joint that turns against its motor.
 void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   const ActuatorRows& rows = log.data.rows;
   const Index n = rows.rows();
@@ -120,16 +124,16 @@ void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   }
   const Eigen::VectorXd scale = x.colwise().norm().transpose();
   const Eigen::VectorXd c = x.colPivHouseholderQr().solve(rows.effort.matrix()).cwiseProduct(scale);
-  const double size = (rows.effort - rows.effort.mean()).matrix().norm();
-  const double friction = c[1] + c[2] + c[3];
-  if (rows.top_load > 0.0 && c[0] < -0.2 * size) {
+  const ArrayXd effort = rows.effort - rows.effort.mean(), load = rows.load - rows.load.mean();
+  const double size = effort.matrix().norm();
+  // Only a load that was measured, and that the effort mirrors as plainly as a plot would show it. A back-driven motor,
+  // a damper or a piston under pressure has effort against its speed in all honesty.
+  const double agreement = (effort * load).sum() / std::max(size * load.matrix().norm(), 1e-300);
+  if (rows.top_load > 0.0 && log.data.rig.cols() == 0 && c[0] < -0.2 * size && agreement < -kMirrored) {
     faults.push_back({"external_torque",
-                      fmt::format("{} falls where the load grows: one of {} and external_torque has the wrong sign",
-                                  log.effort_column, log.effort_column)});
-  } else if (friction < -0.1 * size) {
-    faults.push_back(
-        {"motor_velocity",
-         fmt::format("friction would drive the motor: {} and motor_velocity have opposite signs", log.effort_column)});
+                      fmt::format("{} falls where the load grows (correlation {:.2f}): one of {} and external_torque "
+                                  "has the wrong sign",
+                                  log.effort_column, agreement, log.effort_column)});
   }
   if (rows.joint_angle.size() == 0) return;
   double with = 0.0, speed = 0.0, angle = 0.0;
@@ -163,22 +167,22 @@ double robustDeviation(const Eigen::VectorXd& residual) {
 
 }  // namespace
 
-std::vector<DataFault> findFaults(const PreparedLog& log) {
+std::vector<DataFault> findFaults(PreparedLog& log) {
   const ActuatorRows& rows = log.data.rows;
   if (log.kind == ActuatorKind::kMotor || log.kind == ActuatorKind::kPam) {
     // Voltages and pressures are set to levels, limits included: only lost samples can be told.
     const bool motor = log.kind == ActuatorKind::kMotor;
     std::vector<DataFault> faults;
-    findDropouts({motor ? "current_A" : log.effort_column, motor ? rows.current : rows.effort}, faults);
+    findDropouts({motor ? "current_A" : log.effort_column, motor ? rows.current : rows.effort}, log, faults);
     return faults;
   }
   std::vector<NamedChannel> channels = {{log.effort_column, rows.effort}, {"motor_velocity", rows.speed}};
   if (rows.top_load > 0.0) channels.push_back({"external_torque", rows.load});
   std::vector<DataFault> faults;
   for (const NamedChannel& channel : channels) {
-    if (channel.name != "external_torque") findClipping(channel, faults);
+    if (channel.name != "external_torque") findClipping(channel, log, faults);
     findStuck(channel, log, faults);
-    findDropouts(channel, faults);
+    findDropouts(channel, log, faults);
   }
   findMirrored(log, faults);
   return faults;

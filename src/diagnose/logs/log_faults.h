@@ -9,7 +9,7 @@
 namespace simgap {
 
 /// Faults that the channels show by themselves and against each other.
-std::vector<DataFault> findFaults(const PreparedLog& log);
+std::vector<DataFault> findFaults(PreparedLog& log);
 
 /// Single rows far off the model, away from reversals: they are taken out of `log` (and said so) when they are few.
 /// \param residual  shape (rows) of a fitted model, 0 where a row does not count.

@@ -10,6 +10,18 @@ namespace {
 /// Two causes whose validation errors differ by less than that share of the gain cannot be told apart.
 constexpr double kTie = 0.03;
 
+/// Models with the first cause, the first two … of `selection.chosen`.
+void rebuildSteps(const LogSearch& search, std::size_t own, Selection& selection) {
+  selection.steps = {selection.baseline};
+  const std::vector<const ActuatorEffect*> effects = selection.chosen.model->effects();
+  const std::size_t causes = effects.size() - own;
+  for (std::size_t k = 1; k <= causes; ++k) {
+    const std::vector<const ActuatorEffect*> some(effects.begin(),
+                                                  effects.begin() + static_cast<std::ptrdiff_t>(own + k));
+    selection.steps.push_back(k == causes ? selection.chosen : search.fit(some, &selection.chosen));
+  }
+}
+
 class Selector {
  public:
   Selector(const LogSearch& search, const std::vector<Hypothesis>& hypotheses, const LogDiagnosisOptions& options,
@@ -35,7 +47,6 @@ class Selector {
   void drop(std::size_t k, const Fitted& rest, double gain);
   std::vector<std::string> rivals(const std::vector<Trial>& trials, std::size_t accepted) const;
   std::size_t causes() const { return selection_.chosen.model->effects().size() - own_; }
-  void rebuildSteps();
   void tell(const std::string& what, double done) const {
     if (progress_) progress_(what, done);
   }
@@ -161,16 +172,6 @@ void Selector::review() {
   }
 }
 
-void Selector::rebuildSteps() {
-  selection_.steps = {selection_.baseline};
-  std::vector<const ActuatorEffect*> effects = selection_.chosen.model->effects();
-  for (std::size_t k = 1; k <= causes(); ++k) {
-    const std::vector<const ActuatorEffect*> some(effects.begin(),
-                                                  effects.begin() + static_cast<std::ptrdiff_t>(own_ + k));
-    selection_.steps.push_back(k == causes() ? selection_.chosen : search_.fit(some, &selection_.chosen));
-  }
-}
-
 Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std::vector<Hypothesis>& unnamed) {
   own_ = own.size();
   tell("fitting the model as it is", 0.0);
@@ -207,7 +208,7 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
     selection_.unnamed = strange[*found];
     dropStandIns();
   }
-  rebuildSteps();
+  rebuildSteps(search_, own_, selection_);
   return std::move(selection_);
 }
 
@@ -215,6 +216,14 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
 
 double detectionFactor(double least_gain, double effective_samples) {
   return std::max(4.6, std::sqrt(least_gain * effective_samples));
+}
+
+void dropCause(const LogSearch& search, std::size_t own, std::size_t cause, Selection& selection) {
+  selection.chosen = search.without(selection.chosen, own + cause);
+  const auto at = static_cast<std::ptrdiff_t>(cause);
+  selection.p_adjusted.erase(selection.p_adjusted.begin() + at);
+  selection.ambiguous_with.erase(selection.ambiguous_with.begin() + at);
+  rebuildSteps(search, own, selection);
 }
 
 Selection selectCauses(const LogSearch& search, const std::vector<const ActuatorEffect*>& own,

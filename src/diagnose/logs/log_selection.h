@@ -23,6 +23,9 @@ struct Selection {
 /// 95 % power, and the least gain.
 double detectionFactor(double least_gain, double effective_samples);
 
+/// Takes a cause out again; the later ones are refitted. \param own  effects of the baseline; \param cause  from 0
+void dropCause(const LogSearch& search, std::size_t own, std::size_t cause, Selection& selection);
+
 /// \param hypotheses  named; \param unnamed  outside the catalogue
 Selection selectCauses(const LogSearch& search, const std::vector<const ActuatorEffect*>& own,
                        const std::vector<Hypothesis>& hypotheses, const std::vector<Hypothesis>& unnamed,

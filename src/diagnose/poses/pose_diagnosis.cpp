@@ -276,6 +276,7 @@ PoseDiagnosis Diagnosing::run() {
   d.explainable_percent = std::max({0.0, d.explained_percent, 100.0 * (1.0 - 1.0 / (1.0 + selection_.excess_plain))});
   d.evidence = poseEvidence(plain, fit);
   d.unexplained = poseLeftovers(fit);
+  for (const Leftover& left : d.unexplained) d.left_over_percent = std::max(d.left_over_percent, 100.0 * left.share);
   say("what these poses could reveal");
   d.detectable = detectableMagnitudes(problem_, fit, hypotheses_);
   d.next_experiment = nextPoseExperiment(problem_, fit, selection_, hypotheses_, d.not_testable);

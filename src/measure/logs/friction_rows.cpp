@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/rests.h"
+#include "simgap/measure/logs/spikes.h"
 
 namespace simgap {
 namespace {
@@ -28,6 +31,23 @@ void perSession(const std::vector<int>& session, const Work& work) {
     work(begin, i);
     begin = i;
   }
+}
+
+/// The same, but also apart where nothing was logged for several steps: nothing is smoothed over such a gap.
+template <typename Work>
+void perRun(const ActuatorLog& log, const Work& work) {
+  constexpr double kGap = 8.0;  // mean steps
+  perSession(log.session, [&](std::size_t begin, std::size_t end) {
+    const double step =
+        (log.time[end - 1] - log.time[begin]) / static_cast<double>(std::max<std::size_t>(end - begin, 2) - 1);
+    std::size_t run = begin;
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      if (log.time[i] - log.time[i - 1] <= kGap * step || i - run < 8 || end - i < 8) continue;
+      work(run, i);
+      run = i;
+    }
+    work(run, end);
+  });
 }
 
 double samplingRate(const ActuatorLog& log) {
@@ -51,7 +71,7 @@ void completeMotion(ActuatorLog& log, bool acceleration, FrictionData& data) {
   const bool from_position = !log.position.empty();
   if (velocity) log.velocity.resize(log.rows());
   if (acceleration) log.acceleration.resize(log.rows());
-  perSession(log.session, [&](std::size_t begin, std::size_t end) {
+  perRun(log, [&](std::size_t begin, std::size_t end) {
     const std::size_t n = end - begin;
     if (n < 4) {
       throw DataError(fmt::format("{}: session {} has {} rows, expected at least 4 to work out velocities", log.file,
@@ -69,6 +89,42 @@ void completeMotion(ActuatorLog& log, bool acceleration, FrictionData& data) {
   });
   if (velocity) data.derived.emplace_back("velocity");
   if (acceleration) data.derived.emplace_back("acceleration");
+}
+
+/// Samples that stand alone are marked in every channel, and put right in those that are differentiated.
+void takeOutSpikes(ActuatorLog& log, FrictionData& data) {
+  if (!log.has_time) return;
+  const std::string effort = quantityName(log.effort_name, log.effort_unit);
+  const std::pair<std::string, std::vector<double>*> channels[] = {
+      {"position", &log.position}, {"velocity", &log.velocity}, {effort, &log.effort}, {"external torque", &log.load}};
+  for (const auto& [name, values] : channels) {
+    if (values->empty()) continue;
+    std::vector<std::size_t> rows;
+    perSession(log.session, [&](std::size_t begin, std::size_t end) {
+      const std::span<const double> time = std::span(log.time).subspan(begin, end - begin);
+      for (const std::size_t i : repairSpikes(time, std::span(*values).subspan(begin, end - begin)))
+        rows.push_back(begin + i);
+    });
+    if (rows.empty()) continue;
+    data.spike.resize(log.rows(), false);
+    for (const std::size_t i : rows) data.spike[i] = true;
+    data.warnings.push_back(
+        fmt::format("{} stands alone in {} row{} (the first is row {}): left out, and replaced by "
+                    "the line between its neighbours where it is differentiated",
+                    name, rows.size(), rows.size() == 1 ? "" : "s", rows.front() + 1));
+  }
+}
+
+/// Standard deviation of a velocity that was worked out from positions of noise sigma, sampled at f_s and smoothed with
+/// gain G = 1 / (1 + (f / B)^6):  sigma_v^2 = 2 sigma^2 / f_s int_0^inf (2 pi f)^2 G^2 df = sigma^2 (2 pi B)^2 pi B /
+/// (6 f_s).
+double derivedNoise(const ActuatorLog& log, double bandwidth) {
+  double sigma = 0.0;
+  perSession(log.session, [&](std::size_t begin, std::size_t end) {
+    sigma = std::max(sigma, noiseLevel(std::span(log.position).subspan(begin, end - begin)));
+  });
+  return sigma * 2.0 * std::numbers::pi * bandwidth *
+         std::sqrt(std::numbers::pi * bandwidth / (6.0 * samplingRate(log)));
 }
 
 void addColumn(FrictionData& data, const Eigen::ArrayXd& per_unit) {
@@ -148,7 +204,7 @@ void checkLog(const ActuatorLog& log, FrictionData& data) {
   const ChannelCheck channels[] = {{effort, log.effort, plausible_effort},
                                    {velocity, log.velocity, log.linear ? 1e3 : 2e4},
                                    {quantityName("external_torque", log.loadUnit()), log.load, 1e6}};
-  data.warnings = checkChannels(log.file, channels);
+  for (std::string& warning : checkChannels(log.file, channels)) data.warnings.push_back(std::move(warning));
   if (isConstant(log.effort)) {
     throw DataError(
         fmt::format("{}: {} is {:.4g} in every row, expected what the motor drew while it moved: no "
@@ -160,6 +216,30 @@ void checkLog(const ActuatorLog& log, FrictionData& data) {
         fmt::format("{}: {} is {:.4g} in every row, expected motion: friction cannot be found; record slow "
                     "and fast motion in both directions",
                     log.file, velocity, log.velocity.front()));
+  }
+}
+
+/// Kinetic laws are fitted and judged on motion.
+void leaveOutRests(const ActuatorLog& log, const FrictionDataOptions& options, MotionSign& sign, FrictionData& data) {
+  if (options.raw_sign || !log.has_time) return;
+  const std::vector<bool> rest =
+      findRests(log.time, log.velocity, log.session, restingSpeed(log.velocity, sign.dead_band));
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    if (!rest[i] || !sign.keep[i]) continue;
+    sign.keep[i] = false;
+    ++data.rest_rows;
+  }
+  if (data.rest_rows == 0) return;
+  const double share = 100.0 * static_cast<double>(data.rest_rows) / static_cast<double>(log.rows());
+  data.warnings.push_back(
+      fmt::format("the drive stands still in {} rows ({:.1f} %): they are left out, because a held "
+                  "drive's effort may lie anywhere within its static friction",
+                  data.rest_rows, share));
+  if (std::ranges::count(sign.keep, true) < 50) {
+    throw DataError(
+        fmt::format("{}: the drive moves in {} of {} rows, expected at least 50: nothing can be said of its "
+                    "friction; record motion in both directions",
+                    log.file, std::ranges::count(sign.keep, true), log.rows()));
   }
 }
 
@@ -278,14 +358,24 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
     data.bandwidth = options.bandwidth.value_or(
         bench.bandwidth.value_or(FrictionDataOptions::kDefaultBandwidth * samplingRate(log)));
   }
+  const bool derived_velocity = log.velocity.empty();
+  takeOutSpikes(log, data);
   completeMotion(log, bench.needsAcceleration(), data);
   checkLog(log, data);
   workOutLoad(log, bench, data);
 
+  std::optional<double> dead_band = options.dead_band;
+  if (derived_velocity && !dead_band) {
+    dead_band = options.dead_band_widths * std::max(noiseLevel(log.velocity), derivedNoise(log, data.bandwidth));
+  }
   MotionSign sign =
-      options.raw_sign ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, options.dead_band);
+      options.raw_sign ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, dead_band);
   data.dead_band = sign.dead_band;
   data.reversals = sign.reversals;
+  leaveOutRests(log, options, sign, data);
+  for (std::size_t i = 0; i < data.spike.size(); ++i) {
+    if (data.spike[i]) sign.keep[i] = false;
+  }
   const std::vector<bool> chosen = chosenSessions(log, options.sessions);
   for (std::size_t i = 0; i < log.rows(); ++i) {
     if (!chosen[static_cast<std::size_t>(log.session[i])]) sign.keep[i] = false;

@@ -98,7 +98,8 @@ Json causesJson(const Diagnosis& d) {
 }  // namespace
 
 Json toJson(const Diagnosis& d) {
-  Json detectable = Json::array(), not_testable = Json::array(), faults = Json::array(), unexplained = Json::array();
+  Json detectable = Json::array(), not_testable = Json::array(), faults = Json::array(), unexplained = Json::array(),
+       candidates = Json::array();
   for (const Detectable& x : d.detectable) {
     detectable.push_back({{"effect", x.effect},
                           {"target", x.target},
@@ -116,7 +117,14 @@ Json toJson(const Diagnosis& d) {
                       {"corrected", f.corrected}});
   }
   for (const Leftover& l : d.unexplained) {
-    unexplained.push_back({{"channel", l.channel}, {"share_percent", numberOrNull(100.0 * l.share)}});
+    unexplained.push_back(
+        {{"channel", l.channel}, {"share_percent", numberOrNull(100.0 * l.share)}, {"shape", l.shape}});
+  }
+  for (const Candidate& c : d.candidates) {
+    candidates.push_back({{"effect", c.effect},
+                          {"target", c.target},
+                          {"reason", c.reason},
+                          {"gain_heldout_percent", numberOrNull(100.0 * c.gain_heldout.value)}});
   }
   Json json = {
       {"format", "simgap/diagnose/1"},
@@ -133,7 +141,8 @@ Json toJson(const Diagnosis& d) {
       {"n_effective", numberOrNull(d.effective_samples)},
       {"explainable_percent", numberOrNull(d.explainable_percent)},
       {"explained_percent", numberOrNull(d.explained_percent)},
-      {"unexplained", unexplained},
+      {"left_over", {{"share_percent", numberOrNull(d.left_over_percent)}, {"channels", unexplained}}},
+      {"candidates", candidates},
       {"detectable", detectable},
       {"not_testable", not_testable},
       {"faults", faults},
@@ -178,8 +187,9 @@ std::string terminalTable(const Diagnosis& d) {
   std::string text = d.sentence + "\n\n";
   std::string unit = d.error_unit;  // of squares: "A2"
   if (unit.ends_with('2')) unit.pop_back();
-  text += fmt::format("gap       RMS {:.4g} {} on data never used, noise floor {:.4g} {}\n",
-                      std::sqrt(d.baseline.mse_heldout), unit, std::sqrt(d.noise_floor), unit);
+  if (d.verdict != DiagnosisVerdict::kDataFault)
+    text += fmt::format("gap       RMS {:.4g} {} on data never used, noise floor {:.4g} {}\n",
+                        std::sqrt(d.baseline.mse_heldout), unit, std::sqrt(d.noise_floor), unit);
   for (const DataFault& f : d.faults) text += fmt::format("fault     {}\n", f.sentence);
   if (!d.causes.empty()) {
     text += "\n" + alignedTable(causeRows(d)) + "\n";
@@ -197,10 +207,15 @@ std::string terminalTable(const Diagnosis& d) {
     }
     if (!absorbed.empty()) text += fmt::format("absorbed  had been carried by {}\n", fmt::join(absorbed, ", "));
   }
-  text += fmt::format("explained {:.0f} % of the error; {:.0f} % is explainable by what was logged\n",
-                      d.explained_percent, d.explainable_percent);
+  for (const Candidate& c : d.candidates)
+    text += fmt::format("candidate {}, not named: {}\n", withTarget(c.effect, c.target), c.reason);
+  if (d.verdict != DiagnosisVerdict::kDataFault) {
+    text += fmt::format("explained {:.0f} % of the error; {:.0f} % is explainable by what was logged\n",
+                        d.explained_percent, d.explainable_percent);
+  }
   for (const Leftover& l : d.unexplained)
-    text += fmt::format("left over {} of the error depends on {}\n", percent(l.share), l.channel);
+    text += fmt::format("left over {} of the error, by {}{}\n", percent(l.share), l.channel,
+                        l.shape.empty() ? "" : ": " + l.shape);
   if (!d.not_testable.empty()) {
     std::vector<std::string> names;
     for (const NotTestable& x : d.not_testable) names.push_back(x.effect);

@@ -45,9 +45,13 @@ std::vector<std::string> notes(const Json& result) {
     const std::string rivals = joined(cause.at("ambiguous_with"));
     if (!rivals.empty()) notes.push_back(causeName(cause) + " cannot be told apart here from " + rivals + ".");
   }
-  for (const Json& left : result.value("unexplained", Json::array())) {
+  for (const Json& left : result.value("left_over", Json::object()).value("channels", Json::array())) {
     notes.push_back(fmt::format("{} % of the error depends on {} in a way that no known cause explains.",
                                 number(left.at("share_percent"), "{:.1f}"), text(left, "channel")));
+  }
+  for (const Json& candidate : result.value("candidates", Json::array())) {
+    notes.push_back(
+        fmt::format("{} is a candidate, not a finding: {}.", causeName(candidate), text(candidate, "reason")));
   }
   for (const Json& warning : result.value("warnings", Json::array())) notes.push_back(warning);
   return notes;

@@ -1,0 +1,127 @@
+#include "placebos.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <unsupported/Eigen/FFT>
+
+#include "simgap/core/random.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::uint32_t kPlacebos = 39;  // one of them may reach the cause at a level of 5 %
+
+/// The largest length up to n of which a fast transform is made of factors 2, 3 and 5.
+Index smoothLength(Index n) {
+  for (Index length = n; length > 1; --length) {
+    Index rest = length;
+    for (const Index factor : {Index{2}, Index{3}, Index{5}}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return length;
+  }
+  return n;
+}
+
+/// Rows of the training blocks that count, in their order.
+std::vector<Index> countedRows(const LogSearch& search, const VectorXd& residual) {
+  std::vector<Index> rows;
+  for (const Block& b : search.training()) {
+    for (std::size_t k = b.begin; k < b.end; ++k) {
+      if (residual[static_cast<Index>(k)] != 0.0) rows.push_back(static_cast<Index>(k));
+    }
+  }
+  return rows;
+}
+
+/// What the model's other parameters have learnt: projections on their columns B by the normal matrix B^T B.
+struct Others {
+  MatrixXd columns;              ///< B, shape (n, P)
+  Eigen::LDLT<MatrixXd> normal;  ///< of B^T B, a touch of ridge for columns that say nothing
+  VectorXd residual;             ///< r, shape (n)
+  VectorXd onto;                 ///< (B^T B)^-1 B^T r
+
+  explicit Others(MatrixXd b, VectorXd r) : columns(std::move(b)), residual(std::move(r)) {
+    MatrixXd gram = columns.transpose() * columns;
+    gram.diagonal().array() += 1e-9 * gram.diagonal().maxCoeff() + 1e-300;
+    normal.compute(gram);
+    onto = normal.solve(columns.transpose() * residual);
+  }
+
+  /// Share of r^T r that the columns `own` explain beyond B: with O' = O - B (B^T B)^-1 B^T O and g = O'^T r,
+  /// g^T (O'^T O')^-1 g / r^T r.
+  double gain(const MatrixXd& own) const {
+    const MatrixXd cross = columns.transpose() * own;
+    MatrixXd gram = own.transpose() * own - cross.transpose() * normal.solve(cross);
+    const VectorXd g = own.transpose() * residual - cross.transpose() * onto;
+    gram.diagonal().array() += 1e-12 * std::max(gram.diagonal().maxCoeff(), 1e-300);
+    return g.dot(gram.ldlt().solve(g)) / std::max(residual.squaredNorm(), 1e-300);
+  }
+};
+
+}  // namespace
+
+VectorXd phaseRandomised(const VectorXd& values, std::uint32_t draw, std::uint64_t seed) {
+  const Index n = smoothLength(values.size());
+  const double mean = values.head(n).mean();
+  const VectorXd centred = values.head(n).array() - mean;
+  Eigen::FFT<double> fft;
+  Eigen::VectorXcd spectrum;
+  fft.fwd(spectrum, centred);
+  const CounterRandom random(seed);
+  // A real signal: the phase of -f is minus that of f; the mean and, of even lengths, the highest frequency stay real.
+  for (Index f = 1; 2 * f < n; ++f) {
+    const double turn = 2.0 * std::numbers::pi * random.uniform({draw, static_cast<std::uint32_t>(f), 0, 3});
+    spectrum[f] *= std::polar(1.0, turn);
+    spectrum[n - f] = std::conj(spectrum[f]);
+  }
+  VectorXd drawn(n);
+  fft.inv(drawn, spectrum);
+  VectorXd result = VectorXd::Constant(values.size(), mean);
+  result.head(n).array() += drawn.array();
+  return result;
+}
+
+PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitted& rest, std::size_t effect,
+                         std::uint64_t seed) {
+  VectorXd residual, own_residual;
+  MatrixXd jacobian;
+  rest.model->evaluate(rest.theta, residual, nullptr);
+  full.model->evaluate(full.theta, own_residual, &jacobian);
+  const std::vector<Index> rows = countedRows(search, own_residual);
+  const ActuatorRegression& model = *full.model;
+  std::vector<Index> own, others;
+  const std::size_t columns = model.firstColumn(effect), values = model.firstParameter(effect);
+  for (std::size_t i = 0; i < model.parameters().size(); ++i) {
+    const bool is_own = (i >= columns && i < columns + model.effects()[effect]->columns.size()) ||
+                        (i >= values && i < values + model.effects()[effect]->parameters.size());
+    if (jacobian.col(static_cast<Index>(i)).squaredNorm() > 0.0)
+      (is_own ? own : others).push_back(static_cast<Index>(i));
+  }
+  PlaceboTest test;
+  if (own.empty() || rows.size() < 100) return test;
+  const Others fitted(MatrixXd(jacobian(rows, others)), VectorXd(residual(rows)));
+  const MatrixXd signature = jacobian(rows, own);
+  test.gain = fitted.gain(signature);
+  std::vector<double> gains(kPlacebos);
+  tbb::parallel_for(std::uint32_t{0}, kPlacebos, [&](std::uint32_t draw) {
+    MatrixXd placebo(signature.rows(), signature.cols());
+    for (Index k = 0; k < signature.cols(); ++k) placebo.col(k) = phaseRandomised(signature.col(k), draw, seed);
+    gains[draw] = fitted.gain(placebo);
+  });
+  test.largest = *std::ranges::max_element(gains);
+  const auto reach = std::ranges::count_if(gains, [&](double gain) { return gain >= test.gain; });
+  test.p = (1.0 + static_cast<double>(reach)) / (1.0 + kPlacebos);
+  return test;
+}
+
+}  // namespace simgap

@@ -1,0 +1,26 @@
+/// \file
+/// Placebos of a cause: its own signature with the phases of its spectrum drawn anew. Such a signature has the cause's
+/// colour and size but belongs to no motion, so that nothing it explains can be the cause's doing. What a slow or
+/// repetitive residual lets placebos explain, a cause has to beat.
+#pragma once
+
+#include "log_hypotheses.h"
+
+namespace simgap {
+
+struct PlaceboTest {
+  double gain = 0.0;     ///< of the squared error that the cause's own signature explains, to first order
+  double largest = 0.0;  ///< the same of the best placebo
+  double p = 1.0;        ///< (1 + placebos that reach it) / (1 + placebos)
+};
+
+/// \param full  model with the effect, \param rest  the model without it, both fitted to the training blocks.
+/// \param effect  index of it in `full`. A pure function of its arguments.
+PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitted& rest, std::size_t effect,
+                         std::uint64_t seed);
+
+/// A signal with the spectrum of `values` and phases drawn at random (surrogate data: Theiler et al. 1992), and the
+/// same mean. \param draw  which of the surrogates: the same phases for every signal of one draw.
+Eigen::VectorXd phaseRandomised(const Eigen::VectorXd& values, std::uint32_t draw, std::uint64_t seed);
+
+}  // namespace simgap

@@ -1,0 +1,32 @@
+#include "simgap/measure/logs/rests.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace simgap {
+
+std::vector<bool> findRests(std::span<const double> time, std::span<const double> velocity,
+                            std::span<const int> session, double slow, double least_seconds) {
+  constexpr std::size_t kFewestRows = 4;
+  std::vector<bool> rest(velocity.size(), false);
+  for (std::size_t begin = 0, end = 0; begin < velocity.size(); begin = std::max(end, begin + 1)) {
+    for (end = begin; end < velocity.size() && session[end] == session[begin] && std::abs(velocity[end]) <= slow;)
+      ++end;
+    if (end - begin < kFewestRows || time[end - 1] - time[begin] < least_seconds) continue;
+    std::fill(rest.begin() + static_cast<std::ptrdiff_t>(begin), rest.begin() + static_cast<std::ptrdiff_t>(end), true);
+  }
+  return rest;
+}
+
+double restingSpeed(std::span<const double> velocity, double dead_band) {
+  constexpr double kCreep = 2e-3;  // of the fastest twentieth's speed
+  std::vector<double> speeds(velocity.begin(), velocity.end());
+  for (double& speed : speeds) speed = std::abs(speed);
+  if (speeds.empty()) return dead_band;
+  const auto fast = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() * 19 / 20);
+  std::nth_element(speeds.begin(), fast, speeds.end());
+  return std::max(dead_band, kCreep * *fast);
+}
+
+}  // namespace simgap
