@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "channel_dependence.h"
+#include "diagnose/verdict.h"
 #include "held_out.h"
 #include "log_causes.h"
 #include "log_evidence.h"
@@ -57,24 +58,15 @@ double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
   return floor;
 }
 
-constexpr double kStructure = 0.05;       // share of the error that forests have to explain to count as structure
-constexpr std::size_t kLargestGroup = 3;  // of causes that cannot be told apart; more is no answer
+constexpr double kStructure = 0.05;  // share of the error that forests have to explain to count as structure
 
 void conclude(Diagnosis& d, const Selection& selection, double structure) {
   const bool strange = selection.unnamed.has_value() || structure > kStructure;
-  bool grouped = false, lost = false;
-  for (const Cause& cause : d.causes) {
-    grouped = grouped || !cause.ambiguous_with.empty();
-    lost = lost || cause.ambiguous_with.size() + 1 > kLargestGroup;
-  }
   const double unnamed_gain = selection.unnamed ? selection.unnamed->gain->value : 0.0;
   const bool mostly_strange = d.causes.empty() ? strange : unnamed_gain > d.causes[0].gain_heldout.value;
   // What was chosen on some blocks and makes others worse explains nothing.
   const bool refuted = !d.causes.empty() && d.extended.mse_heldout >= d.baseline.mse_heldout;
-  d.verdict = lost || mostly_strange || refuted ? DiagnosisVerdict::kUnexplained
-              : d.causes.empty()                ? DiagnosisVerdict::kNothingFound
-              : grouped                         ? DiagnosisVerdict::kAmbiguous
-                                                : DiagnosisVerdict::kCauseFound;
+  d.verdict = verdictOf(d.causes, mostly_strange || refuted);
   std::vector<std::string> names;
   for (const Cause& cause : d.causes) {
     std::string name = cause.effect;
@@ -154,6 +146,51 @@ std::vector<Leftover> leftovers(const Selection& selection, const PreparedLog& l
   return list;
 }
 
+/// Leaves out rows near rest whose direction of motion a first fit cannot decide, then spikes.
+void takeOutRows(const ActuatorModel& subject, const LogSearch& search, PreparedLog& log, Diagnosis& d) {
+  const Fitted first = search.fit(subject.effects, nullptr);
+  if (subject.base.law != nullptr) {
+    ActuatorData backwards = log.data;
+    backwards.rows.direction *= -1.0;
+    const ActuatorRegression mirror(subject.base, subject.effects, backwards, 1.0);
+    Eigen::VectorXd flipped;
+    mirror.evaluate(mirror.startFrom(*first.model, first.theta), flipped, nullptr);
+    if (const std::size_t rows = takeOutUndecided(log, residualOf(first), flipped); rows > 0) {
+      d.warnings.push_back(
+          fmt::format("{} rows near rest were left out: their direction of motion cannot be decided", rows));
+    }
+  }
+  for (const DataFault& fault : takeOutSpikes(log, residualOf(first))) d.faults.push_back(fault);
+}
+
+/// The models without and with the causes, fitted to all rows.
+std::pair<Fitted, Fitted> fitToAllRows(const LogSearch& search, const Selection& selection, const PreparedLog& log,
+                                       LogDiagnosis& result) {
+  Fitted before = selection.baseline, after = selection.chosen;
+  result.baseline = describe(search, log, before);
+  result.extended = describe(search, log, after);
+  result.predicted_before = before.model->predict(before.theta);
+  result.predicted_after = after.model->predict(after.theta);
+  return {std::move(before), std::move(after)};
+}
+
+/// What is left with the causes, against noise and against anything that the channels could explain.
+/// \param before, after  residuals, shape (rows). \returns the share of the error that forests still explain
+double measureLeft(const Selection& selection, const PreparedLog& log, const Eigen::VectorXd& before,
+                   const Eigen::VectorXd& after, std::uint64_t seed, Diagnosis& d) {
+  d.noise_floor = noiseFloor(log, after);
+  d.effective_samples = static_cast<double>(d.samples) / correlationTime(after, log.data.rows.session);
+  const std::vector<EvidenceChannel> channels = evidenceChannels(log);
+  d.evidence = binEvidence(log, channels, before, after);
+  const Ceiling left = explainable(log, channels, after, seed);
+  const Ceiling whole = d.causes.empty() ? left : explainable(log, channels, before, seed);
+  d.unexplained = leftovers(selection, log, left);
+  const double explained = std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
+  d.explained_percent = 100.0 * explained;
+  d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
+  return left.share;
+}
+
 }  // namespace
 
 void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& options) {
@@ -186,32 +223,18 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   d.samples = static_cast<std::size_t>(std::ranges::count(log.data.keep, true));
   d.warnings = log.warnings;
   d.faults = findFaults(log);
-  const auto open = [&] { return std::ranges::any_of(d.faults, [](const DataFault& f) { return !f.corrected; }); };
   const std::vector<Hypothesis> named = namedHypotheses(subject, log.data, options, d);
   const std::vector<Hypothesis> unnamed = unnamedHypotheses(log);
   const LogSplit split = splitLog(log, options);
   const LogSearch search(subject.base, log.data, split.training, options);
-  if (!open()) {
-    const Fitted first = search.fit(subject.effects, nullptr);
-    if (subject.base.law != nullptr) {
-      ActuatorData backwards = log.data;
-      backwards.rows.direction *= -1.0;
-      const ActuatorRegression mirror(subject.base, subject.effects, backwards, 1.0);
-      Eigen::VectorXd flipped;
-      mirror.evaluate(mirror.startFrom(*first.model, first.theta), flipped, nullptr);
-      if (const std::size_t rows = takeOutUndecided(log, residualOf(first), flipped); rows > 0) {
-        d.warnings.push_back(
-            fmt::format("{} rows near rest were left out: their direction of motion cannot be decided", rows));
-      }
-    }
-    for (const DataFault& fault : takeOutSpikes(log, residualOf(first))) d.faults.push_back(fault);
-  }
-  if (open() && !options.ignore_faults) {
+  if (openFault(d.faults) == nullptr) takeOutRows(subject, search, log, d);
+  if (const DataFault* fault = openFault(d.faults); fault != nullptr && !options.ignore_faults) {
     d.verdict = DiagnosisVerdict::kDataFault;
-    d.sentence = "Data fault: " + std::ranges::find(d.faults, false, &DataFault::corrected)->sentence + ".";
+    d.sentence = "Data fault: " + fault->sentence + ".";
     d.next_experiment = "Mend or leave out these rows and diagnose again, or go on with --ignore-faults.";
     return result;
   }
+
   const Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
   d.hypotheses = selection.records;
   for (const std::string& name : selection.aliased) {
@@ -222,29 +245,15 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   d.extended = {selection.chosen.mse, heldout.back().mse()};
 
   if (progress) progress("measuring what is left", 0.93);
-  Fitted before = selection.baseline, after = selection.chosen;
-  result.baseline = describe(search, log, before);
-  result.extended = describe(search, log, after);
-  result.predicted_before = before.model->predict(before.theta);
-  result.predicted_after = after.model->predict(after.theta);
-  const Eigen::VectorXd residual_before = residualOf(before), residual_after = residualOf(after);
-  d.noise_floor = noiseFloor(log, residual_after);
-  d.effective_samples = static_cast<double>(d.samples) / correlationTime(residual_after, log.data.rows.session);
+  const auto [before, after] = fitToAllRows(search, selection, log, result);
   d.causes = causesOf(selection, heldout, result.baseline, result.extended, subject.effects.size(), options.seed);
-  const std::vector<EvidenceChannel> channels = evidenceChannels(log);
-  d.evidence = binEvidence(log, channels, residual_before, residual_after);
-  const Ceiling left = explainable(log, channels, residual_after, options.seed);
-  const Ceiling whole = d.causes.empty() ? left : explainable(log, channels, residual_before, options.seed);
-  d.unexplained = leftovers(selection, log, left);
-  const double explained = std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
-  d.explained_percent = 100.0 * explained;
-  d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
+  const double structure = measureLeft(selection, log, residualOf(before), residualOf(after), options.seed, d);
   d.detectable = detectable(search, selection.last, options.least_gain, d.effective_samples);
   if (options.self_tests > 0) {
     d.self_test = runSelfTest(subject, log, after, named, unnamed, d.detectable, d.effective_samples, options,
                               split.training, progress);
   }
-  conclude(d, selection, left.share);
+  conclude(d, selection, structure);
   addTransmission(subject, log, split, options, result);
   warnOfHarm(d);
   d.extensions = result.extended.extensions;
