@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace simgap::test {
 namespace {
 
@@ -14,11 +16,11 @@ TEST(ChannelDependence, ScalesFrictionAndAddsAParabolaToTheEffort) {
   ActuatorTerms terms;
   terms.dry = ArrayXd::Ones(3);
   terms.viscous = ArrayXd::Constant(3, 2.0);
-  const double one[] = {0.5, 0.25, 0.0, -1.0};  // of the first channel: -1, 0, 1
+  const std::array one = {0.5, 0.25, 0.0, -1.0};  // of the first channel: -1, 0, 1
   kChannelDependence.apply(one, rows, terms);
   EXPECT_TRUE(terms.dry.isApprox(ArrayXd{{0.75, 1.0, 1.75}})) << terms.dry.transpose();
   EXPECT_TRUE(terms.viscous.isApprox(ArrayXd{{1.5, 2.0, 3.5}})) << terms.viscous.transpose();
-  const double product[] = {0.0, 0.0, 0.0, 1.0};  // of both: -2, 0, 4
+  const std::array product = {0.0, 0.0, 0.0, 1.0};  // of both: -2, 0, 4
   Eigen::ArrayXXd x(3, 2);
   kChannelDependence.fill(product, rows, terms, ArrayXd::Zero(3), x);
   EXPECT_TRUE(x.col(0).isApprox(ArrayXd{{-2.0, 0.0, 4.0}}));
@@ -30,7 +32,7 @@ TEST(ChannelDependence, FrictionStaysPositive) {
   rows.context = {ArrayXd::Constant(1, 3.0)};
   ActuatorTerms terms;
   terms.dry = terms.viscous = ArrayXd::Ones(1);
-  const double p[] = {-0.9, 0.0, 0.0, -1.0};
+  const std::array p = {-0.9, 0.0, 0.0, -1.0};
   kChannelDependence.apply(p, rows, terms);
   EXPECT_DOUBLE_EQ(terms.dry[0], 0.02);
 }

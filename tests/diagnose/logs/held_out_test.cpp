@@ -33,7 +33,7 @@ TEST(SplitLog, ObeysAMaskOfRows) {
 }
 
 TEST(SplitLog, RefusesLogsTooShortToLearnFrom) {
-  EXPECT_NE(errorOf([] { splitLog(withBlocks(6), {}); }).find("found 4 blocks to learn from and 2"), std::string::npos);
+  EXPECT_NE(errorOf([] { splitLog(withBlocks(5), {}); }).find("found 4 blocks to learn from and 1"), std::string::npos);
   LogDiagnosisOptions none;
   none.heldout_rows.assign(1000, false);
   EXPECT_THROW(splitLog(withBlocks(10), none), DataError);
