@@ -13,13 +13,23 @@ namespace simgap {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
+namespace {
+
+/// \param draws  of a bootstrap
+Interval percentiles(double value, std::vector<double>& draws) {
+  std::ranges::sort(draws);
+  const std::size_t tail = draws.size() / 40;
+  return {value, draws[tail], draws[draws.size() - 1 - tail]};
+}
+
+}  // namespace
+
 Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::uint64_t seed) {
   constexpr int kDraws = 1000;
   constexpr Index kRun = 4;
   const Index n = before.sum.size();
-  Interval gain;
-  gain.value = 1.0 - after.sum.sum() / std::max(before.sum.sum(), 1e-300);
-  if (n < 2) return {gain.value, gain.value, gain.value};
+  const double value = 1.0 - after.sum.sum() / std::max(before.sum.sum(), 1e-300);
+  if (n < 2) return {value, value, value};
   const Index run = std::min(kRun, std::max<Index>(1, n / 8));
   const CounterRandom random(seed);
   std::vector<double> draws(kDraws);
@@ -36,10 +46,23 @@ Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::ui
     }
     draws[static_cast<std::size_t>(d)] = 1.0 - sum_after / std::max(sum_before, 1e-300);
   }
-  std::ranges::sort(draws);
-  gain.lower95 = draws[kDraws / 40];
-  gain.upper95 = draws[kDraws - 1 - kDraws / 40];
-  return gain;
+  return percentiles(value, draws);
+}
+
+Interval pairedGain(std::span<const double> before, std::span<const double> after, std::uint64_t seed) {
+  constexpr std::uint32_t kDraws = 2000, kPurpose = 21;
+  const CounterRandom random(seed);
+  const auto toArray = [](std::span<const double> values) -> ArrayXd {
+    return Eigen::Map<const ArrayXd>(values.data(), std::ssize(values));
+  };
+  const ArrayXd all_before = toArray(before), all_after = toArray(after);
+  std::vector<double> draws(kDraws);
+  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
+    draws[draw] = resampledGain(all_before, all_after, random, draw, kPurpose);
+  }
+  const double sum_before = std::accumulate(before.begin(), before.end(), 0.0);
+  const double sum_after = std::accumulate(after.begin(), after.end(), 0.0);
+  return percentiles(sum_before > 0.0 ? 1.0 - sum_after / sum_before : 0.0, draws);
 }
 
 double resampledGain(const ArrayXd& before, const ArrayXd& after, const CounterRandom& random, std::uint32_t draw,

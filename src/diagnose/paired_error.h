@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <span>
 
 #include "simgap/core/random.h"
 #include "simgap/diagnose/diagnosis.h"
@@ -20,6 +21,9 @@ struct PieceErrors {
 /// How much lower the error of `after` is than that of `before`, as a fraction, with a 95 % interval from a bootstrap
 /// of runs of neighbouring pieces (moving blocks: Kunsch 1989). A pure function of its arguments.
 Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::uint64_t seed);
+
+/// The same of errors that are independent of each other, as those of poses are. \param before, after  shape (samples)
+Interval pairedGain(std::span<const double> before, std::span<const double> after, std::uint64_t seed);
 
 /// 1 - sum(after) / sum(before) of as many independent pieces, drawn with replacement: one draw of a paired bootstrap.
 double resampledGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, const CounterRandom& random,

@@ -33,6 +33,19 @@ TEST(PairedError, FindsAGainAndItsSize) {
   EXPECT_GT(pairedP(after, before), 0.99);
 }
 
+TEST(PairedGain, OfIndependentErrorsHoldsTheTrueGain) {
+  const Eigen::ArrayXd noise = pieces(80, 1.0, 5).sum;
+  const std::vector<double> before(noise.data(), noise.data() + noise.size());
+  std::vector<double> after;
+  for (const double error : before) after.push_back(0.8 * error);
+  const Interval gain = pairedGain(before, after, 1);
+  EXPECT_NEAR(gain.value, 0.2, 1e-12);  // the same share of every one: nothing to vary
+  EXPECT_NEAR(gain.lower95, 0.2, 1e-12);
+  EXPECT_NEAR(gain.upper95, 0.2, 1e-12);
+  std::ranges::reverse(after);
+  EXPECT_LT(pairedGain(before, after, 1).lower95, 0.15);
+}
+
 TEST(PairedError, FindsWhatOnlySomePiecesShow) {
   const PieceErrors before = pieces(200, 1.0, 2);
   PieceErrors after = before;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -141,6 +142,9 @@ struct Diagnosis {
   std::optional<SelfTest> self_test;
   std::vector<Extension> extensions;  ///< of the causes, as the extended model holds them
 };
+
+/// Called with what is being done and the share of the whole that is done.
+using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
 
 /// Adds a warning for each cause that makes the data it was not chosen on worse.
 void warnOfHarm(Diagnosis& diagnosis);

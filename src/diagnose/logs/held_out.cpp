@@ -32,32 +32,32 @@ LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
 
 namespace {
 
-/// Held-out blocks that belong together.
-struct Unit {
+/// Held-out blocks that are predicted together.
+struct Fold {
   std::vector<Block> blocks;
   std::vector<Block> others;  ///< what a refit for them may see; empty: no refit, the fit itself predicts them
 };
 
-std::vector<Unit> unitsOf(const std::vector<Block>& heldout, const std::vector<Block>& training,
+std::vector<Fold> foldsOf(const std::vector<Block>& heldout, const std::vector<Block>& training,
                           const std::vector<int>& session) {
   constexpr std::size_t kFewestSessions = 8;
-  std::vector<Unit> sessions, single;
+  std::vector<Fold> sessions, single;
   for (const Block& block : heldout) {
     single.push_back({{block}, {}});
     const int own = session[block.begin];
     if (sessions.empty() || session[sessions.back().blocks.back().begin] != own) {
-      Unit& unit = sessions.emplace_back(Unit{{}, training});
-      std::erase_if(unit.others, [&](const Block& b) { return session[b.begin] == own; });
+      Fold& fold = sessions.emplace_back(Fold{{}, training});
+      std::erase_if(fold.others, [&](const Block& b) { return session[b.begin] == own; });
     }
     sessions.back().blocks.push_back(block);
   }
   return sessions.size() < kFewestSessions ? single : sessions;
 }
 
-PieceErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::vector<Unit>& units) {
-  PieceErrors errors{ArrayXd(std::ssize(units)), ArrayXd(std::ssize(units))};
+PieceErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::vector<Fold>& folds) {
+  PieceErrors errors{ArrayXd(std::ssize(folds)), ArrayXd(std::ssize(folds))};
   tbb::parallel_for(Index{0}, errors.sum.size(), [&](Index u) {
-    const auto& [blocks, others] = units[static_cast<std::size_t>(u)];
+    const auto& [blocks, others] = folds[static_cast<std::size_t>(u)];
     const PieceErrors own = search.errors(others.empty() ? fitted : search.refitted(fitted, others), blocks);
     errors.sum[u] = own.sum.sum();
     errors.rows[u] = own.rows.sum();
@@ -69,9 +69,9 @@ PieceErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::v
 
 std::vector<PieceErrors> heldOutErrors(const LogSearch& search, const Selection& selection,
                                        const std::vector<Block>& heldout, const std::vector<int>& session) {
-  const std::vector<Unit> units = unitsOf(heldout, search.training(), session);
+  const std::vector<Fold> folds = foldsOf(heldout, search.training(), session);
   std::vector<PieceErrors> errors;
-  for (const Fitted& step : selection.steps) errors.push_back(errorsOf(search, step, units));
+  for (const Fitted& step : selection.steps) errors.push_back(errorsOf(search, step, folds));
   return errors;
 }
 

@@ -3,22 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/verdict.h"
 #include "simgap/optimize/uncertainty.h"
 
 namespace simgap {
 namespace {
 
-std::vector<Absorption> absorption(const std::vector<PhysicalParameter>& before,
-                                   const std::vector<PhysicalParameter>& after) {
+/// How far the parameters moved that were there before.
+std::vector<Absorption> shifts(const std::vector<PhysicalParameter>& before,
+                               const std::vector<PhysicalParameter>& after) {
   std::vector<Absorption> list;
   for (const PhysicalParameter& a : after) {
     const auto b = std::ranges::find(before, a.name, &PhysicalParameter::name);
     if (b == before.end() || !(a.sd > 0.0) || a.name == kNuisance) continue;
-    const double shift = (a.value - b->value) / a.sd;
-    if (std::abs(shift) > 2.0) list.push_back({a.name, shift});
+    list.push_back({a.name, (a.value - b->value) / a.sd});
   }
-  std::ranges::sort(list, std::greater<>{}, [](const Absorption& a) { return std::abs(a.shift_sd); });
-  if (list.size() > 5) list.resize(5);
   return list;
 }
 
@@ -76,7 +75,7 @@ std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceE
       const double half = std::isfinite(p.sd) ? extended.t * p.sd : 0.0;
       cause.parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
     }
-    cause.absorbed_by = absorption(baseline.parameters, extended.parameters);
+    cause.absorbed_by = absorbed(shifts(baseline.parameters, extended.parameters));
   }
   return causes;
 }

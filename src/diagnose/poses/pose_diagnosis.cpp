@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "diagnose/paired_error.h"
+#include "diagnose/verdict.h"
 #include "pose_advice.h"
 #include "pose_evidence.h"
 #include "pose_score.h"
@@ -20,10 +21,8 @@ namespace simgap {
 namespace {
 
 constexpr std::size_t kFewestPoses = 8;
-constexpr std::size_t kLargestGroup = 3;  // a larger one is no answer
-constexpr double kLargeExcess = 0.5;      // of the cross-validated error over what the model itself expects
-constexpr double kClearExcess = 4.0;      // standard deviations
-constexpr double kAbsorbed = 1.0;         // [sd] smallest shift of a parameter worth a word
+constexpr double kLargeExcess = 0.5;  // of the cross-validated error over what the model itself expects
+constexpr double kClearExcess = 4.0;  // standard deviations
 
 /// Poses of the selection and those held out, without the faulty ones.
 struct Split {
@@ -171,52 +170,47 @@ void Diagnosing::fillCauses() {
 void Diagnosing::fillAbsorption(PoseFit& plain, PoseFit& fit) {
   const Eigen::MatrixXd covariance =
       fit.curvature().llt().solve(Eigen::MatrixXd::Identity(fit.z().size(), fit.z().size()));
-  std::vector<Absorption> absorbed;
+  if (result_.diagnosis.causes.empty()) return;
+  std::vector<Absorption> shifts;
   for (std::size_t i = 0; i < fit.ordinary(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    const double shift = (fit.z()[k] - plain.z()[k]) / std::sqrt(covariance(k, k));
-    if (std::abs(shift) >= kAbsorbed) absorbed.push_back({fit.space().parameters()[i].name, shift});
+    shifts.push_back({fit.space().parameters()[i].name, (fit.z()[k] - plain.z()[k]) / std::sqrt(covariance(k, k))});
   }
-  std::ranges::stable_sort(absorbed, std::greater<>(), [](const Absorption& a) { return std::abs(a.shift_sd); });
-  if (absorbed.size() > 5) absorbed.resize(5);
-  if (!result_.diagnosis.causes.empty()) result_.diagnosis.causes.back().absorbed_by = absorbed;
+  result_.diagnosis.causes.back().absorbed_by = absorbed(std::move(shifts));
 }
 
 void Diagnosing::decide() {
   Diagnosis& d = result_.diagnosis;
-  const bool large_group = std::ranges::any_of(
-      selection_.causes, [](const AcceptedCause& cause) { return cause.rivals.size() + 1 > kLargestGroup; });
-  const bool group = std::ranges::any_of(selection_.causes, [](const auto& cause) { return !cause.rivals.empty(); });
   const bool structure = selection_.excess > kLargeExcess && selection_.excess > kClearExcess * selection_.excess_sd;
+  const DataFault* fault = openFault(d.faults);
+  d.verdict = fault != nullptr ? DiagnosisVerdict::kDataFault : verdictOf(d.causes, d.causes.empty() && structure);
   std::string names;
-  for (const AcceptedCause& cause : selection_.causes) {
-    names += (names.empty() ? "" : ", ") + cause.cause.label();
-  }
+  for (const AcceptedCause& cause : selection_.causes) names += (names.empty() ? "" : ", ") + cause.cause.label();
   const double gain = 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout;
-  if (std::ranges::any_of(d.faults, [](const DataFault& fault) { return !fault.corrected; })) {
-    d.verdict = DiagnosisVerdict::kDataFault;
-    d.sentence = d.faults.front().sentence;
-  } else if (!selection_.causes.empty() && !large_group) {
-    d.verdict = group ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
-    const bool one = selection_.causes.size() == 1;
-    d.sentence = gain > 0.0
-                     ? fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
-                                   one ? "takes away" : "take away", 100.0 * gain, split_.heldout.size())
-                     : fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it",
-                                   names, one ? "makes" : "make", split_.heldout.size());
-  } else if (large_group) {
-    d.verdict = DiagnosisVerdict::kUnexplained;
-    d.sentence = fmt::format("something like {} is there, but these poses do not tell it from {} other causes", names,
-                             selection_.causes.front().rivals.size());
-  } else if (structure) {
-    d.verdict = DiagnosisVerdict::kUnexplained;
-    d.sentence = fmt::format(
-        "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no "
-        "cause of the catalogue takes it away",
-        100.0 * selection_.excess);
-  } else {
-    d.verdict = DiagnosisVerdict::kNothingFound;
-    d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
+  const bool one = d.causes.size() == 1;
+  switch (d.verdict) {
+    case DiagnosisVerdict::kDataFault:
+      d.sentence = fault->sentence;
+      break;
+    case DiagnosisVerdict::kCauseFound:
+    case DiagnosisVerdict::kAmbiguous:
+      d.sentence = gain > 0.0
+                       ? fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
+                                     one ? "takes away" : "take away", 100.0 * gain, split_.heldout.size())
+                       : fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it",
+                                     names, one ? "makes" : "make", split_.heldout.size());
+      break;
+    case DiagnosisVerdict::kUnexplained:
+      d.sentence = d.causes.empty()
+                       ? fmt::format(
+                             "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no "
+                             "cause of the catalogue takes it away",
+                             100.0 * selection_.excess)
+                       : fmt::format("something like {} is there, but these poses do not tell it from {} other causes",
+                                     names, d.causes.front().ambiguous_with.size());
+      break;
+    case DiagnosisVerdict::kNothingFound:
+      d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
   }
   if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {
     d.warnings.push_back(

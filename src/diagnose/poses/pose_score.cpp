@@ -81,7 +81,7 @@ Eigen::VectorXd PoseScore::change(const PoseProblem& problem, const PoseCause& c
   return change;
 }
 
-void placeSlips(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypothesis>& hypotheses) {
+void placeMoments(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypothesis>& hypotheses) {
   constexpr std::size_t kMoments = 2;  // per muscle; neighbours of the best hardly differ from it
   constexpr Eigen::Index kApart = 4;   // [poses]
   const std::span<const Pose> poses = fit.posterior().poses();

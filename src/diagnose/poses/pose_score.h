@@ -31,7 +31,7 @@ class PoseScore {
 };
 
 /// The moments at which a slip of each muscle would explain most, as starts.
-void placeSlips(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypothesis>& hypotheses);
+void placeMoments(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypothesis>& hypotheses);
 
 /// The smallest magnitude of each hypothesis, beside the causes of the fit, that these poses would reveal.
 std::vector<Detectable> detectableMagnitudes(const PoseProblem& problem, PoseFit& fit,

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "diagnose/paired_error.h"
 #include "pose_score.h"
 #include "pose_validation.h"
 
@@ -87,15 +88,17 @@ PoseFit Selection::settled(const std::vector<PoseCause>& causes, const Eigen::Ve
     fit.descend(z);
     return fit;
   };
-  const auto worth = [](PoseFit& fit, double share) { return fit.logEvidence() - 0.5 * std::pow(std::log(share), 2); };
+  const auto logPosterior = [](PoseFit& fit, double share) {
+    return fit.logEvidence() - 0.5 * std::pow(std::log(share), 2);
+  };
   double share = problem_.stray_friction;
   PoseFit best = fitWith(share);
-  double highest = worth(best, share);
+  double highest = logPosterior(best, share);
   for (const double factor : {1.0 / kShareStep, kShareStep}) {
     bool better = true;
     for (double next = share * factor; better && next > kSmallestShare && next < kLargestShare; next *= factor) {
       PoseFit other = fitWith(next);
-      const double value = worth(other, next);
+      const double value = logPosterior(other, next);
       better = value > highest;
       if (!better) break;
       highest = value;
@@ -197,7 +200,7 @@ std::string Selection::objection(const PoseFit& fit, const PoseCandidate& candid
 /// One forward step. \returns whether a cause was accepted
 bool Selection::step(PoseFit& fit, PoseSelection& selection) {
   std::vector<PoseHypothesis> open = openBeside(fit.causes());
-  placeSlips(problem_, fit, open);
+  placeMoments(problem_, fit, open);
   std::vector<PoseCandidate> candidates = tryAll(fit, open);
   for (int round = 0; round < kBetterBases && !candidates.empty() && improveBase(fit, candidates.front()); ++round) {
     candidates = tryAll(fit, open);
@@ -253,7 +256,7 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
     std::erase_if(open, [&](const PoseHypothesis& h) {
       return !cause.contenders.contains(PoseCause{h.effect, h.target, {}}.label());
     });
-    placeSlips(problem_, without, open);
+    placeMoments(problem_, without, open);
     const std::vector<PoseCandidate> candidates = tryAll(without, open);
     if (candidates.empty()) {
       selection.causes.push_back(cause);

@@ -61,6 +61,30 @@ std::string answerOf(const Diagnosis& diagnosis, const std::string& hidden, cons
   return "ambiguous";
 }
 
+/// Whether an answer to poses in which nothing was hidden is no false alarm.
+bool isQuiet(const std::string& answer) {
+  const ArmEffect* named = findArmEffect(answer);
+  return answer == "none" || answer == "unexplained" || (named != nullptr && named->in_every_joint);
+}
+
+/// Puts one of the targets into the model, larger than what the poses should reveal. \returns its label
+std::string hideOne(const std::vector<const Detectable*>& targets, const std::vector<PoseHypothesis>& hypotheses,
+                    PoseFit& fit, std::uint64_t seed, ArmModel& model) {
+  const double u = CounterRandom(seed).uniform({0, 0, 0, kTargetPurpose});
+  const Detectable& d = *targets[static_cast<std::size_t>(u * static_cast<double>(targets.size()))];
+  const auto h = std::ranges::find_if(hypotheses, [&](const PoseHypothesis& other) {
+    return other.effect->name == d.effect && other.target == d.target;
+  });
+  EffectParameters p = h->starts.front();
+  p[0] = kAboveDetectable * d.magnitude95;
+  if (h->effect->from_moment) {
+    const std::span<const Pose> poses = fit.posterior().poses();
+    p[1] = poses[poses.size() / 2].time;
+  }
+  model.extensions.push_back(makeExtension(*h->effect, d.target, p));
+  return extensionLabel(model.extensions.back());
+}
+
 }  // namespace
 
 SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses,
@@ -91,25 +115,10 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
     }
     for (int n = 0; n < options.self_test; ++n) {
       progress("self-test: " + test.hidden[e], static_cast<double>(done++) / static_cast<double>(total));
-      ArmModel model = truth.nominal;
-      std::string label;
       const std::uint64_t seed = options.seed + 1000 * e + static_cast<std::uint64_t>(n) + 1;
-      if (e > 0) {
-        if (targets.empty()) continue;
-        const double u = CounterRandom(seed).uniform({0, 0, 0, kTargetPurpose});
-        const Detectable& d = *targets[static_cast<std::size_t>(u * static_cast<double>(targets.size()))];
-        const auto h = std::ranges::find_if(hypotheses, [&](const PoseHypothesis& other) {
-          return other.effect->name == d.effect && other.target == d.target;
-        });
-        EffectParameters p = h->starts.front();
-        p[0] = kAboveDetectable * d.magnitude95;
-        if (h->effect->from_moment) {
-          const std::span<const Pose> poses = fit.posterior().poses();
-          p[1] = poses[poses.size() / 2].time;
-        }
-        model.extensions.push_back(makeExtension(*h->effect, d.target, p));
-        label = extensionLabel(model.extensions.back());
-      }
+      if (e > 0 && targets.empty()) continue;
+      ArmModel model = truth.nominal;
+      const std::string label = e > 0 ? hideOne(targets, hypotheses, fit, seed, model) : "";
       const PoseSet set = simulatePoses(model, fit, seed);
       const Diagnosis answer =
           diagnosePoses(problem.nominal, set, problem.parameters, problem.noise, inner, [](const std::string&, double) {
@@ -117,9 +126,7 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
       const std::string name = answerOf(answer, test.hidden[e], label);
       const auto column = std::ranges::find(test.answers, name) - test.answers.begin();
       if (column < std::ssize(test.answers)) ++test.count[e][static_cast<std::size_t>(column)];
-      const ArmEffect* found = findArmEffect(name);
-      const bool quiet = name == "none" || name == "unexplained" || (found != nullptr && found->in_every_joint);
-      if (e == 0) test.false_alarm_rate += quiet ? 0.0 : 1.0 / options.self_test;
+      if (e == 0) test.false_alarm_rate += isQuiet(name) ? 0.0 : 1.0 / options.self_test;
       if (e > 0 && name == test.hidden[e]) ++right;
     }
   }

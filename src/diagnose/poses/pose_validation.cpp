@@ -4,14 +4,10 @@
 #include <algorithm>
 #include <numeric>
 
-#include "diagnose/paired_error.h"
-#include "simgap/core/random.h"
-
 namespace simgap {
 namespace {
 
 constexpr std::size_t kFolds = 5;
-constexpr std::uint32_t kBootstrapPurpose = 21;
 
 }  // namespace
 
@@ -52,23 +48,6 @@ CrossValidation PoseFolds::validate(const PoseProblem& problem, const std::vecto
   });
   result.expected = std::accumulate(expected.begin(), expected.end(), 0.0);
   return result;
-}
-
-Interval pairedGain(std::span<const double> before, std::span<const double> after, std::uint64_t seed) {
-  constexpr std::uint32_t kDraws = 2000;
-  const CounterRandom random(seed);
-  const auto toArray = [](std::span<const double> values) -> Eigen::ArrayXd {
-    return Eigen::Map<const Eigen::ArrayXd>(values.data(), std::ssize(values));
-  };
-  const Eigen::ArrayXd all_before = toArray(before), all_after = toArray(after);
-  std::vector<double> gains(kDraws);
-  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
-    gains[draw] = resampledGain(all_before, all_after, random, draw, kBootstrapPurpose);
-  }
-  std::ranges::sort(gains);
-  const double sum_before = std::accumulate(before.begin(), before.end(), 0.0);
-  const double sum_after = std::accumulate(after.begin(), after.end(), 0.0);
-  return {sum_before > 0.0 ? 1.0 - sum_after / sum_before : 0.0, gains[kDraws / 40], gains[kDraws - 1 - kDraws / 40]};
 }
 
 }  // namespace simgap

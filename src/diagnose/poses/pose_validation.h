@@ -33,7 +33,4 @@ class PoseFolds {
   std::size_t poses_;
 };
 
-/// Paired bootstrap of 1 - sum(after) / sum(before). \param before, after  squared errors of the same poses
-Interval pairedGain(std::span<const double> before, std::span<const double> after, std::uint64_t seed);
-
 }  // namespace simgap

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <algorithm>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,9 +45,6 @@ struct LogDiagnosis {
   LogFit baseline, extended;
   Eigen::ArrayXd predicted_before, predicted_after;  ///< shape (rows)
 };
-
-/// Called with what is being done and the share of the whole that is done.
-using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
 
 /// What can be known before any work. \throws ConfigError: an unknown effect; DataError: too few blocks to learn from.
 void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& options);

@@ -4,7 +4,6 @@
 /// for one more is clear, and their gain is measured on poses that took no part in any of that.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -34,9 +33,6 @@ struct PoseDiagnosis {
   ArmModel model;           ///< with the causes, fitted to all poses without a fault
   std::string pose_errors;  ///< CSV: root mean square joint error of each pose before and after [deg]
 };
-
-/// Called with what is being done and the share of the whole that is done.
-using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
 
 /// \param parameters  the ordinary parameters that every hypothesis refits, with their priors
 /// \throws DataError: fewer than 8 poses.  NumericsError: no parameters give every pose an equilibrium.

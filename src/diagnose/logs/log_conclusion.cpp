@@ -1,0 +1,133 @@
+#include "log_conclusion.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/verdict.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kStructure = 0.05;  // share of the error that forests have to explain to count as structure
+
+/// "bend-friction, current-bias or joint-gravity"
+std::string namesOf(const std::vector<Cause>& causes) {
+  std::vector<std::string> names;
+  for (const Cause& cause : causes) {
+    std::string name = cause.effect;
+    for (const std::string& other : cause.ambiguous_with) name += " or " + other;
+    names.push_back(name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// What is left over, and by which channel; empty when it is no structure.
+std::string leftText(const Diagnosis& d) {
+  if (d.left_over_percent < 1.0) return {};
+  const std::string channel = d.unexplained.empty() ? "the logged channels" : d.unexplained[0].channel;
+  const std::string shape =
+      d.unexplained.empty() || d.unexplained[0].shape.empty() ? "" : fmt::format(" ({})", d.unexplained[0].shape);
+  return fmt::format("{:.0f} % of the squared error, by {}{}", d.left_over_percent, channel, shape);
+}
+
+/// How the residual follows a channel, from its bins: correlation with the channel or with the distance from its
+/// middle.
+std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string& channel) {
+  constexpr double kPlain = 0.8;
+  std::vector<const EvidenceBin*> bins;
+  for (const EvidenceBin& bin : evidence) {
+    if (bin.against.starts_with(channel) && std::isfinite(bin.after)) bins.push_back(&bin);
+  }
+  if (bins.size() < 5) return {};
+  Eigen::ArrayXd x(std::ssize(bins)), y(std::ssize(bins));
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    x[k] = bins[static_cast<std::size_t>(k)]->center;
+    y[k] = bins[static_cast<std::size_t>(k)]->after;
+  }
+  const auto correlation = [&](const Eigen::ArrayXd& of) {
+    const Eigen::ArrayXd a = of - of.mean(), b = y - y.mean();
+    return (a * b).sum() / std::max(std::sqrt(a.square().sum() * b.square().sum()), 1e-300);
+  };
+  if (std::abs(correlation(x)) > kPlain) return correlation(x) > 0.0 ? "rises with it" : "falls with it";
+  const Eigen::ArrayXd away = (x - 0.5 * (x.minCoeff() + x.maxCoeff())).abs();
+  return std::abs(correlation(away)) > kPlain ? "differs between its middle and its ends" : "";
+}
+
+}  // namespace
+
+void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Ceiling& left, Diagnosis& d) {
+  const double unnamed = selection.unnamed ? std::max(0.0, selection.unnamed->gain->value) : 0.0;
+  const double forests = left.share > kStructure ? left.share : 0.0;
+  const double remaining = 1.0 - 0.01 * d.explained_percent;
+  d.left_over_percent = 100.0 * remaining * std::min(1.0, std::max(unnamed, forests));
+  std::vector<Leftover> list;
+  if (selection.unnamed) {
+    const std::vector<double>& fixed = selection.unnamed->hypothesis.fixed;
+    for (const double channel : {fixed[2], fixed[3]}) {
+      if (channel >= 0.0) list.push_back({log.context[static_cast<std::size_t>(channel)].name, unnamed, {}});
+    }
+  }
+  for (const Leftover& l : left.channels) {
+    const bool known = std::ranges::any_of(list, [&](const Leftover& other) { return other.channel == l.channel; });
+    if (!known && forests > 0.0 && l.share > 0.0) list.push_back(l);
+  }
+  double sum = 0.0;
+  for (const Leftover& l : list) sum += l.share;
+  for (Leftover& l : list) {
+    l.share *= 0.01 * d.left_over_percent / std::max(sum, 1e-300);
+    l.shape = shapeOf(d.evidence, l.channel);
+  }
+  if (d.left_over_percent > 0.0) d.unexplained = std::move(list);
+}
+
+void conclude(Diagnosis& d) {
+  const std::string left = leftText(d);
+  d.verdict = verdictOf(d.causes, !left.empty());
+  if (d.verdict == DiagnosisVerdict::kNothingFound) {
+    d.sentence = fmt::format(
+        "Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, noise "
+        "floor {:.4g}.",
+        std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor));
+  } else if (d.verdict == DiagnosisVerdict::kUnexplained) {
+    d.sentence = fmt::format("Unexplained: no cause of the catalogue was found. Left: {}.", left);
+  } else {
+    d.sentence = fmt::format("Found{}: {} ({:.0f} % of the squared error on data never used). Left: {}.",
+                             d.verdict == DiagnosisVerdict::kAmbiguous ? ", but not alone" : "", namesOf(d.causes),
+                             d.explained_percent, left.empty() ? "nothing that the logged channels show" : left);
+  }
+}
+
+std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
+  const double minutes = log.data.rows.time[log.data.rows.rows() - 1] / 60.0;
+  for (const Cause& cause : d.causes) {
+    if (cause.ambiguous_with.empty()) continue;
+    std::string text = fmt::format("To tell {} from {}: record {}", cause.effect, fmt::join(cause.ambiguous_with, ", "),
+                                   actuator_effects::find(cause.effect).separates);
+    for (const std::string& other : cause.ambiguous_with) {
+      text += fmt::format("; and {}", actuator_effects::find(other).separates);
+    }
+    if (log.data.rows.top_load == 0.0) return text + ".";
+    return text + fmt::format(" ({:.0f} min at loads up to {:.3g} {} would do).", std::max(2.0, 0.2 * minutes),
+                              log.data.rows.top_load, log.data.load_unit);
+  }
+  if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) {
+    if (d.unexplained[0].channel == "time")
+      return "Repeat the first motion at the end of the log and once in its middle: that tells a drift from chance.";
+    return fmt::format("Repeat one motion and load while {} is stepped up and down over its range: that shows its law.",
+                       d.unexplained[0].channel);
+  }
+  if (!d.causes.empty()) {
+    return fmt::format("To confirm {} independently: record {}.", d.causes[0].effect,
+                       actuator_effects::find(d.causes[0].effect).separates);
+  }
+  if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
+  return fmt::format(
+      "Nothing is missing at this noise; smaller effects than those under `detectable` need about {:.0f} min "
+      "of log for half of their size.",
+      4.0 * minutes);
+}
+
+}  // namespace simgap

@@ -1,0 +1,32 @@
+#include "verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace simgap {
+
+bool isLost(const Cause& cause) { return cause.ambiguous_with.size() + 1 > kLargestGroup; }
+
+DiagnosisVerdict verdictOf(const std::vector<Cause>& causes, bool structure) {
+  if (std::ranges::any_of(causes, isLost)) return DiagnosisVerdict::kUnexplained;
+  if (causes.empty()) return structure ? DiagnosisVerdict::kUnexplained : DiagnosisVerdict::kNothingFound;
+  const bool grouped = std::ranges::any_of(causes, [](const Cause& cause) { return !cause.ambiguous_with.empty(); });
+  return grouped ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
+}
+
+const DataFault* openFault(const std::vector<DataFault>& faults) {
+  const auto open = std::ranges::find(faults, false, &DataFault::corrected);
+  return open == faults.end() ? nullptr : &*open;
+}
+
+std::vector<Absorption> absorbed(std::vector<Absorption> shifts) {
+  constexpr double kSmallest = 2.0;  // [sd]: what chance alone does in one parameter of twenty
+  constexpr std::size_t kMost = 5;
+  std::erase_if(shifts, [](const Absorption& a) { return !(std::abs(a.shift_sd) >= kSmallest); });
+  std::ranges::stable_sort(shifts, std::greater<>(), [](const Absorption& a) { return std::abs(a.shift_sd); });
+  if (shifts.size() > kMost) shifts.resize(kMost);
+  return shifts;
+}
+
+}  // namespace simgap

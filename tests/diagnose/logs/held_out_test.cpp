@@ -1,0 +1,43 @@
+#include "diagnose/logs/held_out.h"
+
+#include <gtest/gtest.h>
+
+#include "simgap/core/error.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+PreparedLog withBlocks(std::size_t count) {
+  PreparedLog log;
+  log.file = "log.csv";
+  for (std::size_t b = 0; b < count; ++b) log.blocks.push_back({100 * b, 100 * (b + 1)});
+  return log;
+}
+
+TEST(SplitLog, HoldsOutEveryFourthBlock) {
+  const LogSplit split = splitLog(withBlocks(20), {});
+  ASSERT_EQ(split.heldout.size(), 5u);
+  EXPECT_EQ(split.training.size(), 15u);
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(split.heldout[k].begin, 100 * (4 * k + 2));
+}
+
+TEST(SplitLog, ObeysAMaskOfRows) {
+  LogDiagnosisOptions options;
+  options.heldout_rows.assign(1000, false);
+  std::fill(options.heldout_rows.begin() + 300, options.heldout_rows.begin() + 500, true);
+  const LogSplit split = splitLog(withBlocks(10), options);
+  ASSERT_EQ(split.heldout.size(), 2u);
+  EXPECT_EQ(split.heldout[0].begin, 300u);
+  EXPECT_EQ(split.heldout[1].begin, 400u);
+}
+
+TEST(SplitLog, RefusesLogsTooShortToLearnFrom) {
+  EXPECT_NE(errorOf([] { splitLog(withBlocks(5), {}); }).find("found 4 blocks to learn from and 1"), std::string::npos);
+  LogDiagnosisOptions none;
+  none.heldout_rows.assign(1000, false);
+  EXPECT_THROW(splitLog(withBlocks(10), none), DataError);
+}
+
+}  // namespace
+}  // namespace simgap::test

@@ -1,0 +1,101 @@
+// Faults put into a log that has none must be found, each as what it is.
+#include "diagnose/logs/log_faults.h"
+
+#include <gtest/gtest.h>
+
+#include "prepared_logs.h"
+
+namespace simgap::test {
+namespace {
+
+using Eigen::Index;
+
+TEST(LogFaults, NoneInACleanLog) {
+  const std::vector<DataFault> faults = findFaults(preparedLog(smallRig()));
+  EXPECT_TRUE(faults.empty()) << faults[0].sentence;
+}
+
+TEST(LogFaults, FindsClippedEffort) {
+  PreparedLog log = preparedLog(smallRig());
+  log.data.rows.effort = log.data.rows.effort.min(0.5 * log.data.rows.effort.maxCoeff());
+  const std::vector<DataFault> faults = findFaults(log);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].channel, log.effort_column);
+  EXPECT_NE(faults[0].sentence.find("saturated"), std::string::npos) << faults[0].sentence;
+  EXPECT_GT(faults[0].rows, 20u);
+}
+
+TEST(LogFaults, FindsAStuckSpeedOnlyWhereTheDriveMoves) {
+  PreparedLog log = preparedLog(smallRig());
+  Index fastest = 0;
+  log.data.rows.speed.segment(100, 2700).abs().maxCoeff(&fastest);
+  log.data.rows.speed.segment(100 + fastest, 60) = log.data.rows.speed[100 + fastest];
+  const std::vector<DataFault> faults = findFaults(log);
+  ASSERT_FALSE(faults.empty());
+  EXPECT_NE(faults[0].sentence.find("stuck"), std::string::npos) << faults[0].sentence;
+  EXPECT_EQ(faults[0].first_row, static_cast<std::size_t>(100 + fastest + 1));
+}
+
+TEST(LogFaults, FindsAMirroredEffort) {
+  PreparedLog log = preparedLog(smallRig());
+  log.data.rows.effort *= -1.0;
+  const std::vector<DataFault> faults = findFaults(log);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_NE(faults[0].sentence.find("wrong sign"), std::string::npos) << faults[0].sentence;
+}
+
+/// A residual of even size, and a drive that moves fast in one direction.
+struct Misfit {
+  PreparedLog log = preparedLog(smallRig());
+  Eigen::VectorXd residual;
+  Misfit() {
+    const Index n = log.data.rows.rows();
+    log.data.rows.speed = 100.0 * log.dead_band + 1.0;
+    log.data.rows.direction = 1.0;
+    log.data.keep.assign(static_cast<std::size_t>(n), true);
+    residual = Eigen::VectorXd::Constant(n, 0.1);
+    for (Index i = 0; i < n; i += 2) residual[i] = -0.1;
+  }
+};
+
+TEST(LogFaults, TakesOutASpikeThatStandsAlone) {
+  Misfit misfit;
+  misfit.residual[500] = 5.0;
+  const std::vector<DataFault> faults = takeOutSpikes(misfit.log, misfit.residual);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_TRUE(faults[0].corrected);
+  EXPECT_EQ(faults[0].first_row, 501u);
+  EXPECT_FALSE(misfit.log.data.keep[500]);
+  EXPECT_EQ(std::ranges::count(misfit.log.data.keep, false), 1);
+}
+
+TEST(LogFaults, LeavesAMisfitWithNeighboursAlone) {
+  Misfit misfit;
+  misfit.residual.segment(500, 10).setConstant(5.0);
+  EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
+}
+
+TEST(LogFaults, TooManySpikesAreAFaultThatStays) {
+  Misfit misfit;
+  for (Index i = 50; i + 50 < misfit.residual.size(); i += 50) misfit.residual[i] = 5.0;
+  const std::vector<DataFault> faults = takeOutSpikes(misfit.log, misfit.residual);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_FALSE(faults[0].corrected);
+  EXPECT_EQ(std::ranges::count(misfit.log.data.keep, false), 0);
+}
+
+TEST(LogFaults, TakesOutRowsNearRestBetweenBothDirections) {
+  Misfit misfit;
+  Eigen::VectorXd flipped = 10.0 * misfit.residual;
+  misfit.residual[500] = 5.0;  // far off both ways, on either side
+  flipped[500] = -5.0;
+  misfit.residual[600] = 5.0;  // the same, but in fast motion
+  flipped[600] = -5.0;
+  misfit.log.data.rows.speed[500] = 0.0;
+  EXPECT_EQ(takeOutUndecided(misfit.log, misfit.residual, flipped), 1u);
+  EXPECT_FALSE(misfit.log.data.keep[500]);
+  EXPECT_TRUE(misfit.log.data.keep[600]);
+}
+
+}  // namespace
+}  // namespace simgap::test

@@ -1,0 +1,79 @@
+// Which causes are asked for follows from what the effects say they need.
+#include "diagnose/logs/testable.h"
+
+#include <gtest/gtest.h>
+
+#include "prepared_logs.h"
+
+namespace simgap::test {
+namespace {
+
+struct Asked {
+  std::vector<std::string> effects;
+  std::vector<NotTestable> others;
+  std::string reason(const std::string& effect) const {
+    const auto found = std::ranges::find(others, effect, &NotTestable::effect);
+    return found == others.end() ? "" : found->reason;
+  }
+  bool has(const std::string& effect) const { return std::ranges::find(effects, effect) != effects.end(); }
+};
+
+Asked ask(const ActuatorModel& subject, const PreparedLog& log, const LogDiagnosisOptions& options = {}) {
+  Diagnosis diagnosis;
+  Asked asked;
+  for (const Hypothesis& h : namedHypotheses(subject, log.data, options, diagnosis)) {
+    asked.effects.emplace_back(h.effect->name);
+  }
+  asked.others = diagnosis.not_testable;
+  return asked;
+}
+
+TEST(Testable, NoTermTwice) {
+  const PreparedLog log = preparedLog(smallRig(1500));
+  const Asked of_coulomb = ask(subjectOf("coulomb"), log), of_variant_b = ask(subjectOf("variant-b"), log);
+  EXPECT_TRUE(of_coulomb.has("load-dependence"));
+  EXPECT_TRUE(of_coulomb.has("stribeck"));
+  EXPECT_NE(of_coulomb.reason("coulomb-offset").find("part of the law coulomb"), std::string::npos);
+  EXPECT_NE(of_coulomb.reason("stiction-ageing").find("needs a law with a Stribeck term"), std::string::npos);
+  for (const char* effect : {"coulomb-offset", "static-offset", "stribeck", "load-dependence"}) {
+    EXPECT_NE(of_variant_b.reason(effect).find("part of the law variant-b"), std::string::npos) << effect;
+  }
+}
+
+TEST(Testable, WhatTheLogLacks) {
+  PreparedLog log = preparedLog(smallRig(1500));
+  log.data.rows.load.setZero();
+  log.data.rows.top_load = 0.0;
+  log.data.rows.joint_angle.resize(0);
+  log.data.rows.rest.setZero();
+  const Asked asked = ask(subjectOf("stribeck"), log);
+  EXPECT_EQ(asked.reason("load-nonlinearity"), "needs a load that changes");
+  EXPECT_EQ(asked.reason("bend-friction"), "needs joint_position_rad");
+  EXPECT_EQ(asked.reason("stiction-ageing"), "needs rests of 1 s and longer");
+}
+
+TEST(Testable, AnOffsetOfTheFitTakesTheBiasAway) {
+  PreparedLog log = preparedLog(smallRig(1500));
+  log.data.offset = false;
+  EXPECT_TRUE(ask(subjectOf("classic"), log).has("current-bias"));
+  log.data.offset = true;
+  EXPECT_FALSE(ask(subjectOf("classic"), log).has("current-bias"));
+}
+
+TEST(Testable, OnlyWhatIsWanted) {
+  LogDiagnosisOptions options;
+  options.effects = {"inertia"};
+  const Asked asked = ask(subjectOf("classic"), preparedLog(smallRig(1500)), options);
+  EXPECT_EQ(asked.effects, std::vector<std::string>{"inertia"});
+  EXPECT_TRUE(asked.others.empty());
+}
+
+TEST(Testable, AGearboxHasItsOwnWordsForSome) {
+  EXPECT_TRUE(appliesTo(actuator_effects::find("inertia"), ActuatorKind::kGearbox));
+  EXPECT_TRUE(appliesTo(actuator_effects::find("backlash"), ActuatorKind::kGearbox));
+  EXPECT_FALSE(appliesTo(actuator_effects::find("presliding-hysteresis"), ActuatorKind::kGearbox));
+  EXPECT_FALSE(appliesTo(actuator_effects::find("backlash"), ActuatorKind::kFriction));
+}
+
+}  // namespace
+}  // namespace simgap::test
