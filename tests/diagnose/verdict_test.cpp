@@ -18,7 +18,7 @@ TEST(Verdict, FollowsFromTheCauses) {
   EXPECT_EQ(verdictOf({}, false), DiagnosisVerdict::kNothingFound);
   EXPECT_EQ(verdictOf({}, true), DiagnosisVerdict::kUnexplained);
   EXPECT_EQ(verdictOf({named("inertia")}, false), DiagnosisVerdict::kCauseFound);
-  EXPECT_EQ(verdictOf({named("inertia")}, true), DiagnosisVerdict::kUnexplained);
+  EXPECT_EQ(verdictOf({named("inertia")}, true), DiagnosisVerdict::kCauseFound);
   EXPECT_EQ(verdictOf({named("inertia"), named("stribeck", {"static-offset"})}, false), DiagnosisVerdict::kAmbiguous);
 }
 
