@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""Fails when a page links to a file, or to a heading of a page, that does not exist.
+
+    scripts/check_links.py [ROOT]
+
+Looks at every Markdown file of the repository. Relative links only: what is on other servers changes without us.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+LINK = re.compile(r"\]\(([^()\s]+)\)")
+HEADING = re.compile(r"^#+ +(.*?)\s*$")
+ELSEWHERE = re.compile(r"[a-z]+:")
+
+
+def prose(page):
+    """The numbered lines of a page that are not in a block of code."""
+    in_code = False
+    for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
+        if line.lstrip().startswith("```"):
+            in_code = not in_code
+        elif not in_code:
+            yield number, line
+
+
+def anchors(page):
+    """Names of a page's headings as forges make them: lower case, without punctuation, spaces as hyphens."""
+    known = set()
+    for _, line in prose(page):
+        if match := HEADING.match(line):
+            text = re.sub(r"\]\([^)]*\)", "", match.group(1).lower())
+            name = re.sub(r"[^\w\- ]", "", text).replace(" ", "-")
+            repeats = sum(1 for other in known if re.fullmatch(re.escape(name) + r"(-\d+)?", other))
+            known.add(f"{name}-{repeats}" if repeats else name)
+    return known
+
+
+def broken(page):
+    for number, line in prose(page):
+        for link in LINK.findall(re.sub(r"`[^`]*`", "", line)):
+            if ELSEWHERE.match(link):
+                continue
+            path, _, anchor = link.partition("#")
+            target = page.parent / path if path else page
+            if not target.exists():
+                yield number, f"{path} does not exist"
+            elif anchor and anchor not in anchors(target):
+                yield number, f"{path or page.name} has no heading #{anchor}"
+
+
+def main():
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.md"], cwd=root, capture_output=True,
+                            text=True, check=True).stdout.split("\n")
+    pages = [root / name for name in listed if name and (root / name).exists()]
+    found = [(page, number, why) for page in pages for number, why in broken(page)]
+    for page, number, why in found:
+        print(f"{page.relative_to(root)}:{number}: {why}")
+    print(f"{len(found)} broken links in {len(pages)} pages")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
