@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Fails when a page links to a file, or to a heading of a page, that does not exist.
+"""Fails when a page points to a file, or to a heading of a page, that does not exist.
 
     scripts/check_links.py [ROOT]
 
-Looks at every Markdown file of the repository. Relative links only: what is on other servers changes without us.
+Looks at every Markdown file of the repository: at relative links (what is on other servers changes without us), and at
+paths from the root that stand as `src/core/csv.cpp` in the text.
 """
 import pathlib
 import re
@@ -13,6 +14,8 @@ import sys
 LINK = re.compile(r"\]\(([^()\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*?)\s*$")
 ELSEWHERE = re.compile(r"[a-z]+:")
+PATH = re.compile(r"`((?:cmake|configs|data|docs|include|scripts|src|tests)/[\w./*-]+)")
+PLACEHOLDER = re.compile(r"[A-Z]{4}")  # src/model/effects/NAME.cpp
 
 
 def prose(page):
@@ -37,8 +40,11 @@ def anchors(page):
     return known
 
 
-def broken(page):
+def broken(page, root):
     for number, line in prose(page):
+        for path in PATH.findall(line):
+            if not PLACEHOLDER.search(path) and not any(root.glob(path.rstrip("/."))):
+                yield number, f"{path} does not exist"
         for link in LINK.findall(re.sub(r"`[^`]*`", "", line)):
             if ELSEWHERE.match(link):
                 continue
@@ -55,7 +61,7 @@ def main():
     listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.md"], cwd=root, capture_output=True,
                             text=True, check=True).stdout.split("\n")
     pages = [root / name for name in listed if name and (root / name).exists()]
-    found = [(page, number, why) for page in pages for number, why in broken(page)]
+    found = [(page, number, why) for page in pages for number, why in broken(page, root)]
     for page, number, why in found:
         print(f"{page.relative_to(root)}:{number}: {why}")
     print(f"{len(found)} broken links in {len(pages)} pages")
