@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Fails when a page points to a file, or to a heading of a page, that does not exist.
+"""Fails when a page or a comment points to a file, or to a heading of a page, that does not exist.
 
     scripts/check_links.py [ROOT]
 
-Looks at every Markdown file of the repository: at relative links (what is on other servers changes without us), and at
-paths from the root that stand as `src/core/csv.cpp` in the text.
+In Markdown files: relative links (what is on other servers changes without us), and paths from the root that stand as
+`src/core/csv.cpp` in the text. In sources: the same paths in comments, as docs/effects.md.
 """
 import pathlib
 import re
@@ -15,6 +15,7 @@ LINK = re.compile(r"\]\(([^()\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*?)\s*$")
 ELSEWHERE = re.compile(r"[a-z]+:")
 PATH = re.compile(r"`((?:cmake|configs|data|docs|include|scripts|src|tests)/[\w./*-]+)")
+COMMENT_PATH = re.compile(r"(?:#|//).*?\b((?:cmake|configs|docs|include|scripts|src|tests)/[\w./-]+\.(?:cpp|h|md|py|yaml))\b")
 PLACEHOLDER = re.compile(r"[A-Z]{4}")  # src/model/effects/NAME.cpp
 
 
@@ -40,10 +41,14 @@ def anchors(page):
     return known
 
 
+def missing(path, root):
+    return not PLACEHOLDER.search(path) and not any(root.glob(path.rstrip("/.")))
+
+
 def broken(page, root):
     for number, line in prose(page):
         for path in PATH.findall(line):
-            if not PLACEHOLDER.search(path) and not any(root.glob(path.rstrip("/."))):
+            if missing(path, root):
                 yield number, f"{path} does not exist"
         for link in LINK.findall(re.sub(r"`[^`]*`", "", line)):
             if ELSEWHERE.match(link):
@@ -56,15 +61,29 @@ def broken(page, root):
                 yield number, f"{path or page.name} has no heading #{anchor}"
 
 
+def broken_comments(source, root):
+    for number, line in enumerate(source.read_text(encoding="utf-8").splitlines(), 1):
+        for path in COMMENT_PATH.findall(line):
+            if "#include" not in line and missing(path, root):
+                yield number, f"{path} does not exist"
+
+
+def files(root, *patterns):
+    """What is tracked or could be, relative to the root."""
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", *patterns], cwd=root, capture_output=True,
+                            text=True, check=True).stdout.splitlines()
+    return [root / name for name in listed if (root / name).is_file()]
+
+
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "*.md"], cwd=root, capture_output=True,
-                            text=True, check=True).stdout.split("\n")
-    pages = [root / name for name in listed if name and (root / name).exists()]
+    pages = files(root, "*.md")
+    sources = files(root, "*.h", "*.cpp", "*.cmake", "*.py", "CMakeLists.txt", "scripts/*")
     found = [(page, number, why) for page in pages for number, why in broken(page, root)]
-    for page, number, why in found:
-        print(f"{page.relative_to(root)}:{number}: {why}")
-    print(f"{len(found)} broken links in {len(pages)} pages")
+    found += [(source, number, why) for source in sources for number, why in broken_comments(source, root)]
+    for file, number, why in found:
+        print(f"{file.relative_to(root)}:{number}: {why}")
+    print(f"{len(found)} broken links in {len(pages)} pages and the comments of {len(sources)} sources")
     return 1 if found else 0
 
 
