@@ -15,7 +15,8 @@ LINK = re.compile(r"\]\(([^()\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*?)\s*$")
 ELSEWHERE = re.compile(r"[a-z]+:")
 PATH = re.compile(r"`((?:cmake|configs|data|docs|include|scripts|src|tests)/[\w./*-]+)")
-COMMENT_PATH = re.compile(r"(?:#|//).*?\b((?:cmake|configs|docs|include|scripts|src|tests)/[\w./-]+\.(?:cpp|h|md|py|yaml))\b")
+COMMENT_PATH = re.compile(
+    r"(?:#|//).*?\b((?:cmake|configs|docs|include|scripts|src|tests)/[\w./-]+\.(?:cpp|h|md|py|yaml))\b")
 PLACEHOLDER = re.compile(r"[A-Z]{4}")  # src/model/effects/NAME.cpp
 
 
