@@ -91,7 +91,7 @@ struct Stiction {
 
 /// A named physical cause and what it changes. Exactly one hook is set. All are pure, allocate nothing, throw nothing.
 struct ArmEffect {
-  enum class Target { kNone, kMuscle, kMuscleOrAll, kMovingBody, kBody, kJoint };
+  enum class Target { kNone, kPam, kMuscleOrAll, kMovingBody, kBody, kJoint };
 
   std::string_view name;      ///< as in the catalogue; the file's stem
   std::string_view cause;     ///< one sentence a person understands

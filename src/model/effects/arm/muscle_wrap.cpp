@@ -83,7 +83,7 @@ const ArmEffect muscle_wrap{
     .name = "muscle-wrap",
     .cause = "the muscle bends round a joint or bone instead of running straight",
     .equation = "L = sqrt(a^2 - R^2) + sqrt(b^2 - R^2) + R (theta - acos(R/a) - acos(R/b)) where it touches",
-    .target = ArmEffect::Target::kMuscle,
+    .target = ArmEffect::Target::kPam,
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,

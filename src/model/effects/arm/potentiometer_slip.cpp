@@ -22,7 +22,7 @@ const ArmEffect potentiometer_slip{
     .name = "potentiometer-slip",
     .cause = "the potentiometer slipped on its shaft at one moment",
     .equation = "L_K = L_K0 - r (phi + angle) from the moment time on",
-    .target = ArmEffect::Target::kMuscle,
+    .target = ArmEffect::Target::kPam,
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
