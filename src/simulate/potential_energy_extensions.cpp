@@ -9,7 +9,9 @@
 #include "simgap/simulate/potential_energy.h"
 
 namespace simgap {
-namespace {}  // namespace
+namespace {
+
+}  // namespace
 
 bool PotentialEnergy::needsTime() const {
   for (const ArmExtension& extension : extensions_) {
