@@ -1,5 +1,5 @@
 // How often `simgap diagnose` is right, over many logs from the distribution of tests/reality/drive_draws.h. Prints the
-// confusion matrix that docs/diagnose.md keeps.
+// confusion matrix that docs/studies/diagnose-logs.md keeps.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,19 +1,26 @@
-# cmake -DBUILD=… -DPREFIX=… -DCOMPILER=… -DSOURCE=… -P install_test.cmake
-# Installs the project into an empty prefix, compiles a controller against it and runs it; then the installed program.
+# cmake -DBUILD=… -DPREFIX=… -DCONSUMER=… -DCOMPILER=… -DVERSION=… -P install_test.cmake
+# Installs the project into an empty prefix, builds a controller with the installed package and runs it; then the
+# installed program.
 file(REMOVE_RECURSE ${PREFIX})
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT code EQUAL 0)
     message(FATAL_ERROR "${ARGN}\n${output}")
   endif()
+  set(output "${output}" PARENT_SCOPE)
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${PREFIX})
 foreach(file include/simgap/model/actuator/feed_forward.h include/simgap/model/actuator/pam.h lib/simgap/libsimgap_images.so
-    lib/simgap/libsimgap_cma_es.so)
+    lib/simgap/libsimgap_cma_es.so lib/cmake/simgap/simgapConfig.cmake lib/cmake/simgap/simgapConfigVersion.cmake)
   if(NOT EXISTS ${PREFIX}/${file})
     message(FATAL_ERROR "${file} was not installed")
   endif()
 endforeach()
-run(${COMPILER} -std=c++20 -Wall -Wextra -Werror -I${PREFIX}/include ${SOURCE} -o ${PREFIX}/controller)
-run(${PREFIX}/controller)
+run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${PREFIX}/consumer -DCMAKE_PREFIX_PATH=${PREFIX} -DCMAKE_CXX_COMPILER=${COMPILER}
+  -DSIMGAP_VERSION=${VERSION})
+run(${CMAKE_COMMAND} --build ${PREFIX}/consumer)
+run(${PREFIX}/consumer/controller)
 run(${PREFIX}/bin/simgap --version)
+if(NOT output MATCHES "^simgap ${VERSION} ")
+  message(FATAL_ERROR "the program says '${output}', expected version ${VERSION}")
+endif()

@@ -37,7 +37,7 @@ struct PoseSet {
   std::vector<Pose> poses;
 };
 
-/// Reads a pose set (columns: FORMATS `poses`). Quaternions within 1e-3 of unit length are normalised.
+/// Reads a pose set (columns: docs/formats.md, "Pose sets"). Quaternions within 1e-3 of unit length are normalised.
 /// \throws DataError: a muscle of the layout without a column or a shaft column without a muscle, a quaternion that is
 ///         not of unit length, the same pose and repeat twice, no rows, and all that CsvTable refuses.
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout);

@@ -3,7 +3,7 @@
 ///
 /// Bullet's own joint motors and limits are solved row by row with a fixed number of sweeps, which does not settle
 /// where a limit and a friction motor meet, and its spherical motor clamps each axis, so that friction can reach
-/// sqrt(3) tau_max (ARCHITECTURE, traps). Here the same constraints, a motor with target velocity 0 and a maximum
+/// sqrt(3) tau_max (docs/simulation.md). Here the same constraints, a motor with target velocity 0 and a maximum
 /// torque (000 section III-B2) and a one-sided limit, are solved in joint coordinates, each joint exactly and all
 /// joints by sweeps until nothing changes:
 ///

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kWindowMargin = 2.0;  // [px] beyond the thresholded blob: where its blurred rim has faded
 constexpr double kRimExcess = 0.5;     // [px] by which the rim's window reaches beyond the margin; see below
-constexpr int kCentringRounds = 4;             // of re-centring; the second already moves by less than 1e-3 px
+constexpr int kCentringRounds = 4;     // of re-centring; the second already moves by less than 1e-3 px
 
 /// Pixels between two boxes; 0 when they touch.
 double gapBetween(const cv::Rect& a, const cv::Rect& b) {

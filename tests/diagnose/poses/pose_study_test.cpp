@@ -1,4 +1,5 @@
-// The study: how often a diagnosis is right, over many drawn arms (docs/diagnose.md keeps the latest figures). The
+// The study: how often a diagnosis is right, over many drawn arms (docs/studies/diagnose-poses.md keeps the latest
+// figures). The
 // draws share no code with the models.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Is the evolution strategy of 001 superior to other techniques? The table of docs/optimizers.md.
+// Is the evolution strategy of 001 superior to other techniques? The table of docs/studies/optimizers.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>

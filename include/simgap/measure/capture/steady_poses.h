@@ -54,7 +54,7 @@ struct Lag {
 Lag estimateLag(std::span<const JointSample> samples, const std::vector<CaptureJoint>& joints, const ShaftLog& log,
                 double range);
 
-/// The pose set (FORMATS `poses`): pose, repeat, time_s, shafts, joints; then per joint its standard deviation, and the
+/// The pose set (docs/formats.md): pose, repeat, time_s, shafts, joints; then per joint its standard deviation, and the
 /// number of samples.
 std::string posesCsv(std::span<const SteadyPose> poses, const std::vector<CaptureJoint>& joints,
                      const std::vector<std::string>& muscles);

@@ -1,5 +1,5 @@
 /// \file
-/// Logs of one drive as columns in SI (FORMATS: actuator, motor and gearbox logs). Channels a log lacks stay empty.
+/// Logs of one actuator as columns in SI (docs/formats.md, "Logs"). Channels a log lacks stay empty.
 #pragma once
 
 #include <string>
@@ -16,11 +16,11 @@ struct ActuatorLog {
   std::string effort_name;           ///< column the effort was read from, "motor_current"
   std::string effort_unit;           ///< "A", "V", "Nm" or "N"
   bool linear = false;               ///< a linear axis: m and N instead of rad and N m
-  std::vector<double> time;          ///< [s]; rows / s of `assumed_rate` when the log has none
+  std::vector<double> time;          ///< [s]; row / ActuatorLogOptions::row_rate when the log has none
   std::vector<double> effort;        ///< [effort_unit] what the motor drew
   std::vector<double> velocity;      ///< [rad/s] of the motor
   std::vector<double> position;      ///< [rad] of the motor
-  std::vector<double> acceleration;  ///< [rad/s^2] of the motor; derived, see derive()
+  std::vector<double> acceleration;  ///< [rad/s^2] of the motor; never read, derived where a fit needs it
   std::vector<double> load;          ///< [N m] external torque the drive works against
   std::vector<int> session;          ///< label of the row's session, counted from 0 in order of appearance
   std::vector<std::string> session_names;
@@ -45,7 +45,7 @@ struct ActuatorLogOptions {
 ///         rise within a session, and all that CsvTable refuses.
 ActuatorLog readActuatorLog(CsvTable table, const ActuatorLogOptions& options);
 
-/// A motor or gearbox log (FORMATS). Velocity is the motor's.
+/// A motor or gearbox log. Velocity is the motor's.
 struct MotorLog {
   std::string file;
   std::vector<double> time;      ///< [s]
@@ -61,7 +61,7 @@ struct MotorLog {
 /// \throws DataError as readActuatorLog.
 MotorLog readMotorLog(CsvTable table);
 
-/// A pneumatic muscle's log (FORMATS).
+/// A pneumatic muscle's log.
 struct PamLog {
   std::string file;
   std::vector<double> pressure;     ///< [Pa] gauge

@@ -1,7 +1,7 @@
 /// \file
-/// Physical causes that an arm model of plain muscles and joints does not know (EFFECTS, "Pose sets"). One file per
-/// effect in src/model/effects/arm; a model holds them under `extensions:`. An effect states what it is and fills one
-/// hook: what it changes of a line's length, a cord's force, a muscle's path, gravity, masses, joint centres, joint
+/// Physical causes that an arm model of plain muscles and joints does not know (docs/effects.md, "Pose sets"). One file
+/// per effect in src/model/effects/arm; a model holds them under `extensions:`. An effect states what it is and fills
+/// one hook: what it changes of a line's length, a cord's force, a muscle's path, gravity, masses, joint centres, joint
 /// torques, or of what the capture sees. Every hook returns its derivatives with it, so that both simulations and the
 /// fits take an extended model as any other.
 #pragma once

@@ -22,8 +22,8 @@ Eigen::Matrix3d childInParent(const Joint& joint, const JointPosition& position)
 /// Poses of all bodies. \param joints  shape (joints of the model), in its order.  \returns shape (bodies).
 std::vector<BodyInWorld> bodiesInWorld(const ArmModel& model, std::span<const JointPosition> joints);
 
-/// Where every pose starts (PHYSICS, shaft controller): spherical joints at identity, revolute joints at 0.3 rad or the
-/// nearest angle their limits allow.
+/// Where every pose starts (docs/simulation.md, "A pose"): spherical joints at identity, revolute joints at 0.3 rad or
+/// the nearest angle their limits allow.
 std::vector<JointPosition> startPosition(const ArmModel& model);
 
 /// Straight distance of a muscle's attachments (000 eq. 6). [m]

@@ -1,6 +1,6 @@
 /// \file
 /// A physical cause that an actuator's model may lack: one file in src/model/effects/{drive,gearbox,motor,pam}, found
-/// by CMake (EFFECTS). The model of an actuator's effort is linear in all but a few numbers p:
+/// by CMake (docs/effects.md). The model of an actuator's effort is linear in all but a few numbers p:
 ///
 ///     effort = X(p) c,   X = [load | friction law's columns | effects' columns | 1] / gain
 ///

@@ -1,5 +1,5 @@
 /// \file
-/// What a model contains beyond its own equations: one entry of `extensions:` per physical cause (FORMATS, EFFECTS).
+/// What a model contains beyond its own equations: one entry of `extensions:` per physical cause (docs/formats.md).
 ///
 ///     extensions:
 ///       - {effect: muscle-wrap, target: biceps, parameters: {radius: {value: 0.02, unit: "m", sd: 0.001}}}

@@ -1,5 +1,5 @@
 'use strict';
-// Draws the charts that the page describes (simgap/report/charts.h) with Chart.js, and the table behind each.
+// Draws the charts that the page describes (simgap/report/html/charts.h) with Chart.js, and the table behind each.
 
 const page = JSON.parse(document.getElementById('data').textContent);
 page.charts.forEach(spec => spec.series?.forEach(series => {

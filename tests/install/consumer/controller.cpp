@@ -1,8 +1,9 @@
-// A controller as a user of the installed headers writes it: no library of the project, no other include path.
+// A controller as a user of the installed package writes it.
 #include <simgap/model/actuator/feed_forward.h>
 #include <simgap/model/actuator/pam.h>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 int main() {
   simgap::DriveFeedForward drive;
