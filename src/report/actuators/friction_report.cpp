@@ -8,6 +8,7 @@
 #include "friction_tables.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/error.h"
+#include "simgap/core/rotation.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -69,7 +70,6 @@ std::string seriesCsv(const FrictionReport& report) {
 }  // namespace
 
 std::vector<Requirement> paperRequirements() {
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
   return {{"shoulder flexion/extension", 71.0 * kDegree, 20.0}, {"elbow flexion/extension", 91.0 * kDegree, 20.0}};
 }
 
