@@ -21,7 +21,4 @@ struct DriveCommandOptions {
 ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options, Session& session,
                      DriveFitOptions drive);
 
-/// A fitted motor's values. \throws ConfigError: a file that is none.
-Motor motorFrom(const FittedModel& model);
-
 }  // namespace simgap

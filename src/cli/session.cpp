@@ -5,6 +5,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <charconv>
 #include <iostream>
 #include <limits>
@@ -94,6 +95,9 @@ CsvOptions TableOptions::csv() const {
 
 Session::Session(std::string command, const CommonOptions& options, const std::vector<std::string>& argv)
     : command_(std::move(command)), options_(options), argv_(argv) {
+  if (options_.threads > 0) {
+    threads_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options_.threads));
+  }
   openLog(options_);  // the inputs are read before there is a log.txt
 }
 
@@ -106,6 +110,8 @@ const Input& Session::read(const std::string& role, const std::filesystem::path&
   input.sha256 = sha256(input.content);
   return inputs_.emplace_back(std::move(input));
 }
+
+const Input& Session::input(const std::string& role) const { return *std::ranges::find(inputs_, role, &Input::role); }
 
 CsvTable Session::readTable(const std::string& role, const std::filesystem::path& file, const CsvOptions& options) {
   std::string content = readFile(file);
@@ -131,6 +137,7 @@ void Session::record(std::uint64_t seed, const Json& earlier) {
   run_->write(*directory_, "running");  // before all other files: it makes the directory ours to replace
   openLog(options_, directory_->file("log.txt"));
   spdlog::debug("{}", join(argv_));
+  spdlog::debug("threads: {}", tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
 void Session::finish(const Json& result, const std::string& table, const std::string& status) {

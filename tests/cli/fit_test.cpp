@@ -136,6 +136,18 @@ TEST_F(FitTest, MotorAndGearboxGoIntoAnArm) {
   expectRefused({"fit-motor", "motor.csv", "--into", "arm.yaml", "-o", "x"}, 2, "go together");
 }
 
+TEST_F(FitTest, ThreadsArriveAndChangeNothing) {
+  put("motor.csv", reality::simulateMotor({}, {.seconds = 1.0, .current_noise = 0.05}).csv());
+  std::string first;
+  for (const char* threads : {"1", "2"}) {
+    const std::string out = std::string("t") + threads;
+    succeed({"fit-motor", "motor.csv", "--threads", threads, "-o", out});
+    EXPECT_THAT(text(out + "/log.txt"), HasSubstr(std::string("threads: ") + threads + "\n"));
+    if (first.empty()) first = text(out + "/result.json");
+    EXPECT_EQ(text(out + "/result.json"), first) << threads;
+  }
+}
+
 TEST_F(FitTest, PamWithAndWithoutItsSpring) {
   std::string csv = "pressure_kPa,contraction,force_N\n";
   for (int p = 1; p <= 6; ++p) {

@@ -2,6 +2,8 @@
 /// What every command does around its own work: common options, inputs, log, result directory, output.
 #pragma once
 
+#include <tbb/global_control.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <map>
@@ -45,7 +47,8 @@ struct Input {
   std::string sha256 = {};
 };
 
-/// One run of a command, from its inputs to its result directory.
+/// One run of a command, from its inputs to its result directory. While it lives, the process works on no more threads
+/// than the user allows.
 class Session {
  public:
   /// \param command  its name.
@@ -57,6 +60,7 @@ class Session {
   /// A table that the user named; its text is not kept. \throws ConfigError, DataError: as CsvTable.
   CsvTable readTable(const std::string& role, const std::filesystem::path& file, const CsvOptions& options);
   const std::vector<Input>& inputs() const { return inputs_; }
+  const Input& input(const std::string& role) const;  ///< the first of that role; it must have been read
 
   /// Makes the result directory, once all input has been read and checked, and begins run.json and log.txt.
   void begin(std::uint64_t seed);
@@ -76,6 +80,7 @@ class Session {
 
   std::string command_;
   CommonOptions options_;
+  std::optional<tbb::global_control> threads_;  ///< empty: all the machine has
   std::vector<std::string> argv_;
   std::vector<Input> inputs_;
   std::optional<RunDirectory> directory_;

@@ -6,11 +6,11 @@
 #include <cstring>
 #include <set>
 
-#include "cli/pose_inputs.h"
+#include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
-#include "simgap/fit/poses/posterior_search.h"
-#include "simgap/report/poses/arm_geometry.h"
+#include "simgap/core/rotation.h"
+#include "simgap/fit/poses/calibration_run.h"
 #include "simgap/report/poses/pose_report.h"
 
 namespace simgap::commands {
@@ -28,15 +28,6 @@ struct Options {
   std::optional<int> starts;
 };
 
-/// Everything a calibration starts from.
-struct Task {
-  ArmModel model;
-  CalibrationConfig config;
-  PoseSet poses;
-  std::optional<PoseSet> validation;
-};
-
-constexpr const char* kStateFile = "state.json";
 constexpr const char* kInputsFile = "inputs/inputs.json";
 
 void applyOverrides(const Options& options, CalibrationConfig& config) {
@@ -60,30 +51,24 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
   config.strategy.validate();
 }
 
-Task readTask(const Options& options, Session& session) {
+CalibrationTask readTask(const Options& options, Session& session) {
   if (options.model.empty() || options.poses.empty()) {
     throw ConfigError("calibrate needs MODEL and --poses, or --resume (see simgap calibrate --help)");
   }
   const CsvOptions csv = options.table.csv();
-  Task task;
-  task.model = parseArm(session.read("model", options.model));
-  const Input config = readConfig(session, options.config);
-  task.config = parseConfig(config);
-  try {
-    ParameterSpace(task.model, task.config.parameters);
-  } catch (const ConfigError& error) {
-    throw ConfigError(fmt::format("{}: {}", config.file.string(), error.what()));
-  }
+  CalibrationTask task;
+  task.model = readArmFile(session, "model", options.model);
+  task.config = readConfig(session, options.config, &task.model);
   applyOverrides(options, task.config);
-  task.poses = parsePoses(session.read("poses", options.poses), task.model, csv);
+  task.poses = readPoses(session, "poses", options.poses, task.model, csv);
   if (!options.validation.empty()) {
-    task.validation = parsePoses(session.read("validation", options.validation), task.model, csv);
+    task.validation = readPoses(session, "validation", options.validation, task.model, csv);
   }
   return task;
 }
 
 /// Copies the inputs into the result directory, so that --resume needs nothing else.
-void keepInputs(const Options& options, const Session& session, const Task& task) {
+void keepInputs(const Options& options, const Session& session, const CalibrationTask& task) {
   const RunDirectory& directory = session.directory();
   std::filesystem::create_directories(directory.file("inputs"));
   Json kept = {{"map", options.table.map}, {"skip_bad_rows", options.table.skip_bad_rows}};
@@ -116,54 +101,6 @@ Options resumedOptions(const Options& given) {
   return options;
 }
 
-/// Goes on where the directory's stored state ended; without one, the run was stopped in its first generation.
-void restore(Calibration& calibration, const RunDirectory& directory) {
-  const std::filesystem::path file = directory.file(kStateFile);
-  if (!std::filesystem::exists(file)) return;
-  try {
-    calibration.restore(calibrationStateFromJson(Json::parse(readFile(file))));
-  } catch (const Json::exception& error) {
-    throw ConfigError(fmt::format("{}: {}", file.string(), error.what()));
-  }
-  spdlog::info("going on after generation {}", calibration.state().strategy.generation);
-}
-
-/// Generations, or descents of lm and hybrid.
-std::size_t expectedSteps(const CalibrationConfig& config) {
-  if (!config.usesPosterior()) return static_cast<std::size_t>(config.strategy.generations);
-  const int polished = config.optimizer == "hybrid" ? kHybridRounds * config.strategy.mu : 0;
-  return static_cast<std::size_t>(config.starts + polished);
-}
-
-/// Writes the state at most this often: a fast search would do nothing else. [s]
-constexpr double kStateInterval = 1.0;
-
-void search(Calibration& calibration, const Task& task, const Session& session) {
-  const PoseLayout layout = task.model.poseLayout();
-  Progress progress(task.config.usesPosterior() ? "calibrate: descent" : "calibrate: generation",
-                    expectedSteps(task.config), session.options().quiet);
-  progress.startFrom(static_cast<std::size_t>(calibration.state().strategy.generation));
-  const auto store = [&] { session.directory().write(kStateFile, toJson(calibration.state())); };
-  double stored = calibration.state().wall;
-  try {
-    calibration.run([&](const CalibrationState& state) {
-      if (state.wall - stored >= kStateInterval) {
-        store();
-        stored = state.wall;
-      }
-      std::string detail;
-      for (std::size_t j = 0; j < layout.joints.size(); ++j) {
-        detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesText(state.best_mje[j]));
-      }
-      progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
-    });
-  } catch (const InterruptedError&) {
-    store();
-    throw;
-  }
-  store();
-}
-
 /// A path as a shell takes it.
 std::string shellWord(const std::string& path) {
   const auto safe = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_-./+,:@", c); };
@@ -173,79 +110,33 @@ std::string shellWord(const std::string& path) {
   return word + "'";
 }
 
-/// The evaluators of a calibration: one searches, one judges what was found.
-struct Evaluators {
-  std::unique_ptr<Evaluator> search, verify;
-  Evaluator& judge() const { return verify ? *verify : *search; }
-};
-
-Evaluators makeEvaluators(const CalibrationConfig& config, int threads) {
-  Evaluators evaluators;
-  evaluators.search = makeEvaluator(config.evaluator, config.protocol, threads);
-  if (config.evaluator != "bullet" && config.verify == "bullet") {
-    evaluators.verify = makeEvaluator(config.verify, config.protocol, threads);
-  }
-  return evaluators;
+void search(Calibration& calibration, const CalibrationTask& task, const Session& session) {
+  const PoseLayout layout = task.model.poseLayout();
+  Progress progress(task.config.usesPosterior() ? "calibrate: descent" : "calibrate: generation",
+                    expectedSteps(task.config), session.options().quiet);
+  progress.startFrom(static_cast<std::size_t>(calibration.state().strategy.generation));
+  searchAndStore(calibration, session.directory(), [&](const CalibrationState& state) {
+    std::string detail;
+    for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+      detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesText(state.best_mje[j]));
+    }
+    progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
+  });
 }
 
-CalibrationResult judge(const Task& task, const Calibration& calibration, const Evaluators& evaluators, bool quiet) {
-  CalibrationResult result{
-      task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(), task.config};
-  const ArmModel best = calibration.bestModel();
-  std::vector<PoseOutcome> all;
-  const auto add = [&](const char* name, const PoseSet& set) {
-    result.sets.push_back({name, set, replayAll(evaluators.judge(), task.model, set, "judge", quiet),
-                           replayAll(evaluators.judge(), best, set, "judge", quiet)});
-    if (evaluators.verify) result.sets.back().searched = replayAll(*evaluators.search, best, set, "judge", quiet);
-    const std::vector<PoseOutcome>& outcomes = result.sets.back().final.outcomes;
-    all.insert(all.end(), outcomes.begin(), outcomes.end());
-    warnAboutOtherEquilibria(best, set, outcomes);
-  };
-  add("calibration", task.poses);
-  if (task.validation) add("validation", *task.validation);
-  warnAboutCords(all, result.layout);
-  addUncertainty(task.model, calibration.space(), calibration.state().strategy.best.y, result);
-  return result;
-}
-
-/// What a run would do, and what its poses can tell before any is run.
-ExitCode dryRun(const Task& task) {
-  const ParameterSpace space(task.model, task.config.parameters);
-  const CalibrationConfig& config = task.config;
-  fmt::print("would search {} parameters on {} poses with {} by {}", space.size(), task.poses.poses.size(),
-             config.evaluator, config.optimizer);
-  if (config.usesPosterior()) {
-    fmt::print(", {} starts\n", config.starts);
-  } else {
-    const EvolutionStrategyOptions& strategy = config.strategy;
-    fmt::print(": {} generations of {} individuals ({} parents), {} pose simulations\n", strategy.generations,
-               strategy.lambda, strategy.mu,
-               static_cast<long>(strategy.generations) * strategy.lambda * std::ssize(task.poses.poses));
-  }
-  for (const ParameterSpace::Choice& choice : config.parameters) {
-    fmt::print("  {}, initial step {}\n", choice.pattern, choice.step);
-  }
-  // Before the search only the model itself can say where it would rest; there the poses tell what they will tell.
-  PoseSet modelled{task.poses.file, {}};
-  const std::vector<PoseOutcome> outcomes =
-      makeEquilibriumEvaluator(1)->evaluate({&task.model, 1}, task.poses.poses, AfterInvalid::kGoOn);
-  for (std::size_t p = 0; p < outcomes.size(); ++p) {
-    if (outcomes[p].status != PoseStatus::kSteady) continue;
-    modelled.poses.push_back(task.poses.poses[p]);
-    modelled.poses.back().joints = outcomes[p].joints;
-  }
-  CalibrationResult expected{task.model.poseLayout(), {}, space.parameters(), {}, config};
-  expected.sets.push_back({"calibration", modelled, {}, {}});
-  std::vector<double> values;
-  for (const SearchParameter& p : space.parameters()) values.push_back(p.initial);
-  if (!modelled.poses.empty()) addUncertainty(task.model, space, values, expected);
-  fmt::print("{}nothing was written\n", uncertaintyText(expected));
-  return ExitCode::kDone;
+CalibrationResult judge(const CalibrationTask& task, const Calibration& calibration,
+                        const CalibrationEvaluators& evaluators, bool quiet) {
+  std::optional<Progress> progress;
+  return judgeCalibration(task, calibration, evaluators, [&](std::size_t done, std::size_t total) {
+    if (!progress) progress.emplace("judge: pose", total, quiet);
+    progress->update(done);
+    if (done == total) progress.reset();
+  });
 }
 
 /// The search and the judgement of what it found.
-CalibrationResult calibrate(Calibration& calibration, const Task& task, const Evaluators& evaluators,
-                            Session& session) {
+CalibrationResult searchAndJudge(Calibration& calibration, const CalibrationTask& task,
+                                 const CalibrationEvaluators& evaluators, Session& session) {
   try {
     search(calibration, task, session);
     return judge(task, calibration, evaluators, session.options().quiet);
@@ -259,40 +150,30 @@ CalibrationResult calibrate(Calibration& calibration, const Task& task, const Ev
   }
 }
 
-void writeGeometry(const ArmModel& before, const ArmModel& after, const CalibrationResult& result,
-                   const RunDirectory& directory) {
-  std::vector<ReplayedSet> replays;
-  for (const SetResult& set : result.sets) {
-    replays.push_back({set.name, "before", before, set.set, set.initial});
-    replays.push_back({set.name, "after", after, set.set, set.final});
-  }
-  writeArmGeometry(replays, directory);
-}
-
 ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   const bool resuming = !given.resume.empty();
   const Options options = resuming ? resumedOptions(given) : given;
   Session session("calibrate", options.common, argv);
-  const Task task = readTask(options, session);
-  if (options.common.dry_run) return dryRun(task);
-
-  const Evaluators evaluators = makeEvaluators(task.config, options.common.threads);
-  Calibration calibration(task.model, task.poses.poses, task.config, *evaluators.search, options.common.threads);
+  const CalibrationTask task = readTask(options, session);
+  if (options.common.dry_run) {
+    fmt::print("{}", planText(task, expectedResult(task)));
+    return ExitCode::kDone;
+  }
+  const CalibrationEvaluators evaluators(task.config);
+  Calibration calibration(task.model, task.poses.poses, task.config, *evaluators.search);
   if (resuming) {
     session.resume(options.resume, task.config.strategy.seed);
-    restore(calibration, session.directory());
+    if (restoreStored(calibration, session.directory())) {
+      spdlog::info("going on after generation {}", calibration.state().strategy.generation);
+    }
   } else {
     session.begin(task.config.strategy.seed);
     keepInputs(options, session, task);
   }
-  const CalibrationResult result = calibrate(calibration, task, evaluators, session);
-  const RunDirectory& directory = session.directory();
-  directory.write("model.yaml", writeArm(calibration.bestModel()));
-  directory.write("history.csv", historyCsv(result));
-  directory.write("parameters.csv", parametersCsv(result));
-  directory.write("errors.csv", errorsCsv(result));
-  if (result.uncertainty) directory.write("singular_values.csv", singularValuesCsv(result));
-  writeGeometry(task.model, calibration.bestModel(), result, directory);
+  const CalibrationResult result = searchAndJudge(calibration, task, evaluators, session);
+  const ArmModel best = calibration.bestModel();
+  for (const std::string& warning : calibrationWarnings(best, result)) spdlog::warn("{}", warning);
+  writeCalibration(task.model, best, result, session.directory());
   session.finish(toJson(result), terminalTable(result));
   return ExitCode::kDone;
 }

@@ -106,9 +106,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
     fmt::print("would calibrate from {} of {} pairs; nothing was written\n", views.views.size(), views.pairs);
     return ExitCode::kDone;
   }
-  CameraCalibrationOptions calibration = options.calibration;
-  calibration.threads = options.common.threads;
-  result.calibration = calibrateCameras(views.views, views.size, calibration);
+  result.calibration = calibrateCameras(views.views, views.size, options.calibration);
   result.views = std::move(views.views);
   result.pairs = views.pairs;
   result.scale_bar = checkScaleBar(options, result.calibration.cameras);
@@ -116,7 +114,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   session.begin(options.common.seed.value_or(0));
   for (const std::size_t v : result.calibration.outliers) {
     spdlog::warn("view {} was left out: its error is over {:g} times the median", result.views[v].name,
-                 calibration.outlier_ratio);
+                 options.calibration.outlier_ratio);
   }
   if (!result.scale_bar) spdlog::warn("without --scale-bar nothing but the board's own size says how long a metre is");
   const RunDirectory& directory = session.directory();

@@ -1,9 +1,13 @@
 #include <fmt/format.h>
 
-#include "cli/pose_inputs.h"
+#include <algorithm>
+#include <cmath>
+
+#include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/poses/posterior_search.h"
+#include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/poses/design_report.h"
 
 namespace simgap::commands {
@@ -21,10 +25,10 @@ constexpr std::size_t kFewestPoses = 8;
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("design", options.common, argv);
   DesignResult result;
-  result.model = parseArm(session.read("model", options.model));
-  const CalibrationConfig config = parseConfig(readConfig(session, options.config));
+  result.model = readArmFile(session, "model", options.model);
+  const CalibrationConfig config = readConfig(session, options.config);
   const ParameterSpace space(result.model, config.parameters);
-  result.recorded = parsePoses(session.read("poses", options.poses), result.model, options.table.csv());
+  result.recorded = readPoses(session, "poses", options.poses, result.model, options.table.csv());
   if (result.recorded.poses.size() < kFewestPoses) {
     throw DataError(fmt::format("{}: found {} poses, expected at least {} to design the next ones from",
                                 result.recorded.file, result.recorded.poses.size(), kFewestPoses));
@@ -43,7 +47,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   session.directory().write("config.resolved.yaml", config.toYaml());
 
   PosePosterior posterior(result.model, result.recorded.poses, space, config.noise);
-  const PosteriorSearchOptions search{config.starts, options.common.threads, design.seed};
+  const PosteriorSearchOptions search{.starts = config.starts, .seed = design.seed};
   const std::vector<PosteriorFit> fits = searchPosterior(posterior, search, [](const PosteriorFit&) { return false; });
   const auto best = std::min_element(fits.begin(), fits.end(),
                                      [](const auto& a, const auto& b) { return a.objective < b.objective; });

@@ -1,19 +1,13 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
-#include <tbb/global_control.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <thread>
-
-#include "cli/diagnose_poses.h"
-#include "cli/drive_subject.h"
 #include "cli/fit_options.h"
+#include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
-#include "simgap/diagnose/logs/log_diagnosis.h"
-#include "simgap/model/actuator/fitted_model.h"
+#include "simgap/core/units.h"
+#include "simgap/fit/actuators/holdout.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
 
 namespace simgap::commands {
@@ -38,80 +32,89 @@ void keepMemory() {
 #endif
 }
 
-/// One file per channel that what is left depends on: its shape.
-void writeLeftovers(const Diagnosis& diagnosis, const RunDirectory& directory) {
-  for (const Leftover& left : diagnosis.unexplained) {
-    CsvWriter csv({left.channel, "mean_residual", "ci95", "rows"});
-    for (const EvidenceBin& b : diagnosis.evidence) {
-      if (b.against != left.channel) continue;
-      csv.add(b.center).add(b.after).add(b.after_ci95).add(static_cast<double>(b.rows)).endRow();
-    }
-    directory.write("residual_" + left.channel + ".csv", csv.text());
-  }
+/// What both kinds of data end with.
+void finish(const Diagnosis& diagnosis, Session& session) {
+  for (const std::string& warning : diagnosis.warnings) spdlog::warn("{}", warning);
+  session.finish(toJson(diagnosis), terminalTable(diagnosis));
 }
 
-ExitCode run(const Options& given, const std::vector<std::string>& argv, const CLI::App& app) {
-  const int threads =
-      given.common.threads > 0 ? given.common.threads : static_cast<int>(std::thread::hardware_concurrency());
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  Options options = given;
-  options.diagnose.seed = options.common.seed.value_or(1);
-  if (options.max_causes) options.diagnose.max_causes = *options.max_causes;
-  Session session("diagnose", options.common, argv);
-  if (options.log.empty() == options.poses.empty()) {
-    throw ConfigError("found neither or both of --log and --poses, expected one of them");
-  }
-  if (!options.poses.empty()) {
-    const auto max_causes = static_cast<std::size_t>(options.max_causes.value_or(PoseDiagnosisOptions{}.max_causes));
-    const PoseDiagnosisOptions pose_options{.effects = options.diagnose.effects,
-                                            .max_causes = max_causes,
-                                            .level = options.diagnose.level,
-                                            .ignore_faults = options.diagnose.ignore_faults,
-                                            .self_test = options.diagnose.self_tests,
-                                            .threads = threads,
-                                            .seed = options.diagnose.seed};
-    return diagnosePoseFile(session, {options.model, options.poses, options.config, options.holdout},
-                            options.table.csv(), options.common, pose_options);
-  }
+ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   keepMemory();
-  FittedModel fitted;
-  const ActuatorModel subject = readSubject(options.model, session, fitted);
+  FittedModel given;
+  const ActuatorModel subject = readSubject(session, options.model, given);
   const Bench bench = readRig(session, options.bench, options.ratio);
-  const CsvTable table = session.readTable("log", options.log, options.table.csv());
-  if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", options.log, table.skippedRows());
+  const CsvTable table = readLog(session, "log", options.log, options.table.csv());
   PreparedLog log = prepareLog(table, bench, subject.base.kind);
+  LogDiagnosisOptions diagnose = options.diagnose;
+  diagnose.seed = options.common.seed.value_or(1);
+  if (options.max_causes) diagnose.max_causes = *options.max_causes;
   const Holdout holdout = readHoldout(options.holdout, table);
-  if (holdout.fraction) options.diagnose.holdout = *holdout.fraction;
-  options.diagnose.heldout_rows = holdout.rows;
-  requireDiagnosable(log, options.diagnose);
+  if (holdout.fraction) diagnose.holdout = *holdout.fraction;
+  diagnose.heldout_rows = holdout.rows;
+  requireDiagnosable(log, diagnose);
   if (options.common.dry_run) {
     fmt::print("would diagnose {} on {} rows of {}; nothing was written\n", subject.base.name(), table.rows(),
                options.log);
     return ExitCode::kDone;
   }
-  session.begin(options.diagnose.seed);
+  session.begin(diagnose.seed);
   session.directory().write("config.resolved.yaml", resolvedOptions(app));
   Progress progress("diagnose, %", 100, options.common.quiet);
-  const LogDiagnosis result = diagnoseLog(subject, log, options.diagnose, [&](const std::string& what, double done) {
+  const LogDiagnosis result = diagnoseLog(subject, log, diagnose, [&](const std::string& what, double done) {
     progress.update(static_cast<std::size_t>(100.0 * done), what);
   });
-  for (const std::string& warning : result.diagnosis.warnings) spdlog::warn("{}", warning);
-  const RunDirectory& directory = session.directory();
-  if (result.predicted_after.size() > 0) {
-    for (const auto& [name, fit] : {std::pair("baseline.yaml", &result.baseline), {"model.yaml", &result.extended}}) {
-      const FittedModel model =
-          modelFile(fitted, subject, *fit, log.data, log.dead_band, result.diagnosis.samples, session.inputs().back());
-      directory.write(name, writeFittedModel(model));
-    }
-    directory.write("predictions.csv",
-                    predictionsCsv(log, {{"before", &result.predicted_before}, {"after", &result.predicted_after}}));
-    directory.write("hypotheses.csv", hypothesesCsv(result.diagnosis));
-    directory.write("evidence.csv", evidenceCsv(result.diagnosis));
-    writeLeftovers(result.diagnosis, directory);
-    if (result.diagnosis.self_test) directory.write("confusion.csv", confusionCsv(*result.diagnosis.self_test));
-  }
-  session.finish(toJson(result.diagnosis), terminalTable(result.diagnosis));
+  const Input& file = session.input("log");
+  writeLogDiagnosis(result, given, subject, log, {file.file.filename().string(), file.sha256, result.diagnosis.samples},
+                    session.directory());
+  finish(result.diagnosis, session);
   return ExitCode::kDone;
+}
+
+PoseDiagnosisOptions poseOptions(const Options& options) {
+  PoseDiagnosisOptions pose;
+  pose.effects = options.diagnose.effects;
+  if (options.max_causes) pose.max_causes = static_cast<std::size_t>(*options.max_causes);
+  pose.level = options.diagnose.level;
+  pose.ignore_faults = options.diagnose.ignore_faults;
+  pose.self_test = options.diagnose.self_tests;
+  pose.seed = options.common.seed.value_or(1);
+  if (!options.holdout.empty()) {
+    const auto fraction = parseNumber(options.holdout);
+    if (!fraction) {
+      throw ConfigError(fmt::format("--holdout: found '{}', expected a fraction of the poses", options.holdout));
+    }
+    pose.holdout = *fraction;
+  }
+  pose.validate();
+  return pose;
+}
+
+ExitCode runPoses(const Options& options, Session& session) {
+  const PoseDiagnosisOptions diagnose = poseOptions(options);
+  const ArmModel model = readArmFile(session, "model", options.model);
+  const PoseSet set = readPoses(session, "poses", options.poses, model, options.table.csv());
+  const CalibrationConfig config = readConfig(session, options.config);
+  if (options.common.dry_run) {
+    fmt::print("would diagnose {} on {} poses of {}; nothing was written\n", model.name, set.poses.size(), set.file);
+    return ExitCode::kDone;
+  }
+  session.begin(diagnose.seed);
+  session.directory().write("config.resolved.yaml", config.toYaml());
+  Progress progress("diagnose, %", 100, options.common.quiet);
+  const PoseDiagnosis result = diagnosePoses(
+      model, set, config.parameters, config.noise, diagnose,
+      [&](const std::string& what, double done) { progress.update(static_cast<std::size_t>(100.0 * done), what); });
+  writePoseDiagnosis(result, session.directory());
+  finish(result.diagnosis, session);
+  return ExitCode::kDone;
+}
+
+ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
+  Session session("diagnose", options.common, argv);
+  if (options.log.empty() == options.poses.empty()) {
+    throw ConfigError("found neither or both of --log and --poses, expected one of them");
+  }
+  return options.poses.empty() ? runLog(options, session, app) : runPoses(options, session);
 }
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {

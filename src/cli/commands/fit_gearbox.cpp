@@ -1,5 +1,7 @@
 #include "cli/drive_command.h"
+#include "cli/inputs.h"
 #include "simgap/cli/command.h"
+#include "simgap/fit/actuators/fitted_drive.h"
 
 namespace simgap::commands {
 namespace {
@@ -17,11 +19,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   options->add(app);
   return [options, argv] {
     Session session("fit-gearbox", options->common, argv);
-    const Input& input = session.read("motor", options->motor);
     DriveFitOptions drive;
     drive.fit_motor = false;
     drive.fit_gearbox = true;
-    drive.motor = motorFrom(readFittedModel(YamlNode::parse(input.content, options->motor), {"motor"}));
+    drive.motor = motorFrom(readModel(session, "motor", options->motor, {"motor"}));
     drive.ratio = options->ratio;
     return runDriveFit("gearbox", *options, session, drive);
   };

@@ -1,5 +1,4 @@
 #include "cli/drive_command.h"
-#include "cli/drive_subject.h"
 #include "simgap/cli/command.h"
 
 namespace simgap::commands {
@@ -16,8 +15,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   return [options, argv, &app] {
     Session session("fit-motor", options->common, argv);
     if (!options->model.empty()) {
-      return fitExtended({"fit-motor", options->model, options->log, {}, options->table.csv()}, session,
-                         options->common, app);
+      return runRefit({"fit-motor", options->model, options->log, {}, options->table.csv()}, session, app);
     }
     return runDriveFit("motor", *options, session, {});
   };

@@ -1,8 +1,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "cli/pose_inputs.h"
+#include <algorithm>
+
+#include "cli/inputs.h"
 #include "simgap/cli/command.h"
+#include "simgap/core/progress.h"
+#include "simgap/fit/poses/replay.h"
 #include "simgap/report/poses/arm_geometry.h"
 #include "simgap/report/poses/pose_report.h"
 
@@ -17,30 +21,39 @@ struct Options {
   std::optional<double> max_mje;  ///< [deg]
 };
 
+ValidationResult judge(const Options& options, const ArmModel& model, const PoseSet& set,
+                       const PoseProtocol& protocol) {
+  ValidationResult result{model.poseLayout(), set, {}, {}};
+  Progress progress("validate: pose", set.poses.size(), options.common.quiet);
+  result.assessment = replayAll(*makeEvaluator(options.evaluator, protocol), model, set,
+                                [&](std::size_t done) { progress.update(done); });
+  for (std::size_t j = 0; options.max_mje && j < result.layout.joints.size(); ++j) {
+    result.criteria.push_back(
+        {"mje_deg of " + result.layout.joints[j].name, *options.max_mje, toDegrees(result.assessment.mje[j])});
+  }
+  return result;
+}
+
+void warn(const ArmModel& model, const ValidationResult& result) {
+  const std::vector<PoseOutcome>& outcomes = result.assessment.outcomes;
+  for (const std::string& cord : stretchedCords(outcomes, result.layout)) spdlog::warn("{}", cord);
+  const std::string ambiguous = otherEquilibria(model, result.set, outcomes);
+  if (!ambiguous.empty()) spdlog::warn("{}", ambiguous);
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("validate", options.common, argv);
-  const ArmModel model = parseArm(session.read("model", options.model));
-  const PoseSet set = parsePoses(session.read("poses", options.poses), model, options.table.csv());
-  PoseProtocol protocol;
-  if (!options.config.empty()) protocol = parseConfig(session.read("config", options.config)).protocol;
+  const ArmModel model = readArmFile(session, "model", options.model);
+  const PoseSet set = readPoses(session, "poses", options.poses, model, options.table.csv());
+  const PoseProtocol protocol = options.config.empty() ? PoseProtocol{} : readConfig(session, options.config).protocol;
   if (options.common.dry_run) {
     fmt::print("would replay {} poses of {} on {}; nothing was written\n", set.poses.size(), set.file, model.name);
     return ExitCode::kDone;
   }
   session.begin(options.common.seed.value_or(0));
   session.directory().write("config.resolved.yaml", "protocol:\n" + protocol.toYaml("  "));
-
-  const auto evaluator = makeEvaluator(options.evaluator, protocol, options.common.threads);
-  ValidationResult result;
-  result.layout = model.poseLayout();
-  result.set = set;
-  result.assessment = replayAll(*evaluator, model, set, "validate", options.common.quiet);
-  warnAboutCords(result.assessment.outcomes, result.layout);
-  warnAboutOtherEquilibria(model, set, result.assessment.outcomes);
-  for (std::size_t j = 0; options.max_mje && j < result.layout.joints.size(); ++j) {
-    result.criteria.push_back(
-        {"mje_deg of " + result.layout.joints[j].name, *options.max_mje, toDegrees(result.assessment.mje[j])});
-  }
+  const ValidationResult result = judge(options, model, set, protocol);
+  warn(model, result);
   session.directory().write("errors.csv", errorsCsv(result));
   const ReplayedSet replay{"replayed", "simulated", model, set, result.assessment};
   writeArmGeometry({&replay, 1}, session.directory());
@@ -50,10 +63,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
     throw NumericsError(reason);
   }
   session.finish(toJson(result), terminalTable(result));
-  for (const Criterion& criterion : result.criteria) {
-    if (!criterion.pass()) return ExitCode::kCriterionFailed;
-  }
-  return ExitCode::kDone;
+  return std::ranges::all_of(result.criteria, &Criterion::pass) ? ExitCode::kDone : ExitCode::kCriterionFailed;
 }
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {

@@ -348,4 +348,13 @@ PreparedLog prepareTransmissionData(const PreparedLog& drive) {
   return log;
 }
 
+PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions options) {
+  if (kind == ActuatorKind::kMotor) return prepareMotorData(table);
+  if (kind == ActuatorKind::kPam) return preparePamData(table);
+  const ActuatorLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
+  options.bandwidth = bench.bandwidth;
+  if (kind == ActuatorKind::kGearbox) return prepareGearboxData(table, bench, log_options, options);
+  return prepareActuatorData(table, bench, log_options, options);
+}
+
 }  // namespace simgap

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit_tables.h"
 #include "simgap/core/error.h"
 #include "simgap/core/units.h"
-#include "simgap/report/actuators/fit_report.h"
 
 namespace simgap {
 namespace {
@@ -21,31 +21,6 @@ std::string unitTitle(std::string unit) {
 }
 
 std::string targetUnit(const Json& result) { return unitTitle(splitUnit(result.at("target").get<std::string>()).unit); }
-
-std::string number(const Json& value, const char* digits = "{:.5g}") {
-  return value.is_number() ? fmt::format(fmt::runtime(digits), value.get<double>()) : "-";
-}
-
-std::string noteOf(const Json& parameter) {
-  if (parameter.at("fixed").get<bool>()) return "fixed";
-  if (!parameter.at("identifiable").get<bool>()) return "not determined";
-  return parameter.at("at_bound").get<bool>() ? "at bound" : "";
-}
-
-PageTable parameterTable(const Json& result) {
-  PageTable table{"Parameters", {"parameter", "unit", "value", "sd", "95 % interval", ""}, {}};
-  for (const Json& p : result.at("parameters")) {
-    const double sd = numberOf(p.at("sd")), value = numberOf(p.at("value"));
-    const double lower = numberOf(p.at("ci95").at(0)), upper = numberOf(p.at("ci95").at(1));
-    const bool interval = !p.at("fixed").get<bool>() && std::isfinite(lower) && std::isfinite(upper);
-    const std::string unit = p.at("unit");
-    table.rows.push_back({p.at("name"), unit == "1" ? "-" : unit, std::isfinite(value) ? valueText(value, sd) : "-",
-                          number(p.at("sd"), "{:.2g}"),
-                          interval ? fmt::format("{} … {}", valueText(lower, sd), valueText(upper, sd)) : "-",
-                          noteOf(p)});
-  }
-  return table;
-}
 
 /// Intervals relative to the value: parameters of any unit stand on one axis.
 void addIntervals(const Json& result, Page& page) {
@@ -84,41 +59,17 @@ void addCorrelation(const ResultFiles& files, Page& page) {
   page.add(mapChart("Correlation of the parameters", {""}, {""}, map));
 }
 
-PageTable comparisonTable(const Json& result) {
-  const Json& rows = result.at("comparison");
-  PageTable table{fmt::format("Models on the same rows (MSE in {}², * lowest BIC)", targetUnit(result)),
-                  {"model", "parameters", "MSE", "held-out MSE", "improvement", "held-out", "BIC"},
-                  {}};
-  const auto improvement = [&](const Json& row, const char* key) {
-    const double from = numberOf(rows.front().at(key)), to = numberOf(row.at(key));
-    return &row == &rows.front() || !std::isfinite(from - to) ? "/"
-                                                              : fmt::format("{:.2f} %", 100.0 * (from - to) / from);
-  };
-  for (const Json& row : rows) {
-    const std::string name = row.at("model");
-    table.rows.push_back({name + (name == result.at("model") ? " *" : ""), row.at("parameters").dump(),
-                          number(row.at("mse")), number(row.at("mse_heldout")), improvement(row, "mse"),
-                          improvement(row, "mse_heldout"), number(row.at("bic"), "{:.1f}")});
-  }
-  return table;
-}
-
-PageTable factTable(const Json& result) {
-  PageTable table{"Further results", {"", ""}, {}};
+Table factTable(const Json& result) {
+  Table table{"Further results", {"", ""}, {}};
   table.rows.push_back({"rows", fmt::format("{}, worth {:.0f} independent ones", result.at("n").get<long>(),
                                             numberOf(result.at("n_effective")))});
   if (result.at("mse_heldout").is_number()) table.rows.push_back({"held out", result.at("heldout")});
-  const Json& starts = result.at("starts");
-  if (starts.at("tried").get<long>() > 1) {
-    table.rows.push_back(
-        {"search", fmt::format("{} starts over the whole box, {} distinct local minima", starts.at("tried").get<long>(),
-                               starts.at("distinct_minima").get<long>())});
+  if (const std::string search = searchText(result.at("starts")); !search.empty()) {
+    table.rows.push_back({"search", search});
   }
   for (const auto& [name, text] : result.at("facts").items()) table.rows.push_back({name, text});
   for (const Json& row : result.at("transfer")) {
-    table.rows.push_back({"on " + row.at("file").get<std::string>(),
-                          fmt::format("RMS {:.4g} {} ({} rows)", std::sqrt(numberOf(row.at("mse"))), targetUnit(result),
-                                      row.at("n").get<long>())});
+    table.rows.push_back({"on " + row.at("file").get<std::string>(), transferText(row, targetUnit(result))});
   }
   return table;
 }
@@ -141,8 +92,8 @@ Page beginFitPage(const ResultFiles& files) {
 void addFitDetails(const ResultFiles& files, Page& page) {
   const Json& result = files.result();
   page.addSection("Parameters");
-  if (result.at("comparison").size() > 1) page.add(comparisonTable(result));
-  page.add(parameterTable(result));
+  if (result.at("comparison").size() > 1) page.add(fitComparison(result));
+  page.add(fitParameters(result));
   addIntervals(result, page);
   addCorrelation(files, page);
   page.add(factTable(result));

@@ -5,55 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit_tables.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/units.h"
-#include "simgap/report/text_table.h"
 
 namespace simgap {
 namespace {
 
 Json optionalNumber(const std::optional<double>& value) { return value ? numberOrNull(*value) : Json(nullptr); }
-
-std::string noteOf(const Estimate& e) {
-  if (e.fixed) return "fixed";
-  if (!e.identifiable) return "not determined";
-  return e.at_bound ? "at bound" : "";
-}
-
-std::string valueCell(const Estimate& e) {
-  if (!std::isfinite(e.value)) return "-";
-  return e.fixed ? fmt::format("{:.6g}", e.value) : valueText(e.value, e.sd);
-}
-
-std::string unitText(const std::string& unit) { return unit == "1" ? "-" : unit; }
-
-std::vector<std::vector<std::string>> parameterRows(const FitSummary& summary) {
-  std::vector<std::vector<std::string>> rows{{"parameter", "unit", "value", "sd", "95 % interval", ""}};
-  for (const Estimate& e : summary.uncertainty.estimates) {
-    const bool interval = !e.fixed && std::isfinite(e.lower95) && std::isfinite(e.upper95);
-    rows.push_back(
-        {e.name, unitText(e.unit), valueCell(e), !e.fixed && std::isfinite(e.sd) ? fmt::format("{:.2g}", e.sd) : "-",
-         interval ? fmt::format("{} … {}", valueText(e.lower95, e.sd), valueText(e.upper95, e.sd)) : "-", noteOf(e)});
-  }
-  return rows;
-}
-
-std::vector<std::vector<std::string>> comparisonRows(const FitSummary& summary) {
-  std::vector<std::vector<std::string>> rows{
-      {"model", "par.", "MSE", "held-out MSE", "improvement", "held-out", "BIC"}};
-  const ComparisonRow& first = summary.comparison.front();
-  const auto improvement = [](double from, double to) { return fmt::format("{:.2f} %", 100.0 * (from - to) / from); };
-  for (const ComparisonRow& row : summary.comparison) {
-    const bool is_first = &row == &first;
-    rows.push_back(
-        {row.model + (row.model == summary.model ? " *" : ""), fmt::format("{}", row.parameters),
-         fmt::format("{:.5g}", row.mse), row.mse_heldout ? fmt::format("{:.5g}", *row.mse_heldout) : "-",
-         is_first ? "/" : improvement(first.mse, row.mse),
-         is_first || !row.mse_heldout || !first.mse_heldout ? "/" : improvement(*first.mse_heldout, *row.mse_heldout),
-         fmt::format("{:.1f}", row.bic)});
-  }
-  return rows;
-}
 
 std::string errorText(const FitSummary& summary) {
   std::string text = fmt::format("{}: RMS {:.4g} {}", summary.target, std::sqrt(summary.mse), summary.target_unit);
@@ -147,20 +106,17 @@ std::string correlationCsv(const FitSummary& summary) {
 }
 
 std::string terminalTable(const FitSummary& summary) {
+  const Json result = toJson(summary);
   std::string text;
   if (summary.comparison.size() > 1) {
-    text += alignedTable(comparisonRows(summary)) + "* the lowest BIC; its parameters follow\n\n";
+    text += alignedTable(fitComparison(result)) + "* the lowest BIC; its parameters follow\n\n";
   }
-  text += alignedTable(parameterRows(summary)) + errorText(summary) + "\n";
-  for (const TransferRow& row : summary.transfer) {
-    text +=
-        fmt::format("on {}: RMS {:.4g} {} ({} rows)\n", row.file, std::sqrt(row.mse), summary.target_unit, row.rows);
+  text += alignedTable(fitParameters(result)) + errorText(summary) + "\n";
+  for (const Json& row : result.at("transfer")) {
+    text += fmt::format("on {}: {}\n", row.at("file").get<std::string>(), transferText(row, summary.target_unit));
   }
   for (const auto& [name, value] : summary.facts) text += fmt::format("{}: {}\n", name, value);
-  if (summary.starts > 1) {
-    text += fmt::format("{} starts over the whole box, {} distinct local minima\n", summary.starts,
-                        summary.distinct_minima);
-  }
+  if (const std::string search = searchText(result.at("starts")); !search.empty()) text += search + "\n";
   for (const std::string& warning : allWarnings(summary)) text += "note: " + warning + "\n";
   return text;
 }
@@ -178,20 +134,6 @@ FittedModel fittedModel(const std::string& kind, const std::string& law, const U
   }
   model.covariance = uncertainty.covariance(known, known);
   return model;
-}
-
-std::vector<Estimate> estimatesOf(const FittedModel& model) {
-  std::vector<Estimate> estimates;
-  for (const FittedParameter& p : model.parameters) {
-    Estimate e;
-    e.name = p.name;
-    e.unit = p.unit;
-    e.value = p.value;
-    e.sd = p.sd;
-    e.fixed = p.fixed;
-    estimates.push_back(e);
-  }
-  return estimates;
 }
 
 }  // namespace simgap

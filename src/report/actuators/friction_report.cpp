@@ -7,6 +7,8 @@
 
 #include "friction_tables.h"
 #include "simgap/core/csv.h"
+#include "simgap/core/error.h"
+#include "simgap/core/rotation.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -14,8 +16,8 @@ namespace {
 
 std::string comparisonCsv(const FrictionReport& report) {
   CsvWriter csv({"model", "parameters", "mse", "mse_heldout", "improvement_percent", "bic", "n_effective"});
-  const double first = report.fits.front().mse;
-  for (const FrictionFit& fit : report.fits) {
+  const double first = report.laws.fits.front().mse;
+  for (const FrictionFit& fit : report.laws.fits) {
     csv.add(fit.law->name).add(static_cast<double>(fit.parameters)).add(fit.mse);
     csv.add(fit.mse_heldout ? fmt::format("{}", *fit.mse_heldout) : "");
     csv.add(100.0 * (first - fit.mse) / first).add(fit.bic).add(fit.uncertainty.n_effective).endRow();
@@ -25,7 +27,7 @@ std::string comparisonCsv(const FrictionReport& report) {
 
 std::string profileCsv(const FrictionReport& report) {
   CsvWriter csv({"model", "v_s", "delta", "mse"});
-  for (const FrictionFit& fit : report.fits) {
+  for (const FrictionFit& fit : report.laws.fits) {
     if (fit.profile.axes.size() != 2) continue;
     for (std::size_t i = 0; i < fit.profile.cost.size(); ++i) {
       const std::size_t columns = fit.profile.axes[1].size();
@@ -38,7 +40,7 @@ std::string profileCsv(const FrictionReport& report) {
 
 std::string minimaCsv(const FrictionReport& report) {
   CsvWriter csv({"model", "rank", "v_s", "delta", "mse"});
-  for (const FrictionFit& fit : report.fits) {
+  for (const FrictionFit& fit : report.laws.fits) {
     for (std::size_t m = 0; m < fit.minima.size(); ++m) {
       const SeparableMinimum& minimum = fit.minima[m];
       csv.add(fit.law->name).add(static_cast<double>(m + 1));
@@ -54,7 +56,7 @@ std::string seriesCsv(const FrictionReport& report) {
   const FrictionData& data = *report.data;
   const std::vector<TimeSample> samples = timeSamples(report);
   std::vector<std::string> header{"time_s", "row", "measured"};
-  for (const FrictionFit& fit : report.fits) header.emplace_back(fit.law->name);
+  for (const FrictionFit& fit : report.laws.fits) header.emplace_back(fit.law->name);
   CsvWriter csv(header);
   for (const TimeSample& sample : samples) {
     csv.add(data.time[static_cast<Eigen::Index>(sample.index)]).add(static_cast<double>(data.row[sample.index] + 1));
@@ -68,13 +70,30 @@ std::string seriesCsv(const FrictionReport& report) {
 }  // namespace
 
 std::vector<Requirement> paperRequirements() {
-  constexpr double kDegree = 3.14159265358979323846 / 180.0;
   return {{"shoulder flexion/extension", 71.0 * kDegree, 20.0}, {"elbow flexion/extension", 91.0 * kDegree, 20.0}};
+}
+
+std::vector<Requirement> readRequirements(const std::vector<std::string>& texts) {
+  std::vector<Requirement> all;
+  for (const std::string& text : texts) {
+    if (text == "paper") {
+      for (const Requirement& r : paperRequirements()) all.push_back(r);
+      continue;
+    }
+    const std::size_t first = text.find(':'), last = text.rfind(':');
+    const auto velocity = first < last ? parseNumber(text.substr(first + 1, last - first - 1)) : std::nullopt;
+    const auto torque = first < last ? parseNumber(text.substr(last + 1)) : std::nullopt;
+    if (!velocity || !torque) {
+      throw ConfigError(fmt::format("--require: found '{}', expected NAME:DEG_PER_S:NM, or paper", text));
+    }
+    all.push_back({text.substr(0, first), unitConversion("deg_s", "rad_s")->operator()(*velocity), *torque});
+  }
+  return all;
 }
 
 FitSummary summarise(const FrictionReport& report) {
   const FrictionData& data = *report.data;
-  const FrictionFit& best = report.fits[report.best];
+  const FrictionFit& best = report.best();
   FitSummary summary;
   summary.command = "fit-friction";
   summary.model = best.law->name;
@@ -83,16 +102,16 @@ FitSummary summarise(const FrictionReport& report) {
   summary.uncertainty = best.uncertainty;
   summary.mse = best.mse;
   summary.mse_heldout = best.mse_heldout;
-  summary.heldout = report.heldout;
+  summary.heldout = report.laws.heldout;
   summary.n = best.n;
   summary.starts = best.starts;
   summary.distinct_minima = best.minima.size();
-  for (const FrictionFit& fit : report.fits) {
+  for (const FrictionFit& fit : report.laws.fits) {
     summary.comparison.push_back({std::string(fit.law->name), fit.parameters, fit.mse, fit.mse_heldout, fit.bic});
   }
   summary.transfer = report.transfer;
   summary.warnings = data.warnings;
-  summary.warnings.insert(summary.warnings.end(), report.left_out.begin(), report.left_out.end());
+  summary.warnings.insert(summary.warnings.end(), report.laws.left_out.begin(), report.laws.left_out.end());
   summary.warnings.insert(summary.warnings.end(), best.warnings.begin(), best.warnings.end());
   if (data.log_rows != data.rows()) {
     summary.facts.emplace_back("rows left out", fmt::format("{} of {} (before the first motion, at reversals, held out "
@@ -112,7 +131,7 @@ FitSummary summarise(const FrictionReport& report) {
 
 void writeFrictionReport(const FrictionReport& report, const std::string& log_sha256, const RunDirectory& directory) {
   const FrictionData& data = *report.data;
-  const FrictionFit& best = report.fits[report.best];
+  const FrictionFit& best = report.best();
   FittedModel model = fittedModel("friction", std::string(best.law->name), best.uncertainty);
   model.settings = {{"effort", data.effort_name},
                     {"effort_unit", data.effort_unit},

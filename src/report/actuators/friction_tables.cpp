@@ -23,7 +23,7 @@ constexpr std::size_t kShownPerBand = 500;
 ArrayXd loadOf(const FrictionReport& report) {
   const FrictionData& data = *report.data;
   std::vector<double> rig;
-  for (const std::string& name : data.rig_names) rig.push_back(report.fits[report.best].value(name));
+  for (const std::string& name : data.rig_names) rig.push_back(report.best().value(name));
   return data.totalLoad(rig);
 }
 
@@ -57,12 +57,12 @@ struct Grid {
       cells[i] = cell(data.velocity[k], v) + kCells * cell(loads[k], l);
       count[cells[i]] += 1.0;
     }
-    error.resize(report.fits.size());
+    error.resize(report.laws.fits.size());
     tbb::parallel_for(std::size_t{0}, error.size(), [&](std::size_t f) {
       std::vector<double>& mean = error[f];
       mean.assign(count.size(), 0.0);
       for (const Block& rows : evenChunks(data.rows())) {
-        const ArrayXd predicted = predictEffort(report.fits[f], data, report.options, rows);
+        const ArrayXd predicted = predictEffort(report.laws.fits[f], data, report.options, rows);
         for (std::size_t i = rows.begin; i < rows.end; ++i) {
           mean[cells[i]] += std::abs(predicted[static_cast<Index>(i - rows.begin)] - measured[static_cast<Index>(i)]);
         }
@@ -137,7 +137,7 @@ std::vector<TimeSample> timeSamples(const FrictionReport& report) {
   const std::size_t begin = (data.rows() - count) / 2;
   std::vector<TimeSample> samples;
   for (std::size_t i = begin; i < begin + count; ++i) samples.push_back({i, measured[static_cast<Index>(i)], {}});
-  for (const FrictionFit& fit : report.fits) {
+  for (const FrictionFit& fit : report.laws.fits) {
     const ArrayXd predicted = predictEffort(fit, data, report.options, {begin, begin + count});
     for (std::size_t k = 0; k < count; ++k) samples[k].predicted.push_back(predicted[static_cast<Index>(k)]);
   }
@@ -148,7 +148,7 @@ std::string mapsCsv(const FrictionReport& report) {
   const Grid grid(report);
   std::vector<std::string> header{quantityName("velocity", report.data->velocity_unit),
                                   quantityName("load", report.data->load_unit), "rows"};
-  for (const FrictionFit& fit : report.fits) header.push_back(fmt::format("mean_abs_error_{}", fit.law->name));
+  for (const FrictionFit& fit : report.laws.fits) header.push_back(fmt::format("mean_abs_error_{}", fit.law->name));
   CsvWriter csv(header);
   for (std::size_t c = 0; c < grid.count.size(); ++c) {
     if (grid.count[c] == 0.0) continue;
@@ -175,7 +175,7 @@ std::vector<std::string> requirementSentences(const FrictionReport& report) {
 std::string curvesCsv(const FrictionReport& report) {
   const FrictionData& data = *report.data;
   const ArrayXd load = loadOf(report);
-  const FrictionFit& best = report.fits[report.best];
+  const FrictionFit& best = report.best();
   const DriveFeedForward scale = feedForward(*best.law, best.uncertainty.estimates);
   const auto friction = [&](double effort, double at) { return scale.k_a * (effort - scale.offset) - at; };
   CsvWriter csv(
@@ -185,7 +185,7 @@ std::string curvesCsv(const FrictionReport& report) {
     for (const Index i : rowsOfBand(load, low, high)) {
       csv.add(band).add("measured").add(data.velocity[i]).add(friction(data.effort[i], load[i])).endRow();
     }
-    for (const FrictionFit& fit : report.fits) {
+    for (const FrictionFit& fit : report.laws.fits) {
       const DriveFeedForward drive = feedForward(*fit.law, fit.uncertainty.estimates);
       const double middle = 0.5 * (low + high);
       for (const double w : curveVelocities(data)) {
@@ -199,7 +199,7 @@ std::string curvesCsv(const FrictionReport& report) {
 
 std::string frictionCsv(const FrictionReport& report) {
   const FrictionData& data = *report.data;
-  const FrictionFit& best = report.fits[report.best];
+  const FrictionFit& best = report.best();
   const DriveFeedForward drive = feedForward(*best.law, best.uncertainty.estimates);
   CsvWriter csv({quantityName("load", data.load_unit), quantityName("velocity", data.velocity_unit),
                  quantityName("friction", data.load_unit)});
@@ -215,7 +215,7 @@ std::string frictionCsv(const FrictionReport& report) {
 std::string modelsCsv(const FrictionReport& report) {
   CsvWriter csv({"model", "name", "unit", "value", "sd"});
   const auto number = [](double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); };
-  for (const FrictionFit& fit : report.fits) {
+  for (const FrictionFit& fit : report.laws.fits) {
     for (const Estimate& e : fit.uncertainty.estimates) {
       csv.add(fit.law->name).add(e.name).add(e.unit).add(number(e.value)).add(number(e.sd)).endRow();
     }

@@ -1,13 +1,11 @@
 #include "simgap/report/capture/camera_calibration_report.h"
-#include "simgap/report/text_table.h"
 
 #include <fmt/format.h>
 
+#include "capture_tables.h"
 
 namespace simgap {
 namespace {
-
-using Rows = std::vector<std::vector<std::string>>;
 
 std::string answer(const CameraCalibrationResult& result) {
   const CameraCalibration& c = result.calibration;
@@ -15,35 +13,6 @@ std::string answer(const CameraCalibrationResult& result) {
       "Views that were held out are met within {:.3f} px ({:.3f} px on the views used); baseline {:.3f} "
       "mm +- {:.3f}.",
       c.heldout_rms, c.rms, c.numbers.back().value, c.numbers.back().sd);
-}
-
-Rows figureRows(const CameraCalibrationResult& result) {
-  const CameraCalibration& c = result.calibration;
-  Rows rows{{"pairs looked at, with the board, left out",
-             fmt::format("{}, {}, {}", result.pairs, result.views.size(), c.outliers.size())},
-            {"reprojection error, views used [px]", fmt::format("{:.4f}", c.rms)},
-            {"reprojection error, views held out [px]", fmt::format("{:.4f}", c.heldout_rms)},
-            {"image covered by corners, left and right [%]",
-             fmt::format("{:.0f}, {:.0f}", 100.0 * c.left_coverage, 100.0 * c.right_coverage)}};
-  if (result.scale_bar) {
-    const ScaleBarCheck& bar = *result.scale_bar;
-    rows.push_back({"scale bar, measured and nominal [mm]",
-                    fmt::format("{:.4f} +- {:.4f}, {:.4f} ({:+.3f} %)", 1e3 * bar.measured.mean(),
-                                1e3 * bar.measured.sd(), 1e3 * bar.nominal, bar.errorPercent())});
-  } else {
-    rows.push_back({"scale bar", "none: the scale is that of the board"});
-  }
-  return rows;
-}
-
-const std::vector<std::string> kNumberHeader = {"parameter", "value", "sd", "unit"};
-
-Rows numberRows(const CameraCalibration& c) {
-  Rows rows;
-  for (const CalibratedNumber& n : c.numbers) {
-    rows.push_back({n.name, fmt::format("{:.5g}", n.value), fmt::format("{:.2g}", n.sd), n.unit});
-  }
-  return rows;
 }
 
 }  // namespace
@@ -78,9 +47,8 @@ Json toJson(const CameraCalibrationResult& result) {
 }
 
 std::string terminalTable(const CameraCalibrationResult& result) {
-  Rows numbers = numberRows(result.calibration);
-  numbers.insert(numbers.begin(), kNumberHeader);
-  return answer(result) + "\n\n" + alignedTable(figureRows(result)) + "\n" + alignedTable(numbers);
+  const Json json = toJson(result);
+  return answer(result) + "\n\n" + alignedTable(cameraFigures(json).rows) + "\n" + alignedTable(cameraParameters(json));
 }
 
 }  // namespace simgap

@@ -1,8 +1,8 @@
 #include "simgap/report/capture/capture_report.h"
-#include "simgap/report/text_table.h"
 
 #include <fmt/format.h>
 
+#include "capture_tables.h"
 
 namespace simgap {
 namespace {
@@ -12,19 +12,6 @@ double percent(std::size_t part, std::size_t all) {
 }
 
 using Rows = std::vector<std::vector<std::string>>;
-
-const std::vector<std::string> kTargetSightingHeader = {"target", "visible %", "markers", "fit RMS [mm]", "ambiguous"};
-
-Rows targetRows(const CaptureResult& result, const CaptureStatistics& s) {
-  Rows rows;
-  for (std::size_t t = 0; t < result.targets.targets.size(); ++t) {
-    const MarkerTarget& target = result.targets.targets[t];
-    rows.push_back({target.name, fmt::format("{:.1f}", percent(s.found(t), s.frames())),
-                    fmt::format("{:.2f} of {}", s.markers(t).mean(), target.markers.size()),
-                    fmt::format("{:.4f}", 1e3 * s.rms(t).rms()), std::to_string(s.ambiguous(t))});
-  }
-  return rows;
-}
 
 const std::vector<std::string> kPoseHeader = {"pose", "from [s]", "to [s]", "samples", "joints [deg]", "spread [deg]"};
 
@@ -52,28 +39,6 @@ std::string answer(const CaptureResult& result, const CaptureStatistics& s) {
   text += result.doubts.empty() ? "; nothing speaks against the geometry."
                                 : fmt::format("; the geometry is in doubt for {} reasons.", result.doubts.size());
   return text;
-}
-
-Rows figureRows(const CaptureResult& result, const CaptureStatistics& s) {
-  Rows rows{
-      {"standard deviation of a blob's centre [px]", fmt::format("{:.4f}", s.centroidSd())},
-      {"epipolar error, mean and RMS [px]", fmt::format("{:+.4f}, {:.4f}", s.epipolar().mean(), s.epipolar().rms())},
-      {"ghosts per pair", fmt::format("{:.1f}", s.ghosts().mean())},
-      {"distances against the target file [%]", fmt::format("{:+.3f}", s.scaleErrorPercent())}};
-  if (result.rig.scale_bar && s.scaleBar().count() > 0) {
-    rows.push_back({"scale bar, measured and nominal [mm]",
-                    fmt::format("{:.4f}, {:.4f}", 1e3 * s.scaleBar().mean(), 1e3 * result.rig.scale_bar->length)});
-  }
-  if (result.times.camera_lag != 0.0) {
-    rows.push_back({"right camera behind left [ms]", fmt::format("{:.3f}", 1e3 * result.times.camera_lag)});
-  }
-  if (result.lag) {
-    const bool clear = result.lag->correlation > Lag::kClearCorrelation;
-    rows.push_back({"joints behind shafts [ms] (correlation)",
-                    clear ? fmt::format("{:.1f} ({:.2f})", 1e3 * result.lag->seconds, result.lag->correlation)
-                          : fmt::format("unclear ({:.2f})", result.lag->correlation)});
-  }
-  return rows;
 }
 
 }  // namespace
@@ -160,12 +125,11 @@ std::string histogramCsv(const CaptureStatistics& s) {
 }
 
 std::string terminalTable(const CaptureResult& result, const CaptureStatistics& s) {
-  Rows targets = targetRows(result, s);
-  targets.insert(targets.begin(), kTargetSightingHeader);
+  const Json json = toJson(result, s);
   Rows poses = poseRows(result);
   poses.insert(poses.begin(), kPoseHeader);
-  std::string text = answer(result, s) + "\n\n" + alignedTable(targets) + "\n" + alignedTable(figureRows(result, s)) +
-                     "\n" + alignedTable(poses);
+  std::string text = answer(result, s) + "\n\n" + alignedTable(sightingTable(json)) + "\n" +
+                     alignedTable(captureFigures(json).rows) + "\n" + alignedTable(poses);
   for (const GeometryFinding& finding : result.doubts) text += "DOUBT: " + finding.sentence + "\n";
   return text;
 }

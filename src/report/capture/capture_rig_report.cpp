@@ -1,14 +1,11 @@
 #include "simgap/report/capture/capture_rig_report.h"
-#include "simgap/report/text_table.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "capture_tables.h"
 
 namespace simgap {
 namespace {
-
-using Rows = std::vector<std::vector<std::string>>;
 
 Json vectorJson(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
@@ -20,19 +17,6 @@ std::string answer(const ArmJointCalibration& r) {
       "is {}.",
       1e3 * r.shoulder.centre_sd, toDegrees(r.elbow.axis_sd), 1e3 * r.upper_arm,
       r.zero_pose ? "that of the frames named" : "that of the target file");
-}
-
-const std::vector<std::string> kJointHeader = {"joint",          "frames",        "range [deg]", "residual [mm]",
-                                               "centre sd [mm]", "axis sd [deg]", "condition"};
-
-std::vector<std::string> jointRow(const FunctionalJoint& j) {
-  return {j.name,
-          std::to_string(j.frames),
-          fmt::format("{:.1f}", toDegrees(j.range)),
-          fmt::format("{:.3f}", 1e3 * j.residual),
-          fmt::format("{:.3f}", 1e3 * j.centre_sd),
-          j.type == JointType::kRevolute ? fmt::format("{:.3f}", toDegrees(j.axis_sd)) : "-",
-          fmt::format("{:.3f}", j.condition)};
 }
 
 Json jointJson(const FunctionalJoint& j) {
@@ -53,36 +37,6 @@ Json jointJson(const FunctionalJoint& j) {
 }
 
 // --------------------------------------------------------------------------------------------- targets check
-
-const std::vector<std::string> kTargetSetHeader = {"target",      "smallest gap", "from its plane",
-                                                "other order", "mirror image", "3 markers for 3 others"};
-
-std::string millimetres(const TargetSetReport& report, const Likeness& likeness) {
-  return fmt::format("{:.2f}{}", 1e3 * likeness.rms, report.confused(likeness) ? " !" : "");
-}
-
-Rows targetRows(const TargetSetReport& report) {
-  Rows rows;
-  for (const TargetReport& t : report.targets) {
-    rows.push_back({t.name, fmt::format("{:.2f}", 1e3 * t.smallest_gap), fmt::format("{:.2f}", 1e3 * t.flatness),
-                    millimetres(report, t.symmetry), millimetres(report, t.mirror), millimetres(report, t.triple)});
-  }
-  return rows;
-}
-
-const std::vector<std::string> kCrossHeader = {"taken for one another", "whole", "3 markers", "these 3"};
-
-Rows crossRows(const TargetSetReport& report) {
-  Rows rows;
-  for (std::size_t i = 0; i < report.cross.size(); ++i) {
-    const Likeness& triple = report.cross_triple[i];
-    rows.push_back({report.targets[static_cast<std::size_t>(triple.from)].name + " / " +
-                        report.targets[static_cast<std::size_t>(triple.to)].name,
-                    millimetres(report, report.cross[i]), millimetres(report, triple),
-                    fmt::format("{} / {}", fmt::join(triple.markers, " "), fmt::join(triple.taken_for, " "))});
-  }
-  return rows;
-}
 
 std::string answer(const TargetSetReport& report) {
   return fmt::format("{} at a noise of {:.2f} mm per marker (a likeness below {:.2f} mm is marked '!').",
@@ -110,7 +64,7 @@ Json toJson(const ArmJointCalibration& r) {
 }
 
 std::string terminalTable(const ArmJointCalibration& r) {
-  return answer(r) + "\n\n" + alignedTable({kJointHeader, jointRow(r.shoulder), jointRow(r.elbow)});
+  return answer(r) + "\n\n" + alignedTable(jointTable(toJson(r)));
 }
 
 Json toJson(const TargetSetReport& report) {
@@ -135,12 +89,10 @@ Json toJson(const TargetSetReport& report) {
 }
 
 std::string terminalTable(const TargetSetReport& report) {
-  Rows targets = targetRows(report);
-  targets.insert(targets.begin(), kTargetSetHeader);
-  Rows cross = crossRows(report);
-  cross.insert(cross.begin(), kCrossHeader);
-  return answer(report) + "\n\n" + alignedTable(targets) + (cross.size() > 1 ? "\n" + alignedTable(cross) : "") +
-         "lengths in mm: what noise must bridge\n";
+  const Json result = toJson(report);
+  const Table cross = crossTable(result);
+  return answer(report) + "\n\n" + alignedTable(targetTable(result)) +
+         (cross.rows.empty() ? "" : "\n" + alignedTable(cross)) + "lengths in mm: what noise must bridge\n";
 }
 
 }  // namespace simgap

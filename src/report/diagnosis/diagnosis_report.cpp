@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cause_table.h"
 #include "simgap/core/csv.h"
-#include "simgap/report/poses/pose_report.h"
 
 namespace simgap {
 namespace {
@@ -16,40 +16,7 @@ Json pair(const Interval& interval, double scale = 1.0) {
   return {numberOrNull(scale * interval.lower95), numberOrNull(scale * interval.upper95)};
 }
 
-std::string withTarget(const std::string& effect, const std::string& target) {
-  return target.empty() ? effect : effect + " of " + target;
-}
-
 std::string percent(double fraction) { return fmt::format("{:.1f} %", 100.0 * fraction); }
-
-std::string percent(const Interval& gain) {
-  return fmt::format("{:.1f} % ({:.1f} … {:.1f})", 100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95);
-}
-
-std::string parameterText(const CauseParameter& p) {
-  const std::string unit = p.unit == "1" ? "" : " " + p.unit;
-  const double half = 0.5 * (p.value.upper95 - p.value.lower95);
-  return half > 0.0 ? fmt::format("{} = {:.4g} ± {:.2g}{}", p.name, p.value.value, half, unit)
-                    : fmt::format("{} = {:.4g}{}", p.name, p.value.value, unit);
-}
-
-std::string parametersText(const Cause& cause) {
-  std::vector<std::string> texts;
-  for (const CauseParameter& p : cause.parameters) {
-    if (std::isfinite(p.value.value)) texts.push_back(parameterText(p));
-  }
-  return fmt::format("{}", fmt::join(texts, ", "));
-}
-
-std::vector<std::vector<std::string>> causeRows(const Diagnosis& d) {
-  std::vector<std::vector<std::string>> rows{
-      {"cause", "held-out gain (95 % on new data)", "p (adjusted)", "parameters"}};
-  for (const Cause& c : d.causes) {
-    rows.push_back({withTarget(c.effect, c.target), percent(c.gain_heldout), fmt::format("{:.2g}", c.p_adjusted),
-                    parametersText(c)});
-  }
-  return rows;
-}
 
 std::vector<std::vector<std::string>> confusionRows(const SelfTest& test) {
   std::vector<std::vector<std::string>> rows{{"hidden \\ named"}};
@@ -93,6 +60,24 @@ Json causesJson(const Diagnosis& d) {
     causes.push_back(cause);
   }
   return causes;
+}
+
+/// The causes as a table and in words, and what they save.
+std::string causesText(const Diagnosis& d, const Json& result) {
+  std::string text = "\n" + alignedTable(causeTable(result)) + "\n";
+  for (const Json& cause : result.at("causes")) {
+    text += fmt::format("{}: {}\n", causeName(cause), cause.at("sentence").get<std::string>());
+    const auto rivals = cause.at("ambiguous_with").get<std::vector<std::string>>();
+    if (!rivals.empty()) text += fmt::format("  cannot be told apart here from: {}\n", fmt::join(rivals, ", "));
+  }
+  text += fmt::format("\ngain      RMS {:.4g} → {:.4g} on data never used\n", std::sqrt(d.baseline.mse_heldout),
+                      std::sqrt(d.extended.mse_heldout));
+  std::vector<std::string> absorbed;
+  for (const Absorption& a : d.causes.back().absorbed_by) {
+    absorbed.push_back(fmt::format("{} ({:+.1f} sd)", a.parameter, a.shift_sd));
+  }
+  if (!absorbed.empty()) text += fmt::format("absorbed  had been carried by {}\n", fmt::join(absorbed, ", "));
+  return text;
 }
 
 }  // namespace
@@ -184,6 +169,7 @@ std::string confusionCsv(const SelfTest& test) {
 }
 
 std::string terminalTable(const Diagnosis& d) {
+  const Json result = toJson(d);
   std::string text = d.sentence + "\n\n";
   std::string unit = d.error_unit;  // of squares: "A2"
   if (unit.ends_with('2')) unit.pop_back();
@@ -191,22 +177,7 @@ std::string terminalTable(const Diagnosis& d) {
     text += fmt::format("gap       RMS {:.4g} {} on data never used, noise floor {:.4g} {}\n",
                         std::sqrt(d.baseline.mse_heldout), unit, std::sqrt(d.noise_floor), unit);
   for (const DataFault& f : d.faults) text += fmt::format("fault     {}\n", f.sentence);
-  if (!d.causes.empty()) {
-    text += "\n" + alignedTable(causeRows(d)) + "\n";
-    for (const Cause& c : d.causes) {
-      text += fmt::format("{}: {}\n", withTarget(c.effect, c.target), c.sentence);
-      if (!c.ambiguous_with.empty()) {
-        text += fmt::format("  cannot be told apart here from: {}\n", fmt::join(c.ambiguous_with, ", "));
-      }
-    }
-    text += fmt::format("\ngain      RMS {:.4g} → {:.4g} on data never used\n", std::sqrt(d.baseline.mse_heldout),
-                        std::sqrt(d.extended.mse_heldout));
-    std::vector<std::string> absorbed;
-    for (const Absorption& a : d.causes.back().absorbed_by) {
-      absorbed.push_back(fmt::format("{} ({:+.1f} sd)", a.parameter, a.shift_sd));
-    }
-    if (!absorbed.empty()) text += fmt::format("absorbed  had been carried by {}\n", fmt::join(absorbed, ", "));
-  }
+  if (!d.causes.empty()) text += causesText(d, result);
   for (const Candidate& c : d.candidates)
     text += fmt::format("candidate {}, not named: {}\n", withTarget(c.effect, c.target), c.reason);
   if (d.verdict != DiagnosisVerdict::kDataFault) {

@@ -38,7 +38,7 @@ mustache::data cells(const std::vector<std::string>& row, std::size_t begin, con
 }
 
 /// Per column: whether a cell reads as words, which stand to the left, where numbers stand to the right.
-std::vector<bool> wordColumns(const PageTable& table) {
+std::vector<bool> wordColumns(const Table& table) {
   std::vector<bool> words(table.header.size(), false);
   for (const auto& row : table.rows) {
     for (std::size_t c = 0; c < std::min(row.size(), words.size()); ++c) {
@@ -55,7 +55,7 @@ class BlockRenderer {
  public:
   mustache::data operator()(const PageText& text) { return block("text", mustache::data{text.text}); }
 
-  mustache::data operator()(const PageTable& table) {
+  mustache::data operator()(const Table& table) {
     const std::vector<bool> words = wordColumns(table);
     mustache::data rows{mustache::data::type::list};
     for (const auto& row : table.rows) {

@@ -78,8 +78,4 @@ std::vector<std::string> distinctOf(const CsvTable& table, const std::string& co
   return seen;
 }
 
-double numberOf(const Json& json) {
-  return json.is_number() ? json.get<double>() : std::numeric_limits<double>::quiet_NaN();
-}
-
 }  // namespace simgap

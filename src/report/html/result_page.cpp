@@ -21,8 +21,8 @@ std::string commandOf(const std::string& format) {
 Page plainPage(const ResultFiles& files) {
   const std::string command = commandOf(files.result().value("format", ""));
   Page page{"simgap " + command, "The figures of this run.", {}};
-  PageTable figures{"Figures", {"name", "value"}, {}};
-  std::vector<PageTable> tables;
+  Table figures{"Figures", {"name", "value"}, {}};
+  std::vector<Table> tables;
   for (const auto& [key, value] : files.result().items()) {
     if (key == "format") continue;
     const bool objects = value.is_array() && !value.empty() && value.front().is_object();
@@ -30,7 +30,7 @@ Page plainPage(const ResultFiles& files) {
       figures.rows.push_back({key, textOf(value)});
       continue;
     }
-    PageTable table{key, {}, {}};
+    Table table{key, {}, {}};
     for (const auto& [name, cell] : value.front().items()) table.header.push_back(name);
     for (const Json& row : value) {
       table.rows.emplace_back();
@@ -41,7 +41,7 @@ Page plainPage(const ResultFiles& files) {
     tables.push_back(std::move(table));
   }
   page.add(std::move(figures));
-  for (PageTable& table : tables) page.add(std::move(table));
+  for (Table& table : tables) page.add(std::move(table));
   return page;
 }
 

@@ -37,36 +37,6 @@ Json parametersJson(const CalibrationResult& result) {
   return parameters;
 }
 
-std::vector<std::string> mjeHeader(const CalibrationResult& result) {
-  std::vector<std::string> header{"mean joint error [deg]"};
-  for (const JointChannel& joint : result.layout.joints) {
-    header.push_back(joint.name + " before");
-    header.push_back("after");
-  }
-  return header;
-}
-
-std::vector<std::vector<std::string>> mjeRows(const CalibrationResult& result) {
-  std::vector<std::vector<std::string>> rows;
-  for (const SetResult& set : result.sets) {
-    std::vector<std::string> row{fmt::format("{} ({} poses)", set.name, set.set.poses.size())};
-    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-      row.push_back(degreesText(set.initial.mje[j]));
-      row.push_back(degreesText(set.final.mje[j]));
-    }
-    rows.push_back(row);
-    row = {"  half angles of spherical joints, as 001 eq. 4"};
-    const std::vector<double> initial = paperAngles(result.layout, set.initial.mje);
-    const std::vector<double> final = paperAngles(result.layout, set.final.mje);
-    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-      row.push_back(degreesText(initial[j]));
-      row.push_back(degreesText(final[j]));
-    }
-    rows.push_back(row);
-  }
-  return rows;
-}
-
 }  // namespace
 
 Json toJson(const CalibrationResult& result) {
@@ -154,9 +124,7 @@ std::string errorsCsv(const CalibrationResult& result) {
 }
 
 std::string terminalTable(const CalibrationResult& result) {
-  std::vector<std::vector<std::string>> rows{mjeHeader(result)};
-  for (auto& row : mjeRows(result)) rows.push_back(row);
-  std::string text = alignedTable(rows);
+  std::string text = alignedTable(calibrationErrors(toJson(result)));
   for (const SetResult& set : result.sets) {
     for (const std::string& line : invalidPoses(set.final, set.set, result.layout)) {
       text += fmt::format("{} pose {}\n", set.name, line);

@@ -111,8 +111,8 @@ std::vector<ScenePose> PoseErrorTables::scenePoses() const {
   return poses;
 }
 
-PageTable PoseErrorTables::table(bool folded) const {
-  PageTable table{"All poses, worst first [deg]", {"pose"}, {}, folded};
+Table PoseErrorTables::table(bool folded) const {
+  Table table{"All poses, worst first [deg]", {"pose"}, {}, folded};
   for (const std::string& joint : joints_) {
     for (const std::string& state : states_) table.header.push_back(joint + (state.empty() ? "" : " " + state));
   }

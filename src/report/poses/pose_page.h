@@ -23,7 +23,7 @@ class PoseErrorTables {
   Chart chart(const std::string& set) const;
   /// The last set first, in each the worst pose of the last state first; poses without an error before all.
   std::vector<ScenePose> scenePoses() const;
-  PageTable table(bool folded) const;  ///< in the order of scenePoses
+  Table table(bool folded) const;  ///< in the order of scenePoses
 
  private:
   struct Row {

@@ -50,4 +50,48 @@ std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSe
   return lines;
 }
 
+namespace {
+
+constexpr const char* kPaperAngles = "  half angles of spherical joints, as 001 eq. 4";
+
+/// Degrees per joint, two decimals.
+std::vector<std::string> errorRow(std::string name, const Json& joints) {
+  std::vector<std::string> row{std::move(name)};
+  for (const auto& [joint, degrees] : joints.items()) row.push_back(numberText(degrees, "{:.2f}"));
+  return row;
+}
+
+std::vector<std::string> errorRow(std::string name, const Json& before, const Json& after) {
+  std::vector<std::string> row{std::move(name)};
+  for (const auto& [joint, degrees] : after.items()) {
+    row.insert(row.end(), {numberText(before.at(joint), "{:.2f}"), numberText(degrees, "{:.2f}")});
+  }
+  return row;
+}
+
+}  // namespace
+
+Table calibrationErrors(const Json& result) {
+  const Json &sets = result.at("mje_deg"), &paper = result.at("paper_mje_deg");
+  Table table{"Mean joint errors [deg]", {"mean joint error [deg]"}, {}};
+  for (const auto& [joint, degrees] : sets.at("calibration").at("final").items()) {
+    table.header.insert(table.header.end(), {joint + " before", "after"});
+  }
+  for (const auto& [set, errors] : sets.items()) {
+    const long poses = result.at("valid_poses").at(set).at("of");
+    table.rows.push_back(errorRow(fmt::format("{} ({} poses)", set, poses), errors.at("initial"), errors.at("final")));
+    table.rows.push_back(errorRow(kPaperAngles, paper.at(set).at("initial"), paper.at(set).at("final")));
+  }
+  return table;
+}
+
+Table validationErrors(const Json& result) {
+  Table table{"Mean joint errors [deg]", {""}, {}};
+  for (const auto& [joint, degrees] : result.at("mje_deg").items()) table.header.push_back(joint);
+  const long poses = result.at("valid_poses");
+  table.rows = {errorRow(fmt::format("mean joint error [deg], {} poses", poses), result.at("mje_deg")),
+                errorRow(kPaperAngles, result.at("paper_mje_deg"))};
+  return table;
+}
+
 }  // namespace simgap

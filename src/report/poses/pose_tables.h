@@ -26,4 +26,10 @@ Json predictionJson(const PoseLayout& layout, const PredictedError& predicted);
 /// Angles as 001 eq. 4 prints them: half of the true one for spherical joints [rad].
 std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> angles);
 
+/// Mean joint errors [deg] before and after, from the result.json of calibrate; a second row per set as 001 prints
+/// them.
+Table calibrationErrors(const Json& result);
+/// The same of the one model that validate judged.
+Table validationErrors(const Json& result);
+
 }  // namespace simgap

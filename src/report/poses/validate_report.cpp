@@ -31,18 +31,10 @@ std::vector<std::vector<std::string>> poseRows(const ValidationResult& result, s
   return rows;
 }
 
-std::vector<std::string> jointHeader(const ValidationResult& result, std::string first) {
-  std::vector<std::string> header{std::move(first)};
+std::vector<std::string> poseHeader(const ValidationResult& result) {
+  std::vector<std::string> header{"pose"};
   for (const JointChannel& joint : result.layout.joints) header.push_back(joint.name);
   return header;
-}
-
-std::vector<std::vector<std::string>> mjeRows(const ValidationResult& result) {
-  std::vector<std::string> row{fmt::format("mean joint error [deg], {} poses", result.assessment.valid)};
-  std::vector<std::string> paper{"  half angles of spherical joints, as 001 eq. 4"};
-  for (const double mje : result.assessment.mje) row.push_back(degreesText(mje));
-  for (const double mje : paperAngles(result.layout, result.assessment.mje)) paper.push_back(degreesText(mje));
-  return {row, paper};
 }
 
 }  // namespace
@@ -87,15 +79,14 @@ std::string errorsCsv(const ValidationResult& result) {
 
 std::string terminalTable(const ValidationResult& result) {
   constexpr std::size_t kMostPoses = 10;
-  std::vector<std::vector<std::string>> rows{jointHeader(result, "")};
-  for (auto& row : mjeRows(result)) rows.push_back(row);
+  Table errors = validationErrors(toJson(result));
   for (const Criterion& c : result.criteria) {
-    rows.push_back({fmt::format("{}: {:.2f}, limit {:.2f}: {}", c.name, c.value, c.limit, c.pass() ? "pass" : "FAIL")});
+    errors.rows.push_back(
+        {fmt::format("{}: {:.2f}, limit {:.2f}: {}", c.name, c.value, c.limit, c.pass() ? "pass" : "FAIL")});
   }
-  std::string text = alignedTable(rows) + "\nworst poses\n";
-  rows = {jointHeader(result, "pose")};
+  std::vector<std::vector<std::string>> rows{poseHeader(result)};
   for (auto& row : poseRows(result, kMostPoses)) rows.push_back(row);
-  return text + alignedTable(rows);
+  return alignedTable(errors) + "\nworst poses\n" + alignedTable(rows);
 }
 
 }  // namespace simgap

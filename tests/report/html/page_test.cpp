@@ -74,9 +74,9 @@ TEST(ValidatePage, NamesTheWorstPoseFirstAndTheCriteriaThatFail) {
   const Page page = ResultFolder(knownValidation()).page();
   EXPECT_THAT(page.answer, HasSubstr("On 2 poses the simulation misses the robot by 20.00° (shoulder)"));
   EXPECT_THAT(page.notes, ElementsAre(HasSubstr("mje_deg of elbow is -, which fails the limit of 5")));
-  const PageTable* poses = nullptr;
+  const Table* poses = nullptr;
   for (const PageBlock& block : page.sections.back().blocks) {
-    if (const auto* table = std::get_if<PageTable>(&block)) poses = table;
+    if (const auto* table = std::get_if<Table>(&block)) poses = table;
   }
   ASSERT_NE(poses, nullptr);
   ASSERT_EQ(poses->rows.size(), 3u);
@@ -185,7 +185,7 @@ TEST(Page, OfAnUnknownCommandShowsWhatItFound) {
       {"format", "simgap/measure-moon/1"}, {"distance_km", 384400}, {"craters", {{{"name", "Tycho"}, {"age", 1}}}}};
   const Page page = ResultFolder(result).page();
   EXPECT_EQ(page.title, "simgap measure-moon");
-  const auto* figures = std::get_if<PageTable>(&page.sections.at(0).blocks.at(0));
+  const auto* figures = std::get_if<Table>(&page.sections.at(0).blocks.at(0));
   ASSERT_NE(figures, nullptr);
   EXPECT_THAT(figures->rows, ElementsAre(ElementsAre("distance_km", "384400")));
   EXPECT_THAT(renderPage(page), HasSubstr("<th scope=\"row\">Tycho</th>"));

@@ -54,6 +54,9 @@ PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const 
 PreparedLog prepareMotorData(const CsvTable& table);
 PreparedLog preparePamData(const CsvTable& table);
 
+/// The one of them that suits a model of that kind; the rig's bandwidth and ratio replace those of `options`.
+PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions options = {});
+
 /// The same rows to explain the joint's angle by the motor's; the log must have both.
 PreparedLog prepareTransmissionData(const PreparedLog& drive);
 

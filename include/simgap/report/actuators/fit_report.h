@@ -1,5 +1,5 @@
 /// \file
-/// The results of the `fit-*` commands as JSON (FORMATS), CSV and a table for the terminal.
+/// The results of the `fit-*` commands as JSON (docs/formats.md), CSV and a table for the terminal.
 #pragma once
 
 #include <Eigen/Core>
@@ -55,9 +55,6 @@ std::string terminalTable(const FitSummary& summary);
 
 /// The model file of a fit.
 FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty);
-
-/// The file's estimates, for predictions with a stored model.
-std::vector<Estimate> estimatesOf(const FittedModel& model);
 
 /// A number with as many digits as its standard deviation supports.
 std::string valueText(double value, double sd);

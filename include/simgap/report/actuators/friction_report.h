@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "simgap/fit/actuators/friction_fit.h"
+#include "simgap/fit/actuators/friction_comparison.h"
 #include "simgap/report/actuators/fit_report.h"
 
 namespace simgap {
@@ -21,13 +21,12 @@ struct Requirement {
 struct FrictionReport {
   const FrictionData* data = nullptr;  ///< rows the laws were fitted to
   FrictionFitOptions options;
-  std::vector<FrictionFit> fits;  ///< at least one
-  std::size_t best = 0;
-  std::string heldout;
-  std::vector<std::string> left_out;
+  FrictionComparison laws;
   std::vector<TransferRow> transfer;
   std::optional<double> ratio;  ///< motor per joint
   std::vector<Requirement> requirements;
+
+  const FrictionFit& best() const { return laws.fits[laws.best]; }
 };
 
 FitSummary summarise(const FrictionReport& report);
@@ -36,5 +35,8 @@ void writeFrictionReport(const FrictionReport& report, const std::string& log_sh
 
 /// The paper's requirements of daily living: shoulder 71 deg/s, elbow 91 deg/s, 20 N m.
 std::vector<Requirement> paperRequirements();
+
+/// \param texts  "NAME:DEG_PER_S:NM" each, or "paper" for those. \throws ConfigError
+std::vector<Requirement> readRequirements(const std::vector<std::string>& texts);
 
 }  // namespace simgap

@@ -1,11 +1,12 @@
 /// \file
-/// The answer of `diagnose` as JSON (FORMATS), CSV and one screen for the terminal.
+/// The answer of `diagnose` as JSON (docs/formats.md), CSV and one screen for the terminal.
 #pragma once
 
 #include <string>
 
 #include "simgap/core/run_directory.h"
-#include "simgap/diagnose/diagnosis.h"
+#include "simgap/diagnose/logs/refitted_model.h"
+#include "simgap/diagnose/poses/pose_diagnosis.h"
 
 namespace simgap {
 
@@ -15,5 +16,13 @@ std::string evidenceCsv(const Diagnosis& diagnosis);
 /// Hidden effects by row, answers by column.
 std::string confusionCsv(const SelfTest& test);
 std::string terminalTable(const Diagnosis& diagnosis);
+
+/// baseline.yaml, model.yaml, predictions.csv, the tables of hypotheses and evidence, and one residual_<channel>.csv
+/// per channel that what is left depends on; nothing when the log could not be fitted. \param given, source  as
+/// refittedModel: the user's file, and the log with its rows that counted
+void writeLogDiagnosis(const LogDiagnosis& result, const FittedModel& given, const ActuatorModel& subject,
+                       const PreparedLog& log, const LogSource& source, const RunDirectory& directory);
+/// model.yaml, poses.csv and the tables of hypotheses and evidence.
+void writePoseDiagnosis(const PoseDiagnosis& result, const RunDirectory& directory);
 
 }  // namespace simgap

@@ -8,16 +8,9 @@
 #include <vector>
 
 #include "simgap/report/html/charts.h"
+#include "simgap/report/table.h"
 
 namespace simgap {
-
-/// A table; cells are text, escaped on writing.
-struct PageTable {
-  std::string caption;
-  std::vector<std::string> header;
-  std::vector<std::vector<std::string>> rows;
-  bool folded = false;  ///< shown only when opened
-};
 
 /// A paragraph that stands out.
 struct PageText {
@@ -31,7 +24,7 @@ struct PageScene {
   Json scene;  ///< as templates/arm_view.js reads it
 };
 
-using PageBlock = std::variant<PageText, PageTable, Chart, PageScene>;
+using PageBlock = std::variant<PageText, Table, Chart, PageScene>;
 
 struct PageSection {
   std::string heading;  ///< empty for the figure right below the answer

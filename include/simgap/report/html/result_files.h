@@ -9,6 +9,7 @@
 
 #include "simgap/core/csv.h"
 #include "simgap/core/run_directory.h"
+#include "simgap/report/table.h"
 
 namespace simgap {
 
@@ -38,8 +39,5 @@ std::vector<double> numbersWhere(const CsvTable& table, const std::string& colum
                                  const std::string& value);
 /// Texts of a column, each once, in the order of the file.
 std::vector<std::string> distinctOf(const CsvTable& table, const std::string& column);
-
-/// A number of JSON; NaN for null.
-double numberOf(const Json& json);
 
 }  // namespace simgap

@@ -1,5 +1,5 @@
 /// \file
-/// The results of `calibrate` and `validate` as JSON (FORMATS), CSV and a table for the terminal.
+/// The results of `calibrate` and `validate` as JSON (docs/formats.md), CSV and a table for the terminal.
 #pragma once
 
 #include <optional>
@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "simgap/core/run_directory.h"
-#include "simgap/fit/poses/calibration_result.h"
-#include "simgap/report/text_table.h"
+#include "simgap/fit/poses/calibration_run.h"
+#include "simgap/report/table.h"
 
 namespace simgap {
 
@@ -37,6 +37,11 @@ std::string singularValuesCsv(const CalibrationResult& result);
 /// What the poses tell of the parameters, what error to expect on others; lines for the terminal.
 std::string uncertaintyText(const CalibrationResult& result);
 std::string terminalTable(const CalibrationResult& result);
+/// What a calibration would do, and what its poses can tell before any is run. \param expected  by expectedResult
+std::string planText(const CalibrationTask& task, const CalibrationResult& expected);
+/// model.yaml, the tables, and the geometry of both models at all poses (writeArmGeometry).
+void writeCalibration(const ArmModel& before, const ArmModel& after, const CalibrationResult& result,
+                      const RunDirectory& directory);
 ///@}
 
 /// \name validate

@@ -1,29 +1,10 @@
 #include <fmt/format.h>
 
+#include "report/capture/capture_tables.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
 namespace {
-
-PageTable figures(const Json& result) {
-  const Json& coverage = result.at("coverage");
-  PageTable table{"Figures", {"figure", "value"}, {}};
-  table.rows = {
-      {"pairs looked at, with the board, left out",
-       fmt::format("{}, {}, {}", result.at("pairs").dump(), result.at("views").size(), result.at("outliers").dump())},
-      {"reprojection error, views used [px]", fmt::format("{:.4f}", numberOf(result.at("rms_px")))},
-      {"reprojection error, views held out [px]", fmt::format("{:.4f}", numberOf(result.at("heldout_rms_px")))},
-      {"image covered by corners, left and right [%]",
-       fmt::format("{:.0f}, {:.0f}", 100.0 * numberOf(coverage.at("left")), 100.0 * numberOf(coverage.at("right")))}};
-  const Json& bar = result.at("scale_bar");
-  table.rows.push_back({"scale bar, measured and nominal [mm]",
-                        bar.is_null()
-                            ? "none: the scale is that of the board"
-                            : fmt::format("{:.4f} ± {:.4f}, {:.4f} ({:+.3f} %)", numberOf(bar.at("measured_mm")),
-                                          numberOf(bar.at("sd_mm")), numberOf(bar.at("nominal_mm")),
-                                          numberOf(bar.at("error_percent")))});
-  return table;
-}
 
 Chart viewErrors(const Json& result) {
   std::vector<std::string> names;
@@ -53,13 +34,8 @@ Page make(const ResultFiles& files) {
   }
   page.add(viewErrors(result));
   page.addSection("Numbers");
-  page.add(figures(result));
-  PageTable parameters{"Parameters (sd: jackknife over the held-out groups)", {"parameter", "value", "sd", "unit"}, {}};
-  for (const Json& p : result.at("parameters")) {
-    parameters.rows.push_back({p.at("name"), fmt::format("{:.5g}", numberOf(p.at("value"))),
-                               fmt::format("{:.2g}", numberOf(p.at("sd"))), p.at("unit")});
-  }
-  page.add(std::move(parameters));
+  page.add(cameraFigures(result));
+  page.add(cameraParameters(result));
   return page;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cctype>
 
+#include "report/capture/capture_tables.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
@@ -9,20 +10,12 @@ namespace {
 
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
-  PageTable joints{"Joints",
-                   {"joint", "frames", "range [deg]", "residual [mm]", "centre sd [mm]", "axis sd [deg]", "condition"},
-                   {}};
   std::vector<std::string> names;
   std::vector<double> residual, centre;
   std::string answer;
   for (const Json& j : result.at("joints")) {
     const std::string name = j.at("name");
     const bool axis = j.contains("axis_sd_deg");
-    joints.rows.push_back({name, j.at("frames").dump(), fmt::format("{:.1f}", numberOf(j.at("range_deg"))),
-                           fmt::format("{:.3f}", numberOf(j.at("residual_mm"))),
-                           fmt::format("{:.3f}", numberOf(j.at("centre_sd_mm"))),
-                           axis ? fmt::format("{:.3f}", numberOf(j.at("axis_sd_deg"))) : "-",
-                           fmt::format("{:.3f}", numberOf(j.at("condition")))});
     answer += axis ? fmt::format("{} axis within {:.2f}°, ", name, numberOf(j.at("axis_sd_deg")))
                    : fmt::format("{} centre within {:.2f} mm, ", name, numberOf(j.at("centre_sd_mm")));
     names.push_back(name);
@@ -37,7 +30,7 @@ Page make(const ResultFiles& files) {
             {}};
   page.add(barChart("How well each joint is known", names, {"[mm]"},
                     {{"residual of a frame", {}, residual}, {"standard deviation of the centre", {}, centre}}));
-  page.add(std::move(joints));
+  page.add(jointTable(result));
   return page;
 }
 

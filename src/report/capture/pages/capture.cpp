@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/capture/capture_tables.h"
 #include "simgap/core/rotation.h"
 #include "simgap/report/html/result_page.h"
 
@@ -154,44 +155,8 @@ PageScene markerScene(const ResultFiles& files, const Frames& frames) {
   return scene;
 }
 
-PageTable figures(const Json& result) {
-  const auto number = [](const Json& value, const char* digits) {
-    return fmt::format(fmt::runtime(digits), numberOf(value));
-  };
-  const Json& epipolar = result.at("epipolar_px");
-  PageTable table{"Figures", {"figure", "value"}, {}};
-  table.rows = {{"standard deviation of a blob's centre [px]", number(result.at("centroid_sd_px"), "{:.4f}")},
-                {"epipolar error, mean and RMS [px]",
-                 number(epipolar.at("mean"), "{:+.4f}") + ", " + number(epipolar.at("rms"), "{:.4f}")},
-                {"ghosts per pair", number(result.at("ghosts_per_pair"), "{:.1f}")},
-                {"distances against the target file [%]", number(result.at("scale_error_percent"), "{:+.3f}")}};
-  if (const Json& bar = result.at("scale_bar_mm"); !bar.is_null()) {
-    table.rows.push_back({"scale bar, measured and nominal [mm]",
-                          number(bar.at("measured"), "{:.4f}") + ", " + number(bar.at("nominal"), "{:.4f}")});
-  }
-  if (numberOf(result.at("camera_lag_ms")) != 0.0) {
-    table.rows.push_back({"right camera behind left [ms]", number(result.at("camera_lag_ms"), "{:.3f}")});
-  }
-  if (result.at("shaft_lag_ms").is_number()) {
-    table.rows.push_back(
-        {"joints behind shafts [ms] (correlation)",
-         number(result.at("shaft_lag_ms"), "{:.1f}") + " (" + number(result.at("shaft_correlation"), "{:.2f}") + ")"});
-  }
-  return table;
-}
-
-PageTable targetTable(const Json& result) {
-  PageTable table{"Targets", {"target", "visible %", "markers", "fit RMS [mm]", "ambiguous frames"}, {}};
-  for (const Json& t : result.at("targets")) {
-    table.rows.push_back({t.at("name"), fmt::format("{:.1f}", numberOf(t.at("visible_percent"))),
-                          fmt::format("{:.2f} of {}", numberOf(t.at("markers")), t.at("markers_m").size()),
-                          fmt::format("{:.4f}", numberOf(t.at("rms_mm"))), t.at("ambiguous_frames").dump()});
-  }
-  return table;
-}
-
-PageTable poseTable(const Json& result) {
-  PageTable table{"Steady poses", {"pose", "from [s]", "to [s]", "samples"}, {}};
+Table poseTable(const Json& result) {
+  Table table{"Steady poses", {"pose", "from [s]", "to [s]", "samples"}, {}};
   for (const Json& pose : result.at("poses")) {
     std::vector<std::string> row{pose.at("pose"), fmt::format("{:.3f}", numberOf(pose.at("start_s"))),
                                  fmt::format("{:.3f}", numberOf(pose.at("end_s"))), pose.at("samples").dump()};
@@ -204,9 +169,9 @@ PageTable poseTable(const Json& result) {
   return table;
 }
 
-PageTable distanceTable(const ResultFiles& files) {
+Table distanceTable(const ResultFiles& files) {
   const CsvTable csv = files.table("distances.csv");
-  PageTable table{"Distances [mm]", {"markers", "nominal", "mean", "sd", "predicted sd"}, {}, true};
+  Table table{"Distances [mm]", {"markers", "nominal", "mean", "sd", "predicted sd"}, {}, true};
   const auto target = csv.text("target"), markers = csv.text("markers");
   const auto nominal = numbersOf(csv, "nominal_mm"), mean = numbersOf(csv, "mean_mm");
   const auto sd = numbersOf(csv, "sd_mm"), predicted = numbersOf(csv, "predicted_sd_mm");
@@ -252,8 +217,8 @@ Page make(const ResultFiles& files) {
   page.add(histogram("Fit of the targets, distribution", "fit RMS [mm]", rms));
   page.add(histogram("Epipolar error, distribution", "epipolar error [px]", epipolar));
   page.add(distanceHistogram(files));
-  page.add(targetTable(result));
-  page.add(figures(result));
+  page.add(sightingTable(result));
+  page.add(captureFigures(result));
   page.addSection("Poses");
   page.add(poseTable(result));
   page.add(distanceTable(files));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "report/diagnosis/cause_table.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
@@ -11,20 +12,10 @@ namespace {
 
 std::string text(const Json& object, const char* key) { return object.value(key, std::string()); }
 
-/// "muscle-wrap of biceps"
-std::string causeName(const Json& cause) {
-  const std::string target = text(cause, "target");
-  return text(cause, "effect") + (target.empty() ? "" : " of " + target);
-}
-
 std::string joined(const Json& words) {
   std::string all;
   for (const Json& word : words) all += (all.empty() ? "" : ", ") + word.get<std::string>();
   return all;
-}
-
-std::string number(const Json& value, const char* digits = "{:.4g}") {
-  return value.is_number() ? fmt::format(fmt::runtime(digits), value.get<double>()) : "-";
 }
 
 std::string capitalised(std::string words) {
@@ -47,7 +38,7 @@ std::vector<std::string> notes(const Json& result) {
   }
   for (const Json& left : result.value("left_over", Json::object()).value("channels", Json::array())) {
     notes.push_back(fmt::format("{} % of the error depends on {} in a way that no known cause explains.",
-                                number(left.at("share_percent"), "{:.1f}"), text(left, "channel")));
+                                numberText(left.at("share_percent"), "{:.1f}"), text(left, "channel")));
   }
   for (const Json& candidate : result.value("candidates", Json::array())) {
     notes.push_back(
@@ -69,38 +60,22 @@ Chart gap(const Json& result) {
   return chart;
 }
 
-/// "radius = 0.05 m (0.04 to 0.06)"; without the interval what was chosen, not fitted.
-std::string parameterText(const Json& parameter) {
-  const std::string unit = text(parameter, "unit");
-  const Json &lower = parameter.at("ci95").at(0), &upper = parameter.at("ci95").at(1);
-  const bool fitted = numberOf(lower) < numberOf(upper);
-  return fmt::format("{} = {}{}{}", text(parameter, "name"), number(parameter.at("value")),
-                     unit == "1" ? "" : " " + unit,
-                     fitted ? fmt::format(" ({} to {})", number(lower), number(upper)) : "");
-}
-
 void addCauses(const Json& result, Page& page) {
   if (result.at("causes").empty()) return;
   std::vector<IntervalRow> rows;
-  PageTable table{"Causes, in the order they were found",
-                  {"cause", "held-out gain [%] (95 % on new data)", "p (adjusted)", "parameters", "had been carried by",
-                   "what it is"},
-                  {}};
-  for (const Json& cause : result.at("causes")) {
-    const Json &gain = cause.at("gain_heldout_percent"), &interval = cause.at("gain_ci95");
-    rows.push_back({causeName(cause), numberOf(gain), numberOf(interval.at(0)), numberOf(interval.at(1))});
-    std::string parameters, carriers;
-    for (const Json& p : cause.at("parameters")) {
-      parameters += (parameters.empty() ? "" : "; ") + parameterText(p);
-    }
+  Table table = causeTable(result);  // and, where a page has the room, what carried the effect before
+  table.header.insert(table.header.end(), {"had been carried by", "what it is"});
+  for (std::size_t c = 0; c < table.rows.size(); ++c) {
+    const Json& cause = result.at("causes").at(c);
+    const Json& interval = cause.at("gain_ci95");
+    rows.push_back({causeName(cause), numberOf(cause.at("gain_heldout_percent")), numberOf(interval.at(0)),
+                    numberOf(interval.at(1))});
+    std::string carriers;
     for (const Json& a : cause.at("absorbed_by")) {
       carriers += fmt::format("{}{} ({} sd)", carriers.empty() ? "" : ", ", text(a, "parameter"),
-                              number(a.at("shift_sd"), "{:+.1f}"));
+                              numberText(a.at("shift_sd"), "{:+.1f}"));
     }
-    table.rows.push_back({causeName(cause),
-                          fmt::format("{} ({} to {})", number(gain, "{:.1f}"), number(interval.at(0), "{:.1f}"),
-                                      number(interval.at(1), "{:.1f}")),
-                          number(cause.at("p_adjusted"), "{:.2g}"), parameters, carriers, text(cause, "sentence")});
+    table.rows[c].insert(table.rows[c].end(), {carriers, text(cause, "sentence")});
   }
   Chart gains = intervalChart("What each cause saves on data never used", {"of the mean squared error [%]"}, rows);
   gains.note = "With the interval in which it lies, with 95 %, on other data as large as these.";
@@ -170,11 +145,11 @@ void addHypotheses(const ResultFiles& files, Page& page) {
   const auto gain = numbersOf(table, "gain_percent"), p = numbersOf(table, "p_adjusted");
   const auto lower = numbersOf(table, "gain_lower95_percent"), upper = numbersOf(table, "gain_upper95_percent");
   std::vector<IntervalRow> rivals;
-  PageTable record{"All steps", {"hypothesis", "step", "gain [%]", "p (adjusted)", "outcome"}, {}, true};
+  Table record{"All steps", {"hypothesis", "step", "gain [%]", "p (adjusted)", "outcome"}, {}, true};
   for (std::size_t i = 0; i < step.size(); ++i) {
     const std::string name = effect[i] + (target[i].empty() ? "" : " of " + target[i]);
-    record.rows.push_back(
-        {name, step[i], number(numberOrNull(gain[i]), "{:.2f}"), number(numberOrNull(p[i]), "{:.2g}"), outcome[i]});
+    record.rows.push_back({name, step[i], numberText(numberOrNull(gain[i]), "{:.2f}"),
+                           numberText(numberOrNull(p[i]), "{:.2g}"), outcome[i]});
     if (step[i] != step.front() || !std::isfinite(gain[i])) continue;
     const bool accepted = outcome[i] == "accepted", ambiguous = outcome[i] == "ambiguous";
     rivals.push_back({name, gain[i], lower[i], upper[i],
@@ -226,31 +201,33 @@ void addSelfTest(const Json& result, Page& page) {
 void addLimits(const Json& result, Page& page) {
   const Json detectable = result.value("detectable", Json::array());
   if (!detectable.empty()) {
-    PageTable table{"The smallest effect these data could have shown",
-                    {"effect", "parameter", "magnitude (95 %)", "unit"},
-                    {},
-                    detectable.size() > 12};
+    Table table{"The smallest effect these data could have shown",
+                {"effect", "parameter", "magnitude (95 %)", "unit"},
+                {},
+                detectable.size() > 12};
     for (const Json& d : detectable) {
       table.rows.push_back(
-          {causeName(d), text(d, "parameter"), number(d.at("magnitude95"), "{:.3g}"), text(d, "unit")});
+          {causeName(d), text(d, "parameter"), numberText(d.at("magnitude95"), "{:.3g}"), text(d, "unit")});
     }
     page.add(std::move(table));
   }
   const Json untested = result.value("not_testable", Json::array());
   if (!untested.empty()) {
-    PageTable table{"Not testable with these data", {"effect", "because"}, {}};
+    Table table{"Not testable with these data", {"effect", "because"}, {}};
     for (const Json& n : untested) table.rows.push_back({text(n, "effect"), text(n, "reason")});
     page.add(std::move(table));
   }
 }
 
-PageTable figures(const Json& result) {
+Table figures(const Json& result) {
   const std::string unit = text(result, "error_unit");
   const Json &baseline = result.at("baseline"), &extended = result.at("extended");
-  PageTable table{fmt::format("Mean squared errors [{}]", unit), {"", "fitted", "never used"}, {}};
-  table.rows = {{"the model as it is", number(baseline.at("mse")), number(baseline.at("mse_heldout"))},
-                {"with the causes", number(extended.at("mse")), number(extended.at("mse_heldout"))},
-                {"noise floor", "", number(baseline.at("noise_floor"))}};
+  Table table{fmt::format("Mean squared errors [{}]", unit), {"", "fitted", "never used"}, {}};
+  table.rows = {
+      {"the model as it is", numberText(baseline.at("mse"), "{:.4g}"),
+       numberText(baseline.at("mse_heldout"), "{:.4g}")},
+      {"with the causes", numberText(extended.at("mse"), "{:.4g}"), numberText(extended.at("mse_heldout"), "{:.4g}")},
+      {"noise floor", "", numberText(baseline.at("noise_floor"), "{:.4g}")}};
   return table;
 }
 
@@ -264,8 +241,8 @@ Page make(const ResultFiles& files) {
   page.add(
       PageText{fmt::format("Verdict: {}. The named causes explain {} % of the error; {} % is explainable by what "
                            "was logged.",
-                           text(result, "verdict"), number(result.at("explained_percent"), "{:.0f}"),
-                           number(result.at("explainable_percent"), "{:.0f}"))});
+                           text(result, "verdict"), numberText(result.at("explained_percent"), "{:.0f}"),
+                           numberText(result.at("explainable_percent"), "{:.0f}"))});
   if (const std::string next = text(result, "next_experiment"); !next.empty()) {
     page.addSection("What to record next");
     page.add(PageText{next});

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "report/poses/pose_page.h"
+#include "report/poses/pose_tables.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
@@ -118,11 +119,11 @@ void addMoved(const Json& result, Page& page) {
   page.add(std::move(chart));
 }
 
-PageTable parameterTable(const Json& result) {
-  PageTable table{"All parameters",
-                  {"name", "unit", "initial", "calibrated", "change", "sd before", "sd after", "the poses", "at bound"},
-                  {},
-                  true};
+Table parameterTable(const Json& result) {
+  Table table{"All parameters",
+              {"name", "unit", "initial", "calibrated", "change", "sd before", "sd after", "the poses", "at bound"},
+              {},
+              true};
   const auto text = [](const Json& value, const char* digits) {
     return value.is_number() ? fmt::format(fmt::runtime(digits), value.get<double>()) : std::string();
   };
@@ -151,7 +152,7 @@ void addParameters(const ResultFiles& files, Page& page) {
     page.add(std::move(chart));
   }
   if (result.contains("identifiability")) {
-    PageTable told{"What the poses tell of the parameters", {"verdict", "parameters"}, {}};
+    Table told{"What the poses tell of the parameters", {"verdict", "parameters"}, {}};
     for (const auto& [verdict, count] : result.at("identifiability").items()) {
       told.rows.push_back({verdict, std::to_string(count.get<long>())});
     }
@@ -159,35 +160,16 @@ void addParameters(const ResultFiles& files, Page& page) {
   }
   const Json combinations = result.value("combinations", Json::array());
   if (!combinations.empty()) {
-    PageTable known{"Known only together", {"parameters"}, {}, combinations.size() > 8};
+    Table known{"Known only together", {"parameters"}, {}, combinations.size() > 8};
     for (const Json& combination : combinations) known.rows.push_back({combination.at("text")});
     page.add(std::move(known));
   }
   page.add(parameterTable(result));
 }
 
-PageTable mjeTable(const Json& result) {
-  PageTable table{"Mean joint errors [deg]", {"poses"}, {}};
-  for (const auto& [joint, value] : result.at("mje_deg").at("calibration").at("final").items()) {
-    table.header.insert(table.header.end(), {joint + " before", "after"});
-  }
-  const auto add = [&](const std::string& name, const Json& sides) {
-    std::vector<std::string> row{name};
-    for (const auto& [joint, final] : sides.at("final").items()) {
-      row.insert(row.end(), {degreesCell(sides.at("initial").at(joint)), degreesCell(final)});
-    }
-    table.rows.push_back(row);
-  };
-  for (const auto& [set, sides] : result.at("mje_deg").items()) {
-    add(fmt::format("{} ({} poses)", set, result.at("valid_poses").at(set).at("of").get<long>()), sides);
-    add("  half angles of spherical joints, as 001 eq. 4", result.at("paper_mje_deg").at(set));
-  }
-  return table;
-}
-
 void addPredictions(const Json& result, Page& page) {
   if (!result.contains("predicted_mje_deg")) return;
-  PageTable table{"Mean joint error that the posterior predicts, with a 90 % interval [deg]", {"poses"}, {}};
+  Table table{"Mean joint error that the posterior predicts, with a 90 % interval [deg]", {"poses"}, {}};
   for (const auto& [set, joints] : result.at("predicted_mje_deg").items()) {
     std::vector<std::string> row{set};
     for (const auto& [joint, expected] : joints.items()) {
@@ -208,7 +190,7 @@ Page make(const ResultFiles& files) {
   Page page{"simgap calibrate", answer(result), notes(result)};
   addPoses(files, page);
   page.addSection("How large the gap is");
-  page.add(mjeTable(result));
+  page.add(calibrationErrors(result));
   addPredictions(result, page);
   addConvergence(files, page);
   addParameters(files, page);

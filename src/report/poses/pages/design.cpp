@@ -48,9 +48,9 @@ Chart expectedErrors(const Json& result) {
   return chart;
 }
 
-PageTable expectedTable(const Json& result) {
+Table expectedTable(const Json& result) {
   const Json& predicted = result.at("predicted_mje_deg");
-  PageTable table{"Predicted mean joint error of unseen poses, with a 90 % interval [deg]", {"recorded"}, {}};
+  Table table{"Predicted mean joint error of unseen poses, with a 90 % interval [deg]", {"recorded"}, {}};
   const auto add = [&](std::string name, const Json& joints) {
     std::vector<std::string> row{std::move(name)};
     for (const auto& [joint, expected] : joints.items()) row.push_back(interval(expected));
@@ -65,8 +65,8 @@ PageTable expectedTable(const Json& result) {
   return table;
 }
 
-PageTable commands(const Json& result) {
-  PageTable table{"Commands [rad]; next_poses.csv holds them for the rig", {"pose"}, {}};
+Table commands(const Json& result) {
+  Table table{"Commands [rad]; next_poses.csv holds them for the rig", {"pose"}, {}};
   for (const Json& pose : result.at("poses")) {
     std::vector<std::string> row{pose.at("pose")};
     for (const auto& [muscle, shaft] : pose.at("shaft_rad").items()) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "report/poses/pose_page.h"
+#include "report/poses/pose_tables.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
@@ -27,17 +28,6 @@ std::vector<std::string> notes(const Json& result) {
   return notes;
 }
 
-PageTable mjeTable(const Json& result) {
-  PageTable table{
-      "Mean joint errors [deg]", {""}, {{"mean joint error"}, {"half angles of spherical joints, as 001 eq. 4"}}};
-  for (const auto& [joint, error] : result.at("mje_deg").items()) {
-    table.header.push_back(joint);
-    table.rows[0].push_back(degreesCell(error));
-    table.rows[1].push_back(degreesCell(result.at("paper_mje_deg").at(joint)));
-  }
-  return table;
-}
-
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   const PoseErrorTables errors(files.table("errors.csv"), {""}, "replayed");
@@ -47,9 +37,9 @@ Page make(const ResultFiles& files) {
   chart.wide = true;
   page.add(std::move(chart));
   page.addSection("Numbers");
-  page.add(mjeTable(result));
+  page.add(validationErrors(result));
   if (!result.at("criteria").empty()) {
-    PageTable criteria{"Criteria", {"criterion", "limit", "found", "verdict"}, {}};
+    Table criteria{"Criteria", {"criterion", "limit", "found", "verdict"}, {}};
     for (const Json& c : result.at("criteria")) {
       criteria.rows.push_back({c.at("name"), fmt::format("{:g}", c.at("limit").get<double>()),
                                degreesCell(c.at("value")), c.at("pass").get<bool>() ? "pass" : "FAIL"});

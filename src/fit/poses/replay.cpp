@@ -1,37 +1,18 @@
-#include "pose_inputs.h"
+#include "simgap/fit/poses/replay.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
-#include "simgap/core/progress.h"
 #include "simgap/model/arm/arm_effect.h"
-#include "simgap/report/html/assets.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
 namespace simgap {
 
-ArmModel parseArm(const Input& input) { return readArm(YamlNode::parse(input.content, input.file.string())); }
-
-CalibrationConfig parseConfig(const Input& input) {
-  return CalibrationConfig::read(YamlNode::parse(input.content, input.file.string()));
-}
-
-Input readConfig(Session& session, const std::string& file) {
-  if (!file.empty()) return session.read("config", file);
-  return {"config", "configs/calibrate_arm.yaml", std::string(assets::calibrate_arm_yaml())};
-}
-
-std::unique_ptr<Evaluator> makeEvaluator(const std::string& name, const PoseProtocol& protocol, int threads) {
-  return name == "bullet" ? makeBulletEvaluator(protocol, threads) : makeEquilibriumEvaluator(threads);
-}
-
-PoseSet parsePoses(const Input& input, const ArmModel& model, const CsvOptions& options) {
-  const CsvTable table = CsvTable::parse(input.content, input.file.string(), options);
-  if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", table.name(), table.skippedRows());
+PoseSet readPosesFor(const ArmModel& model, const CsvTable& table) {
   PoseSet set = readPoseSet(table, model.poseLayout());
   for (const ArmExtension& extension : resolveExtensions(model)) {
     if (extension.effect->needs_time && std::isnan(set.poses.front().time)) {
@@ -42,10 +23,13 @@ PoseSet parsePoses(const Input& input, const ArmModel& model, const CsvOptions& 
   return set;
 }
 
-Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet& set, const std::string& label,
-                     bool quiet) {
+std::unique_ptr<Evaluator> makeEvaluator(const std::string& name, const PoseProtocol& protocol) {
+  return name == "bullet" ? makeBulletEvaluator(protocol, 0) : makeEquilibriumEvaluator(0);
+}
+
+Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet& set,
+                     const std::function<void(std::size_t)>& progress) {
   constexpr std::size_t kPosesAtOnce = 64;  // between two looks at the clock
-  Progress progress(label + ": pose", set.poses.size(), quiet);
   std::vector<PoseOutcome> outcomes;
   const std::span<const Pose> poses(set.poses);
   while (outcomes.size() < poses.size()) {
@@ -54,25 +38,27 @@ Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet&
       outcomes.push_back(std::move(outcome));
     }
     if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
-    progress.update(outcomes.size());
+    if (progress) progress(outcomes.size());
   }
   return assess(model.poseLayout(), poses, outcomes);
 }
 
-void warnAboutCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout) {
+std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout) {
+  std::vector<std::string> sentences;
   for (std::size_t m = 0; m < layout.muscles.size(); ++m) {
     double largest = 0.0;
     for (const PoseOutcome& outcome : outcomes) {
       if (!outcome.cord_expansion.empty()) largest = std::max(largest, outcome.cord_expansion[m]);
     }
-    if (largest > ShockCord::kLinearRange) {
-      spdlog::warn("{}: its cord is stretched by {:.0f} % of its rest length, it is linear only up to {:.0f} %",
-                   layout.muscles[m], 100.0 * largest, 100.0 * ShockCord::kLinearRange);
-    }
+    if (largest <= ShockCord::kLinearRange) continue;
+    sentences.push_back(
+        fmt::format("{}: its cord is stretched by {:.0f} % of its rest length, it is linear only up to {:.0f} %",
+                    layout.muscles[m], 100.0 * largest, 100.0 * ShockCord::kLinearRange));
   }
+  return sentences;
 }
 
-void warnAboutOtherEquilibria(const ArmModel& model, const PoseSet& set, std::span<const PoseOutcome> outcomes) {
+std::string otherEquilibria(const ArmModel& model, const PoseSet& set, std::span<const PoseOutcome> outcomes) {
   EquilibriumArm arm(model);
   std::string poses;
   for (std::size_t p = 0; p < outcomes.size(); ++p) {
@@ -81,7 +67,7 @@ void warnAboutOtherEquilibria(const ArmModel& model, const PoseSet& set, std::sp
     const std::vector<JointPosition> found = arm.joints();
     if (distinctEquilibria(arm, outcomes[p].shafts, found).size() > 1) poses += " " + set.poses[p].name;
   }
-  if (!poses.empty()) spdlog::warn("{}: another stable equilibrium exists for pose{}", set.file, poses);
+  return poses.empty() ? "" : fmt::format("{}: another stable equilibrium exists for pose{}", set.file, poses);
 }
 
 std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout) {

@@ -1,4 +1,4 @@
-#include "simgap/report/text_table.h"
+#include "simgap/report/table.h"
 
 #include <fmt/format.h>
 
@@ -8,6 +8,12 @@
 #include "simgap/core/rotation.h"
 
 namespace simgap {
+
+double numberOf(const Json& json) { return json.is_number() ? json.get<double>() : std::nan(""); }
+
+std::string numberText(const Json& json, const char* format) {
+  return json.is_number() ? fmt::format(fmt::runtime(format), json.get<double>()) : "-";
+}
 
 std::string degreesText(double rad) { return std::isfinite(rad) ? fmt::format("{:.2f}", toDegrees(rad)) : "-"; }
 
@@ -24,6 +30,12 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
+}
+
+std::string alignedTable(const Table& table) {
+  std::vector<std::vector<std::string>> rows{table.header};
+  rows.insert(rows.end(), table.rows.begin(), table.rows.end());
+  return alignedTable(rows);
 }
 
 }  // namespace simgap

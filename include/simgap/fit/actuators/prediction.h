@@ -1,0 +1,40 @@
+/// \file
+/// What a fitted model predicts for a log: a drive's effort or load, a muscle's force or pressure, a motor's response.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/fit/actuators/drive_fit.h"
+#include "simgap/measure/logs/prepared_log.h"
+#include "simgap/model/actuator/fitted_model.h"
+
+namespace simgap {
+
+/// A predicted column and, when the log has it, the measured one.
+struct Prediction {
+  std::string name, unit;         ///< "motor_current", "A"
+  std::vector<double> time;       ///< shape (rows) [s]; empty when the log has none
+  std::vector<double> predicted;  ///< shape (rows); NaN outside the model's range
+  std::vector<double> measured;   ///< shape (rows); empty when the log has none
+  std::size_t refused = 0;        ///< rows outside the model's range, or left out
+};
+
+/// A model of `diagnose`, its law with presliding and extensions, on the rows that mean something: what a motor draws,
+/// the voltage of a winding, the force of a muscle. \throws DataError as prepareLog.
+Prediction predictDiagnosed(const FittedModel& model, const CsvTable& table, const Bench& bench);
+
+/// The motor's effort, or the load torque of a model that was fitted to predict it.
+Prediction predictFriction(const FittedModel& model, const CsvTable& table, const Bench& bench);
+
+/// A muscle's force, or with `inverse` the pressure that gives the measured one.
+Prediction predictPam(const FittedModel& model, const CsvTable& table, bool inverse);
+
+/// A drive's velocity, or with `inverse` its current. \throws DataError: neither voltage nor current in the log.
+Prediction predictDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, bool inverse);
+
+/// Root of the mean squared error against the log; empty when there is nothing to compare with.
+std::optional<double> rmsError(const Prediction& prediction);
+
+}  // namespace simgap

@@ -1,0 +1,38 @@
+/// \file
+/// The files that several commands read, as the library takes them. A session notes each for run.json.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "simgap/cli/session.h"
+#include "simgap/fit/actuators/actuator_model.h"
+#include "simgap/fit/poses/calibration.h"
+#include "simgap/measure/logs/bench.h"
+#include "simgap/model/actuator/fitted_model.h"
+#include "simgap/model/arm/arm.h"
+
+namespace simgap {
+
+ArmModel readArmFile(Session& session, const std::string& role, const std::string& file);
+/// Calibration settings: those the user named, or the paper's that are built in. \throws ConfigError: also for
+/// parameters that `model` does not have.
+CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model = nullptr);
+/// Recorded poses for that model; warns of rows that were left out. \throws ConfigError, DataError as readPosesFor.
+PoseSet readPoses(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
+                  const CsvOptions& csv);
+
+/// A table whose bad rows, if the user lets them pass, are counted in a warning.
+CsvTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv);
+/// The rig of a file, or a torque sensor without one; `ratio` replaces its own.
+Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio);
+/// The fitted model of a file. \param kinds  as readFittedModel
+FittedModel readModel(Session& session, const std::string& role, const std::string& file,
+                      const std::vector<std::string>& kinds = {});
+
+/// A file, not the name of a law.
+bool namesFile(const std::string& model);
+/// \param model  a file, or a name: of a friction law, motor, gearbox, or pam. \param fitted  set to what a file holds.
+ActuatorModel readSubject(Session& session, const std::string& model, FittedModel& fitted);
+
+}  // namespace simgap

@@ -1,0 +1,38 @@
+#include "simgap/fit/actuators/fitted_drive.h"
+
+#include <fmt/format.h>
+
+#include "simgap/core/units.h"
+
+namespace simgap {
+
+std::vector<std::string> driveParameterNames() {
+  return {"R", "L", "K_E", "K_T", "J_M", "mu_M", "tau_CM", "eta", "tau_CG", "mu_G", "J_G"};
+}
+
+JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, const Holdout& holdout,
+                           const std::optional<double>& block_s) {
+  constexpr std::size_t kFewestBlocks = 5;  // one of them is a fifth
+  const double seconds = blockSeconds(block_s, log.time.back() - log.time.front());
+  const std::vector<Block> blocks = splitBlocks(log.time, log.session, seconds);
+  if (holdout.any()) return {fitDrive(log, options, heldOutRows(holdout, blocks)), std::nullopt, holdout.words};
+
+  JudgedDriveFit result{fitDrive(log, options), std::nullopt,
+                        fmt::format("20 % of blocks of {:.3g} s, before the final fit to all rows", seconds)};
+  if (blocks.size() >= kFewestBlocks) {
+    result.trained = fitDrive(log, options, heldOutRows({.fraction = 0.2, .rows = {}, .words = {}}, blocks));
+  }
+  return result;
+}
+
+Motor motorFrom(const FittedModel& model) {
+  return {model.value("R"),   model.value("L"),    model.value("K_E"),    model.value("K_T"),
+          model.value("J_M"), model.value("mu_M"), model.value("tau_CM"), 0.0};
+}
+
+Gearbox gearboxFrom(const FittedModel& model) {
+  return {parseNumber(model.setting("transmission_ratio")).value_or(1.0), model.value("eta"), model.value("J_G"),
+          model.value("mu_G"), model.value("tau_CG")};
+}
+
+}  // namespace simgap

@@ -1,0 +1,114 @@
+#include "simgap/fit/actuators/prediction.h"
+
+#include <cmath>
+#include <limits>
+
+#include "simgap/core/error.h"
+#include "simgap/core/units.h"
+#include "simgap/fit/actuators/actuator_model.h"
+#include "simgap/fit/actuators/friction_fit.h"
+#include "simgap/model/actuator/pam.h"
+
+namespace simgap {
+namespace {
+
+/// The direction of motion is held as it was when the model was fitted.
+FrictionDataOptions dataOptions(const FittedModel& model) {
+  FrictionDataOptions options;
+  for (const char* unit : {"rad_s", "m_s"}) {
+    if (const auto band = parseNumber(model.setting(quantityName("dead_band", unit)))) options.dead_band = band;
+  }
+  return options;
+}
+
+/// The file's values as a fit would hand them over.
+std::vector<Estimate> estimatesOf(const FittedModel& model) {
+  std::vector<Estimate> estimates;
+  for (const FittedParameter& p : model.parameters) {
+    Estimate e;
+    e.name = p.name;
+    e.unit = p.unit;
+    e.value = p.value;
+    e.sd = p.sd;
+    e.fixed = p.fixed;
+    estimates.push_back(e);
+  }
+  return estimates;
+}
+
+}  // namespace
+
+Prediction predictDiagnosed(const FittedModel& model, const CsvTable& table, const Bench& bench) {
+  const ActuatorModel subject = subjectOf(model);
+  const PreparedLog log = prepareLog(table, bench, subject.base.kind, dataOptions(model));
+  const Eigen::ArrayXd predicted = predictExtended(subject, log.data);
+  const UnitName effort = splitUnit(log.effort_column);
+  Prediction result{effort.stem, effort.unit, {}, {}, {}, 0};
+  for (Eigen::Index i = 0; i < predicted.size(); ++i) {
+    if (!log.data.keep[static_cast<std::size_t>(i)]) continue;
+    result.time.push_back(log.data.rows.time[i]);
+    result.predicted.push_back(predicted[i]);
+    result.measured.push_back(log.data.rows.effort[i]);
+  }
+  result.refused = static_cast<std::size_t>(predicted.size()) - result.time.size();
+  return result;
+}
+
+Prediction predictFriction(const FittedModel& model, const CsvTable& table, const Bench& bench) {
+  const FrictionData data =
+      prepareFrictionData(readActuatorLog(table, {.ratio = bench.ratio.value_or(0.0)}), bench, dataOptions(model));
+  const FrictionLaw& law = friction::find(model.law);
+  const DriveFeedForward drive = feedForward(law, estimatesOf(model));
+  const bool torque = model.setting("predicts") == "torque";
+  Prediction result{
+      torque ? "external_load" : data.effort_name, torque ? data.load_unit : data.effort_unit, {}, {}, {}, 0};
+  std::vector<double> rig;
+  for (const std::string& name : data.rig_names) rig.push_back(model.value(name));
+  const Eigen::ArrayXd load = data.totalLoad(rig);
+  for (Eigen::Index i = 0; i < load.size(); ++i) {
+    result.time.push_back(data.time[i]);
+    result.measured.push_back(torque ? load[i] : data.effort[i]);
+    result.predicted.push_back(torque ? drive.load(data.effort[i], data.velocity[i], data.direction[i])
+                                      : drive.effort(load[i], data.velocity[i], data.direction[i]));
+  }
+  result.refused = data.log_rows - data.rows();
+  return result;
+}
+
+Prediction predictPam(const FittedModel& model, const CsvTable& table, bool inverse) {
+  const PamLog log = readPamLog(table);
+  const Pam muscle{model.value("a"), model.value("b"), model.value("c"),
+                   model.valueOr("k", std::numeric_limits<double>::infinity())};
+  Prediction result{inverse ? "pressure" : "force", inverse ? "Pa" : "N", log.time, {}, {}, 0};
+  result.measured = inverse ? log.pressure : log.force;
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    const auto value =
+        inverse ? muscle.pressure(log.force[i], log.contraction[i]) : muscle.force(log.pressure[i], log.contraction[i]);
+    if (!value) ++result.refused;
+    result.predicted.push_back(value.value_or(std::nan("")));
+  }
+  return result;
+}
+
+Prediction predictDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, bool inverse) {
+  if (log.voltage.empty() && log.current.empty()) {
+    throw DataError(log.file + ":1: found neither voltage_V nor current_A, expected one of them");
+  }
+  const DriveResponse response = simulateDrive(log, motor, gearbox);
+  if (inverse) return {"current", "A", log.time, response.current, log.current, 0};
+  return {"velocity", "rad_s", log.time, response.velocity, log.velocity, 0};
+}
+
+std::optional<double> rmsError(const Prediction& p) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < p.measured.size(); ++i) {
+    if (!std::isfinite(p.predicted[i])) continue;
+    sum += std::pow(p.predicted[i] - p.measured[i], 2);
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return std::sqrt(sum / static_cast<double>(count));
+}
+
+}  // namespace simgap

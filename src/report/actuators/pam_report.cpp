@@ -1,0 +1,113 @@
+#include "simgap/report/actuators/pam_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simgap/core/csv.h"
+
+namespace simgap {
+namespace {
+
+/// Every so many rows are shown.
+std::size_t muscleStride(const PamLog& log) { return std::max<std::size_t>(1, log.rows() / 1500); }
+
+Pam unboundedMuscle(const PamCandidate& candidate) {
+  Pam muscle = candidate.fit.muscle();
+  muscle.lowest = -1.0, muscle.highest = 1.0;
+  return muscle;
+}
+
+/// Measured and predicted force over contraction: some rows of the log, and each candidate at three pressures.
+std::string forcesCsv(const std::vector<PamCandidate>& candidates, const PamLog& log) {
+  CsvWriter csv({"series", "contraction", "force_N"});
+  std::vector<double> levels(log.pressure);
+  std::ranges::sort(levels);
+  for (std::size_t i = 0; i < log.rows(); i += muscleStride(log)) {
+    csv.add("measured").add(log.contraction[i]).add(log.force[i]).endRow();
+  }
+  const auto [low, high] = std::ranges::minmax(log.contraction);
+  for (const PamCandidate& c : candidates) {
+    const Pam muscle = unboundedMuscle(c);
+    for (const double q : {0.4, 0.7, 1.0}) {
+      const double pressure = levels[static_cast<std::size_t>(q * static_cast<double>(levels.size() - 1))];
+      for (int i = 0; i <= 60; ++i) {
+        const double eps = low + (high - low) * i / 60.0;
+        const auto f = muscle.force(pressure, eps);
+        if (f) csv.add(fmt::format("{} at {:.0f} kPa", c.name, 1e-3 * pressure)).add(eps).add(*f).endRow();
+      }
+    }
+  }
+  return csv.text();
+}
+
+std::string forceErrorsCsv(const std::vector<PamCandidate>& candidates, const PamLog& log) {
+  CsvWriter csv({"series", "force_N", "error_N"});
+  for (const PamCandidate& c : candidates) {
+    const Pam muscle = unboundedMuscle(c);
+    for (std::size_t i = 0; i < log.rows(); i += muscleStride(log)) {
+      const auto f = muscle.force(log.pressure[i], log.contraction[i]);
+      if (f) csv.add(c.name).add(log.force[i]).add(*f - log.force[i]).endRow();
+    }
+  }
+  return csv.text();
+}
+
+FittedModel muscleModel(const PamReport& report) {
+  const PamCandidate& chosen = report.comparison.chosen();
+  FittedModel model = fittedModel("pam", chosen.name, chosen.fit.uncertainty);
+  const auto [low, high] = std::ranges::minmax(report.log.contraction);
+  model.settings = {{"contraction_min", fmt::format("{}", low)}, {"contraction_max", fmt::format("{}", high)}};
+  model.data_file = report.log.file;
+  model.data_sha256 = report.log_sha256;
+  model.data_rows = report.log.rows();
+  return model;
+}
+
+}  // namespace
+
+FitSummary summarise(const PamReport& report) {
+  const PamCandidate& chosen = report.comparison.chosen();
+  FitSummary summary;
+  summary.command = "fit-pam";
+  summary.model = chosen.name;
+  summary.target = "force";
+  summary.target_unit = "N";
+  summary.uncertainty = chosen.fit.uncertainty;
+  summary.mse = chosen.fit.mse;
+  summary.mse_heldout = chosen.mse_heldout;
+  summary.heldout = report.comparison.heldout;
+  summary.n = chosen.fit.n;
+  summary.starts = chosen.fit.starts;
+  summary.distinct_minima = chosen.fit.distinct_minima;
+  summary.warnings = chosen.fit.warnings;
+  const double n = chosen.fit.uncertainty.n_effective;
+  for (const PamCandidate& c : report.comparison.candidates) {
+    summary.comparison.push_back({c.name, c.fit.parameters, c.fit.mse, c.mse_heldout,
+                                  n * std::log(c.fit.mse) + static_cast<double>(c.fit.parameters) * std::log(n)});
+  }
+  if (const auto geometry = geometryOf(chosen.fit.theta[0], chosen.fit.theta[2])) {
+    summary.facts.emplace_back("geometry of a and c",
+                               fmt::format("diameter {:.1f} mm, braid angle {:.1f} deg (002 eq. 12)",
+                                           1e3 * geometry->diameter, geometry->angle * 180.0 / std::numbers::pi));
+  }
+  if (report.maker) {
+    summary.facts.emplace_back(
+        "a, b, c", fmt::format("from {} (RMS {:.3g} N there)", report.maker_file, std::sqrt(report.maker->mse)));
+  }
+  summary.transfer = report.transfer;
+  return summary;
+}
+
+void writePamReport(const PamReport& report, const RunDirectory& directory) {
+  const FitSummary summary = summarise(report);
+  directory.write("model.yaml", writeFittedModel(muscleModel(report)));
+  directory.write("parameters.csv", parametersCsv(summary));
+  directory.write("correlation.csv", correlationCsv(summary));
+  directory.write("forces.csv", forcesCsv(report.comparison.candidates, report.log));
+  directory.write("errors.csv", forceErrorsCsv(report.comparison.candidates, report.log));
+}
+
+}  // namespace simgap

@@ -1,0 +1,42 @@
+#include "simgap/fit/actuators/parameter_choices.h"
+
+#include <gtest/gtest.h>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+using Texts = std::vector<std::string>;
+
+ParameterChoices read(const Texts& fix, const Texts& bounds) { return readParameterChoices(fix, bounds); }
+
+TEST(ParameterChoicesTest, ReadsValuesAndBounds) {
+  const ParameterChoices choices = read({"k_a=1.3", "R=2e-1"}, {"k_v=-1:5"});
+  EXPECT_EQ(choices.fixed.at("k_a"), 1.3);
+  EXPECT_EQ(choices.fixed.at("R"), 0.2);
+  EXPECT_EQ(choices.bounds.at("k_v").lower, -1.0);
+  EXPECT_EQ(choices.bounds.at("k_v").upper, 5.0);
+}
+
+TEST(ParameterChoicesTest, RefusesWhatIsNoEntry) {
+  for (const char* text : {"k_a", "=1", "k_a=", "k_a=one"}) EXPECT_THROW(read({text}, {}), ConfigError) << text;
+  for (const char* text : {"k_v=1", "k_v=1:2:3", "k_v=3:1", "k_v=1:1", "k_v=a:b"}) {
+    EXPECT_THROW(read({}, {text}), ConfigError) << text;
+  }
+}
+
+TEST(ParameterChoicesTest, RefusesParametersThatNoModelHas) {
+  const Texts known{"k_a", "k_v", "k_a"};
+  EXPECT_NO_THROW(requireKnown(read({"k_a=1"}, {"k_v=0:1"}), known));
+  EXPECT_THROW(requireKnown(read({"k_z=1"}, {}), known), ConfigError);
+  try {
+    requireKnown(read({}, {"k_z=0:1"}), known);
+    FAIL() << "k_z was taken";
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "--bounds: found the parameter k_z, expected one of k_a, k_v");
+  }
+}
+
+}  // namespace
+}  // namespace simgap
