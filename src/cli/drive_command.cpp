@@ -165,7 +165,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   const double seconds = log.time.back() - log.time.front();
   const double block_s = options.fit.blockSeconds(seconds);
   const std::vector<Block> blocks = splitBlocks(log.time, log.session, block_s);
-  std::vector<FitParameter> known;
+  std::vector<ParameterSpec> known;
   for (const char* name : {"R", "L", "K_E", "K_T", "J_M", "mu_M", "tau_CM", "eta", "tau_CG", "mu_G", "J_G"}) {
     known.push_back({name, ""});
   }

@@ -17,21 +17,21 @@ namespace {
 
 /// Of a winding or a muscle: what was fitted replaces what the file had; the spring of 002 is a parameter there.
 void takeOver(const LogFit& fit, FittedModel& model) {
-  const auto put = [&](const FittedParameter& parameter) {
-    std::erase_if(model.parameters, [&](const FittedParameter& p) { return p.name == parameter.name; });
+  const auto put = [&](const Estimate& parameter) {
+    std::erase_if(model.parameters, [&](const Estimate& p) { return p.name == parameter.name; });
     model.parameters.push_back(parameter);
   };
-  for (const PhysicalParameter& p : fit.parameters) {
-    if (p.name.find('.') == std::string::npos) put({p.name, p.unit, p.value, p.sd, false});
+  for (const Estimate& p : fit.parameters) {
+    if (p.name.find('.') == std::string::npos) put({p.name, p.unit, p.value, p.sd});
   }
   if (model.kind != "pam") return;
   model.law = "no-spring";
-  std::erase_if(model.parameters, [](const FittedParameter& p) { return p.name == "k"; });
+  std::erase_if(model.parameters, [](const Estimate& p) { return p.name == "k"; });
   const auto spring = std::ranges::find(model.extensions, "tendon-compliance", &Extension::effect);
   if (spring == model.extensions.end()) return;
-  const ExtensionParameter& compliance = spring->parameters[0];
+  const Estimate& compliance = spring->parameters[0];
   model.law = "spring";
-  put({"k", "N", 1.0 / compliance.value, compliance.sd / (compliance.value * compliance.value), false});
+  put({"k", "N", 1.0 / compliance.value, compliance.sd / (compliance.value * compliance.value)});
   model.extensions.erase(spring);
 }
 
@@ -43,10 +43,13 @@ FitSummary summarise(const std::string& command, const PreparedLog& log, const F
   for (const Extension& e : model.extensions) summary.model += " + " + e.effect;
   summary.target = splitUnit(log.effort_column).stem;
   summary.target_unit = log.data.effort_unit;
-  for (const PhysicalParameter& p : refit.fit.parameters) {
+  for (const Estimate& p : refit.fit.parameters) {
     const double half = refit.fit.t * p.sd;
-    summary.uncertainty.estimates.push_back(
-        {p.name, p.unit, p.value, p.sd, p.value - half, p.value + half, p.at_bound, false, std::isfinite(p.sd)});
+    Estimate e = p;
+    e.identifiable = std::isfinite(p.sd);
+    e.lower95 = p.value - half;
+    e.upper95 = p.value + half;
+    summary.uncertainty.estimates.push_back(std::move(e));
   }
   summary.uncertainty.n_effective = refit.effective_samples;
   summary.mse = refit.mse;
@@ -105,9 +108,9 @@ FittedModel modelFile(const FittedModel& given, const ActuatorModel& subject, co
   model.kind = "friction";
   model.law = subject.base.name();
   model.parameters.clear();
-  for (const PhysicalParameter& p : fit.parameters) {
+  for (const Estimate& p : fit.parameters) {
     const bool own = p.name.find('.') == std::string::npos;
-    if (own) model.parameters.push_back({p.name, p.unit, p.value, p.sd, false});
+    if (own) model.parameters.push_back({p.name, p.unit, p.value, p.sd});
   }
   model.settings["effort"] = data.effort_unit;
   model.settings.try_emplace("predicts", "effort");

@@ -155,9 +155,9 @@ std::string resolvedOptions(const CLI::App& app) {
   return text;
 }
 
-void requireKnownParameters(const FitOptions& options, const std::vector<FitParameter>& known) {
+void requireKnownParameters(const FitOptions& options, const std::vector<ParameterSpec>& known) {
   std::vector<std::string> names;
-  for (const FitParameter& p : known) {
+  for (const ParameterSpec& p : known) {
     if (std::ranges::find(names, p.name) == names.end()) names.push_back(p.name);
   }
   const auto require = [&](const std::string& option, const std::string& name) {

@@ -64,6 +64,6 @@ std::function<ExitCode()> defineFit(const std::shared_ptr<Options>& options, CLI
 std::string resolvedOptions(const CLI::App& app);
 
 /// \throws ConfigError when `options` names a parameter none of the models has.
-void requireKnownParameters(const FitOptions& options, const std::vector<FitParameter>& known);
+void requireKnownParameters(const FitOptions& options, const std::vector<ParameterSpec>& known);
 
 }  // namespace simgap

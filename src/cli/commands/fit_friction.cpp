@@ -158,7 +158,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   Holdout holdout;
   const FrictionData all = task.read(session, "log", options.log, &holdout);
   const std::string log_sha256 = session.inputs().back().sha256;
-  std::vector<FitParameter> known;
+  std::vector<ParameterSpec> known;
   for (const FrictionLaw* law : laws) {
     const auto more = makeFrictionProblem(*law, all, fit_options).parameters;
     known.insert(known.end(), more.begin(), more.end());

@@ -140,7 +140,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     return fitExtended({"fit-pam", options.model, options.log, {}, options.table.csv()}, session, options.common, app);
   }
   std::optional<PamFit> maker;
-  const std::vector<FitParameter> known = {{"a", ""}, {"b", ""}, {"c", ""}, {"k", ""}};
+  const std::vector<ParameterSpec> known = {{"a", ""}, {"b", ""}, {"c", ""}, {"k", ""}};
   requireKnownParameters(options.fit, known);
   if (!options.curves.empty()) {
     const PamLog curves = readPamLog(session.readTable("curves", options.curves, options.table.csv()));

@@ -73,7 +73,7 @@ Prediction predictFriction(const FittedModel& model, const Options& options, Ses
   const FrictionData data =
       prepareFrictionData(readActuatorLog(table, {.ratio = bench.ratio.value_or(0.0)}), bench, dataOptions(model));
   const FrictionLaw& law = friction::find(model.law);
-  const DriveFeedForward drive = feedForward(law, estimatesOf(model));
+  const DriveFeedForward drive = feedForward(law, model.parameters);
   const bool torque = model.setting("predicts") == "torque";
   Prediction result{
       torque ? "external_load" : data.effort_name, torque ? data.load_unit : data.effort_unit, {}, {}, {}, 0};

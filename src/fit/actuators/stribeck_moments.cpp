@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/model/friction/friction_evaluation.h"
+
 namespace simgap {
 namespace {
 
@@ -94,7 +96,8 @@ void StribeckMoments::add(const StribeckMoments& other, double sign) {
 
 Eigen::MatrixXd StribeckMoments::gram(double v_s, double delta) const {
   if (products_.empty()) return always_;
-  const Eigen::ArrayXd log_exponent = delta * (sum_log_.array() / count_.array().max(1.0) - std::log(v_s));
+  const Eigen::ArrayXd log_speed = sum_log_.array() / count_.array().max(1.0);  // of each bin's rows
+  const Eigen::ArrayXd log_exponent = delta * (log_speed - std::log(v_s));
   // Exponentials are needed where E changes only, which for a steep curve is a small part of the bins: below it is 1 to
   // 1e-10, above it 0 to 1e-17.
   constexpr double kRest = -23.0, kGone = 3.7;
@@ -107,11 +110,10 @@ Eigen::MatrixXd StribeckMoments::gram(double v_s, double delta) const {
   sliding.head(low) = 0.0;
   still.tail(bins - high) = 0.0;
   sliding.tail(bins - high) = 1.0;
-  const Eigen::ArrayXd exponent = log_exponent.segment(low, high - low).exp();
-  const auto between = still.segment(low, high - low);
-  still.segment(low, high - low) = (-exponent).exp();
+  const auto [exponent, value] = stribeckFactor(log_speed.segment(low, high - low), v_s, delta);
+  still.segment(low, high - low) = value;
   // 1 - exp(-x) without cancellation for small x.
-  sliding.segment(low, high - low) = (exponent < 1e-5).select(exponent * (1.0 - 0.5 * exponent), 1.0 - between);
+  sliding.segment(low, high - low) = (exponent < 1e-5).select(exponent * (1.0 - 0.5 * exponent), 1.0 - value);
   Eigen::MatrixXd gram = always_;
   const auto sum = [&](Weight weight, const Eigen::ArrayXd& values) {
     for (Index k = first_[weight]; k < first_[weight + 1]; ++k) {

@@ -173,25 +173,11 @@ FittedModel fittedModel(const std::string& kind, const std::string& law, const U
   for (std::size_t i = 0; i < uncertainty.estimates.size(); ++i) {
     const Estimate& e = uncertainty.estimates[i];
     if (!std::isfinite(e.value)) continue;
-    model.parameters.push_back({e.name, e.unit, e.value, e.sd, e.fixed});
+    model.parameters.push_back(e);
     known.push_back(static_cast<Eigen::Index>(i));
   }
   model.covariance = uncertainty.covariance(known, known);
   return model;
-}
-
-std::vector<Estimate> estimatesOf(const FittedModel& model) {
-  std::vector<Estimate> estimates;
-  for (const FittedParameter& p : model.parameters) {
-    Estimate e;
-    e.name = p.name;
-    e.unit = p.unit;
-    e.value = p.value;
-    e.sd = p.sd;
-    e.fixed = p.fixed;
-    estimates.push_back(e);
-  }
-  return estimates;
 }
 
 }  // namespace simgap

@@ -56,9 +56,6 @@ std::string terminalTable(const FitSummary& summary);
 /// The model file of a fit.
 FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty);
 
-/// The file's estimates, for predictions with a stored model.
-std::vector<Estimate> estimatesOf(const FittedModel& model);
-
 /// A number with as many digits as its standard deviation supports.
 std::string valueText(double value, double sd);
 
