@@ -1,5 +1,8 @@
 /// Mean of rotations: F. L. Markley, Y. Cheng, J. L. Crassidis, Y. Oshman, "Averaging quaternions", Journal of
 /// Guidance, Control, and Dynamics 30(4), 2007: the eigenvector of sum(q q^T) with the largest eigenvalue.
+///
+/// Exponential, logarithm and Jacobians of SO(3): J. Sola, J. Deray, D. Atchuthan, "A micro Lie theory for state
+/// estimation in robotics", 2018, eq. 133 and 143 f. Near the identity their series replace quotients of small numbers.
 #include "simgap/core/rotation.h"
 
 #include <Eigen/Eigenvalues>
@@ -33,6 +36,38 @@ Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
   return m;
+}
+
+Eigen::AngleAxisd expSo3(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  if (angle == 0.0) return Eigen::AngleAxisd::Identity();
+  return {angle, w / angle};
+}
+
+Eigen::Vector3d logSo3(const Eigen::Quaterniond& rotation) {
+  // q = (cos(angle / 2), sin(angle / 2) axis); of q and -q the one with w >= 0 turns by at most pi.
+  const double sine = rotation.vec().norm();
+  const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;
+  if (sine < 1e-9) return 2.0 * sign * rotation.vec();
+  return sign * 2.0 * std::atan2(sine, std::abs(rotation.w())) / sine * rotation.vec();
+}
+
+Eigen::Matrix3d rightJacobian(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  const Eigen::Matrix3d x = cross(w);
+  // J_r = I - (1 - cos angle) / angle^2 [w]x + (angle - sin angle) / angle^3 [w]x^2
+  if (angle < 1e-4) return Eigen::Matrix3d::Identity() - 0.5 * x + x * x / 6.0;
+  return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / (angle * angle) * x +
+         (angle - std::sin(angle)) / (angle * angle * angle) * x * x;
+}
+
+Eigen::Matrix3d inverseRightJacobian(const Eigen::Vector3d& w) {
+  const double angle = w.norm();
+  // J_r^-1 = I + [w]x / 2 + (1 / angle^2 - (1 + cos angle) / (2 angle sin angle)) [w]x^2
+  const double factor =
+      angle < 1e-4 ? 1.0 / 12.0 : 1.0 / (angle * angle) - (1.0 + std::cos(angle)) / (2.0 * angle * std::sin(angle));
+  const Eigen::Matrix3d x = cross(w);
+  return Eigen::Matrix3d::Identity() + 0.5 * x + factor * x * x;
 }
 
 }  // namespace simgap

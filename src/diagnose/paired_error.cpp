@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simgap/core/random.h"
-#include "simgap/optimize/uncertainty.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 
@@ -106,7 +106,7 @@ Interval predictedGain(const ArrayXd& before, const ArrayXd& after, std::uint64_
   // Few pieces vary less than what they were drawn from: wider quantiles (expanded percentiles: Hesterberg 2015).
   const auto n = static_cast<double>(before.size());
   const double z = n > 1.0 ? studentQuantile(n - 1.0) * std::sqrt(n / (n - 1.0)) : 0.0;
-  const auto tail = static_cast<std::size_t>(0.5 * std::erfc(z / std::sqrt(2.0)) * kDraws);
+  const auto tail = static_cast<std::size_t>(normalTail(z) * kDraws);
   const double low = value + differences[tail], high = value + differences[kDraws - 1 - tail];
   if (value <= 0.0) return {value, std::min(value, low), std::max(value, high)};
   return {value, std::min(value, inverseLogOdds(logOdds(value) + ratios[tail])),
@@ -114,8 +114,6 @@ Interval predictedGain(const ArrayXd& before, const ArrayXd& after, std::uint64_
 }
 
 namespace {
-
-double upperTail(double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
 
 /// By how much the variance of a mean grows because neighbours are alike (AR(1)).
 double inflation(const std::vector<double>& values, double mean) {
@@ -135,7 +133,7 @@ double meanTest(const std::vector<double>& values) {
   for (const double v : values) mean += v / n;
   for (const double v : values) squares += (v - mean) * (v - mean);
   if (squares <= 0.0) return mean > 0.0 ? 0.0 : 1.0;
-  return upperTail(mean / std::sqrt(squares / (n - 1.0) / n * inflation(values, mean)));
+  return normalTail(mean / std::sqrt(squares / (n - 1.0) / n * inflation(values, mean)));
 }
 
 /// The same of a symmetric distribution's centre, by signed ranks (Wilcoxon 1945).
@@ -152,7 +150,7 @@ double rankTest(const std::vector<double>& values) {
     sum += ranks[order[k]];
     squares += rank * rank;
   }
-  return upperTail(sum / std::sqrt(squares * inflation(ranks, sum / static_cast<double>(values.size()))));
+  return normalTail(sum / std::sqrt(squares * inflation(ranks, sum / static_cast<double>(values.size()))));
 }
 
 }  // namespace

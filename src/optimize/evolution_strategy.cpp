@@ -90,7 +90,7 @@ std::vector<std::size_t> selectBest(std::span<const double> fitness, int mu) {
     if (std::isfinite(fitness[k])) order.push_back(k);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return fitness[a] < fitness[b]; });
-  order.resize(std::min(order.size(), static_cast<std::size_t>(mu)));
+  order.resize(std::min(order.size(), mu));
   return order;
 }
 
@@ -142,7 +142,7 @@ EvolutionStrategy::EvolutionStrategy(std::vector<ObjectParameter> parameters, co
 
 const std::vector<Individual>& EvolutionStrategy::ask() {
   if (asked_) return offspring_;
-  offspring_.resize(static_cast<std::size_t>(options_.lambda));
+  offspring_.resize(options_.lambda);
   const auto generation = static_cast<std::uint32_t>(state_.generation);
   for (std::size_t k = 0; k < offspring_.size(); ++k) {
     Individual& child = offspring_[k];

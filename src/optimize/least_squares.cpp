@@ -65,21 +65,21 @@ class Reduction {
   /// threads.
   template <typename Use>
   MatrixXd reduce(std::span<const double> theta, const Use& use) const {
-    const auto columns = static_cast<Index>(free_.size()) + 1;
-    const auto chunks = static_cast<Index>(problem_.chunks.size());
+    const Index columns = free_.size() + 1;
+    const Index chunks = problem_.chunks.size();
     MatrixXd stacked(chunks * columns, columns);
     tbb::parallel_for(std::size_t{0}, problem_.chunks.size(), [&](std::size_t k) {
-      const auto rows = static_cast<Index>(problem_.chunks[k].size());
+      const Index rows = problem_.chunks[k].size();
       VectorXd r(rows);
-      MatrixXd all = MatrixXd::Zero(rows, static_cast<Index>(theta.size()));
+      MatrixXd all = MatrixXd::Zero(rows, theta.size());
       Eigen::Ref<MatrixXd> jacobian(all);
       problem_.evaluate(theta, problem_.chunks[k], r, &jacobian);
       MatrixXd augmented(rows, columns);
-      for (Index j = 0; j + 1 < columns; ++j) augmented.col(j) = all.col(free_[static_cast<std::size_t>(j)]);
+      for (Index j = 0; j + 1 < columns; ++j) augmented.col(j) = all.col(free_[j]);
       augmented.col(columns - 1) = r;
       const double cost = weigh(r, augmented);
       use(k, r, augmented, cost);
-      stacked.middleRows(static_cast<Index>(k) * columns, columns) = factor(augmented);
+      stacked.middleRows(k * columns, columns) = factor(augmented);
     });
     return factor(stacked);
   }
@@ -117,8 +117,8 @@ class ReducedCost : public ceres::CostFunction {
     if (interruptRequested()) return false;
     const std::vector<int>& free = reduction_.freeParameters();
     std::vector<double> theta = theta_;
-    for (std::size_t j = 0; j < free.size(); ++j) theta[static_cast<std::size_t>(free[j])] = parameters[0][j];
-    const auto count = static_cast<Index>(free.size());
+    for (std::size_t j = 0; j < free.size(); ++j) theta[free[j]] = parameters[0][j];
+    const Index count = free.size();
     Eigen::Map<VectorXd> residual(out, count + 1);
     // Most steps are accepted, and then the derivatives are asked for where the cost was: one pass serves both.
     if (theta != at_) {
@@ -159,13 +159,13 @@ LeastSquaresResult solveFree(const LeastSquaresProblem& problem, const std::vect
   }
   ReducedCost cost(reduction, start);
   std::vector<double> values;
-  for (const int i : free) values.push_back(start[static_cast<std::size_t>(i)]);
+  for (const int i : free) values.push_back(start[i]);
   ceres::Problem::Options ownership;
   ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem ceres_problem(ownership);
   ceres_problem.AddResidualBlock(&cost, nullptr, values.data());
   for (std::size_t j = 0; j < free.size(); ++j) {
-    const FitParameter& p = problem.parameters[static_cast<std::size_t>(free[j])];
+    const ParameterSpec& p = problem.parameters[free[j]];
     if (std::isfinite(p.lower)) ceres_problem.SetParameterLowerBound(values.data(), static_cast<int>(j), p.lower);
     if (std::isfinite(p.upper)) ceres_problem.SetParameterUpperBound(values.data(), static_cast<int>(j), p.upper);
   }
@@ -183,7 +183,7 @@ LeastSquaresResult solveFree(const LeastSquaresProblem& problem, const std::vect
   if (interruptRequested()) throw InterruptedError("interrupted; nothing was written");
   LeastSquaresResult result{start, 2.0 * summary.final_cost, summary.termination_type == ceres::CONVERGENCE,
                             static_cast<int>(summary.iterations.size()), summary.message};
-  for (std::size_t j = 0; j < free.size(); ++j) result.theta[static_cast<std::size_t>(free[j])] = values[j];
+  for (std::size_t j = 0; j < free.size(); ++j) result.theta[free[j]] = values[j];
   return result;
 }
 
@@ -192,19 +192,19 @@ std::vector<int> pressed(const LeastSquaresProblem& problem, std::span<const dou
   constexpr double kPress = 1e-7;  // least cosine between a column and the residual: 1e-14 of the cost to be gained
   std::vector<int> on_bound;
   for (const int i : problem.freeParameters()) {
-    const FitParameter& p = problem.parameters[static_cast<std::size_t>(i)];
-    const double value = theta[static_cast<std::size_t>(i)];
+    const ParameterSpec& p = problem.parameters[i];
+    const double value = theta[i];
     if (value <= p.lower || value >= p.upper) on_bound.push_back(i);
   }
   if (on_bound.empty()) return {};
   double cost = 0.0;
   const MatrixXd upper = Reduction(problem, on_bound).reduce(theta, cost);
-  const auto n = static_cast<Index>(on_bound.size());
+  const Index n = on_bound.size();
   const VectorXd slope = upper.topLeftCorner(n, n).transpose() * upper.col(n).head(n);
   std::vector<int> held;
   for (Index j = 0; j < n; ++j) {
-    const int i = on_bound[static_cast<std::size_t>(j)];
-    const bool low = theta[static_cast<std::size_t>(i)] <= problem.parameters[static_cast<std::size_t>(i)].lower;
+    const int i = on_bound[j];
+    const bool low = theta[i] <= problem.parameters[i].lower;
     const double outward = low ? slope[j] : -slope[j];
     if (outward >= -kPress * upper.col(j).norm() * std::sqrt(cost)) held.push_back(i);
   }
@@ -250,7 +250,7 @@ std::vector<Block> evenChunks(std::size_t rows, std::size_t size) {
 LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<double> start,
                             const LeastSquaresOptions& options) {
   for (std::size_t i = 0; i < start.size(); ++i) {
-    const FitParameter& p = problem.parameters[i];
+    const ParameterSpec& p = problem.parameters[i];
     if (!p.fixed) start[i] = std::clamp(start[i], p.lower, p.upper);
   }
   LeastSquaresResult result{start, std::numeric_limits<double>::infinity(), false, 0, ""};
@@ -262,11 +262,10 @@ LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<doub
 }
 
 Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const double> theta) {
-  VectorXd all(static_cast<Index>(problem.rows()));
+  VectorXd all(problem.rows());
   tbb::parallel_for(std::size_t{0}, problem.chunks.size(), [&](std::size_t k) {
     const Block& chunk = problem.chunks[k];
-    problem.evaluate(theta, chunk, all.segment(static_cast<Index>(chunk.begin), static_cast<Index>(chunk.size())),
-                     nullptr);
+    problem.evaluate(theta, chunk, all.segment(chunk.begin, chunk.size()), nullptr);
   });
   return all;
 }
@@ -274,9 +273,9 @@ Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const do
 Linearisation linearise(const LeastSquaresProblem& problem, std::span<const double> theta,
                         std::span<const Block> pieces) {
   const std::vector<int> free = problem.freeParameters();
-  const auto count = static_cast<Index>(free.size());
+  const Index count = free.size();
   const NormalSums nothing{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
-  Linearisation result{VectorXd(static_cast<Index>(problem.rows())), {}, {pieces.size(), nothing}};
+  Linearisation result{VectorXd(problem.rows()), {}, {pieces.size(), nothing}};
   // A piece may reach over several chunks: each chunk sums its share.
   struct Share {
     std::size_t piece;
@@ -287,12 +286,11 @@ Linearisation linearise(const LeastSquaresProblem& problem, std::span<const doub
       Reduction(problem, free)
           .reduce(theta, [&](std::size_t k, const VectorXd& r, const MatrixXd& augmented, double /*cost*/) {
             const Block& chunk = problem.chunks[k];
-            result.residual.segment(static_cast<Index>(chunk.begin), r.size()) = r;
+            result.residual.segment(chunk.begin, r.size()) = r;
             auto piece = std::ranges::upper_bound(pieces, chunk.begin, {}, &Block::end);
             for (; piece != pieces.end() && piece->begin < chunk.end; ++piece) {
               const std::size_t begin = std::max(piece->begin, chunk.begin), end = std::min(piece->end, chunk.end);
-              const auto rows =
-                  augmented.middleRows(static_cast<Index>(begin - chunk.begin), static_cast<Index>(end - begin));
+              const auto rows = augmented.middleRows(begin - chunk.begin, end - begin);
               const auto j = rows.leftCols(count);
               shares[k].push_back({static_cast<std::size_t>(piece - pieces.begin()),
                                    {j.transpose() * j, j.transpose() * rows.col(count)}});
@@ -308,7 +306,7 @@ Linearisation linearise(const LeastSquaresProblem& problem, std::span<const doub
   return result;
 }
 
-bool atBound(const FitParameter& parameter, double value) {
+bool atBound(const ParameterSpec& parameter, double value) {
   if (parameter.fixed) return false;
   const double width = parameter.upper - parameter.lower;
   const auto near = [&](double bound) {
@@ -320,7 +318,7 @@ bool atBound(const FitParameter& parameter, double value) {
 }
 
 void differentiateNumerically(
-    std::span<const FitParameter> parameters, std::span<const double> theta,
+    std::span<const ParameterSpec> parameters, std::span<const double> theta,
     const std::function<void(std::span<const double>, Eigen::Ref<Eigen::VectorXd>)>& residual_at,
     Eigen::Ref<Eigen::MatrixXd> jacobian) {
   tbb::parallel_for(std::size_t{0}, parameters.size(), [&](std::size_t j) {
@@ -332,7 +330,7 @@ void differentiateNumerically(
     residual_at(moved, up);
     const double low = moved[j] = std::max(theta[j] - step, parameters[j].lower);
     residual_at(moved, down);
-    jacobian.col(static_cast<Index>(j)) = (up - down) / (high - low);
+    jacobian.col(j) = (up - down) / (high - low);
   });
 }
 

@@ -19,7 +19,7 @@ struct Normal {
 double costOf(const VectorXd& residual, std::span<const Block> blocks) {
   double cost = 0.0;
   for (const Block& b : blocks) {
-    cost += residual.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size())).squaredNorm();
+    cost += residual.segment(b.begin, b.size()).squaredNorm();
   }
   return cost;
 }
@@ -28,31 +28,29 @@ Normal normalOf(const MatrixXd& jacobian, const VectorXd& residual, std::span<co
   const Index p = jacobian.cols();
   Normal normal{MatrixXd::Zero(p, p), VectorXd::Zero(p)};
   for (const Block& b : blocks) {
-    const auto rows = jacobian.middleRows(static_cast<Index>(b.begin), static_cast<Index>(b.size()));
+    const auto rows = jacobian.middleRows(b.begin, b.size());
     normal.h.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-    normal.g.noalias() +=
-        rows.transpose() * residual.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size()));
+    normal.g.noalias() += rows.transpose() * residual.segment(b.begin, b.size());
   }
   normal.h.triangularView<Eigen::StrictlyUpper>() = normal.h.transpose();
   return normal;
 }
 
 /// Parameters that a step may move: not fixed, not without effect, not pressed against a bound.
-std::vector<Index> freeOnes(const std::vector<FitParameter>& parameters, std::span<const double> theta,
+std::vector<Index> freeOnes(const std::vector<ParameterSpec>& parameters, std::span<const double> theta,
                             const Normal& normal) {
   std::vector<Index> free;
   for (std::size_t i = 0; i < parameters.size(); ++i) {
-    const auto k = static_cast<Index>(i);
-    const bool pressed = (theta[i] <= parameters[i].lower && normal.g[k] > 0.0) ||
-                         (theta[i] >= parameters[i].upper && normal.g[k] < 0.0);
-    if (!parameters[i].fixed && !pressed && normal.h(k, k) > 1e-300) free.push_back(k);
+    const bool pressed = (theta[i] <= parameters[i].lower && normal.g[i] > 0.0) ||
+                         (theta[i] >= parameters[i].upper && normal.g[i] < 0.0);
+    if (!parameters[i].fixed && !pressed && normal.h(i, i) > 1e-300) free.push_back(i);
   }
   return free;
 }
 
 /// The damped step within the bounds: parameters that would leave them are put on them, one after the other, and the
 /// rest is solved again. Shape (P).
-VectorXd step(const std::vector<FitParameter>& parameters, std::span<const double> theta, const Normal& normal,
+VectorXd step(const std::vector<ParameterSpec>& parameters, std::span<const double> theta, const Normal& normal,
               std::vector<Index> free, double damping) {
   VectorXd delta = VectorXd::Zero(normal.g.size());
   while (!free.empty()) {
@@ -67,17 +65,15 @@ VectorXd step(const std::vector<FitParameter>& parameters, std::span<const doubl
     Index worst = -1;
     double excess = 0.0;
     for (const Index i : free) {
-      const auto k = static_cast<std::size_t>(i);
-      const double end = theta[k] + delta[i];
-      const double beyond = std::max(parameters[k].lower - end, end - parameters[k].upper) * std::sqrt(normal.h(i, i));
+      const double end = theta[i] + delta[i];
+      const double beyond = std::max(parameters[i].lower - end, end - parameters[i].upper) * std::sqrt(normal.h(i, i));
       if (beyond > excess) {
         excess = beyond;
         worst = i;
       }
     }
     if (worst < 0) break;
-    const auto k = static_cast<std::size_t>(worst);
-    delta[worst] = (delta[worst] < 0.0 ? parameters[k].lower : parameters[k].upper) - theta[k];
+    delta[worst] = (delta[worst] < 0.0 ? parameters[worst].lower : parameters[worst].upper) - theta[worst];
     std::erase(free, worst);
   }
   return delta;
@@ -87,7 +83,7 @@ VectorXd step(const std::vector<FitParameter>& parameters, std::span<const doubl
 
 RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
                const RowFitOptions& options) {
-  const std::vector<FitParameter>& parameters = model.parameters();
+  const std::vector<ParameterSpec>& parameters = model.parameters();
   for (std::size_t i = 0; i < start.size(); ++i) {
     if (!parameters[i].fixed) start[i] = std::clamp(start[i], parameters[i].lower, parameters[i].upper);
   }
@@ -107,8 +103,7 @@ RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector
       const VectorXd delta = step(parameters, fit.theta, normal, free, damping);
       std::vector<double> trial = fit.theta;
       for (const Index i : free) {
-        const auto k = static_cast<std::size_t>(i);
-        trial[k] = std::clamp(trial[k] + delta[i], parameters[k].lower, parameters[k].upper);
+        trial[i] = std::clamp(trial[i] + delta[i], parameters[i].lower, parameters[i].upper);
       }
       model.evaluate(trial, trial_residual, nullptr);
       const double cost = costOf(trial_residual, blocks);
@@ -143,8 +138,8 @@ Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> bl
   const Normal normal = normalOf(jacobian, residual, blocks);
   std::vector<Index> free;
   for (const Index i : freeOnes(model.parameters(), theta, normal)) {
-    const FitParameter& p = model.parameters()[static_cast<std::size_t>(i)];
-    if (!atBound(p, theta[static_cast<std::size_t>(i)])) free.push_back(i);
+    const ParameterSpec& p = model.parameters()[i];
+    if (!atBound(p, theta[i])) free.push_back(i);
   }
   const Index n = jacobian.cols();
   MatrixXd covariance = MatrixXd::Zero(n, n);
@@ -153,11 +148,11 @@ Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> bl
   const VectorXd scale = h.diagonal().cwiseSqrt().cwiseInverse();
   MatrixXd scaled = scale.asDiagonal() * h * scale.asDiagonal();
   scaled.diagonal().array() += 1e-12;
-  const auto f = static_cast<Index>(free.size());
+  const Index f = free.size();
   const MatrixXd inverse = scale.asDiagonal() * scaled.ldlt().solve(MatrixXd::Identity(f, f)) * scale.asDiagonal();
   MatrixXd scores = MatrixXd::Zero(f, f);
   for (const Block& b : blocks) {
-    const auto begin = static_cast<Index>(b.begin), rows = static_cast<Index>(b.size());
+    const Index begin = b.begin, rows = b.size();
     const VectorXd all = jacobian.middleRows(begin, rows).transpose() * residual.segment(begin, rows);
     const VectorXd g = all(free);
     scores += g * g.transpose();

@@ -1,3 +1,6 @@
+/// Variable projection: V(p) = min_c |y - X(p) c|^2 is a function of the few non-linear numbers alone. Its value takes
+/// a normal matrix and a small bounded solve; where bounds on c come into play it has kinks, and where the rows have
+/// gaps of speed narrow valleys. So it is searched by values: on a grid, then by simplices.
 #include "simgap/optimize/separable.h"
 
 #include <tbb/parallel_for.h>
@@ -216,6 +219,7 @@ Point descend(const Cost& cost, std::size_t dimensions, const Point& start, cons
       for (const Vertex& v : simplex) width = std::max(width, std::abs(v.u[k] - simplex[0].u[k]));
     }
     if (width < 1e-8 || simplex.back().cost - simplex[0].cost <= tolerance * simplex[0].cost) break;
+    // The centre of all but the worst; the worst goes to centre + t (worst - centre).
     Point centre{};
     for (std::size_t k = 0; k < dimensions; ++k) {
       for (std::size_t v = 0; v + 1 < simplex.size(); ++v) centre[k] += simplex[v].u[k];
@@ -223,6 +227,8 @@ Point descend(const Cost& cost, std::size_t dimensions, const Point& start, cons
     }
     Vertex& worst = simplex.back();
     const auto attempt = [&](double t) { return vertex(blend(centre, worst.u, t)); };
+    // t = -1 reflects it; -2 expands beyond, when that is the best; +-1/2 contracts on the better side; when nothing
+    // helps all shrink halfway to the best.
     const Vertex reflected = attempt(-1.0);
     if (reflected.cost < simplex[0].cost) {
       const Vertex expanded = attempt(-2.0);
@@ -292,6 +298,7 @@ SeparableResult searchSeparable(const SeparableProblem& problem) {
   tbb::parallel_for(std::size_t{0}, starts.size(),
                     [&](std::size_t i) { refined[i] = descendFrom(problem, starts[i], 0.5, kRough); });
   const auto cost = [](const SeparableMinimum& m) { return m.linear.cost; };
+  // Roughly to each local minimum; only those that may be the lowest to the last digit.
   const double near = kNear * std::ranges::min(refined, {}, cost).linear.cost;
   tbb::parallel_for(std::size_t{0}, refined.size(), [&](std::size_t i) {
     if (refined[i].linear.cost <= near) refined[i] = finish(problem, refined[i]);

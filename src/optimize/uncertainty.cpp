@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 namespace {
 
@@ -20,8 +22,11 @@ constexpr double kSingular = 1e-9;  // of the largest singular value of the scal
 constexpr double kTakesPart = 0.2;  // component of a direction that cannot be determined
 constexpr double kAlias = 0.995;    // correlation from which only a combination is determined
 
-/// Rows of one session that are summed together before the correlation time, and so the length of a block, is known.
-constexpr double kPieces = 400.0;
+/// Rows that are summed together before the correlation time, and so the length of a block, is known.
+double rowsPerPiece(std::size_t rows) {
+  constexpr double kPieces = 400.0;
+  return std::max(1.0, std::ceil(static_cast<double>(rows) / kPieces));
+}
 
 /// Sums over blocks of `pieces_per_block` pieces; none reaches over a session's end.
 std::vector<NormalSums> joinPieces(const std::vector<NormalSums>& sums, std::span<const Block> pieces,
@@ -41,32 +46,106 @@ std::vector<NormalSums> joinPieces(const std::vector<NormalSums>& sums, std::spa
   return blocks;
 }
 
-/// (J^T J)^-1 over some columns of R, with the directions that the data do not determine left out.
-struct Bread {
-  MatrixXd inverse;              ///< shape (F, F)
-  std::vector<bool> determined;  ///< shape (F)
+/// The blocks of the jackknife, as long as some correlation times of the residuals, or shorter where that would leave
+/// too few; none when they would be shorter than three correlation times, or fewer than three for each parameter.
+std::vector<NormalSums> jackknifeBlocks(const std::vector<NormalSums>& sums, std::span<const Block> pieces,
+                                        std::span<const int> session, double correlation_rows, std::size_t parameters) {
+  constexpr double kBlockTimes = 12.0;  // length of a block in correlation times
+  constexpr std::size_t kFewestBlocks = 40;
+  const auto rows = static_cast<double>(session.size());
+  const double rows_per_piece = rowsPerPiece(session.size());
+  const double pieces_per_block =
+      std::clamp(std::ceil(kBlockTimes * correlation_rows / rows_per_piece), 1.0,
+                 std::max(1.0, std::floor(rows / (static_cast<double>(kFewestBlocks) * rows_per_piece))));
+  std::vector<NormalSums> blocks = joinPieces(sums, pieces, session, static_cast<std::size_t>(pieces_per_block));
+  const bool long_enough = pieces_per_block * rows_per_piece >= 3.0 * correlation_rows;
+  const bool enough = blocks.size() >= std::max<std::size_t>(kFewestBlocks / 2, 3 * parameters);
+  if (!long_enough || !enough) blocks.clear();
+  return blocks;
+}
+
+/// A symmetric matrix over some free parameters, and which of them the data determine.
+struct Determined {
+  MatrixXd matrix;            ///< shape (F, F)
+  std::vector<bool> columns;  ///< shape (F)
 };
 
-Bread bread(const MatrixXd& r) {
+/// (J^T J)^-1 over some columns of R, with the directions that the data do not determine left out.
+Determined inverseNormal(const MatrixXd& r) {
   const Index n = r.cols();
   if (n == 0) return {MatrixXd(0, 0), {}};
+  // R D = U S V^T with D the columns' lengths inverted, so (J^T J)^-1 = (R^T R)^-1 = D V S^-2 V^T D.
   VectorXd scale = r.colwise().norm();
   for (Index j = 0; j < n; ++j) scale[j] = scale[j] > 0.0 ? 1.0 / scale[j] : 0.0;
   const Eigen::JacobiSVD<MatrixXd> svd(r * scale.asDiagonal(), Eigen::ComputeFullV);
-  Bread result{MatrixXd::Zero(n, n), std::vector<bool>(static_cast<std::size_t>(n), true)};
+  Determined result{MatrixXd::Zero(n, n), std::vector<bool>(n, true)};
   for (Index k = 0; k < n; ++k) {
     const double s = k < svd.singularValues().size() ? svd.singularValues()[k] : 0.0;
     const VectorXd v = svd.matrixV().col(k);
     if (s > kSingular * svd.singularValues()[0]) {
       const VectorXd direction = scale.cwiseProduct(v) / s;
-      result.inverse += direction * direction.transpose();
+      result.matrix += direction * direction.transpose();
       continue;
     }
+    // Nothing in the data opposes a step along this direction: what takes part in it is not determined.
     for (Index j = 0; j < n; ++j) {
-      if (std::abs(v[j]) > kTakesPart) result.determined[static_cast<std::size_t>(j)] = false;
+      if (std::abs(v[j]) > kTakesPart) result.columns[j] = false;
     }
   }
   return result;
+}
+
+/// Covariance of some free parameters while the others stay. \param variance  of an independent residual; used without
+/// blocks.
+Determined covarianceOf(const std::vector<Index>& chosen, const MatrixXd& factor, const std::vector<NormalSums>& blocks,
+                        double variance) {
+  Determined result = inverseNormal(factor(Eigen::all, chosen));
+  const MatrixXd& inverse = result.matrix;
+  // Without blocks: sigma^2 (J^T J)^-1, the variance being that of as many residuals as are independent.
+  if (blocks.empty()) {
+    result.matrix = MatrixXd(variance * inverse);
+    return result;
+  }
+  // What the estimate would move by without block b, to first order: d_b = (J^T J - J_b^T J_b)^-1 J_b^T r_b, where
+  // the inverse is (J^T J)^-1 (1 - J_b^T J_b (J^T J)^-1)^-1.
+  const Index f = chosen.size();
+  MatrixXd sum = MatrixXd::Zero(f, f);
+  for (const NormalSums& block : blocks) {
+    const MatrixXd rest = MatrixXd::Identity(f, f) - block.normal(chosen, chosen) * inverse;
+    const VectorXd score = block.score(chosen);
+    VectorXd move = inverse * rest.partialPivLu().solve(score);
+    if (!move.allFinite()) move = inverse * score;  // all that is known of a parameter is in this block
+    sum += move * move.transpose();
+  }
+  // The jackknife: (B - 1) / B sum_b d_b d_b^T.
+  const auto b = static_cast<double>(blocks.size());
+  result.matrix = MatrixXd(sum * ((b - 1.0) / b));
+  return result;
+}
+
+/// Deviation and interval value -+ t sd within the bounds; NaN when the data do not determine it.
+void setInterval(Estimate& e, const ParameterSpec& spec, double sd, double t) {
+  e.identifiable = std::isfinite(sd);
+  e.sd = sd;
+  e.lower95 = e.identifiable ? std::max(e.value - t * sd, spec.lower) : kNaN;
+  e.upper95 = e.identifiable ? std::min(e.value + t * sd, spec.upper) : kNaN;
+}
+
+double deviation(const Determined& covariance, std::size_t k) {
+  const Index i = k;
+  return covariance.columns[k] ? std::sqrt(covariance.matrix(i, i)) : kNaN;
+}
+
+MatrixXd correlationOf(const MatrixXd& covariance) {
+  const Index count = covariance.rows();
+  const VectorXd sd = covariance.diagonal().cwiseSqrt();
+  MatrixXd correlation = MatrixXd::Identity(count, count);
+  for (Index i = 0; i < count; ++i) {
+    for (Index k = 0; k < count; ++k) {
+      if (i != k && sd[i] > 0.0 && sd[k] > 0.0) correlation(i, k) = covariance(i, k) / (sd[i] * sd[k]);
+    }
+  }
+  return correlation;
 }
 
 /// Names of undetermined parameters, and of pairs of which only a combination is determined.
@@ -89,7 +168,7 @@ std::vector<std::string> describe(const Uncertainty& result) {
           fmt::format("{} is hardly determined: {:.3g} with a standard deviation of {:.3g}", e.name, e.value, e.sd));
     }
     for (std::size_t k = 0; k < i; ++k) {
-      const double correlation = result.correlation(static_cast<Index>(i), static_cast<Index>(k));
+      const double correlation = result.correlation(i, k);
       if (std::abs(correlation) < kAlias) continue;
       sentences.push_back(fmt::format("{} and {} are determined together only (correlation {:.4f})",
                                       result.estimates[k].name, e.name, correlation));
@@ -113,7 +192,7 @@ double correlationTime(const Eigen::VectorXd& residual, std::span<const int> ses
       sum = residual.head(n - lag).dot(residual.tail(n - lag));
     } else {
       for (Index i = 0; i + lag < n; ++i) {
-        if (session[static_cast<std::size_t>(i)] == session[static_cast<std::size_t>(i + lag)]) {
+        if (session[i] == session[i + lag]) {
           sum += residual[i] * residual[i + lag];
         }
       }
@@ -123,114 +202,64 @@ double correlationTime(const Eigen::VectorXd& residual, std::span<const int> ses
   return std::max(time, 1.0);
 }
 
-double studentQuantile(double degrees_of_freedom) {
-  constexpr double z = 1.959963984540054;
-  const double v = std::max(degrees_of_freedom, 1.0);
-  return z + (std::pow(z, 3) + z) / (4.0 * v) +
-         (5.0 * std::pow(z, 5) + 16.0 * std::pow(z, 3) + 3.0 * z) / (96.0 * v * v) +
-         (3.0 * std::pow(z, 7) + 19.0 * std::pow(z, 5) + 17.0 * std::pow(z, 3) - 15.0 * z) / (384.0 * v * v * v);
-}
-
 Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta,
                                 std::span<const int> session) {
-  constexpr double kBlockTimes = 12.0;  // length of a block in correlation times
-  constexpr std::size_t kFewestBlocks = 40;
-  const auto count = static_cast<Index>(theta.size());
+  const Index count = theta.size();
   const std::vector<int> free = problem.freeParameters();
-  const auto n = static_cast<double>(problem.rows());
-  const double rows_per_piece = std::max(1.0, std::ceil(n / kPieces));
-  const std::vector<Block> pieces = splitRows(session, static_cast<std::size_t>(rows_per_piece));
-  const Linearisation at = linearise(problem, theta, pieces);
-  const VectorXd& r = at.residual;
   Uncertainty result;
-  result.correlation_rows = correlationTime(r, session);
-  result.n_effective = n / result.correlation_rows;
-
-  const double pieces_per_block =
-      std::clamp(std::ceil(kBlockTimes * result.correlation_rows / rows_per_piece), 1.0,
-                 std::max(1.0, std::floor(n / (static_cast<double>(kFewestBlocks) * rows_per_piece))));
-  const std::vector<NormalSums> sums = joinPieces(at.sums, pieces, session, static_cast<std::size_t>(pieces_per_block));
-  const bool sandwich = pieces_per_block * rows_per_piece >= 3.0 * result.correlation_rows &&
-                        sums.size() >= std::max<std::size_t>(kFewestBlocks / 2, 3 * free.size());
-  if (sandwich) result.blocks = sums.size();
-  const double variance = r.squaredNorm() / std::max(n - static_cast<double>(free.size()), 1.0);
-
-  // Which columns of the factor are estimated: those on a bound are not free to move.
-  std::vector<bool> bound(free.size());
-  for (std::size_t j = 0; j < free.size(); ++j) {
-    const auto i = static_cast<std::size_t>(free[j]);
-    bound[j] = atBound(problem.parameters[i], theta[i]);
-  }
-  const auto covarianceOf = [&](const std::vector<Index>& chosen, std::vector<bool>& determined) {
-    const Bread inner = bread(at.factor(Eigen::all, chosen));
-    determined = inner.determined;
-    if (!sandwich) return MatrixXd(variance * result.correlation_rows * inner.inverse);
-    // What the estimate would move by without the block, to first order: (J^T J - J_b^T J_b)^-1 J_b^T r_b.
-    const auto f = static_cast<Index>(chosen.size());
-    MatrixXd meat = MatrixXd::Zero(f, f);
-    for (const NormalSums& block : sums) {
-      const MatrixXd rest = MatrixXd::Identity(f, f) - block.normal(chosen, chosen) * inner.inverse;
-      const VectorXd score = block.score(chosen);
-      VectorXd move = inner.inverse * rest.partialPivLu().solve(score);
-      if (!move.allFinite()) move = inner.inverse * score;  // all that is known of a parameter is in this block
-      meat += move * move.transpose();
-    }
-    const auto b = static_cast<double>(sums.size());
-    return MatrixXd(meat * ((b - 1.0) / b));
-  };
-  std::vector<Index> inside, everything;
-  for (std::size_t j = 0; j < free.size(); ++j) {
-    everything.push_back(static_cast<Index>(j));
-    if (!bound[j]) inside.push_back(static_cast<Index>(j));
-  }
-  std::vector<bool> determined, determined_all;
-  const MatrixXd covariance = covarianceOf(inside, determined);
-  const MatrixXd covariance_all = covarianceOf(everything, determined_all);
-
-  result.covariance = MatrixXd::Zero(count, count);
   for (std::size_t i = 0; i < theta.size(); ++i) {
-    const FitParameter& p = problem.parameters[i];
-    result.estimates.push_back({p.name, p.unit, theta[i], 0.0, theta[i], theta[i], false, p.fixed, true});
+    const ParameterSpec& p = problem.parameters[i];
+    result.estimates.push_back({.name = p.name,
+                                .unit = p.unit,
+                                .value = theta[i],
+                                .fixed = p.fixed,
+                                .lower95 = theta[i],
+                                .upper95 = theta[i]});
   }
-  const double degrees = sandwich ? static_cast<double>(sums.size()) - 1.0
-                                  : std::max(result.n_effective - static_cast<double>(free.size()), 1.0);
-  const double t = studentQuantile(degrees);
+
+  // One pass over the rows: the residuals r, the factor of J^T J, and J^T J and J^T r over pieces of the log.
+  const auto n = static_cast<double>(problem.rows());
+  const std::vector<Block> pieces = splitRows(session, static_cast<std::size_t>(rowsPerPiece(problem.rows())));
+  const Linearisation at = linearise(problem, theta, pieces);
+
+  // Residuals that are alike over tau rows tell as much as n / tau independent ones.
+  result.correlation_rows = correlationTime(at.residual, session);
+  result.n_effective = n / result.correlation_rows;
+  const std::vector<NormalSums> blocks =
+      jackknifeBlocks(at.sums, pieces, session, result.correlation_rows, free.size());
+  result.blocks = blocks.size();
+  const auto parameters = static_cast<double>(free.size());
+  const double variance = at.residual.squaredNorm() / std::max(n - parameters, 1.0) * result.correlation_rows;
+  const double t = studentQuantile(blocks.empty() ? std::max(result.n_effective - parameters, 1.0)
+                                                  : static_cast<double>(blocks.size()) - 1.0);
+
+  // A parameter inside its bounds varies while those on a bound stay there.
+  std::vector<Index> inside, everything;
+  for (Index j = 0; j < std::ssize(free); ++j) {
+    everything.push_back(j);
+    const int i = free[j];
+    result.estimates[i].at_bound = atBound(problem.parameters[i], theta[i]);
+    if (!result.estimates[i].at_bound) inside.push_back(j);
+  }
+  const Determined covariance = covarianceOf(inside, at.factor, blocks, variance);
+  result.covariance = MatrixXd::Zero(count, count);
   for (std::size_t a = 0; a < inside.size(); ++a) {
-    const auto i = static_cast<std::size_t>(free[static_cast<std::size_t>(inside[a])]);
-    Estimate& e = result.estimates[i];
-    e.identifiable = determined[a];
-    e.sd = determined[a] ? std::sqrt(covariance(static_cast<Index>(a), static_cast<Index>(a))) : kNaN;
-    e.lower95 = std::max(e.value - t * e.sd, problem.parameters[i].lower);
-    e.upper95 = std::min(e.value + t * e.sd, problem.parameters[i].upper);
-    if (!determined[a]) e.lower95 = e.upper95 = kNaN;
+    const int i = free[inside[a]];
+    setInterval(result.estimates[i], problem.parameters[i], deviation(covariance, a), t);
     for (std::size_t b = 0; b < inside.size(); ++b) {
-      if (!determined[a] || !determined[b]) continue;
-      const int k = free[static_cast<std::size_t>(inside[b])];
-      result.covariance(static_cast<Index>(i), k) = covariance(static_cast<Index>(a), static_cast<Index>(b));
+      if (covariance.columns[a] && covariance.columns[b])
+        result.covariance(i, free[inside[b]]) = covariance.matrix(a, b);
     }
   }
+  // One on a bound has no deviation, but an interval to one side: of the fit in which it may move as well.
+  const Determined all = covarianceOf(everything, at.factor, blocks, variance);
   for (std::size_t j = 0; j < free.size(); ++j) {
-    if (!bound[j]) continue;
-    const auto i = static_cast<std::size_t>(free[j]);
-    Estimate& e = result.estimates[i];
-    e.at_bound = true;
-    const double sd =
-        determined_all[j] ? std::sqrt(covariance_all(static_cast<Index>(j), static_cast<Index>(j))) : kNaN;
+    Estimate& e = result.estimates[free[j]];
+    if (!e.at_bound) continue;
+    setInterval(e, problem.parameters[free[j]], deviation(all, j), t);
     e.sd = kNaN;
-    e.identifiable = determined_all[j];
-    e.lower95 = std::max(e.value - t * sd, problem.parameters[i].lower);
-    e.upper95 = std::min(e.value + t * sd, problem.parameters[i].upper);
-    if (!determined_all[j]) e.lower95 = e.upper95 = kNaN;
   }
-  const VectorXd deviation = result.covariance.diagonal().cwiseSqrt();
-  result.correlation = MatrixXd::Identity(count, count);
-  for (Index i = 0; i < count; ++i) {
-    for (Index k = 0; k < count; ++k) {
-      if (i != k && deviation[i] > 0.0 && deviation[k] > 0.0) {
-        result.correlation(i, k) = result.covariance(i, k) / (deviation[i] * deviation[k]);
-      }
-    }
-  }
+  result.correlation = correlationOf(result.covariance);
   result.findings = describe(result);
   return result;
 }

@@ -10,20 +10,6 @@ namespace {
 
 constexpr double kStill = 1e-9;  // [rad]: a joint that the shafts do not move has no side to come from
 
-/// exp(w + dw) = exp(w) exp(J dw).
-Eigen::Matrix3d rightJacobian(const Eigen::Vector3d& w) {
-  const double angle = w.norm();
-  const Eigen::Matrix3d x = cross(w);
-  if (angle < 1e-4) return Eigen::Matrix3d::Identity() - 0.5 * x + x * x / 6.0;
-  return Eigen::Matrix3d::Identity() - (1.0 - std::cos(angle)) / (angle * angle) * x +
-         (angle - std::sin(angle)) / (angle * angle * angle) * x * x;
-}
-
-Eigen::Quaterniond turned(const Eigen::Vector3d& w) {
-  const double angle = w.norm();
-  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle)) : Eigen::Quaterniond::Identity();
-}
-
 /// d twist about `axis` / dw when q goes to q exp(w).
 Eigen::RowVector3d twistSlope(const Eigen::Quaterniond& q, const Eigen::Vector3d& axis) {
   const Eigen::Vector3d v = q.vec();
@@ -124,8 +110,8 @@ void ArmObservation::chain(EquilibriumArm& arm, std::span<const StaticParameter>
     const Eigen::Vector3d child_turn = markerTurn(joint.child);
     const Eigen::Quaterniond bone =
         ball ? bones_[j].rotation : Eigen::Quaterniond(Eigen::AngleAxisd(bones_[j].angle, joint.axis));
-    const Eigen::Matrix3d marker_from_child = turned(child_turn).toRotationMatrix().transpose();
-    const Eigen::RowVector3d slope = twistSlope(turned(-parent_turn) * bone * turned(child_turn), joint.axis);
+    const Eigen::Matrix3d marker_from_child = expSo3(child_turn).toRotationMatrix().transpose();
+    const Eigen::RowVector3d slope = twistSlope(expSo3(-parent_turn) * bone * expSo3(child_turn), joint.axis);
     if (ball) {
       columns.middleRows<3>(d) = (marker_from_child * columns.middleRows<3>(d)).eval();
     } else {
@@ -140,7 +126,7 @@ void ArmObservation::chain(EquilibriumArm& arm, std::span<const StaticParameter>
     };
     const Eigen::Matrix3d by_child = rightJacobian(child_turn);
     const Eigen::Matrix3d by_parent =
-        -(bone * turned(child_turn)).toRotationMatrix().transpose() * rightJacobian(-parent_turn);
+        -(bone * expSo3(child_turn)).toRotationMatrix().transpose() * rightJacobian(-parent_turn);
     for (const auto& [index, extension] : extensions_) {
       if (!extension.effect->marker_turn) continue;
       if (extension.target == joint.child) columnsOf(index, [&](auto c, int i) { addTurn(c, by_child.col(i)); });

@@ -1,3 +1,13 @@
+/// Energy, gradient and Hessian by rotations w_j of everything below joint j, about its pivot c_j, in the world. A
+/// point x below both i and j (i at or above j) moves by
+///
+///   dx/dw_j . e = e x (x - c_j),      d2x/dw_i dw_j . (e, f) = e x (f x (x - c_j)),
+///
+/// which makes an energy that falls along a force p at x have, with r = x - c_j,
+///
+///   dV/dw_j = -r x p,      d2V/dw_i dw_j = (p.r) 1 - r p^T.
+///
+/// The rotations of one joint do not commute: its own block is the symmetric part (a second-order step about one axis).
 #include "simgap/simulate/potential_energy.h"
 
 #include <algorithm>
@@ -78,6 +88,7 @@ void PotentialEnergy::evaluate(std::span<const JointPosition> joints) {
 }
 
 void PotentialEnergy::place(std::span<const JointPosition> joints) {
+  // Down the tree: c_j and R_j, and of each body alone its mass and first moment m x.
   for (std::size_t j = 0; j < links_.size(); ++j) {
     const Joint& joint = model_.joints[j];
     Link& link = links_[j];
@@ -90,6 +101,7 @@ void PotentialEnergy::place(std::span<const JointPosition> joints) {
     link.subtree_mass = link.mass;
     link.moment = link.mass * pointInWorld(static_cast<int>(j), link.centre_of_mass);
   }
+  // Up again: each joint carries the masses and moments of all below it.
   for (std::size_t j = links_.size(); j-- > 0;) {
     if (parent_joint_[j] < 0) continue;
     links_[parent_joint_[j]].subtree_mass += links_[j].subtree_mass;
@@ -102,6 +114,7 @@ void PotentialEnergy::addGravity() {
   for (int j = 0; j < std::ssize(links_); ++j) {
     const Link& link = links_[j];
     if (parent_joint_[j] < 0) energy_ -= g.dot(link.moment);
+    // The force m g on all masses below j: sum m (x - c_j) takes the place of r.
     const Eigen::Vector3d arm = link.moment - link.subtree_mass * link.pivot;
     moments_[j] -= arm.cross(g);
     const Eigen::Matrix3d second = g.dot(arm) * Eigen::Matrix3d::Identity() - arm * g.transpose();
@@ -114,6 +127,7 @@ void PotentialEnergy::setForce(std::size_t m) {
   Line& line = muscles_[m];
   const Muscle& muscle = model_.muscles[m];
   const ShockCord& cord = muscle.shock_cord;
+  // x = L - L_K(phi) - dL(phi) - L_SR, V = k x^2 / 2 while taut, F = dV/dx, and dF/dx; then what effects add to each.
   line.expansion = line.length - muscle.kiteLineLength(line.shaft) - cord.rest_length;
   if (line.extended) line.expansion -= lengthening(m).length;
   line.force = cord.stiffness * std::max(0.0, line.expansion);
@@ -136,6 +150,7 @@ void PotentialEnergy::addMuscle(std::size_t m) {
     if (line.force != 0.0) addBend(line, bends_[static_cast<std::size_t>(line.bend)]);
     return;
   }
+  // L = |d|, u = d / L.
   const Eigen::Vector3d d = ends[1] - ends[0];
   line.length = std::max(d.norm(), kShortest);
   line.direction = d / line.length;
@@ -146,6 +161,7 @@ void PotentialEnergy::addMuscle(std::size_t m) {
   const double pull = line.force / line.length;
   for (int b = line.first; b < line.last; ++b) {
     Lever& lever = levers_[b];
+    // dV/dw = F dL/dw with dL/dw = u . dd/dw = +-r x u, + for joints that carry end 1.
     lever.arm = ends[lever.end] - links_[lever.joint].pivot;
     const double sign = lever.end == 1 ? 1.0 : -1.0;
     lever.moment = sign * lever.arm.cross(u);
@@ -153,7 +169,8 @@ void PotentialEnergy::addMuscle(std::size_t m) {
     const double turning = sign * line.force * u.dot(lever.arm);
     for (int a = line.first; a <= b; ++a) {
       const Lever& above = levers_[a];
-      // (k - F/L) dL dL + F/L dd.dd + F u.d2d
+      // d2V = k dL dL + F d2L, and L d2L = dd.dd + d.d2d - dL dL: together (k - F/L) dL dL + F/L dd.dd + F u.d2d,
+      // where dd_i.dd_j = +-((r_i.r_j) 1 - r_j r_i^T), and d2d = 0 between joints that carry different ends.
       Eigen::Matrix3d h = (line.stiffness - pull) * above.moment * lever.moment.transpose();
       const double same = above.end == lever.end ? pull : -pull;
       h.noalias() -= same * lever.arm * above.arm.transpose();
@@ -175,7 +192,8 @@ void PotentialEnergy::addMuscle(std::size_t m) {
   }
 }
 
-/// Gradient and Hessian of the degrees of freedom from those of the joints' rotations in the world.
+/// Gradient and Hessian of the degrees of freedom from those of the joints' rotations in the world: w_j = R_j q_j for a
+/// ball, w_j = a_j q_j for a hinge with axis a_j.
 void PotentialEnergy::project() {
   for (int j = 0; j < std::ssize(links_); ++j) {
     const bool ball = model_.joints[j].type == JointType::kSpherical;

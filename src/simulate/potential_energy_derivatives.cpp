@@ -49,6 +49,7 @@ void PotentialEnergy::differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns)
   for (std::size_t m = 0; m < muscles_.size(); ++m) {
     const Line& line = muscles_[m];
     if (line.force == 0.0) continue;
+    // dF/dphi = k dx/dphi = k (r - d dL/dphi).
     const double by_shaft = line.extended ? lengthening(m).by_shaft : 0.0;
     addForce(m, line.stiffness * (model_.muscles[m].spindle_radius - by_shaft),
              columns.col(static_cast<Eigen::Index>(m)));
@@ -62,6 +63,7 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
     case Kind::kExtension:
       return differentiateByExtension(p.item, p.component, column);
     case Kind::kGravity: {
+      // dV/dw_j = -arm_j x g' with g' = G g, G the effects' turns: d/dg_k is -arm_j x (G e_k).
       Eigen::Vector3d change = Eigen::Vector3d::Unit(p.component);
       for (const Applied& applied : applied_) change = (applied.gravity.by_gravity * change).eval();
       for (int j = 0; j < std::ssize(links_); ++j) {
@@ -99,6 +101,7 @@ void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref
   const auto m = static_cast<std::size_t>(p.item);
   const Line& line = muscles_[m];
   if (line.force == 0.0) return;
+  // The numbers of the line change F alone: dF = k dx + x dk with x = L - L_K0 + r phi - dL - L_SR.
   switch (p.kind) {
     case Kind::kKiteLine:
       return addForce(m, -line.stiffness, column);
@@ -111,6 +114,7 @@ void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref
     default:
       break;
   }
+  // An attachment shifts its end by s, a column of its body's rotation.
   assert(p.kind == Kind::kAttachment);
   const int joint = line.joint[p.part];
   Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);
@@ -148,7 +152,7 @@ void PotentialEnergy::differentiateByMass(const StaticParameter& p, Eigen::Ref<E
 
 void PotentialEnergy::differentiateByJointShift(int joint, const Eigen::Vector3d& shift, bool pivot_moves,
                                                 Eigen::Ref<Eigen::VectorXd> column) const {
-  // The arm about a pivot changes when the point moves and the pivot does not.
+  // Everything below the joint shifts by s. The arm about a pivot changes when the point moves and the pivot does not.
   const auto changesArm = [&](int j) { return carries(j, joint) && !(pivot_moves && j == joint); };
   for (int j = joint; j >= 0; j = parent_joint_[j]) {
     if (changesArm(j)) addProjected(j, -links_[joint].subtree_mass * shift.cross(model_.gravity), column);

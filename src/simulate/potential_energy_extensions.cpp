@@ -9,9 +9,6 @@
 #include "simgap/simulate/potential_energy.h"
 
 namespace simgap {
-namespace {
-
-}  // namespace
 
 bool PotentialEnergy::needsTime() const {
   for (const ArmExtension& extension : extensions_) {
@@ -96,6 +93,8 @@ bool PotentialEnergy::bendLine(Line& line, std::size_t muscle, const std::array<
     line.length = bend.path.length;
     bend.point = {ends[0], ends[1], centre};
     bend.slope = {bend.path.slope[0], bend.path.slope[1], -bend.path.slope[0] - bend.path.slope[1]};
+    // dL/dw_j = sum_a r_a x s_a over the points that joint j carries. Moving all three together changes nothing: the
+    // slopes add up to 0, likewise the rows and columns of the curvature.
     for (int j = 0; j < std::ssize(links_); ++j) {
       bend.moment[j].setZero();
       for (int a = 0; a < 3; ++a) {
@@ -120,6 +119,7 @@ void PotentialEnergy::addBend(const Line& line, const Bend& bend) {
   for (int j = 0; j < std::ssize(links_); ++j) {
     moments_[j] += line.force * bend.moment[j];
     for (int i = 0; i <= j; ++i) {
+      // d2V = k dL dL + F d2L
       Eigen::Matrix3d h = line.stiffness * bend.moment[i] * bend.moment[j].transpose();
       for (int a = 0; a < 3; ++a) {
         if (!carried(i, a)) continue;
@@ -140,6 +140,7 @@ void PotentialEnergy::addBend(const Line& line, const Bend& bend) {
 Eigen::Vector3d PotentialEnergy::bendShiftTerm(const Line& line, const Bend& bend, int joint,
                                                const Eigen::Vector3d& shift, const std::array<bool, 3>& moved,
                                                bool arm_changes) const {
+  // Points b shift by s: dL = sum_b s_b.s, so d(F t) = k dL t + F (sum_a r_a x C_ab s + s x s_a).
   double longer = 0.0;
   for (int b = 0; b < 3; ++b) longer += moved[b] ? bend.slope[b].dot(shift) : 0.0;
   Eigen::Vector3d term = line.stiffness * longer * bend.moment[joint];

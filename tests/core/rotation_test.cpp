@@ -111,5 +111,39 @@ TEST(MeanRotation, OfSmallPerturbationsIsTheCentreAndTheirMean) {
 
 TEST(ToDegrees, UndoesTheDegree) { EXPECT_DOUBLE_EQ(toDegrees(30.0 * kDegree), 30.0); }
 
+TEST(RotationVector, ExponentialAndLogarithmAreInverse) {
+  std::mt19937 random(11);
+  for (const double angle : {0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 3.0, kDegree * 180.0 - 1e-9}) {
+    const Vector3d w = angle * randomDirection(random);
+    const Quaterniond q(expSo3(w));
+    EXPECT_LT((logSo3(q) - w).norm(), kRounding) << "angle " << angle;
+    EXPECT_LT((logSo3(negated(q)) - w).norm(), kRounding) << "angle " << angle;
+    EXPECT_LT((expSo3(w).toRotationMatrix() - q.toRotationMatrix()).norm(), kRounding) << "angle " << angle;
+  }
+  EXPECT_LT((expSo3({0.0, 0.0, kDegree * 90.0}) * Vector3d::UnitX() - Vector3d::UnitY()).norm(), kRounding);
+}
+
+// Central differences of step h err by h^2 / 6 of third derivatives, about 1 here, and by rounding over h.
+TEST(RotationVector, JacobiansAreTheDerivatives) {
+  constexpr double kStep = 1e-5, kTolerance = 1e-9;
+  std::mt19937 random(12);
+  for (const double angle : {0.0, 1e-6, 9e-5, 2e-4, 0.1, 1.0, 2.5}) {
+    const Vector3d w = angle * randomDirection(random);
+    const Quaterniond back = Quaterniond(expSo3(w)).conjugate();
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d h = kStep * Vector3d::Unit(i);
+      const Vector3d slope = (logSo3(back * expSo3(w + h)) - logSo3(back * expSo3(w - h))) / (2.0 * kStep);
+      EXPECT_LT((rightJacobian(w).col(i) - slope).norm(), kTolerance) << "angle " << angle;
+    }
+    EXPECT_LT((rightJacobian(w) * inverseRightJacobian(w) - Eigen::Matrix3d::Identity()).norm(), 1e-7)
+        << "angle " << angle;
+  }
+}
+
+TEST(RotationVector, CrossIsTheMatrixOfTheProduct) {
+  const Vector3d a(0.3, -2.0, 1.1), b(-0.7, 0.2, 5.0);
+  EXPECT_LT((cross(a) * b - a.cross(b)).norm(), kRounding * a.norm() * b.norm());
+}
+
 }  // namespace
 }  // namespace simgap

@@ -44,8 +44,8 @@ inline CalibrationResult knownCalibration() {
   result.layout = knownLayout();
   result.sets = {{"calibration", knownPoses({"low", "a,\"b\""}), knownAssessment(2, 20, 10), knownAssessment(2, 2, 1)},
                  {"validation", knownPoses({"<far>"}), knownAssessment(1, unknown, unknown), knownAssessment(1, 3, 4)}};
-  result.parameters = {{"muscles.biceps.stiffness", "N_m", 900, 25, 1, 1e4, {}},
-                       {"joints.elbow.friction", "Nm", 0.1, 0.1, -INFINITY, INFINITY, {}}};
+  result.parameters = {{{"muscles.biceps.stiffness", "N_m", 1, 1e4}, 900, 25, {}},
+                       {{"joints.elbow.friction", "Nm"}, 0.1, 0.1, {}}};
   result.config.strategy.mu = 2;
   result.config.strategy.lambda = 8;
   result.config.strategy.generations = 2;

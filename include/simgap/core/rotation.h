@@ -1,5 +1,6 @@
 /// \file
-/// Joint positions and the distances between them. Quaternions are Hamilton, unit, w first in files.
+/// Joint positions and the distances between them, and rotations by their vectors. Quaternions are Hamilton, unit, w
+/// first in files.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -33,8 +34,19 @@ double jointError(JointType type, const JointPosition& a, const JointPosition& b
 /// The rotation that minimises the sum of squared chordal distances (Markley et al. 2007), w >= 0.
 Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations);
 
-/// The matrix of v x ., so that cross(v) w = v x w.
+/// \name The rotation group SO(3) by rotation vectors w (axis times angle [rad]); Sola, Deray & Atchuthan 2018.
+///@{
+/// The matrix [v]x, so that cross(v) w = v x w.
 Eigen::Matrix3d cross(const Eigen::Vector3d& v);
+/// The rotation about w by |w|; converts to a quaternion or a matrix.
+Eigen::AngleAxisd expSo3(const Eigen::Vector3d& w);
+/// The rotation vector of a unit quaternion, |w| <= pi, whatever the quaternion's sign.
+Eigen::Vector3d logSo3(const Eigen::Quaterniond& rotation);
+/// J_r(w): exp(w + dw) = exp(w) exp(J_r dw) to first order.
+Eigen::Matrix3d rightJacobian(const Eigen::Vector3d& w);
+/// J_r(w)^-1: log(exp(w) exp(dw)) = w + J_r^-1 dw to first order, |w| < pi.
+Eigen::Matrix3d inverseRightJacobian(const Eigen::Vector3d& w);
+///@}
 
 /// Radians to degrees and back.
 inline constexpr double kDegree = 3.14159265358979323846 / 180.0;

@@ -7,22 +7,14 @@
 
 #include <Eigen/Core>
 #include <functional>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "simgap/core/blocks.h"
+#include "simgap/optimize/parameter.h"
 
 namespace simgap {
-
-struct FitParameter {
-  std::string name;
-  std::string unit;  ///< SI, as a suffix; "1" when dimensionless
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
-  bool fixed = false;
-};
 
 enum class LossKind { kSquares, kHuber, kCauchy, kTukey };
 
@@ -33,8 +25,8 @@ struct Loss {
 };
 
 struct LeastSquaresProblem {
-  std::vector<FitParameter> parameters;  ///< shape (P)
-  std::vector<Block> chunks;             ///< rows that are evaluated together, in order
+  std::vector<ParameterSpec> parameters;  ///< shape (P)
+  std::vector<Block> chunks;              ///< rows that are evaluated together, in order
   /// Fills the residuals of a chunk, shape (n), and, unless null, their derivatives, shape (n, P). Called from several
   /// threads at once.
   std::function<void(std::span<const double> theta, const Block& rows, Eigen::Ref<Eigen::VectorXd> residual,
@@ -91,12 +83,12 @@ Linearisation linearise(const LeastSquaresProblem& problem, std::span<const doub
                         std::span<const Block> pieces);
 
 /// True when a value sits on one of its bounds (to 1e-6 of the value, or of the other bound's distance).
-bool atBound(const FitParameter& parameter, double value);
+bool atBound(const ParameterSpec& parameter, double value);
 
 /// Fills `jacobian` by central differences of `residual_at`; for models that are simulated.
 /// \param parameters  give bounds (a one-sided difference is taken there) and which are fixed (0).
 void differentiateNumerically(
-    std::span<const FitParameter> parameters, std::span<const double> theta,
+    std::span<const ParameterSpec> parameters, std::span<const double> theta,
     const std::function<void(std::span<const double>, Eigen::Ref<Eigen::VectorXd>)>& residual_at,
     Eigen::Ref<Eigen::MatrixXd> jacobian);
 

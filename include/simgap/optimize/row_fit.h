@@ -17,7 +17,7 @@ namespace simgap {
 class RowModel {
  public:
   virtual ~RowModel() = default;
-  virtual const std::vector<FitParameter>& parameters() const = 0;  ///< shape (P)
+  virtual const std::vector<ParameterSpec>& parameters() const = 0;  ///< shape (P)
   virtual Eigen::Index rows() const = 0;
   /// \param residual  shape (rows): predicted - measured; 0 in rows that do not count.
   /// \param jacobian  shape (rows, P), or null. Called from several threads at once.

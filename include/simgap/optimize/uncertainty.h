@@ -14,19 +14,6 @@
 
 namespace simgap {
 
-/// A fitted parameter with what is known of it.
-struct Estimate {
-  std::string name;
-  std::string unit;
-  double value = 0.0;
-  double sd = 0.0;       ///< NaN when the data do not determine it; 0 when fixed
-  double lower95 = 0.0;  ///< 95 % interval; one-sided at a bound; NaN when not determined
-  double upper95 = 0.0;
-  bool at_bound = false;
-  bool fixed = false;
-  bool identifiable = true;
-};
-
 struct Uncertainty {
   std::vector<Estimate> estimates;    ///< shape (P)
   Eigen::MatrixXd covariance;         ///< shape (P, P); 0 for what is fixed or not determined
@@ -43,8 +30,5 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
 
 /// Integrated correlation time 1 + 2 sum rho(lag) in rows, >= 1, summed over the window of Sokal (1997).
 double correlationTime(const Eigen::VectorXd& residual, std::span<const int> session);
-
-/// 97.5 % quantile of Student's t (Cornish-Fisher expansion; better than 0.5 % from 6 degrees of freedom on).
-double studentQuantile(double degrees_of_freedom);
 
 }  // namespace simgap

@@ -71,13 +71,14 @@ class BulletArm {
  private:
   struct World;
   struct MuscleState;
+  struct LinePath;
   void build(const ArmModel& model);
   void updateKinematics();
   void applyMuscles();
   void applyMuscle(MuscleState& muscle, int index);
   void applyForce(int body, const Eigen::Vector3d& from_origin, const Eigen::Vector3d& force);
-  /// The line of a muscle that touches a joint. \returns false where it runs straight
-  bool bendMuscle(int index, const std::array<Eigen::Vector3d, 2>& ends, BentPath& path, int& obstacle) const;
+  LinePath linePath(const MuscleState& muscle, int index) const;
+  void pull(const LinePath& path, double force);
   void applyJointTorques();
 
   BulletArmOptions options_;

@@ -17,7 +17,7 @@ constexpr double kCancelling = 30.0;  // times what a cause's terms add up to: e
 constexpr double kPlaceboLevel = 0.05;
 
 /// A size that is known to be there: its interval leaves out what it would be without the cause.
-bool isThere(const PhysicalParameter& p, double neutral, double t) {
+bool isThere(const Estimate& p, double neutral, double t) {
   return std::isfinite(p.sd) && p.sd > 0.0 && std::abs(p.value - neutral) > t * p.sd;
 }
 
@@ -31,7 +31,7 @@ std::string undetermined(const ActuatorRegression& model, const LogFit& fit, std
   bool sized = !cause.columns.empty();
   for (std::size_t k = 0; k < cause.parameters.size(); ++k) {
     const EffectParameter& p = cause.parameters[k];
-    const PhysicalParameter& value = fit.parameters[model.firstParameter(effect) + k];
+    const Estimate& value = fit.parameters[model.firstParameter(effect) + k];
     if (p.kind == Kind::kScanned || p.kind == Kind::kConstant) continue;
     if (value.at_bound && std::abs(value.value - p.neutral) > 1e-9 * (1.0 + std::abs(p.neutral))) {
       return fmt::format("{} ends at the bound {:.4g} of its range", p.name, value.value);

@@ -10,11 +10,10 @@ namespace simgap {
 namespace {
 
 /// How far the parameters moved that were there before.
-std::vector<Absorption> shifts(const std::vector<PhysicalParameter>& before,
-                               const std::vector<PhysicalParameter>& after) {
+std::vector<Absorption> shifts(const std::vector<Estimate>& before, const std::vector<Estimate>& after) {
   std::vector<Absorption> list;
-  for (const PhysicalParameter& a : after) {
-    const auto b = std::ranges::find(before, a.name, &PhysicalParameter::name);
+  for (const Estimate& a : after) {
+    const auto b = std::ranges::find(before, a.name, &Estimate::name);
     if (b == before.end() || !(a.sd > 0.0) || a.name == kNuisance) continue;
     list.push_back({a.name, (a.value - b->value) / a.sd});
   }
@@ -48,11 +47,11 @@ std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Tr
     if (!trial.identifiable || trial.fitted.theta.empty()) continue;
     const ActuatorRegression& model = *trial.fitted.model;
     const Eigen::MatrixXd covariance = blockCovariance(model, search.pieces(search.training()), trial.fitted.theta);
-    const std::vector<PhysicalParameter> all = model.physical(trial.fitted.theta, covariance);
+    const std::vector<Estimate> all = model.physical(trial.fitted.theta, covariance);
     const std::size_t e = model.effects().size() - 1;
     const ActuatorEffect& effect = *model.effects()[e];
     const std::size_t first = effect.columns.empty() ? model.firstParameter(e) : model.firstColumn(e);
-    const PhysicalParameter& p = all[first];
+    const Estimate& p = all[first];
     if (!(p.sd > 0.0)) continue;
     const std::string name = p.name.substr(p.name.find('.') + 1);
     list.push_back({std::string(effect.name), {}, name, p.unit, factor * p.sd});
@@ -71,7 +70,7 @@ std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceE
     cause.gain_heldout = predictedGain(heldout[k].sum, heldout[k + 1].sum, seed);
     cause.p_adjusted = selection.p_adjusted[k];
     cause.ambiguous_with = selection.ambiguous_with[k];
-    for (const ExtensionParameter& p : extended.extensions[own + k].parameters) {
+    for (const Estimate& p : extended.extensions[own + k].parameters) {
       const double half = std::isfinite(p.sd) ? extended.t * p.sd : 0.0;
       cause.parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
     }

@@ -15,6 +15,7 @@
 #include "log_evidence.h"
 #include "log_faults.h"
 #include "self_test.h"
+#include "simgap/core/statistics.h"
 #include "simgap/optimize/uncertainty.h"
 #include "testable.h"
 #include "transmission.h"
@@ -51,9 +52,7 @@ double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
       squares.push_back(std::abs(residual[i] - residual[i - lag]));
     }
     if (squares.size() < 100) break;
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
-    const double sd = *middle / 0.6745 / std::sqrt(2.0);
+    const double sd = robustDeviation(std::move(squares)) / std::sqrt(2.0);
     if (sd * sd < 1.05 * floor) break;
     floor = sd * sd;
   }

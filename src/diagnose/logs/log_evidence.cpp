@@ -5,6 +5,7 @@
 #include <numeric>
 #include <opencv2/ml.hpp>
 
+#include "simgap/core/statistics.h"
 #include "simgap/optimize/uncertainty.h"
 
 namespace simgap {
@@ -92,10 +93,8 @@ VectorXd valuesAt(const VectorXd& all, std::span<const std::size_t> rows) {
 VectorXd bounded(VectorXd residual, std::span<const std::size_t> rows) {
   constexpr double kFar = 4.0;  // robust standard deviations
   std::vector<double> sizes;
-  for (const std::size_t i : rows) sizes.push_back(std::abs(residual[static_cast<Index>(i)]));
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  const double far = kFar * *middle / 0.6745;
+  for (const std::size_t i : rows) sizes.push_back(residual[static_cast<Index>(i)]);
+  const double far = kFar * robustDeviation(std::move(sizes));
   return residual.cwiseMax(-far).cwiseMin(far);
 }
 

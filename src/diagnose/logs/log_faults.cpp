@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/motion.h"
 
 namespace simgap {
@@ -153,16 +154,11 @@ void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   }
 }
 
-/// From the median size of the rows that count.
-double robustDeviation(const Eigen::VectorXd& residual) {
-  std::vector<double> sizes;
-  for (Index i = 0; i < residual.size(); ++i) {
-    if (residual[i] != 0.0) sizes.push_back(std::abs(residual[i]));
-  }
-  if (sizes.empty()) return 0.0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle / 0.6745;
+/// Of the rows that count.
+double deviationOf(const Eigen::VectorXd& residual) {
+  std::vector<double> values;
+  std::ranges::copy_if(residual, std::back_inserter(values), [](double r) { return r != 0.0; });
+  return values.empty() ? 0.0 : robustDeviation(std::move(values));
 }
 
 }  // namespace
@@ -189,7 +185,7 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
 }
 
 std::size_t takeOutUndecided(PreparedLog& log, const Eigen::VectorXd& residual, const Eigen::VectorXd& flipped) {
-  const double limit = kUndecided * robustDeviation(residual);
+  const double limit = kUndecided * deviationOf(residual);
   std::size_t rows = 0;
   for (Index i = 0; i < residual.size(); ++i) {
     const bool between = residual[i] * flipped[i] < 0.0;
@@ -204,7 +200,7 @@ std::size_t takeOutUndecided(PreparedLog& log, const Eigen::VectorXd& residual, 
 
 std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual) {
   const ActuatorRows& rows = log.data.rows;
-  const double limit = kSpike * robustDeviation(residual);
+  const double limit = kSpike * deviationOf(residual);
   std::vector<Index> spikes;
   for (Index i = 2; i + 2 < residual.size(); ++i) {
     if (std::abs(residual[i]) <= limit || std::abs(rows.speed[i]) < 3.0 * log.dead_band) continue;

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 namespace {
 
@@ -86,7 +88,7 @@ double waldP(const ActuatorRegression& model, std::span<const double> theta, con
   for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
     if (effect.parameters[k].kind == Kind::kSmooth) look(model.firstParameter(e) + k, effect.parameters[k].neutral);
   }
-  return std::min(1.0, kSearched * std::erfc(largest / std::sqrt(2.0)));
+  return std::min(1.0, kSearched * 2.0 * normalTail(largest));
 }
 
 }  // namespace
@@ -192,8 +194,7 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
   return fitFromStarts(model, starts);
 }
 
-Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects,
-                          std::span<const PhysicalParameter> values) const {
+Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const Estimate> values) const {
   const auto model = makeModel(effects);
   std::vector<std::vector<double>> starts{model->thetaOf(values)};
   if (auto other = otherStribeck(*model, starts[0])) starts.push_back(std::move(*other));
@@ -291,7 +292,7 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
     starts.push_back(start);
   }
   if (hypothesis.effect->in_every_drive) {  // and where the nuisance was
-    const auto nuisance = std::ranges::find(base.model->parameters(), kNuisance, &FitParameter::name);
+    const auto nuisance = std::ranges::find(base.model->parameters(), kNuisance, &ParameterSpec::name);
     starts.push_back(start);
     starts.back()[first] = base.theta[static_cast<std::size_t>(nuisance - base.model->parameters().begin())];
   }

@@ -48,7 +48,7 @@ class LogSearch {
   /// The base with these effects, started from `near` or, without one, by a global search over v_s and delta.
   Fitted fit(const std::vector<const ActuatorEffect*>& effects, const Fitted* near) const;
   /// The same from the values of a model file.
-  Fitted fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const PhysicalParameter> values) const;
+  Fitted fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const Estimate> values) const;
   void validate(Fitted& fitted) const;
   /// Refitted to other blocks, by a few steps from where it is.
   Fitted refitted(const Fitted& fitted, const std::vector<Block>& blocks) const;

@@ -11,19 +11,19 @@ namespace {
 
 /// Of a winding or a muscle: what was fitted replaces what the file had; the spring of 002 is a parameter there.
 void takeOver(const LogFit& fit, FittedModel& model) {
-  const auto put = [&](const FittedParameter& parameter) {
-    std::erase_if(model.parameters, [&](const FittedParameter& p) { return p.name == parameter.name; });
+  const auto put = [&](const Estimate& parameter) {
+    std::erase_if(model.parameters, [&](const Estimate& p) { return p.name == parameter.name; });
     model.parameters.push_back(parameter);
   };
-  for (const PhysicalParameter& p : fit.parameters) {
+  for (const Estimate& p : fit.parameters) {
     if (p.name.find('.') == std::string::npos) put({p.name, p.unit, p.value, p.sd, false});
   }
   if (model.kind != "pam") return;
   model.law = "no-spring";
-  std::erase_if(model.parameters, [](const FittedParameter& p) { return p.name == "k"; });
+  std::erase_if(model.parameters, [](const Estimate& p) { return p.name == "k"; });
   const auto spring = std::ranges::find(model.extensions, "tendon-compliance", &Extension::effect);
   if (spring == model.extensions.end()) return;
-  const ExtensionParameter& compliance = spring->parameters[0];
+  const Estimate& compliance = spring->parameters[0];
   model.law = "spring";
   put({"k", "N", 1.0 / compliance.value, compliance.sd / (compliance.value * compliance.value), false});
   model.extensions.erase(spring);
@@ -48,7 +48,7 @@ FittedModel refittedModel(const FittedModel& given, const ActuatorModel& subject
   model.kind = "friction";
   model.law = subject.base.name();
   model.parameters.clear();
-  for (const PhysicalParameter& p : fit.parameters) {
+  for (const Estimate& p : fit.parameters) {
     const bool own = p.name.find('.') == std::string::npos;
     if (own) model.parameters.push_back({p.name, p.unit, p.value, p.sd, false});
   }

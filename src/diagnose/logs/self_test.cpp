@@ -47,7 +47,7 @@ std::vector<double> hide(const ActuatorRegression& model, const Fitted& fitted, 
   const std::size_t i = effect.columns.empty() ? model.firstParameter(e) : model.firstColumn(e);
   const double neutral = effect.columns.empty() ? effect.parameters[0].neutral : 0.0;
   const double size = effect.columns.empty() || !effect.columns[0].torque ? magnitude : magnitude * theta[0];
-  const FitParameter& bounds = model.parameters()[i];
+  const ParameterSpec& bounds = model.parameters()[i];
   theta[i] = std::clamp(neutral + sign * size, bounds.lower, bounds.upper);
   if (theta[i] == neutral || bounds.lower >= neutral) theta[i] = std::clamp(neutral + size, bounds.lower, bounds.upper);
   const std::span<const double> own(&*p, effect.parameters.size());

@@ -53,7 +53,7 @@ Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std
 
 double mean(const Eigen::ArrayXd& values) { return values.size() > 0 ? values.mean() : 0.0; }
 
-Interval intervalOf(const ExtensionParameter& p) {
+Interval intervalOf(const Estimate& p) {
   const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
   return {p.value, p.value - half, p.value + half};
 }
@@ -260,7 +260,7 @@ PoseDiagnosis Diagnosing::run() {
   d.noise_floor = poseNoiseFloor(fit);
   d.extensions = fit.extensions();
   for (std::size_t c = 0; c < d.causes.size(); ++c) {
-    for (const ExtensionParameter& p : d.extensions[c].parameters) {
+    for (const Estimate& p : d.extensions[c].parameters) {
       d.causes[c].parameters.push_back({p.name, p.unit, intervalOf(p)});
     }
   }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <numeric>
 
+#include "simgap/core/statistics.h"
 #include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
@@ -37,11 +38,6 @@ double largest(const ArmModel& model, const std::vector<JointPosition>& a, const
   double angle = 0.0;
   for (std::size_t j = 0; j < a.size(); ++j) angle = std::max(angle, jointError(model.joints[j].type, a[j], b[j]));
   return angle;
-}
-
-double median(std::vector<double> values) {
-  std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
-  return values[values.size() / 2];
 }
 
 /// What gravity and muscles would do to the arm where it was measured [N m].
@@ -83,10 +79,10 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   for (std::size_t p = 0; p < poses.size(); ++p) {
     off.push_back(predicted[p].empty() ? 0.0 : largest(model, predicted[p], poses[p].joints));
   }
-  const double far = std::max(kRobustScale, kFarFromOthers * median(distances));
-  const double off_usual = kFarFromOthers * median(off);
+  const double far = std::max(kRobustScale, kFarFromOthers * upperMedian(distances));
+  const double off_usual = kFarFromOthers * upperMedian(off);
   const std::vector<double> torques = torquesAt(model, poses);
-  const double pushed = kFarFromOthers * median(torques);  // no model is wrong by that
+  const double pushed = kFarFromOthers * upperMedian(torques);  // no model is wrong by that
   faulty.assign(poses.size(), false);
   std::vector<std::size_t> flipped, soft, stuck;
   for (std::size_t p = 0; p < poses.size(); ++p) {

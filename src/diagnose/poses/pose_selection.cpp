@@ -10,6 +10,7 @@
 #include "diagnose/paired_error.h"
 #include "pose_score.h"
 #include "pose_validation.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -26,15 +27,6 @@ constexpr double kShareStep = 1.4;  // of stray friction
 constexpr double kSmallestShare = 0.1, kLargestShare = 4.0;
 constexpr std::size_t kFewPoses = 30;
 constexpr std::size_t kTried = 6;  // candidates of a step that are cross-validated until one passes
-
-/// P(chi^2 > x) with n degrees of freedom, by the recursion Q_n = Q_(n-2) + (x/2)^(n/2 - 1) e^(-x/2) / Gamma(n/2).
-double chiSquaredTail(double x, int n) {
-  if (x <= 0.0) return 1.0;
-  const double half = 0.5 * x;
-  if (n == 1) return std::erfc(std::sqrt(half));
-  if (n == 2) return std::exp(-half);
-  return chiSquaredTail(x, n - 2) + std::exp((0.5 * n - 1.0) * std::log(half) - half - std::lgamma(0.5 * n));
-}
 
 int fittedParameters(const ArmEffect& effect) {
   return static_cast<int>(std::ranges::count_if(effect.parameters, [](const auto& p) { return p.fitted; }));

@@ -13,11 +13,6 @@ namespace {
 constexpr double kAboveDetectable = 1.5;  // of the magnitude that the poses should reveal
 constexpr std::uint32_t kNoisePurpose = 22, kTargetPurpose = 23;
 
-Eigen::Quaterniond turned(const Eigen::Vector3d& w) {
-  const double angle = w.norm();
-  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle)) : Eigen::Quaterniond::Identity();
-}
-
 /// The poses as a rig like this would record them of a model: equilibria, each moved by noise drawn from the covariance
 /// that whitens it. A pose without an equilibrium is left out.
 PoseSet simulatePoses(const ArmModel& model, PoseFit& fit, std::uint64_t seed) {
@@ -38,7 +33,7 @@ PoseSet simulatePoses(const ArmModel& model, PoseFit& fit, std::uint64_t seed) {
     Eigen::Index d = 0;
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
       if (model.joints[j].type == JointType::kSpherical) {
-        pose.joints[j].rotation = (pose.joints[j].rotation * turned(noise.segment<3>(d))).normalized();
+        pose.joints[j].rotation = (pose.joints[j].rotation * expSo3(noise.segment<3>(d))).normalized();
       } else {
         pose.joints[j].angle += noise[d];
       }

@@ -30,7 +30,7 @@ ActuatorModel subjectOf(const FittedModel& model) {
   const double k = model.valueOr("k", std::numeric_limits<double>::infinity());
   if (model.kind == "pam" && std::isfinite(k)) {
     subject.effects.push_back(&actuator_effects::find("tendon-compliance"));
-    subject.values.push_back({"tendon-compliance.compliance", "1_N", 1.0 / k, 0.0, false});
+    subject.values.push_back({"tendon-compliance.compliance", "1_N", 1.0 / k});
   }
   for (const Extension& extension : model.extensions) {
     const ActuatorEffect& effect = actuator_effects::find(extension.effect);
@@ -40,7 +40,7 @@ ActuatorModel subjectOf(const FittedModel& model) {
     } else {
       subject.effects.push_back(&effect);
     }
-    for (const ExtensionParameter& p : extension.parameters) {
+    for (const Estimate& p : extension.parameters) {
       const bool known =
           std::ranges::find(effect.columns, p.name, &EffectColumn::name) != effect.columns.end() ||
           std::ranges::find(effect.parameters, p.name, &EffectParameter::name) != effect.parameters.end();
@@ -48,17 +48,17 @@ ActuatorModel subjectOf(const FittedModel& model) {
         throw ConfigError(fmt::format("found the parameter {} in the extension {}, which has none of that name", p.name,
                                       effect.name));
       }
-      subject.values.push_back({fmt::format("{}.{}", effect.name, p.name), p.unit, p.value, p.sd, false});
+      subject.values.push_back({fmt::format("{}.{}", effect.name, p.name), p.unit, p.value, p.sd});
     }
     for (const EffectColumn& column : effect.columns) static_cast<void>(extension.value(column.name));
     for (const EffectParameter& p : effect.parameters) static_cast<void>(extension.value(p.name));
   }
-  for (const FittedParameter& p : model.parameters) subject.values.push_back({p.name, p.unit, p.value, p.sd, p.fixed});
+  subject.values.insert(subject.values.end(), model.parameters.begin(), model.parameters.end());
   return subject;
 }
 
 Eigen::ArrayXd predictExtended(const ActuatorModel& subject, const ActuatorData& data) {
-  const auto presliding = std::ranges::find(subject.values, kNuisance, &PhysicalParameter::name);
+  const auto presliding = std::ranges::find(subject.values, kNuisance, &Estimate::name);
   std::optional<double> largest;
   if (presliding != subject.values.end()) largest = presliding->value;
   const ActuatorRegression regression(subject.base, subject.effects, data, largest);

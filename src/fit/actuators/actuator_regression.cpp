@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/model/friction/friction_evaluation.h"
 #include "simgap/optimize/separable.h"
 
 namespace simgap {
@@ -28,12 +29,6 @@ std::string unitOn(std::string_view unit, const ActuatorData& data) {
   return text;
 }
 
-std::string termUnit(FrictionBasis basis, const ActuatorData& data) {
-  if (basis == FrictionBasis::kLoad) return "1";
-  if (basis == FrictionBasis::kDirection) return data.load_unit;
-  return data.load_unit == "N" ? "Ns_m" : "Nms_rad";
-}
-
 }  // namespace
 
 ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<const ActuatorEffect*> effects,
@@ -48,13 +43,13 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
     const bool loaded = (data.rows.load != 0.0).any();
     addLinear("k_a", data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit,
               loaded ? 1e-12 : 1.0, loaded ? kInfinity : 1.0, false);
-    for (const FrictionTerm& term : base.law->terms)
-      addLinear(std::string(term.name), termUnit(term.basis, data), 0.0, kInfinity, true);
+    for (const ParameterSpec& p : termParameters(*base.law, data.load_unit))
+      addLinear(p.name, p.unit, p.lower, p.upper, true);
   } else {
     for (const EffectColumn& column : base.equation->columns)
       addLinear(std::string(column.name), std::string(column.unit), column.lower, column.upper, false);
   }
-  for (const FitParameter& p : data.rig_parameters) addLinear(p.name, p.unit, 0.0, kInfinity, true);
+  for (const ParameterSpec& p : data.rig_parameters) addLinear(p.name, p.unit, 0.0, kInfinity, true);
   if (data.offset) addLinear("offset", data.effort_unit, -kInfinity, kInfinity, false);
   for (const ActuatorEffect* effect : effects_) {
     column_begin_.push_back(parameters_.size());
@@ -64,9 +59,9 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
     }
   }
   linear_ = parameters_.size();
-  if (base.hasStribeck()) {
-    add("v_s", data.velocity_unit, 1e-4 * data.rows.top_speed, 3.0 * data.rows.top_speed);
-    add("delta", "1", 0.2, 8.0);
+  if (base.law != nullptr) {
+    std::ranges::copy(stribeckParameters(*base.law, data.rows.top_speed, data.velocity_unit),
+                      std::back_inserter(parameters_));
   }
   if (presliding) add(std::string(kNuisance), "rad", 1e-6, *presliding);
   for (const ActuatorEffect* effect : effects_) {
@@ -107,7 +102,7 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
   }
   std::size_t at = 0;
   if (base_.hasStribeck()) {
-    t.stribeck = (-(p[1] * (log_speed_ - std::log(p[0]))).min(50.0).exp()).exp();
+    t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;
     at = 2;
   } else {
     t.stribeck = ArrayXd::Zero(rows.rows());
@@ -132,25 +127,11 @@ void ActuatorRegression::visitColumns(const Terms& t, std::span<const double> p,
     }
     ++j;
   };
-  const auto shaped = [&](const auto& column, FrictionShape shape) {
-    if (shape == FrictionShape::kStatic) {
-      give(column * t.stribeck);
-    } else if (shape == FrictionShape::kSliding) {
-      give(column * (1.0 - t.stribeck));
-    } else {
-      give(column);
-    }
-  };
   if (base_.law != nullptr) {
     give(terms.load);
     for (const FrictionTerm& term : base_.law->terms) {
-      if (term.basis == FrictionBasis::kVelocity) {
-        shaped(terms.viscous, term.shape);
-      } else if (term.basis == FrictionBasis::kLoad) {
-        shaped(terms.load.abs() * terms.dry, term.shape);
-      } else {
-        shaped(terms.dry, term.shape);
-      }
+      visitBasis(term.basis, terms.load.abs(), terms.dry, terms.viscous,
+                 [&](const auto& column) { visitShape(term.shape, column, t.stribeck, give); });
     }
   } else {
     Eigen::ArrayXXd x(rows(), static_cast<Index>(base_.equation->columns.size()));
@@ -264,14 +245,14 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   } else {
     jacobian->leftCols(linear) = (e.x.array().colwise() * (1.0 + 3.0 * e.cubic * x_c.array().square())).matrix();
   }
-  const auto typicalSize = [&](const FitParameter& p) {
+  const auto typicalSize = [&](const ParameterSpec& p) {
     if (base_.law != nullptr) return 1e-2;
     return std::isfinite(p.upper - p.lower) ? 1e-3 * (p.upper - p.lower) : 1e-9;
   };
   std::vector<double> moved(theta.begin(), theta.end());
   for (std::size_t i = implicit_ ? 0 : linear_; i < parameters_.size(); ++i) {
     auto column = jacobian->col(static_cast<Index>(i));
-    const FitParameter& parameter = parameters_[i];
+    const ParameterSpec& parameter = parameters_[i];
     if (parameter.fixed) {
       column.setZero();
       continue;
@@ -297,7 +278,7 @@ std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& othe
   }
   if (presliding_) start[linear_ + (base_.hasStribeck() ? 2 : 0)] = 1e-3;
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
-    const auto found = std::ranges::find(other.parameters_, parameters_[i].name, &FitParameter::name);
+    const auto found = std::ranges::find(other.parameters_, parameters_[i].name, &ParameterSpec::name);
     if (found != other.parameters_.end()) start[i] = theta[static_cast<std::size_t>(found - other.parameters_.begin())];
   }
   return start;
@@ -328,9 +309,9 @@ std::vector<double> ActuatorRegression::solveCoefficients(std::vector<double> th
   return theta;
 }
 
-std::vector<double> ActuatorRegression::thetaOf(std::span<const PhysicalParameter> physical) const {
+std::vector<double> ActuatorRegression::thetaOf(std::span<const Estimate> physical) const {
   const auto value = [&](const std::string& name, double otherwise) {
-    const auto found = std::ranges::find(physical, name, &PhysicalParameter::name);
+    const auto found = std::ranges::find(physical, name, &Estimate::name);
     return found == physical.end() ? otherwise : found->value;
   };
   std::vector<double> theta(parameters_.size());
@@ -345,14 +326,15 @@ std::vector<double> ActuatorRegression::thetaOf(std::span<const PhysicalParamete
   return theta;
 }
 
-std::vector<PhysicalParameter> ActuatorRegression::physical(std::span<const double> theta,
-                                                            const Eigen::MatrixXd& covariance) const {
-  std::vector<PhysicalParameter> list;
+std::vector<Estimate> ActuatorRegression::physical(std::span<const double> theta,
+                                                   const Eigen::MatrixXd& covariance) const {
+  std::vector<Estimate> list;
   const double gain = theta[0];
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
-    const FitParameter& parameter = parameters_[i];
+    const ParameterSpec& parameter = parameters_[i];
     const auto k = static_cast<Index>(i);
-    PhysicalParameter p{parameter.name, parameter.unit, theta[i], 0.0, atBound(parameter, theta[i])};
+    Estimate p{.name = parameter.name, .unit = parameter.unit, .value = theta[i]};
+    p.at_bound = atBound(parameter, theta[i]);
     double variance = covariance(k, k);
     if (i == 0 && base_.law != nullptr) {
       p.value = 1.0 / gain;
@@ -369,13 +351,14 @@ std::vector<PhysicalParameter> ActuatorRegression::physical(std::span<const doub
 
 std::vector<Extension> ActuatorRegression::extensions(std::span<const double> theta,
                                                       const Eigen::MatrixXd& covariance) const {
-  const std::vector<PhysicalParameter> all = physical(theta, covariance);
+  const std::vector<Estimate> all = physical(theta, covariance);
   std::vector<Extension> list;
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     Extension& extension = list.emplace_back();
     extension.effect = effects_[e]->name;
     const auto take = [&](std::size_t i, std::string_view name) {
-      extension.parameters.push_back({std::string(name), all[i].unit, all[i].value, all[i].sd});
+      extension.parameters.push_back(all[i]);
+      extension.parameters.back().name = name;
     };
     for (std::size_t k = 0; k < effects_[e]->columns.size(); ++k)
       take(column_begin_[e] + k, effects_[e]->columns[k].name);

@@ -62,7 +62,7 @@ class FirstGuess {
 
  private:
   void applyFixed() {
-    const std::vector<FitParameter> parameters = driveParameters(options_);
+    const std::vector<ParameterSpec> parameters = driveParameters(options_);
     for (std::size_t i = 0; i < kCount; ++i) {
       if (const auto fixed = options_.fixed.find(parameters[i].name); fixed != options_.fixed.end()) {
         theta_[i] = fixed->second;

@@ -42,7 +42,7 @@ class ResponseProblem {
                               Eigen::Ref<MatrixXd>* jacobian) {
       evaluate(theta, chunk, residual);
       if (jacobian == nullptr) return;
-      std::vector<FitParameter> parameters = driveParameters(options_);
+      std::vector<ParameterSpec> parameters = driveParameters(options_);
       if (options_.tie_constants) parameters[kKt].fixed = true;
       differentiateNumerically(
           parameters, theta, [&](std::span<const double> moved, Eigen::Ref<VectorXd> r) { evaluate(moved, chunk, r); },
@@ -168,7 +168,7 @@ std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& opt
 /// Rough fits from the regression, and from mechanical parameters that are off by a factor; the best first.
 std::vector<LeastSquaresResult> fitFromSeveralStarts(const LeastSquaresProblem& problem, std::vector<double> theta) {
   for (std::size_t i = 0; i < theta.size(); ++i) {
-    const FitParameter& p = problem.parameters[i];
+    const ParameterSpec& p = problem.parameters[i];
     if (!p.fixed) theta[i] = std::clamp(std::max(theta[i], 1e-9), p.lower, p.upper);
   }
   LeastSquaresOptions rough;

@@ -4,15 +4,16 @@
 
 namespace simgap {
 
-std::vector<FitParameter> driveParameters(const DriveFitOptions& options) {
+std::vector<ParameterSpec> driveParameters(const DriveFitOptions& options) {
   constexpr double kTiny = 1e-12;
-  std::vector<FitParameter> all = {
-      {"R", "ohm", kTiny, kInfinity},    {"L", "H", kTiny, kInfinity},       {"K_E", "Vs", kTiny, kInfinity},
-      {"K_T", "Nm_A", kTiny, kInfinity}, {"J_M", "kg_m2", kTiny, kInfinity}, {"mu_M", "Nms", 0.0, kInfinity},
-      {"tau_CM", "Nm", 0.0, kInfinity},  {"eta", "1", 1e-3, 1.0},       {"tau_CG", "Nm", 0.0, kInfinity},
-      {"mu_G", "Nms", 0.0, kInfinity},   {"J_G", "kg_m2", 0.0, kInfinity}};
+  std::vector<ParameterSpec> all = {{"R", "ohm", kTiny, kInfinity},     {"L", "H", kTiny, kInfinity},
+                                    {"K_E", "Vs", kTiny, kInfinity},    {"K_T", "Nm_A", kTiny, kInfinity},
+                                    {"J_M", "kg_m2", kTiny, kInfinity}, {"mu_M", "Nms", 0.0, kInfinity},
+                                    {"tau_CM", "Nm", 0.0, kInfinity},   {"eta", "1", 1e-3, 1.0},
+                                    {"tau_CG", "Nm", 0.0, kInfinity},   {"mu_G", "Nms", 0.0, kInfinity},
+                                    {"J_G", "kg_m2", 0.0, kInfinity}};
   for (std::size_t i = 0; i < kCount; ++i) {
-    FitParameter& p = all[i];
+    ParameterSpec& p = all[i];
     const auto bounds = options.bounds.find(p.name);
     if (bounds != options.bounds.end()) {
       p.lower = bounds->second.lower;

@@ -13,7 +13,7 @@ enum Parameter : std::size_t { kR, kL, kKe, kKt, kJm, kMuM, kTauM, kEta, kTauG, 
 inline constexpr std::size_t kFirstOfGearbox = kEta;
 
 /// Bounds, and which are fixed, shape (kCount).
-std::vector<FitParameter> driveParameters(const DriveFitOptions& options);
+std::vector<ParameterSpec> driveParameters(const DriveFitOptions& options);
 
 /// Whether a log has a channel, and it says something.
 bool varies(const std::vector<double>& channel);

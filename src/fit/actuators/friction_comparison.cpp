@@ -55,7 +55,7 @@ std::vector<std::string> parameterNames(std::span<const FrictionLaw* const> laws
                                         const FrictionFitOptions& options) {
   std::vector<std::string> names;
   for (const FrictionLaw* law : laws) {
-    for (const FitParameter& p : makeFrictionProblem(*law, data, options).parameters) names.push_back(p.name);
+    for (const ParameterSpec& p : makeFrictionProblem(*law, data, options).parameters) names.push_back(p.name);
   }
   return names;
 }

@@ -10,6 +10,7 @@
 
 #include "friction_model.h"
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -121,11 +122,55 @@ std::optional<double> crossValidate(const FrictionModel& model, const std::vecto
 }
 
 /// The loss with its scale in the residual's unit, from the spread of the residuals of a least-squares fit.
-Loss scaledLoss(const FrictionFitOptions& options, Eigen::VectorXd residual) {
-  Eigen::VectorXd size = residual.cwiseAbs();
-  auto* const middle = size.data() + size.size() / 2;
-  std::nth_element(size.data(), middle, size.data() + size.size());
-  return {options.loss, options.loss_scale * std::max(*middle / 0.6745, 1e-12)};
+Loss scaledLoss(const FrictionFitOptions& options, const Eigen::VectorXd& residual) {
+  const double deviation = robustDeviation({residual.begin(), residual.end()});
+  return {options.loss, options.loss_scale * std::max(deviation, 1e-12)};
+}
+
+/// The separable search, and the sums that it was made on.
+struct BoxSearch {
+  std::vector<StribeckMoments> parts;
+  StribeckMoments total;
+  SeparableResult result;
+};
+
+/// Load-dependent friction needs the load, which fitted constants of the rig change: search, take them over, again.
+BoxSearch searchBox(const FrictionModel& model, int parts) {
+  const int rounds = model.loadDependsOnRig() ? 4 : 1;
+  Eigen::VectorXd rig = model.initialRig();
+  for (int round = 1;; ++round) {
+    std::vector<StribeckMoments> sums = sumParts(model, rig, parts);
+    StribeckMoments total = sums[0];
+    for (std::size_t k = 1; k < sums.size(); ++k) total.add(sums[k], 1.0);
+    SeparableResult result = searchSeparable(separable(model, total));
+    if (round == rounds) return {std::move(sums), std::move(total), std::move(result)};
+    rig = model.rigOf(model.thetaOf(result.minima[0]));
+  }
+}
+
+/// The lowest of the search's minima on all rows. Sets the scale of a robust loss.
+LeastSquaresResult polish(const FrictionModel& model, std::span<const SeparableMinimum> minima,
+                          const FrictionFitOptions& options, LeastSquaresProblem& problem) {
+  LeastSquaresResult best = minimise(problem, model.thetaOf(minima[0]));
+  const bool squares = options.loss == LossKind::kSquares;
+  if (!squares) {
+    problem.loss = scaledLoss(options, residuals(problem, best.theta));
+    best = minimise(problem, best.theta);
+  }
+  // Bins are exact to some 1e-5 of the cost, 1e-4 where delta is large: nearer rivals have to be polished too, and all
+  // under a robust loss, which the search does not know.
+  LeastSquaresOptions quick;
+  quick.max_iterations = 30;
+  quick.function_tolerance = 1e-9;
+  const double near = squares ? 1.001 * minima[0].linear.cost : kInfinity;
+  for (std::size_t m = 1; m < minima.size() && minima[m].linear.cost < near; ++m) {
+    const LeastSquaresResult rival = minimise(problem, model.thetaOf(minima[m]), quick);
+    // Only a rival that a rough polish brings near can still win.
+    if (rival.cost > (1.0 + 1e-6) * best.cost) continue;
+    LeastSquaresResult polished = minimise(problem, rival.theta);
+    if (polished.cost < best.cost) best = std::move(polished);
+  }
+  return best;
 }
 
 }  // namespace
@@ -147,59 +192,29 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   if (const std::string sentence = missing(model, data); !sentence.empty()) {
     throw DataError(fmt::format("{}: {}", data.file, sentence));
   }
-  LeastSquaresProblem problem = model.problem();
   FrictionFit fit;
   fit.law = &law;
   fit.predict_load = options.predict_load;
   fit.n = data.rows();
   fit.parameters = model.freeCount();
 
-  const int folds = std::min<int>(options.folds, static_cast<int>(data.blocks.size()));
-  const int parts = std::max(folds, std::min<int>(8, static_cast<int>(data.blocks.size())));
-  const int split = folds >= 2 ? folds : parts;
-  Eigen::VectorXd rig = model.initialRig();
-  std::vector<StribeckMoments> sums;
-  std::optional<StribeckMoments> total;
-  SeparableResult search;
-  // Load-dependent friction needs the load, which fitted constants of the rig change: search, take them over, again.
-  const int rounds = model.loadDependsOnRig() ? 4 : 1;
-  for (int round = 0; round < rounds; ++round) {
-    sums = sumParts(model, rig, split);
-    total = sums[0];
-    for (std::size_t k = 1; k < sums.size(); ++k) total->add(sums[k], 1.0);
-    search = searchSeparable(separable(model, *total));
-    rig = model.rigOf(model.thetaOf(search.minima[0]));
-  }
+  const int blocks = static_cast<int>(data.blocks.size());
+  const int folds = std::min(options.folds, blocks);
+  const BoxSearch search = searchBox(model, folds >= 2 ? folds : std::max(folds, std::min(8, blocks)));
   // Without a Stribeck term the problem is convex: one start is all there is.
-  fit.starts = law.hasStribeck() ? search.starts + search.minima.size() : 1;
-  fit.minima = search.minima;
-  fit.profile = std::move(search.profile);
+  fit.starts = law.hasStribeck() ? search.result.starts + search.result.minima.size() : 1;
+  fit.minima = search.result.minima;
+  fit.profile = search.result.profile;
 
-  LeastSquaresResult best = minimise(problem, model.thetaOf(search.minima[0]));
-  const bool squares = options.loss == LossKind::kSquares;
-  if (!squares) {
-    problem.loss = scaledLoss(options, residuals(problem, best.theta));
-    best = minimise(problem, best.theta);
-  }
-  // Bins are exact to some 1e-5 of the cost, 1e-4 where delta is large: nearer rivals have to be polished too, and all
-  // under a robust loss, which the search does not know.
-  LeastSquaresOptions quick;
-  quick.max_iterations = 30;
-  quick.function_tolerance = 1e-9;
-  const double near = squares ? 1.001 * search.minima[0].linear.cost : kInfinity;
-  for (std::size_t m = 1; m < search.minima.size() && search.minima[m].linear.cost < near; ++m) {
-    const LeastSquaresResult rival = minimise(problem, model.thetaOf(search.minima[m]), quick);
-    // Only a rival that a rough polish brings near can still win.
-    if (rival.cost > (1.0 + 1e-6) * best.cost) continue;
-    LeastSquaresResult polished = minimise(problem, rival.theta);
-    if (polished.cost < best.cost) best = std::move(polished);
-  }
+  LeastSquaresProblem problem = model.problem();
+  const LeastSquaresResult best = polish(model, fit.minima, options, problem);
   fit.theta = best.theta;
+  const bool squares = options.loss == LossKind::kSquares;
   fit.mse = (squares ? best.cost : residuals(problem, fit.theta).squaredNorm()) / static_cast<double>(fit.n);
   if (!best.converged)
     fit.warnings.push_back(fmt::format("the polish of {} stopped early: {}", law.name, best.message));
   fit.uncertainty = estimateUncertainty(problem, fit.theta, data.session);
-  if (folds >= 2) fit.mse_heldout = crossValidate(model, sums, *total, fit.minima);
+  if (folds >= 2) fit.mse_heldout = crossValidate(model, search.parts, search.total, fit.minima);
   for (const std::string& sentence : gaps(model, data, fit.theta)) fit.warnings.push_back(sentence);
   return fit;
 }

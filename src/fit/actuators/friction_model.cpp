@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/model/friction/friction_evaluation.h"
 
 namespace simgap {
 namespace {
@@ -13,21 +14,6 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::ArrayXXd;
 using Eigen::Index;
-
-constexpr double kSlowest = 1e-5;  // lower bound of v_s, of the largest speed
-constexpr double kFastest = 10.0;  // upper bound
-
-std::string unitOf(FrictionBasis basis, const FrictionData& data) {
-  switch (basis) {
-    case FrictionBasis::kLoad:
-      return "1";
-    case FrictionBasis::kDirection:
-      return data.load_unit;
-    case FrictionBasis::kVelocity:
-      return data.load_unit == "N" ? "Ns_m" : "Nms_rad";
-  }
-  return "1";
-}
 
 std::string gainUnit(const FrictionData& data) {
   return data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit;
@@ -48,23 +34,19 @@ FrictionModel::FrictionModel(const FrictionLaw& law, const FrictionData& data, c
     throw ConfigError("found constants of the rig to be fitted and the load to be predicted, expected one of them");
   }
   addParameter(options, {"k_a", gainUnit(data), 1e-12, kInfinity});
-  for (const FrictionTerm& term : law.terms) {
-    addParameter(options, {std::string(term.name), unitOf(term.basis, data), 0.0, kInfinity});
-  }
+  for (const ParameterSpec& p : termParameters(law, data.load_unit)) addParameter(options, p);
   for (std::size_t k = 0; k < rig_; ++k) {
     const bool angle = data.fits_angle && k == data.angleIndex();
     addParameter(options, {data.rig_names[k], data.rig_units[k], angle ? -kInfinity : 0.0, kInfinity});
   }
-  if (offset_) addParameter(options, {"offset", predict_load_ ? data.load_unit : data.effort_unit, -kInfinity, kInfinity});
+  if (offset_)
+    addParameter(options, {"offset", predict_load_ ? data.load_unit : data.effort_unit, -kInfinity, kInfinity});
   linear_ = parameters_.size();
-  if (law.hasStribeck()) {
-    const double top = std::exp(data.log_speed.maxCoeff());
-    addParameter(options, {"v_s", data.velocity_unit, kSlowest * top, kFastest * top});
-    addParameter(options, {"delta", "1", 0.05, 20.0});
-  }
+  const double top = std::exp(data.log_speed.maxCoeff());
+  for (const ParameterSpec& p : stribeckParameters(law, top, data.velocity_unit)) addParameter(options, p);
 }
 
-void FrictionModel::addParameter(const FrictionFitOptions& options, FitParameter parameter) {
+void FrictionModel::addParameter(const FrictionFitOptions& options, ParameterSpec parameter) {
   double value = 0.0;
   if (const auto bounds = options.bounds.find(parameter.name); bounds != options.bounds.end()) {
     parameter.lower = bounds->second.lower;
@@ -84,7 +66,7 @@ void FrictionModel::addParameter(const FrictionFitOptions& options, FitParameter
 }
 
 std::size_t FrictionModel::freeCount() const {
-  return static_cast<std::size_t>(std::ranges::count(parameters_, false, &FitParameter::fixed));
+  return static_cast<std::size_t>(std::ranges::count(parameters_, false, &ParameterSpec::fixed));
 }
 
 bool FrictionModel::loadScaleKnown() const {
@@ -105,7 +87,7 @@ std::vector<FrictionShape> FrictionModel::shapes() const {
 std::vector<LinearTerm> FrictionModel::linearTerms() const {
   std::vector<LinearTerm> terms;
   for (std::size_t i = 0; i < linear_; ++i) {
-    const FitParameter& p = parameters_[i];
+    const ParameterSpec& p = parameters_[i];
     if (data_->fits_angle && i == 1 + terms_) {
       terms.push_back({"cosine", -kInfinity, kInfinity, true});
       terms.push_back({"sine", -kInfinity, kInfinity, true});
@@ -128,8 +110,8 @@ std::vector<LinearTerm> FrictionModel::linearTerms() const {
 
 std::vector<NonlinearTerm> FrictionModel::nonlinearTerms() const {
   if (!stribeck_) return {};
-  const FitParameter& v_s = parameters_[linear_];
-  const FitParameter& delta = parameters_[linear_ + 1];
+  const ParameterSpec& v_s = parameters_[linear_];
+  const ParameterSpec& delta = parameters_[linear_ + 1];
   // E falls from 1 to 0 within some 2 / delta of log speed: a steep one makes a narrow valley at every gap between
   // rows.
   const auto step = [](std::span<const double> p) { return 0.4 / p[1]; };
@@ -171,15 +153,10 @@ Eigen::ArrayXXd FrictionModel::columns(const Eigen::VectorXd& rig, const Block& 
 
 Eigen::ArrayXd FrictionModel::basis(const FrictionTerm& term, const Block& rows, const ArrayXd& load) const {
   const auto begin = static_cast<Index>(rows.begin), n = static_cast<Index>(rows.size());
-  switch (term.basis) {
-    case FrictionBasis::kLoad:
-      return load * data_->direction.segment(begin, n);
-    case FrictionBasis::kDirection:
-      return data_->direction.segment(begin, n);
-    case FrictionBasis::kVelocity:
-      break;
-  }
-  return data_->velocity.segment(begin, n);
+  ArrayXd column;
+  visitBasis(term.basis, load, data_->direction.segment(begin, n), data_->velocity.segment(begin, n),
+             [&](const auto& expression) { column = expression; });
+  return column;
 }
 
 std::vector<double> FrictionModel::thetaOf(const SeparableMinimum& minimum) const {
@@ -227,21 +204,17 @@ void FrictionModel::evaluate(std::span<const double> theta, const Block& rows, E
   for (Index k = 0; k < coefficients.size(); ++k) load += coefficients[k] * data_->load_per.col(k).segment(begin, n);
   const ArrayXd driving = predict_load_ ? ArrayXd(k_a * effort) : load;
   const ArrayXd size = driving.abs();
-  ArrayXd exponent, still;
-  if (stribeck_) {
-    exponent = (theta[linear_ + 1] * (data_->log_speed.segment(begin, n) - std::log(theta[linear_]))).exp();
-    still = (-exponent).exp();
-  }
+  StribeckFactor stribeck;  // E
+  if (stribeck_) stribeck = stribeckFactor(data_->log_speed.segment(begin, n), theta[linear_], theta[linear_ + 1]);
   ArrayXXd z(n, terms);
-  ArrayXd per_load = ArrayXd::Zero(n);   // d friction / d |load|
-  ArrayXd per_still = ArrayXd::Zero(n);  // d friction / d E
+  ArrayXd per_load = ArrayXd::Zero(n);    // d friction / d |load|
+  ArrayXd per_factor = ArrayXd::Zero(n);  // d friction / d E
   for (Index j = 0; j < terms; ++j) {
     const FrictionTerm& term = law_->terms[static_cast<std::size_t>(j)];
-    z.col(j) = basis(term, rows, size);
-    if (term.shape == FrictionShape::kStatic) per_still += law[j] * z.col(j);
-    if (term.shape == FrictionShape::kSliding) per_still -= law[j] * z.col(j);
-    if (term.shape == FrictionShape::kStatic) z.col(j) *= still;
-    if (term.shape == FrictionShape::kSliding) z.col(j) *= 1.0 - still;
+    const ArrayXd column = basis(term, rows, size);
+    if (term.shape == FrictionShape::kStatic) per_factor += law[j] * column;
+    if (term.shape == FrictionShape::kSliding) per_factor -= law[j] * column;
+    visitShape(term.shape, column, stribeck.value, [&](const auto& shaped) { z.col(j) = shaped; });
     // Where there is no load its derivative does not matter: it is multiplied by the load's sign, 0.
     if (term.basis == FrictionBasis::kLoad) per_load += law[j] * z.col(j) / size.max(1e-300);
   }
@@ -265,7 +238,7 @@ void FrictionModel::evaluate(std::span<const double> theta, const Block& rows, E
   if (offset_) j.col(static_cast<Index>(linear_) - 1).setOnes();
   if (!stribeck_) return;
   const double v_s = theta[linear_], delta = theta[linear_ + 1];
-  const ArrayXd slope = scale * per_still * still * exponent;  // times -d log(exponent)
+  const ArrayXd slope = scale * per_factor * stribeck.value * stribeck.exponent;  // times -d log(exponent)
   j.col(static_cast<Index>(linear_)) = (slope * (delta / v_s)).matrix();
   j.col(static_cast<Index>(linear_) + 1) = (-slope * (data_->log_speed.segment(begin, n) - std::log(v_s))).matrix();
 }

@@ -19,7 +19,7 @@ class FrictionModel {
 
   const FrictionLaw& law() const { return *law_; }
   const FrictionData& data() const { return *data_; }
-  const std::vector<FitParameter>& parameters() const { return parameters_; }
+  const std::vector<ParameterSpec>& parameters() const { return parameters_; }
   std::size_t freeCount() const;
   std::size_t speedIndex() const { return parameters_.size() - 2; }  ///< of v_s, for laws with a Stribeck term
   /// The scale of the load is known: only with it can k_a be told from the rig's constants.
@@ -48,13 +48,13 @@ class FrictionModel {
                 Eigen::Ref<Eigen::MatrixXd>* jacobian) const;
   /// A term's column without its shape. \param load  |load| of each row.
   Eigen::ArrayXd basis(const FrictionTerm& term, const Block& rows, const Eigen::ArrayXd& load) const;
-  void addParameter(const FrictionFitOptions& options, FitParameter parameter);
+  void addParameter(const FrictionFitOptions& options, ParameterSpec parameter);
 
   const FrictionLaw* law_;
   const FrictionData* data_;
   bool predict_load_;
   bool offset_;
-  std::vector<FitParameter> parameters_;
+  std::vector<ParameterSpec> parameters_;
   std::vector<double> fixed_;  ///< shape (P): values of the fixed ones
   std::size_t terms_;
   bool stribeck_;

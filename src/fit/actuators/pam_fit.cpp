@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Index;
 
-
 /// The rows in use, and the model's residuals on them.
 class PamProblem {
  public:
@@ -27,8 +26,11 @@ class PamProblem {
       force.push_back(log.force[i]);
       session.push_back(log.session[i]);
     }
-    parameters = {{"a", "m2", -kInfinity, kInfinity}, {"b", "m2", -kInfinity, kInfinity}, {"c", "m2", -kInfinity, kInfinity}, {"k", "N", 1.0, 1e9}};
-    for (FitParameter& p : parameters) {
+    parameters = {{"a", "m2", -kInfinity, kInfinity},
+                  {"b", "m2", -kInfinity, kInfinity},
+                  {"c", "m2", -kInfinity, kInfinity},
+                  {"k", "N", 1.0, 1e9}};
+    for (ParameterSpec& p : parameters) {
       if (const auto bounds = options.bounds.find(p.name); bounds != options.bounds.end()) {
         p.lower = bounds->second.lower;
         p.upper = bounds->second.upper;
@@ -92,7 +94,7 @@ class PamProblem {
 
   std::vector<double> pressure, contraction, force;
   std::vector<int> session;
-  std::vector<FitParameter> parameters;
+  std::vector<ParameterSpec> parameters;
 
  private:
   void evaluate(std::span<const double> theta, const Block& block, Eigen::Ref<Eigen::VectorXd> r,

@@ -24,7 +24,7 @@ FrictionDataOptions dataOptions(const FittedModel& model) {
 /// The file's values as a fit would hand them over.
 std::vector<Estimate> estimatesOf(const FittedModel& model) {
   std::vector<Estimate> estimates;
-  for (const FittedParameter& p : model.parameters) {
+  for (const Estimate& p : model.parameters) {
     Estimate e;
     e.name = p.name;
     e.unit = p.unit;

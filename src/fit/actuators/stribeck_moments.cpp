@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/model/friction/friction_evaluation.h"
+
 namespace simgap {
 namespace {
 
@@ -21,10 +23,10 @@ StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, double top, 
   const auto weightOf = [&](Index a, Index b) {
     const FrictionShape one = shapes_[static_cast<std::size_t>(a)], two = shapes_[static_cast<std::size_t>(b)];
     const int sliding = (one == FrictionShape::kSliding ? 1 : 0) + (two == FrictionShape::kSliding ? 1 : 0);
-    const int still = (one == FrictionShape::kStatic ? 1 : 0) + (two == FrictionShape::kStatic ? 1 : 0);
-    if (sliding + still == 0) return kWeights;
-    if (sliding + still == 1) return sliding == 1 ? kSliding : kStatic;
-    return sliding == 2 ? kSlidingSliding : still == 2 ? kStaticStatic : kSlidingStatic;
+    const int is_static = (one == FrictionShape::kStatic ? 1 : 0) + (two == FrictionShape::kStatic ? 1 : 0);
+    if (sliding + is_static == 0) return kWeights;
+    if (sliding + is_static == 1) return sliding == 1 ? kSliding : kStatic;
+    return sliding == 2 ? kSlidingSliding : is_static == 2 ? kStaticStatic : kSlidingStatic;
   };
   for (int weight = 0; weight < kWeights; ++weight) {
     first_[static_cast<std::size_t>(weight)] = static_cast<Index>(products_.size());
@@ -94,7 +96,8 @@ void StribeckMoments::add(const StribeckMoments& other, double sign) {
 
 Eigen::MatrixXd StribeckMoments::gram(double v_s, double delta) const {
   if (products_.empty()) return always_;
-  const Eigen::ArrayXd log_exponent = delta * (sum_log_.array() / count_.array().max(1.0) - std::log(v_s));
+  const Eigen::ArrayXd log_speed = sum_log_.array() / count_.array().max(1.0);  // of each bin's rows
+  const Eigen::ArrayXd log_exponent = delta * (log_speed - std::log(v_s));
   // Exponentials are needed where E changes only, which for a steep curve is a small part of the bins: below it is 1 to
   // 1e-10, above it 0 to 1e-17.
   constexpr double kRest = -23.0, kGone = 3.7;
@@ -102,16 +105,15 @@ Eigen::MatrixXd StribeckMoments::gram(double v_s, double delta) const {
   Index low = 0, high = bins;
   while (low < bins && log_exponent[low] < kRest) ++low;
   while (high > low && log_exponent[high - 1] > kGone) --high;
-  Eigen::ArrayXd still(bins), sliding(bins);
-  still.head(low) = 1.0;
+  Eigen::ArrayXd is_static(bins), sliding(bins);
+  is_static.head(low) = 1.0;
   sliding.head(low) = 0.0;
-  still.tail(bins - high) = 0.0;
+  is_static.tail(bins - high) = 0.0;
   sliding.tail(bins - high) = 1.0;
-  const Eigen::ArrayXd exponent = log_exponent.segment(low, high - low).exp();
-  const auto between = still.segment(low, high - low);
-  still.segment(low, high - low) = (-exponent).exp();
+  const auto [exponent, value] = stribeckFactor(log_speed.segment(low, high - low), v_s, delta);
+  is_static.segment(low, high - low) = value;
   // 1 - exp(-x) without cancellation for small x.
-  sliding.segment(low, high - low) = (exponent < 1e-5).select(exponent * (1.0 - 0.5 * exponent), 1.0 - between);
+  sliding.segment(low, high - low) = (exponent < 1e-5).select(exponent * (1.0 - 0.5 * exponent), 1.0 - value);
   Eigen::MatrixXd gram = always_;
   const auto sum = [&](Weight weight, const Eigen::ArrayXd& values) {
     for (Index k = first_[weight]; k < first_[weight + 1]; ++k) {
@@ -120,10 +122,10 @@ Eigen::MatrixXd StribeckMoments::gram(double v_s, double delta) const {
     }
   };
   sum(kSliding, sliding);
-  sum(kStatic, still);
+  sum(kStatic, is_static);
   sum(kSlidingSliding, sliding * sliding);
-  sum(kSlidingStatic, sliding * still);
-  sum(kStaticStatic, still * still);
+  sum(kSlidingStatic, sliding * is_static);
+  sum(kStaticStatic, is_static * is_static);
   return gram;
 }
 

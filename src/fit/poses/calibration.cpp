@@ -9,6 +9,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -17,13 +18,6 @@ std::vector<ObjectParameter> objectParameters(const ParameterSpace& space) {
   std::vector<ObjectParameter> parameters;
   for (const SearchParameter& p : space.parameters()) parameters.push_back({p.initial, p.step, p.lower, p.upper});
   return parameters;
-}
-
-/// \param values  not empty
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/statistics.h"
 #include "simgap/fit/poses/calibration.h"
 #include "simgap/fit/poses/pose_posterior.h"
 #include "simgap/fit/poses/posterior_search.h"
@@ -70,9 +71,7 @@ void Calibration::runCmaEs(const AfterGeneration& after_generation) {
     const std::vector<double> best = values(generation.best);
     const double fitness = judge(best, record.mje);
     if (std::isnan(fitness)) throw NumericsError("cma-es: no individual with steady poses was found");
-    std::vector<double> all = generation.objectives;
-    std::nth_element(all.begin(), all.begin() + std::ssize(all) / 2, all.end());
-    record.median = all[all.size() / 2];
+    record.median = upperMedian(generation.objectives);
     const EvolutionStrategyState& strategy = state_.strategy;
     note(std::move(record), best, strategy.best.y.empty() || fitness < strategy.best.fitness, fitness);
     state_.strategy.stop = fitness <= config_.strategy.target_fitness ? StopReason::kTargetFitness : StopReason::kNone;

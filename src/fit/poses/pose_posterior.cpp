@@ -19,31 +19,10 @@ std::vector<std::string> names(const ParameterSpace& space) {
   return names;
 }
 
-/// Rotation vector of a unit quaternion, |.| <= pi.
-Eigen::Vector3d logarithm(const Eigen::Quaterniond& q) {
-  const double sine = q.vec().norm();
-  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
-  if (sine < 1e-9) return 2.0 * sign * q.vec();
-  return sign * 2.0 * std::atan2(sine, std::abs(q.w())) / sine * q.vec();
-}
-
-Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
-/// d log(exp(r) exp(w)) / dw at w = 0: the inverse right Jacobian of SO(3).
-Eigen::Matrix3d inverseRightJacobian(const Eigen::Vector3d& r) {
-  const double angle = r.norm();
-  const double factor =
-      angle < 1e-4 ? 1.0 / 12.0 : 1.0 / (angle * angle) - (1.0 + std::cos(angle)) / (2.0 * angle * std::sin(angle));
-  const Eigen::Matrix3d x = cross(r);
-  return Eigen::Matrix3d::Identity() + 0.5 * x + factor * x * x;
-}
-
 /// Variance of the mean of a joint's repeats, per component [rad^2].
 double captureVariance(const Pose& pose, std::size_t joint, int components, double capture_sd) {
+  // The stated noise counts as nu degrees of freedom, the spread s of n repeats as n - 1 more: (nu sd^2 + (n - 1) s^2)
+  // / (nu + n - 1), over n for the mean.
   const double freedom = pose.repeats - 1.0;
   const double spread = pose.spread.empty() ? 0.0 : pose.spread[joint];
   const double variance = (kCaptureFreedom * capture_sd * capture_sd + freedom * spread * spread / components) /
@@ -146,6 +125,8 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {
       const Joint& joint = model_.joints[j];
       const int components = joint.degreesOfFreedom();
+      // Friction holds a joint anywhere within a ball of radius tau_c: uniform there, the variance of each of n
+      // components is tau_c^2 / (n + 2).
       const double coulomb = noise_.joint_friction ? joint.coulomb_friction : 0.0;
       friction.segment(energy.firstDof(static_cast<int>(j)), components)
           .setConstant(coulomb * coulomb / (components + 2));
@@ -156,6 +137,7 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
     energy.setShafts(poses_[p].shafts);
     energy.evaluate(poses_[p].joints);
     stiffness_[p] = energy.hessian();
+    // A torque tau moves the equilibrium by H^-1 tau: cov = C + H^-1 T H^-1 = L L^T, whitened by L^-1.
     const Eigen::MatrixXd compliance = energy.hessian().inverse();
     const Eigen::MatrixXd covariance =
         Eigen::MatrixXd(capture.asDiagonal()) + compliance * friction.asDiagonal() * compliance.transpose();
@@ -178,10 +160,12 @@ const std::vector<PoseResidual>& PosePosterior::evaluate(const Eigen::VectorXd& 
     const std::vector<JointPosition>& observed = arm_.observe(poses_[p].shafts, poses_[p].shafts_before);
     if (jacobians) {
       arm_.linearise();
+      // dq/dtheta = -H^-1 d2V/dq dtheta, as the rig sees it; dtheta/dz from the scales.
       arm_.observedSensitivities(static_parameters_, residual.jacobian);
       for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
     }
     measureError(poses_[p], observed, residual, jacobians);
+    // L^-1 e and L^-1 J: independent errors of variance 1.
     residual.error = whitening_[p] * residual.error;
     if (jacobians) residual.jacobian = whitening_[p] * residual.jacobian;
   }
@@ -197,7 +181,8 @@ void PosePosterior::measureError(const Pose& pose, const std::vector<JointPositi
       residual.error[d] = simulated.angle - pose.joints[j].angle;
       continue;
     }
-    const Eigen::Vector3d error = logarithm(pose.joints[j].rotation.conjugate() * simulated.rotation);
+    // e = log(q_measured^-1 q), and de = J_r(e)^-1 dw when q goes to q exp(dw).
+    const Eigen::Vector3d error = logSo3(pose.joints[j].rotation.conjugate() * simulated.rotation);
     residual.error.segment<3>(d) = error;
     if (jacobian) residual.jacobian.middleRows<3>(d) = inverseRightJacobian(error) * residual.jacobian.middleRows<3>(d);
   }
@@ -213,6 +198,8 @@ const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::Vec
     energy.evaluate(poses_[p].joints);
     energy.differentiate(static_parameters_, residual.jacobian);
     for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
+    // At the measured joints the torque dV/dq should vanish. A capture error of sd moves it by H sd, friction holds
+    // torques within its ball: cov = sd^2 H H^T + tau_c^2 / (n + 2).
     residual.error = energy.gradient();
     Eigen::MatrixXd covariance = sd * sd * stiffness_[p] * stiffness_[p].transpose();
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {

@@ -12,6 +12,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/rotation.h"
+#include "simgap/core/statistics.h"
 #include "simgap/measure/capture/rigid_fit.h"
 
 namespace simgap {
@@ -104,21 +105,15 @@ std::vector<CalibratedNumber> numbersOf(const StereoCameras& cameras) {
       numbers.push_back({std::string(side) + kDistortion[i], "", camera->distortion[i], 0.0});
     }
   }
-  const Eigen::AngleAxisd turn(cameras.rotation);
+  const Eigen::Vector3d turn = logSo3(Eigen::Quaterniond(cameras.rotation));
   for (int i = 0; i < 3; ++i) {
-    numbers.push_back({fmt::format("rotation {}", "xyz"[i]), "deg", toDegrees(turn.angle() * turn.axis()[i]), 0.0});
+    numbers.push_back({fmt::format("rotation {}", "xyz"[i]), "deg", toDegrees(turn[i]), 0.0});
   }
   for (int i = 0; i < 3; ++i) {
     numbers.push_back({fmt::format("translation {}", "xyz"[i]), "mm", 1e3 * cameras.translation[i], 0.0});
   }
   numbers.push_back({"baseline", "mm", 1e3 * cameras.baseline(), 0.0});
   return numbers;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double coverage(const std::vector<BoardView>& views, cv::Size size, bool left) {
@@ -216,7 +211,7 @@ CameraCalibration calibrateCameras(const std::vector<BoardView>& views, cv::Size
   };
   OpenCvCalibration full = calibrate(chosen(), size, options.distortion, nullptr);
   for (int round = 0; round < kOutlierRounds; ++round) {
-    const double limit = options.outlier_ratio * median(full.view_rms);
+    const double limit = options.outlier_ratio * upperMedian(full.view_rms);
     std::vector<std::size_t> good;
     for (std::size_t i = 0; i < kept.size(); ++i) {
       if (full.view_rms[i] <= limit) good.push_back(kept[i]);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -55,10 +56,7 @@ FrameTimes readTimes(const CsvTable& table, double max_lag) {
                                     1e3 * lags.back(), 1e3 * max_lag));
       }
     }
-    if (!lags.empty()) {
-      std::nth_element(lags.begin(), lags.begin() + static_cast<std::ptrdiff_t>(lags.size() / 2), lags.end());
-      result.camera_lag = lags[lags.size() / 2];
-    }
+    if (!lags.empty()) result.camera_lag = upperMedian(std::move(lags));
   }
   if (result.times.size() < 2) throw DataError(fmt::format("{}: expected at least two rows", table.name()));
   result.rate = static_cast<double>(result.times.size() - 1) / (result.times.back() - result.times.front());

@@ -39,8 +39,7 @@ Eigen::Vector3d rotationSpread(const std::vector<TargetPose>& poses) {
   const Eigen::Matrix3d mean = meanOf(poses).toRotationMatrix();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const TargetPose& pose : poses) {
-    const Eigen::AngleAxisd turn(Eigen::Matrix3d(pose.rotation * mean.transpose()));
-    const Eigen::Vector3d w = turn.angle() * turn.axis();
+    const Eigen::Vector3d w = logSo3(Eigen::Quaterniond(Eigen::Matrix3d(pose.rotation * mean.transpose())));
     covariance += w * w.transpose() / static_cast<double>(poses.size());
   }
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().cwiseMax(0.0).cwiseSqrt();

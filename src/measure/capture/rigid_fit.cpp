@@ -12,12 +12,6 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr int kRounds = 10;          // Gauss-Newton from Umeyama's pose needs two or three
 constexpr double kSmallStep = 1e-9;  // [rad], [m]
 
-Eigen::Matrix3d crossMatrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
 /// Normal equations of the reprojection residuals at a pose.
 struct Normal {
   Matrix6 matrix = Matrix6::Zero();
@@ -44,7 +38,7 @@ Normal normalEquations(const StereoCameras& cameras, const TargetPose& pose, std
   for (std::size_t i = 0; i < body.size(); ++i) {
     const Eigen::Vector3d arm = pose.rotation * body[i];
     Eigen::Matrix<double, 3, 6> towards;
-    towards << -crossMatrix(arm), Eigen::Matrix3d::Identity();
+    towards << -cross(arm), Eigen::Matrix3d::Identity();
     const Eigen::Vector3d in_left = arm + pose.origin;
     double squares = normal.add(in_left, towards, seen[i]->left_image, cameras.left.focal());
     squares += normal.add(cameras.rotation * in_left + cameras.translation, cameras.rotation * towards,
@@ -90,11 +84,7 @@ RefinedPose refinePose(const StereoCameras& cameras, const TargetPose& start, st
   for (int round = 0; round < kRounds; ++round) {
     const Normal normal = normalEquations(cameras, refined.pose, body, seen, nullptr);
     const Vector6 step = normal.matrix.ldlt().solve(-normal.gradient);
-    const double angle = step.head<3>().norm();
-    if (angle > 0.0) {
-      refined.pose.rotation =
-          Eigen::AngleAxisd(angle, step.head<3>() / angle).toRotationMatrix() * refined.pose.rotation;
-    }
+    refined.pose.rotation = expSo3(step.head<3>()).toRotationMatrix() * refined.pose.rotation;
     refined.pose.origin += step.tail<3>();
     if (step.norm() < kSmallStep) break;
   }

@@ -19,10 +19,7 @@ using Samples = std::span<const JointSample>;
 /// Rotation vector from one position of a joint to another, in the parent's frame. [rad]
 Eigen::Vector3d difference(const CaptureJoint& joint, const JointPosition& from, const JointPosition& to) {
   if (joint.type == JointType::kRevolute) return {to.angle - from.angle, 0.0, 0.0};
-  Eigen::Quaterniond turn = to.rotation * from.rotation.conjugate();
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-  const double sine = turn.vec().norm();
-  return sine > 0.0 ? Eigen::Vector3d(2.0 * std::atan2(sine, turn.w()) / sine * turn.vec()) : Eigen::Vector3d::Zero();
+  return logSo3(to.rotation * from.rotation.conjugate());
 }
 
 bool isSteady(Samples window, const std::vector<CaptureJoint>& joints, const SteadyOptions& options) {

@@ -75,11 +75,11 @@ void completeMotion(ActuatorLog& log, bool acceleration, FrictionData& data) {
     const std::size_t n = end - begin;
     if (n < 4) {
       throw DataError(fmt::format("{}: session {} has {} rows, expected at least 4 to work out velocities", log.file,
-                                  log.session_names[static_cast<std::size_t>(log.session[begin])], n));
+                                  log.session_names[log.session[begin]], n));
     }
     const auto part = [&](const std::vector<double>& all) { return std::span(all).subspan(begin, n); };
     const auto put = [&](const std::vector<double>& values, std::vector<double>& all) {
-      std::ranges::copy(values, all.begin() + static_cast<std::ptrdiff_t>(begin));
+      std::ranges::copy(values, all.begin() + begin);
     };
     const std::vector<double> speed =
         from_position ? differentiate(part(log.time), smooth(part(log.time), part(log.position), data.bandwidth))
@@ -173,7 +173,7 @@ void addPendulum(FrictionData& data, const Bench& bench, const Eigen::ArrayXd& a
 
 /// The load of the rig, in the signs of 003 eq. 3: what the motor must overcome in the positive direction.
 void workOutLoad(const ActuatorLog& log, const Bench& bench, FrictionData& data) {
-  const auto n = static_cast<Eigen::Index>(log.rows());
+  const Eigen::Index n = log.rows();
   const auto column = [n](const std::vector<double>& v) { return Eigen::Map<const Eigen::ArrayXd>(v.data(), n); };
   data.load = Eigen::ArrayXd::Zero(n);
   data.load_per.resize(n, 0);
@@ -252,7 +252,7 @@ std::vector<bool> chosenSessions(const ActuatorLog& log, const std::vector<std::
       throw DataError(fmt::format("{}: found no session {}, expected one of {}", log.file, name,
                                   fmt::join(log.session_names, ", ")));
     }
-    chosen[static_cast<std::size_t>(found - log.session_names.begin())] = true;
+    chosen[found - log.session_names.begin()] = true;
   }
   return chosen;
 }
@@ -271,7 +271,7 @@ void keepRows(FrictionData& data, const std::vector<bool>& keep) {
     closeBlocks(i);
     if (block < data.blocks.size() && data.blocks[block].begin == i) block_begin = kept;
     if (!keep[i]) continue;
-    const auto from = static_cast<Eigen::Index>(i), to = static_cast<Eigen::Index>(kept);
+    const Eigen::Index from = i, to = kept;
     for (Eigen::ArrayXd FrictionData::*channel : kChannels) (data.*channel)[to] = (data.*channel)[from];
     for (Eigen::Index k = 0; k < data.load_per.cols(); ++k) data.load_per(to, k) = data.load_per(from, k);
     data.session[kept] = data.session[i];
@@ -280,7 +280,7 @@ void keepRows(FrictionData& data, const std::vector<bool>& keep) {
     ++kept;
   }
   closeBlocks(keep.size());
-  const auto n = static_cast<Eigen::Index>(kept);
+  const Eigen::Index n = kept;
   for (Eigen::ArrayXd FrictionData::*channel : kChannels) (data.*channel).conservativeResize(n);
   data.load_per.conservativeResize(n, Eigen::NoChange);
   data.session.resize(kept);
@@ -291,8 +291,7 @@ void keepRows(FrictionData& data, const std::vector<bool>& keep) {
 
 /// A channel as an array; the vector's memory is given back.
 Eigen::ArrayXd take(std::vector<double>& channel) {
-  const Eigen::ArrayXd values =
-      Eigen::Map<const Eigen::ArrayXd>(channel.data(), static_cast<Eigen::Index>(channel.size()));
+  const Eigen::ArrayXd values = Eigen::Map<const Eigen::ArrayXd>(channel.data(), channel.size());
   channel = {};
   return values;
 }
@@ -300,7 +299,7 @@ Eigen::ArrayXd take(std::vector<double>& channel) {
 }  // namespace
 
 Eigen::VectorXd FrictionData::rigCoefficients(std::span<const double> rig) const {
-  const Eigen::Map<const Eigen::VectorXd> constants(rig.data(), static_cast<Eigen::Index>(rig.size()));
+  const Eigen::Map<const Eigen::VectorXd> constants(rig.data(), rig.size());
   if (!fits_angle) return constants;
   const std::size_t angle = angleIndex();
   const double amplitude = angle > 0 ? rig[0] : 1.0;
@@ -321,13 +320,13 @@ std::vector<double> FrictionData::rigConstants(const Eigen::VectorXd& coefficien
 
 Eigen::MatrixXd FrictionData::rigDerivatives(std::span<const double> rig) const {
   const auto k = load_per.cols();
-  const auto r = static_cast<Eigen::Index>(rig.size());
+  const Eigen::Index r = rig.size();
   if (!fits_angle) return Eigen::MatrixXd::Identity(k, r);
   Eigen::MatrixXd d = Eigen::MatrixXd::Zero(k, r);
   const std::size_t angle = angleIndex();
   const double c = std::cos(rig[angle]), s = std::sin(rig[angle]), amplitude = angle > 0 ? rig[0] : 1.0;
   if (angle > 0) d.col(0).head<2>() << c, s;
-  d.col(static_cast<Eigen::Index>(angle)).head<2>() << -amplitude * s, amplitude * c;
+  d.col(angle).head<2>() << -amplitude * s, amplitude * c;
   d.bottomRightCorner(k - 2, k - 2).setIdentity();
   return d;
 }
@@ -378,7 +377,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   }
   const std::vector<bool> chosen = chosenSessions(log, options.sessions);
   for (std::size_t i = 0; i < log.rows(); ++i) {
-    if (!chosen[static_cast<std::size_t>(log.session[i])]) sign.keep[i] = false;
+    if (!chosen[log.session[i]]) sign.keep[i] = false;
   }
   const std::size_t rows = log.rows();
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
@@ -386,7 +385,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   data.time = take(log.time);
   data.effort = take(log.effort);
   data.velocity = take(log.velocity);
-  data.direction.resize(static_cast<Eigen::Index>(rows));
+  data.direction.resize(rows);
   std::ranges::copy(sign.direction, data.direction.begin());
   data.session = std::move(log.session);
   log = {};

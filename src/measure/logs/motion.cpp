@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 namespace {
-
-constexpr double kMedianOfNormal = 0.6744897501960817;
 
 /// The first row of the new direction: the turning point of travel, looked for backwards from the first row clearly on
 /// the new side, `to`. It ends where the noise of a rest would take the travel back (CUSUM: Page 1954).
@@ -34,14 +34,12 @@ double noiseLevel(std::span<const double> values) {
   bends.reserve(values.size());
   double quantum = 0.0;
   for (std::size_t i = 1; i + 1 < values.size(); ++i) {
-    bends.push_back(std::abs(values[i - 1] - 2.0 * values[i] + values[i + 1]));
+    bends.push_back(values[i - 1] - 2.0 * values[i] + values[i + 1]);
     const double step = std::abs(values[i + 1] - values[i]);
     if (step > 0.0 && (quantum == 0.0 || step < quantum)) quantum = step;
   }
-  const auto middle = bends.begin() + static_cast<std::ptrdiff_t>(bends.size() / 2);
-  std::nth_element(bends.begin(), middle, bends.end());
   // The variance of a second difference of white noise is 1 + 4 + 1 times the noise's.
-  return std::max(*middle / (kMedianOfNormal * std::sqrt(6.0)), quantum / 4.0);
+  return std::max(robustDeviation(std::move(bends)) / std::sqrt(6.0), quantum / 4.0);
 }
 
 MotionSign holdSign(std::span<const double> velocity, double widths, std::optional<double> dead_band) {
@@ -62,8 +60,7 @@ MotionSign holdSign(std::span<const double> velocity, double widths, std::option
       std::fill_n(sign.keep.begin(), i, false);
     } else if (now != last) {
       const std::size_t turn = turningPoint(velocity, last_row, i, now, sign.dead_band);
-      std::fill(sign.direction.begin() + static_cast<std::ptrdiff_t>(turn),
-                sign.direction.begin() + static_cast<std::ptrdiff_t>(i), static_cast<signed char>(now));
+      std::fill(sign.direction.begin() + turn, sign.direction.begin() + i, static_cast<signed char>(now));
       sign.keep[turn - 1] = sign.keep[turn] = false;
       ++sign.reversals;
     }
@@ -83,14 +80,14 @@ MotionSign rawSign(std::span<const double> velocity) {
 }
 
 std::vector<double> smooth(std::span<const double> time, std::span<const double> values, double bandwidth) {
-  const auto n = static_cast<Eigen::Index>(values.size());
+  const Eigen::Index n = values.size();
   if (n < 4) return {values.begin(), values.end()};
   const double mean_step = (time[n - 1] - time[0]) / static_cast<double>(n - 1);
   // sin instead of its argument: exact for even steps also near the Nyquist frequency.
   const double phase = std::min(std::numbers::pi * bandwidth * mean_step, std::numbers::pi / 2.0);
   const double weight = std::pow(2.0 * std::sin(phase), -6.0);
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(4 * n));
+  entries.reserve(4 * n);
   for (Eigen::Index i = 0; i + 3 < n; ++i) {
     // Third divided difference over four uneven steps, scaled to (-1, 3, -3, 1) for even ones.
     for (int k = 0; k < 4; ++k) {

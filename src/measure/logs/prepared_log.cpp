@@ -8,6 +8,7 @@
 #include <set>
 
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 #include "simgap/core/units.h"
 #include "simgap/measure/logs/motion.h"
 
@@ -22,9 +23,7 @@ constexpr double kShortestBlock = 4.0, kLongestBlock = 20.0;  // [s]
 constexpr double kFewestBlocks = 40.0;                        // of a log so short that blocks have to be shorter
 constexpr double kFewestRows = 50.0;                          // per block
 
-ArrayXd toArray(const std::vector<double>& values) {
-  return Eigen::Map<const ArrayXd>(values.data(), static_cast<Index>(values.size()));
-}
+ArrayXd toArray(const std::vector<double>& values) { return Eigen::Map<const ArrayXd>(values.data(), values.size()); }
 
 ArrayXd optional(const CsvTable& table, const char* stem, const char* unit) {
   return table.hasQuantity(stem, unit) ? toArray(table.quantity(stem, unit)) : ArrayXd();
@@ -38,7 +37,7 @@ ArrayXd slopeOf(const ActuatorRows& rows, const ArrayXd& values, double bandwidt
     const std::span<const double> time(rows.time.data() + b.begin, b.size());
     const std::span<const double> part(values.data() + b.begin, b.size());
     const std::vector<double> slope = differentiate(time, smooth(time, part, bandwidth));
-    slopes.segment(static_cast<Index>(b.begin), static_cast<Index>(b.size())) = toArray(slope);
+    slopes.segment(b.begin, b.size()) = toArray(slope);
   }
   return slopes;
 }
@@ -47,8 +46,7 @@ ArrayXd slopeOf(const ActuatorRows& rows, const ArrayXd& values, double bandwidt
 ArrayXd travelOf(const ActuatorRows& rows) {
   ArrayXd travel = ArrayXd::Zero(rows.rows());
   for (Index i = 1; i < rows.rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double dt = rows.session[k] == rows.session[k - 1] ? rows.time[i] - rows.time[i - 1] : 0.0;
+    const double dt = rows.session[i] == rows.session[i - 1] ? rows.time[i] - rows.time[i - 1] : 0.0;
     const double before = rows.direction[i] * rows.speed[i - 1], now = rows.direction[i] * rows.speed[i];
     if (now <= 0.0) continue;
     travel[i] = before >= 0.0 ? 0.5 * dt * (before + now) : 0.5 * dt * now * now / (now - before);
@@ -60,8 +58,7 @@ ArrayXd travelOf(const ActuatorRows& rows) {
 ArrayXd restOf(const ActuatorRows& rows, double dead_band) {
   ArrayXd rest = ArrayXd::Zero(rows.rows());
   for (Index i = 1; i < rows.rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (rows.session[k] != rows.session[k - 1]) continue;
+    if (rows.session[i] != rows.session[i - 1]) continue;
     const bool still = std::abs(rows.speed[i]) <= dead_band;
     const bool was_still = std::abs(rows.speed[i - 1]) <= dead_band;
     const double dt = rows.time[i] - rows.time[i - 1];
@@ -82,7 +79,7 @@ void leaveOutUncertainReversals(const ActuatorRows& rows, double dead_band, std:
     if (std::abs(rows.speed[i]) <= dead_band) continue;
     const double side = rows.speed[i] > 0.0 ? 1.0 : -1.0;
     if (last_side != 0.0 && side != last_side && rows.direction[i] == side) {
-      for (Index k = std::max(last + 1, i - most); k < i; ++k) keep[static_cast<std::size_t>(k)] = false;
+      for (Index k = std::max(last + 1, i - most); k < i; ++k) keep[k] = false;
     }
     last_side = side;
     last = i;
@@ -100,13 +97,9 @@ double blockSeconds(const std::vector<double>& time, const std::vector<int>& ses
 double medianStep(const ActuatorRows& rows) {
   std::vector<double> steps;
   for (Index i = 1; i < rows.rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (rows.session[k] == rows.session[k - 1]) steps.push_back(rows.time[i] - rows.time[i - 1]);
+    if (rows.session[i] == rows.session[i - 1]) steps.push_back(rows.time[i] - rows.time[i - 1]);
   }
-  if (steps.empty()) return 1.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return steps.empty() ? 1.0 : upperMedian(std::move(steps));
 }
 
 /// A channel that the residual may depend on.
@@ -175,7 +168,7 @@ PreparedLog prepared(ActuatorKind kind, const std::string& file, const std::vect
 void setDirection(const std::vector<double>& motion, PreparedLog& log) {
   const MotionSign sign = holdSign(motion);
   ActuatorRows& rows = log.data.rows;
-  rows.direction.resize(static_cast<Index>(motion.size()));
+  rows.direction.resize(motion.size());
   std::ranges::copy(sign.direction, rows.direction.begin());
   fillDirection(rows);
   log.dead_band = sign.dead_band;
@@ -187,7 +180,7 @@ std::vector<double> changesOf(const PamLog& log, const ActuatorRows& rows) {
   constexpr double kFixedLength = 2e-3;  // spread of a contraction that is held
   std::vector<double> changes(log.rows(), 0.0);
   for (const Block& b : splitRows(log.session, log.rows())) {
-    const auto begin = static_cast<Index>(b.begin), n = static_cast<Index>(b.size());
+    const Index begin = b.begin, n = b.size();
     const auto spread = [&](const ArrayXd& values) {
       return values.segment(begin, n).maxCoeff() - values.segment(begin, n).minCoeff();
     };
@@ -213,13 +206,10 @@ void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
   constexpr Index kBeside = 4;
   std::vector<double> sizes(rate.begin(), rate.end());
   for (double& size : sizes) size = std::abs(size);
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  const double most = kJump * *middle;
+  const double most = kJump * upperMedian(std::move(sizes));
   for (Index i = 0; i < rate.size() && most > 0.0; ++i) {
     if (std::abs(rate[i]) <= most) continue;
-    for (Index k = std::max<Index>(0, i - kBeside); k < std::min(rate.size(), i + kBeside + 1); ++k)
-      keep[static_cast<std::size_t>(k)] = false;
+    for (Index k = std::max<Index>(0, i - kBeside); k < std::min(rate.size(), i + kBeside + 1); ++k) keep[k] = false;
   }
 }
 

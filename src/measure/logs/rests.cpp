@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 
 std::vector<bool> findRests(std::span<const double> time, std::span<const double> velocity,
@@ -24,9 +26,7 @@ double restingSpeed(std::span<const double> velocity, double dead_band) {
   std::vector<double> speeds(velocity.begin(), velocity.end());
   for (double& speed : speeds) speed = std::abs(speed);
   if (speeds.empty()) return dead_band;
-  const auto fast = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() * 19 / 20);
-  std::nth_element(speeds.begin(), fast, speeds.end());
-  return std::max(dead_band, kCreep * *fast);
+  return std::max(dead_band, kCreep * quantile(std::move(speeds), 0.95));
 }
 
 }  // namespace simgap

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 namespace {
 
@@ -13,12 +15,6 @@ constexpr std::size_t kNear = 12;     // rows on either side that say what is us
 double bendAt(std::span<const double> time, std::span<const double> values, std::size_t i) {
   const double part = (time[i] - time[i - 1]) / (time[i + 1] - time[i - 1]);
   return values[i] - (values[i - 1] + part * (values[i + 1] - values[i - 1]));
-}
-
-double medianOfSizes(std::vector<double> sizes) {
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
 }
 
 /// The smallest step between rows: a coarse channel bends by it without being wrong.
@@ -41,7 +37,7 @@ std::vector<std::size_t> findSpikes(std::span<const double> time, std::span<cons
     bend[i] = bendAt(time, values, i);
     sizes.push_back(std::abs(bend[i]));
   }
-  const double usual = std::max(medianOfSizes(sizes), 0.5 * quantumOf(values));
+  const double usual = std::max(upperMedian(sizes), 0.5 * quantumOf(values));
   std::vector<std::size_t> spikes;
   for (std::size_t i = 2; i + 2 < n; ++i) {
     const double size = std::abs(bend[i]);
@@ -55,7 +51,7 @@ std::vector<std::size_t> findSpikes(std::span<const double> time, std::span<cons
     for (std::size_t k = i > kNear ? i - kNear : 1; k < std::min(n - 1, i + kNear + 1); ++k) {
       if (k + 1 < i || k > i + 1) near.push_back(std::abs(bend[k]));
     }
-    if (size > kSpikeSizes * medianOfSizes(std::move(near))) spikes.push_back(i);
+    if (size > kSpikeSizes * upperMedian(std::move(near))) spikes.push_back(i);
   }
   return spikes;
 }

@@ -22,11 +22,11 @@ std::vector<double> numbers(const YamlNode& list) {
 }  // namespace
 
 bool FittedModel::has(std::string_view name) const {
-  return std::ranges::find(parameters, name, &FittedParameter::name) != parameters.end();
+  return std::ranges::find(parameters, name, &Estimate::name) != parameters.end();
 }
 
 double FittedModel::value(std::string_view name) const {
-  const auto found = std::ranges::find(parameters, name, &FittedParameter::name);
+  const auto found = std::ranges::find(parameters, name, &Estimate::name);
   if (found != parameters.end()) return found->value;
   throw ConfigError(fmt::format("found no parameter {} in the {} model, expected it", name, kind));
 }
@@ -40,7 +40,7 @@ std::string writeFittedModel(const FittedModel& model) {
   std::string text = fmt::format("format: simgap/{}/1\n", model.kind);
   if (!model.law.empty()) text += fmt::format("law: {}\n", yamlText(model.law));
   text += "parameters:\n";
-  for (const FittedParameter& p : model.parameters) {
+  for (const Estimate& p : model.parameters) {
     text += fmt::format("  {}: {{value: {}, unit: \"{}\"", p.name, p.value, p.unit);
     if (std::isfinite(p.sd) && !p.fixed) text += fmt::format(", sd: {}", p.sd);
     text += p.fixed ? ", fixed: true}\n" : "}\n";
@@ -69,7 +69,7 @@ FittedModel readFittedModel(const YamlNode& root, const std::vector<std::string>
   const YamlNode parameters = root.at("parameters");
   for (const std::string& name : parameters.keys()) {
     const YamlNode node = parameters.at(name);
-    FittedParameter p{name, node.at("unit").text(), node.at("value").number(), std::nan(""), false};
+    Estimate p{name, node.at("unit").text(), node.at("value").number(), std::nan("")};
     if (const auto fixed = node.find("fixed")) p.fixed = fixed->boolean();
     if (const auto sd = node.find("sd")) p.sd = sd->number(kNonNegative);
     model.parameters.push_back(p);

@@ -54,11 +54,6 @@ std::vector<int> jointsAbove(const ArmModel& model, int body) {
   return joints;
 }
 
-Eigen::Quaterniond turned(const Eigen::Vector3d& w) {
-  const double angle = w.norm();
-  return angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, w / angle)) : Eigen::Quaterniond::Identity();
-}
-
 }  // namespace
 
 const ArmEffect* findArmEffect(std::string_view name) {
@@ -124,10 +119,10 @@ std::string checkExtension(Extension& extension, const ArmModel& model) {
     if (group.empty()) return fmt::format("found the target '{}', {} has none", extension.target, effect->name);
     return fmt::format("found the target '{}' of {}, expected the name of a {}", extension.target, effect->name, group);
   }
-  std::vector<ExtensionParameter> ordered;
+  std::vector<Estimate> ordered;
   EffectParameters p{};
   for (const ArmEffectParameter& wanted : effect->parameters) {
-    const auto found = std::ranges::find(extension.parameters, wanted.name, &ExtensionParameter::name);
+    const auto found = std::ranges::find(extension.parameters, wanted.name, &Estimate::name);
     if (found == extension.parameters.end()) {
       return fmt::format("found no parameter {} of {}, expected {{value, unit: \"{}\"}}", wanted.name, effect->name,
                          wanted.unit);
@@ -143,7 +138,7 @@ std::string checkExtension(Extension& extension, const ArmModel& model) {
     p[ordered.size()] = found->value;
     ordered.push_back(*found);
   }
-  for (const ExtensionParameter& given : extension.parameters) {
+  for (const Estimate& given : extension.parameters) {
     if (std::ranges::find(effect->parameters, given.name, &ArmEffectParameter::name) == effect->parameters.end()) {
       return fmt::format("{} has no parameter '{}'", effect->name, given.name);
     }
@@ -186,10 +181,10 @@ JointPosition markedPosition(const Joint& joint, const JointPosition& position, 
                              const Eigen::Vector3d& child_turn) {
   JointPosition marked = position;
   if (joint.type == JointType::kSpherical) {
-    marked.rotation = (turned(-parent_turn) * position.rotation * turned(child_turn)).normalized();
+    marked.rotation = (expSo3(-parent_turn) * position.rotation * expSo3(child_turn)).normalized();
   } else {
     const Eigen::Quaterniond q(Eigen::AngleAxisd(position.angle, joint.axis));
-    const Eigen::Quaterniond seen = turned(-parent_turn) * q * turned(child_turn);
+    const Eigen::Quaterniond seen = expSo3(-parent_turn) * q * expSo3(child_turn);
     const double twist = 2.0 * std::atan2(seen.vec().dot(joint.axis), seen.w());
     marked.angle = position.angle + std::remainder(twist - position.angle, 4.0 * std::acos(0.0));
   }

@@ -93,13 +93,9 @@ double smallest(const Range& range) { return range.lower_open ? range.lower + 1e
 
 SearchParameter makeParameter(const std::string& name, const ParameterKind& kind, double value,
                               const ParameterSpace::Choice& choice) {
-  SearchParameter parameter{name,
-                            std::string(kind.unit),
-                            value,
-                            choice.step,
-                            std::max(choice.lower.value_or(-kInfinity), smallest(kind.range)),
-                            std::min(choice.upper.value_or(kInfinity), kind.range.upper),
-                            choice.prior_sd};
+  const double lower = std::max(choice.lower.value_or(-kInfinity), smallest(kind.range));
+  const double upper = std::min(choice.upper.value_or(kInfinity), kind.range.upper);
+  SearchParameter parameter{{name, std::string(kind.unit), lower, upper}, value, choice.step, choice.prior_sd};
   if (choice.prior_sd_percent) parameter.prior_sd = 0.01 * *choice.prior_sd_percent * std::abs(value);
   if (value < parameter.lower || value > parameter.upper) {
     throw ConfigError(fmt::format("parameters: pattern '{}': {} is {} {} in the model, outside its range [{}, {}]",

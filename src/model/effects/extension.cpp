@@ -10,7 +10,7 @@
 namespace simgap {
 
 double Extension::value(std::string_view name) const {
-  const auto found = std::ranges::find(parameters, name, &ExtensionParameter::name);
+  const auto found = std::ranges::find(parameters, name, &Estimate::name);
   if (found != parameters.end()) return found->value;
   throw ConfigError(fmt::format("found no parameter {} in the extension {}, expected it", name, effect));
 }
@@ -39,7 +39,7 @@ std::string writeExtensions(const std::vector<Extension>& extensions) {
     text += fmt::format("  - effect: {}\n", extension.effect);
     if (!extension.target.empty()) text += fmt::format("    target: {}\n", yamlText(extension.target));
     text += extension.parameters.empty() ? "    parameters: {}\n" : "    parameters:\n";
-    for (const ExtensionParameter& p : extension.parameters) {
+    for (const Estimate& p : extension.parameters) {
       text += fmt::format("      {}: {{value: {}, unit: \"{}\"", p.name, p.value, p.unit);
       text += std::isfinite(p.sd) ? fmt::format(", sd: {}}}\n", p.sd) : "}\n";
     }

@@ -129,7 +129,7 @@ FittedModel fittedModel(const std::string& kind, const std::string& law, const U
   for (std::size_t i = 0; i < uncertainty.estimates.size(); ++i) {
     const Estimate& e = uncertainty.estimates[i];
     if (!std::isfinite(e.value)) continue;
-    model.parameters.push_back({e.name, e.unit, e.value, e.sd, e.fixed});
+    model.parameters.push_back(e);
     known.push_back(static_cast<Eigen::Index>(i));
   }
   model.covariance = uncertainty.covariance(known, known);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simgap/core/csv.h"
+#include "simgap/core/statistics.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -95,9 +96,7 @@ std::vector<double> curveVelocities(const FrictionData& data) {
   constexpr double kSlowest = 0.01;  // share of the rows
   std::vector<double> speeds(static_cast<std::size_t>(data.velocity.size()));
   ArrayXd::Map(speeds.data(), data.velocity.size()) = data.velocity.abs();
-  const auto slow = speeds.begin() + static_cast<std::ptrdiff_t>(kSlowest * static_cast<double>(speeds.size()));
-  std::ranges::nth_element(speeds, slow);
-  const double least = std::max(*slow, 1e-9), top = std::max(std::ranges::max(speeds), least);
+  const double least = std::max(quantile(speeds, kSlowest), 1e-9), top = std::max(std::ranges::max(speeds), least);
   std::vector<double> velocities;
   for (int i = kPoints; i >= 0; --i) velocities.push_back(-(least + (top - least) * std::pow(1.0 * i / kPoints, 2)));
   for (int i = 0; i <= kPoints; ++i) velocities.push_back(-velocities[static_cast<std::size_t>(kPoints - i)]);

@@ -15,10 +15,16 @@ FitSummary summarise(const std::string& command, const PreparedLog& log, const F
   for (const Extension& e : model.extensions) summary.model += " + " + e.effect;
   summary.target = splitUnit(log.effort_column).stem;
   summary.target_unit = log.data.effort_unit;
-  for (const PhysicalParameter& p : refit.fit.parameters) {
+  for (const Estimate& p : refit.fit.parameters) {
     const double half = refit.fit.t * p.sd;
-    summary.uncertainty.estimates.push_back(
-        {p.name, p.unit, p.value, p.sd, p.value - half, p.value + half, p.at_bound, false, std::isfinite(p.sd)});
+    summary.uncertainty.estimates.push_back({.name = p.name,
+                                             .unit = p.unit,
+                                             .value = p.value,
+                                             .sd = p.sd,
+                                             .at_bound = p.at_bound,
+                                             .identifiable = std::isfinite(p.sd),
+                                             .lower95 = p.value - half,
+                                             .upper95 = p.value + half});
   }
   summary.uncertainty.n_effective = refit.effective_samples;
   summary.mse = refit.mse;

@@ -56,21 +56,20 @@ class DriveEffectContract : public testing::TestWithParam<const ActuatorEffect*>
   }
   static std::vector<double> middle(const ActuatorRegression& model, const ActuatorRows& rows) {
     const ActuatorRegression plain(base(), {}, data(), presliding());
-    const std::vector<double> base =
-        plain.thetaOf(std::vector<PhysicalParameter>{{"k_a", "", 1.2, 0, false},
-                                                     {"n_c", "", 0.3, 0, false},
-                                                     {"n_s", "", 0.4, 0, false},
-                                                     {"k_v", "", 0.01, 0, false},
-                                                     {"v_s", "", 6.0, 0, false},
-                                                     {"delta", "", 1.1, 0, false},
-                                                     {"presliding", "", 0.02, 0, false},
-                                                     {"a", "", 0.004, 0, false},
-                                                     {"b", "", -0.008, 0, false},
-                                                     {"c", "", 0.0025, 0, false},
-                                                     {"R", "", 0.8, 0, false},
-                                                     {"L", "", 0.004, 0, false},
-                                                     {"K_E", "", 0.02, 0, false},
-                                                     {"inverse_ratio", "", 0.0102, 0, false}});
+    const std::vector<double> base = plain.thetaOf(std::vector<Estimate>{{"k_a", "", 1.2, 0},
+                                                                         {"n_c", "", 0.3, 0},
+                                                                         {"n_s", "", 0.4, 0},
+                                                                         {"k_v", "", 0.01, 0},
+                                                                         {"v_s", "", 6.0, 0},
+                                                                         {"delta", "", 1.1, 0},
+                                                                         {"presliding", "", 0.02, 0},
+                                                                         {"a", "", 0.004, 0},
+                                                                         {"b", "", -0.008, 0},
+                                                                         {"c", "", 0.0025, 0},
+                                                                         {"R", "", 0.8, 0},
+                                                                         {"L", "", 0.004, 0},
+                                                                         {"K_E", "", 0.02, 0},
+                                                                         {"inverse_ratio", "", 0.0102, 0}});
     std::vector<double> theta = model.startFrom(plain, base);
     const ActuatorEffect& effect = *model.effects()[0];
     if (effect.starts != nullptr) {
@@ -160,8 +159,8 @@ TEST_P(DriveEffectContract, SurvivesAModelFile) {
   file.kind = modelOf(*GetParam()) == "classic" ? "friction" : modelOf(*GetParam());
   file.law = "classic";
   file.extensions = model.extensions(theta, none);
-  for (const PhysicalParameter& p : model.physical(theta, none)) {
-    if (p.name.find('.') == std::string::npos) file.parameters.push_back({p.name, p.unit, p.value, p.sd, false});
+  for (const Estimate& p : model.physical(theta, none)) {
+    if (p.name.find('.') == std::string::npos) file.parameters.push_back({p.name, p.unit, p.value, p.sd});
   }
   const FittedModel read = readFittedModel(YamlNode::parse(writeFittedModel(file), "model.yaml"));
   const Eigen::ArrayXd predicted = predictExtended(subjectOf(read), data());

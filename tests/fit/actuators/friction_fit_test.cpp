@@ -58,7 +58,7 @@ TEST_P(LawDerivativeTest, AgreeWithCentralDifferences) {
       options.predict_load = predict_load;
       const LeastSquaresProblem problem = makeFrictionProblem(*GetParam(), data, options);
       std::vector<double> theta;
-      for (const FitParameter& p : problem.parameters)
+      for (const ParameterSpec& p : problem.parameters)
         theta.push_back(p.name == "v_s" ? 15.0 : 0.4 + 0.1 * static_cast<double>(theta.size()));
       const auto rows = static_cast<Eigen::Index>(data.rows());
       const Block all{0, data.rows()};

@@ -35,7 +35,7 @@ struct LogDiagnosisOptions {
 struct LogFit {
   std::vector<const ActuatorEffect*> effects;
   std::vector<double> theta;
-  std::vector<PhysicalParameter> parameters;
+  std::vector<Estimate> parameters;
   std::vector<Extension> extensions;
   double t = 0.0;  ///< 97.5 % quantile of Student's t for their deviations: of as many blocks as there were
 };

@@ -14,7 +14,7 @@ namespace simgap {
 struct ActuatorModel {
   ActuatorBase base;
   std::vector<const ActuatorEffect*> effects;  ///< of its extensions
-  std::vector<PhysicalParameter> values;       ///< as the file holds them; empty for a law alone
+  std::vector<Estimate> values;                ///< as the file holds them; empty for a law alone
   std::vector<Extension> of_angles = {};       ///< extensions that say nothing about the effort: of the transmission
 };
 

@@ -20,15 +20,6 @@
 
 namespace simgap {
 
-/// One physical parameter behind theta: value = theta_i, theta_i / theta_0, or 1 / theta_0.
-struct PhysicalParameter {
-  std::string name;  ///< "n_c2", with the effect before it: "coulomb-offset.n_c2"
-  std::string unit;
-  double value;
-  double sd;  ///< NaN when it is at a bound or without effect
-  bool at_bound;
-};
-
 class ActuatorRegression : public RowModel {
  public:
   /// What `base` names, `effects` and `data` must outlive it. \param presliding  largest x_s of the nuisance [rad];
@@ -36,7 +27,7 @@ class ActuatorRegression : public RowModel {
   ActuatorRegression(const ActuatorBase& base, std::vector<const ActuatorEffect*> effects, const ActuatorData& data,
                      std::optional<double> presliding);
 
-  const std::vector<FitParameter>& parameters() const override { return parameters_; }
+  const std::vector<ParameterSpec>& parameters() const override { return parameters_; }
   Eigen::Index rows() const override { return data_->rows.rows(); }
   void evaluate(std::span<const double> theta, Eigen::VectorXd& residual, Eigen::MatrixXd* jacobian) const override;
 
@@ -52,10 +43,11 @@ class ActuatorRegression : public RowModel {
   /// \param cost  set to the sum of squares there, when it is wanted.
   std::vector<double> solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
                                         double* cost = nullptr) const;
-  /// Coefficients and p by name, for values from a model file. \param physical  parameters as PhysicalParameter has
-  /// them.
-  std::vector<double> thetaOf(std::span<const PhysicalParameter> physical) const;
-  std::vector<PhysicalParameter> physical(std::span<const double> theta, const Eigen::MatrixXd& covariance) const;
+  /// Coefficients and p by name, for values from a model file. \param physical  as physical() names them.
+  std::vector<double> thetaOf(std::span<const Estimate> physical) const;
+  /// The parameters behind theta: theta_i, theta_i / theta_0, or 1 / theta_0; those of an effect with its name before
+  /// theirs ("coulomb-offset.n_c2"). \param covariance  of theta, shape (P, P)
+  std::vector<Estimate> physical(std::span<const double> theta, const Eigen::MatrixXd& covariance) const;
   std::vector<Extension> extensions(std::span<const double> theta, const Eigen::MatrixXd& covariance) const;
 
   /// What the model predicts, shape (rows), also in rows that do not count.
@@ -100,7 +92,7 @@ class ActuatorRegression : public RowModel {
   const ActuatorData* data_;
   bool presliding_;
   bool implicit_ = false;  ///< the effort stands on the right-hand side as well, through the stretch of a tendon
-  std::vector<FitParameter> parameters_;
+  std::vector<ParameterSpec> parameters_;
   std::vector<bool> times_gain_;  ///< shape (C)
   std::size_t linear_ = 0;
   std::vector<std::size_t> p_begin_, column_begin_;

@@ -16,10 +16,10 @@ namespace simgap {
 /// A log with its rows' meaning.
 struct ActuatorData {
   ActuatorRows rows;
-  std::vector<bool> keep;                    ///< shape (n): rows that count
-  Eigen::ArrayXXd rig;                       ///< shape (n, R): load per unit of each fitted constant of the rig
-  std::vector<FitParameter> rig_parameters;  ///< shape (R)
-  bool offset = false;                       ///< the model has a current offset of its own
+  std::vector<bool> keep;                     ///< shape (n): rows that count
+  Eigen::ArrayXXd rig;                        ///< shape (n, R): load per unit of each fitted constant of the rig
+  std::vector<ParameterSpec> rig_parameters;  ///< shape (R)
+  bool offset = false;                        ///< the model has a current offset of its own
   std::string load_unit = "Nm", effort_unit = "A", velocity_unit = "rad_s";
 };
 

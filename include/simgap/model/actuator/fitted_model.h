@@ -13,18 +13,10 @@
 
 namespace simgap {
 
-struct FittedParameter {
-  std::string name;
-  std::string unit;  ///< SI, as a suffix; "1" when dimensionless
-  double value = 0.0;
-  double sd = 0.0;  ///< NaN when unknown
-  bool fixed = false;
-};
-
 struct FittedModel {
   std::string kind;                             ///< "friction", "motor", "gearbox", "pam"
   std::string law;                              ///< of a friction model; of a PAM "spring" or "no-spring"
-  std::vector<FittedParameter> parameters;      ///< shape (P)
+  std::vector<Estimate> parameters;             ///< shape (P)
   Eigen::MatrixXd covariance;                   ///< shape (P, P); empty when unknown
   std::map<std::string, std::string> settings;  ///< how the model is meant: "effort", "predicts", "dead_band_rad_s" …
   std::string data_file, data_sha256;

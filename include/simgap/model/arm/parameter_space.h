@@ -11,6 +11,7 @@
 
 #include "simgap/core/yaml.h"
 #include "simgap/model/arm/arm.h"
+#include "simgap/optimize/parameter.h"
 
 namespace simgap {
 
@@ -36,14 +37,11 @@ void visitParameters(ArmModel& model, const ParameterVisitor& visit);
 /// True when the pattern's dot-separated parts match the first parts of the path; `*` stands for one whole part.
 bool matchesPattern(std::string_view pattern, std::string_view path);
 
-/// One parameter that is searched.
-struct SearchParameter {
-  std::string name;                ///< its path
-  std::string unit;                ///< SI
+/// One parameter that is searched. Its name is its path, its bounds the configuration's, or what the model file may
+/// hold.
+struct SearchParameter : ParameterSpec {
   double initial;                  ///< value in the model
   double step;                     ///< initial step size, > 0
-  double lower;                    ///< the configuration's, or what the model file may hold; may be -infinity
-  double upper;                    ///< likewise; may be +infinity
   std::optional<double> prior_sd;  ///< how well the initial value is known, in the parameter's unit
 };
 

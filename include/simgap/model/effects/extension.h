@@ -10,20 +10,14 @@
 #include <vector>
 
 #include "simgap/core/yaml.h"
+#include "simgap/optimize/parameter.h"
 
 namespace simgap {
-
-struct ExtensionParameter {
-  std::string name;
-  std::string unit;  ///< SI, as a suffix; "1" when dimensionless
-  double value = 0.0;
-  double sd = 0.0;  ///< NaN when unknown
-};
 
 struct Extension {
   std::string effect;  ///< a name of the catalogue
   std::string target;  ///< which muscle, body or joint; empty for an effect of the whole
-  std::vector<ExtensionParameter> parameters;
+  std::vector<Estimate> parameters;
 
   /// \throws ConfigError when there is no such parameter.
   double value(std::string_view name) const;

@@ -1,0 +1,44 @@
+#include "simgap/core/statistics.h"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+namespace simgap {
+
+double quantile(std::vector<double> values, double share) {
+  assert(!values.empty() && share >= 0.0 && share < 1.0);
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+double median(std::vector<double> values) {
+  assert(!values.empty());
+  const auto upper = values.begin() + std::ssize(values) / 2;
+  std::nth_element(values.begin(), upper, values.end());
+  return values.size() % 2 == 1 ? *upper : 0.5 * (*std::max_element(values.begin(), upper) + *upper);
+}
+
+double upperMedian(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+
+double robustDeviation(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  return upperMedian(std::move(values)) / kMedianOfNormal;
+}
+
+double studentQuantile(double degrees_of_freedom) {
+  return boost::math::quantile(boost::math::students_t(std::max(degrees_of_freedom, 1.0)), 0.975);
+}
+
+double normalTail(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
+
+double chiSquaredTail(double value, int degrees_of_freedom) {
+  if (value <= 0.0) return 1.0;
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees_of_freedom), value));
+}
+
+}  // namespace simgap

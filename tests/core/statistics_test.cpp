@@ -1,0 +1,69 @@
+#include "simgap/core/statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace simgap {
+namespace {
+
+TEST(Quantile, IsTheElementWithThatShareBelowIt) {
+  const std::vector<double> values = {5.0, 1.0, 4.0, 2.0, 3.0};
+  EXPECT_EQ(quantile(values, 0.0), 1.0);
+  EXPECT_EQ(quantile(values, 0.19), 1.0);
+  EXPECT_EQ(quantile(values, 0.2), 2.0);
+  EXPECT_EQ(quantile(values, 0.5), 3.0);
+  EXPECT_EQ(quantile(values, 0.99), 5.0);
+}
+
+TEST(Median, OfAnEvenNumberLiesBetweenTheTwoInTheMiddle) {
+  EXPECT_EQ(median({7.0}), 7.0);
+  EXPECT_EQ(median({9.0, -1.0, 2.0}), 2.0);
+  EXPECT_EQ(median({4.0, 1.0, 2.0, 100.0}), 3.0);
+  EXPECT_EQ(upperMedian({4.0, 1.0, 2.0, 100.0}), 4.0);
+  EXPECT_EQ(upperMedian({9.0, -1.0, 2.0}), 2.0);
+}
+
+TEST(RobustDeviation, IsTheStandardDeviationOfNormalValuesAndBlindToOutliers) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0.0, 3.0);
+  std::vector<double> values;
+  for (int i = 0; i < 100000; ++i) values.push_back(normal(random));
+  // Its own standard deviation is 1.17 sd / sqrt(n): 0.011 here.
+  EXPECT_NEAR(robustDeviation(values), 3.0, 0.05);
+  for (int i = 0; i < 1000; ++i) values[static_cast<std::size_t>(i)] = 1e6;
+  EXPECT_NEAR(robustDeviation(values), 3.0, 0.1);
+}
+
+// Expected values from the tables of Abramowitz & Stegun (26.7, 26.8, 26.2), to their last printed digit.
+TEST(StudentQuantile, AgreesWithTheTable) {
+  EXPECT_NEAR(studentQuantile(1.0), 12.706, 5e-4);
+  EXPECT_NEAR(studentQuantile(2.0), 4.303, 5e-4);
+  EXPECT_NEAR(studentQuantile(4.0), 2.776, 5e-4);
+  EXPECT_NEAR(studentQuantile(10.0), 2.228, 5e-4);
+  EXPECT_NEAR(studentQuantile(60.0), 2.000, 5e-4);
+  EXPECT_NEAR(studentQuantile(1e7), 1.959964, 1e-6);
+  EXPECT_EQ(studentQuantile(0.0), studentQuantile(1.0));
+}
+
+TEST(ChiSquaredTail, AgreesWithTheTable) {
+  EXPECT_NEAR(chiSquaredTail(3.84146, 1), 0.05, 1e-6);
+  EXPECT_NEAR(chiSquaredTail(5.99146, 2), 0.05, 1e-6);
+  EXPECT_NEAR(chiSquaredTail(11.3449, 3), 0.01, 1e-6);
+  EXPECT_NEAR(chiSquaredTail(18.4668, 4), 0.001, 1e-8);
+  EXPECT_EQ(chiSquaredTail(0.0, 3), 1.0);
+  EXPECT_EQ(chiSquaredTail(-1.0, 3), 1.0);
+}
+
+TEST(NormalTail, AgreesWithTheTableAndWithTheSquareOfItsVariable) {
+  EXPECT_NEAR(normalTail(0.0), 0.5, 1e-15);
+  EXPECT_NEAR(normalTail(1.959964), 0.025, 1e-8);
+  EXPECT_NEAR(normalTail(-1.959964), 0.975, 1e-8);
+  for (const double z : {0.1, 1.0, 3.0, 6.0}) {
+    EXPECT_NEAR(2.0 * normalTail(z) / chiSquaredTail(z * z, 1), 1.0, 1e-13) << z;
+  }
+}
+
+}  // namespace
+}  // namespace simgap
