@@ -156,8 +156,8 @@ void Selector::review() {
     const auto winner = best(trials);
     record(trials, winner);
     if (!winner) continue;
-    const ActuatorEffect* held = selection_.chosen.model->effects()[own_ + k];
-    const auto current = std::ranges::find_if(trials, [&](const Trial& t) { return t.hypothesis.effect == held; });
+    const ActuatorEffect* present = selection_.chosen.model->effects()[own_ + k];
+    const auto current = std::ranges::find_if(trials, [&](const Trial& t) { return t.hypothesis.effect == present; });
     const auto at = static_cast<std::size_t>(current - trials.begin());
     const bool swap = *winner != at && (!current->gain || pairedP(current->fitted.validation,
                                                                   trials[*winner].fitted.validation) < options_.level);

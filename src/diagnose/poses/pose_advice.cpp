@@ -11,7 +11,7 @@ namespace simgap {
 namespace {
 
 constexpr std::size_t kCandidates = 150;
-constexpr std::size_t kManyPoses = 40;  // enough to name causes (DIAGNOSE, point 11)
+constexpr std::size_t kManyPoses = 40;  // enough to name most causes (docs/diagnose.md)
 
 /// The model with a rival in the place of the cause it is not told from.
 PoseFit withRival(const PoseProblem& problem, PoseFit& fit, const std::string& cause, const std::string& rival,

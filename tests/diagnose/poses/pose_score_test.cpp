@@ -31,8 +31,11 @@ TEST(PoseScore, PlacesASlipWhereItHappened) {
   placeMoments(rig.problem, rig.plain, hypotheses);
   const double apart = rig.set.poses[1].time - rig.set.poses[0].time;
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
-    if (!hypotheses[h].effect->from_moment) EXPECT_EQ(hypotheses[h].starts, before[h].starts);
-    if (!hypotheses[h].effect->from_moment || hypotheses[h].target != hidden.target) continue;
+    if (!hypotheses[h].effect->from_moment) {
+      EXPECT_EQ(hypotheses[h].starts, before[h].starts);
+      continue;
+    }
+    if (hypotheses[h].target != hidden.target) continue;
     ASSERT_FALSE(hypotheses[h].starts.empty());
     EXPECT_NEAR(hypotheses[h].starts[0][1], hidden.moment, 3.0 * apart);
   }
