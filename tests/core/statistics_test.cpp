@@ -54,6 +54,8 @@ TEST(ChiSquaredTail, AgreesWithTheTable) {
   EXPECT_NEAR(chiSquaredTail(18.4668, 4), 0.001, 1e-8);
   EXPECT_EQ(chiSquaredTail(0.0, 3), 1.0);
   EXPECT_EQ(chiSquaredTail(-1.0, 3), 1.0);
+  EXPECT_EQ(chiSquaredTail(1e6, 3), 0.0);
+  EXPECT_EQ(chiSquaredTail(INFINITY, 3), 0.0);
 }
 
 TEST(NormalTail, AgreesWithTheTableAndWithTheSquareOfItsVariable) {
