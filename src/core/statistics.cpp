@@ -38,6 +38,7 @@ double normalTail(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
 double chiSquaredTail(double value, int degrees_of_freedom) {
   if (value <= 0.0) return 1.0;
+  if (!std::isfinite(value)) return std::isnan(value) ? value : 0.0;
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees_of_freedom), value));
 }
 

@@ -90,7 +90,7 @@ std::vector<std::size_t> selectBest(std::span<const double> fitness, int mu) {
     if (std::isfinite(fitness[k])) order.push_back(k);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return fitness[a] < fitness[b]; });
-  order.resize(std::min(order.size(), mu));
+  order.resize(std::min<std::size_t>(order.size(), mu));
   return order;
 }
 

@@ -55,8 +55,8 @@ TEST_P(LawOverRows, ParametersAreTheTermsAndWhatTheStribeckFactorNeeds) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LawOverRows, testing::ValuesIn(friction::all().begin(), friction::all().end()),
-                         [](const auto& info) {
-                           std::string name(info.param->name);
+                         [](const auto& law) {
+                           std::string name(law.param->name);
                            std::ranges::replace(name, '-', '_');
                            return name;
                          });
