@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "diagnose/verdict.h"
-#include "simgap/optimize/uncertainty.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {

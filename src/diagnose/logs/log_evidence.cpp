@@ -189,7 +189,7 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
   ceiling.share = std::max(0.0, 1.0 - left / std::max(total, 1e-300));
   for (std::size_t c = 0; c < used.size(); ++c) {
     const double lost = (shuffled[c] - left) / std::max(total, 1e-300);
-    if (lost > 0.1 * ceiling.share && lost > 0.002) ceiling.channels.push_back({used[c].name, lost});
+    if (lost > 0.1 * ceiling.share && lost > 0.002) ceiling.channels.push_back({used[c].name, lost, {}});
   }
   std::ranges::stable_sort(ceiling.channels, std::greater<>{}, &Leftover::share);
   return ceiling;

@@ -320,7 +320,7 @@ std::vector<Leftover> poseLeftovers(PoseFit& fit) {
     const double total = channels.whitened.squaredNorm();
     const double explained = fitted.squaredNorm() / total;
     const double by_chance = 3.0 / static_cast<double>(n);
-    leftovers.push_back({channels.names[static_cast<std::size_t>(c)], (explained - by_chance) / (1.0 - by_chance)});
+    leftovers.push_back({channels.names[static_cast<std::size_t>(c)], (explained - by_chance) / (1.0 - by_chance), {}});
   }
   std::ranges::stable_sort(leftovers, std::greater<>(), &Leftover::share);
   std::erase_if(leftovers, [](const Leftover& leftover) { return leftover.share < 0.05; });
