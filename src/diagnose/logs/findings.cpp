@@ -62,14 +62,14 @@ bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t 
 }
 
 std::string doubtOf(const LogSearch& search, const Fitted& full, const LogFit& fit, std::size_t effect,
-                    const Interval& gain, std::uint64_t seed) {
+                    const Interval& gain, const LogDiagnosisOptions& options) {
   if (std::string reason = undetermined(*full.model, fit, effect); !reason.empty()) return reason;
   if (cancels(*full.model, full, effect)) return "its terms cancel each other: their sizes mean nothing";
-  if (!(gain.lower95 > 0.0)) {
+  if (!(gain.lower95 > 0.0) || gain.value < options.least_gain) {
     return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f})", 100.0 * gain.value,
                        100.0 * gain.lower95, 100.0 * gain.upper95);
   }
-  const PlaceboTest placebos = testPlacebos(search, full, search.without(full, effect), effect, seed);
+  const PlaceboTest placebos = testPlacebos(search, full, search.without(full, effect), effect, options.seed);
   if (placebos.p > kPlaceboLevel) {
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
                        100.0 * placebos.largest, 100.0 * placebos.gain);
@@ -80,7 +80,7 @@ std::string doubtOf(const LogSearch& search, const Fitted& full, const LogFit& f
 }  // namespace
 
 std::vector<Candidate> keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split,
-                                    std::size_t own, std::uint64_t seed, Selection& selection) {
+                                    std::size_t own, const LogDiagnosisOptions& options, Selection& selection) {
   std::vector<Candidate> candidates;
   for (bool taken = true; taken;) {
     taken = false;
@@ -88,8 +88,8 @@ std::vector<Candidate> keepFindings(const LogSearch& search, const PreparedLog& 
     Fitted all = selection.chosen;
     const LogFit fit = describe(search, log, all);
     for (std::size_t k = selection.steps.size() - 1; k-- > 0 && !taken;) {
-      const Interval gain = predictedGain(heldout[k].sum, heldout[k + 1].sum, seed);
-      const std::string doubt = doubtOf(search, selection.chosen, fit, own + k, gain, seed);
+      const Interval gain = predictedGain(heldout[k].sum, heldout[k + 1].sum, options.seed);
+      const std::string doubt = doubtOf(search, selection.chosen, fit, own + k, gain, options);
       if (doubt.empty()) continue;
       candidates.push_back({std::string(selection.chosen.model->effects()[own + k]->name), {}, doubt, gain});
       dropCause(search, own, k, selection);

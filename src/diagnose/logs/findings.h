@@ -12,6 +12,6 @@ namespace simgap {
 /// Takes causes that are no findings out of the selection, the last accepted first, until every cause left is one.
 /// \param own  effects of the baseline, which stay.  \returns those taken out, with the reason.
 std::vector<Candidate> keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split,
-                                    std::size_t own, std::uint64_t seed, Selection& selection);
+                                    std::size_t own, const LogDiagnosisOptions& options, Selection& selection);
 
 }  // namespace simgap

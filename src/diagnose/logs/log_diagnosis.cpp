@@ -163,7 +163,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
   d.hypotheses = selection.records;
   dropLargeGroups(search, subject.effects.size(), selection, d);
-  for (Candidate& candidate : keepFindings(search, log, split, subject.effects.size(), options.seed, selection)) {
+  for (Candidate& candidate : keepFindings(search, log, split, subject.effects.size(), options, selection)) {
     d.candidates.push_back(std::move(candidate));
   }
   for (const std::string& name : selection.aliased) {

@@ -94,22 +94,27 @@ VectorXd phaseRandomised(const VectorXd& values, std::uint32_t draw, std::uint64
 PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitted& rest, std::size_t effect,
                          std::uint64_t seed) {
   VectorXd residual, own_residual;
-  MatrixXd jacobian;
-  rest.model->evaluate(rest.theta, residual, nullptr);
+  MatrixXd jacobian, rest_jacobian;
+  rest.model->evaluate(rest.theta, residual, &rest_jacobian);
   full.model->evaluate(full.theta, own_residual, &jacobian);
   const std::vector<Index> rows = countedRows(search, own_residual);
   const ActuatorRegression& model = *full.model;
   std::vector<Index> own, others;
-  const std::size_t columns = model.firstColumn(effect), values = model.firstParameter(effect);
-  for (std::size_t i = 0; i < model.parameters().size(); ++i) {
-    const bool is_own = (i >= columns && i < columns + model.effects()[effect]->columns.size()) ||
-                        (i >= values && i < values + model.effects()[effect]->parameters.size());
-    if (jacobian.col(static_cast<Index>(i)).squaredNorm() > 0.0)
-      (is_own ? own : others).push_back(static_cast<Index>(i));
+  const auto addOwn = [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (jacobian.col(i).squaredNorm() > 0.0) own.push_back(static_cast<Index>(i));
+    }
+  };
+  addOwn(model.firstColumn(effect), model.effects()[effect]->columns.size());
+  addOwn(model.firstParameter(effect), model.effects()[effect]->parameters.size());
+  for (std::size_t i = 0; i < rest.theta.size(); ++i) {
+    const ParameterSpec& p = rest.model->parameters()[i];
+    const bool free = !p.fixed && p.upper > p.lower;
+    if (free && rest_jacobian.col(i).squaredNorm() > 0.0) others.push_back(static_cast<Index>(i));
   }
   PlaceboTest test;
   if (own.empty() || rows.size() < 100) return test;
-  const Others fitted(MatrixXd(jacobian(rows, others)), VectorXd(residual(rows)));
+  const Others fitted(MatrixXd(rest_jacobian(rows, others)), VectorXd(residual(rows)));
   const MatrixXd signature = jacobian(rows, own);
   test.gain = fitted.gain(signature);
   std::vector<double> gains(kPlacebos);

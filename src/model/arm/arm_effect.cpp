@@ -13,7 +13,7 @@ using Target = ArmEffect::Target;
 
 std::string_view groupOf(Target target) {
   switch (target) {
-    case Target::kPam:
+    case Target::kMuscle:
     case Target::kMuscleOrAll:
       return "muscle";
     case Target::kBody:

@@ -9,7 +9,7 @@
 namespace simgap {
 
 bool appliesTo(const ActuatorEffect& effect, ActuatorKind kind) {
-  if (effect.kind == kind) return true;
+  if (effect.kind == kind || (kind == ActuatorKind::kFriction && effect.on_drive)) return true;
   return kind == ActuatorKind::kGearbox && effect.kind == ActuatorKind::kFriction && effect.on_gearbox;
 }
 

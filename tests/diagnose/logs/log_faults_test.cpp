@@ -11,7 +11,8 @@ namespace {
 using Eigen::Index;
 
 TEST(LogFaults, NoneInACleanLog) {
-  const std::vector<DataFault> faults = findFaults(preparedLog(smallRig()));
+  PreparedLog log = preparedLog(smallRig());
+  const std::vector<DataFault> faults = findFaults(log);
   EXPECT_TRUE(faults.empty()) << faults[0].sentence;
 }
 

@@ -77,7 +77,7 @@ std::string_view toString(ArmEffect::Target target) {
   switch (target) {
     case ArmEffect::Target::kNone:
       return "";
-    case ArmEffect::Target::kPam:
+    case ArmEffect::Target::kMuscle:
       return " (a muscle)";
     case ArmEffect::Target::kMuscleOrAll:
       return " (a muscle or all)";

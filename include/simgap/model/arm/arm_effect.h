@@ -93,7 +93,7 @@ struct Stiction {
 /// docs/effects.md is written from these fields (tests/model/effects/effects_page_test.cpp); nothing outside its file
 /// tests an effect by its name.
 struct ArmEffect {
-  enum class Target { kNone, kPam, kMuscleOrAll, kMovingBody, kBody, kJoint };
+  enum class Target { kNone, kMuscle, kMuscleOrAll, kMovingBody, kBody, kJoint };
 
   std::string_view name;            ///< as in the catalogue; the file's stem
   std::string_view cause;           ///< one sentence a person understands

@@ -80,6 +80,7 @@ struct ActuatorEffect {
   bool is_offset = false;       ///< a constant effort: part of every fit with an offset of its own
   bool implicit = false;        ///< `apply` reads terms.effort: the effort stands on both sides of the equation
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
+  bool on_drive = false;        ///< a gearbox's cause that any drive can have, too
   bool on_gearbox = true;       ///< false: a gearbox's own causes say it in other words, or its rows cannot show it
 
   /// Changes the terms. \param p  shape (P), within the bounds.

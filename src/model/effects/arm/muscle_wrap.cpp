@@ -88,7 +88,7 @@ const ArmEffect muscle_wrap{
         "the muscle touches a sphere about the centre of the joint number `joint` that it crosses (1: the first), of "
         "radius R; a and b are the distances of its ends from there, theta the angle between them; where it does not "
         "touch, the line is straight. Coiling changes its lever arm too, but follows the shaft",
-    .target = ArmEffect::Target::kPam,
+    .target = ArmEffect::Target::kMuscle,
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,

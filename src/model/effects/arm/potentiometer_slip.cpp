@@ -23,7 +23,7 @@ const ArmEffect potentiometer_slip{
     .cause = "the potentiometer slipped on its shaft at one moment",
     .equation = "L_K = L_K0 - r (phi + angle) from the moment time on",
     .signature = "a step in the order of recording",
-    .target = ArmEffect::Target::kPam,
+    .target = ArmEffect::Target::kMuscle,
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,
