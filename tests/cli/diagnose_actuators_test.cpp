@@ -114,9 +114,10 @@ TEST_F(DiagnoseActuators, SayUnexplainedForAMuscleThatBreathes) {
 TEST_F(DiagnoseActuators, NameWhatIsWrongWithAWinding) {
   reality::MotorTruth brushes, warm;
   brushes.brush_drop = 0.6;
-  warm.heating = 0.2;
+  warm.heating = 0.6;
   const Json drop = askMotor(brushes, 10), heat = askMotor(warm, 11);
   EXPECT_TRUE(alone(drop, "brush-drop")) << drop.at("sentence");
+  ASSERT_TRUE(alone(heat, "winding-heating")) << heat.dump(1);
   // The last one's extended model: `predict` gives the winding's voltage, `fit-motor` fits it to the log again.
   succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});
   EXPECT_LT(Json::parse(text("p/result.json")).at("rms_error").get<double>(),

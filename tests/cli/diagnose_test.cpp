@@ -130,7 +130,7 @@ TEST_F(DiagnoseTest, NamesATransmissionThatStretches) {
 
 TEST_F(DiagnoseTest, SaysUnexplainedAndTheChannelForWhatHasNoName) {
   reality::DriveDraw draw = shortDraw(15);
-  draw.secret.humid_friction = 0.15;
+  draw.secret.humid_friction = 0.3;
   const LogAnswer answer = ask(draw);
   ASSERT_EQ(answer.verdict(), "unexplained") << answer.result.dump(1);
   EXPECT_EQ(answer.result.at("left_over").at("channels")[0].at("channel"), "humidity_percent");
@@ -157,39 +157,67 @@ TEST_F(DiagnoseTest, DataFaultsComeBeforePhysics) {
                            const std::function<void(reality::DriveRecord&)>& spoil) {
     putLog(draw, spoil);
     const Json json = diagnoseLog();
-    EXPECT_FALSE(json.at("faults").empty()) << words;
-    const Json fault = json.at("faults").empty() ? Json::object() : json.at("faults")[0];
-    EXPECT_EQ(fault.value("channel", ""), channel);
-    EXPECT_THAT(fault.value("sentence", ""), HasSubstr(words));
-    return json;
+    Json named = Json::object();
+    for (const Json& fault : json.at("faults")) {
+      if (fault.at("sentence").get<std::string>().find(words) != std::string::npos) named = fault;
+    }
+    EXPECT_EQ(named.value("channel", ""), channel) << words << ": " << json.at("faults").dump(1);
+    return std::pair(json, named);
   };
+  using Spoil = std::function<void(reality::DriveRecord&)>;
   // Rows that cannot be believed are left out: the others still tell that nothing is hidden.
-  for (const Json& json : {faultOf("motor_current_A", "saturated",
-                                   [](reality::DriveRecord& r) {
-                                     for (double& i : r.current) i = std::clamp(i, -5.0, 5.0);
-                                   }),
-                           faultOf("external_torque", "stuck",
-                                   [](reality::DriveRecord& r) {
-                                     for (std::size_t i = 3000; i < 3400; ++i) r.torque[i] = r.torque[3000];
-                                   }),
-                           faultOf("motor_current_A", "drops to exactly 0", [](reality::DriveRecord& r) {
-                             for (std::size_t i = 500; i < r.current.size(); i += 60) r.current[i] = 0.0;
-                           })}) {
+  const std::tuple<const char*, const char*, Spoil> mended[] = {
+      {"motor_current_A", "saturated",
+       [](reality::DriveRecord& r) {
+         for (double& i : r.current) i = std::clamp(i, -5.0, 5.0);
+       }},
+      {"external_torque", "stuck",
+       [](reality::DriveRecord& r) {
+         for (std::size_t i = 3000; i < 3400; ++i) r.torque[i] = r.torque[3000];
+       }},
+      {"motor_current_A", "drops to exactly 0", [](reality::DriveRecord& r) {
+         for (std::size_t i = 500; i + 3 < r.current.size(); i += 60) {
+           for (std::size_t k = i; k < i + 3; ++k) r.current[k] = 0.0;
+         }
+       }}};
+  for (const auto& [channel, words, spoil] : mended) {
+    const auto [json, fault] = faultOf(channel, words, spoil);
     EXPECT_EQ(json.at("verdict"), "nothing-found") << json.at("sentence");
-    EXPECT_TRUE(json.at("faults")[0].at("corrected"));
-    EXPECT_GT(json.at("faults")[0].at("rows"), 0);
+    EXPECT_TRUE(fault.value("corrected", false));
+    EXPECT_GT(fault.value("rows", 0), 0);
   }
   // A channel with the wrong sign leaves nothing to believe.
-  for (const Json& json : {faultOf("external_torque", "wrong sign",
-                                   [](reality::DriveRecord& r) {
-                                     for (double& t : r.torque) t = -t;
-                                   }),
-                           faultOf("joint_position", "wrong sign", [](reality::DriveRecord& r) {
-                             for (double& a : r.angle) a = -a;
-                           })}) {
+  const std::tuple<const char*, const char*, Spoil> hopeless[] = {
+      {"external_torque", "wrong sign",
+       [](reality::DriveRecord& r) {
+         for (double& t : r.torque) t = -t;
+       }},
+      {"joint_position", "wrong sign", [](reality::DriveRecord& r) {
+         for (double& a : r.angle) a = -a;
+       }}};
+  for (const auto& [channel, words, spoil] : hopeless) {
+    const auto [json, fault] = faultOf(channel, words, spoil);
+    EXPECT_FALSE(fault.value("corrected", true));
     EXPECT_EQ(json.at("verdict"), "data-fault");
     EXPECT_TRUE(json.at("baseline").at("mse_heldout").is_null());
   }
+}
+
+// Another rig's logs: it stands still under load for 6 to 45 s while the holding controller leaves its current
+// anywhere; there is only an encoder, with spikes, and a gap. What is hidden has another shape than the catalogue's
+// formula.
+TEST_F(DiagnoseTest, StandstillIsNoEvidence) {
+  const auto ask = [&](const std::string& log) {
+    succeed({"diagnose", "classic", "--log", sourceFile("data/logs/" + log).string(), "-q", "--force", "-o", "d"});
+    return Json::parse(text("d/result.json"));
+  };
+  const Json none = ask("standstill-none.csv.gz");
+  EXPECT_EQ(none.at("verdict"), "nothing-found") << none.at("sentence");
+  EXPECT_THAT(none.at("warnings").dump(), HasSubstr("stands still"));
+  const Json bend = ask("standstill-bend-friction.csv.gz");
+  EXPECT_EQ(bend.at("verdict"), "cause-found") << bend.at("sentence");
+  ASSERT_EQ(bend.at("causes").size(), 1u);
+  EXPECT_EQ(bend.at("causes")[0].at("effect"), "bend-friction");
 }
 
 TEST_F(DiagnoseTest, AFewOutliersAreLeftOutAndSaid) {

@@ -16,9 +16,12 @@ using Kind = EffectParameter::Kind;
 constexpr double kCancelling = 30.0;  // times what a cause's terms add up to: each of them alone means nothing
 constexpr double kPlaceboLevel = 0.05;
 
-/// A size that is known to be there: its interval leaves out what it would be without the cause.
-bool isThere(const Estimate& p, double neutral, double t) {
-  return std::isfinite(p.sd) && p.sd > 0.0 && std::abs(p.value - neutral) > t * p.sd;
+/// A size that was measured. With a shape beside it (how fast it heats up) each alone may be known badly where the two
+/// together are not: whether the cause is there at all was tested before, here only sizes that mean nothing are
+/// refused.
+bool isMeasured(const Estimate& p, double neutral, double t) {
+  constexpr double kMeaningless = 3.0;  // half widths of the interval, in sizes
+  return std::isfinite(p.sd) && p.sd > 0.0 && t * p.sd < kMeaningless * std::abs(p.value - neutral);
 }
 
 /// Why the cause's own parameters are no measurement; empty when they are.
@@ -26,7 +29,7 @@ std::string undetermined(const ActuatorRegression& model, const LogFit& fit, std
   const ActuatorEffect& cause = *model.effects()[effect];
   bool any = false;
   for (std::size_t k = 0; k < cause.columns.size(); ++k) {
-    any = any || isThere(fit.parameters[model.firstColumn(effect) + k], 0.0, fit.t);
+    any = any || isMeasured(fit.parameters[model.firstColumn(effect) + k], 0.0, fit.t);
   }
   bool sized = !cause.columns.empty();
   for (std::size_t k = 0; k < cause.parameters.size(); ++k) {
@@ -38,7 +41,7 @@ std::string undetermined(const ActuatorRegression& model, const LogFit& fit, std
     }
     if (p.kind != Kind::kSmooth) continue;
     sized = true;
-    any = any || isThere(value, p.neutral, fit.t);
+    any = any || isMeasured(value, p.neutral, fit.t);
   }
   return any || !sized ? "" : "none of its own parameters is determined by these data";
 }
@@ -89,7 +92,11 @@ std::vector<Candidate> keepFindings(const LogSearch& search, const PreparedLog& 
     const LogFit fit = describe(search, log, all);
     for (std::size_t k = selection.steps.size() - 1; k-- > 0 && !taken;) {
       const Interval gain = predictedGain(heldout[k].sum, heldout[k + 1].sum, options.seed);
-      const std::string doubt = doubtOf(search, selection.chosen, fit, own + k, gain, options);
+      std::string doubt = doubtOf(search, selection.chosen, fit, own + k, gain, options);
+      if (doubt.empty() && selection.unnamed && selection.unnamed->gain->value > gain.value) {
+        doubt = fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
+                            selection.unnamed->hypothesis.target);
+      }
       if (doubt.empty()) continue;
       candidates.push_back({std::string(selection.chosen.model->effects()[own + k]->name), {}, doubt, gain});
       dropCause(search, own, k, selection);

@@ -165,6 +165,12 @@ double deviationOf(const Eigen::VectorXd& residual) {
 
 std::vector<DataFault> findFaults(PreparedLog& log) {
   const ActuatorRows& rows = log.data.rows;
+  std::vector<DataFault> spikes;
+  for (const ChannelSpikes& s : log.spikes) {
+    spikes.push_back({s.channel,
+                      fmt::format("{} stands alone in {} rows: outliers; they were left out", s.channel, s.rows.size()),
+                      s.rows.front() + 1, s.rows.back() + 1, s.rows.size(), true});
+  }
   if (log.kind == ActuatorKind::kMotor || log.kind == ActuatorKind::kPam) {
     // Voltages and pressures are set to levels, limits included: only lost samples can be told.
     const bool motor = log.kind == ActuatorKind::kMotor;
@@ -174,7 +180,7 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
   }
   std::vector<NamedChannel> channels = {{log.effort_column, rows.effort}, {"motor_velocity", rows.speed}};
   if (rows.top_load > 0.0) channels.push_back({"external_torque", rows.load});
-  std::vector<DataFault> faults;
+  std::vector<DataFault> faults = std::move(spikes);
   for (const NamedChannel& channel : channels) {
     if (channel.name != "external_torque") findClipping(channel, log, faults);
     findStuck(channel, log, faults);

@@ -68,6 +68,12 @@ struct Others {
   }
 };
 
+/// An offset has no colour that a placebo could have.
+bool isConstant(const MatrixXd& signature) {
+  const MatrixXd centred = signature.rowwise() - signature.colwise().mean();
+  return centred.squaredNorm() < 1e-6 * signature.squaredNorm();
+}
+
 }  // namespace
 
 VectorXd phaseRandomised(const VectorXd& values, std::uint32_t draw, std::uint64_t seed) {
@@ -116,6 +122,7 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   if (own.empty() || rows.size() < 100) return test;
   const Others fitted(MatrixXd(rest_jacobian(rows, others)), VectorXd(residual(rows)));
   const MatrixXd signature = jacobian(rows, own);
+  if (isConstant(signature)) return {0.0, 0.0, 0.0};
   test.gain = fitted.gain(signature);
   std::vector<double> gains(kPlacebos);
   tbb::parallel_for(std::uint32_t{0}, kPlacebos, [&](std::uint32_t draw) {

@@ -95,8 +95,10 @@ void completeMotion(ActuatorLog& log, bool acceleration, FrictionData& data) {
 void takeOutSpikes(ActuatorLog& log, FrictionData& data) {
   if (!log.has_time) return;
   const std::string effort = quantityName(log.effort_name, log.effort_unit);
-  const std::pair<std::string, std::vector<double>*> channels[] = {
-      {"position", &log.position}, {"velocity", &log.velocity}, {effort, &log.effort}, {"external torque", &log.load}};
+  const std::pair<std::string, std::vector<double>*> channels[] = {{"motor_position", &log.position},
+                                                                   {"motor_velocity", &log.velocity},
+                                                                   {effort, &log.effort},
+                                                                   {"external_torque", &log.load}};
   for (const auto& [name, values] : channels) {
     if (values->empty()) continue;
     std::vector<std::size_t> rows;
@@ -106,12 +108,7 @@ void takeOutSpikes(ActuatorLog& log, FrictionData& data) {
         rows.push_back(begin + i);
     });
     if (rows.empty()) continue;
-    data.spike.resize(log.rows(), false);
-    for (const std::size_t i : rows) data.spike[i] = true;
-    data.warnings.push_back(
-        fmt::format("{} stands alone in {} row{} (the first is row {}): left out, and replaced by "
-                    "the line between its neighbours where it is differentiated",
-                    name, rows.size(), rows.size() == 1 ? "" : "s", rows.front() + 1));
+    data.spikes.push_back({name, std::move(rows)});
   }
 }
 
@@ -358,7 +355,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
         bench.bandwidth.value_or(FrictionDataOptions::kDefaultBandwidth * samplingRate(log)));
   }
   const bool derived_velocity = log.velocity.empty();
-  takeOutSpikes(log, data);
+  if (!options.raw_sign) takeOutSpikes(log, data);
   completeMotion(log, bench.needsAcceleration(), data);
   checkLog(log, data);
   workOutLoad(log, bench, data);
@@ -372,8 +369,11 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   data.dead_band = sign.dead_band;
   data.reversals = sign.reversals;
   leaveOutRests(log, options, sign, data);
-  for (std::size_t i = 0; i < data.spike.size(); ++i) {
-    if (data.spike[i]) sign.keep[i] = false;
+  for (const ChannelSpikes& spikes : data.spikes) {
+    for (const std::size_t i : spikes.rows) sign.keep[i] = false;
+    if (options.all_rows) continue;  // whoever asked for all rows says it himself
+    data.warnings.push_back(fmt::format("{} stands alone in {} rows (the first is row {}): they are left out",
+                                        spikes.channel, spikes.rows.size(), spikes.rows.front() + 1));
   }
   const std::vector<bool> chosen = chosenSessions(log, options.sessions);
   for (std::size_t i = 0; i < log.rows(); ++i) {

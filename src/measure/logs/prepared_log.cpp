@@ -230,6 +230,7 @@ PreparedLog prepareActuatorData(const CsvTable& table, const Bench& bench, const
   log.session_names = friction.session_names;
   log.dead_band = friction.dead_band;
   log.warnings = friction.warnings;
+  log.spikes = friction.spikes;
   log.blocks = friction.blocks;
   ActuatorData& data = log.data;
   data.keep = friction.keep;

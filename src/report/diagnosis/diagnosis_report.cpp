@@ -179,7 +179,8 @@ std::string terminalTable(const Diagnosis& d) {
   for (const DataFault& f : d.faults) text += fmt::format("fault     {}\n", f.sentence);
   if (!d.causes.empty()) text += causesText(d, result);
   for (const Candidate& c : d.candidates)
-    text += fmt::format("candidate {}, not named: {}\n", c.target.empty() ? c.effect : c.effect + " of " + c.target, c.reason);
+    text += fmt::format("candidate {}, not named: {}\n", c.target.empty() ? c.effect : c.effect + " of " + c.target,
+                        c.reason);
   if (d.verdict != DiagnosisVerdict::kDataFault) {
     text += fmt::format("explained {:.0f} % of the error; {:.0f} % is explainable by what was logged\n",
                         d.explained_percent, d.explainable_percent);

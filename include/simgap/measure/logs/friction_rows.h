@@ -12,6 +12,7 @@
 #include "simgap/core/blocks.h"
 #include "simgap/measure/logs/actuator_log.h"
 #include "simgap/measure/logs/bench.h"
+#include "simgap/measure/logs/spikes.h"
 
 namespace simgap {
 
@@ -48,11 +49,11 @@ struct FrictionData {
   std::vector<bool> keep;        ///< with `all_rows`, shape (n): rows that mean something
   std::vector<std::string> session_names;
   std::string file, effort_name, effort_unit, angle_unit, velocity_unit, load_unit;
-  double dead_band = 0.0;            ///< [rad/s]
-  double bandwidth = 0.0;            ///< [Hz] of what was smoothed; 0 when nothing was
-  std::vector<std::string> derived;  ///< "velocity", "acceleration"
-  std::vector<bool> spike;           ///< shape (log rows): a channel stood alone there; empty when none did
-  std::size_t rest_rows = 0;         ///< rows left out because the drive stood still
+  double dead_band = 0.0;             ///< [rad/s]
+  double bandwidth = 0.0;             ///< [Hz] of what was smoothed; 0 when nothing was
+  std::vector<std::string> derived;   ///< "velocity", "acceleration"
+  std::vector<ChannelSpikes> spikes;  ///< samples that stood alone, by channel
+  std::size_t rest_rows = 0;          ///< rows left out because the drive stood still
   std::size_t log_rows = 0;
   std::size_t reversals = 0;
   std::vector<std::string> warnings;  ///< sentences about the log, for people

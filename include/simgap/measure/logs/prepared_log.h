@@ -37,6 +37,7 @@ struct PreparedLog {
   std::vector<std::string> session_names;
   std::string file, effort_column;
   double dead_band = 0.0;
+  std::vector<ChannelSpikes> spikes;  ///< samples that stood alone; their rows do not count
   std::vector<std::string> warnings;
 };
 

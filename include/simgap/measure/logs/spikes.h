@@ -6,9 +6,16 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace simgap {
+
+/// What a channel of a log holds of them.
+struct ChannelSpikes {
+  std::string channel;
+  std::vector<std::size_t> rows;  ///< of the log, from 0, rising; never empty
+};
 
 /// Rows whose value stands alone: its distance from the line between its neighbours is many times what that distance
 /// is elsewhere, and its neighbours' own distances are the -1/2 of it that a single wrong sample causes.

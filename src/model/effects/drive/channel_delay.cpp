@@ -20,8 +20,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return list;
 }
 
-/// Where a reversal lies between two rows is not known better than to half a row, and a velocity from an encoder lags by
-/// as much: less than a row is no finding.
+/// Where a reversal lies between two rows is not known better than to half a row, and a velocity from an encoder lags
+/// by as much: less than a row is no finding.
 bool counts(std::span<const double> p, const ActuatorRows& rows) { return std::abs(p[0]) >= rows.step; }
 
 }  // namespace
