@@ -10,7 +10,8 @@ namespace {
 
 Eigen::VectorXd slowSignal(Eigen::Index n) {
   Eigen::VectorXd x(n);
-  for (Eigen::Index i = 0; i < n; ++i) x[i] = 2.0 + std::sin(0.05 * i) + 0.5 * std::sin(0.113 * i + 1.0);
+  const Eigen::ArrayXd i = Eigen::ArrayXd::LinSpaced(n, 0.0, static_cast<double>(n - 1));
+  x = 2.0 + (0.05 * i).sin() + 0.5 * (0.113 * i + 1.0).sin();
   return x;
 }
 
