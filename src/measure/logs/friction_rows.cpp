@@ -218,26 +218,32 @@ void checkLog(const ActuatorLog& log, FrictionData& data) {
 
 /// Kinetic laws are fitted and judged on motion.
 void leaveOutRests(const ActuatorLog& log, const FrictionDataOptions& options, MotionSign& sign, FrictionData& data) {
+  constexpr std::ptrdiff_t kFewestRows = 50;  // of motion
   if (options.raw_sign || !log.has_time) return;
   const std::vector<bool> rest =
       findRests(log.time, log.velocity, log.session, restingSpeed(log.velocity, sign.dead_band));
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    if (!rest[i] || !sign.keep[i]) continue;
-    sign.keep[i] = false;
-    ++data.rest_rows;
+  std::vector<bool> moving = sign.keep;
+  for (std::size_t i = 0; i < rest.size(); ++i) moving[i] = moving[i] && !rest[i];
+  const auto rests = std::ranges::count(sign.keep, true) - std::ranges::count(moving, true);
+  const auto left = std::ranges::count(moving, true);
+  if (rests == 0) return;
+  const double share = 100.0 * static_cast<double>(rests) / static_cast<double>(log.rows());
+  if (left >= kFewestRows) {
+    sign.keep = std::move(moving);
+    data.warnings.push_back(
+        fmt::format("the drive stands still in {} rows ({:.1f} %): they are left out, because a held "
+                    "drive's effort may lie anywhere within its static friction",
+                    rests, share));
+    return;
   }
-  if (data.rest_rows == 0) return;
-  const double share = 100.0 * static_cast<double>(data.rest_rows) / static_cast<double>(log.rows());
-  data.warnings.push_back(
-      fmt::format("the drive stands still in {} rows ({:.1f} %): they are left out, because a held "
-                  "drive's effort may lie anywhere within its static friction",
-                  data.rest_rows, share));
-  if (std::ranges::count(sign.keep, true) < 50) {
+  const std::string found = fmt::format("the drive moves in {} of {} rows", left, log.rows());
+  if (options.all_rows) {
     throw DataError(
-        fmt::format("{}: the drive moves in {} of {} rows, expected at least 50: nothing can be said of its "
-                    "friction; record motion in both directions",
-                    log.file, std::ranges::count(sign.keep, true), log.rows()));
+        fmt::format("{}: {}, expected at least {}: no cause can be told from what holds it; record motion in "
+                    "both directions",
+                    log.file, found, kFewestRows));
   }
+  data.warnings.push_back(found + ": its rests were fitted, too, and a held drive's effort is no friction in motion");
 }
 
 std::vector<bool> chosenSessions(const ActuatorLog& log, const std::vector<std::string>& names) {

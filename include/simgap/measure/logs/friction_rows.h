@@ -53,7 +53,6 @@ struct FrictionData {
   double bandwidth = 0.0;             ///< [Hz] of what was smoothed; 0 when nothing was
   std::vector<std::string> derived;   ///< "velocity", "acceleration"
   std::vector<ChannelSpikes> spikes;  ///< samples that stood alone, by channel
-  std::size_t rest_rows = 0;          ///< rows left out because the drive stood still
   std::size_t log_rows = 0;
   std::size_t reversals = 0;
   std::vector<std::string> warnings;  ///< sentences about the log, for people
