@@ -33,7 +33,7 @@ ActuatorModel subjectOf(const FittedModel& model) {
     subject.values.push_back({"tendon-compliance.compliance", "1_N", 1.0 / k});
   }
   for (const Extension& extension : model.extensions) {
-    const ActuatorEffect& effect = actuator_effects::find(extension.effect);
+    const ActuatorEffect& effect = actuator_effects::find(extension.effect, extension.form);
     const bool of_angles = effect.kind == ActuatorKind::kTransmission;
     if (of_angles) {
       subject.of_angles.push_back(extension);
