@@ -92,8 +92,9 @@ TEST(PlantedEffects, JoinWhatIsFoundWithoutThem) {
       for (const auto& group : answer.named) {
         if (std::ranges::find(group, effect) != group.end()) after.erase(group[0]);
       }
-      fmt::print("{:<14} + {:<22} ({}) worth {:4.1f} % -> {}{}{}\n", plan.log, effect, planted.shape, 100.0 * worth,
-                 answer.text() + candidacy(answer, effect), before != after ? " [others change]" : "",
+      fmt::print("{:<14} + {:<22} ({}, {:.3g}) worth {:4.1f} % -> {}{}{}\n", plan.log, effect, planted.shape,
+                 planted.magnitude, 100.0 * worth, answer.text() + candidacy(answer, effect),
+                 before != after ? " [others change]" : "",
                  interval == Interval::kMisses ? " [interval misses:" + statedBy(answer, effect, planted) + "]" : "");
       std::fflush(stdout);
       if (worth < 0.10) continue;

@@ -93,12 +93,13 @@ struct Shape {
   double guess = 1.0;
   std::string stated;           ///< parameter that says the magnitude, or `value`; empty: none
   std::optional<double> value;  ///< of the stated parameter where it is not the magnitude
+  double unit = 1.0;            ///< of the magnitude in the stated parameter's
 };
 
 /// The effort as it was whole rows before: nothing is smoothed.
 Series shifted(const Motion& m, double rows) {
   Series result = m.effort;
-  const auto late = static_cast<Index>(std::lround(rows));
+  const auto late = std::min<Index>(static_cast<Index>(rows), m.effort.size() / 10);
   result.tail(result.size() - late) = m.effort.head(m.effort.size() - late);
   return result;
 }
@@ -123,6 +124,7 @@ Series warmth(const Motion& m, double phase) {
 
 Shape frictionShape(const Motion& m, const std::string& effect, double u, double v) {
   const Series size = m.speed.abs() / m.top, friction = frictionOf(m), dry = m.way * m.moving;
+  const double dry_size = ordinary(m).colPivHouseholderQr().solve(m.effort.matrix())[1];
   if (effect == "viscous-asymmetry") {
     return {"|w|", [=](double c) { return Series(c * m.speed.abs() * m.moving); }, 1.0 / m.top, "k_asym", {}};
   }
@@ -151,7 +153,7 @@ Shape frictionShape(const Motion& m, const std::string& effect, double u, double
   }
   const double from = m.time[0] + (0.3 + 0.4 * u) * (m.time.maxCoeff() - m.time[0]);
   const Series after = (m.time > from).cast<double>();
-  return {"step", [=](double c) { return Series(c * friction * after); }, 0.2, "t_c", from};
+  return {"step of dry friction", [=](double c) { return Series(c * dry_size * dry * after); }, 0.2, "", {}};
 }
 
 Shape otherShape(const Motion& m, const std::string& effect, double u, double v) {
@@ -171,10 +173,12 @@ Shape otherShape(const Motion& m, const std::string& effect, double u, double v)
             },
             0.1, "r", ratio};
   }
-  if (effect == "channel-delay") {  // of whole rows, so that the noise stays as it is
-    const double step = quantile(m.time.tail(m.time.size() - 1) - m.time.head(m.time.size() - 1), 0.5);
-    const double rows = std::max(1.0, std::round((0.02 + 0.04 * u) / step));
-    return {"shift", [=](double) { return Series(shifted(m, rows) - m.effort); }, 1.0, "dt", rows * step};
+  if (effect == "channel-delay") {
+    return {"shift by whole rows",
+            [=](double rows) { return Series(shifted(m, std::ceil(rows)) - m.effort); },
+            1.0,
+            "dt",
+            {}};
   }
   if (effect == "speed-limit") {
     const double limit = (0.65 + 0.2 * u) * m.top;
@@ -205,6 +209,22 @@ Shape shapeOf(const Motion& m, const std::string& effect, double u, double v) {
     if (effect == friction) return frictionShape(m, effect, u, v);
   }
   return otherShape(m, effect, u, v);
+}
+
+/// The magnitude whose unexplained part has the mean square `wanted`, or the largest that a drive has.
+double magnitudeOf(const Motion& m, const Shape& shape, const std::string& effect, double wanted) {
+  const bool rows = effect == "channel-delay";
+  const double most = effect == "torque-saturation" ? 1.5 : effect == "friction-heating" ? 0.06 : rows ? 40.0 : 1e30;
+  double magnitude = shape.guess;
+  for (int round = 0; round < 40; ++round) {
+    // A shift of the noise is no signal: of a delay its smooth part counts.
+    const Series signal = rows ? Series(magnitude * shape.unit * slope(m.time, m.effort, 6)) : shape.added(magnitude);
+    const double now = unexplained(m, signal).square().mean();
+    if (rows && now >= wanted) break;
+    magnitude = rows ? magnitude + 1.0 : magnitude * std::sqrt(std::clamp(wanted / std::max(now, 1e-30), 0.25, 4.0));
+    magnitude = std::min(magnitude, most);
+  }
+  return magnitude;
 }
 
 }  // namespace
@@ -280,14 +300,9 @@ Planted plant(const PlantingPlan& plan, const LogTable& log, const std::string& 
   const double first = u(random), second = u(random), side = u(random) < 0.5 ? -1.0 : 1.0;
   const Motion m = motionOf(plan, log);
   const Shape shape = shapeOf(m, effect, first, second);
-  double magnitude = shape.guess;
-  const double wanted = gain / (1.0 - gain) * error;
-  for (int round = 0; round < 12; ++round) {
-    const double now = unexplained(m, shape.added(magnitude)).square().mean();
-    magnitude *= std::sqrt(std::clamp(wanted / std::max(now, 1e-30), 0.04, 25.0));
-  }
+  double magnitude = magnitudeOf(m, shape, effect, gain / (1.0 - gain) * error);
   if (effect == "viscous-asymmetry") magnitude *= side;
-  Planted planted{log, shape.words, {}};
+  Planted planted{log, shape.words, magnitude, {}};
   const Series with = m.effort + shape.added(magnitude);
   planted.table.column(plan.effort).assign(with.begin(), with.end());
   if (effect == "friction-heating") {
@@ -295,7 +310,7 @@ Planted plant(const PlantingPlan& plan, const LogTable& log, const std::string& 
     planted.table.header.emplace_back("temperature_degC");
     planted.table.columns.emplace_back(warm.begin(), warm.end());
   }
-  if (!shape.stated.empty()) planted.stated = {shape.stated, shape.value.value_or(magnitude)};
+  if (!shape.stated.empty()) planted.stated = {shape.stated, shape.value.value_or(shape.unit * magnitude)};
   return planted;
 }
 

@@ -37,6 +37,7 @@ struct LogTable {
 struct Planted {
   LogTable table;
   std::string shape;                                     ///< in words
+  double magnitude = 0.0;                                ///< in the unit of the shape
   std::optional<std::pair<std::string, double>> stated;  ///< parameter of the cause and its value, torques in efforts
 };
 
