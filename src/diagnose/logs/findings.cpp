@@ -173,10 +173,8 @@ class Judge {
     const double before = found_.heldout[cause].mse(), after = found_.heldout[cause + 1].mse();
     const double left = shareLeft(selection_, *found_.left) * found_.heldout.back().mse();
     if (before - after >= kClearly * left || gainOf(cause).lower95 * before >= left) return {};
-    return fmt::format(
-        "what is left without a name is of its size ({:.0f} % against {:.0f} %): it may only stand in "
-        "for that",
-        100.0 * left / found_.heldout[0].mse(), 100.0 * (before - after) / found_.heldout[0].mse());
+    return fmt::format("it explains {:.0f} %, and what is left without a name {:.0f} %: it may only stand in for that",
+                       100.0 * (before - after) / before, 100.0 * left / before);
   }
 
   const LogSearch& search_;

@@ -82,6 +82,8 @@ class LogSearch {
   /// of a model that lacks something may lie far from the true one.
   std::optional<std::vector<double>> otherStribeck(const ActuatorRegression& model,
                                                    const std::vector<double>& start) const;
+  /// One effect after the other, each from its own starts.
+  Fitted fitInTurn(const std::vector<const ActuatorEffect*>& effects) const;
   void refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const;
   std::shared_ptr<const ActuatorRegression> makeModel(const std::vector<const ActuatorEffect*>& effects) const;
 

@@ -47,7 +47,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
       addLinear(p.name, p.unit, p.lower, p.upper, true);
   } else {
     for (const EffectColumn& column : base.equation->columns)
-      addLinear(std::string(column.name), std::string(column.unit), column.lower, column.upper, false);
+      addLinear(std::string(column.name), unitOn(column.unit, data), column.lower, column.upper, false);
   }
   for (const ParameterSpec& p : data.rig_parameters) addLinear(p.name, p.unit, 0.0, kInfinity, true);
   if (data.offset) addLinear("offset", data.effort_unit, -kInfinity, kInfinity, false);
@@ -100,6 +100,7 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
     t.shared.pressure = rows.pressure;
     t.shared.contraction = rows.contraction;
   }
+  if (base_.kind == ActuatorKind::kSpring) t.shared.deflection = rows.deflection;
   std::size_t at = 0;
   if (base_.hasStribeck()) {
     t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;

@@ -9,6 +9,7 @@
 #include "reality/drive_draws.h"
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
+#include "reality/spring_rig.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/measure/logs/prepared_log.h"
@@ -20,6 +21,10 @@ namespace {
 PreparedLog smallLog(ActuatorKind kind) {
   if (kind == ActuatorKind::kPam) {
     return preparePamData(CsvTable::parse(reality::recordPam({}, {.sessions = 3, .rows = 600}).csv(), "log.csv"));
+  }
+  if (kind == ActuatorKind::kSpring) {
+    return prepareSpringData(
+        CsvTable::parse(reality::recordSpring({}, {.sessions = 3, .seconds = 12.0}).csv(), "log.csv"));
   }
   if (kind == ActuatorKind::kMotor) {
     const reality::MotorDesign design{.seconds = 1.5, .rate = 500.0, .current_noise = 0.02, .velocity_noise = 0.2};
@@ -41,6 +46,7 @@ PreparedLog transmissionLog() {
 /// The name of the model that the effect extends, and a base with plausible values.
 std::string modelOf(const ActuatorEffect& effect) {
   if (effect.kind == ActuatorKind::kPam) return "pam";
+  if (effect.kind == ActuatorKind::kSpring) return "spring";
   return effect.kind == ActuatorKind::kMotor ? "motor" : "classic";
 }
 
@@ -70,6 +76,9 @@ class DriveEffectContract : public testing::TestWithParam<const ActuatorEffect*>
                                                                          {"R", "", 0.8, 0},
                                                                          {"L", "", 0.004, 0},
                                                                          {"K_E", "", 0.02, 0},
+                                                                         {"stiffness", "", 150.0, 0},
+                                                                         {"offset", "", 0.3, 0},
+                                                                         {"damping", "", 4.0, 0},
                                                                          {"inverse_ratio", "", 0.0102, 0}});
     std::vector<double> theta = model.startFrom(plain, base);
     const ActuatorEffect& effect = *model.effects()[0];
@@ -87,6 +96,7 @@ class DriveEffectContract : public testing::TestWithParam<const ActuatorEffect*>
         {ActuatorKind::kFriction, smallLog(ActuatorKind::kFriction)},
         {ActuatorKind::kMotor, smallLog(ActuatorKind::kMotor)},
         {ActuatorKind::kPam, smallLog(ActuatorKind::kPam)},
+        {ActuatorKind::kSpring, smallLog(ActuatorKind::kSpring)},
         {ActuatorKind::kTransmission, transmissionLog()}};
     const ActuatorKind kind = GetParam()->kind;
     return logs.at(kind == ActuatorKind::kGearbox ? ActuatorKind::kFriction : kind).data;

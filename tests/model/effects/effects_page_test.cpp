@@ -115,7 +115,8 @@ std::string entries(const std::string& group) {
     const bool drive = effect->kind == ActuatorKind::kFriction || effect->kind == ActuatorKind::kTransmission;
     const bool here = (group == "drive" && drive) || (group == "gearbox" && effect->kind == ActuatorKind::kGearbox) ||
                       (group == "motor" && effect->kind == ActuatorKind::kMotor) ||
-                      (group == "pam" && effect->kind == ActuatorKind::kPam);
+                      (group == "pam" && effect->kind == ActuatorKind::kPam) ||
+                      (group == "spring" && effect->kind == ActuatorKind::kSpring);
     if (here) text += entry(*effect);
   }
   return text;

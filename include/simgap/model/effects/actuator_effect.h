@@ -1,6 +1,6 @@
 /// \file
-/// A physical cause that an actuator's model may lack: one file in src/model/effects/{drive,gearbox,motor,pam}, found
-/// by CMake (docs/effects.md). The model of an actuator's effort is linear in all but a few numbers p:
+/// A physical cause that an actuator's model may lack: one file in src/model/effects/{drive,gearbox,motor,pam,spring},
+/// found by CMake (docs/effects.md). The model of an actuator's effort is linear in all but a few numbers p:
 ///
 ///     effort = X(p) c,   X = [load | friction law's columns | effects' columns | 1] / gain
 ///
@@ -46,6 +46,7 @@ struct ActuatorTerms {
   Eigen::ArrayXd effort;       ///< [N] of a muscle: what stretches its tendon
   Eigen::ArrayXd pressure;     ///< [Pa] that drives a muscle
   Eigen::ArrayXd contraction;  ///< [1] of the muscle itself
+  Eigen::ArrayXd deflection;   ///< [m] or [rad] by which a spring is stretched
 };
 
 /// A number that enters the model non-linearly.
