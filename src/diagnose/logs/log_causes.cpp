@@ -1,7 +1,5 @@
 #include "log_causes.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -76,8 +74,7 @@ std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceE
     Cause& cause = causes.emplace_back();
     cause.effect = effect.name;
     cause.form = effect.form;
-    cause.sentence =
-        effect.form.empty() ? std::string(effect.cause) : fmt::format("{} ({})", effect.cause, effect.form);
+    cause.sentence = effect.cause;
     cause.gain_heldout = predictedGain(heldout[k].sum, heldout[k + 1].sum, seed);
     cause.p_adjusted = selection.p_adjusted[k];
     cause.ambiguous_with = selection.ambiguous_with[k];

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/interrupt.h"
 #include "simgap/core/statistics.h"
 
 namespace simgap {
@@ -147,6 +148,7 @@ Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
   for (const std::vector<double>& start : at) starts.push_back(model->solveCoefficients(start, training_));
   std::vector<std::pair<double, std::size_t>> promise;
   for (std::size_t s = 0; s < starts.size(); ++s) {
+    stopIfInterrupted();
     promise.emplace_back(
         starts.size() > kToTheEnd || hopeless > 0.0 ? linearisedCost(*model, training_, starts[s]) : 0.0, s);
   }

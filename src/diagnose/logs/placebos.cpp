@@ -9,6 +9,7 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
 
 namespace simgap {
@@ -137,6 +138,7 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   test.gain = fitted.gain(signature);
   std::vector<double> gains(kPlacebos);
   tbb::parallel_for(std::uint32_t{0}, kPlacebos, [&](std::uint32_t draw) {
+    stopIfInterrupted();
     MatrixXd placebo(signature.rows(), signature.cols());
     for (Index k = 0; k < signature.cols(); ++k) placebo.col(k) = phaseRandomised(signature.col(k), draw, seed);
     gains[draw] = fitted.gain(placebo);
