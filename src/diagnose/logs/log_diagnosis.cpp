@@ -62,12 +62,20 @@ double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
 /// Groups too large to be an answer are candidates, all of them.
 void dropLargeGroups(const LogSearch& search, std::size_t own, Selection& selection, Diagnosis& d) {
   for (std::size_t k = selection.steps.size() - 1; k-- > 0;) {
-    if (selection.ambiguous_with[k].size() + 1 <= kLargestGroup) continue;
+    if (!isLost(selection.ambiguous_with[k])) continue;
     const std::string reason =
         fmt::format("cannot be told apart here from {}", fmt::join(selection.ambiguous_with[k], ", "));
     d.candidates.push_back({std::string(selection.chosen.model->effects()[own + k]->name), {}, reason, {}});
     dropCause(search, own, k, selection);
   }
+}
+
+/// A pendulum that weighs nothing hangs elsewhere.
+void warnOfWeight(const PreparedLog& log, const LogFit& fit, Diagnosis& d) {
+  if (!log.data.fits_weight) return;
+  const std::string& name = log.data.rig_parameters.front().name;
+  const auto weight = std::ranges::find(fit.parameters, name, &Estimate::name);
+  if (weight != fit.parameters.end() && weight->at_bound) d.warnings.push_back(weightlessSentence(name));
 }
 
 /// Leaves out rows near rest whose direction of motion a first fit cannot decide, then spikes.
@@ -175,6 +183,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
 
   if (progress) progress("measuring what is left", 0.93);
   const auto [before, after] = fitToAllRows(search, selection, log, result);
+  warnOfWeight(log, result.baseline, d);
   d.causes = causesOf(selection, heldout, result.baseline, result.extended, subject.effects.size(), options.seed);
   measureLeft(selection, log, residualOf(before), residualOf(after), options.seed, d);
   d.detectable = detectable(search, selection.last, options.least_gain, d.effective_samples);

@@ -14,7 +14,7 @@ void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerm
 extern const ActuatorEffect torque_saturation;
 const ActuatorEffect torque_saturation = {
     .name = "torque-saturation",
-    .cause = "torque per ampere falls at high current",
+    .cause = "the motor gives less torque per ampere or volt where it draws much",
     .equation = "I + s I^3",
     .signature = "the largest efforts are larger than the model, as their cube",
     .source = "catalogue of causes",
