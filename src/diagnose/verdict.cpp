@@ -6,7 +6,7 @@
 
 namespace simgap {
 
-bool isLost(const std::vector<std::string>& look_alikes) { return look_alikes.size() + 1 > kLargestGroup; }
+bool isLost(const std::vector<std::string>& ambiguous_with) { return ambiguous_with.size() + 1 > kLargestGroup; }
 
 DiagnosisVerdict verdictOf(const std::vector<Cause>& causes, bool structure) {
   if (std::ranges::any_of(causes, isLost, &Cause::ambiguous_with)) return DiagnosisVerdict::kUnexplained;

@@ -11,8 +11,8 @@ namespace simgap {
 /// Causes that cannot be told apart make an answer up to this many; more are none.
 inline constexpr std::size_t kLargestGroup = 3;
 
-/// Whether a cause has so many look-alikes that naming it would be no answer.
-bool isLost(const std::vector<std::string>& look_alikes);
+/// Whether a cause is one of so many look-alikes that naming it would be no answer.
+bool isLost(const std::vector<std::string>& ambiguous_with);
 
 /// \param structure  is left beside the causes: a verdict of its own only where nothing was found
 DiagnosisVerdict verdictOf(const std::vector<Cause>& causes, bool structure);

@@ -169,7 +169,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
       options.raw_sign ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, dead_band);
   data.dead_band = sign.dead_band;
   data.reversals = sign.reversals;
-  leaveOutRests(log, options, sign, data);
+  leaveOutRests(log, derived_velocity, options, sign, data);
   leaveOutSpikes(options, sign, data);
   const std::vector<bool> chosen = chosenSessions(log, options.sessions);
   for (std::size_t i = 0; i < log.rows(); ++i) {

@@ -120,11 +120,11 @@ std::vector<std::string> LogTable::summary() const {
 }
 
 bool isLogChannel(const std::string& column) {
-  static const std::set<std::string> kStems = {"time",           "motor_current",  "motor_voltage", "motor_torque",
-                                               "motor_force",    "motor_velocity", "velocity",      "joint_velocity",
-                                               "motor_position", "joint_position", "position",      "external_torque",
-                                               "external_force", "current",        "voltage",       "load_torque",
-                                               "pressure",       "force",          "temperature"};
+  static const std::set<std::string> kStems = {
+      "time",           "motor_current",  "motor_voltage",  "motor_torque",   "motor_force", "motor_velocity",
+      "velocity",       "joint_velocity", "motor_position", "joint_position", "position",    "external_torque",
+      "external_force", "current",        "voltage",        "load_torque",    "pressure",    "force",
+      "temperature",    "deflection",     "length",         "torque"};
   return column == "session" || column == "contraction" || kStems.contains(splitUnit(column).stem);
 }
 

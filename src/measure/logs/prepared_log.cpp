@@ -7,6 +7,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <numeric>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "simgap/core/units.h"
 #include "simgap/measure/logs/log_table.h"
 #include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/spring_log.h"
 
 namespace simgap {
 namespace {
@@ -127,12 +129,13 @@ void addContext(PreparedLog& log, const std::string& name, const ArrayXd& values
 }
 
 /// Numeric columns that no quantity of the model came from. A command or an estimate that follows the effort is no
-/// cause: it says what was measured once more.
-void addContext(const CsvTable& table, PreparedLog& log) {
+/// cause: it says what was measured once more. \param own  further stems that the model reads.
+void addContext(const CsvTable& table, PreparedLog& log, const std::set<std::string>& own = {}) {
   constexpr double kCopy = 0.9;  // correlation
+  static const std::set<std::string> kMayCause = {"joint_position", "temperature", "deflection", "length", "torque"};
   for (const std::string& column : table.columns()) {
     const std::string stem = splitUnit(column).stem;
-    const bool may_cause = !isLogChannel(column) || stem == "joint_position" || stem == "temperature";
+    const bool may_cause = (!isLogChannel(column) || kMayCause.contains(stem)) && !own.contains(stem);
     if (!may_cause || !table.isNumeric(column)) continue;
     const ArrayXd values = optional(table, column.c_str(), "", log);
     if (values.size() == 0) continue;
@@ -267,6 +270,32 @@ void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
   }
 }
 
+/// Single wrong samples, looked for session by session, and sensors at their limit. A wrong deflection is replaced: a
+/// spring that remembers would carry it on.
+void leaveOutBadSamples(SpringLog& spring, PreparedLog& log) {
+  ChannelSpikes deflection{quantityName("deflection", spring.deflectionUnit()), {}}, force{log.effort_column, {}};
+  for (const Block& b : splitRows(spring.session, spring.rows())) {
+    const std::span<const double> time(spring.time.data() + b.begin, b.size());
+    const std::span<double> moved(spring.deflection.data() + b.begin, b.size());
+    for (const std::size_t i : repairSpikes(time, moved)) deflection.rows.push_back(b.begin + i);
+    const std::span<const double> pulled(spring.force.data() + b.begin, b.size());
+    for (const std::size_t i : findSpikes(time, pulled)) force.rows.push_back(b.begin + i);
+  }
+  const ChannelSpikes ends[] = {{deflection.channel, findClipped(spring.deflection, spring.force, spring.session)},
+                                {force.channel, findClipped(spring.force, spring.deflection, spring.session)}};
+  for (const ChannelSpikes& channel : {deflection, force}) {
+    if (!channel.rows.empty()) log.spikes.push_back(channel);
+  }
+  for (const ChannelSpikes& channel : ends) {
+    if (!channel.rows.empty()) log.clipped.push_back(channel);
+  }
+  for (const std::vector<ChannelSpikes>* list : {&log.spikes, &log.clipped}) {
+    for (const ChannelSpikes& channel : *list) {
+      for (const std::size_t i : channel.rows) log.data.keep[i] = false;
+    }
+  }
+}
+
 }  // namespace
 
 PreparedLog prepareActuatorData(const CsvTable& table, const Bench& bench, const ActuatorLogOptions& log_options,
@@ -368,6 +397,35 @@ PreparedLog preparePamData(const CsvTable& table) {
   return log;
 }
 
+PreparedLog prepareSpringData(const CsvTable& table) {
+  SpringLog spring = readSpringLog(table);
+  PreparedLog log = prepared(ActuatorKind::kSpring, spring.file, spring.time, spring.session, spring.session_names);
+  log.effort_column = quantityName(spring.forceName(), spring.forceUnit());
+  log.data.effort_unit = log.data.load_unit = spring.forceUnit();
+  log.data.velocity_unit = spring.angular ? "rad_s" : "m_s";
+  leaveOutBadSamples(spring, log);
+  ActuatorRows& rows = log.data.rows;
+  rows.timed = spring.has_time;
+  rows.effort = toArray(spring.force);
+  rows.deflection = toArray(spring.deflection);
+  if (spring.has_time) {
+    rows.speed = slopeOf(rows, rows.deflection, FrictionDataOptions::kDefaultBandwidth / rows.step);
+    setDirection({rows.speed.begin(), rows.speed.end()}, log);
+  } else {
+    ArrayXd change = ArrayXd::Zero(rows.rows());
+    change.tail(rows.rows() - 1) = rows.deflection.tail(rows.rows() - 1) - rows.deflection.head(rows.rows() - 1);
+    setDirection({change.begin(), change.end()}, log);
+  }
+  rows.temperature = optional(table, "temperature", "degC", log);
+  addContext(table, log, {"deflection", "length", "torque"});
+  addContext(log, "deflection", rows.deflection);
+  if (spring.has_time) {
+    addContext(log, "deflection_rate", rows.speed);
+    addContext(log, "time", rows.time);
+  }
+  return log;
+}
+
 PreparedLog prepareTransmissionData(const PreparedLog& drive) {
   PreparedLog log = drive;
   log.kind = ActuatorKind::kTransmission;
@@ -385,6 +443,7 @@ PreparedLog prepareTransmissionData(const PreparedLog& drive) {
 PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions options) {
   if (kind == ActuatorKind::kMotor) return prepareMotorData(table);
   if (kind == ActuatorKind::kPam) return preparePamData(table);
+  if (kind == ActuatorKind::kSpring) return prepareSpringData(table);
   const ActuatorLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
   options.bandwidth = bench.bandwidth;
   if (kind == ActuatorKind::kGearbox) return prepareGearboxData(table, bench, log_options, options);

@@ -43,11 +43,16 @@ void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, Fricti
   }
 }
 
-void leaveOutRests(const ActuatorLog& log, const FrictionDataOptions& options, MotionSign& sign, FrictionData& data) {
+void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
+                   FrictionData& data) {
   constexpr std::ptrdiff_t kFewestRows = 50;  // of motion
   if (options.raw_sign || !log.has_time) return;
-  const std::vector<bool> rest =
-      findRests(log.time, log.velocity, log.session, restingSpeed(log.velocity, sign.dead_band));
+  RestRule rule{restingSpeed(log.velocity, sign.dead_band)};
+  if (derived) {  // what stands between two positions is known for shorter rests, and their ends are blurred
+    rule.least_seconds = 0.1;
+    rule.blurred_seconds = 0.5 / data.bandwidth;
+  }
+  const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, rule);
   std::vector<bool> moving = sign.keep;
   for (std::size_t i = 0; i < rest.size(); ++i) moving[i] = moving[i] && !rest[i];
   const auto rests = std::ranges::count(sign.keep, true) - std::ranges::count(moving, true);

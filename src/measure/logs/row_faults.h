@@ -12,8 +12,10 @@ namespace simgap {
 void putSpikesRight(ActuatorLog& log, FrictionData& data);
 
 /// Takes the rows of spikes, and of rests, out of `sign.keep`, and says so in `data`.
+/// \param derived  the velocity was worked out from positions.
 /// \throws DataError: with FrictionDataOptions::all_rows, hardly any motion.
 void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data);
-void leaveOutRests(const ActuatorLog& log, const FrictionDataOptions& options, MotionSign& sign, FrictionData& data);
+void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
+                   FrictionData& data);
 
 }  // namespace simgap
