@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "inputs.h"
 #include "simgap/core/error.h"
@@ -48,9 +49,9 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   requireKnown(choices, driveParameterNames());
   drive.fixed = choices.fixed;
   drive.bounds = choices.bounds;
-  const CsvTable table = session.readTable("log", options.log, options.table.csv());
-  const Holdout holdout = readHoldout(options.fit.holdout, table);
-  report.log = readMotorLog(table);
+  const LogTable rows = readLog(session, "log", options.log, options.table.csv());
+  const Holdout holdout = readHoldout(options.fit.holdout, rows.table);
+  report.log = readMotorLog(rows.table);
   report.log_file = options.log;
   report.log_sha256 = session.input("log").sha256;
   if (options.common.dry_run) {
@@ -61,7 +62,8 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   session.begin(options.common.seed.value_or(0));
   session.directory().write("config.resolved.yaml", resolvedOptions(*options.app));
   writeDriveReport(report, session.directory());
-  const FitSummary summary = summarise(report);
+  FitSummary summary = summarise(report);
+  std::ranges::copy(rows.summary(), std::back_inserter(summary.warnings));
   session.finish(toJson(summary), terminalTable(summary));
   return ExitCode::kDone;
 }

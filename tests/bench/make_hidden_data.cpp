@@ -14,11 +14,8 @@
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
 #include "reality/pose_draws.h"
-<<<<<<< HEAD
 #include "reality/servo_draws.h"
-=======
 #include "reality/spring_rig.h"
->>>>>>> 7dac95e0768afd0859db61275c3b677d13ac95fb
 
 namespace {
 

@@ -43,8 +43,10 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   FittedModel given;
   const ActuatorModel subject = readSubject(session, options.model, given);
   const Bench bench = readRig(session, options.bench, options.ratio);
-  const CsvTable table = readLog(session, "log", options.log, options.table.csv());
+  LogTable file_rows = readLog(session, "log", options.log, options.table.csv());
+  const CsvTable& table = file_rows.table;
   PreparedLog log = prepareLog(table, bench, subject.base.kind);
+  log.left_out = std::move(file_rows.left_out);
   LogDiagnosisOptions diagnose = options.diagnose;
   diagnose.seed = options.common.seed.value_or(1);
   if (options.max_causes) diagnose.max_causes = *options.max_causes;

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "cli/drive_command.h"
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
@@ -38,7 +41,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
 
   SpringReport report;
   report.into = readTarget(options.into, options.muscle, session);
-  const CsvTable table = readLog(session, "log", options.log, csv);
+  const LogTable file_rows = readLog(session, "log", options.log, csv);
+  const CsvTable& table = file_rows.table;
   const Holdout holdout = readHoldout(options.fit.holdout, table);
   const SpringLog spring = readSigned(table);
   if (report.into && spring.angular) {
@@ -50,7 +54,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   report.log_sha256 = session.input("log").sha256;
   report.comparison = compareSprings(report.log, {false, choices.fixed, choices.bounds}, holdout, options.fit.block_s);
   for (const std::string& file : options.fit.validate) {
-    const PreparedLog other = prepareSpringData(session.readTable("validation", file, csv));
+    const PreparedLog other = prepareSpringData(readLog(session, "validation", file, csv).table);
     const auto rows = static_cast<std::size_t>(std::ranges::count(other.data.keep, true));
     report.transfer.push_back({file, rows, meanSquaredError(report.comparison.chosen().fit, other, {})});
   }
@@ -61,7 +65,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   session.begin(options.common.seed.value_or(0));
   session.directory().write("config.resolved.yaml", resolvedOptions(app));
   writeSpringReport(report, session.directory());
-  const FitSummary summary = summarise(report);
+  FitSummary summary = summarise(report);
+  std::ranges::copy(file_rows.summary(), std::back_inserter(summary.warnings));
   session.finish(toJson(summary), terminalTable(summary));
   return ExitCode::kDone;
 }

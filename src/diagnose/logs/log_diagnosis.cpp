@@ -59,6 +59,14 @@ double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
   return floor;
 }
 
+/// A pendulum that weighs nothing hangs elsewhere.
+void warnOfWeight(const PreparedLog& log, const LogFit& fit, Diagnosis& d) {
+  if (!log.data.fits_weight) return;
+  const std::string& name = log.data.rig_parameters.front().name;
+  const auto weight = std::ranges::find(fit.parameters, name, &Estimate::name);
+  if (weight != fit.parameters.end() && weight->at_bound) d.warnings.push_back(weightlessSentence(name));
+}
+
 /// Leaves out rows near rest whose direction of motion a first fit cannot decide, then spikes.
 void takeOutRows(const ActuatorModel& subject, const LogSearch& search, PreparedLog& log, Diagnosis& d) {
   const Fitted first = search.fit(subject.effects, nullptr);
@@ -153,6 +161,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   const Fitted& after = found.on_all_rows;
   result.baseline = describe(search, log, before);
   result.extended = std::move(found.fit);
+  warnOfWeight(log, result.baseline, d);
   result.predicted_before = before.model->predict(before.theta);
   result.predicted_after = after.model->predict(after.theta);
   d.causes = causesOf(selection, found.heldout, result.baseline, result.extended, subject.effects.size(), options.seed);

@@ -176,6 +176,7 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
   for (std::size_t i = 0; i < start.size(); ++i) {
     start[i] = std::clamp(0.01, model->parameters()[i].lower, model->parameters()[i].upper);
     if (model->parameters()[i].name == kNuisance) start[i] = 0.1 * model->parameters()[i].upper;
+    if (model->parameters()[i].name == kAngleOffset) start[i] = data_.angle->start;
   }
   start[0] = 1.0;
   std::vector<std::vector<double>> own = {{}};

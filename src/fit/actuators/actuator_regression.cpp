@@ -64,6 +64,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
                       std::back_inserter(parameters_));
   }
   if (presliding) add(std::string(kNuisance), "rad", 1e-6, *presliding);
+  if (data.angle) add(std::string(kAngleOffset), "rad", -kInfinity, kInfinity);
   for (const ActuatorEffect* effect : effects_) {
     p_begin_.push_back(parameters_.size());
     for (const EffectParameter& p : effect->parameters) {
@@ -109,6 +110,10 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
     t.stribeck = ArrayXd::Zero(rows.rows());
   }
   if (presliding_) actuator_effects::inEveryDrive().apply(p.subspan(at++, 1), rows, t.shared);
+  if (data_->angle) {
+    t.weight = data_->angle->load(p[at++]);
+    if (!data_->angle->scaled) t.shared.load += t.weight - data_->angle->load(data_->angle->start);
+  }
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e, p), rows, t.shared);
   }
@@ -139,7 +144,13 @@ void ActuatorRegression::visitColumns(const Terms& t, std::span<const double> p,
     base_.equation->fill(data_->rows, terms, x);
     for (Index k = 0; k < x.cols(); ++k) give(x.col(k));
   }
-  for (Index k = 0; k < data_->rig.cols(); ++k) give(data_->rig.col(k));
+  for (Index k = 0; k < data_->rig.cols(); ++k) {
+    if (k == 0 && data_->angle && data_->angle->scaled) {
+      give(t.weight);
+    } else {
+      give(data_->rig.col(k));
+    }
+  }
   if (data_->offset) give(ArrayXd::Ones(rows()));
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     const auto count = static_cast<Index>(effects_[e]->columns.size());
@@ -277,7 +288,9 @@ std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& othe
       start[p_begin_[e] + k] = effects_[e]->parameters[k].start;
     }
   }
-  if (presliding_) start[linear_ + (base_.hasStribeck() ? 2 : 0)] = 1e-3;
+  const std::size_t own = linear_ + (base_.hasStribeck() ? 2 : 0);
+  if (presliding_) start[own] = 1e-3;
+  if (data_->angle) start[own + (presliding_ ? 1 : 0)] = data_->angle->start;
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     const auto found = std::ranges::find(other.parameters_, parameters_[i].name, &ParameterSpec::name);
     if (found != other.parameters_.end()) start[i] = theta[static_cast<std::size_t>(found - other.parameters_.begin())];
@@ -322,7 +335,10 @@ std::vector<double> ActuatorRegression::thetaOf(std::span<const Estimate> physic
     theta[i] = value(parameters_[i].name, 0.0) * (times_gain_[i] ? theta[0] : 1.0);
   }
   for (std::size_t i = linear_; i < theta.size(); ++i) {
-    theta[i] = value(parameters_[i].name, parameters_[i].name == kNuisance ? 1e-6 : 1.0);
+    const double otherwise = parameters_[i].name == kNuisance      ? 1e-6
+                             : parameters_[i].name == kAngleOffset ? data_->angle->start
+                                                                   : 1.0;
+    theta[i] = value(parameters_[i].name, otherwise);
   }
   return theta;
 }

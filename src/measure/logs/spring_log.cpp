@@ -7,8 +7,9 @@
 #include <numeric>
 
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/actuator_log.h"
-#include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/resolution.h"
 
 namespace simgap {
 namespace {
@@ -37,7 +38,7 @@ SpringLog readSpringLog(CsvTable table) {
   log.force = table.takeQuantity(log.forceName(), log.forceUnit());
   if (log.rows() == 0) throw DataError(log.file + ": found no rows, expected a log");
   log.session = readSessions(table, log.session_names);
-  log.has_time = table.hasQuantity("time", "s");
+  log.has_time = table.offersQuantity("time", "s");
   if (log.has_time) {
     log.time = table.takeQuantity("time", "s");
     requireRisingTime(table, log.time, log.session);
@@ -73,16 +74,6 @@ std::vector<std::size_t> findClipped(std::span<const double> values, std::span<c
   return clipped;
 }
 
-double agreement(const SpringLog& log) {
-  const auto count = static_cast<double>(log.rows());
-  const double x = std::reduce(log.deflection.begin(), log.deflection.end()) / count;
-  const double f = std::reduce(log.force.begin(), log.force.end()) / count;
-  double xx = 0.0, ff = 0.0, xf = 0.0;
-  for (std::size_t i = 0; i < log.rows(); ++i) {
-    const double dx = log.deflection[i] - x, df = log.force[i] - f;
-    xx += dx * dx, ff += df * df, xf += dx * df;
-  }
-  return xf / std::max(std::sqrt(xx * ff), 1e-300);
-}
+double agreement(const SpringLog& log) { return correlation(log.deflection, log.force); }
 
 }  // namespace simgap

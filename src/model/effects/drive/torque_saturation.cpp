@@ -30,7 +30,7 @@ std::vector<std::vector<double>> kneeStarts(const ActuatorRows& rows, const Eige
 constexpr ActuatorEffect kUsual = {
     .name = "torque-saturation",
     .form = "cube",
-    .cause = "torque per ampere falls at high current",
+    .cause = "the motor gives less torque per ampere or volt where it draws much",
     .equation = "I + s I^3",
     .signature = "the largest efforts are larger than the model, as their cube",
     .source = "catalogue of causes",
