@@ -1,5 +1,7 @@
 // Writes measured data with one cause hidden in them, from the simulators of tests/reality:
-//   make_hidden_data EFFECT DIRECTORY [SEED]      log.csv, or arm.yaml and poses.csv
+//   make_hidden_data EFFECT DIRECTORY [SEED] [RIG]      log.csv, or arm.yaml and poses.csv
+// RIG: prescribed (default) drives a clean motion; servo is a controlled drive that stands still, with an encoder only
+// (with bench.yaml where it needs one; what to ask is printed).
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -12,7 +14,11 @@
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
 #include "reality/pose_draws.h"
+<<<<<<< HEAD
+#include "reality/servo_draws.h"
+=======
 #include "reality/spring_rig.h"
+>>>>>>> 7dac95e0768afd0859db61275c3b677d13ac95fb
 
 namespace {
 
@@ -91,17 +97,36 @@ std::string logOf(const std::string& effect, std::uint64_t seed) {
   return driveLog(effect, seed);
 }
 
+/// A log of a position-controlled drive, its bench, and how to ask.
+void writeServoLog(const std::string& effect, std::uint64_t seed, const std::filesystem::path& directory) {
+  const bool hidden = std::ranges::find(servoEffects(), effect) != servoEffects().end();
+  const bool outside = std::ranges::find(servoOutsideKinds(), effect) != servoOutsideKinds().end();
+  const ServoDraw draw = hidden    ? drawServoEffect(effect, seed)
+                         : outside ? drawServoOutside(effect, seed)
+                                   : drawServoNone(seed);
+  std::ofstream(directory / "log.csv") << recordServo(draw.rig, draw.secret).csv();
+  if (const std::string bench = benchYaml(draw.rig); !bench.empty()) std::ofstream(directory / "bench.yaml") << bench;
+  std::string options;
+  for (const std::string& option : diagnoseOptions(draw.rig)) options += " " + option;
+  std::printf("simgap diagnose %s --log log.csv%s   # hidden: %s %.4g\n", draw.law.c_str(), options.c_str(),
+              draw.effects[0].c_str(), draw.magnitude);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fputs("make_hidden_data EFFECT DIRECTORY [SEED]\n", stderr);
+    std::fputs("make_hidden_data EFFECT DIRECTORY [SEED] [prescribed|servo]\n", stderr);
     return 2;
   }
   const std::string effect = argv[1];
   const std::filesystem::path directory = argv[2];
   const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
   std::filesystem::create_directories(directory);
+  if (argc > 4 && std::string(argv[4]) == "servo") {
+    writeServoLog(effect, seed, directory);
+    return 0;
+  }
   const std::vector<std::string> of_arms = hiddenEffects();
   if (std::ranges::find(of_arms, effect) == of_arms.end()) {
     std::ofstream(directory / "log.csv") << logOf(effect, seed);

@@ -38,7 +38,7 @@ ActuatorModel subjectOf(const FittedModel& model) {
     subject.values.push_back({"spring-slack.rest_length", "m", model.value("rest_length")});
   }
   for (const Extension& extension : model.extensions) {
-    const ActuatorEffect& effect = actuator_effects::find(extension.effect);
+    const ActuatorEffect& effect = actuator_effects::find(extension.effect, extension.form);
     const bool of_angles = effect.kind == ActuatorKind::kTransmission;
     if (of_angles) {
       subject.of_angles.push_back(extension);

@@ -10,6 +10,7 @@
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
 #include "reality/spring_rig.h"
+#include "simgap/core/error.h"
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/measure/logs/prepared_log.h"
 #include "support/files.h"
@@ -109,7 +110,8 @@ TEST_P(DriveEffectContract, SaysWhatItIs) {
     EXPECT_FALSE(text.empty()) << effect.name;
   }
   EXPECT_FALSE(effect.parameters.empty() && effect.columns.empty());
-  EXPECT_EQ(&actuator_effects::find(effect.name), &effect);
+  EXPECT_EQ(&actuator_effects::find(effect.name, effect.form), &effect);
+  EXPECT_EQ(actuator_effects::find(effect.name).name, effect.name);  // without a form the usual one
   std::set<std::string_view> names;
   for (const EffectParameter& p : effect.parameters) {
     EXPECT_LE(p.lower, p.upper);
@@ -187,13 +189,35 @@ TEST(PositionRipple, CountsFromOnePeriodInTheRangeOn) {
   EXPECT_TRUE(ripple.counts({&real, 1}, log.data.rows));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DriveEffectContract,
-                         testing::ValuesIn(actuator_effects::all().begin(), actuator_effects::all().end()),
-                         [](const auto& effect) {
-                           std::string name(effect.param->name);
-                           std::ranges::replace(name, '-', '_');
-                           return name;
-                         });
+std::vector<const ActuatorEffect*> everyForm() {
+  std::vector<const ActuatorEffect*> list;
+  for (const ActuatorEffect* effect : actuator_effects::all()) {
+    list.push_back(effect);
+    list.insert(list.end(), effect->other_forms.begin(), effect->other_forms.end());
+  }
+  return list;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DriveEffectContract, testing::ValuesIn(everyForm()), [](const auto& effect) {
+  std::string name(effect.param->name);
+  if (!effect.param->form.empty()) name += "_" + std::string(effect.param->form);
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+TEST(EffectForms, AFormThatIsNoneIsRefusedWithThoseThatAre) {
+  EXPECT_THROW(
+      {
+        try {
+          actuator_effects::find("bend-friction", "cubic");
+        } catch (const ConfigError& error) {
+          EXPECT_STREQ(error.what(), "found the form 'cubic' of bend-friction, expected one of exponential, linear");
+          throw;
+        }
+      },
+      ConfigError);
+  EXPECT_THROW(actuator_effects::find("inertia", "linear"), ConfigError);
+}
 
 }  // namespace
 }  // namespace simgap::test
