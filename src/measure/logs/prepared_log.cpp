@@ -270,16 +270,16 @@ void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
   }
 }
 
-/// Single wrong samples, looked for session by session, and sensors at their limit. A wrong deflection is replaced: a
-/// spring that remembers would carry it on.
+/// Single wrong samples, looked for session by session, and sensors at their limit. Wrong samples are replaced: a
+/// spring that remembers would carry them on, and a limit is not where they are.
 void leaveOutBadSamples(SpringLog& spring, PreparedLog& log) {
   ChannelSpikes deflection{quantityName("deflection", spring.deflectionUnit()), {}}, force{log.effort_column, {}};
   for (const Block& b : splitRows(spring.session, spring.rows())) {
     const std::span<const double> time(spring.time.data() + b.begin, b.size());
     const std::span<double> moved(spring.deflection.data() + b.begin, b.size());
     for (const std::size_t i : repairSpikes(time, moved)) deflection.rows.push_back(b.begin + i);
-    const std::span<const double> pulled(spring.force.data() + b.begin, b.size());
-    for (const std::size_t i : findSpikes(time, pulled)) force.rows.push_back(b.begin + i);
+    const std::span<double> pulled(spring.force.data() + b.begin, b.size());
+    for (const std::size_t i : repairSpikes(time, pulled)) force.rows.push_back(b.begin + i);
   }
   const ChannelSpikes ends[] = {{deflection.channel, findClipped(spring.deflection, spring.force, spring.session)},
                                 {force.channel, findClipped(spring.force, spring.deflection, spring.session)}};

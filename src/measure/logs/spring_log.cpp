@@ -58,17 +58,16 @@ std::vector<std::size_t> findClipped(std::span<const double> values, std::span<c
   const double still = std::max(kMoves * noiseLevel(other), 0.01 * (other_highest - other_lowest));
   std::vector<std::size_t> clipped;
   for (const double limit : {lowest, highest}) {
-    std::vector<std::size_t> rows;
     std::size_t runs = 0;
     for (std::size_t i = 0, end = 0; i < values.size(); i = end) {
       end = endOfRun(values, session, i);
       if (values[i] != limit || limit == 0.0 || end - i < kLeastRun) continue;
       const auto [low, high] = std::ranges::minmax(other.subspan(i, end - i));
-      if (high - low <= still) continue;
-      for (std::size_t k = i; k < end; ++k) rows.push_back(k);
-      ++runs;
+      if (high - low > still) ++runs;
     }
-    if (runs >= kLeastRuns) clipped.insert(clipped.end(), rows.begin(), rows.end());
+    for (std::size_t i = 0; i < values.size() && runs >= kLeastRuns; ++i) {
+      if (values[i] == limit) clipped.push_back(i);
+    }
   }
   std::ranges::sort(clipped);
   return clipped;

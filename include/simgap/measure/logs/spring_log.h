@@ -36,8 +36,8 @@ struct SpringLog {
 ///         CsvTable refuses.
 SpringLog readSpringLog(CsvTable table);
 
-/// Rows in which a channel stays on the largest or smallest of its values, at least four in a row and twice or more,
-/// while the other one moves on: a sensor at its limit. At rest both stand still, and a coarse channel repeats its
+/// Rows with the largest or smallest value of a channel, where it stays on that for at least four rows while the other
+/// channel moves on, twice or more: a sensor at its limit. At rest both stand still, and a coarse channel repeats its
 /// values then.
 /// \param values, other  shape (n)
 std::vector<std::size_t> findClipped(std::span<const double> values, std::span<const double> other,
