@@ -6,6 +6,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/fitted_drive.h"
+#include "simgap/fit/actuators/free_run.h"
 #include "simgap/report/actuators/prediction_report.h"
 
 namespace simgap::commands {
@@ -15,7 +16,7 @@ struct Options {
   CommonOptions common;
   TableOptions table;
   std::string model, log, motor, bench;
-  bool inverse = false;
+  bool inverse = false, simulate = false;
   std::optional<double> ratio;
 };
 
@@ -28,6 +29,7 @@ Prediction predictDriveOf(const FittedModel& model, const CsvTable& table, const
 }
 
 Prediction predictLog(const FittedModel& model, const Options& options, Session& session) {
+  if (options.simulate && options.inverse) throw ConfigError("found --simulate and --inverse, expected one of them");
   const bool diagnosed = !model.extensions.empty() || model.has("presliding");
   if (diagnosed && (model.kind == "gearbox" || options.inverse)) {
     throw ConfigError(fmt::format("{}: found a diagnosed model {}, expected none there", options.model,
@@ -39,6 +41,10 @@ Prediction predictLog(const FittedModel& model, const Options& options, Session&
   const LogTable rows = readLog(session, "log", options.log, options.table.csv());
   const CsvTable& table = rows.table;
   for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
+  if (options.simulate) {
+    const auto given = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
+    return runFreely(model, table, readRig(session, options.bench, given));
+  }
   if (model.kind == "spring") return predictDiagnosed(model, table, {});
   if (!diagnosed && model.kind == "pam") return predictPam(model, table, options.inverse);
   if (!diagnosed && model.kind != "friction") return predictDriveOf(model, table, options, session);
@@ -72,6 +78,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_flag("--inverse", options->inverse, "a muscle's pressure from force instead; a drive's current");
+  app.add_flag("--simulate", options->simulate, "the motion from the effort, told only where it begins");
   options->table.add(app);
   options->common.add(app);
   return [options, argv, &app] { return run(*options, argv, app); };

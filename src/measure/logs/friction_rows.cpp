@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "derived_motion.h"
-#include "rig_load.h"
+#include "simgap/measure/logs/rig_load.h"
 #include "row_faults.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/channel_checks.h"

@@ -1,4 +1,4 @@
-#include "rig_load.h"
+#include "simgap/measure/logs/rig_load.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -48,8 +48,9 @@ void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptio
   constexpr std::ptrdiff_t kFewestRows = 50;  // of motion
   if (options.raw_sign || !log.has_time) return;
   RestRule rule{restingSpeed(log.velocity, sign.dead_band)};
-  if (derived) {  // what stands between two positions is known for shorter rests, and their ends are blurred
-    rule.least_seconds = 0.1;
+  if (derived) {  // an encoder that stands is no noise: the drive sticks, be it for two rows; a smoother blurs the ends
+    rule.least_seconds = 0.0;
+    rule.fewest_rows = 2;
     rule.blurred_seconds = 0.5 / data.bandwidth;
   }
   const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, rule);

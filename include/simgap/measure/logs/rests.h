@@ -3,16 +3,18 @@
 /// load + tau_s: such a row says nothing about friction in motion.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
 namespace simgap {
 
 struct RestRule {
-  double slow;                   ///< [velocity's unit] no rest is faster
-  double least_seconds = 0.3;    ///< reversals pass through zero faster
-  double blurred_seconds = 0.0;  ///< a velocity worked out from smoothed positions begins that much before the drive
-                                 ///< does, and ends that much after it
+  double slow;                  ///< [velocity's unit] no rest is faster
+  double least_seconds = 0.3;   ///< reversals pass through zero faster
+  std::size_t fewest_rows = 4;  ///< likewise
+  /// A velocity worked out from smoothed positions begins that much before the drive does, and ends that much after it.
+  double blurred_seconds = 0.0;
 };
 
 /// Rows of rests: runs within a session in which |velocity| stays within `slow`, and the rows beside them that a

@@ -36,6 +36,7 @@ const ActuatorEffect channel_delay = {
     .look_alikes = "presliding-hysteresis, inertia",
     .separates = "fast reversals under load, and a knock that all channels see",
     .parameters = kParameters,
+    .remembers = true,
     .on_gearbox = false,
     .apply = apply,
     .starts = starts,

@@ -42,6 +42,7 @@ const ActuatorEffect presliding_hysteresis = {
     .look_alikes = "channel-delay, stribeck, transmission-compliance",
     .separates = "slow reversals with many samples in the first travel after each",
     .parameters = kParameters,
+    .remembers = true,
     .in_every_drive = true,
     .on_gearbox = false,
     .apply = apply,

@@ -31,6 +31,7 @@ constexpr ActuatorEffect kUsual = {
     .columns = kColumns,
     .needs = kNeeds,
     .needs_stribeck = true,
+    .remembers = true,
     .fill = fill,
 };
 

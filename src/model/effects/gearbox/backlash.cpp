@@ -46,6 +46,7 @@ const ActuatorEffect backlash = {
     .look_alikes = "presliding-hysteresis, channel-delay",
     .separates = "slow reversals under load with many samples in the first travel after each",
     .parameters = kParameters,
+    .remembers = true,
     .on_drive = true,
     .apply = apply,
     .starts = starts,
