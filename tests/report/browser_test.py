@@ -12,6 +12,7 @@ import base64
 import pathlib
 import sys
 import tempfile
+import time
 import unittest
 
 import sample_runs
@@ -70,6 +71,8 @@ class Pages(unittest.TestCase):
           });"""
         for name in self.names:
             self.open(name)
+            self.browser.run("document.querySelectorAll('details.section').forEach(section => { section.open = true; })")
+            time.sleep(0.5)  # for what was folded to find its size
             charts = self.browser.run(look)
             self.assertTrue(charts, name)
             for chart in charts:

@@ -101,8 +101,8 @@ def diagnosis(folder):
     (folder / "run.json").write_text(json.dumps({
         "format": "simgap/run/1", "version": "0", "git_hash": "none", "argv": ["simgap", "diagnose"], "seed": 1, "start": "2026-01-01T00:00:00Z",
         "duration_s": 1.0, "status": "done", "inputs": []}))
-    bins = [(against, c, 0.1 * math.sin(c), 0.02, 0.01 * math.cos(c), 0.02, 50) for against in ("temperature_degC", "load_Nm") for c in range(12)]
-    (folder / "evidence.csv").write_text("against,center,before,before_ci95,after,after_ci95,rows\n" + "".join(",".join(map(str, b)) + "\n" for b in bins))
+    bins = [(against, c, 0.1 * math.sin(c), 0.02, 0.01 * math.cos(c), 0.02, 50, "") for against in ("temperature_degC", "load_Nm") for c in range(12)]
+    (folder / "evidence.csv").write_text("against,center,before,before_ci95,after,after_ci95,rows,unit\n" + "".join(",".join(map(str, b)) + "\n" for b in bins))
     times = [(0.1 * i, math.sin(0.1 * i), 1.2 * math.sin(0.1 * i), 1.02 * math.sin(0.1 * i), 1) for i in range(500)]
     (folder / "predictions.csv").write_text("time_s,measured,before,after,used\n" + "".join(",".join(map(str, t)) + "\n" for t in times))
     (folder / "hypotheses.csv").write_text(

@@ -92,11 +92,13 @@ struct DataFault {
 
 /// Mean residual in a bin of a channel, before and after the causes, for evidence.csv and the plots.
 struct EvidenceBin {
-  std::string against;  ///< "load_Nm", "temperature_degC", "joint shoulder", "pose order" …
+  std::string against;  ///< "temperature_degC", "joint shoulder", "pose order" …; "QUANTITY against CHANNEL" where it
+                        ///< is not the plain residual
   double center;
   double before, before_ci95;  ///< mean residual and half width of its interval
   double after, after_ci95;
   std::size_t rows;
+  std::string unit = {};  ///< of the channel, where its name does not say it
 };
 
 /// Explainable structure left over, by channel.

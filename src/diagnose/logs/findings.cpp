@@ -31,8 +31,17 @@ bool isMeasured(const Estimate& p, double neutral, double t) {
   return std::isfinite(p.sd) && p.sd > 0.0 && t * p.sd < kMeaningless * std::abs(p.value - neutral);
 }
 
+/// Whether a parameter changes anything: a warm-up time does not where a temperature was logged.
+bool acts(const ActuatorRegression& model, std::span<const double> theta, std::size_t parameter) {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd jacobian;
+  model.evaluate(theta, residual, &jacobian);
+  return jacobian.col(static_cast<Index>(parameter)).squaredNorm() > 0.0;
+}
+
 /// Why the cause's own parameters are no measurement; empty when they are.
-std::string undetermined(const ActuatorRegression& model, const LogFit& fit, std::size_t effect) {
+std::string undetermined(const ActuatorRegression& model, std::span<const double> theta, const LogFit& fit,
+                         std::size_t effect) {
   const ActuatorEffect& cause = *model.effects()[effect];
   bool any = false;
   for (std::size_t k = 0; k < cause.columns.size(); ++k) {
@@ -43,7 +52,8 @@ std::string undetermined(const ActuatorRegression& model, const LogFit& fit, std
     const EffectParameter& p = cause.parameters[k];
     const Estimate& value = fit.parameters[model.firstParameter(effect) + k];
     if (p.kind == Kind::kScanned || p.kind == Kind::kConstant) continue;
-    if (value.at_bound && std::abs(value.value - p.neutral) > 1e-9 * (1.0 + std::abs(p.neutral))) {
+    if (value.at_bound && acts(model, theta, model.firstParameter(effect) + k) &&
+        std::abs(value.value - p.neutral) > 1e-9 * (1.0 + std::abs(p.neutral))) {
       return fmt::format("{} ends at the bound {:.4g} of its range", p.name, value.value);
     }
     if (p.kind != Kind::kSmooth) continue;
@@ -144,7 +154,8 @@ class Judge {
     if (const auto& others = selection_.ambiguous_with[cause]; isLost(others)) {
       return fmt::format("cannot be told apart here from {}", fmt::join(others, ", "));
     }
-    if (std::string reason = undetermined(*full.model, found_.fit, effect); !reason.empty()) return reason;
+    if (std::string reason = undetermined(*full.model, found_.on_all_rows.theta, found_.fit, effect); !reason.empty())
+      return reason;
     if (cancels(*full.model, full, effect)) return "its terms cancel each other: their sizes mean nothing";
     std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
     if (!beyond.empty()) return beyond;

@@ -40,7 +40,7 @@ std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string&
   constexpr double kPlain = 0.8;
   std::vector<const EvidenceBin*> bins;
   for (const EvidenceBin& bin : evidence) {
-    if (bin.against.starts_with(channel) && std::isfinite(bin.after)) bins.push_back(&bin);
+    if (bin.against == channel && std::isfinite(bin.after)) bins.push_back(&bin);
   }
   if (bins.size() < 5) return {};
   std::vector<double> center, residual;

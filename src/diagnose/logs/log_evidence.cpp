@@ -1,5 +1,7 @@
 #include "log_evidence.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -103,37 +105,60 @@ VectorXd bounded(VectorXd residual, std::span<const std::size_t> rows) {
 std::vector<EvidenceChannel> evidenceChannels(const PreparedLog& log) {
   const ActuatorRows& rows = log.data.rows;
   std::vector<EvidenceChannel> channels;
-  for (const ContextChannel& c : log.context) channels.push_back({c.name, c.values});
-  channels.push_back({"direction", rows.direction});
-  channels.push_back({"acceleration", rows.acceleration});
-  channels.push_back({"time_since_reversal_s", sinceReversal(rows)});
-  channels.push_back({"rest_s", rows.rest});
+  const std::string& speed_unit = log.data.velocity_unit;
+  const auto unitOf = [&](const std::string& name) -> std::string {
+    if (name == "motor_velocity") return speed_unit;
+    if (name == "external_torque") return log.data.load_unit;
+    return name == "time" ? "s" : "";
+  };
+  for (const ContextChannel& c : log.context) channels.push_back({c.name, c.values, unitOf(c.name)});
+  channels.push_back({"direction", rows.direction, {}});
+  channels.push_back({"acceleration", rows.acceleration, speed_unit + "2"});
+  channels.push_back({"time_since_reversal_s", sinceReversal(rows), {}});
+  channels.push_back({"rest_s", rows.rest, {}});
   // 1: driving forwards, 2: driven forwards, 3: driving backwards, 4: driven backwards
   const ArrayXd driven = (rows.load * rows.direction < 0.0).cast<double>();
-  channels.push_back({"power_quadrant", 1.0 + driven + 2.0 * (rows.direction < 0.0).cast<double>()});
+  channels.push_back({"power_quadrant", 1.0 + driven + 2.0 * (rows.direction < 0.0).cast<double>(), {}});
   ArrayXd session(rows.rows());
   for (Index i = 0; i < rows.rows(); ++i) session[i] = rows.session[static_cast<std::size_t>(i)];
-  channels.push_back({"session", session});
+  channels.push_back({"session", session, {}});
   std::erase_if(channels, [](const EvidenceChannel& c) { return !(c.values.maxCoeff() > c.values.minCoeff()); });
   return channels;
 }
 
+namespace {
+
+/// Bins of equal counts of a channel.
+void addBins(const EvidenceChannel& channel, const std::string& against, std::vector<std::size_t> rows,
+             const VectorXd& before, const VectorXd& after, double correlation, std::vector<EvidenceBin>& bins) {
+  const auto value = [&](std::size_t i) { return channel.values[static_cast<Index>(i)]; };
+  std::ranges::stable_sort(rows, {}, value);
+  for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
+    end = std::min(rows.size(), begin + rows.size() / kBins + 1);
+    while (end < rows.size() && value(rows[end]) == value(rows[end - 1])) ++end;
+    const std::span<const std::size_t> part(rows.data() + begin, end - begin);
+    double center = 0.0;
+    for (const std::size_t i : part) center += value(i) / static_cast<double>(part.size());
+    const Means b = meanOf(before, part, correlation), a = meanOf(after, part, correlation);
+    bins.push_back({against, center, b.mean, b.ci95, a.mean, a.ci95, part.size(), channel.unit});
+  }
+}
+
+}  // namespace
+
 std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<EvidenceChannel>& channels,
                                      const VectorXd& before, const VectorXd& after) {
   const double correlation = correlationTime(after, log.data.rows.session);
+  const std::vector<std::size_t> rows = keptRows(log);
+  // What friction lacks has one sign forwards and the other backwards: its mean over both says nothing.
+  const VectorXd direction = log.data.rows.direction.matrix();
+  const VectorXd drag_before = before.cwiseProduct(direction), drag_after = after.cwiseProduct(direction);
+  const std::string drag = fmt::format("residual in the direction of motion [{}] against ", log.data.effort_unit);
   std::vector<EvidenceBin> bins;
   for (const EvidenceChannel& channel : channels) {
-    std::vector<std::size_t> rows = keptRows(log);
-    const auto value = [&](std::size_t i) { return channel.values[static_cast<Index>(i)]; };
-    std::ranges::stable_sort(rows, {}, value);
-    for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
-      end = std::min(rows.size(), begin + rows.size() / kBins + 1);
-      while (end < rows.size() && value(rows[end]) == value(rows[end - 1])) ++end;
-      const std::span<const std::size_t> part(rows.data() + begin, end - begin);
-      double center = 0.0;
-      for (const std::size_t i : part) center += value(i) / static_cast<double>(part.size());
-      const Means b = meanOf(before, part, correlation), a = meanOf(after, part, correlation);
-      bins.push_back({channel.name, center, b.mean, b.ci95, a.mean, a.ci95, part.size()});
+    addBins(channel, channel.name, rows, before, after, correlation, bins);
+    if (channel.name != "direction") {
+      addBins(channel, drag + channel.name, rows, drag_before, drag_after, correlation, bins);
     }
   }
   return bins;

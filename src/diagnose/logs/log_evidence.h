@@ -13,6 +13,7 @@ namespace simgap {
 struct EvidenceChannel {
   std::string name;
   Eigen::ArrayXd values;
+  std::string unit;  ///< where the name does not say it
 };
 
 /// Motion, load, context channels, quadrant of the power flow, time since reversal, session.

@@ -12,6 +12,7 @@ constexpr std::size_t kFewestRowsOfPiece = 60;
 constexpr std::size_t kMargin = 8;    // one in so many rows of a piece, at either end, is smoothed from one side only
 constexpr double kUsable = 0.45;      // of the sampling rate
 constexpr double kLadder = 1.4;       // between bandwidths tried: the optimum is broad
+constexpr double kLowest = 4.0;       // [Hz] drives move that fast: a score that asks for less saw jitter or rests
 constexpr double kFewestPeriods = 8;  // of a bandwidth within a piece
 
 /// A stretch of a channel, thinned out.
@@ -114,7 +115,8 @@ double smoothingBandwidth(std::span<const double> time, std::span<const double> 
     seconds = std::max(seconds, piece.time.back() - piece.time.front());
   }
   std::vector<Trial> trials;
-  for (double b = std::min(highest, kUsable / step); b * seconds >= kFewestPeriods; b /= kLadder) {
+  const double fastest = std::min(highest, kUsable / step), slowest = std::min(fastest, kLowest);
+  for (double b = fastest; b * seconds >= kFewestPeriods && b >= slowest; b /= kLadder) {
     trials.push_back(tryBandwidth(pieces, b));
   }
   if (trials.empty()) return highest;

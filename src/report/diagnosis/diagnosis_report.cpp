@@ -149,10 +149,10 @@ std::string hypothesesCsv(const Diagnosis& d) {
 }
 
 std::string evidenceCsv(const Diagnosis& d) {
-  CsvWriter csv({"against", "center", "before", "before_ci95", "after", "after_ci95", "rows"});
+  CsvWriter csv({"against", "center", "before", "before_ci95", "after", "after_ci95", "rows", "unit"});
   for (const EvidenceBin& b : d.evidence) {
     csv.add(b.against).add(b.center).add(b.before).add(b.before_ci95).add(b.after).add(b.after_ci95);
-    csv.add(static_cast<double>(b.rows)).endRow();
+    csv.add(static_cast<double>(b.rows)).add(b.unit).endRow();
   }
   return csv.text();
 }

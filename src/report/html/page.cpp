@@ -122,6 +122,7 @@ std::string renderPage(const Page& page) {
     for (const PageBlock& block : section.blocks) blocks << std::visit(renderer, block);
     mustache::data item;
     item.set("heading", section.heading);
+    item.set("folded", section.folded);
     item.set("headed", !section.heading.empty());
     item.set("blocks", blocks);
     sections << item;

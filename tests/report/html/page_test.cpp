@@ -100,8 +100,9 @@ Json knownDiagnosis() {
 
 TEST(DiagnosePage, ShowsTheGapTheCausesTheEvidenceAndTheSelfTest) {
   const ResultFolder folder(knownDiagnosis());
-  folder.directory().write("evidence.csv", std::string_view("against,center,before,before_ci95,after,after_ci95,rows\n"
-                                                            "load_Nm,1,0.5,0.1,0.05,0.2,7\n"));
+  folder.directory().write("evidence.csv",
+                           std::string_view("against,center,before,before_ci95,after,after_ci95,rows,unit\n"
+                                            "load,1,0.5,0.1,0.05,0.2,7,Nm\n"));
   folder.directory().write("hypotheses.csv", std::string_view("step,effect,target,gain_percent,gain_lower95_percent,"
                                                               "gain_upper95_percent,p_adjusted,outcome\n"
                                                               "1,inertia,,nan,nan,nan,1,pruned\n"
@@ -116,7 +117,10 @@ TEST(DiagnosePage, ShowsTheGapTheCausesTheEvidenceAndTheSelfTest) {
   const Json gain = chartOf(page, "What each cause saves on data never used").spec.at("rows")[0];
   EXPECT_EQ(gain.at("lower"), 15.0);
   EXPECT_TRUE(gain.at("upper").is_null());
-  EXPECT_EQ(chartOf(page, "Against load_Nm").spec.at("series")[1].at("half"), Json({0.2}));
+  const Json signature = chartOf(page, "Against load").spec;
+  EXPECT_EQ(signature.at("series")[1].at("half"), Json({0.2}));
+  EXPECT_EQ(signature.at("x").at("title"), "load [Nm]");
+  EXPECT_EQ(std::get<Chart>(page.sections[0].blocks[0]).caption, "Against load") << "the signature comes first";
   const Json rivals = chartOf(page, "Rivals of the first step, best first").spec.at("rows");
   ASSERT_EQ(rivals.size(), 2u) << "what was not judged has no place among them";
   EXPECT_EQ(rivals[0].at("name"), "muscle-wrap of biceps");

@@ -29,6 +29,7 @@ using PageBlock = std::variant<PageText, Table, Chart, PageScene>;
 struct PageSection {
   std::string heading;  ///< empty for the figure right below the answer
   std::vector<PageBlock> blocks;
+  bool folded = false;  ///< shown when a reader opens it; needs a heading
 };
 
 struct Page {
@@ -43,7 +44,7 @@ struct Page {
     if (sections.empty()) sections.emplace_back();
     sections.back().blocks.push_back(std::move(block));
   }
-  void addSection(std::string heading) { sections.push_back({std::move(heading), {}}); }
+  void addSection(std::string heading, bool folded = false) { sections.push_back({std::move(heading), {}, folded}); }
 };
 
 /// The HTML text; opens from disk, needs no network.

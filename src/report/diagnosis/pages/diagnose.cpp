@@ -110,27 +110,50 @@ std::vector<std::string> byGain(const CsvTable& table) {
   return channels;
 }
 
-/// Mean residual against every channel, before and after the causes: what is left over shows as a shape.
+/// Of the channel, where its name does not say it; runs of earlier versions have none.
+std::string unitOf(const CsvTable& table, const std::string& against) {
+  if (std::ranges::find(table.columns(), "unit") == table.columns().end()) return {};
+  const std::vector<std::string> all = table.text("against");
+  return table.text("unit")[static_cast<std::size_t>(std::ranges::find(all, against) - all.begin())];
+}
+
+/// Mean residual against a channel, before and after the causes.
+Chart evidenceChart(const CsvTable& table, const std::string& against, const std::string& unit) {
+  const auto column = [&](const char* name) { return numbersWhere(table, name, "against", against); };
+  Series before{"before", column("center"), column("before"), Series::Style::kLine, 1};
+  Series after{"with the causes", column("center"), column("after"), Series::Style::kLine, 0};
+  before.half = column("before_ci95");
+  after.half = column("after_ci95");
+  constexpr std::string_view kAgainst = " against ";  // "error of elbow [deg] against time_s" names the quantity, too
+  const std::size_t split = against.find(kAgainst);
+  const bool named = split != std::string::npos;
+  const std::string channel = named ? against.substr(split + kAgainst.size()) : against;
+  const std::string quantity = named ? "mean " + against.substr(0, split) : fmt::format("mean residual [{}]", unit);
+  const std::string title = (named ? against.substr(0, against.find(" [")) + " against " : "Against ") + channel;
+  const std::string own = unitOf(table, against);
+  return lineChart(capitalised(title), {own.empty() ? channel : fmt::format("{} [{}]", channel, own)}, {quantity},
+                   {before, after});
+}
+
+/// The signature: of all channels the one against which the causes took away most of the mean residual.
+void addSignature(const ResultFiles& files, Page& page) {
+  if (files.result().at("causes").empty() || !files.has("evidence.csv")) return;
+  const CsvTable table = files.table("evidence.csv");
+  if (table.rows() == 0) return;
+  Chart chart = evidenceChart(table, byGain(table).front(), rootUnit(files.result()));
+  chart.note = "The signature: what the model missed before, and what is left of it with the causes.";
+  chart.wide = true;
+  page.add(std::move(chart));
+}
+
+/// The others, ranked: what is left over shows as a shape.
 void addEvidence(const ResultFiles& files, Page& page) {
   if (!files.has("evidence.csv")) return;
   const CsvTable table = files.table("evidence.csv");
   if (table.rows() == 0) return;
-  page.addSection("Evidence: the mean residual against what was logged");
+  page.addSection("Evidence: the mean residual against what was logged", /*folded=*/true);
   for (const std::string& against : byGain(table)) {
-    const auto column = [&](const char* name) { return numbersWhere(table, name, "against", against); };
-    Series before{"before", column("center"), column("before"), Series::Style::kLine, 1};
-    Series after{"with the causes", column("center"), column("after"), Series::Style::kLine, 0};
-    before.half = column("before_ci95");
-    after.half = column("after_ci95");
-    // Pose sets name the quantity too: "error of elbow [deg] against time_s".
-    constexpr std::string_view kAgainst = " against ";
-    const std::size_t split = against.find(kAgainst);
-    const bool named = split != std::string::npos;
-    const std::string channel = named ? against.substr(split + kAgainst.size()) : against;
-    const std::string quantity =
-        named ? "mean " + against.substr(0, split) : fmt::format("mean residual [{}]", rootUnit(files.result()));
-    const std::string title = (named ? against.substr(0, against.find(" [")) + " against " : "Against ") + channel;
-    page.add(lineChart(capitalised(title), {channel}, {quantity}, {before, after}));
+    page.add(evidenceChart(table, against, rootUnit(files.result())));
   }
 }
 
@@ -236,6 +259,7 @@ Page make(const ResultFiles& files) {
   const std::string sentence = text(result, "sentence");
   Page page{"simgap diagnose", sentence.empty() ? "Verdict: " + text(result, "verdict") + "." : sentence,
             notes(result)};
+  addSignature(files, page);
   if (result.at("baseline").at("mse_heldout").is_number()) page.add(gap(result));
   addCauses(result, page);
   page.add(

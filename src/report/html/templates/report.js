@@ -305,6 +305,10 @@ document.querySelectorAll('figure.chart').forEach(figure => {
 const redrawers = [drawCharts];
 const redraw = () => redrawers.forEach(draw => draw());
 colourScheme.addEventListener('change', redraw);
-addEventListener('beforeprint', () => { root.dataset.paper = ''; redraw(); });
+addEventListener('beforeprint', () => {
+  document.querySelectorAll('details.section').forEach(section => { section.open = true; });
+  root.dataset.paper = '';
+  redraw();
+});
 addEventListener('afterprint', () => { delete root.dataset.paper; redraw(); });
 drawCharts();
