@@ -205,7 +205,6 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
                       s.rows.front() + 1, s.rows.back() + 1, s.rows.size(), true});
   }
   if (log.kind == ActuatorKind::kSpring) {
-    std::vector<DataFault> faults = std::move(spikes);
     findSpringFaults(log, faults);
     return faults;
   }
