@@ -58,11 +58,12 @@ struct Task {
   FrictionData read(Session& session, const std::string& role, const std::string& file, Holdout* holdout) const {
     LogTable rows = readLog(session, role, file, options.table.csv());
     if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, rows.table);
+    const std::vector<std::string> left_out = rows.summary();
     ActuatorLog drive = readActuatorLog(std::move(rows.table), log);
     FrictionDataOptions prepared = data;
     prepared.block_seconds = blockSeconds(options.fit.block_s, spanOf(drive));
     FrictionData result = prepareFrictionData(std::move(drive), bench, prepared);
-    std::ranges::copy(rows.summary(), std::back_inserter(result.warnings));
+    std::ranges::copy(left_out, std::back_inserter(result.warnings));
     return result;
   }
 };

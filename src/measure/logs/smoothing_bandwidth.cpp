@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/motion.h"
 #include "simgap/measure/logs/resolution.h"
 
@@ -12,7 +13,6 @@ constexpr std::size_t kFewestRowsOfPiece = 60;
 constexpr std::size_t kMargin = 8;    // one in so many rows of a piece, at either end, is smoothed from one side only
 constexpr double kUsable = 0.45;      // of the sampling rate
 constexpr double kLadder = 1.4;       // between bandwidths tried: the optimum is broad
-constexpr double kLowest = 4.0;       // [Hz] drives move that fast: a score that asks for less saw jitter or rests
 constexpr double kFewestPeriods = 8;  // of a bandwidth within a piece
 
 /// A stretch of a channel, thinned out.
@@ -35,7 +35,7 @@ std::size_t rowsPerCount(std::span<const double> values, std::span<const Block> 
 /// Some stretches from all over the log: what is asked of them does not need every row.
 std::vector<Piece> piecesOf(std::span<const double> time, std::span<const double> values, std::span<const Block> runs,
                             std::size_t stride) {
-  constexpr std::size_t kRows = 8000, kPieces = 3;
+  constexpr std::size_t kRows = 8000, kMostRows = 24000;
   std::vector<Block> all;
   for (const Block& run : runs) {
     for (std::size_t begin = run.begin; begin < run.end; begin += kRows * stride) {
@@ -44,7 +44,10 @@ std::vector<Piece> piecesOf(std::span<const double> time, std::span<const double
     }
   }
   std::vector<Piece> pieces;
-  const std::size_t count = std::min(kPieces, all.size());
+  std::size_t rows_of_all = 0;
+  for (const Block& piece : all) rows_of_all += piece.size() / stride;
+  const std::size_t count =
+      std::min(all.size(), std::max<std::size_t>(1, all.size() * kMostRows / std::max(rows_of_all, kMostRows)));
   for (std::size_t k = 0; k < count; ++k) {
     const Block& rows = all[(2 * k + 1) * all.size() / (2 * count)];
     Piece& piece = pieces.emplace_back();
@@ -82,19 +85,50 @@ double movingShare(const std::vector<Piece>& pieces) {
   return moving / rows;
 }
 
+/// What a bandwidth leaves of the pieces, stretch by stretch.
+struct Stretches {
+  std::vector<double> squares, rows, free;  ///< of the residual; all; that the smoothed values can follow
+
+  Stretches(const std::vector<Piece>& pieces, double bandwidth) {
+    constexpr std::size_t kLength = 250;
+    for (const Piece& piece : pieces) {
+      const std::vector<double> smoothed = smooth(piece.time, piece.values, bandwidth);
+      const double gain = meanGain(bandwidth, piece.step());
+      const std::size_t margin = smoothed.size() / kMargin, end = smoothed.size() - margin;
+      for (std::size_t begin = margin; begin < end; begin += kLength) {
+        const std::size_t stop = std::min(end, begin + kLength);
+        double sum = 0.0;
+        for (std::size_t i = begin; i < stop; ++i) sum += std::pow(piece.values[i] - smoothed[i], 2);
+        squares.push_back(sum);
+        rows.push_back(static_cast<double>(stop - begin));
+        free.push_back(gain * rows.back());
+      }
+    }
+  }
+
+  /// Stretches that outweigh nearly all others even with the least smoothing: an outlier that nobody put right.
+  std::vector<bool> outlying() const {
+    constexpr double kMost = 0.95, kFar = 4.0;
+    std::vector<double> sizes;
+    for (std::size_t k = 0; k < squares.size(); ++k) sizes.push_back(squares[k] / rows[k]);
+    const double limit = kFar * quantile(sizes, kMost);
+    std::vector<bool> out;
+    for (const double size : sizes) out.push_back(size > limit);
+    return out;
+  }
+};
+
 struct Trial {
   double bandwidth, score, residual;  ///< score: cross-validation error, residual: RMS of the noise it stands for
 };
 
-Trial tryBandwidth(const std::vector<Piece>& pieces, double bandwidth) {
+Trial judge(const Stretches& stretches, const std::vector<bool>& out, double bandwidth) {
   double squares = 0.0, rows = 0.0, free = 0.0;
-  for (const Piece& piece : pieces) {
-    const std::vector<double> smoothed = smooth(piece.time, piece.values, bandwidth);
-    const std::size_t begin = smoothed.size() / kMargin, end = smoothed.size() - begin;
-    for (std::size_t i = begin; i < end; ++i) squares += std::pow(piece.values[i] - smoothed[i], 2);
-    const auto count = static_cast<double>(end - begin);
-    rows += count;
-    free += count * meanGain(bandwidth, piece.step());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    if (out[k]) continue;
+    squares += stretches.squares[k];
+    rows += stretches.rows[k];
+    free += stretches.free[k];
   }
   const double left = 1.0 - free / rows;
   return {bandwidth, squares / (left * left), std::sqrt(squares / rows / left)};
@@ -115,9 +149,11 @@ double smoothingBandwidth(std::span<const double> time, std::span<const double> 
     seconds = std::max(seconds, piece.time.back() - piece.time.front());
   }
   std::vector<Trial> trials;
-  const double fastest = std::min(highest, kUsable / step), slowest = std::min(fastest, kLowest);
-  for (double b = fastest; b * seconds >= kFewestPeriods && b >= slowest; b /= kLadder) {
-    trials.push_back(tryBandwidth(pieces, b));
+  std::vector<bool> out;
+  for (double b = std::min(highest, kUsable / step); b * seconds >= kFewestPeriods; b /= kLadder) {
+    const Stretches stretches(pieces, b);
+    if (trials.empty()) out = stretches.outlying();
+    trials.push_back(judge(stretches, out, b));
   }
   if (trials.empty()) return highest;
   const Trial& best = *std::ranges::min_element(trials, {}, &Trial::score);

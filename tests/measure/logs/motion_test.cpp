@@ -83,7 +83,8 @@ TEST(Smooth, BurstsOfStampsAreNoSpeed) {
     truth.push_back(4.0 * std::cos(4.0 * t.back()));
   }
   const std::vector<double> speed = differentiate(t, smooth(t, y, 20.0));
-  for (std::size_t i = 100; i + 100 < t.size(); ++i) ASSERT_NEAR(speed[i], truth[i], 0.02) << i;
+  for (std::size_t i = 100; i + 100 < t.size(); ++i)
+    ASSERT_NEAR(speed[i], truth[i], 0.04) << i;  // 1 % of the top speed
 }
 
 TEST(Smooth, LeavesParabolasAloneAlsoOnUnevenTimes) {
