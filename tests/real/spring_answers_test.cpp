@@ -1,5 +1,5 @@
 // The series spring of sea_rmd_x8_spring (number 5, output locked): six ramps of growing amplitude, force against one
-// deflection. Its stiffness falls from 2517 N m/rad in the smallest ramp to 1531 in the largest, and every ramp is a
+// deflection. Its stiffness falls from 2531 N m/rad in the smallest ramp to 1529 in the largest, and every ramp is a
 // loop.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
