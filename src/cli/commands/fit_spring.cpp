@@ -1,4 +1,7 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include <algorithm>
 #include <iterator>
@@ -32,6 +35,23 @@ SpringLog readSigned(const CsvTable& table) {
   return spring;
 }
 
+/// Rows of other sessions than the chosen ones do not count. \throws DataError for one that the log does not have.
+void keepSessions(const std::vector<std::string>& chosen, PreparedLog& log) {
+  if (chosen.empty()) return;
+  std::vector<bool> wanted(log.session_names.size(), false);
+  for (const std::string& name : chosen) {
+    const auto found = std::ranges::find(log.session_names, name);
+    if (found == log.session_names.end()) {
+      throw DataError(fmt::format("{}: found no session {}, expected one of {}", log.file, name,
+                                  fmt::join(log.session_names, ", ")));
+    }
+    wanted[static_cast<std::size_t>(found - log.session_names.begin())] = true;
+  }
+  for (std::size_t i = 0; i < log.data.keep.size(); ++i) {
+    if (!wanted[static_cast<std::size_t>(log.data.rows.session[i])]) log.data.keep[i] = false;
+  }
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-spring", options.common, argv);
   const CsvOptions csv = options.table.csv();
@@ -51,6 +71,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   }
   report.own_length = spring.own_length;
   report.log = prepareSpringData(table);
+  keepSessions(options.fit.sessions, report.log);
   report.log_sha256 = session.input("log").sha256;
   report.comparison = compareSprings(report.log, {false, choices.fixed, choices.bounds}, holdout, options.fit.block_s);
   for (const std::string& file : options.fit.validate) {
