@@ -5,17 +5,11 @@
 #include <optional>
 #include <string>
 
+#include "simgap/fit/actuators/arm_with_drive.h"
 #include "simgap/fit/actuators/fitted_drive.h"
-#include "simgap/model/arm/arm.h"
 #include "simgap/report/actuators/fit_report.h"
 
 namespace simgap {
-
-/// An arm that gets the fitted drive.
-struct ArmWithDrive {
-  ArmModel arm;
-  std::size_t muscle = 0;  ///< whose drive it is
-};
 
 struct DriveReport {
   std::string kind;  ///< "motor" or "gearbox"
