@@ -3,30 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
 #include "inputs.h"
 #include "simgap/core/error.h"
 #include "simgap/report/actuators/drive_report.h"
 
 namespace simgap {
-namespace {
 
-/// The arm of --into, with the muscle whose drive is fitted.
-std::optional<ArmWithDrive> readTarget(const DriveCommandOptions& options, Session& session) {
-  if (options.into.empty() != options.muscle.empty()) throw ConfigError("--into and --muscle go together");
-  if (options.into.empty()) return std::nullopt;
-  ArmWithDrive target{readArmFile(session, "arm", options.into), 0};
+std::optional<ArmWithDrive> readTarget(const std::string& into, const std::string& muscle, Session& session) {
+  if (into.empty() != muscle.empty()) throw ConfigError("--into and --muscle go together");
+  if (into.empty()) return std::nullopt;
+  ArmWithDrive target{readArmFile(session, "arm", into), 0};
   const std::vector<Muscle>& muscles = target.arm.muscles;
-  const auto found = std::ranges::find(muscles, options.muscle, &Muscle::name);
+  const auto found = std::ranges::find(muscles, muscle, &Muscle::name);
   if (found == muscles.end()) {
-    throw ConfigError(
-        fmt::format("{}: found no muscle {}, expected one that the arm has", options.into, options.muscle));
+    throw ConfigError(fmt::format("{}: found no muscle {}, expected one that the arm has", into, muscle));
   }
   target.muscle = static_cast<std::size_t>(found - muscles.begin());
   return target;
 }
-
-}  // namespace
 
 void DriveCommandOptions::add(CLI::App& command) {
   app = &command;
@@ -48,14 +44,14 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   DriveReport report;
   report.kind = kind;
   report.ratio = drive.ratio;
-  report.into = readTarget(options, session);
+  report.into = readTarget(options.into, options.muscle, session);
   const ParameterChoices choices = options.fit.parameters();
   requireKnown(choices, driveParameterNames());
   drive.fixed = choices.fixed;
   drive.bounds = choices.bounds;
-  const CsvTable table = session.readTable("log", options.log, options.table.csv());
-  const Holdout holdout = readHoldout(options.fit.holdout, table);
-  report.log = readMotorLog(table);
+  const LogTable rows = readLog(session, "log", options.log, options.table.csv());
+  const Holdout holdout = readHoldout(options.fit.holdout, rows.table);
+  report.log = readMotorLog(rows.table);
   report.log_file = options.log;
   report.log_sha256 = session.input("log").sha256;
   if (options.common.dry_run) {
@@ -66,7 +62,8 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   session.begin(options.common.seed.value_or(0));
   session.directory().write("config.resolved.yaml", resolvedOptions(*options.app));
   writeDriveReport(report, session.directory());
-  const FitSummary summary = summarise(report);
+  FitSummary summary = summarise(report);
+  std::ranges::copy(rows.summary(), std::back_inserter(summary.warnings));
   session.finish(toJson(summary), terminalTable(summary));
   return ExitCode::kDone;
 }

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "inputs.h"
 #include "simgap/core/yaml.h"
 #include "simgap/report/actuators/refit_report.h"
@@ -54,8 +57,10 @@ ExitCode runRefit(const RefitOptions& options, Session& session, const CLI::App&
     throw ConfigError(fmt::format("{}: found a model of kind {}, expected {}: use fit-{}", options.model, given.kind,
                                   options.command.substr(4), given.kind));
   }
-  const CsvTable table = readLog(session, "log", options.log, options.csv);
-  const PreparedLog log = prepareLog(table, options.bench, subject.base.kind);
+  const LogTable file_rows = readLog(session, "log", options.log, options.csv);
+  const CsvTable& table = file_rows.table;
+  PreparedLog log = prepareLog(table, options.bench, subject.base.kind);
+  std::ranges::copy(file_rows.summary(), std::back_inserter(log.warnings));
   if (session.options().dry_run) {
     fmt::print("would fit {} to {} rows of {}; nothing was written\n", options.model, table.rows(), options.log);
     return ExitCode::kDone;

@@ -43,15 +43,16 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
   return readPosesFor(model, table);
 }
 
-CsvTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv) {
+LogTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv) {
   CsvTable table = session.readTable(role, file, csv);
   warnOfSkippedRows(table);
-  return table;
+  return readLogTable(std::move(table));
 }
 
 Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio) {
   Bench bench;
   if (!file.empty()) bench = readBench(YamlNode::parse(session.read("bench", file).content, file));
+  bench.file = file;
   if (ratio) bench.ratio = ratio;
   return bench;
 }

@@ -9,6 +9,7 @@
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/fit/poses/calibration.h"
 #include "simgap/measure/logs/bench.h"
+#include "simgap/measure/logs/log_table.h"
 #include "simgap/model/actuator/fitted_model.h"
 #include "simgap/model/arm/arm.h"
 
@@ -22,8 +23,9 @@ CalibrationConfig readConfig(Session& session, const std::string& file, const Ar
 PoseSet readPoses(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
                   const CsvOptions& csv);
 
-/// A table whose bad rows, if the user lets them pass, are counted in a warning.
-CsvTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv);
+/// A log without the rows that nothing can be taken from; rows that the user lets pass are counted in a warning.
+/// \throws DataError as readLogTable.
+LogTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv);
 /// The rig of a file, or a torque sensor without one; `ratio` replaces its own.
 Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio);
 /// The fitted model of a file. \param kinds  as readFittedModel
@@ -32,7 +34,8 @@ FittedModel readModel(Session& session, const std::string& role, const std::stri
 
 /// A file, not the name of a law.
 bool namesFile(const std::string& model);
-/// \param model  a file, or a name: of a friction law, motor, gearbox, or pam. \param fitted  set to what a file holds.
+/// \param model  a file, or a name: of a friction law, motor, gearbox, pam or spring. \param fitted  set to what a file
+/// holds.
 ActuatorModel readSubject(Session& session, const std::string& model, FittedModel& fitted);
 
 }  // namespace simgap

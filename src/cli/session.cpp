@@ -66,8 +66,10 @@ void CommonOptions::add(CLI::App& app) {
 }
 
 void TableOptions::add(CLI::App& app) {
-  app.add_option("--map", map, "canonical=column: a column that has another name in the file; may be repeated")
-      ->type_name("NAME=COLUMN")
+  app.add_option("--map", map,
+                 "canonical=column: a column that has another name in the file; canonical=column*-0.001 multiplies it, "
+                 "too; may be repeated")
+      ->type_name("NAME=COLUMN[*FACTOR]")
       ->allow_extra_args(false);  // what follows is the next argument, not the next entry
   app.add_flag("--skip-bad-rows", skip_bad_rows,
                "drop and count rows that cannot be read, instead of refusing the file");
@@ -86,9 +88,18 @@ CsvOptions TableOptions::csv() const {
   for (const std::string& entry : map) {
     const auto equals = entry.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size()) {
-      throw ConfigError(fmt::format("--map: found '{}', expected canonical=column", entry));
+      throw ConfigError(fmt::format("--map: found '{}', expected canonical=column or canonical=column*factor", entry));
     }
-    options.rename[entry.substr(0, equals)] = entry.substr(equals + 1);
+    const std::string name = entry.substr(0, equals);
+    std::string column = entry.substr(equals + 1);
+    const auto star = column.rfind('*');
+    const auto factor = star == std::string::npos ? std::nullopt : parseNumber(column.substr(star + 1));
+    if (factor == 0.0) throw ConfigError(fmt::format("--map: found the factor 0 in '{}', expected another", entry));
+    if (factor && star > 0) {
+      options.scale[name] = *factor;
+      column.resize(star);
+    }
+    options.rename[name] = std::move(column);
   }
   return options;
 }

@@ -124,7 +124,7 @@ class CsvParser {
     }
     const CsvCell cell = cells_.next();
     if (column.kind == Kind::kText) return cell.last;
-    const std::optional<double> number = cell.number();
+    const std::optional<double> number = cell.number(cells_.decimal());
     if (column.kind == Kind::kUndecided && !cell.raw.empty()) decide(column, number.has_value());
     if (column.kind != Kind::kText) column.numbers.push_back(number.value_or(kBadCell));
     return cell.last;
@@ -181,6 +181,16 @@ class CsvParser {
     rows_ = kept;
   }
 
+  void scaleColumns(const std::vector<std::string>& headers) {
+    for (const auto& [name, factor] : options_.scale) {
+      Column& column = columns_[static_cast<std::size_t>(std::ranges::find(headers, name) - headers.begin())];
+      if (column.kind == Kind::kText && rows_ > 0) {
+        failInCsv(name_, kHeaderLine, fmt::format("column {} is to be multiplied, expected numbers in it", name));
+      }
+      for (double& value : column.numbers) value *= factor;
+    }
+  }
+
   CsvTable table() {
     CsvTable result;
     result.name_ = name_;
@@ -189,6 +199,8 @@ class CsvParser {
     result.headers_ = std::move(headers_);
     result.lines_ = std::move(lines_);
     result.text_ = text_;
+    result.decimal_ = cells_.decimal();
+    scaleColumns(result.headers_);
     for (Column& column : columns_) {
       const bool number = column.kind == Kind::kNumber;
       result.numbers_.push_back(number ? std::make_shared<std::vector<double>>(std::move(column.numbers)) : nullptr);
@@ -229,6 +241,42 @@ bool CsvTable::isNumeric(std::string_view column) const {
 
 bool CsvTable::hasQuantity(std::string_view stem, std::string_view unit) const {
   return !matchQuantity(headers_, stem, unit).empty();
+}
+
+bool CsvTable::offersQuantity(std::string_view stem, std::string_view unit) const {
+  if (hasQuantity(stem, unit)) return true;
+  if (findUnitMistake(headers_, stem, unit)) failMissing(stem, unit);
+  return false;
+}
+
+std::vector<std::size_t> CsvTable::badRows(std::string_view column) const {
+  const auto found = std::ranges::find(headers_, column);
+  if (found == headers_.end()) failMissing(column, "");
+  std::vector<std::size_t> bad;
+  const auto& numbers = numbers_[static_cast<std::size_t>(found - headers_.begin())];
+  for (std::size_t row = 0; numbers && row < rows_; ++row) {
+    if (std::isnan((*numbers)[row])) bad.push_back(row);
+  }
+  return bad;
+}
+
+CsvTable CsvTable::withoutRows(const std::vector<bool>& out) const {
+  CsvTable rest = *this;
+  rest.lines_.clear();
+  for (std::size_t row = 0; row < rows_; ++row) {
+    if (!out[row]) rest.lines_.push_back(static_cast<std::uint32_t>(lineOf(row)));
+  }
+  rest.rows_ = rest.lines_.size();
+  for (auto& column : rest.numbers_) {
+    if (!column) continue;
+    auto kept = std::make_shared<std::vector<double>>();
+    kept->reserve(rest.rows_);
+    for (std::size_t row = 0; row < rows_; ++row) {
+      if (!out[row]) kept->push_back((*column)[row]);
+    }
+    column = std::move(kept);
+  }
+  return rest;
 }
 
 QuantityMatch CsvTable::matched(std::string_view stem, std::string_view unit) const {
@@ -305,8 +353,9 @@ void CsvTable::failMissing(std::string_view stem, std::string_view unit) const {
 
 void CsvTable::failCell(std::size_t row, std::size_t column) const {
   const std::string found = text(headers_[column])[row];
-  fail(row, fmt::format("column {}: found {}, expected a finite number", headers_[column],
-                        found.empty() ? "an empty cell" : fmt::format("'{}'", found)));
+  fail(row, fmt::format("column {}: found {}, expected a finite number{}", headers_[column],
+                        found.empty() ? "an empty cell" : fmt::format("'{}'", found),
+                        decimal_ == ',' ? " with a decimal comma, as other numbers of the file have it" : ""));
 }
 
 CsvWriter::CsvWriter(const std::vector<std::string>& header) : columns_(header.size()) {

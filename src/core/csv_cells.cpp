@@ -23,12 +23,36 @@ constexpr std::string_view kGzipMagic = "\x1F\x8B";
 constexpr int kGzipOnly = 15 + 16;  // window bits, see zlib.h
 constexpr unsigned kReadSize = 1U << 20;
 
-/// Marks the characters at which the scan of an unquoted cell stops.
-constexpr std::array<bool, 256> kStops = [] {
-  std::array<bool, 256> stops{};
-  for (const unsigned char stop : {',', '\n', '\r', '"'}) stops[stop] = true;
-  return stops;
-}();
+/// What the header has most of outside quotes; a comma where it has one column only.
+char separatorOf(std::string_view text) {
+  std::size_t commas = 0, semicolons = 0, tabs = 0;
+  bool quoted = false;
+  for (const char character : text) {
+    if (character == '"') quoted = !quoted;
+    if (quoted) continue;
+    if (character == '\n') break;
+    commas += character == ',' ? 1 : 0;
+    semicolons += character == ';' ? 1 : 0;
+    tabs += character == '\t' ? 1 : 0;
+  }
+  if (commas >= std::max(semicolons, tabs)) return ',';
+  return semicolons >= tabs ? ';' : '\t';
+}
+
+/// A comma between two digits is a decimal one where commas do not separate.
+char decimalOf(std::string_view text, char separator) {
+  const auto isDigit = [&](std::size_t at) { return at < text.size() && text[at] >= '0' && text[at] <= '9'; };
+  if (separator == ',') return '.';
+  for (std::size_t at = text.find(','); at != std::string_view::npos; at = text.find(',', at + 1)) {
+    if (at > 0 && isDigit(at - 1) && isDigit(at + 1)) return ',';
+  }
+  return '.';
+}
+
+std::string_view nameOf(char separator) {
+  if (separator == ';') return "a semicolon";
+  return separator == ',' ? "a comma" : "a tab";
+}
 
 std::uint32_t linesIn(std::string_view text) { return static_cast<std::uint32_t>(std::ranges::count(text, '\n')); }
 
@@ -78,7 +102,13 @@ std::string CsvCell::text() const {
   return result;
 }
 
-std::optional<double> CsvCell::number() const {
+std::optional<double> CsvCell::number(char decimal) const {
+  if (decimal == ',') {
+    std::string pointed(raw);
+    if (pointed.find('.') != std::string::npos) return std::nullopt;
+    std::ranges::replace(pointed, ',', '.');
+    return CsvCell{pointed}.number('.');
+  }
   if (const auto finite = parseNumber(raw)) return finite;
   double value = 0.0;
   const char* const end = raw.data() + raw.size();
@@ -95,12 +125,15 @@ CsvCells::CsvCells(std::string_view text, const std::string& file) : file_(file)
   }
   at_ = text.data();
   end_ = text.data() + text.size();
+  separator_ = separatorOf(text);
+  decimal_ = decimalOf(text, separator_);
+  for (const char stop : {separator_, '\n', '\r', '"'}) stops_[static_cast<unsigned char>(stop)] = true;
 }
 
 bool CsvCells::separatorAt(const char* at, bool& last, std::size_t& length) const {
-  last = at == end_ || *at != ',';
+  last = at == end_ || *at != separator_;
   length = at == end_ ? 0 : 1;
-  if (at == end_ || *at == ',' || *at == '\n') return true;
+  if (at == end_ || *at == separator_ || *at == '\n') return true;
   length = 2;
   return *at == '\r' && at + 1 != end_ && at[1] == '\n';
 }
@@ -114,7 +147,7 @@ void CsvCells::step(const char* separator, std::size_t length, bool last) {
 CsvCell CsvCells::next() {
   if (at_ != end_ && *at_ == '"') return quotedCell();
   const char* stop = at_;
-  while (stop != end_ && !kStops[static_cast<unsigned char>(*stop)]) ++stop;
+  while (stop != end_ && !stops_[static_cast<unsigned char>(*stop)]) ++stop;
   CsvCell cell{std::string_view(at_, static_cast<std::size_t>(stop - at_))};
   std::size_t length = 0;
   if (!separatorAt(stop, cell.last, length)) {
@@ -144,14 +177,16 @@ CsvCell CsvCells::quotedCell() {
   line_ += linesIn(cell.raw);
   std::size_t length = 0;
   if (!separatorAt(stop + 1, cell.last, length)) {
-    failInCsv(file_, line_, "found text behind a closing quote, expected a comma or the end of the line");
+    failInCsv(file_, line_,
+              fmt::format("found text behind a closing quote, expected {} or the end of the line", nameOf(separator_)));
   }
   step(stop + 1, length, cell.last);
   return cell;
 }
 
 bool CsvCells::nextNumber(double& value, bool& last) {
-  const auto [stop, error] = fast_float::from_chars(at_, end_, value);
+  const fast_float::parse_options options{fast_float::chars_format::general, decimal_};
+  const auto [stop, error] = fast_float::from_chars_advanced(at_, end_, value, options);
   std::size_t length = 0;
   if (error != std::errc() || !std::isfinite(value) || !separatorAt(stop, last, length)) return false;
   step(stop, length, last);

@@ -1,7 +1,9 @@
 /// \file
-/// The text of a CSV file and its cells, one after the other (RFC 4180; a line may end in LF or CRLF).
+/// The text of a CSV file and its cells, one after the other (RFC 4180; a line may end in LF or CRLF; semicolons and
+/// tabs separate, too).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -24,11 +26,12 @@ struct CsvCell {
   bool last = false;     ///< ends its row
 
   std::string text() const;
-  /// NaN when it reads as a number but is not finite; empty when it is no number.
-  std::optional<double> number() const;
+  /// NaN when it reads as a number but is not finite; empty when it is no number. \param decimal  '.' or ','
+  std::optional<double> number(char decimal) const;
 };
 
-/// A cursor over the cells. Empty lines at the end do not count.
+/// A cursor over the cells. Empty lines at the end do not count. Cells are separated by what the header has most of:
+/// commas, semicolons or tabs. Where it is no comma, numbers may have decimal commas: then all of them have.
 class CsvCells {
  public:
   /// Both must outlive the cursor; `file` stands in errors.
@@ -36,6 +39,7 @@ class CsvCells {
 
   bool atEnd() const { return at_ == end_ && !cell_due_; }
   std::uint32_t line() const { return line_; }  ///< of the next cell
+  char decimal() const { return decimal_; }     ///< '.' or ','
 
   /// \throws DataError: quotes or carriage returns where none may be.
   CsvCell next();
@@ -56,8 +60,11 @@ class CsvCells {
   const std::string& file_;
   const char* at_;
   const char* end_;
+  std::array<bool, 256> stops_{};  ///< characters at which the scan of an unquoted cell stops
+  char separator_ = ',';
+  char decimal_ = '.';
   std::uint32_t line_ = 1;
-  bool cell_due_ = false;  ///< the text ended behind a comma: one empty cell is left
+  bool cell_due_ = false;  ///< the text ended behind a separator: one empty cell is left
 };
 
 }  // namespace simgap

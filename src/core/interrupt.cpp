@@ -17,7 +17,7 @@ std::atomic<bool> requested{false};
 std::atomic<std::int64_t> first_request_ms{0};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<std::int64_t>::is_always_lock_free);
 
-extern "C" void onStopSignal(int signal) {
+extern "C" void onStopSignal(int /*signal*/) {
   timespec now = {};
   clock_gettime(CLOCK_MONOTONIC, &now);
   const std::int64_t milliseconds = now.tv_sec * std::int64_t{1000} + now.tv_nsec / 1'000'000;
@@ -28,7 +28,7 @@ extern "C" void onStopSignal(int signal) {
   // `timeout` and some terminals send one wish to stop twice, to the process and to its group.
   constexpr std::int64_t kSameWish = 500;
   const bool again = milliseconds - first_request_ms.load(std::memory_order_relaxed) > kSameWish;
-  if (again && signal == SIGINT) _exit(static_cast<int>(ExitCode::kInterrupted));
+  if (again) _exit(static_cast<int>(ExitCode::kInterrupted));
 }
 
 }  // namespace
@@ -43,5 +43,9 @@ void installInterruptHandlers() {
 }
 
 bool interruptRequested() noexcept { return requested.load(std::memory_order_relaxed); }
+
+void stopIfInterrupted() {
+  if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+}
 
 }  // namespace simgap

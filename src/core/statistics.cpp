@@ -1,5 +1,6 @@
 #include "simgap/core/statistics.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -28,6 +29,14 @@ double upperMedian(std::vector<double> values) { return quantile(std::move(value
 double robustDeviation(std::vector<double> values) {
   for (double& value : values) value = std::abs(value);
   return upperMedian(std::move(values)) / kMedianOfNormal;
+}
+
+double correlation(std::span<const double> a, std::span<const double> b) {
+  assert(a.size() == b.size());
+  using Values = Eigen::Map<const Eigen::ArrayXd>;
+  const Values first(a.data(), std::ssize(a)), second(b.data(), std::ssize(b));
+  const Eigen::ArrayXd x = first - first.mean(), y = second - second.mean();
+  return (x * y).sum() / std::max(std::sqrt(x.square().sum() * y.square().sum()), 1e-300);
 }
 
 double studentQuantile(double degrees_of_freedom) {

@@ -128,6 +128,12 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
+/// Words behind a channel's name that say which one it is, and no unit: "velocity_ref".
+constexpr std::string_view kRoles[] = {"cmd",      "command",   "commanded", "ref",     "reference", "set",
+                                       "setpoint", "target",    "goal",      "desired", "des",       "est",
+                                       "estimate", "estimated", "filtered",  "raw",     "error",     "err",
+                                       "limit",    "id",        "index",     "flag",    "stamp"};
+
 /// The part of `name` after `stem` + "_"; empty when it does not begin so.
 std::string_view suffixAfter(std::string_view name, std::string_view stem) {
   if (name.size() <= stem.size() + 1 || !name.starts_with(stem) || name[stem.size()] != '_') return {};
@@ -191,7 +197,8 @@ std::optional<UnitMistake> findUnitMistake(std::span<const std::string> names, s
     const std::string_view suffix = suffixAfter(names[i], stem);
     if (isUnit(suffix)) return UnitMistake{i, fmt::format("unit '{}' is of another kind, {}", suffix, expected)};
     // "motor_current_A" is a quantity of its own, not a "motor" in an unknown unit.
-    const bool one_word = !suffix.empty() && suffix.find('_') == std::string_view::npos;
+    const bool one_word = !suffix.empty() && suffix.find('_') == std::string_view::npos &&
+                          std::ranges::find(kRoles, suffix) == std::end(kRoles);
     if (one_word) return UnitMistake{i, fmt::format("unit '{}' does not exist, {}", suffix, expected)};
   }
   return std::nullopt;

@@ -180,7 +180,7 @@ LeastSquaresResult solveFree(const LeastSquaresProblem& problem, const std::vect
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &ceres_problem, &summary);
-  if (interruptRequested()) throw InterruptedError("interrupted; nothing was written");
+  stopIfInterrupted();
   LeastSquaresResult result{start, 2.0 * summary.final_cost, summary.termination_type == ceres::CONVERGENCE,
                             static_cast<int>(summary.iterations.size()), summary.message};
   for (std::size_t j = 0; j < free.size(); ++j) result.theta[free[j]] = values[j];

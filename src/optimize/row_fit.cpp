@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/interrupt.h"
+
 namespace simgap {
 namespace {
 
@@ -92,6 +94,7 @@ RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector
   MatrixXd jacobian;
   double damping = 1e-6;
   for (; fit.iterations < options.max_iterations; ++fit.iterations) {
+    stopIfInterrupted();
     model.evaluate(fit.theta, residual, &jacobian);
     fit.cost = costOf(residual, blocks);
     const Normal normal = normalOf(jacobian, residual, blocks);

@@ -1,5 +1,7 @@
 // Writes measured data with one cause hidden in them, from the simulators of tests/reality:
-//   make_hidden_data EFFECT DIRECTORY [SEED]      log.csv, or arm.yaml and poses.csv
+//   make_hidden_data EFFECT DIRECTORY [SEED] [RIG]      log.csv, or arm.yaml and poses.csv
+// RIG: prescribed (default) drives a clean motion; servo is a controlled drive that stands still, with an encoder only
+// (with bench.yaml where it needs one; what to ask is printed).
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -12,6 +14,8 @@
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
 #include "reality/pose_draws.h"
+#include "reality/servo_draws.h"
+#include "reality/spring_rig.h"
 
 namespace {
 
@@ -24,6 +28,27 @@ const std::map<std::string, void (*)(PamTruth&)> kPam = {
     {"contraction-hysteresis", [](PamTruth& t) { t.braid_friction = 3e-5; }},
     {"end-effect", [](PamTruth& t) { t.ends = 0.2; }},
     {"force-bias", [](PamTruth& t) { t.force_offset = 15.0; }}};
+
+const std::map<std::string, void (*)(SpringTruth&)> kSpring = {
+    {"spring-softening", [](SpringTruth& t) { t.curve = rubberCurve(0.05); }},
+    {"spring-hardening", [](SpringTruth& t) { t.curve = ropeCurve(0.05); }},
+    {"spring-direction",
+     [](SpringTruth& t) {
+       t.curve = {{-1.0, -210.0}, {0.0, 0.0}, {1.0, 150.0}};
+     }},
+    {"spring-slack", [](SpringTruth& t) { t.pulls_only = true; }},
+    {"spring-creep", [](SpringTruth& t) { t.creep_stiffness = 60.0; }},
+    {"spring-hysteresis", [](SpringTruth& t) { t.friction = 0.6; }}};
+
+/// data/logs/shock-cord.csv.gz: it hangs loose below 30 mm, and a fifth of its stiffness creeps.
+std::string shockCord(std::uint64_t seed) {
+  SpringTruth cord;
+  cord.creep_stiffness = 40.0, cord.creep_decades = 2.0;
+  cord.pulls_only = true, cord.slack_below = 0.03;
+  SpringDesign design{.sessions = 4, .rate = 25.0, .low = 0.0, .high = 0.12, .encoder_step = 1e-4, .seed = seed};
+  design.spikes = 2;
+  return recordSpring(cord, design).csv();
+}
 
 const std::map<std::string, void (*)(MotorTruth&)> kMotor = {
     {"brush-drop", [](MotorTruth& t) { t.brush_drop = 0.6; }},
@@ -53,6 +78,12 @@ std::string logOf(const std::string& effect, std::uint64_t seed) {
     muscle->second(truth);
     return recordPam(truth, {.seed = seed}).csv();
   }
+  if (const auto spring = kSpring.find(effect); spring != kSpring.end()) {
+    SpringTruth truth;
+    spring->second(truth);
+    return recordSpring(truth, {.seed = seed}).csv();
+  }
+  if (effect == "shock-cord") return shockCord(seed);
   if (const auto motor = kMotor.find(effect); motor != kMotor.end()) {
     MotorTruth truth;
     motor->second(truth);
@@ -63,17 +94,36 @@ std::string logOf(const std::string& effect, std::uint64_t seed) {
   return driveLog(effect, seed);
 }
 
+/// A log of a position-controlled drive, its bench, and how to ask.
+void writeServoLog(const std::string& effect, std::uint64_t seed, const std::filesystem::path& directory) {
+  const bool hidden = std::ranges::find(servoEffects(), effect) != servoEffects().end();
+  const bool outside = std::ranges::find(servoOutsideKinds(), effect) != servoOutsideKinds().end();
+  const ServoDraw draw = hidden    ? drawServoEffect(effect, seed)
+                         : outside ? drawServoOutside(effect, seed)
+                                   : drawServoNone(seed);
+  std::ofstream(directory / "log.csv") << recordServo(draw.rig, draw.secret).csv();
+  if (const std::string bench = benchYaml(draw.rig); !bench.empty()) std::ofstream(directory / "bench.yaml") << bench;
+  std::string options;
+  for (const std::string& option : diagnoseOptions(draw.rig)) options += " " + option;
+  std::printf("simgap diagnose %s --log log.csv%s   # hidden: %s %.4g\n", draw.law.c_str(), options.c_str(),
+              draw.effects[0].c_str(), draw.magnitude);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fputs("make_hidden_data EFFECT DIRECTORY [SEED]\n", stderr);
+    std::fputs("make_hidden_data EFFECT DIRECTORY [SEED] [prescribed|servo]\n", stderr);
     return 2;
   }
   const std::string effect = argv[1];
   const std::filesystem::path directory = argv[2];
   const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
   std::filesystem::create_directories(directory);
+  if (argc > 4 && std::string(argv[4]) == "servo") {
+    writeServoLog(effect, seed, directory);
+    return 0;
+  }
   const std::vector<std::string> of_arms = hiddenEffects();
   if (std::ranges::find(of_arms, effect) == of_arms.end()) {
     std::ofstream(directory / "log.csv") << logOf(effect, seed);

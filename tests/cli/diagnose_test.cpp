@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "cli/cli_fixture.h"
-#include "support/diagnosis_study.h"
+#include "support/log_answer.h"
 
 namespace simgap::test {
 namespace {

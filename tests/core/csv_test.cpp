@@ -134,6 +134,66 @@ TEST(Csv, RefusesBrokenRowsWithTheirLine) {
   EXPECT_EQ(parseSentence("a,b\r1,2\r"), "log.csv:1: found a carriage return without a line feed, expected both");
 }
 
+TEST(Csv, SemicolonsAndTabsSeparateWhereTheHeaderHasThem) {
+  for (const std::string separator : {";", "\t"}) {
+    const auto text = [&](std::string commas) {
+      for (std::size_t at = 0; (at = commas.find('|', at)) != std::string::npos;) commas.replace(at, 1, separator);
+      return commas;
+    };
+    const CsvTable table = parse(text("\"a, b, c\"|x_m|note\n1.5|2|good, really\n-3|4e-1|\"|\"\n"));
+    EXPECT_THAT(table.columns(), ElementsAre("a, b, c", "x_m", "note"));
+    EXPECT_THAT(table.quantity("x", "m"), ElementsAre(2.0, 0.4));
+    EXPECT_THAT(table.text("note"), ElementsAre("good, really", separator));
+    EXPECT_EQ(parseSentence(text("a|b\n1\n")), "log.csv:2: found 1 cells, expected 2");
+  }
+  EXPECT_EQ(parseSentence("a;b\n\"x\"y;1\n"),
+            "log.csv:2: found text behind a closing quote, expected a semicolon or the end of the line");
+  EXPECT_THAT(parse("force [N; raw],t\n1,2\n").columns(), ElementsAre("force [N; raw]", "t"));
+}
+
+TEST(Csv, DecimalCommasStandWhereCommasDoNotSeparate) {
+  const CsvTable table = parse("x_m;n;note\n1,5;7;a,b\n-0,25;8;c\n\"2,0\";+1,5e3;d\n");
+  EXPECT_THAT(table.quantity("x", "m"), ElementsAre(1.5, -0.25, 2.0));
+  EXPECT_THAT(table.quantity("n", ""), ElementsAre(7.0, 8.0, 1500.0));
+  EXPECT_THAT(table.text("note"), ElementsAre("a,b", "c", "d"));
+  EXPECT_THAT(parse("x\ty\n1,5\t2\n").quantity("x", ""), ElementsAre(1.5));
+  EXPECT_EQ(quantitySentence("x;y\n1,5;1\n2.5;1\n", "x", ""),
+            "log.csv:3: column x: found '2.5', expected a finite number with a decimal comma, as other numbers of the "
+            "file have it");
+  EXPECT_THAT(quantitySentence("x;y\n1,5;1\n1.234,5;1\n", "x", ""), ::testing::HasSubstr("found '1.234,5',"));
+}
+
+TEST(CsvRename, MultipliesByAFactor) {
+  CsvOptions options;
+  options.rename = {{"load_N", "sensor"}};
+  options.scale = {{"load_N", -0.001}};
+  EXPECT_THAT(parse("sensor,t\n2000,1\n-500,2\n", options).quantity("load", "N"), ElementsAre(-2.0, 0.5));
+  EXPECT_EQ(sentenceOf([&] { parse("sensor,t\nlow,1\n", options); }),
+            "log.csv:1: column load_N is to be multiplied, expected numbers in it");
+}
+
+TEST(CsvQuantity, OffersNoColumnWhoseUnitItWouldDrop) {
+  const CsvTable table = parse("load_lbf,speed_rad_s,speed_ref,angle,force_ref\n1,2,3,4,5\n");
+  EXPECT_TRUE(table.offersQuantity("speed", "rad_s"));
+  EXPECT_FALSE(table.offersQuantity("current", "A"));
+  EXPECT_FALSE(table.offersQuantity("force", "N"));  // a reference, whatever its unit
+  EXPECT_EQ(sentenceOf([&] { table.offersQuantity("load", "N"); }),
+            "log.csv:1: column load_lbf: unit 'lbf' does not exist, expected one of N");
+  EXPECT_EQ(sentenceOf([&] { table.offersQuantity("angle", "rad"); }),
+            "log.csv:1: column angle: unit is missing, expected one of rad, deg");
+}
+
+TEST(Csv, LeavesOutRowsOnDemand) {
+  const CsvTable table = parse("x,note\n1,a\nnan,b\n3,\"c\nd\"\n,e\n5,f\n");
+  EXPECT_THAT(table.badRows("x"), ElementsAre(1u, 3u));
+  EXPECT_THAT(table.badRows("note"), IsEmpty());
+  const CsvTable rest = table.withoutRows({false, true, false, true, false});
+  EXPECT_THAT(rest.quantity("x", ""), ElementsAre(1.0, 3.0, 5.0));
+  EXPECT_THAT(rest.text("note"), ElementsAre("a", "c\nd", "f"));
+  EXPECT_EQ(rest.lineOf(2), 7u);
+  EXPECT_EQ(table.rows(), 5u);
+}
+
 TEST(CsvQuantity, ConvertsEveryUnitToTheAskedOne) {
   const CsvTable table = parse("shaft_deg,t_K,n_rpm\n180,293.15,60\n");
   EXPECT_DOUBLE_EQ(table.quantity("shaft", "rad")[0], 3.14159265358979323846);

@@ -47,6 +47,15 @@ TEST(StudentQuantile, AgreesWithTheTable) {
   EXPECT_EQ(studentQuantile(0.0), studentQuantile(1.0));
 }
 
+TEST(Correlation, ByHand) {
+  const std::vector<double> x = {1.0, 2.0, 3.0}, up = {10.0, 20.0, 30.0}, down = {1.0, 0.0, -1.0},
+                            bent = {1.0, 3.0, 2.0};
+  EXPECT_DOUBLE_EQ(correlation(x, up), 1.0);
+  EXPECT_DOUBLE_EQ(correlation(x, down), -1.0);
+  EXPECT_DOUBLE_EQ(correlation(x, bent), 0.5);  // (-1, 0, 1).(-1, 1, 0) / sqrt(2 2)
+  EXPECT_EQ(correlation(x, std::vector<double>(3, 7.0)), 0.0);
+}
+
 TEST(ChiSquaredTail, AgreesWithTheTable) {
   EXPECT_NEAR(chiSquaredTail(3.84146, 1), 0.05, 1e-6);
   EXPECT_NEAR(chiSquaredTail(5.99146, 2), 0.05, 1e-6);

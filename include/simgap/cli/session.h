@@ -30,7 +30,7 @@ struct CommonOptions {
 
 /// Options of commands that read measured tables.
 struct TableOptions {
-  std::vector<std::string> map;  ///< "canonical=column"
+  std::vector<std::string> map;  ///< "canonical=column" or "canonical=column*factor"
   bool skip_bad_rows = false;
   void add(CLI::App& app);
   CsvOptions csv() const;  ///< \throws ConfigError for a `map` without '='

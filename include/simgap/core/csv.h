@@ -1,5 +1,6 @@
 /// \file
-/// Strict reading and atomic writing of CSV (RFC 4180, header row, gzip when the name ends in .gz).
+/// Strict reading and atomic writing of CSV (RFC 4180, header row, gzip when the name ends in .gz). Semicolons and tabs
+/// separate, too.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +21,7 @@ class CsvParser;
 struct CsvOptions {
   bool skip_bad_rows = false;  ///< drop and count rows with a bad cell in a numeric column, or ragged rows
   std::map<std::string, std::string> rename;  ///< canonical name -> column of the file (`--map canonical=column`)
+  std::map<std::string, double> scale = {};   ///< canonical name -> factor (`--map canonical=column*factor`)
 };
 
 /// A table held by columns. Numbers are parsed once, on loading; a column whose first cell that is not empty is no
@@ -45,6 +47,16 @@ class CsvTable {
   bool isNumeric(std::string_view column) const;
   /// True when a column `stem` + "_" + (a unit that converts to `unit`) exists; with an empty unit: the column `stem`.
   bool hasQuantity(std::string_view stem, std::string_view unit) const;
+
+  /// The same, for a column that need not be there. \throws DataError: a column of that stem whose unit is missing,
+  /// unknown or of another kind (lists those that fit): it would be dropped without a word otherwise.
+  bool offersQuantity(std::string_view stem, std::string_view unit) const;
+
+  /// Rows, rising, in which a column of numbers has an empty cell, NaN, infinity or no number. \throws DataError when
+  /// missing.
+  std::vector<std::size_t> badRows(std::string_view column) const;
+  /// The table without the rows marked. \param out  shape (rows)
+  CsvTable withoutRows(const std::vector<bool>& out) const;
 
   /// The quantity in SI, shape (rows). Empty unit: a plain number column `stem`.
   /// \throws DataError: column missing (lists what is there, or names the wrong unit found), the quantity in two
@@ -74,6 +86,7 @@ class CsvTable {
   std::vector<std::shared_ptr<std::vector<double>>> numbers_;  ///< NaN: a bad cell; null: a column of text
   std::vector<std::uint32_t> lines_;                           ///< empty when row r stands on line r + 2
   std::shared_ptr<const std::string> text_;                    ///< the whole file
+  char decimal_ = '.';                                         ///< or ','
 };
 
 /// Builds a CSV text: a header row, then rows of numbers (shortest form that reads back exactly) and texts (quoted when

@@ -1,5 +1,5 @@
 /// \file
-/// Ctrl-C (SIGINT) and SIGTERM set a flag that long work looks at; a Ctrl-C after that ends the program at once.
+/// Ctrl-C (SIGINT) and SIGTERM set a flag that long work looks at; another one after that ends the program at once.
 #pragma once
 
 namespace simgap {
@@ -9,5 +9,8 @@ void installInterruptHandlers();
 
 /// True once the user has asked to stop. Safe from any thread.
 bool interruptRequested() noexcept;
+
+/// For work that cannot be taken up again. \throws InterruptedError once the user has asked to stop
+void stopIfInterrupted();
 
 }  // namespace simgap

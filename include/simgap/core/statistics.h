@@ -2,6 +2,7 @@
 /// Order statistics, and the distributions that intervals and tests need.
 #pragma once
 
+#include <span>
 #include <vector>
 
 namespace simgap {
@@ -23,6 +24,9 @@ inline constexpr double kMedianOfNormal = 0.6744897501960817;
 /// Standard deviation about 0 from the median size: median |x| / 0.6745. Half of the values may be anything.
 /// \param values  not empty; their unit is the result's
 double robustDeviation(std::vector<double> values);
+
+/// Pearson's correlation; 0 where one of them is constant. \param a, b  of one length
+double correlation(std::span<const double> a, std::span<const double> b);
 
 /// 97.5 % quantile of Student's t, the factor of a two-sided 95 % interval. \param degrees_of_freedom  below 1 counts
 /// as 1.

@@ -62,7 +62,7 @@ Views viewsOfImages(const Options& options) {
     if (view) views.views.push_back(*view);
     views.pairs = pairs.frame() + 1;
     progress.update(views.pairs);
-    if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+    stopIfInterrupted();
   }
   return views;
 }

@@ -33,7 +33,7 @@ void processAll(CaptureRun& run, ImagePairs& pairs, bool quiet) {
   while (pairs.next()) {
     run.add(pairs);
     progress.update(pairs.frame() + 1);
-    if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+    stopIfInterrupted();
   }
 }
 

@@ -43,8 +43,10 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   FittedModel given;
   const ActuatorModel subject = readSubject(session, options.model, given);
   const Bench bench = readRig(session, options.bench, options.ratio);
-  const CsvTable table = readLog(session, "log", options.log, options.table.csv());
+  LogTable file_rows = readLog(session, "log", options.log, options.table.csv());
+  const CsvTable& table = file_rows.table;
   PreparedLog log = prepareLog(table, bench, subject.base.kind);
+  log.left_out = std::move(file_rows.left_out);
   LogDiagnosisOptions diagnose = options.diagnose;
   diagnose.seed = options.common.seed.value_or(1);
   if (options.max_causes) diagnose.max_causes = *options.max_causes;
@@ -121,10 +123,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   auto options = std::make_shared<Options>();
   app.add_option(
          "MODEL", options->model,
-         "fitted model of a drive, motor, gearbox or muscle, or arm model (YAML); or a name: a friction law (classic, "
-         "variant-a, …), motor, gearbox or pam")
+         "fitted model of a drive, motor, gearbox, muscle or spring, or arm model (YAML); or a name: a friction law "
+         "(classic, variant-a, …), motor, gearbox, pam or spring")
       ->required();
-  app.add_option("--log", options->log, "measured log (CSV) of a drive");
+  app.add_option("--log", options->log, "measured log (CSV) of a drive, muscle or spring");
   app.add_option("--poses", options->poses, "recorded poses (CSV) of an arm");
   app.add_option("--config", options->config,
                  "of --poses: calibration config with parameters and priors (default: the paper's)");

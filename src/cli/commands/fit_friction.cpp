@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <optional>
 
 #include "cli/fit_options.h"
@@ -54,12 +56,14 @@ struct Task {
   ActuatorLogOptions log;
 
   FrictionData read(Session& session, const std::string& role, const std::string& file, Holdout* holdout) const {
-    CsvTable table = readLog(session, role, file, options.table.csv());
-    if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, table);
-    ActuatorLog drive = readActuatorLog(std::move(table), log);
+    LogTable rows = readLog(session, role, file, options.table.csv());
+    if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, rows.table);
+    ActuatorLog drive = readActuatorLog(std::move(rows.table), log);
     FrictionDataOptions prepared = data;
     prepared.block_seconds = blockSeconds(options.fit.block_s, spanOf(drive));
-    return prepareFrictionData(std::move(drive), bench, prepared);
+    FrictionData result = prepareFrictionData(std::move(drive), bench, prepared);
+    std::ranges::copy(rows.summary(), std::back_inserter(result.warnings));
+    return result;
   }
 };
 

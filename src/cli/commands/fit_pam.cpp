@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "cli/fit_options.h"
+#include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/report/actuators/pam_report.h"
 
@@ -27,16 +31,17 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   PamReport report;
   if (!options.curves.empty()) {
     report.maker_file = options.curves;
-    report.maker = fitPam(readPamLog(session.readTable("curves", options.curves, csv)), {false, options.tied, {}, {}});
+    report.maker =
+        fitPam(readPamLog(readLog(session, "curves", options.curves, csv).table), {false, options.tied, {}, {}});
   }
-  const CsvTable table = session.readTable("log", options.log, csv);
-  const Holdout holdout = readHoldout(options.fit.holdout, table);
-  report.log = readPamLog(table);
+  const LogTable rows = readLog(session, "log", options.log, csv);
+  const Holdout holdout = readHoldout(options.fit.holdout, rows.table);
+  report.log = readPamLog(rows.table);
   report.log_sha256 = session.input("log").sha256;
   report.comparison = comparePam(report.log, {false, options.tied, choices.fixed, choices.bounds}, report.maker,
                                  holdout, options.fit.block_s);
   for (const std::string& file : options.fit.validate) {
-    const PamLog other = readPamLog(session.readTable("validation", file, csv));
+    const PamLog other = readPamLog(readLog(session, "validation", file, csv).table);
     report.transfer.push_back({file, other.rows(), meanSquaredError(report.comparison.chosen().fit, other, {})});
   }
   if (options.common.dry_run) {
@@ -46,7 +51,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   session.begin(options.common.seed.value_or(0));
   session.directory().write("config.resolved.yaml", resolvedOptions(app));
   writePamReport(report, session.directory());
-  const FitSummary summary = summarise(report);
+  FitSummary summary = summarise(report);
+  std::ranges::copy(rows.summary(), std::back_inserter(summary.warnings));
   session.finish(toJson(summary), terminalTable(summary));
   return ExitCode::kDone;
 }

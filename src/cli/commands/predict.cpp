@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "cli/fit_options.h"
 #include "cli/inputs.h"
@@ -32,7 +33,13 @@ Prediction predictLog(const FittedModel& model, const Options& options, Session&
     throw ConfigError(fmt::format("{}: found a diagnosed model {}, expected none there", options.model,
                                   options.inverse ? "with --inverse" : "in a gearbox model"));
   }
-  const CsvTable table = session.readTable("log", options.log, options.table.csv());
+  if (model.kind == "spring" && options.inverse) {
+    throw ConfigError(options.model + ": found a spring with --inverse, expected a muscle or a drive there");
+  }
+  const LogTable rows = readLog(session, "log", options.log, options.table.csv());
+  const CsvTable& table = rows.table;
+  for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
+  if (model.kind == "spring") return predictDiagnosed(model, table, {});
   if (!diagnosed && model.kind == "pam") return predictPam(model, table, options.inverse);
   if (!diagnosed && model.kind != "friction") return predictDriveOf(model, table, options, session);
   const auto ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));

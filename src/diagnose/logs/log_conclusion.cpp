@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "diagnose/verdict.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -42,27 +43,29 @@ std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string&
     if (bin.against.starts_with(channel) && std::isfinite(bin.after)) bins.push_back(&bin);
   }
   if (bins.size() < 5) return {};
-  Eigen::ArrayXd x(std::ssize(bins)), y(std::ssize(bins));
-  for (Eigen::Index k = 0; k < x.size(); ++k) {
-    x[k] = bins[static_cast<std::size_t>(k)]->center;
-    y[k] = bins[static_cast<std::size_t>(k)]->after;
+  std::vector<double> center, residual;
+  for (const EvidenceBin* bin : bins) {
+    center.push_back(bin->center);
+    residual.push_back(bin->after);
   }
-  const auto correlation = [&](const Eigen::ArrayXd& of) {
-    const Eigen::ArrayXd a = of - of.mean(), b = y - y.mean();
-    return (a * b).sum() / std::max(std::sqrt(a.square().sum() * b.square().sum()), 1e-300);
-  };
-  if (std::abs(correlation(x)) > kPlain) return correlation(x) > 0.0 ? "rises with it" : "falls with it";
-  const Eigen::ArrayXd away = (x - 0.5 * (x.minCoeff() + x.maxCoeff())).abs();
-  return std::abs(correlation(away)) > kPlain ? "differs between its middle and its ends" : "";
+  const double slope = correlation(center, residual);
+  if (std::abs(slope) > kPlain) return slope > 0.0 ? "rises with it" : "falls with it";
+  const auto [low, high] = std::ranges::minmax(center);
+  for (double& at : center) at = std::abs(at - 0.5 * (low + high));
+  return std::abs(correlation(center, residual)) > kPlain ? "differs between its middle and its ends" : "";
 }
 
 }  // namespace
 
-void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Ceiling& left, Diagnosis& d) {
+double shareLeft(const Selection& selection, const Ceiling& left) {
   const double unnamed = selection.unnamed ? std::max(0.0, selection.unnamed->gain->value) : 0.0;
   const double forests = left.share > kStructure ? left.share : 0.0;
-  const double remaining = 1.0 - 0.01 * d.explained_percent;
-  d.left_over_percent = 100.0 * remaining * std::min(1.0, std::max(unnamed, forests));
+  return std::min(1.0, std::max(unnamed, forests));
+}
+
+void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Ceiling& left, Diagnosis& d) {
+  const double unnamed = selection.unnamed ? std::max(0.0, selection.unnamed->gain->value) : 0.0;
+  d.left_over_percent = (100.0 - d.explained_percent) * shareLeft(selection, left);
   std::vector<Leftover> list;
   if (selection.unnamed) {
     const std::vector<double>& fixed = selection.unnamed->hypothesis.fixed;
@@ -72,7 +75,7 @@ void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Cei
   }
   for (const Leftover& l : left.channels) {
     const bool known = std::ranges::any_of(list, [&](const Leftover& other) { return other.channel == l.channel; });
-    if (!known && forests > 0.0 && l.share > 0.0) list.push_back(l);
+    if (!known && left.share > kStructure && l.share > 0.0) list.push_back(l);
   }
   double sum = 0.0;
   for (const Leftover& l : list) sum += l.share;

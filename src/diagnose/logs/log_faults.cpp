@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "simgap/core/statistics.h"
-#include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/resolution.h"
 
 namespace simgap {
 namespace {
@@ -46,7 +46,9 @@ DataFault faultOf(const std::string& channel, const std::string& sentence, Index
 }
 
 /// Rows at the very end of the range, several in a row: a converter or an amplifier that cannot go further.
-void findClipping(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
+/// \returns those ends.
+std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
+  std::vector<double> limits;
   for (const double limit : {channel.values.maxCoeff(), channel.values.minCoeff()}) {
     std::size_t runs = 0;
     std::vector<Index> rows;
@@ -64,11 +66,15 @@ void findClipping(const NamedChannel& channel, PreparedLog& log, std::vector<Dat
              fmt::format("{} sits at its limit {:.4g} in {} rows ({} times for at least 4 rows in a row): saturated",
                          channel.name, limit, rows.size(), runs),
              rows, log, faults);
+    limits.push_back(limit);
   }
+  return limits;
 }
 
 /// A channel that repeats one value for a second and longer while the drive moves, though it is noisy otherwise.
-void findStuck(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
+/// \param limits  where it is saturated instead
+void findStuck(const NamedChannel& channel, const std::vector<double>& limits, PreparedLog& log,
+               std::vector<DataFault>& faults) {
   const ActuatorRows& rows = log.data.rows;
   const Index n = channel.values.size();
   Index repeats = 0;
@@ -79,6 +85,7 @@ void findStuck(const NamedChannel& channel, PreparedLog& log, std::vector<DataFa
   for (Index i = 0, end = 0; i < n; i = end) {
     end = i + 1;
     while (end < n && channel.values[end] == channel.values[i]) ++end;
+    if (std::ranges::find(limits, channel.values[i]) != limits.end()) continue;
     if (end - i < least || !(rows.speed.segment(i, end - i).abs().mean() > 2.0 * log.dead_band)) continue;
     for (Index k = i; k < end; ++k) stuck.push_back(k);
   }
@@ -114,6 +121,28 @@ void findDropouts(const NamedChannel& channel, PreparedLog& log, std::vector<Dat
            faults);
 }
 
+/// Sensors of a spring at their limit, lost samples, and a force that pushes the way it is pushed.
+void findSpringFaults(PreparedLog& log, std::vector<DataFault>& faults) {
+  const ActuatorRows& rows = log.data.rows;
+  const auto all = static_cast<double>(rows.rows());
+  for (const ChannelSpikes& clipped : log.clipped) {
+    const bool few = static_cast<double>(clipped.rows.size()) <= kMostLeftOut * all;
+    faults.push_back({clipped.channel,
+                      fmt::format("{} sits at its limit in {} rows while the other channel moves on: saturated{}",
+                                  clipped.channel, clipped.rows.size(), few ? "; they were left out" : ""),
+                      clipped.rows.front() + 1, clipped.rows.back() + 1, clipped.rows.size(), few});
+  }
+  findDropouts({log.effort_column, rows.effort}, log, faults);
+  const ArrayXd force = rows.effort - rows.effort.mean(), deflection = rows.deflection - rows.deflection.mean();
+  const double agreement =
+      (force * deflection).sum() / std::max(force.matrix().norm() * deflection.matrix().norm(), 1e-300);
+  if (agreement > -kMirrored) return;
+  faults.push_back(
+      {log.effort_column, fmt::format("{} falls where the deflection grows (correlation {:.2f}): one of the "
+                                      "two has the wrong sign",
+                                      log.effort_column, agreement)});
+}
+
 /// Signs that no drive can have: load that helps to draw current, a joint that turns against its motor.
 void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   const ActuatorRows& rows = log.data.rows;
@@ -125,12 +154,13 @@ void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   }
   const Eigen::VectorXd scale = x.colwise().norm().transpose();
   const Eigen::VectorXd c = x.colPivHouseholderQr().solve(rows.effort.matrix()).cwiseProduct(scale);
-  const ArrayXd effort = rows.effort - rows.effort.mean(), load = rows.load - rows.load.mean();
-  const double size = effort.matrix().norm();
+  const double size = (rows.effort - rows.effort.mean()).matrix().norm();
   // Only a load that was measured, and that the effort mirrors as plainly as a plot would show it. A back-driven motor,
   // a damper or a piston under pressure has effort against its speed in all honesty.
-  const double agreement = (effort * load).sum() / std::max(size * load.matrix().norm(), 1e-300);
-  if (rows.top_load > 0.0 && log.data.rig.cols() == 0 && c[0] < -0.2 * size && agreement < -kMirrored) {
+  const double agreement =
+      correlation({rows.effort.data(), static_cast<std::size_t>(n)}, {rows.load.data(), static_cast<std::size_t>(n)});
+  if (rows.top_load > 0.0 && log.data.rig.cols() == 0 && !log.data.angle && c[0] < -0.2 * size &&
+      agreement < -kMirrored) {
     faults.push_back({"external_torque",
                       fmt::format("{} falls where the load grows (correlation {:.2f}): one of {} and external_torque "
                                   "has the wrong sign",
@@ -165,25 +195,32 @@ double deviationOf(const Eigen::VectorXd& residual) {
 
 std::vector<DataFault> findFaults(PreparedLog& log) {
   const ActuatorRows& rows = log.data.rows;
-  std::vector<DataFault> spikes;
+  std::vector<DataFault> faults;
+  for (const LeftOutRows& out : log.left_out) {
+    faults.push_back({out.channel, out.sentence + "; they were left out", out.first_row, out.last_row, out.rows, true});
+  }
   for (const ChannelSpikes& s : log.spikes) {
-    spikes.push_back({s.channel,
+    faults.push_back({s.channel,
                       fmt::format("{} stands alone in {} rows: outliers; they were left out", s.channel, s.rows.size()),
                       s.rows.front() + 1, s.rows.back() + 1, s.rows.size(), true});
+  }
+  if (log.kind == ActuatorKind::kSpring) {
+    std::vector<DataFault> faults = std::move(spikes);
+    findSpringFaults(log, faults);
+    return faults;
   }
   if (log.kind == ActuatorKind::kMotor || log.kind == ActuatorKind::kPam) {
     // Voltages and pressures are set to levels, limits included: only lost samples can be told.
     const bool motor = log.kind == ActuatorKind::kMotor;
-    std::vector<DataFault> faults;
     findDropouts({motor ? "current_A" : log.effort_column, motor ? rows.current : rows.effort}, log, faults);
     return faults;
   }
   std::vector<NamedChannel> channels = {{log.effort_column, rows.effort}, {"motor_velocity", rows.speed}};
   if (rows.top_load > 0.0) channels.push_back({"external_torque", rows.load});
-  std::vector<DataFault> faults = std::move(spikes);
   for (const NamedChannel& channel : channels) {
-    if (channel.name != "external_torque") findClipping(channel, log, faults);
-    findStuck(channel, log, faults);
+    std::vector<double> limits;
+    if (channel.name != "external_torque") limits = findClipping(channel, log, faults);
+    findStuck(channel, limits, log, faults);
     findDropouts(channel, log, faults);
   }
   findMirrored(log, faults);

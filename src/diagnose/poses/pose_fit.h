@@ -45,7 +45,7 @@ void forEach(const PoseProblem& problem, std::size_t count, const Action& action
       if (!interruptRequested()) action(i);
     });
   });
-  if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+  stopIfInterrupted();
 }
 
 class PoseFit {

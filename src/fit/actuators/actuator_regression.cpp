@@ -47,7 +47,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
       addLinear(p.name, p.unit, p.lower, p.upper, true);
   } else {
     for (const EffectColumn& column : base.equation->columns)
-      addLinear(std::string(column.name), std::string(column.unit), column.lower, column.upper, false);
+      addLinear(std::string(column.name), unitOn(column.unit, data), column.lower, column.upper, false);
   }
   for (const ParameterSpec& p : data.rig_parameters) addLinear(p.name, p.unit, 0.0, kInfinity, true);
   if (data.offset) addLinear("offset", data.effort_unit, -kInfinity, kInfinity, false);
@@ -64,6 +64,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
                       std::back_inserter(parameters_));
   }
   if (presliding) add(std::string(kNuisance), "rad", 1e-6, *presliding);
+  if (data.angle) add(std::string(kAngleOffset), "rad", -kInfinity, kInfinity);
   for (const ActuatorEffect* effect : effects_) {
     p_begin_.push_back(parameters_.size());
     for (const EffectParameter& p : effect->parameters) {
@@ -100,6 +101,7 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
     t.shared.pressure = rows.pressure;
     t.shared.contraction = rows.contraction;
   }
+  if (base_.kind == ActuatorKind::kSpring) t.shared.deflection = rows.deflection;
   std::size_t at = 0;
   if (base_.hasStribeck()) {
     t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;
@@ -108,6 +110,10 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
     t.stribeck = ArrayXd::Zero(rows.rows());
   }
   if (presliding_) actuator_effects::inEveryDrive().apply(p.subspan(at++, 1), rows, t.shared);
+  if (data_->angle) {
+    t.weight = data_->angle->load(p[at++]);
+    if (!data_->angle->scaled) t.shared.load += t.weight - data_->angle->load(data_->angle->start);
+  }
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e, p), rows, t.shared);
   }
@@ -138,7 +144,13 @@ void ActuatorRegression::visitColumns(const Terms& t, std::span<const double> p,
     base_.equation->fill(data_->rows, terms, x);
     for (Index k = 0; k < x.cols(); ++k) give(x.col(k));
   }
-  for (Index k = 0; k < data_->rig.cols(); ++k) give(data_->rig.col(k));
+  for (Index k = 0; k < data_->rig.cols(); ++k) {
+    if (k == 0 && data_->angle && data_->angle->scaled) {
+      give(t.weight);
+    } else {
+      give(data_->rig.col(k));
+    }
+  }
   if (data_->offset) give(ArrayXd::Ones(rows()));
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     const auto count = static_cast<Index>(effects_[e]->columns.size());
@@ -184,7 +196,7 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
 
 ActuatorRegression::Evaluation ActuatorRegression::columns(std::span<const double> p) const {
   const Terms t = terms(p, data_->rows.effort);
-  Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.cubic, t.shared.delay};
+  Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.saturation, t.shared.delay};
   visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(j) = column; });
   delayRows(result.x, t.shared.delay);
   return result;
@@ -217,7 +229,7 @@ ArrayXd ActuatorRegression::rightHandSide(std::span<const double> theta, const A
   visitColumns(t, p, [&](std::size_t j, const auto& column) { sum += theta[j] * column; });
   delay = t.shared.delay;
   delayRows(sum, delay);
-  return t.shared.cubic == 0.0 ? sum : ArrayXd(sum + t.shared.cubic * sum.cube());
+  return t.shared.saturation.acts() ? t.shared.saturation.effort(sum) : sum;
 }
 
 void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& residual,
@@ -237,13 +249,13 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   }
   const Evaluation e = columns(theta.subspan(linear_));
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
-  const ArrayXd predicted = implicit_ ? predict(theta) : ArrayXd(x_c.array() + e.cubic * x_c.array().cube());
+  const ArrayXd predicted = implicit_ ? predict(theta) : e.saturation.effort(x_c.array());
   residual = (predicted - data_->rows.effort).matrix();
   jacobian->resize(n, static_cast<Index>(parameters_.size()));
-  if (e.cubic == 0.0) {
-    jacobian->leftCols(linear) = e.x;
+  if (e.saturation.acts()) {
+    jacobian->leftCols(linear) = (e.x.array().colwise() * e.saturation.slope(x_c.array())).matrix();
   } else {
-    jacobian->leftCols(linear) = (e.x.array().colwise() * (1.0 + 3.0 * e.cubic * x_c.array().square())).matrix();
+    jacobian->leftCols(linear) = e.x;
   }
   const auto typicalSize = [&](const ParameterSpec& p) {
     if (base_.law != nullptr) return 1e-2;
@@ -276,7 +288,9 @@ std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& othe
       start[p_begin_[e] + k] = effects_[e]->parameters[k].start;
     }
   }
-  if (presliding_) start[linear_ + (base_.hasStribeck() ? 2 : 0)] = 1e-3;
+  const std::size_t own = linear_ + (base_.hasStribeck() ? 2 : 0);
+  if (presliding_) start[own] = 1e-3;
+  if (data_->angle) start[own + (presliding_ ? 1 : 0)] = data_->angle->start;
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     const auto found = std::ranges::find(other.parameters_, parameters_[i].name, &ParameterSpec::name);
     if (found != other.parameters_.end()) start[i] = theta[found - other.parameters_.begin()];
@@ -321,7 +335,10 @@ std::vector<double> ActuatorRegression::thetaOf(std::span<const Estimate> physic
     theta[i] = value(parameters_[i].name, 0.0) * (times_gain_[i] ? theta[0] : 1.0);
   }
   for (std::size_t i = linear_; i < theta.size(); ++i) {
-    theta[i] = value(parameters_[i].name, parameters_[i].name == kNuisance ? 1e-6 : 1.0);
+    const double otherwise = parameters_[i].name == kNuisance      ? 1e-6
+                             : parameters_[i].name == kAngleOffset ? data_->angle->start
+                                                                   : 1.0;
+    theta[i] = value(parameters_[i].name, otherwise);
   }
   return theta;
 }
@@ -356,6 +373,7 @@ std::vector<Extension> ActuatorRegression::extensions(std::span<const double> th
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     Extension& extension = list.emplace_back();
     extension.effect = effects_[e]->name;
+    extension.form = effects_[e]->form;
     const auto take = [&](std::size_t i, std::string_view name) {
       extension.parameters.push_back(all[i]);
       extension.parameters.back().name = name;

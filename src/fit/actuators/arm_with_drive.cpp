@@ -22,7 +22,10 @@ constexpr ArmKey kArmKeys[] = {{"R", "motor.resistance_ohm"},
                                {"tau_CM", "motor.coulomb_friction_Nm"},
                                {"eta", "gearbox.efficiency"},
                                {"mu_G", "gearbox.viscous_friction_Nms"},
-                               {"tau_CG", "gearbox.coulomb_friction_Nm"}};
+                               {"tau_CG", "gearbox.coulomb_friction_Nm"},
+                               {"stiffness", "shock_cord.stiffness_N_m"},
+                               {"damping", "shock_cord.damping_Ns_m"},
+                               {"rest_length", "shock_cord.rest_length_m"}};
 
 }  // namespace
 

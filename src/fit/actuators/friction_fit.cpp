@@ -215,6 +215,12 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   fit.uncertainty = estimateUncertainty(problem, fit.theta, data.session);
   if (folds >= 2) fit.mse_heldout = crossValidate(model, search.parts, search.total, fit.minima);
   for (const std::string& sentence : gaps(model, data, fit.theta)) fit.warnings.push_back(sentence);
+  const auto weight = data.fits_weight
+                          ? std::ranges::find(fit.uncertainty.estimates, data.rig_names.front(), &Estimate::name)
+                          : fit.uncertainty.estimates.end();
+  if (weight != fit.uncertainty.estimates.end() && weight->at_bound) {
+    fit.warnings.push_back(weightlessSentence(weight->name));
+  }
   return fit;
 }
 

@@ -37,7 +37,7 @@ Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet&
     for (PoseOutcome& outcome : evaluator.evaluate({&model, 1}, some, AfterInvalid::kGoOn)) {
       outcomes.push_back(std::move(outcome));
     }
-    if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+    stopIfInterrupted();
     if (progress) progress(outcomes.size());
   }
   return assess(model.poseLayout(), poses, outcomes);

@@ -19,28 +19,29 @@ struct Channel {
 constexpr Channel kEfforts[] = {
     {"motor_current", "A"}, {"motor_voltage", "V"}, {"motor_torque", "Nm"}, {"motor_force", "N"}, {"current", "A"}};
 
-/// The first of the channels that the table has, or null.
+/// The first of the channels that the table has, or null. \throws DataError: one before it has a unit that does not
+/// fit.
 template <std::size_t N>
 const Channel* firstOf(const CsvTable& table, const Channel (&channels)[N]) {
   const auto found =
-      std::ranges::find_if(channels, [&](const Channel& c) { return table.hasQuantity(c.stem, c.unit); });
+      std::ranges::find_if(channels, [&](const Channel& c) { return table.offersQuantity(c.stem, c.unit); });
   return found == std::end(channels) ? nullptr : found;
 }
 
 /// A motion channel of the motor, or of the joint times the ratio; empty when there is neither.
 std::vector<double> readMotion(CsvTable& table, const char* kind, const char* unit, double ratio) {
   for (const std::string& stem : {fmt::format("motor_{}", kind), std::string(kind)}) {
-    if (table.hasQuantity(stem, unit)) return table.takeQuantity(stem, unit);
+    if (table.offersQuantity(stem, unit)) return table.takeQuantity(stem, unit);
   }
   const std::string joint = fmt::format("joint_{}", kind);
-  if (ratio <= 0.0 || !table.hasQuantity(joint, unit)) return {};
+  if (ratio <= 0.0 || !table.offersQuantity(joint, unit)) return {};
   std::vector<double> values = table.takeQuantity(joint, unit);
   for (double& value : values) value *= ratio;
   return values;
 }
 
 std::vector<double> optional(CsvTable& table, const char* stem, const char* unit) {
-  return table.hasQuantity(stem, unit) ? table.takeQuantity(stem, unit) : std::vector<double>{};
+  return table.offersQuantity(stem, unit) ? table.takeQuantity(stem, unit) : std::vector<double>{};
 }
 
 }  // namespace

@@ -1,5 +1,9 @@
 #include "simgap/measure/logs/bench.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 namespace simgap {
 namespace {
 
@@ -7,32 +11,64 @@ bool isToBeFitted(const YamlNode& root, const std::string& key) {
   return root.has(key) && root.at(key).isScalar() && root.at(key).text() == "fit";
 }
 
-BenchConstant constant(const YamlNode& root, const char* stem, const char* unit) {
+/// A constant of the whole rig. \param otherwise  where the file does not state it.
+BenchConstant constant(const YamlNode& root, const char* stem, const char* unit, const Range& range, double otherwise) {
   if (isToBeFitted(root, quantityName(stem, unit))) return {1.0, true};
-  return {root.findQuantity(stem, unit, kNonNegative).value_or(0.0), false};
+  return {root.findQuantity(stem, unit, range).value_or(otherwise), false};
+}
+
+/// A session's own number for a constant of the rig.
+BenchConstant sessionConstant(const YamlNode& node, const char* stem, const char* unit, const Range& range,
+                              const BenchConstant& rig) {
+  if (!node.hasQuantity(stem, unit)) return rig;
+  if (rig.fitted) {
+    node.fail(fmt::format("found {} for a session, expected none: it is fitted, and the same in all sessions",
+                          quantityName(stem, unit)));
+  }
+  return {node.quantity(stem, unit, range), false};
 }
 
 void readPendulum(const YamlNode& root, Bench& bench) {
-  bench.load = BenchLoad::kPendulum;
-  bench.length.fitted = isToBeFitted(root, "length_m");
-  if (!bench.length.fitted) bench.length.value = root.quantity("length", "m", kPositive);
-  bench.angle_offset.fitted = isToBeFitted(root, "angle_offset_rad");
-  if (!bench.angle_offset.fitted) bench.angle_offset.value = root.findQuantity("angle_offset", "rad").value_or(0.0);
+  bench.length = constant(root, "length", "m", kPositive, std::nan(""));
+  bench.angle_offset = constant(root, "angle_offset", "rad", kAnyNumber, 0.0);
   bench.gravity = root.findQuantity("gravity", "m_s2", kPositive).value_or(bench.gravity);
 }
 
-/// What no motion could tell apart.
-void checkConstants(const YamlNode& root, const Bench& bench) {
-  const bool nothing = !bench.mass.fitted && !bench.inertia.fitted && bench.mass.value + bench.inertia.value == 0.0;
-  if (nothing) root.fail("found neither mass_kg nor inertia_kg_m2, expected one of them: a number, or 'fit'");
-  if (bench.length.fitted && (bench.mass.fitted || bench.mass.value == 0.0)) {
-    root.fail("found length_m: fit without a mass, expected mass_kg: a number (only mass times length acts)");
+BenchConstants readSession(const YamlNode& node, const Bench& bench) {
+  BenchConstants own = bench;
+  own.mass = sessionConstant(node, "mass", "kg", kNonNegative, bench.mass);
+  own.inertia = sessionConstant(node, "inertia", "kg_m2", kNonNegative, bench.inertia);
+  if (bench.load == BenchLoad::kPendulum) {
+    own.length = sessionConstant(node, "length", "m", kPositive, bench.length);
+    own.angle_offset = sessionConstant(node, "angle_offset", "rad", kAnyNumber, bench.angle_offset);
   }
-  if (bench.angle_offset.fitted && !bench.mass.fitted && bench.mass.value == 0.0) {
-    root.fail("found angle_offset_rad: fit without a mass, expected mass_kg: a number, or 'fit'");
+  return own;
+}
+
+/// What no motion could tell apart, or nobody said. \param node  that the constants were read from.
+void checkConstants(const YamlNode& node, BenchLoad load, const BenchConstants& c) {
+  const bool nothing = !c.mass.fitted && !c.inertia.fitted && c.mass.value + c.inertia.value == 0.0;
+  if (nothing) node.fail("found neither mass_kg nor inertia_kg_m2, expected one of them: a number, or 'fit'");
+  if (load == BenchLoad::kPendulum && std::isnan(c.length.value)) {
+    node.fail("found no length_m of the pendulum, expected a number, or 'fit'");
   }
-  if (bench.fitsWholeInertia() && !bench.inertia.fitted) {
+  if (c.length.fitted && (c.mass.fitted || c.mass.value == 0.0)) {
+    node.fail("found length_m: fit without a mass, expected mass_kg: a number (only mass times length acts)");
+  }
+  if (c.angle_offset.fitted && !c.mass.fitted && c.mass.value == 0.0) {
+    node.fail("found angle_offset_rad: fit without a mass, expected mass_kg: a number, or 'fit'");
+  }
+}
+
+void checkRig(const YamlNode& root, const Bench& bench) {
+  if (!bench.fitsWholeInertia()) return;
+  if (!bench.inertia.fitted) {
     root.fail("found m l to be fitted and inertia_kg_m2 not, expected inertia_kg_m2: fit (it takes m l^2 in)");
+  }
+  for (const auto& [name, own] : bench.sessions) {
+    const bool other = own.mass.value != bench.mass.value ||
+                       (!bench.length.fitted && own.length.value != bench.sessions.begin()->second.length.value);
+    if (other) root.fail("found m l to be fitted for sessions whose m l^2 differ, expected it to be the same in all");
   }
 }
 
@@ -44,15 +80,29 @@ Bench readBench(const YamlNode& root) {
   const std::string load = root.at("load").oneOf({"torque-sensor", "pendulum", "free-axis"});
   bench.bandwidth = root.findQuantity("bandwidth", "Hz", kPositive);
   if (const auto ratio = root.find("transmission_ratio")) bench.ratio = ratio->number(kPositive);
-  if (load == "pendulum") readPendulum(root, bench);
+  if (load == "pendulum") bench.load = BenchLoad::kPendulum;
   if (load == "free-axis") bench.load = BenchLoad::kFreeAxis;
+  if (bench.load == BenchLoad::kPendulum) readPendulum(root, bench);
   if (bench.load != BenchLoad::kTorqueSensor) {
-    bench.mass = constant(root, "mass", "kg");
-    bench.inertia = constant(root, "inertia", "kg_m2");
-    checkConstants(root, bench);
+    bench.mass = constant(root, "mass", "kg", kNonNegative, 0.0);
+    bench.inertia = constant(root, "inertia", "kg_m2", kNonNegative, 0.0);
+    const auto sessions = root.find("sessions");
+    for (const std::string& name : sessions ? sessions->keys() : std::vector<std::string>()) {
+      const YamlNode node = sessions->at(name);
+      const BenchConstants& own = bench.sessions[name] = readSession(node, bench);
+      checkConstants(node, bench.load, own);
+    }
+    if (bench.sessions.empty()) checkConstants(root, bench.load, bench);
+    checkRig(root, bench);
   }
   root.expectAllRead();
   return bench;
+}
+
+std::string weightlessSentence(const std::string& constant) {
+  return fmt::format(
+      "fitted {} at 0: the angle offset (angle_offset_rad) is probably wrong; let it be fitted (angle_offset_rad: fit)",
+      constant);
 }
 
 }  // namespace simgap

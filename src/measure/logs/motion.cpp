@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/resolution.h"
 
 namespace simgap {
 namespace {
@@ -27,20 +28,6 @@ std::size_t turningPoint(std::span<const double> velocity, std::size_t from, std
 }
 
 }  // namespace
-
-double noiseLevel(std::span<const double> values) {
-  if (values.size() < 3) return 0.0;
-  std::vector<double> bends;
-  bends.reserve(values.size());
-  double quantum = 0.0;
-  for (std::size_t i = 1; i + 1 < values.size(); ++i) {
-    bends.push_back(values[i - 1] - 2.0 * values[i] + values[i + 1]);
-    const double step = std::abs(values[i + 1] - values[i]);
-    if (step > 0.0 && (quantum == 0.0 || step < quantum)) quantum = step;
-  }
-  // The variance of a second difference of white noise is 1 + 4 + 1 times the noise's.
-  return std::max(robustDeviation(std::move(bends)) / std::sqrt(6.0), quantum / 4.0);
-}
 
 MotionSign holdSign(std::span<const double> velocity, double widths, std::optional<double> dead_band) {
   MotionSign sign;
@@ -105,6 +92,36 @@ std::vector<double> smooth(std::span<const double> time, std::span<const double>
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(normal);
   const Eigen::VectorXd smoothed = factor.solve(Eigen::Map<const Eigen::VectorXd>(values.data(), n));
   return {smoothed.begin(), smoothed.end()};
+}
+
+std::vector<Block> splitRuns(std::span<const double> time, std::span<const int> session) {
+  constexpr double kGap = 8.0;  // usual steps
+  constexpr std::size_t kFewestRows = 8;
+  std::vector<Block> runs;
+  for (const Block& rows : splitRows(session, session.size())) {
+    std::vector<double> steps;
+    for (std::size_t i = rows.begin + 1; i < rows.end; ++i) steps.push_back(time[i] - time[i - 1]);
+    // Not the median: where rows come in bursts most steps are far too short.
+    const double gap = steps.empty() ? 0.0 : kGap * quantile(std::move(steps), 0.9);
+    std::size_t begin = rows.begin;
+    for (std::size_t i = rows.begin + 1; i < rows.end; ++i) {
+      if (time[i] - time[i - 1] <= gap || i - begin < kFewestRows || rows.end - i < kFewestRows) continue;
+      runs.push_back({begin, i});
+      begin = i;
+    }
+    runs.push_back({begin, rows.end});
+  }
+  return runs;
+}
+
+double samplingRate(std::span<const double> time, std::span<const Block> runs) {
+  double seconds = 0.0;
+  std::size_t steps = 0;
+  for (const Block& run : runs) {
+    seconds += time[run.end - 1] - time[run.begin];
+    steps += run.size() - 1;
+  }
+  return seconds > 0.0 ? static_cast<double>(steps) / seconds : 0.0;
 }
 
 std::vector<double> differentiate(std::span<const double> time, std::span<const double> values) {

@@ -2,15 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <numeric>
 #include <set>
+#include <span>
+#include <utility>
 
 #include "simgap/core/error.h"
 #include "simgap/core/statistics.h"
 #include "simgap/core/units.h"
+#include "simgap/measure/logs/log_table.h"
 #include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/spring_log.h"
 
 namespace simgap {
 namespace {
@@ -25,14 +31,26 @@ constexpr double kFewestRows = 50.0;                          // per block
 
 ArrayXd toArray(const std::vector<double>& values) { return Eigen::Map<const ArrayXd>(values.data(), values.size()); }
 
-ArrayXd optional(const CsvTable& table, const char* stem, const char* unit) {
-  return table.hasQuantity(stem, unit) ? toArray(table.quantity(stem, unit)) : ArrayXd();
+std::span<const double> spanOf(const ArrayXd& values) {
+  return {values.data(), static_cast<std::size_t>(values.size())};
 }
 
-/// d values / dt of the smoothed values, session by session.
+/// A channel that no model needs, or nothing: also where it was logged more slowly than the rest.
+ArrayXd optional(const CsvTable& table, const char* stem, const char* unit, PreparedLog& log) {
+  if (!table.offersQuantity(stem, unit)) return {};
+  const std::string& column = table.columns()[matchQuantity(table.columns(), stem, unit)[0].index];
+  const std::size_t bad = table.badRows(column).size();
+  if (bad == 0) return toArray(table.quantity(stem, unit));
+  std::string warning =
+      fmt::format("{} has no number in {} of {} rows: it was not looked at", column, bad, table.rows());
+  if (std::ranges::find(log.warnings, warning) == log.warnings.end()) log.warnings.push_back(std::move(warning));
+  return {};
+}
+
+/// d values / dt of the smoothed values, run by run.
 ArrayXd slopeOf(const ActuatorRows& rows, const ArrayXd& values, double bandwidth) {
   ArrayXd slopes = ArrayXd::Zero(rows.rows());
-  for (const Block& b : splitRows(rows.session, rows.session.size())) {
+  for (const Block& b : splitRuns(spanOf(rows.time), rows.session)) {
     if (b.size() < 4) continue;
     const std::span<const double> time(rows.time.data() + b.begin, b.size());
     const std::span<const double> part(values.data() + b.begin, b.size());
@@ -110,35 +128,74 @@ void addContext(PreparedLog& log, const std::string& name, const ArrayXd& values
   log.data.rows.context.push_back((values - mean) / sd);
 }
 
-double correlation(const ArrayXd& a, const ArrayXd& b) {
-  const ArrayXd x = a - a.mean(), y = b - b.mean();
-  return (x * y).sum() / std::max(std::sqrt(x.square().sum() * y.square().sum()), 1e-300);
-}
-
 /// Numeric columns that no quantity of the model came from. A command or an estimate that follows the effort is no
-/// cause: it says what was measured once more.
-void addContext(const CsvTable& table, PreparedLog& log) {
+/// cause: it says what was measured once more. \param own  further stems that the model reads.
+void addContext(const CsvTable& table, PreparedLog& log, const std::set<std::string>& own = {}) {
   constexpr double kCopy = 0.9;  // correlation
-  static const std::set<std::string> kKnown = {"time",           "motor_current",  "motor_voltage", "motor_torque",
-                                               "motor_force",    "motor_velocity", "velocity",      "joint_velocity",
-                                               "motor_position", "position",       "session",       "external_torque",
-                                               "external_force", "current",        "voltage",       "load_torque",
-                                               "pressure",       "contraction",    "force"};
+  static const std::set<std::string> kMayCause = {"joint_position", "temperature", "deflection", "length", "torque"};
   for (const std::string& column : table.columns()) {
-    const bool known = kKnown.contains(column) || kKnown.contains(splitUnit(column).stem);
-    if (known || !table.isNumeric(column)) continue;
-    ArrayXd values;
-    try {
-      values = toArray(table.quantity(column, ""));
-    } catch (const DataError&) {
-      continue;  // empty cells in a column nobody asked for
-    }
-    if (const double r = correlation(values, log.data.rows.effort); std::abs(r) > kCopy) {
+    const std::string stem = splitUnit(column).stem;
+    const bool may_cause = (!isLogChannel(column) || kMayCause.contains(stem)) && !own.contains(stem);
+    if (!may_cause || !table.isNumeric(column)) continue;
+    const ArrayXd values = optional(table, column.c_str(), "", log);
+    if (values.size() == 0) continue;
+    if (const double r = correlation(spanOf(values), spanOf(log.data.rows.effort)); std::abs(r) > kCopy) {
       log.warnings.push_back(
           fmt::format("{} follows {} (correlation {:.2f}): not looked at as a cause", column, log.effort_column, r));
       continue;
     }
     addContext(log, column, values);
+  }
+}
+
+/// What a winding's and a muscle's log may hold besides the model's own channels, which may hide a cause as well.
+void addOptional(const CsvTable& table, PreparedLog& log,
+                 std::initializer_list<std::pair<const char*, const ArrayXd*>> own) {
+  log.data.rows.temperature = optional(table, "temperature", "degC", log);
+  addContext(table, log);
+  for (const auto& [name, values] : own) addContext(log, name, *values);
+  addContext(log, "time", log.data.rows.time);
+}
+
+/// The smoothing of a measured speed before it is differentiated again, or that which it came from positions with.
+double speedBandwidth(const FrictionData& friction, const ActuatorRows& rows) {
+  if (friction.bandwidth > 0.0) return friction.bandwidth;
+  const std::vector<Block> runs = splitRuns(spanOf(rows.time), rows.session);
+  return smoothingBandwidth(spanOf(rows.time), spanOf(rows.speed), runs,
+                            FrictionDataOptions::kDefaultBandwidth / rows.step);
+}
+
+/// Where the fit of an angle offset begins: effort by linear least squares from sine, cosine, the other loads,
+/// direction, speed and an offset.
+double firstAngle(const FrictionData& friction) {
+  const Index n = friction.time.size(), k = friction.load_per.cols();
+  Eigen::MatrixXd x(n, k + 4);
+  x << friction.load_per, friction.load, friction.direction, friction.velocity, ArrayXd::Ones(n);
+  for (Index i = 0; i < n; ++i) {
+    if (!friction.keep[i]) x.row(i).setZero();
+  }
+  const Eigen::VectorXd c = x.colPivHouseholderQr().solve(friction.effort.matrix());
+  return std::atan2(c[1], c[0]);
+}
+
+/// The rig's unknown constants as columns, and the angle of its pendulum.
+void addRig(const FrictionData& friction, ActuatorData& data) {
+  data.rig = friction.load_per;
+  for (std::size_t k = 0; k < friction.rig_names.size(); ++k) {
+    if (friction.fits_angle && k == friction.angleIndex()) continue;
+    data.rig_parameters.push_back({friction.rig_names[k], friction.rig_units[k]});
+  }
+  if (!friction.fits_angle) return;
+  data.angle =
+      RigAngle{friction.load_per.col(0), friction.load_per.col(1), firstAngle(friction), friction.angleIndex() > 0};
+  const ArrayXd weight = data.angle->load(data.angle->start);
+  const Index scaled = data.angle->scaled ? 1 : 0, others = friction.load_per.cols() - 2;
+  data.rig.resize(weight.size(), scaled + others);
+  data.rig.rightCols(others) = friction.load_per.rightCols(others);
+  if (data.angle->scaled) {
+    data.rig.col(0) = weight;
+  } else {
+    data.rows.load += weight;
   }
 }
 
@@ -213,6 +270,32 @@ void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
   }
 }
 
+/// Single wrong samples, looked for session by session, and sensors at their limit. Wrong samples are replaced: a
+/// spring that remembers would carry them on, and a limit is not where they are.
+void leaveOutBadSamples(SpringLog& spring, PreparedLog& log) {
+  ChannelSpikes deflection{quantityName("deflection", spring.deflectionUnit()), {}}, force{log.effort_column, {}};
+  for (const Block& b : splitRows(spring.session, spring.rows())) {
+    const std::span<const double> time(spring.time.data() + b.begin, b.size());
+    const std::span<double> moved(spring.deflection.data() + b.begin, b.size());
+    for (const std::size_t i : repairSpikes(time, moved)) deflection.rows.push_back(b.begin + i);
+    const std::span<double> pulled(spring.force.data() + b.begin, b.size());
+    for (const std::size_t i : repairSpikes(time, pulled)) force.rows.push_back(b.begin + i);
+  }
+  const ChannelSpikes ends[] = {{deflection.channel, findClipped(spring.deflection, spring.force, spring.session)},
+                                {force.channel, findClipped(spring.force, spring.deflection, spring.session)}};
+  for (const ChannelSpikes& channel : {deflection, force}) {
+    if (!channel.rows.empty()) log.spikes.push_back(channel);
+  }
+  for (const ChannelSpikes& channel : ends) {
+    if (!channel.rows.empty()) log.clipped.push_back(channel);
+  }
+  for (const std::vector<ChannelSpikes>* list : {&log.spikes, &log.clipped}) {
+    for (const ChannelSpikes& channel : *list) {
+      for (const std::size_t i : channel.rows) log.data.keep[i] = false;
+    }
+  }
+}
+
 }  // namespace
 
 PreparedLog prepareActuatorData(const CsvTable& table, const Bench& bench, const ActuatorLogOptions& log_options,
@@ -222,9 +305,6 @@ PreparedLog prepareActuatorData(const CsvTable& table, const Bench& bench, const
   options.block_seconds = blockSeconds(drive.time, drive.session);
   const FrictionData friction = prepareFrictionData(drive, bench, options);
   PreparedLog log;
-  if (friction.fits_angle) {
-    throw ConfigError(friction.file + ": found angle_offset_rad: fit, expected a number here: fit-friction finds it");
-  }
   log.file = friction.file;
   log.effort_column = quantityName(friction.effort_name, friction.effort_unit);
   log.session_names = friction.session_names;
@@ -237,10 +317,7 @@ PreparedLog prepareActuatorData(const CsvTable& table, const Bench& bench, const
   data.load_unit = friction.load_unit;
   data.effort_unit = friction.effort_unit;
   data.velocity_unit = friction.velocity_unit;
-  data.rig = friction.load_per;
-  for (std::size_t k = 0; k < friction.rig_names.size(); ++k) {
-    data.rig_parameters.push_back({friction.rig_names[k], friction.rig_units[k]});
-  }
+  data.fits_weight = friction.fits_weight;
   ActuatorRows& rows = data.rows;
   rows.time = friction.time;
   rows.effort = friction.effort;
@@ -251,18 +328,20 @@ PreparedLog prepareActuatorData(const CsvTable& table, const Bench& bench, const
   fillDirection(rows);
   rows.step = medianStep(rows);
   leaveOutUncertainReversals(rows, log.dead_band, data.keep);
+  addRig(friction, data);
   rows.top_speed = rows.speed.abs().maxCoeff();
   rows.top_load = rows.load.abs().maxCoeff();
-  rows.acceleration =
-      slopeOf(rows, rows.speed, options.bandwidth.value_or(FrictionDataOptions::kDefaultBandwidth / rows.step));
+  rows.acceleration = slopeOf(rows, rows.speed, options.bandwidth.value_or(speedBandwidth(friction, rows)));
   rows.travel = travelOf(rows);
   rows.rest = restOf(rows, log.dead_band);
-  rows.joint_angle = optional(table, "joint_position", "rad");
-  rows.motor_angle = optional(table, "motor_position", "rad");
+  if (!drive.linear) {
+    rows.joint_angle = optional(table, "joint_position", "rad", log);
+    rows.motor_angle = optional(table, "motor_position", "rad", log);
+  }
   if (rows.joint_angle.size() == 0 && !drive.position.empty()) {
     rows.joint_angle = toArray(drive.position) / (log_options.ratio > 0.0 ? log_options.ratio : 1.0);
   }
-  rows.temperature = optional(table, "temperature", "degC");
+  rows.temperature = optional(table, "temperature", "degC", log);
   addContext(table, log);
   addContext(log, "motor_velocity", rows.speed);
   addContext(log, "external_torque", rows.load);
@@ -294,12 +373,8 @@ PreparedLog prepareMotorData(const CsvTable& table) {
   rows.speed = toArray(motor.velocity);
   setDirection(motor.velocity, log);
   rows.current_rate = slopeOf(rows, rows.current, FrictionDataOptions::kDefaultBandwidth / rows.step);
-  rows.temperature = optional(table, "temperature", "degC");
   leaveOutJumps(rows.current_rate, log.data.keep);
-  addContext(table, log);
-  addContext(log, "current", rows.current);
-  addContext(log, "velocity", rows.speed);
-  addContext(log, "time", rows.time);
+  addOptional(table, log, {{"current", &rows.current}, {"velocity", &rows.speed}});
   return log;
 }
 
@@ -318,11 +393,36 @@ PreparedLog preparePamData(const CsvTable& table) {
   rows.pressure = toArray(muscle.pressure);
   rows.contraction = toArray(muscle.contraction);
   setDirection(changesOf(muscle, rows), log);
-  rows.temperature = optional(table, "temperature", "degC");
-  addContext(table, log);
-  addContext(log, "pressure", rows.pressure);
-  addContext(log, "contraction", rows.contraction);
-  addContext(log, "time", rows.time);
+  addOptional(table, log, {{"pressure", &rows.pressure}, {"contraction", &rows.contraction}});
+  return log;
+}
+
+PreparedLog prepareSpringData(const CsvTable& table) {
+  SpringLog spring = readSpringLog(table);
+  PreparedLog log = prepared(ActuatorKind::kSpring, spring.file, spring.time, spring.session, spring.session_names);
+  log.effort_column = quantityName(spring.forceName(), spring.forceUnit());
+  log.data.effort_unit = log.data.load_unit = spring.forceUnit();
+  log.data.velocity_unit = spring.angular ? "rad_s" : "m_s";
+  leaveOutBadSamples(spring, log);
+  ActuatorRows& rows = log.data.rows;
+  rows.timed = spring.has_time;
+  rows.effort = toArray(spring.force);
+  rows.deflection = toArray(spring.deflection);
+  if (spring.has_time) {
+    rows.speed = slopeOf(rows, rows.deflection, FrictionDataOptions::kDefaultBandwidth / rows.step);
+    setDirection({rows.speed.begin(), rows.speed.end()}, log);
+  } else {
+    ArrayXd change = ArrayXd::Zero(rows.rows());
+    change.tail(rows.rows() - 1) = rows.deflection.tail(rows.rows() - 1) - rows.deflection.head(rows.rows() - 1);
+    setDirection({change.begin(), change.end()}, log);
+  }
+  rows.temperature = optional(table, "temperature", "degC", log);
+  addContext(table, log, {"deflection", "length", "torque"});
+  addContext(log, "deflection", rows.deflection);
+  if (spring.has_time) {
+    addContext(log, "deflection_rate", rows.speed);
+    addContext(log, "time", rows.time);
+  }
   return log;
 }
 
@@ -333,6 +433,7 @@ PreparedLog prepareTransmissionData(const PreparedLog& drive) {
   log.data.effort_unit = "rad";
   log.data.rig.resize(log.data.rows.rows(), 0);
   log.data.rig_parameters.clear();
+  log.data.angle.reset();
   log.data.rows.effort = log.data.rows.joint_angle;
   log.context.clear();
   log.data.rows.context.clear();
@@ -342,6 +443,7 @@ PreparedLog prepareTransmissionData(const PreparedLog& drive) {
 PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions options) {
   if (kind == ActuatorKind::kMotor) return prepareMotorData(table);
   if (kind == ActuatorKind::kPam) return preparePamData(table);
+  if (kind == ActuatorKind::kSpring) return prepareSpringData(table);
   const ActuatorLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
   options.bandwidth = bench.bandwidth;
   if (kind == ActuatorKind::kGearbox) return prepareGearboxData(table, bench, log_options, options);

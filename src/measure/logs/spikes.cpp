@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/resolution.h"
 
 namespace simgap {
 namespace {
@@ -15,16 +16,6 @@ constexpr std::size_t kNear = 12;     // rows on either side that say what is us
 double bendAt(std::span<const double> time, std::span<const double> values, std::size_t i) {
   const double part = (time[i] - time[i - 1]) / (time[i + 1] - time[i - 1]);
   return values[i] - (values[i - 1] + part * (values[i + 1] - values[i - 1]));
-}
-
-/// The smallest step between rows: a coarse channel bends by it without being wrong.
-double quantumOf(std::span<const double> values) {
-  double quantum = 0.0;
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    const double step = std::abs(values[i] - values[i - 1]);
-    if (step > 0.0 && (quantum == 0.0 || step < quantum)) quantum = step;
-  }
-  return quantum;
 }
 
 }  // namespace

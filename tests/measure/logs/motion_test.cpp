@@ -15,14 +15,6 @@ std::vector<double> times(std::size_t n, double rate) {
   return t;
 }
 
-TEST(NoiseLevel, FindsWhiteNoiseUnderSlowMotion) {
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  std::vector<double> v;
-  for (int i = 0; i < 5000; ++i) v.push_back(10.0 * std::sin(0.01 * i) + 0.2 * normal(random));
-  EXPECT_NEAR(noiseLevel(v), 0.2, 0.01);
-}
-
 TEST(HoldSign, KeepsTheDirectionThroughARestAndTurnsAtTheTurningPoint) {
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal;
@@ -63,6 +55,35 @@ TEST(Smooth, HalvesASineAtItsBandwidthWithoutShiftingIt) {
     const std::vector<double> smoothed = smooth(t, y, 5.0);
     for (std::size_t i = 1000; i < 3000; ++i) EXPECT_NEAR(smoothed[i], 0.5 * y[i], 2e-3);
   }
+}
+
+TEST(SplitRuns, AtSessionsAndGapsButNotInBursts) {
+  std::vector<double> time;
+  for (int i = 0; i < 100; ++i) time.push_back(0.01 * i + (i >= 40 ? 0.2 : 0.0));
+  for (int i = 0; i < 50; ++i) time.push_back(0.01 * i);
+  std::vector<int> session(time.size(), 0);
+  std::fill(session.begin() + 100, session.end(), 1);
+  const std::vector<Block> runs = splitRuns(time, session);
+  ASSERT_EQ(runs.size(), 3u);
+  EXPECT_EQ(runs[1].begin, 40u);
+  EXPECT_EQ(runs[2].begin, 100u);
+  EXPECT_NEAR(samplingRate(time, runs), 100.0, 1e-9);
+  // Four rows at once, every 40 ms.
+  std::vector<double> bursts;
+  for (int i = 0; i < 100; ++i) bursts.push_back(0.04 * (i / 4) + 1e-5 * (i % 4));
+  EXPECT_EQ(splitRuns(bursts, std::vector<int>(bursts.size(), 0)).size(), 1u);
+}
+
+TEST(Smooth, BurstsOfStampsAreNoSpeed) {
+  // Read every 1 ms, handed over four at a time with a stamp each: the stamps lie 50 us apart, then 3.85 ms.
+  std::vector<double> t, y, truth;
+  for (int i = 0; i < 4000; ++i) {
+    t.push_back(0.004 * (i / 4) + 5e-5 * (i % 4));
+    y.push_back(std::sin(4.0 * t.back()));
+    truth.push_back(4.0 * std::cos(4.0 * t.back()));
+  }
+  const std::vector<double> speed = differentiate(t, smooth(t, y, 20.0));
+  for (std::size_t i = 100; i + 100 < t.size(); ++i) ASSERT_NEAR(speed[i], truth[i], 0.02) << i;
 }
 
 TEST(Smooth, LeavesParabolasAloneAlsoOnUnevenTimes) {

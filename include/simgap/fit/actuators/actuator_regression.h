@@ -2,11 +2,11 @@
 /// An actuator's log explained by a friction law, or another equation, and any number of effects
 /// (simgap/model/effects/actuator_effect.h):
 ///
-///     effort = P + cubic P^3,    P = X(p) c / gain, delayed
+///     effort = saturated(P),    P = X(p) c / gain, delayed
 ///
 /// Parameters, in order: c, the coefficients of the columns (of a law the first is 1 / k_a, torques enter as
-/// theta / k_a), then p: v_s and delta of the law, the presliding of every real drive as a nuisance, and the effects'
-/// own.
+/// theta / k_a), then p: v_s and delta of the law, the presliding of every real drive as a nuisance, the angle
+/// offset of the rig's pendulum where it is fitted, and the effects' own.
 #pragma once
 
 #include <optional>
@@ -19,6 +19,8 @@
 #include "simgap/optimize/row_fit.h"
 
 namespace simgap {
+
+inline constexpr std::string_view kAngleOffset = "angle_offset";
 
 class ActuatorRegression : public RowModel {
  public:
@@ -56,12 +58,13 @@ class ActuatorRegression : public RowModel {
  private:
   struct Evaluation {
     Eigen::MatrixXd x;  ///< shape (rows, C), delayed, over gain
-    double cubic;
+    Saturation saturation;
     double delay;
   };
   struct Terms {
     ActuatorTerms shared;
     Eigen::ArrayXd stribeck;  ///< shape (rows): the Stribeck factor E, 0 for laws without one
+    Eigen::ArrayXd weight;    ///< shape (rows): of a pendulum whose angle offset is fitted, or empty
   };
   struct Shift {
     Eigen::Index whole;  ///< rows

@@ -1,5 +1,5 @@
 /// \file
-/// A fitted drive on its way into an arm, and into the calibration of that arm.
+/// A fitted drive or cord on its way into an arm, and into the calibration of that arm.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace simgap {
 
-/// An arm that gets the fitted drive.
+/// An arm that gets the fitted drive or cord.
 struct ArmWithDrive {
   ArmModel arm;
-  std::size_t muscle = 0;  ///< whose drive it is
+  std::size_t muscle = 0;  ///< whose it is
 };
 
 /// The arm with that motor in the one muscle; the supply voltage, which no fit knows, stays the arm's.

@@ -17,15 +17,15 @@
 namespace simgap {
 
 struct FrictionDataOptions {
-  bool raw_sign = false;            ///< sign(w) as measured (003) instead of the held one
-  double dead_band_widths = 3.5;    ///< half width of the dead band in noise levels of the velocity
-  std::optional<double> dead_band;  ///< [rad/s] instead: as a model file holds it
-  std::optional<double> bandwidth;  ///< [Hz] of the smoothing; default: the bench's, else kDefaultBandwidth of the rate
-  double block_seconds = 20.0;      ///< length of the blocks that are held out together
+  bool raw_sign = false;              ///< sign(w) as measured (003) instead of the held one
+  double dead_band_widths = 3.5;      ///< half width of the dead band in noise levels of the velocity
+  std::optional<double> dead_band;    ///< [rad/s] instead: as a model file holds it
+  std::optional<double> bandwidth;    ///< [Hz] of the smoothing; default: the bench's, else as suits the channel
+  double block_seconds = 20.0;        ///< length of the blocks that are held out together
   std::vector<std::string> sessions;  ///< only these; all when empty
   bool all_rows = false;              ///< do not leave rows out, only mark them (FrictionData::keep)
 
-  static constexpr double kDefaultBandwidth = 0.1;  ///< of the sampling rate
+  static constexpr double kDefaultBandwidth = 0.1;  ///< of the sampling rate: the highest that is chosen
 };
 
 /// Rows that take part, shape (n) each.
@@ -42,6 +42,7 @@ struct FrictionData {
   /// "angle_offset" is among them: the first two coefficients are A cos(theta_0) and A sin(theta_0), where A is the
   /// constant before it, or 1. Otherwise the coefficients are the constants.
   bool fits_angle = false;
+  bool fits_weight = false;  ///< as Bench::fitsWeight; the first constant is the pendulum's mass or length
   std::vector<int> session;
   std::vector<Block> blocks;  ///< of block_seconds, for splits
   double block_seconds = 0.0;

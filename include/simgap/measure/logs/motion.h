@@ -7,11 +7,9 @@
 #include <span>
 #include <vector>
 
-namespace simgap {
+#include "simgap/core/blocks.h"
 
-/// Standard deviation of a channel's white noise, from the median size of its second differences; at least a quarter
-/// of the smallest step of a quantised channel. 0 for fewer than 3 rows.
-double noiseLevel(std::span<const double> values);
+namespace simgap {
 
 /// The direction of motion of every row.
 struct MotionSign {
@@ -37,6 +35,21 @@ MotionSign rawSign(std::span<const double> velocity);
 /// whose gain 1 / (1 + (f / bandwidth)^6) is that of a third-order Butterworth filter run forwards and backwards.
 /// \param time  [s] rising, shape (n).  \param bandwidth  [Hz] at which the gain is 1/2.
 std::vector<double> smooth(std::span<const double> time, std::span<const double> values, double bandwidth);
+
+/// The runs of a log over which values may be smoothed: sessions, apart where nothing was logged for eight usual steps
+/// and longer. \param time  [s], \param session  shape (n).
+std::vector<Block> splitRuns(std::span<const double> time, std::span<const int> session);
+
+/// Rows per second within runs [Hz]. \param runs  as splitRuns; 0 when none has two rows.
+double samplingRate(std::span<const double> time, std::span<const Block> runs);
+
+/// The bandwidth for `smooth` at which values, and so their derivatives, come nearest to the truth: the lowest
+/// generalised cross-validation error (Craven & Wahba 1979). Quantisation is white noise only where a row is a count
+/// and more from the next: slower channels are judged on every k-th row. At even speed it may repeat slowly even then;
+/// where the smoothest curve that rounding off alone explains (Morozov 1966) is far smoother, that one is taken.
+/// \param runs  as splitRuns.  \param highest  [Hz] that is returned at most, and for too few rows.
+double smoothingBandwidth(std::span<const double> time, std::span<const double> values, std::span<const Block> runs,
+                          double highest);
 
 /// d values / d time by central differences of uneven steps, one-sided at the ends. Shape (n), n >= 2.
 std::vector<double> differentiate(std::span<const double> time, std::span<const double> values);

@@ -3,15 +3,27 @@
 /// mark on those that mean nothing.
 #pragma once
 
+#include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "simgap/core/csv.h"
 #include "simgap/measure/logs/actuator_rows.h"
 #include "simgap/measure/logs/friction_rows.h"
+#include "simgap/measure/logs/log_table.h"
 #include "simgap/optimize/least_squares.h"
 
 namespace simgap {
+
+/// The weight of a pendulum whose angle offset theta_0 is fitted.
+struct RigAngle {
+  Eigen::ArrayXd sine, cosine;  ///< shape (n): load at theta_0 = 0 and pi / 2, per unit of what is fitted of m l
+  double start = 0.0;           ///< [rad] theta_0 to begin with
+  bool scaled = false;          ///< mass or length is fitted, too, and multiplies it; otherwise it is known load
+
+  Eigen::ArrayXd load(double offset) const { return std::cos(offset) * sine + std::sin(offset) * cosine; }
+};
 
 /// A log with its rows' meaning.
 struct ActuatorData {
@@ -19,7 +31,9 @@ struct ActuatorData {
   std::vector<bool> keep;                     ///< shape (n): rows that count
   Eigen::ArrayXXd rig;                        ///< shape (n, R): load per unit of each fitted constant of the rig
   std::vector<ParameterSpec> rig_parameters;  ///< shape (R)
-  bool offset = false;                        ///< the model has a current offset of its own
+  std::optional<RigAngle> angle;  ///< scaled: the first column of `rig`, else part of `rows.load`, both at its start
+  bool fits_weight = false;       ///< as FrictionData
+  bool offset = false;            ///< the model has a current offset of its own
   std::string load_unit = "Nm", effort_unit = "A", velocity_unit = "rad_s";
 };
 
@@ -37,7 +51,9 @@ struct PreparedLog {
   std::vector<std::string> session_names;
   std::string file, effort_column;
   double dead_band = 0.0;
-  std::vector<ChannelSpikes> spikes;  ///< samples that stood alone; their rows do not count
+  std::vector<ChannelSpikes> spikes;   ///< samples that stood alone; their rows do not count
+  std::vector<ChannelSpikes> clipped;  ///< of a spring: a sensor at its limit; likewise
+  std::vector<LeftOutRows> left_out;   ///< rows of the file that are none of the log's, as readLogTable
   std::vector<std::string> warnings;
 };
 
@@ -54,6 +70,10 @@ PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const 
 /// \throws DataError as readMotorLog and readPamLog, and when there is no voltage, current or velocity.
 PreparedLog prepareMotorData(const CsvTable& table);
 PreparedLog preparePamData(const CsvTable& table);
+
+/// The same for a spring. Its rests stay: what its force does while nothing moves is creep. Samples that stand alone
+/// and sensors at their limit do not count. \throws DataError as readSpringLog.
+PreparedLog prepareSpringData(const CsvTable& table);
 
 /// The one of them that suits a model of that kind; the rig's bandwidth and ratio replace those of `options`.
 PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions options = {});

@@ -29,7 +29,7 @@ bool counts(std::span<const double> p, const ActuatorRows& rows) { return std::a
 extern const ActuatorEffect channel_delay;
 const ActuatorEffect channel_delay = {
     .name = "channel-delay",
-    .cause = "the current is logged at another moment than the motion",
+    .cause = "the current, voltage or force is logged at another moment than the motion",
     .equation = "I(t) from the motion at t - dt",
     .signature = "spikes of both signs at every reversal; less than half a sampling step is not named",
     .source = "catalogue of causes",

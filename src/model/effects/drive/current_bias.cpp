@@ -17,7 +17,7 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const Act
 extern const ActuatorEffect current_bias;
 const ActuatorEffect current_bias = {
     .name = "current-bias",
-    .cause = "the current sensor has an offset",
+    .cause = "the current, voltage or force of the motor is read with an offset",
     .equation = "I + I_0",
     .signature = "a constant residual",
     .source = "catalogue of causes",

@@ -1,0 +1,67 @@
+#include "derived_motion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simgap/core/error.h"
+#include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/resolution.h"
+
+namespace simgap {
+namespace {
+
+/// Standard deviation of a velocity that was worked out from positions of noise sigma, sampled at f_s and smoothed with
+/// gain G = 1 / (1 + (f / B)^6):  sigma_v^2 = 2 sigma^2 / f_s int_0^inf (2 pi f)^2 G^2 df = sigma^2 (2 pi B)^2 pi B /
+/// (6 f_s).
+double derivedNoise(const ActuatorLog& log, std::span<const Block> runs, double bandwidth) {
+  double sigma = 0.0;
+  for (const Block& rows : splitRows(log.session, log.rows())) {
+    sigma = std::max(sigma, noiseLevel(std::span(log.position).subspan(rows.begin, rows.size())));
+  }
+  return sigma * 2.0 * std::numbers::pi * bandwidth *
+         std::sqrt(std::numbers::pi * bandwidth / (6.0 * samplingRate(log.time, runs)));
+}
+
+}  // namespace
+
+void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
+                    FrictionData& data) {
+  const bool velocity = log.velocity.empty();
+  if (!velocity && !acceleration) return;
+  if (!log.has_time) {
+    throw DataError(fmt::format("{}: found no time_s, expected it: {} has to be worked out from motion", log.file,
+                                velocity ? "velocity" : "acceleration"));
+  }
+  const bool from_position = !log.position.empty();
+  const std::vector<double>& measured = from_position ? log.position : log.velocity;
+  const double highest = FrictionDataOptions::kDefaultBandwidth * samplingRate(log.time, runs);
+  data.bandwidth = bandwidth ? *bandwidth : smoothingBandwidth(log.time, measured, runs, highest);
+  if (velocity) log.velocity.resize(log.rows());
+  if (acceleration) log.acceleration.resize(log.rows());
+  for (const Block& run : runs) {
+    if (run.size() < 4) {
+      throw DataError(fmt::format("{}: session {} has {} rows, expected at least 4 to work out velocities", log.file,
+                                  log.session_names[log.session[run.begin]], run.size()));
+    }
+    const std::span<const double> time = std::span(log.time).subspan(run.begin, run.size());
+    const std::vector<double> smoothed =
+        smooth(time, std::span(measured).subspan(run.begin, run.size()), data.bandwidth);
+    const std::vector<double> speed = from_position ? differentiate(time, smoothed) : smoothed;
+    if (velocity) std::ranges::copy(speed, log.velocity.begin() + run.begin);
+    if (acceleration) std::ranges::copy(differentiate(time, speed), log.acceleration.begin() + run.begin);
+  }
+  if (velocity) data.derived.emplace_back("velocity");
+  if (acceleration) data.derived.emplace_back("acceleration");
+}
+
+double derivedDeadBand(const ActuatorLog& log, std::span<const Block> runs, double bandwidth, double widths) {
+  // One count of an encoder, smoothed, is a velocity of count times the peak of the smoother's answer to a step:
+  // 2 int_0^inf G df = 2 pi B / 3. A drive at rest may stand between two counts.
+  const double count = quantumOf(log.position) * 2.0 * std::numbers::pi * bandwidth / 3.0;
+  return std::max(widths * std::max(noiseLevel(log.velocity), derivedNoise(log, runs, bandwidth)), count);
+}
+
+}  // namespace simgap

@@ -1,0 +1,24 @@
+/// \file
+/// Velocity and acceleration of logs that do not hold them.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "simgap/core/blocks.h"
+#include "simgap/measure/logs/actuator_log.h"
+#include "simgap/measure/logs/friction_rows.h"
+
+namespace simgap {
+
+/// Fills velocity, and acceleration if that is wanted, from position, else acceleration from velocity; says in `data`
+/// what was derived and with which bandwidth. \param runs  as splitRuns.
+/// \param bandwidth  [Hz] of the smoothing; none: as suits the channel.
+/// \throws DataError: no time, or too few rows in a session.
+void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
+                    FrictionData& data);
+
+/// Half width of the dead band of a velocity that was worked out from positions. \param widths  in noise levels.
+double derivedDeadBand(const ActuatorLog& log, std::span<const Block> runs, double bandwidth, double widths);
+
+}  // namespace simgap

@@ -1,0 +1,80 @@
+#include "row_faults.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "simgap/core/blocks.h"
+#include "simgap/core/error.h"
+#include "simgap/measure/logs/rests.h"
+#include "simgap/measure/logs/spikes.h"
+
+namespace simgap {
+
+void putSpikesRight(ActuatorLog& log, FrictionData& data) {
+  if (!log.has_time) return;
+  const std::string effort = quantityName(log.effort_name, log.effort_unit);
+  const std::pair<std::string, std::vector<double>*> channels[] = {
+      {"motor_position", &log.position},
+      {"motor_velocity", &log.velocity},
+      {effort, &log.effort},
+      {log.linear ? "external_force" : "external_torque", &log.load}};
+  for (const auto& [name, values] : channels) {
+    if (values->empty()) continue;
+    std::vector<std::size_t> rows;
+    for (const Block& b : splitRows(log.session, log.rows())) {
+      const std::span<const double> time = std::span(log.time).subspan(b.begin, b.size());
+      for (const std::size_t i : repairSpikes(time, std::span(*values).subspan(b.begin, b.size())))
+        rows.push_back(b.begin + i);
+    }
+    if (rows.empty()) continue;
+    data.spikes.push_back({name, std::move(rows)});
+  }
+}
+
+void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data) {
+  for (const ChannelSpikes& spikes : data.spikes) {
+    for (const std::size_t i : spikes.rows) sign.keep[i] = false;
+    if (options.all_rows) continue;  // whoever asked for all rows says it himself
+    data.warnings.push_back(fmt::format("{} stands alone in {} rows (the first is row {}): they are left out",
+                                        spikes.channel, spikes.rows.size(), spikes.rows.front() + 1));
+  }
+}
+
+void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
+                   FrictionData& data) {
+  constexpr std::ptrdiff_t kFewestRows = 50;  // of motion
+  if (options.raw_sign || !log.has_time) return;
+  RestRule rule{restingSpeed(log.velocity, sign.dead_band)};
+  if (derived) {  // what stands between two positions is known for shorter rests, and their ends are blurred
+    rule.least_seconds = 0.1;
+    rule.blurred_seconds = 0.5 / data.bandwidth;
+  }
+  const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, rule);
+  std::vector<bool> moving = sign.keep;
+  for (std::size_t i = 0; i < rest.size(); ++i) moving[i] = moving[i] && !rest[i];
+  const auto rests = std::ranges::count(sign.keep, true) - std::ranges::count(moving, true);
+  const auto left = std::ranges::count(moving, true);
+  if (rests == 0) return;
+  const double share = 100.0 * static_cast<double>(rests) / static_cast<double>(log.rows());
+  if (left >= kFewestRows) {
+    sign.keep = std::move(moving);
+    data.warnings.push_back(
+        fmt::format("the drive stands still in {} rows ({:.1f} %): they are left out, because a held "
+                    "drive's effort may lie anywhere within its static friction",
+                    rests, share));
+    return;
+  }
+  const std::string found = fmt::format("the drive moves in {} of {} rows", left, log.rows());
+  if (options.all_rows) {
+    throw DataError(
+        fmt::format("{}: {}, expected at least {}: no cause can be told from what holds it; record motion in "
+                    "both directions",
+                    log.file, found, kFewestRows));
+  }
+  data.warnings.push_back(found + ": its rests were fitted, too, and a held drive's effort is no friction in motion");
+}
+
+}  // namespace simgap

@@ -1,0 +1,21 @@
+/// \file
+/// Rows of a drive's log that mean nothing to a kinetic law: samples that stand alone, and rests.
+#pragma once
+
+#include "simgap/measure/logs/actuator_log.h"
+#include "simgap/measure/logs/friction_rows.h"
+#include "simgap/measure/logs/motion.h"
+
+namespace simgap {
+
+/// Samples that stand alone are noted in `data` for every channel, and put right.
+void putSpikesRight(ActuatorLog& log, FrictionData& data);
+
+/// Takes the rows of spikes, and of rests, out of `sign.keep`, and says so in `data`.
+/// \param derived  the velocity was worked out from positions.
+/// \throws DataError: with FrictionDataOptions::all_rows, hardly any motion.
+void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data);
+void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
+                   FrictionData& data);
+
+}  // namespace simgap

@@ -1,0 +1,36 @@
+#include "report/actuators/fit_page.h"
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages {
+namespace {
+
+/// The same lines as points.
+std::vector<Series> asPoints(std::vector<Series> lines) {
+  for (Series& line : lines) line.style = Series::Style::kPoints;
+  return lines;
+}
+
+Page make(const ResultFiles& files) {
+  if (isRefit(files)) return refitPage(files);
+  Page page = beginFitPage(files);
+  const CsvTable forces = files.table("forces.csv"), errors = files.table("errors.csv");
+  const std::string deflection = columnLike(forces, "deflection"), error = columnLike(errors, "error");
+  const std::string force = forces.columns().back(), time = errors.columns()[1];
+  Chart curve = lineChart("Force over deflection", {axisTitle(deflection)}, {axisTitle(force)},
+                          seriesOf(forces, deflection, force));
+  curve.wide = true;
+  page.add(std::move(curve));
+  page.add(lineChart("Error over deflection", {axisTitle(deflection)}, {"predicted - measured"},
+                     asPoints(seriesOf(errors, deflection, error))));
+  page.add(lineChart("Error over time", {axisTitle(time)}, {"predicted - measured"},
+                     asPoints(seriesOf(errors, time, error))));
+  addFitDetails(files, page);
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage fit_spring;
+const ResultPage fit_spring{"simgap/fit-spring/1", make};
+
+}  // namespace simgap::pages

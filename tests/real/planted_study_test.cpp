@@ -1,0 +1,167 @@
+// Known effects planted into measured logs: does `simgap diagnose` name them beside what it finds without them, and
+// nothing else? And drivers that cannot be right (channels with random phases): does it leave them alone?
+//   SIMGAP_REAL_LOGS=emps,ur10e-1   only these logs (asserts nothing: the targets are of all of them)
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+#include <set>
+
+#include "real/planting.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+#define SKIP_WITHOUT_LOGS() \
+  if (!realFolder()) GTEST_SKIP() << "no measured logs: set SIMGAP_REAL_DATA to their folder"
+
+bool wanted(const std::string& log) {
+  const char* only = std::getenv("SIMGAP_REAL_LOGS");
+  return only == nullptr || ("," + std::string(only) + ",").find("," + log + ",") != std::string::npos;
+}
+bool all() { return std::getenv("SIMGAP_REAL_LOGS") == nullptr; }
+
+std::set<std::string> namesOf(const RealAnswer& answer) {
+  std::set<std::string> names;
+  for (const auto& group : answer.named) names.insert(group[0]);
+  return names;
+}
+
+double baselineError(const RealAnswer& answer) { return answer.result.at("baseline").at("mse_heldout"); }
+
+/// What is said of a cause that is not named.
+std::string candidacy(const RealAnswer& answer, const std::string& effect) {
+  if (!answer.error.empty()) return "";
+  for (const Json& candidate : answer.result.at("candidates")) {
+    if (candidate.at("effect") == effect) return " [candidate: " + candidate.at("reason").get<std::string>() + "]";
+  }
+  return "";
+}
+
+std::string statedBy(const RealAnswer& answer, const std::string& effect, const Planted& planted) {
+  const Json* cause = answer.cause(effect);
+  return cause == nullptr || !planted.stated ? ""
+                                             : fmt::format(" planted {} {:.4g} of {}", planted.stated->first,
+                                                           planted.stated->second, cause->at("parameters").dump());
+}
+
+enum class Interval { kNone, kHolds, kMisses };
+
+/// Whether the 95 % interval of the stated parameter holds its value (an effort's unit is a torque's: k_a is 1 or not
+/// in it).
+Interval intervalOf(const RealAnswer& answer, const std::string& effect, const Planted& planted) {
+  const Json* cause = answer.cause(effect);
+  if (cause == nullptr || !planted.stated) return Interval::kNone;
+  for (const Json& p : cause->at("parameters")) {
+    if (p.at("name") != planted.stated->first) continue;
+    const double low = p.at("ci95")[0], high = p.at("ci95")[1];
+    const double value = p.at("name") == "mgl" && high < 0.0 ? -planted.stated->second : planted.stated->second;
+    return low <= value && value <= high ? Interval::kHolds : Interval::kMisses;
+  }
+  return Interval::kNone;
+}
+
+TEST(PlantedEffects, JoinWhatIsFoundWithoutThem) {
+  SKIP_WITHOUT_LOGS();
+  const TemporaryFolder folder;
+  int cases = 0, named = 0, changed = 0, held = 0, intervals = 0;
+  for (const PlantingPlan& plan : plantingPlans()) {
+    if (!wanted(plan.log)) continue;
+    const RealLog& real = realLog(plan.log);
+    const LogTable table = LogTable::load(*realFolder() / real.file, plan.every);
+    table.save(folder.path() / "log.csv");
+    const RealAnswer without = diagnoseReal(real, "log.csv", folder.path(), SIMGAP_BINARY);
+    fmt::print("{:<14} as it is: {}\n", plan.log, without.text());
+    ASSERT_TRUE(without.error.empty());
+    std::uint64_t seed = 0;
+    for (const std::string& effect : plan.effects) {
+      ++seed;
+      if (without.names(effect)) continue;
+      std::mt19937_64 random(seed + 100 * plan.log.size());
+      const double gain = 0.15 * std::pow(4.0, std::uniform_real_distribution<>()(random));
+      const Planted planted = plant(plan, table, effect, baselineError(without), gain, seed);
+      planted.table.save(folder.path() / "log.csv");
+      const RealAnswer answer = diagnoseReal(real, "log.csv", folder.path(), SIMGAP_BINARY);
+      const double worth = answer.error.empty() ? 1.0 - baselineError(without) / baselineError(answer) : 0.0;
+      const Interval interval = intervalOf(answer, effect, planted);
+      std::set<std::string> before = namesOf(without), after = namesOf(answer);
+      for (const auto& group : answer.named) {
+        if (std::ranges::find(group, effect) != group.end()) after.erase(group[0]);
+      }
+      fmt::print("{:<14} + {:<22} ({}, {:.3g}) worth {:4.1f} % -> {}{}{}\n", plan.log, effect, planted.shape,
+                 planted.magnitude, 100.0 * worth, answer.text() + candidacy(answer, effect),
+                 before != after ? " [others change]" : "",
+                 interval == Interval::kMisses ? " [interval misses:" + statedBy(answer, effect, planted) + "]" : "");
+      std::fflush(stdout);
+      if (worth < 0.10) continue;
+      ++cases;
+      named += answer.names(effect) ? 1 : 0;
+      changed += before != after ? 1 : 0;
+      intervals += interval != Interval::kNone ? 1 : 0;
+      held += interval == Interval::kHolds ? 1 : 0;
+    }
+  }
+  fmt::print(
+      "planted, worth 10 % and more: {}; named {}; magnitude within its interval {} of {}; other names change {}\n",
+      cases, named, held, intervals, changed);
+  if (!all()) GTEST_SKIP() << "a part of the logs";
+  EXPECT_GE(named, 0.85 * cases);
+  EXPECT_GE(held, 0.85 * intervals);
+  EXPECT_LE(changed, 0.05 * cases);
+}
+
+/// Whether the answer says that something depends on the channel `effects` are driven by.
+bool believes(const RealAnswer& answer, const RealAnswer& without, const std::vector<std::string>& effects,
+              const std::string& channel) {
+  for (const std::string& effect : effects) {
+    if (answer.names(effect) && !without.names(effect)) return true;
+  }
+  for (const Json& left : answer.result.at("left_over").at("channels")) {
+    if (left.at("channel") == channel) return true;
+  }
+  return false;
+}
+
+TEST(PlaceboDrivers, AreNotNamed) {
+  SKIP_WITHOUT_LOGS();
+  const TemporaryFolder folder;
+  int cases = 0, believed = 0;
+  for (const PlantingPlan& plan : plantingPlans()) {
+    if (!wanted(plan.log)) continue;
+    const RealLog& real = realLog(plan.log);
+    LogTable table = LogTable::load(*realFolder() / real.file, plan.every);
+    table.save(folder.path() / "log.csv");
+    const RealAnswer without = diagnoseReal(real, "log.csv", folder.path(), SIMGAP_BINARY);
+    ASSERT_TRUE(without.error.empty()) << without.error;
+    // A temperature, and a channel without a meaning, each with the colour of a measured one.
+    for (const std::string channel : {"temperature_degC", "humidity_percent"}) {
+      for (const std::string& colour : {plan.position, plan.effort}) {
+        LogTable offered = table;
+        std::vector<double> driver = phasesRandomised(table.column(colour), 7 + static_cast<std::uint64_t>(cases));
+        const auto [low, high] = std::ranges::minmax(driver);
+        for (double& value : driver) value = 25.0 + 20.0 * (value - low) / (high - low);
+        offered.header.push_back(channel);
+        offered.columns.push_back(driver);
+        offered.save(folder.path() / "log.csv");
+        const RealAnswer answer = diagnoseReal(real, "log.csv", folder.path(), SIMGAP_BINARY);
+        ASSERT_TRUE(answer.error.empty()) << answer.error;
+        const bool wrong = believes(answer, without, {"friction-heating", "torque-constant-heating"}, channel);
+        fmt::print("{:<14} {} coloured like {}: {}{}\n", plan.log, channel, colour, answer.text(),
+                   wrong ? " [BELIEVED]" : "");
+        std::fflush(stdout);
+        ++cases;
+        believed += wrong ? 1 : 0;
+      }
+    }
+  }
+  fmt::print("placebo drivers: {}; believed {}\n", cases, believed);
+  if (!all()) GTEST_SKIP() << "a part of the logs";
+  EXPECT_LE(believed, 0.05 * cases);
+}
+
+}  // namespace
+}  // namespace simgap::test
