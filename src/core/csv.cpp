@@ -236,7 +236,7 @@ bool CsvTable::has(std::string_view column) const { return std::ranges::find(hea
 bool CsvTable::isNumeric(std::string_view column) const {
   const auto found = std::ranges::find(headers_, column);
   if (found == headers_.end()) failMissing(column, "");
-  return numbers_[static_cast<std::size_t>(found - headers_.begin())] != nullptr;
+  return numbers_[found - headers_.begin()] != nullptr;
 }
 
 bool CsvTable::hasQuantity(std::string_view stem, std::string_view unit) const {

@@ -3,18 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <set>
 
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
 namespace {
-
-constexpr double kUnitLengthTolerance = 1e-3;
 
 /// A shaft column nobody asked for is a muscle the model lacks.
 void refuseUnknownMuscles(const CsvTable& table, const PoseLayout& layout) {
@@ -37,24 +35,6 @@ void refuseTimeGoingBack(const CsvTable& table) {
   }
 }
 
-/// The four columns of a spherical joint as unit quaternions, shape (rows).
-std::vector<Eigen::Quaterniond> readRotations(const CsvTable& table, const std::string& joint) {
-  std::array<std::vector<double>, 4> q;
-  constexpr std::array<const char*, 4> kComponents = {"_qw", "_qx", "_qy", "_qz"};
-  for (std::size_t i = 0; i < 4; ++i) q[i] = table.quantity(joint + kComponents[i], "");
-  std::vector<Eigen::Quaterniond> rotations;
-  rotations.reserve(table.rows());
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    Eigen::Quaterniond rotation(q[0][row], q[1][row], q[2][row], q[3][row]);
-    if (std::abs(rotation.norm() - 1.0) > kUnitLengthTolerance) {
-      table.fail(row, fmt::format("quaternion of joint {}: found length {:.6g}, expected 1 within {:g}", joint,
-                                  rotation.norm(), kUnitLengthTolerance));
-    }
-    rotations.push_back(rotation.normalized());
-  }
-  return rotations;
-}
-
 struct Columns {
   std::vector<std::vector<double>> shafts;         ///< shape (muscles, rows)
   std::vector<std::vector<JointPosition>> joints;  ///< shape (joints, rows)
@@ -65,28 +45,10 @@ Columns readColumns(const CsvTable& table, const PoseLayout& layout) {
   Columns columns;
   for (const std::string& muscle : layout.muscles) columns.shafts.push_back(table.quantity("shaft_" + muscle, "rad"));
   for (const JointChannel& joint : layout.joints) {
-    std::vector<JointPosition>& positions = columns.joints.emplace_back(table.rows());
-    if (joint.type == JointType::kSpherical) {
-      const auto rotations = readRotations(table, joint.name);
-      for (std::size_t row = 0; row < table.rows(); ++row) positions[row].rotation = rotations[row];
-    } else {
-      const auto angles = table.quantity(joint.name, "rad");
-      for (std::size_t row = 0; row < table.rows(); ++row) positions[row].angle = angles[row];
-    }
+    columns.joints.push_back(kindOf(joint.type).read(table, joint.name));
   }
   if (table.hasQuantity("time", "s")) columns.time = table.quantity("time", "s");
   return columns;
-}
-
-JointPosition meanPosition(JointType type, const std::vector<JointPosition>& repeats) {
-  JointPosition mean;
-  std::vector<Eigen::Quaterniond> rotations;
-  for (const JointPosition& repeat : repeats) {
-    rotations.push_back(repeat.rotation);
-    mean.angle += repeat.angle / static_cast<double>(repeats.size());
-  }
-  if (type == JointType::kSpherical) mean.rotation = meanRotation(rotations);
-  return mean;
 }
 
 Pose meanPose(const std::string& name, const std::vector<std::size_t>& rows, const Columns& columns,
@@ -112,7 +74,7 @@ Pose meanPose(const std::string& name, const std::vector<std::size_t>& rows, con
     const JointType type = layout.joints[j].type;
     std::vector<JointPosition> measured;
     for (const std::size_t row : rows) measured.push_back(columns.joints[j][row]);
-    pose.joints.push_back(meanPosition(type, measured));
+    pose.joints.push_back(kindOf(type).mean(measured));
     double squares = 0.0;
     for (const JointPosition& position : measured) {
       const double error = jointError(type, position, pose.joints.back());

@@ -264,4 +264,13 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
   return result;
 }
 
+Uncertainty partOf(const Uncertainty& all, std::size_t begin, std::size_t end) {
+  Uncertainty part = all;
+  part.estimates = {all.estimates.begin() + std::ptrdiff_t(begin), all.estimates.begin() + std::ptrdiff_t(end)};
+  const auto rows = Eigen::seq(begin, end - 1);
+  part.covariance = all.covariance(rows, rows);
+  part.correlation = all.correlation(rows, rows);
+  return part;
+}
+
 }  // namespace simgap

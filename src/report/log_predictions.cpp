@@ -13,7 +13,7 @@ std::string predictionsCsv(const PreparedLog& log,
   for (Eigen::Index i = 0; i < log.data.rows.rows(); ++i) {
     csv.add(log.data.rows.time[i]).add(log.data.rows.effort[i]);
     for (const auto& [name, values] : predictions) csv.add((*values)[i]);
-    csv.add(log.data.keep[static_cast<std::size_t>(i)] ? 1.0 : 0.0).endRow();
+    csv.add(log.data.keep[i] ? 1.0 : 0.0).endRow();
   }
   return csv.text();
 }

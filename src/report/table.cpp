@@ -5,17 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simgap/core/rotation.h"
+#include "simgap/core/csv.h"
 
 namespace simgap {
 
 double numberOf(const Json& json) { return json.is_number() ? json.get<double>() : std::nan(""); }
 
 std::string numberText(const Json& json, const char* format) {
-  return json.is_number() ? fmt::format(fmt::runtime(format), json.get<double>()) : "-";
+  const double number = numberOf(json);
+  return std::isfinite(number) ? fmt::format(fmt::runtime(format), number) : "-";
 }
-
-std::string degreesText(double rad) { return std::isfinite(rad) ? fmt::format("{:.2f}", toDegrees(rad)) : "-"; }
 
 std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths;
@@ -30,6 +29,30 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
   return text;
+}
+
+std::string cellText(const Json& value) {
+  if (value.is_null()) return {};
+  if (value.is_number_float()) return fmt::format("{}", value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+Table recordTable(std::string caption, const Json& records, const std::vector<std::string>& keys) {
+  Table table{std::move(caption), keys, {}};
+  for (const Json& record : records) {
+    table.rows.emplace_back();
+    for (const std::string& key : keys) table.rows.back().push_back(cellText(record.value(key, Json(nullptr))));
+  }
+  return table;
+}
+
+std::string csvText(const Table& table) {
+  CsvWriter csv(table.header);
+  for (const auto& row : table.rows) {
+    for (const std::string& cell : row) csv.add(cell);
+    csv.endRow();
+  }
+  return csv.text();
 }
 
 std::string alignedTable(const Table& table) {

@@ -147,7 +147,7 @@ void PotentialEnergy::addMuscle(std::size_t m) {
                                                pointInWorld(line.joint[1], muscle.attachments[1].point)};
   if (line.extended && bendLine(line, m, ends)) {
     setForce(m);
-    if (line.force != 0.0) addBend(line, bends_[static_cast<std::size_t>(line.bend)]);
+    if (line.force != 0.0) addBend(line, bends_[line.bend]);
     return;
   }
   // L = |d|, u = d / L.

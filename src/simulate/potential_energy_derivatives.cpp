@@ -20,7 +20,7 @@ void PotentialEnergy::differentiate(std::span<const StaticParameter> parameters,
   assert(columns.rows() == degreesOfFreedom() && columns.cols() == static_cast<Eigen::Index>(parameters.size()));
   columns.setZero();
   for (std::size_t p = 0; p < parameters.size(); ++p) {
-    differentiateBy(parameters[p], columns.col(static_cast<Eigen::Index>(p)));
+    differentiateBy(parameters[p], columns.col(p));
   }
 }
 
@@ -37,7 +37,7 @@ void PotentialEnergy::addProjected(int joint, const Eigen::Vector3d& derivative,
 void PotentialEnergy::addForce(std::size_t m, double factor, Eigen::Ref<Eigen::VectorXd> column) const {
   const Line& line = muscles_[m];
   if (line.bend >= 0) {
-    const Bend& bend = bends_[static_cast<std::size_t>(line.bend)];
+    const Bend& bend = bends_[line.bend];
     for (int j = 0; j < std::ssize(links_); ++j) addProjected(j, factor * bend.moment[j], column);
     return;
   }
@@ -51,8 +51,7 @@ void PotentialEnergy::differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns)
     if (line.force == 0.0) continue;
     // dF/dphi = k dx/dphi = k (r - d dL/dphi).
     const double by_shaft = line.extended ? lengthening(m).by_shaft : 0.0;
-    addForce(m, line.stiffness * (model_.muscles[m].spindle_radius - by_shaft),
-             columns.col(static_cast<Eigen::Index>(m)));
+    addForce(m, line.stiffness * (model_.muscles[m].spindle_radius - by_shaft), columns.col(m));
   }
 }
 
@@ -120,7 +119,7 @@ void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref
   Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);
   if (joint >= 0) shift = links_[joint].rotation.col(p.component);
   if (line.bend >= 0) {
-    const Bend& bend = bends_[static_cast<std::size_t>(line.bend)];
+    const Bend& bend = bends_[line.bend];
     const std::array<bool, 3> moved = {p.part == 0, p.part == 1, false};
     for (int j = 0; j < std::ssize(links_); ++j) {
       addProjected(j, bendShiftTerm(line, bend, j, shift, moved, true), column);
@@ -161,7 +160,7 @@ void PotentialEnergy::differentiateByJointShift(int joint, const Eigen::Vector3d
     const Line& line = muscles_[m];
     if (line.force == 0.0) continue;
     if (line.bend >= 0) {
-      const Bend& bend = bends_[static_cast<std::size_t>(line.bend)];
+      const Bend& bend = bends_[line.bend];
       const auto below = [&](int point) { return bend.carrier[point] >= 0 && carries(joint, bend.carrier[point]); };
       const std::array<bool, 3> moved = {below(0), below(1), below(2) || (pivot_moves && bend.obstacle == joint)};
       for (int j = 0; j < std::ssize(links_); ++j) {
@@ -211,7 +210,7 @@ StaticParameter staticParameter(const ArmModel& model, const ParameterPath& path
   } else if (path.group == "extensions") {
     parameter.kind = Kind::kExtension;
     parameter.item = extensionIndex(model, path.item);
-    const auto& parameters = model.extensions[static_cast<std::size_t>(parameter.item)].parameters;
+    const auto& parameters = model.extensions[parameter.item].parameters;
     parameter.component = indexOf(parameters, path.member);
   } else if (path.group == "muscles") {
     parameter.item = indexOf(model.muscles, path.item);

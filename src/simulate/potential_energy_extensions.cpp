@@ -86,7 +86,7 @@ bool PotentialEnergy::bendLine(Line& line, std::size_t muscle, const std::array<
   for (std::size_t b = 0; b < bends_.size() && line.bend < 0; ++b) {
     Bend& bend = bends_[b];
     if (bend.muscle != static_cast<int>(muscle)) continue;
-    const ArmExtension& extension = extensions_[static_cast<std::size_t>(bend.extension)];
+    const ArmExtension& extension = extensions_[bend.extension];
     const Eigen::Vector3d& centre = links_[bend.obstacle].pivot;
     if (!extension.effect->path(extension.p, ends[0] - centre, ends[1] - centre, bend.path)) continue;
     line.bend = static_cast<int>(b);
@@ -203,7 +203,7 @@ void PotentialEnergy::differentiateByExtension(int extension, int k, Eigen::Ref<
       addForce(muscle, effect->cord(p, line.expansion, model_.muscles[m].shock_cord).by_parameter[k], column);
     }
     if (!effect->path || line.bend < 0 || k != 0) continue;
-    const Bend& bend = bends_[static_cast<std::size_t>(line.bend)];
+    const Bend& bend = bends_[line.bend];
     if (bend.extension != extension) continue;
     addForce(muscle, line.stiffness * bend.path.length_by_parameter, column);
     const auto& by = bend.path.slope_by_parameter;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "report/known_results.h"
+#include "report/poses/pose_tables.h"
 
 namespace simgap {
 namespace {
@@ -117,11 +118,15 @@ TEST(CalibrateReport, SaysWhatThePosesTellAndWhatToExpect) {
   EXPECT_EQ(json.at("outlying_poses")[0].at("pose"), "a,\"b\"");
   EXPECT_EQ(json.at("combinations")[0].at("parameters")[1], "joints.elbow.friction");
   EXPECT_NEAR(json.at("predicted_mje_deg").at("validation").at("shoulder").at("ci90")[1].get<double>(), 3.5, 1e-12);
-  const std::string text = uncertaintyText(result);
+  const std::string text = uncertaintyText(json);
   EXPECT_THAT(text, HasSubstr("1 identifiable, 0 weak, 1 not identifiable\n  a and b: only their sum\n"));
-  EXPECT_THAT(text, HasSubstr("shoulder 2.00 (1.00 to 3.50), elbow 1.00 (1.00 to 2.00)"));
-  EXPECT_THAT(text, HasSubstr("elbow 4.00 deg where at most 2.00 was to be expected"));
-  EXPECT_THAT(text, HasSubstr("hardly counted: a,\"b\" (12.0 sd)"));
+  EXPECT_THAT(terminalTable(result), HasSubstr(text));
+  EXPECT_THAT(terminalTable(result), HasSubstr("the elbow misses by 4.00° where at most 2.00° was to be expected"));
+  EXPECT_THAT(terminalTable(result), HasSubstr("hardly counted: a,\"b\" (12.0 sd)"));
+  EXPECT_THAT(predictionTable(json).header,
+              ElementsAre("poses", "shoulder predicted", "found", "elbow predicted", "found"));
+  EXPECT_THAT(predictionTable(json).rows.back(),
+              ElementsAre("validation", "2.00 (1.00 to 3.50)", "3.00", "1.00 (1.00 to 2.00)", "4.00"));
 }
 
 TEST(CalibrateReport, SaysHowFarSearcherAndJudgeDisagree) {
@@ -140,6 +145,8 @@ TEST(CalibrateReport, SaysHowFarSearcherAndJudgeDisagree) {
   EXPECT_NEAR(difference.at("mean").at("elbow").get<double>(), 1.0, 1e-9);
   EXPECT_NEAR(difference.at("largest").at("elbow").get<double>(), 1.5, 1e-9);
   EXPECT_EQ(difference.at("mean").at("shoulder"), 0.0);
+  EXPECT_THAT(verificationTable(toJson(result)).rows.front(),
+              ElementsAre("calibration", "2.00", "0.00", "0.00", "1.00", "1.00", "1.50"));
 }
 
 TEST(ValidateReport, ResultHasTheFieldsOtherProgramsRead) {
@@ -169,10 +176,11 @@ TEST(ValidateReport, PrintsATableForTheTerminalWithTheWorstFirst) {
             "  half angles of spherical joints, as 001 eq. 4     10.00  10.00\n"
             "\n"
             "worst poses\n"
-            "pose   shoulder  elbow\n"
-            "<far>         -      -  acquisition error of biceps, 12.3 deg\n"
-            "low       20.00  10.00                                 steady\n"
-            "a,\"b\"     20.00  10.00                                 steady\n");
+            "pose   shoulder  elbow             status  slack muscles\n"
+            "<far>         -      -  acquisition error\n"
+            "low       20.00  10.00             steady\n"
+            "a,\"b\"     20.00  10.00             steady\n"
+            "<far>: acquisition error of biceps, 12.3 deg\n");
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "reality/capture_arm.h"
-#include "simgap/measure/capture/stereo_capture.h"
+#include "simgap/capture/stereo_capture.h"
 
 namespace simgap::test {
 

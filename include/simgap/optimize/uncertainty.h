@@ -28,6 +28,9 @@ struct Uncertainty {
 Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta,
                                 std::span<const int> session);
 
+/// The same of the parameters from `begin` to before `end` alone.
+Uncertainty partOf(const Uncertainty& all, std::size_t begin, std::size_t end);
+
 /// Integrated correlation time 1 + 2 sum rho(lag) in rows, >= 1, summed over the window of Sokal (1997).
 double correlationTime(const Eigen::VectorXd& residual, std::span<const int> session);
 

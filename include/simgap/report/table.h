@@ -19,7 +19,7 @@ struct Table {
 
 /// A number of JSON; NaN for null.
 double numberOf(const Json& json);
-/// A number of JSON in that format of fmt, "{:.5g}"; "-" for null.
+/// A number of JSON in that format of fmt, "{:.5g}"; "-" for null and what is not finite.
 std::string numberText(const Json& json, const char* format);
 
 /// Text in columns: the first column left-aligned, the others right.
@@ -27,7 +27,14 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows);
 /// Header and rows, without the caption.
 std::string alignedTable(const Table& table);
 
-/// An angle in degrees with two decimals; "-" when unknown.
-std::string degreesText(double rad);
+/// A value as a file holds it: words as they are, a number in the shortest form that reads back, nothing for null.
+std::string cellText(const Json& value);
+/// A row per object of a list, a column per key.
+Table recordTable(std::string caption, const Json& records, const std::vector<std::string>& keys);
+/// Header and rows as CSV.
+std::string csvText(const Table& table);
+
+/// Degrees of JSON with two decimals; "-" when unknown.
+inline std::string degreesCell(const Json& degrees) { return numberText(degrees, "{:.2f}"); }
 
 }  // namespace simgap

@@ -118,7 +118,7 @@ void search(Calibration& calibration, const CalibrationTask& task, const Session
   searchAndStore(calibration, session.directory(), [&](const CalibrationState& state) {
     std::string detail;
     for (std::size_t j = 0; j < layout.joints.size(); ++j) {
-      detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesText(state.best_mje[j]));
+      detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesCell(toDegrees(state.best_mje[j])));
     }
     progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
   });

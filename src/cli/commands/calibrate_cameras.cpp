@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "simgap/capture/image_pairs.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
-#include "simgap/measure/capture/image_pairs.h"
 #include "simgap/report/capture/camera_calibration_report.h"
 
 namespace simgap::commands {

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "simgap/capture/capture_run.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
-#include "simgap/measure/capture/capture_run.h"
 #include "simgap/report/capture/capture_report.h"
 
 namespace simgap::commands {
@@ -78,8 +78,6 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   }
   capture.write(session.directory(), result);
   const CaptureStatistics& statistics = capture.statistics();
-  session.directory().write("distances.csv", distancesCsv(result, statistics));
-  session.directory().write("histogram.csv", histogramCsv(statistics));
   session.finish(toJson(result, statistics), terminalTable(result, statistics));
   const bool scale_failed =
       options.max_scale_error && std::abs(statistics.scaleErrorPercent()) > *options.max_scale_error;

@@ -7,8 +7,8 @@
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/fit/poses/replay.h"
-#include "simgap/report/poses/arm_geometry.h"
 #include "simgap/report/poses/pose_report.h"
+#include "simgap/simulate/arm_geometry.h"
 
 namespace simgap::commands {
 namespace {
@@ -55,7 +55,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const ValidationResult result = judge(options, model, set, protocol);
   warn(model, result);
   session.directory().write("errors.csv", errorsCsv(result));
-  const ReplayedSet replay{"replayed", "simulated", model, set, result.assessment};
+  const ReplayedSet replay{"replayed", "simulated", model, set, result.assessment.outcomes};
   writeArmGeometry({&replay, 1}, session.directory());
   if (result.assessment.valid < set.poses.size()) {
     const std::string reason = describeInvalid(result.assessment, set, result.layout);

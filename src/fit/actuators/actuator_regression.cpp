@@ -189,7 +189,7 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
   const auto by = static_cast<Index>(std::lround(delay / data_->rows.step));
   std::vector<bool> keep(data_->keep.size());
   for (Index i = 0; i < rows(); ++i) {
-    keep[static_cast<std::size_t>(i)] = data_->keep[static_cast<std::size_t>(source(i, by))];
+    keep[i] = data_->keep[source(i, by)];
   }
   return keep;
 }
@@ -197,7 +197,7 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
 ActuatorRegression::Evaluation ActuatorRegression::columns(std::span<const double> p) const {
   const Terms t = terms(p, data_->rows.effort);
   Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.saturation, t.shared.delay};
-  visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(static_cast<Index>(j)) = column; });
+  visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(j) = column; });
   delayRows(result.x, t.shared.delay);
   return result;
 }
@@ -238,7 +238,7 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   const auto linear = static_cast<Index>(linear_);
   const auto blank = [&](auto&& array, const std::vector<bool>& keep) {
     for (Index i = 0; i < n; ++i) {
-      if (!keep[static_cast<std::size_t>(i)]) array.row(i).setZero();
+      if (!keep[i]) array.row(i).setZero();
     }
   };
   if (jacobian == nullptr) {
@@ -293,7 +293,7 @@ std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& othe
   if (data_->angle) start[own + (presliding_ ? 1 : 0)] = data_->angle->start;
   for (std::size_t i = 0; i < parameters_.size(); ++i) {
     const auto found = std::ranges::find(other.parameters_, parameters_[i].name, &ParameterSpec::name);
-    if (found != other.parameters_.end()) start[i] = theta[static_cast<std::size_t>(found - other.parameters_.begin())];
+    if (found != other.parameters_.end()) start[i] = theta[found - other.parameters_.begin()];
   }
   return start;
 }

@@ -99,7 +99,7 @@ class FirstGuess {
     const VectorXd w = column(velocity_), dw = slope(log_, velocity_);
     VectorXd sign(w.size());
     const MotionSign held = holdSign(velocity_);
-    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[static_cast<std::size_t>(i)];
+    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[i];
     VectorXd i_a =
         log_.current.empty() ? VectorXd((column(log_.voltage) - theta_[kKe] * w) / theta_[kR]) : column(log_.current);
     VectorXd c;
@@ -127,7 +127,7 @@ class FirstGuess {
     const VectorXd w = column(velocity_), dw = slope(log_, velocity_);
     VectorXd sign(w.size());
     const MotionSign held = holdSign(velocity_);
-    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[static_cast<std::size_t>(i)];
+    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[i];
     const VectorXd inner =
         theta_[kKt] * column(log_.current) - theta_[kJm] * dw - theta_[kMuM] * w - theta_[kTauM] * sign;
     MatrixXd x(w.size(), 4);  // 000 eq. 11: T = N eta tau_LM - tau_CG - mu_G w_G - J_G dw_G/dt

@@ -80,9 +80,8 @@ std::vector<StribeckMoments> sumParts(const FrictionModel& model, const Eigen::V
     for (std::size_t b = static_cast<std::size_t>(part); b < data.blocks.size(); b += static_cast<std::size_t>(parts)) {
       for (Block rows = {data.blocks[b].begin, 0}; rows.begin < data.blocks[b].end; rows.begin = rows.end) {
         rows.end = std::min(rows.begin + 2048, data.blocks[b].end);
-        sums[static_cast<std::size_t>(part)].add(
-            data.log_speed.segment(static_cast<Index>(rows.begin), static_cast<Index>(rows.size())),
-            model.columns(rig, rows));
+        sums[part].add(data.log_speed.segment(static_cast<Index>(rows.begin), static_cast<Index>(rows.size())),
+                       model.columns(rig, rows));
       }
     }
   });

@@ -146,7 +146,7 @@ Eigen::ArrayXXd FrictionModel::columns(const Eigen::VectorXd& rig, const Block& 
   }
   const ArrayXd size = predict_load_ ? ArrayXd(effort.abs()) : ArrayXd(load.abs());
   const double sign = predict_load_ ? -1.0 : 1.0;
-  for (Index j = 0; j < terms; ++j) x.col(1 + j) = sign * basis(law_->terms[static_cast<std::size_t>(j)], rows, size);
+  for (Index j = 0; j < terms; ++j) x.col(1 + j) = sign * basis(law_->terms[j], rows, size);
   if (offset_) x.col(all - 2) = 1.0;
   return x;
 }
@@ -165,7 +165,7 @@ std::vector<double> FrictionModel::thetaOf(const SeparableMinimum& minimum) cons
   const double gain = std::max(minimum.linear.coefficients[0], 1e-300);
   Eigen::VectorXd physical = minimum.linear.coefficients;
   for (std::size_t i = 0; i < terms.size(); ++i) {
-    if (terms[i].times_gain) physical[static_cast<Index>(i)] /= gain;
+    if (terms[i].times_gain) physical[i] /= gain;
   }
   const auto law = static_cast<Index>(1 + terms_);
   const std::vector<double> rig = data_->rigConstants(physical.segment(law, static_cast<Index>(rig_columns_)));
@@ -210,7 +210,7 @@ void FrictionModel::evaluate(std::span<const double> theta, const Block& rows, E
   ArrayXd per_load = ArrayXd::Zero(n);    // d friction / d |load|
   ArrayXd per_factor = ArrayXd::Zero(n);  // d friction / d E
   for (Index j = 0; j < terms; ++j) {
-    const FrictionTerm& term = law_->terms[static_cast<std::size_t>(j)];
+    const FrictionTerm& term = law_->terms[j];
     const ArrayXd column = basis(term, rows, size);
     if (term.shape == FrictionShape::kStatic) per_factor += law[j] * column;
     if (term.shape == FrictionShape::kSliding) per_factor -= law[j] * column;
@@ -239,7 +239,7 @@ void FrictionModel::evaluate(std::span<const double> theta, const Block& rows, E
   if (!stribeck_) return;
   const double v_s = theta[linear_], delta = theta[linear_ + 1];
   const ArrayXd slope = scale * per_factor * stribeck.value * stribeck.exponent;  // times -d log(exponent)
-  j.col(static_cast<Index>(linear_)) = (slope * (delta / v_s)).matrix();
+  j.col(linear_) = (slope * (delta / v_s)).matrix();
   j.col(static_cast<Index>(linear_) + 1) = (-slope * (data_->log_speed.segment(begin, n) - std::log(v_s))).matrix();
 }
 

@@ -45,7 +45,7 @@ Prediction predictDiagnosed(const FittedModel& model, const CsvTable& table, con
   const UnitName effort = splitUnit(log.effort_column);
   Prediction result{effort.stem, effort.unit, {}, {}, {}, 0};
   for (Eigen::Index i = 0; i < predicted.size(); ++i) {
-    if (!log.data.keep[static_cast<std::size_t>(i)]) continue;
+    if (!log.data.keep[i]) continue;
     result.time.push_back(log.data.rows.time[i]);
     result.predicted.push_back(predicted[i]);
     result.measured.push_back(log.data.rows.effort[i]);

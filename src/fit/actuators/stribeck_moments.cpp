@@ -21,7 +21,7 @@ StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, double top, 
     : shapes_(std::move(shapes)), top_(top), cells_(cells) {
   const auto columns = static_cast<Index>(shapes_.size());
   const auto weightOf = [&](Index a, Index b) {
-    const FrictionShape one = shapes_[static_cast<std::size_t>(a)], two = shapes_[static_cast<std::size_t>(b)];
+    const FrictionShape one = shapes_[a], two = shapes_[b];
     const int sliding = (one == FrictionShape::kSliding ? 1 : 0) + (two == FrictionShape::kSliding ? 1 : 0);
     const int is_static = (one == FrictionShape::kStatic ? 1 : 0) + (two == FrictionShape::kStatic ? 1 : 0);
     if (sliding + is_static == 0) return kWeights;
@@ -29,7 +29,7 @@ StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, double top, 
     return sliding == 2 ? kSlidingSliding : is_static == 2 ? kStaticStatic : kSlidingStatic;
   };
   for (int weight = 0; weight < kWeights; ++weight) {
-    first_[static_cast<std::size_t>(weight)] = static_cast<Index>(products_.size());
+    first_[weight] = static_cast<Index>(products_.size());
     for (Index a = 0; a < columns; ++a) {
       for (Index b = a; b < columns; ++b) {
         if (weightOf(a, b) == weight) products_.push_back({a, b});
@@ -48,7 +48,7 @@ StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, double top)
 StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, const Eigen::ArrayXd& log_speed)
     : StribeckMoments(std::move(shapes), log_speed.maxCoeff(), log_speed.size() > kFewRows ? kWide : kNarrow) {
   std::vector<Index> bins(static_cast<std::size_t>(cells_), -1);
-  for (const double s : log_speed) bins[static_cast<std::size_t>(cellOf(s))] = 0;
+  for (const double s : log_speed) bins[cellOf(s)] = 0;
   Index count = 0;
   for (Index& bin : bins) {
     if (bin == 0) bin = count++;
@@ -76,7 +76,7 @@ void StribeckMoments::add(const Eigen::Ref<const Eigen::ArrayXd>& log_speed,
   for (Index i = 0; i < x.rows(); ++i) {
     u = x.row(i);
     const Index cell = cellOf(log_speed[i]);
-    const Index bin = bin_of_cell_ ? (*bin_of_cell_)[static_cast<std::size_t>(cell)] : cell;
+    const Index bin = bin_of_cell_ ? (*bin_of_cell_)[cell] : cell;
     sum_log_[bin] += log_speed[i];
     count_[bin] += 1.0;
     double* sum = mixed_.data() + bin;
@@ -117,7 +117,7 @@ Eigen::MatrixXd StribeckMoments::gram(double v_s, double delta) const {
   Eigen::MatrixXd gram = always_;
   const auto sum = [&](Weight weight, const Eigen::ArrayXd& values) {
     for (Index k = first_[weight]; k < first_[weight + 1]; ++k) {
-      const auto [a, b] = products_[static_cast<std::size_t>(k)];
+      const auto [a, b] = products_[k];
       gram(a, b) = gram(b, a) = mixed_.col(k).dot(values.matrix());
     }
   };

@@ -54,8 +54,7 @@ Combination describe(const std::vector<std::size_t>& members, const Eigen::Vecto
   } else if (members.size() <= kMostNamed) {
     combination.text = namesOf(members, space) + ": ";
     combination.text += members.size() == 2
-                            ? knownOfPair(direction[static_cast<Eigen::Index>(members[0])],
-                                          direction[static_cast<Eigen::Index>(members[1])])
+                            ? knownOfPair(direction[members[0]], direction[members[1]])
                             : fmt::format("only {} combinations of the {}", members.size() - 1, members.size());
   } else {
     combination.text = fmt::format("a combination of {} parameters, among them {}", members.size(),
@@ -114,13 +113,13 @@ std::vector<Combination> findCombinations(const Eigen::MatrixXd& recorded, const
   // Of the rest: what these poses do not see, and pairs that they cannot tell apart.
   const Eigen::VectorXd length = recorded.colwise().norm();
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (named[static_cast<std::size_t>(i)]) continue;
+    if (named[i]) continue;
     if (length[i] <= kNull * length.maxCoeff()) {
       combinations.push_back(describe({static_cast<std::size_t>(i)}, scale, false, space));
       continue;
     }
     for (Eigen::Index j = i + 1; j < n; ++j) {
-      if (named[static_cast<std::size_t>(j)] || length[j] <= kNull * length.maxCoeff()) continue;
+      if (named[j] || length[j] <= kNull * length.maxCoeff()) continue;
       const double cosine = recorded.col(i).dot(recorded.col(j)) / (length[i] * length[j]);
       if (std::abs(cosine) < kCollinear) continue;
       Eigen::VectorXd direction = Eigen::VectorXd::Zero(n);

@@ -102,9 +102,9 @@ PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const
   for (std::size_t k = 0; k < options.poses; ++k) {
     const int next = greedy.best(uncertainty.covariance, used);
     if (next < 0) break;
-    used[static_cast<std::size_t>(next)] = true;
-    addPose(uncertainty.covariance, residuals[static_cast<std::size_t>(next)].jacobian);
-    design.poses.push_back(candidates[static_cast<std::size_t>(next)]);
+    used[next] = true;
+    addPose(uncertainty.covariance, residuals[next].jacobian);
+    design.poses.push_back(candidates[next]);
     design.after.push_back(predictError(posterior, z, uncertainty, unseen));
   }
   uncertainty.covariance = recorded;

@@ -63,22 +63,18 @@ double ScaledParameters::slope(Eigen::Index i, double z) const {
   return logarithmic_[k] ? scale_[k] * value(i, z) : scale_[k];
 }
 
-double ScaledParameters::lower(Eigen::Index i) const {
-  return scaled(i, parameters_[static_cast<std::size_t>(i)].lower);
-}
-double ScaledParameters::upper(Eigen::Index i) const {
-  return scaled(i, parameters_[static_cast<std::size_t>(i)].upper);
-}
+double ScaledParameters::lower(Eigen::Index i) const { return scaled(i, parameters_[i].lower); }
+double ScaledParameters::upper(Eigen::Index i) const { return scaled(i, parameters_[i].upper); }
 
 std::vector<double> ScaledParameters::values(const Eigen::VectorXd& z) const {
   std::vector<double> values(scale_.size());
-  for (Eigen::Index i = 0; i < size(); ++i) values[static_cast<std::size_t>(i)] = value(i, z[i]);
+  for (Eigen::Index i = 0; i < size(); ++i) values[i] = value(i, z[i]);
   return values;
 }
 
 Eigen::VectorXd ScaledParameters::scaled(std::span<const double> values) const {
   Eigen::VectorXd z(size());
-  for (Eigen::Index i = 0; i < size(); ++i) z[i] = scaled(i, values[static_cast<std::size_t>(i)]);
+  for (Eigen::Index i = 0; i < size(); ++i) z[i] = scaled(i, values[i]);
   return z;
 }
 

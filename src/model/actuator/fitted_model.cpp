@@ -36,6 +36,21 @@ std::string FittedModel::setting(const std::string& key, const std::string& othe
   return found == settings.end() ? otherwise : found->second;
 }
 
+FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty) {
+  FittedModel model;
+  model.kind = kind;
+  model.law = law;
+  std::vector<Eigen::Index> known;  // what could not be found is left out
+  for (std::size_t i = 0; i < uncertainty.estimates.size(); ++i) {
+    const Estimate& e = uncertainty.estimates[i];
+    if (!std::isfinite(e.value)) continue;
+    model.parameters.push_back(e);
+    known.push_back(static_cast<Eigen::Index>(i));
+  }
+  model.covariance = uncertainty.covariance(known, known);
+  return model;
+}
+
 std::string writeFittedModel(const FittedModel& model) {
   std::string text = fmt::format("format: simgap/{}/1\n", model.kind);
   if (!model.law.empty()) text += fmt::format("law: {}\n", yamlText(model.law));
@@ -81,11 +96,11 @@ FittedModel readFittedModel(const YamlNode& root, const std::vector<std::string>
     if (static_cast<Eigen::Index>(rows.size()) != count)
       covariance->fail(fmt::format("found {} rows, expected {}", rows.size(), count));
     for (Eigen::Index i = 0; i < count; ++i) {
-      const std::vector<double> row = numbers(rows[static_cast<std::size_t>(i)]);
+      const std::vector<double> row = numbers(rows[i]);
       if (static_cast<Eigen::Index>(row.size()) != count) {
-        rows[static_cast<std::size_t>(i)].fail(fmt::format("found {} numbers, expected {}", row.size(), count));
+        rows[i].fail(fmt::format("found {} numbers, expected {}", row.size(), count));
       }
-      for (Eigen::Index j = 0; j < count; ++j) model.covariance(i, j) = row[static_cast<std::size_t>(j)];
+      for (Eigen::Index j = 0; j < count; ++j) model.covariance(i, j) = row[j];
     }
   }
   if (const auto settings = root.find("settings")) {

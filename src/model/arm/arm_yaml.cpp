@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
@@ -87,13 +88,12 @@ Body readBodyEntry(const YamlNode& node, std::set<std::string>& names) {
 Joint readJoint(const YamlNode& node, const std::vector<Body>& bodies, std::set<std::string>& names) {
   Joint joint;
   joint.name = readName(node, names);
-  joint.type =
-      node.at("type").oneOf({"spherical", "revolute"}) == "spherical" ? JointType::kSpherical : JointType::kRevolute;
+  joint.type = readJointType(node.at("type"));
   joint.parent = readBody(node.at("parent"), bodies);
   joint.child = readBody(node.at("child"), bodies);
   joint.parent_position = node.vectorQuantity("parent_position", "m");
   joint.child_position = node.vectorQuantity("child_position", "m");
-  if (joint.type == JointType::kRevolute) {
+  if (kindOf(joint.type).has_axis) {
     joint.axis = readAxis(node.at("axis"));
     joint.lower_limit = node.findQuantity("lower_limit", "rad").value_or(-Joint::kUnlimited);
     joint.upper_limit = node.findQuantity("upper_limit", "rad").value_or(Joint::kUnlimited);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap {
@@ -26,11 +27,11 @@ std::string part(const Part& p) {
 }
 
 std::string joint(const Joint& j, const std::vector<Body>& bodies) {
-  std::string text = fmt::format(
-      "  - {{name: {}, type: {}, parent: {}, child: {}, parent_position_m: {}, child_position_m: {}", yamlText(j.name),
-      j.type == JointType::kSpherical ? "spherical" : "revolute", yamlText(bodies[j.parent].name),
-      yamlText(bodies[j.child].name), vector(j.parent_position), vector(j.child_position));
-  if (j.type == JointType::kRevolute) {
+  std::string text =
+      fmt::format("  - {{name: {}, type: {}, parent: {}, child: {}, parent_position_m: {}, child_position_m: {}",
+                  yamlText(j.name), kindOf(j.type).name, yamlText(bodies[j.parent].name),
+                  yamlText(bodies[j.child].name), vector(j.parent_position), vector(j.child_position));
+  if (kindOf(j.type).has_axis) {
     text += fmt::format(", axis: {}", vector(j.axis));
     if (j.lower_limit > -Joint::kUnlimited) text += fmt::format(", lower_limit_rad: {}", j.lower_limit);
     if (j.upper_limit < Joint::kUnlimited) text += fmt::format(", upper_limit_rad: {}", j.upper_limit);

@@ -11,37 +11,10 @@
 namespace simgap {
 namespace {
 
-constexpr std::size_t kMotorParameters = 7;
-
-struct ArmKey {
-  const char* parameter;
-  const char* key;  ///< below muscles.NAME; empty when a calibration cannot search it
-};
-constexpr ArmKey kArmKeys[] = {{"R", "motor.resistance_ohm"},
-                               {"L", "motor.inductance_H"},
-                               {"K_E", "motor.back_emf_constant_Vs"},
-                               {"K_T", "motor.torque_constant_Nm_A"},
-                               {"J_M", "motor.inertia_kg_m2"},
-                               {"mu_M", "motor.viscous_friction_Nms"},
-                               {"tau_CM", "motor.coulomb_friction_Nm"},
-                               {"eta", "gearbox.efficiency"},
-                               {"mu_G", "gearbox.viscous_friction_Nms"},
-                               {"tau_CG", "gearbox.coulomb_friction_Nm"},
-                               {"stiffness", "shock_cord.stiffness_N_m"},
-                               {"damping", "shock_cord.damping_Ns_m"},
-                               {"rest_length", "shock_cord.rest_length_m"}};
-
 /// The estimates that belong to the kind: a motor's seven, or a gearbox's four.
 Uncertainty partOf(const Uncertainty& all, const std::string& kind) {
-  Uncertainty part = all;
-  const std::size_t begin = kind == "motor" ? 0 : kMotorParameters;
-  const std::size_t count = kind == "motor" ? kMotorParameters : all.estimates.size() - kMotorParameters;
-  const auto first = all.estimates.begin() + static_cast<std::ptrdiff_t>(begin);
-  part.estimates.assign(first, first + static_cast<std::ptrdiff_t>(count));
-  const auto b = static_cast<Eigen::Index>(begin), n = static_cast<Eigen::Index>(count);
-  part.covariance = all.covariance.block(b, b, n, n);
-  part.correlation = all.correlation.block(b, b, n, n);
-  return part;
+  constexpr std::size_t kMotorParameters = 7;
+  return kind == "motor" ? partOf(all, 0, kMotorParameters) : partOf(all, kMotorParameters, all.estimates.size());
 }
 
 std::string responseCsv(const DriveReport& report) {
@@ -67,21 +40,6 @@ std::string channelText(const DriveChannel& channel, const std::optional<double>
                      heldout ? fmt::format(" (held out {:.4g})", *heldout) : "", 100.0 * channel.rms / channel.spread);
 }
 
-/// The arm with the fitted drive in one muscle; the supply voltage, which no fit knows, stays the arm's.
-ArmModel armWithDrive(const DriveReport& report) {
-  ArmModel arm = report.into->arm;
-  Muscle& muscle = arm.muscles[report.into->muscle];
-  const std::vector<double>& theta = report.fit.fit.theta;
-  if (report.kind == "motor") {
-    const double supply = muscle.motor.supply_voltage;
-    muscle.motor = motorOf(theta);
-    muscle.motor.supply_voltage = supply;
-  } else {
-    muscle.gearbox = gearboxOf(theta, report.ratio);
-  }
-  return arm;
-}
-
 FittedModel driveModel(const DriveReport& report, const Uncertainty& uncertainty) {
   FittedModel model = fittedModel(report.kind, "", uncertainty);
   if (report.kind == "gearbox") model.settings["transmission_ratio"] = fmt::format("{}", report.ratio);
@@ -92,18 +50,6 @@ FittedModel driveModel(const DriveReport& report, const Uncertainty& uncertainty
 }
 
 }  // namespace
-
-std::string calibrationParameters(const std::string& muscle, const Uncertainty& uncertainty) {
-  std::string text =
-      "# For the `parameters:` of a calibration config; the covariance stands in model.yaml.\nparameters:\n";
-  for (const Estimate& e : uncertainty.estimates) {
-    const auto key = std::ranges::find_if(kArmKeys, [&](const ArmKey& k) { return e.name == k.parameter; });
-    if (key == std::end(kArmKeys) || e.fixed || !std::isfinite(e.sd) || e.sd <= 0.0) continue;
-    text += fmt::format("  - {{pattern: \"muscles.{}.{}\", step: {:.6g}, prior_sd: {:.6g}}}\n", muscle, key->key, e.sd,
-                        e.sd);
-  }
-  return text;
-}
 
 FitSummary summarise(const DriveReport& report) {
   const DriveFit &fit = report.fit.fit, &judged = report.fit.judged();
@@ -133,13 +79,14 @@ FitSummary summarise(const DriveReport& report) {
 
 void writeDriveReport(const DriveReport& report, const RunDirectory& directory) {
   const FitSummary summary = summarise(report);
-  directory.write("model.yaml", writeFittedModel(driveModel(report, summary.uncertainty)));
-  directory.write("parameters.csv", parametersCsv(summary));
-  directory.write("correlation.csv", correlationCsv(summary));
+  writeFit(summary, driveModel(report, summary.uncertainty), directory);
   directory.write("response.csv", responseCsv(report));
   if (!report.into) return;
   const std::string& muscle = report.into->arm.muscles[report.into->muscle].name;
-  directory.write("arm.yaml", writeArm(armWithDrive(report)));
+  const std::vector<double>& theta = report.fit.fit.theta;
+  directory.write("arm.yaml",
+                  writeArm(report.kind == "motor" ? withMotor(*report.into, motorOf(theta))
+                                                  : withGearbox(*report.into, gearboxOf(theta, report.ratio))));
   directory.write("calibration_parameters.yaml", calibrationParameters(muscle, summary.uncertainty));
 }
 

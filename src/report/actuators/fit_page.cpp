@@ -5,22 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit_tables.h"
 #include "simgap/core/error.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
 namespace {
-
-/// "rad_s" -> "rad/s"
-std::string unitTitle(std::string unit) {
-  if (unit == "Nm") return "N m";
-  if (unit == "degC") return "°C";
-  std::ranges::replace(unit, '_', '/');
-  return unit;
-}
-
-std::string targetUnit(const Json& result) { return unitTitle(splitUnit(result.at("target").get<std::string>()).unit); }
 
 /// Intervals relative to the value: parameters of any unit stand on one axis.
 void addIntervals(const Json& result, Page& page) {
@@ -59,34 +48,13 @@ void addCorrelation(const ResultFiles& files, Page& page) {
   page.add(mapChart("Correlation of the parameters", {""}, {""}, map));
 }
 
-Table factTable(const Json& result) {
-  Table table{"Further results", {"", ""}, {}};
-  table.rows.push_back({"rows", fmt::format("{}, worth {:.0f} independent ones", result.at("n").get<long>(),
-                                            numberOf(result.at("n_effective")))});
-  if (result.at("mse_heldout").is_number()) table.rows.push_back({"held out", result.at("heldout")});
-  if (const std::string search = searchText(result.at("starts")); !search.empty()) {
-    table.rows.push_back({"search", search});
-  }
-  for (const auto& [name, text] : result.at("facts").items()) table.rows.push_back({name, text});
-  for (const Json& row : result.at("transfer")) {
-    table.rows.push_back({"on " + row.at("file").get<std::string>(), transferText(row, targetUnit(result))});
-  }
-  return table;
-}
-
 }  // namespace
 
 Page beginFitPage(const ResultFiles& files) {
   const Json& result = files.result();
-  const std::string format = result.at("format"), unit = targetUnit(result);
-  const double rms = std::sqrt(numberOf(result.at("mse"))), heldout = std::sqrt(numberOf(result.at("mse_heldout")));
-  Page page{"simgap " + format.substr(7, format.rfind('/') - 7),
-            fmt::format("{} predicts {} with an RMS error of {:.4g} {}", result.at("model").get<std::string>(),
-                        splitUnit(result.at("target").get<std::string>()).stem, rms, unit),
-            result.at("warnings").get<std::vector<std::string>>()};
-  page.answer += std::isfinite(heldout) ? fmt::format(", and {:.4g} {} on rows it was not fitted to.", heldout, unit)
-                                        : "; only rows it was not fitted to can show what that is worth.";
-  return page;
+  const std::string format = result.at("format");
+  return {"simgap " + format.substr(7, format.rfind('/') - 7), fitAnswer(result),
+          result.at("warnings").get<std::vector<std::string>>()};
 }
 
 void addFitDetails(const ResultFiles& files, Page& page) {
@@ -96,7 +64,7 @@ void addFitDetails(const ResultFiles& files, Page& page) {
   page.add(fitParameters(result));
   addIntervals(result, page);
   addCorrelation(files, page);
-  page.add(factTable(result));
+  page.add(fitFacts(result));
 }
 
 void addTimeChart(const ResultFiles& files, Page& page, const std::vector<double>& time,
@@ -137,10 +105,25 @@ std::string columnLike(const CsvTable& table, std::string_view stem) {
   throw DataError(fmt::format("{}: found no column {}, expected one (with a unit or without)", table.name(), stem));
 }
 
-std::string axisTitle(const std::string& column) {
-  UnitName name = splitUnit(column);
-  std::ranges::replace(name.stem, '_', ' ');
-  return name.unit.empty() ? name.stem : fmt::format("{} [{}]", name.stem, unitTitle(name.unit));
+std::vector<Series> seriesOf(const CsvTable& table, const std::string& x, const std::string& y,
+                             const std::function<bool(std::size_t)>& shown) {
+  const std::vector<std::string> names = table.text("series");
+  const std::vector<double> xs = numbersOf(table, x), ys = numbersOf(table, y);
+  std::vector<Series> lines;
+  int models = 0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (shown && !shown(i)) continue;
+    auto line = std::ranges::find(lines, names[i], &Series::name);
+    if (line == lines.end()) {
+      const bool measured = names[i] == "measured";
+      lines.push_back({names[i], {}, {}, measured ? Series::Style::kPoints : Series::Style::kLine});
+      line = lines.end() - 1;
+      line->colour = measured ? 6 : models++;
+    }
+    line->x.push_back(xs[i]);
+    line->y.push_back(ys[i]);
+  }
+  return lines;
 }
 
 Map gridOf(const CsvTable& table, const std::string& x, const std::string& y, const std::vector<double>& value) {

@@ -2,11 +2,13 @@
 /// What the pages of the fit-* commands share.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "fit_tables.h"
 #include "simgap/report/html/page.h"
 #include "simgap/report/html/result_files.h"
 
@@ -30,8 +32,10 @@ Page refitPage(const ResultFiles& files);
 /// The column that is `stem`, or `stem` with a unit. \throws DataError when there is none.
 std::string columnLike(const CsvTable& table, std::string_view stem);
 
-/// "velocity_rad_s" -> "velocity [rad/s]"
-std::string axisTitle(const std::string& column);
+/// A line per name in the column `series`, in the order of the file; "measured" as points. \param shown  which rows;
+/// all
+std::vector<Series> seriesOf(const CsvTable& table, const std::string& x, const std::string& y,
+                             const std::function<bool(std::size_t)>& shown = {});
 
 /// A value over two columns of a table, as cells about their distinct values.
 Map gridOf(const CsvTable& table, const std::string& x, const std::string& y, const std::vector<double>& value);

@@ -14,15 +14,6 @@ namespace {
 
 Json optionalNumber(const std::optional<double>& value) { return value ? numberOrNull(*value) : Json(nullptr); }
 
-std::string errorText(const FitSummary& summary) {
-  std::string text = fmt::format("{}: RMS {:.4g} {}", summary.target, std::sqrt(summary.mse), summary.target_unit);
-  if (summary.mse_heldout) {
-    text +=
-        fmt::format(", held out {:.4g} {} ({})", std::sqrt(*summary.mse_heldout), summary.target_unit, summary.heldout);
-  }
-  return text + fmt::format("; {} rows, worth {:.0f} independent ones", summary.n, summary.uncertainty.n_effective);
-}
-
 std::vector<std::string> allWarnings(const FitSummary& summary) {
   std::vector<std::string> all = summary.warnings;
   for (const std::string& sentence : summary.uncertainty.findings) {
@@ -97,7 +88,7 @@ std::string correlationCsv(const FitSummary& summary) {
   for (const Estimate& e : summary.uncertainty.estimates) header.push_back(e.name);
   CsvWriter csv(header);
   for (Eigen::Index i = 0; i < summary.uncertainty.correlation.rows(); ++i) {
-    csv.add(summary.uncertainty.estimates[static_cast<std::size_t>(i)].name);
+    csv.add(summary.uncertainty.estimates[i].name);
     for (Eigen::Index j = 0; j < summary.uncertainty.correlation.cols(); ++j)
       csv.add(summary.uncertainty.correlation(i, j));
     csv.endRow();
@@ -111,29 +102,16 @@ std::string terminalTable(const FitSummary& summary) {
   if (summary.comparison.size() > 1) {
     text += alignedTable(fitComparison(result)) + "* the lowest BIC; its parameters follow\n\n";
   }
-  text += alignedTable(fitParameters(result)) + errorText(summary) + "\n";
-  for (const Json& row : result.at("transfer")) {
-    text += fmt::format("on {}: {}\n", row.at("file").get<std::string>(), transferText(row, summary.target_unit));
-  }
-  for (const auto& [name, value] : summary.facts) text += fmt::format("{}: {}\n", name, value);
-  if (const std::string search = searchText(result.at("starts")); !search.empty()) text += search + "\n";
+  text += alignedTable(fitParameters(result)) + fitAnswer(result) + "\n";
+  for (const auto& fact : fitFacts(result).rows) text += fmt::format("{}: {}\n", fact[0], fact[1]);
   for (const std::string& warning : allWarnings(summary)) text += "note: " + warning + "\n";
   return text;
 }
 
-FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty) {
-  FittedModel model;
-  model.kind = kind;
-  model.law = law;
-  std::vector<Eigen::Index> known;  // what could not be found is left out
-  for (std::size_t i = 0; i < uncertainty.estimates.size(); ++i) {
-    const Estimate& e = uncertainty.estimates[i];
-    if (!std::isfinite(e.value)) continue;
-    model.parameters.push_back(e);
-    known.push_back(static_cast<Eigen::Index>(i));
-  }
-  model.covariance = uncertainty.covariance(known, known);
-  return model;
+void writeFit(const FitSummary& summary, const FittedModel& model, const RunDirectory& directory) {
+  directory.write("model.yaml", writeFittedModel(model));
+  directory.write("parameters.csv", parametersCsv(summary));
+  if (summary.uncertainty.correlation.size() > 0) directory.write("correlation.csv", correlationCsv(summary));
 }
 
 }  // namespace simgap

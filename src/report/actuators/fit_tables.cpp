@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "simgap/core/units.h"
@@ -9,6 +10,30 @@
 
 namespace simgap {
 namespace {
+
+/// "rad_s" -> "rad/s"
+std::string unitTitle(std::string unit) {
+  if (unit == "Nm") return "N m";
+  if (unit == "degC") return "°C";
+  std::ranges::replace(unit, '_', '/');
+  return unit;
+}
+
+std::string targetUnit(const Json& result) { return unitTitle(splitUnit(result.at("target").get<std::string>()).unit); }
+
+/// How the search went; empty without one over several starts.
+std::string searchText(const Json& starts) {
+  const long tried = starts.at("tried");
+  if (tried <= 1) return {};
+  return fmt::format("{} starts over the whole box, {} distinct local minima", tried,
+                     starts.at("distinct_minima").get<long>());
+}
+
+/// "RMS 0.01 A (300 rows)": the error on another log, one entry of `transfer`.
+std::string transferText(const Json& transfer, const std::string& unit) {
+  return fmt::format("RMS {:.4g} {} ({} rows)", std::sqrt(numberOf(transfer.at("mse"))), unit,
+                     transfer.at("n").get<long>());
+}
 
 /// By how much an error is smaller than the first model's.
 std::string improvement(const Json& rows, const Json& row, const char* key) {
@@ -56,16 +81,34 @@ Table fitParameters(const Json& result) {
   return table;
 }
 
-std::string searchText(const Json& starts) {
-  const long tried = starts.at("tried");
-  if (tried <= 1) return {};
-  return fmt::format("{} starts over the whole box, {} distinct local minima", tried,
-                     starts.at("distinct_minima").get<long>());
+std::string fitAnswer(const Json& result) {
+  const std::string unit = targetUnit(result);
+  const double rms = std::sqrt(numberOf(result.at("mse"))), heldout = std::sqrt(numberOf(result.at("mse_heldout")));
+  return fmt::format("{} predicts {} with an RMS error of {:.4g} {}", result.at("model").get<std::string>(),
+                     splitUnit(result.at("target").get<std::string>()).stem, rms, unit) +
+         (std::isfinite(heldout) ? fmt::format(", and {:.4g} {} on rows it was not fitted to.", heldout, unit)
+                                 : "; only rows it was not fitted to can show what that is worth.");
 }
 
-std::string transferText(const Json& transfer, const std::string& unit) {
-  return fmt::format("RMS {:.4g} {} ({} rows)", std::sqrt(numberOf(transfer.at("mse"))), unit,
-                     transfer.at("n").get<long>());
+Table fitFacts(const Json& result) {
+  Table table{"Further results", {"", ""}, {}};
+  table.rows.push_back({"rows", fmt::format("{}, worth {:.0f} independent ones", result.at("n").get<long>(),
+                                            numberOf(result.at("n_effective")))});
+  if (result.at("mse_heldout").is_number()) table.rows.push_back({"held out", result.at("heldout")});
+  if (const std::string search = searchText(result.at("starts")); !search.empty()) {
+    table.rows.push_back({"search", search});
+  }
+  for (const auto& [name, text] : result.at("facts").items()) table.rows.push_back({name, text});
+  for (const Json& row : result.at("transfer")) {
+    table.rows.push_back({"on " + row.at("file").get<std::string>(), transferText(row, targetUnit(result))});
+  }
+  return table;
+}
+
+std::string axisTitle(const std::string& column) {
+  UnitName name = splitUnit(column);
+  std::ranges::replace(name.stem, '_', ' ');
+  return name.unit.empty() ? name.stem : fmt::format("{} [{}]", name.stem, unitTitle(name.unit));
 }
 
 }  // namespace simgap

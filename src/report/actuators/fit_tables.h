@@ -8,14 +8,17 @@
 
 namespace simgap {
 
+/// What was fitted, and how well.
+std::string fitAnswer(const Json& result);
 /// Models on the same rows, the first the one that others are compared with; the lowest BIC is marked.
 Table fitComparison(const Json& result);
 /// Estimates with standard deviation and interval.
 Table fitParameters(const Json& result);
 
-/// How the search went; empty without one over several starts.
-std::string searchText(const Json& starts);
-/// "RMS 0.01 A (300 rows)": the error on another log, one entry of `transfer`.
-std::string transferText(const Json& transfer, const std::string& unit);
+/// Rows, the search, other logs, and what else the fit has to say.
+Table fitFacts(const Json& result);
+
+/// "velocity_rad_s" -> "velocity [rad/s]"
+std::string axisTitle(const std::string& column);
 
 }  // namespace simgap

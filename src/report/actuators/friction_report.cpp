@@ -7,8 +7,6 @@
 
 #include "friction_tables.h"
 #include "simgap/core/csv.h"
-#include "simgap/core/error.h"
-#include "simgap/core/rotation.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -54,12 +52,12 @@ std::string minimaCsv(const FrictionReport& report) {
 
 std::string seriesCsv(const FrictionReport& report) {
   const FrictionData& data = *report.data;
-  const std::vector<TimeSample> samples = timeSamples(report);
+  const std::vector<TimeSample> samples = timeSamples(report.rows());
   std::vector<std::string> header{"time_s", "row", "measured"};
   for (const FrictionFit& fit : report.laws.fits) header.emplace_back(fit.law->name);
   CsvWriter csv(header);
   for (const TimeSample& sample : samples) {
-    csv.add(data.time[static_cast<Eigen::Index>(sample.index)]).add(static_cast<double>(data.row[sample.index] + 1));
+    csv.add(data.time[sample.index]).add(static_cast<double>(data.row[sample.index] + 1));
     csv.add(sample.measured);
     for (const double value : sample.predicted) csv.add(value);
     csv.endRow();
@@ -68,28 +66,6 @@ std::string seriesCsv(const FrictionReport& report) {
 }
 
 }  // namespace
-
-std::vector<Requirement> paperRequirements() {
-  return {{"shoulder flexion/extension", 71.0 * kDegree, 20.0}, {"elbow flexion/extension", 91.0 * kDegree, 20.0}};
-}
-
-std::vector<Requirement> readRequirements(const std::vector<std::string>& texts) {
-  std::vector<Requirement> all;
-  for (const std::string& text : texts) {
-    if (text == "paper") {
-      for (const Requirement& r : paperRequirements()) all.push_back(r);
-      continue;
-    }
-    const std::size_t first = text.find(':'), last = text.rfind(':');
-    const auto velocity = first < last ? parseNumber(text.substr(first + 1, last - first - 1)) : std::nullopt;
-    const auto torque = first < last ? parseNumber(text.substr(last + 1)) : std::nullopt;
-    if (!velocity || !torque) {
-      throw ConfigError(fmt::format("--require: found '{}', expected NAME:DEG_PER_S:NM, or paper", text));
-    }
-    all.push_back({text.substr(0, first), unitConversion("deg_s", "rad_s")->operator()(*velocity), *torque});
-  }
-  return all;
-}
 
 FitSummary summarise(const FrictionReport& report) {
   const FrictionData& data = *report.data;
@@ -143,9 +119,7 @@ void writeFrictionReport(const FrictionReport& report, const std::string& log_sh
   model.data_sha256 = log_sha256;
   model.data_rows = data.log_rows;
   const FitSummary summary = summarise(report);
-  directory.write("model.yaml", writeFittedModel(model));
-  directory.write("parameters.csv", parametersCsv(summary));
-  directory.write("correlation.csv", correlationCsv(summary));
+  writeFit(summary, model, directory);
   directory.write("comparison.csv", comparisonCsv(report));
   directory.write("minima.csv", minimaCsv(report));
   directory.write("profile.csv", profileCsv(report));

@@ -6,15 +6,6 @@
 
 namespace simgap {
 
-/// A row that the plot over time shows.
-struct TimeSample {
-  std::size_t index;
-  double measured;
-  std::vector<double> predicted;  ///< shape (fits)
-};
-/// At most some 1,500 rows in order: a stretch without gaps around the middle of the log.
-std::vector<TimeSample> timeSamples(const FrictionReport& report);
-
 /// Per cell of torque x velocity: rows, and mean absolute error of every law.
 std::string mapsCsv(const FrictionReport& report);
 

@@ -103,9 +103,7 @@ FitSummary summarise(const PamReport& report) {
 
 void writePamReport(const PamReport& report, const RunDirectory& directory) {
   const FitSummary summary = summarise(report);
-  directory.write("model.yaml", writeFittedModel(muscleModel(report)));
-  directory.write("parameters.csv", parametersCsv(summary));
-  directory.write("correlation.csv", correlationCsv(summary));
+  writeFit(summary, muscleModel(report), directory);
   directory.write("forces.csv", forcesCsv(report.comparison.candidates, report.log));
   directory.write("errors.csv", forceErrorsCsv(report.comparison.candidates, report.log));
 }

@@ -39,9 +39,8 @@ FitSummary summarise(const std::string& command, const PreparedLog& log, const F
 
 void writeRefit(const FitSummary& summary, const PreparedLog& log, const FittedModel& model, const LogRefit& refit,
                 const RunDirectory& directory) {
-  directory.write("model.yaml", writeFittedModel(model));
+  writeFit(summary, model, directory);
   directory.write("predictions.csv", predictionsCsv(log, {{"predicted", &refit.predicted}}));
-  directory.write("parameters.csv", parametersCsv(summary));
 }
 
 }  // namespace simgap

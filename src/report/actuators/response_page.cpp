@@ -26,6 +26,7 @@ void addResponses(const CsvTable& table, const std::string& measured, const std:
 }
 
 Page driveFitPage(const ResultFiles& files) {
+  if (isRefit(files)) return refitPage(files);
   Page page = beginFitPage(files);
   addResponses(files.table("response.csv"), "_measured", "_simulated", page);
   addFitDetails(files, page);

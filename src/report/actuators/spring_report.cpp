@@ -151,9 +151,7 @@ FitSummary summarise(const SpringReport& report) {
 
 void writeSpringReport(const SpringReport& report, const RunDirectory& directory) {
   const FitSummary summary = summarise(report);
-  directory.write("model.yaml", writeFittedModel(springModel(report)));
-  directory.write("parameters.csv", parametersCsv(summary));
-  directory.write("correlation.csv", correlationCsv(summary));
+  writeFit(summary, springModel(report), directory);
   directory.write("forces.csv", forcesCsv(report));
   directory.write("errors.csv", springErrorsCsv(report));
   if (!report.into) return;

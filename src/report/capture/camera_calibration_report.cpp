@@ -1,22 +1,8 @@
 #include "simgap/report/capture/camera_calibration_report.h"
 
-#include <fmt/format.h>
-
 #include "capture_tables.h"
 
 namespace simgap {
-namespace {
-
-std::string answer(const CameraCalibrationResult& result) {
-  const CameraCalibration& c = result.calibration;
-  return fmt::format(
-      "Views that were held out are met within {:.3f} px ({:.3f} px on the views used); baseline {:.3f} "
-      "mm +- {:.3f}.",
-      c.heldout_rms, c.rms, c.numbers.back().value, c.numbers.back().sd);
-}
-
-}  // namespace
-
 Json toJson(const CameraCalibrationResult& result) {
   const CameraCalibration& c = result.calibration;
   Json parameters = Json::array();
@@ -48,7 +34,8 @@ Json toJson(const CameraCalibrationResult& result) {
 
 std::string terminalTable(const CameraCalibrationResult& result) {
   const Json json = toJson(result);
-  return answer(result) + "\n\n" + alignedTable(cameraFigures(json).rows) + "\n" + alignedTable(cameraParameters(json));
+  return cameraAnswer(json) + "\n\n" + alignedTable(cameraFigures(json).rows) + "\n" +
+         alignedTable(cameraParameters(json));
 }
 
 }  // namespace simgap

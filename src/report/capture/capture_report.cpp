@@ -3,42 +3,13 @@
 #include <fmt/format.h>
 
 #include "capture_tables.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
 
 double percent(std::size_t part, std::size_t all) {
   return all > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(all) : 0.0;
-}
-
-using Rows = std::vector<std::vector<std::string>>;
-
-const std::vector<std::string> kPoseHeader = {"pose", "from [s]", "to [s]", "samples", "joints [deg]", "spread [deg]"};
-
-Rows poseRows(const CaptureResult& result) {
-  Rows rows;
-  for (std::size_t p = 0; p < result.poses.size(); ++p) {
-    const SteadyPose& pose = result.poses[p];
-    std::string angles, spreads;
-    for (std::size_t j = 0; j < result.rig.joints.size(); ++j) {
-      const bool revolute = result.rig.joints[j].type == JointType::kRevolute;
-      const double angle =
-          revolute ? pose.joints[j].angle : geodesicAngle(pose.joints[j].rotation, Eigen::Quaterniond::Identity());
-      angles += fmt::format("{}{:.2f}", j ? " / " : "", toDegrees(angle));
-      spreads += fmt::format("{}{:.3f}", j ? " / " : "", toDegrees(pose.spread[j]));
-    }
-    rows.push_back({fmt::format("p{:03}", p), fmt::format("{:.3f}", pose.start), fmt::format("{:.3f}", pose.end),
-                    std::to_string(pose.samples), angles, spreads});
-  }
-  return rows;
-}
-
-std::string answer(const CaptureResult& result, const CaptureStatistics& s) {
-  std::string text = fmt::format("{} pairs: all joints in {:.1f} % of them, {} steady poses", s.frames(),
-                                 percent(result.samples.size(), s.frames()), result.poses.size());
-  text += result.doubts.empty() ? "; nothing speaks against the geometry."
-                                : fmt::format("; the geometry is in doubt for {} reasons.", result.doubts.size());
-  return text;
 }
 
 }  // namespace
@@ -57,7 +28,7 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
   }
   Json joint_types = Json::object();
   for (const CaptureJoint& joint : result.rig.joints) {
-    joint_types[joint.name] = joint.type == JointType::kRevolute ? "revolute" : "spherical";
+    joint_types[joint.name] = kindOf(joint.type).name;
   }
   Json doubts = Json::array();
   for (const GeometryFinding& f : result.doubts) doubts.push_back({{"name", f.name}, {"sentence", f.sentence}});
@@ -100,36 +71,12 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
           {"poses_outside_shaft_log", result.poses_outside_log}};
 }
 
-std::string distancesCsv(const CaptureResult& result, const CaptureStatistics& s) {
-  CsvWriter csv({"target", "markers", "nominal_mm", "mean_mm", "sd_mm", "predicted_sd_mm"});
-  for (const DistanceStatistics& d : s.distances()) {
-    csv.add(result.targets.targets[static_cast<std::size_t>(d.target)].name);
-    csv.add(fmt::format("{}-{}", d.markers[0], d.markers[1])).add(1e3 * d.nominal);
-    if (d.measured.count() > 1) {
-      csv.add(1e3 * d.measured.mean()).add(1e3 * d.measured.sd()).add(1e3 * std::sqrt(d.variance.mean()));
-    } else {
-      csv.add("").add("").add("");
-    }
-    csv.endRow();
-  }
-  return csv.text();
-}
-
-std::string histogramCsv(const CaptureStatistics& s) {
-  CsvWriter csv({"error_mm", "count"});
-  for (int b = 0; b < DistanceHistogram::kBins; ++b) {
-    csv.add(fmt::format("{:.2f}", 1e3 * DistanceHistogram::kStep * (b - DistanceHistogram::kBins / 2 + 0.5)));
-    csv.add(static_cast<double>(s.histogram().counts[static_cast<std::size_t>(b)])).endRow();
-  }
-  return csv.text();
-}
-
 std::string terminalTable(const CaptureResult& result, const CaptureStatistics& s) {
   const Json json = toJson(result, s);
-  Rows poses = poseRows(result);
-  poses.insert(poses.begin(), kPoseHeader);
-  std::string text = answer(result, s) + "\n\n" + alignedTable(sightingTable(json)) + "\n" +
-                     alignedTable(captureFigures(json).rows) + "\n" + alignedTable(poses);
+  const std::string poses = posesCsv(result.poses, result.rig.joints, result.muscles);
+  std::string text = captureAnswer(json) + "\n\n" + alignedTable(sightingTable(json)) + "\n" +
+                     alignedTable(captureFigures(json).rows) + "\n" +
+                     alignedTable(poseTable(json, CsvTable::parse(poses, "poses.csv")));
   for (const GeometryFinding& finding : result.doubts) text += "DOUBT: " + finding.sentence + "\n";
   return text;
 }

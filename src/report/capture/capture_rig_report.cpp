@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "capture_tables.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
@@ -10,14 +11,6 @@ namespace {
 Json vectorJson(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
 // ------------------------------------------------------------------------------------------ calibrate-joints
-
-std::string answer(const ArmJointCalibration& r) {
-  return fmt::format(
-      "Shoulder centre within {:.2f} mm, elbow axis within {:.2f} deg, upper arm {:.1f} mm; the zero pose "
-      "is {}.",
-      1e3 * r.shoulder.centre_sd, toDegrees(r.elbow.axis_sd), 1e3 * r.upper_arm,
-      r.zero_pose ? "that of the frames named" : "that of the target file");
-}
 
 Json jointJson(const FunctionalJoint& j) {
   Json json = {{"name", j.name},
@@ -28,7 +21,7 @@ Json jointJson(const FunctionalJoint& j) {
                {"condition", j.condition},
                {"in_parent_m", vectorJson(j.in_parent)},
                {"in_child_m", vectorJson(j.in_child)}};
-  if (j.type == JointType::kRevolute) {
+  if (kindOf(j.type).has_axis) {
     json["axis_sd_deg"] = toDegrees(j.axis_sd);
     json["axis_in_parent"] = vectorJson(j.axis_in_parent);
     json["axis_in_child"] = vectorJson(j.axis_in_child);
@@ -38,15 +31,9 @@ Json jointJson(const FunctionalJoint& j) {
 
 // --------------------------------------------------------------------------------------------- targets check
 
-std::string answer(const TargetSetReport& report) {
-  return fmt::format("{} at a noise of {:.2f} mm per marker (a likeness below {:.2f} mm is marked '!').",
-                     report.sound() ? "Whole targets cannot be confused" : "Whole targets CAN be confused",
-                     1e3 * report.noise, 1e3 * TargetSetReport::kMargin * report.noise);
-}
-
 Json likenessJson(const TargetSetReport& report, const Likeness& l) {
-  return {{"from", report.targets[static_cast<std::size_t>(l.from)].name},
-          {"to", report.targets[static_cast<std::size_t>(l.to)].name},
+  return {{"from", report.targets[l.from].name},
+          {"to", report.targets[l.to].name},
           {"markers", l.markers},
           {"taken_for", l.taken_for},
           {"mirrored", l.mirrored},
@@ -64,7 +51,8 @@ Json toJson(const ArmJointCalibration& r) {
 }
 
 std::string terminalTable(const ArmJointCalibration& r) {
-  return answer(r) + "\n\n" + alignedTable(jointTable(toJson(r)));
+  const Json result = toJson(r);
+  return jointAnswer(result) + "\n\n" + alignedTable(jointTable(result));
 }
 
 Json toJson(const TargetSetReport& report) {
@@ -91,7 +79,7 @@ Json toJson(const TargetSetReport& report) {
 std::string terminalTable(const TargetSetReport& report) {
   const Json result = toJson(report);
   const Table cross = crossTable(result);
-  return answer(report) + "\n\n" + alignedTable(targetTable(result)) +
+  return targetAnswer(result) + "\n\n" + alignedTable(targetTable(result)) +
          (cross.rows.empty() ? "" : "\n" + alignedTable(cross)) + "lengths in mm: what noise must bridge\n";
 }
 

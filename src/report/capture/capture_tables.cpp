@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
-#include "simgap/measure/capture/capture_run.h"
+#include "simgap/capture/capture_run.h"
+#include "simgap/core/rotation.h"
 
 namespace simgap {
 namespace {
@@ -24,6 +27,15 @@ std::string markerText(const Json& markers) {
 }
 
 }  // namespace
+
+std::string captureAnswer(const Json& result) {
+  const std::size_t doubts = result.at("geometry").at("findings").size();
+  return fmt::format("{} pairs: all joints in {:.1f} % of them, {} steady poses; {}", result.at("pairs").dump(),
+                     100.0 * numberOf(result.at("pairs_with_all_joints")) / std::max(numberOf(result.at("pairs")), 1.0),
+                     result.at("poses").size(),
+                     doubts == 0 ? "nothing speaks against the geometry."
+                                 : fmt::format("the geometry is in doubt for {} reasons.", doubts));
+}
 
 Table sightingTable(const Json& result) {
   Table table{"Targets", {"target", "visible %", "markers", "fit RMS [mm]", "ambiguous"}, {}};
@@ -61,6 +73,38 @@ Table captureFigures(const Json& result) {
   return table;
 }
 
+std::vector<double> jointAngles(const CsvTable& table, const std::string& joint) {
+  const bool revolute = table.has(joint + "_rad");
+  std::vector<double> angles = numbersOf(table, joint + (revolute ? "_rad" : "_qw"));
+  for (double& angle : angles) angle = toDegrees(revolute ? angle : 2.0 * std::acos(std::min(std::abs(angle), 1.0)));
+  return angles;
+}
+
+Table poseTable(const Json& result, const CsvTable& poses) {
+  Table table{"Steady poses", {"pose", "from [s]", "to [s]", "samples"}, {}};
+  for (const Json& pose : result.at("poses")) {
+    table.rows.push_back(
+        {pose.at("pose"), fixedText(pose.at("start_s"), 3), fixedText(pose.at("end_s"), 3), pose.at("samples").dump()});
+  }
+  for (const auto& [joint, type] : result.at("joint_types").items()) {
+    table.header.insert(table.header.end(), {joint + " [deg]", "spread"});
+    const std::vector<double> angles = jointAngles(poses, joint);
+    for (std::size_t p = 0; p < table.rows.size(); ++p) {
+      const Json& spread = result.at("poses").at(p).at("spread_deg").at(joint);
+      table.rows[p].insert(table.rows[p].end(), {fmt::format("{:.2f}", angles[p]), fixedText(spread, 3)});
+    }
+  }
+  return table;
+}
+
+std::string cameraAnswer(const Json& result) {
+  const Json& baseline = result.at("parameters").back();
+  return fmt::format(
+      "Views that were held out are met within {:.3f} px ({:.3f} px on the views used); baseline {:.3f} mm ± {:.3f}.",
+      numberOf(result.at("heldout_rms_px")), numberOf(result.at("rms_px")), numberOf(baseline.at("value")),
+      numberOf(baseline.at("sd")));
+}
+
 Table cameraFigures(const Json& result) {
   const Json &coverage = result.at("coverage"), &bar = result.at("scale_bar");
   Table table{"Figures", {"figure", "value"}, {}};
@@ -91,6 +135,20 @@ Table cameraParameters(const Json& result) {
   return table;
 }
 
+std::string jointAnswer(const Json& result) {
+  std::string answer;
+  for (const Json& j : result.at("joints")) {
+    const std::string name = j.at("name");
+    answer += j.contains("axis_sd_deg")
+                  ? fmt::format("{} axis within {:.2f}°, ", name, numberOf(j.at("axis_sd_deg")))
+                  : fmt::format("{} centre within {:.2f} mm, ", name, numberOf(j.at("centre_sd_mm")));
+  }
+  answer.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(answer.front())));
+  return answer + fmt::format("upper arm {:.1f} mm; the zero pose is that of the {}.",
+                              numberOf(result.at("upper_arm_mm")),
+                              result.at("zero_pose_from_frames").get<bool>() ? "frames named" : "target file");
+}
+
 Table jointTable(const Json& result) {
   Table table{"Joints",
               {"joint", "frames", "range [deg]", "residual [mm]", "centre sd [mm]", "axis sd [deg]", "condition"},
@@ -102,6 +160,11 @@ Table jointTable(const Json& result) {
                           fixedText(j.at("condition"), 3)});
   }
   return table;
+}
+
+std::string targetAnswer(const Json& result) {
+  return fmt::format("Whole targets {} be confused at a noise of {:.2f} mm per marker ('!': it could bridge the gap).",
+                     result.at("sound").get<bool>() ? "cannot" : "CAN", numberOf(result.at("noise_mm")));
 }
 
 Table targetTable(const Json& result) {

@@ -40,4 +40,15 @@ Table causeTable(const Json& result) {
   return table;
 }
 
+Table confusionTable(const Json& result) {
+  const Json& test = result.at("self_test");
+  Table table{"Self-test: what was hidden, and what was named", {"hidden"}, {}};
+  for (const Json& answer : test.at("answers")) table.header.push_back(answer);
+  for (std::size_t h = 0; h < test.at("hidden").size(); ++h) {
+    table.rows.push_back({test.at("hidden").at(h)});
+    for (const Json& count : test.at("count").at(h)) table.rows.back().push_back(count.dump());
+  }
+  return table;
+}
+
 }  // namespace simgap

@@ -1,5 +1,5 @@
 /// \file
-/// The causes that a diagnosis names, from result.json.
+/// The tables of a diagnosis, from result.json.
 #pragma once
 
 #include <string>
@@ -13,5 +13,8 @@ std::string causeName(const Json& cause);
 
 /// In the order they were found: gain on data never used, adjusted p, parameters with half their interval.
 Table causeTable(const Json& result);
+
+/// Of a self-test: hidden effects by row, answers by column.
+Table confusionTable(const Json& result);
 
 }  // namespace simgap

@@ -1,3 +1,4 @@
+#include "cause_table.h"
 #include "simgap/core/csv.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
@@ -21,7 +22,7 @@ void writeLeftovers(const Diagnosis& diagnosis, const RunDirectory& directory) {
 void writeDiagnosisTables(const Diagnosis& diagnosis, const RunDirectory& directory) {
   directory.write("hypotheses.csv", hypothesesCsv(diagnosis));
   directory.write("evidence.csv", evidenceCsv(diagnosis));
-  if (diagnosis.self_test) directory.write("confusion.csv", confusionCsv(*diagnosis.self_test));
+  if (diagnosis.self_test) directory.write("confusion.csv", csvText(confusionTable(toJson(diagnosis))));
 }
 
 }  // namespace

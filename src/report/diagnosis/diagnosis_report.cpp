@@ -18,16 +18,6 @@ Json pair(const Interval& interval, double scale = 1.0) {
 
 std::string percent(double fraction) { return fmt::format("{:.1f} %", 100.0 * fraction); }
 
-std::vector<std::vector<std::string>> confusionRows(const SelfTest& test) {
-  std::vector<std::vector<std::string>> rows{{"hidden \\ named"}};
-  rows[0].insert(rows[0].end(), test.answers.begin(), test.answers.end());
-  for (std::size_t r = 0; r < test.hidden.size(); ++r) {
-    rows.push_back({test.hidden[r]});
-    for (const int count : test.count[r]) rows.back().push_back(count == 0 ? "." : std::to_string(count));
-  }
-  return rows;
-}
-
 Json selfTestJson(const SelfTest& test) {
   return {{"hidden", test.hidden},
           {"answers", test.answers},
@@ -157,18 +147,6 @@ std::string evidenceCsv(const Diagnosis& d) {
   return csv.text();
 }
 
-std::string confusionCsv(const SelfTest& test) {
-  std::vector<std::string> header{"hidden"};
-  header.insert(header.end(), test.answers.begin(), test.answers.end());
-  CsvWriter csv(header);
-  for (std::size_t r = 0; r < test.hidden.size(); ++r) {
-    csv.add(test.hidden[r]);
-    for (const int count : test.count[r]) csv.add(static_cast<double>(count));
-    csv.endRow();
-  }
-  return csv.text();
-}
-
 std::string terminalTable(const Diagnosis& d) {
   const Json result = toJson(d);
   std::string text = d.sentence + "\n\n";
@@ -195,7 +173,7 @@ std::string terminalTable(const Diagnosis& d) {
     text += fmt::format("untested  {} (reasons in result.json)\n", fmt::join(names, ", "));
   }
   if (d.self_test) {
-    text += "\n" + alignedTable(confusionRows(*d.self_test));
+    text += "\n" + alignedTable(confusionTable(result));
     text += fmt::format("self-test: false alarms {}, power {}\n", percent(d.self_test->false_alarm_rate),
                         percent(d.self_test->power));
   }

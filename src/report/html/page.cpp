@@ -73,27 +73,28 @@ class BlockRenderer {
   }
 
   mustache::data operator()(const Chart& chart) {
-    mustache::data item;
-    item.set("caption", chart.caption);
-    if (!chart.note.empty()) item.set("note", chart.note);
+    mustache::data item = drawn(chart.caption, chart.note, chart.spec, charts);
     item.set("wide", chart.wide);
-    item.set("index", std::to_string(charts.size()));
-    charts.push_back(chart.spec);
     return block("chart", item);
   }
 
   mustache::data operator()(const PageScene& scene) {
-    mustache::data item;
-    item.set("caption", scene.caption);
-    if (!scene.note.empty()) item.set("note", scene.note);
-    item.set("index", std::to_string(scenes.size()));
-    scenes.push_back(scene.scene);
-    return block("scene", item);
+    return block("scene", drawn(scene.caption, scene.note, scene.scene, scenes));
   }
 
   Json charts = Json::array(), scenes = Json::array();
 
  private:
+  /// What report.js draws: its description joins the others, its place in the page knows which one it is.
+  static mustache::data drawn(const std::string& caption, const std::string& note, const Json& spec, Json& all) {
+    mustache::data item;
+    item.set("caption", caption);
+    if (!note.empty()) item.set("note", note);
+    item.set("index", std::to_string(all.size()));
+    all.push_back(spec);
+    return item;
+  }
+
   static mustache::data block(const char* kind, const mustache::data& item) {
     mustache::data block;
     block.set(kind, item);

@@ -9,8 +9,6 @@
 namespace simgap {
 namespace {
 
-std::string textOf(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
-
 /// "simgap/calibrate/1" -> "calibrate"
 std::string commandOf(const std::string& format) {
   const std::size_t begin = format.find('/'), end = format.rfind('/');
@@ -27,18 +25,12 @@ Page plainPage(const ResultFiles& files) {
     if (key == "format") continue;
     const bool objects = value.is_array() && !value.empty() && value.front().is_object();
     if (!objects) {
-      figures.rows.push_back({key, textOf(value)});
+      figures.rows.push_back({key, cellText(value)});
       continue;
     }
-    Table table{key, {}, {}};
-    for (const auto& [name, cell] : value.front().items()) table.header.push_back(name);
-    for (const Json& row : value) {
-      table.rows.emplace_back();
-      for (const std::string& name : table.header) {
-        table.rows.back().push_back(row.contains(name) ? textOf(row.at(name)) : "");
-      }
-    }
-    tables.push_back(std::move(table));
+    std::vector<std::string> names;
+    for (const auto& [name, cell] : value.front().items()) names.push_back(name);
+    tables.push_back(recordTable(key, value, names));
   }
   page.add(std::move(figures));
   for (Table& table : tables) page.add(std::move(table));
@@ -48,24 +40,24 @@ Page plainPage(const ResultFiles& files) {
 void addProvenance(const Json& run, Page& page) {
   const auto words = [](const Json& argv) {
     std::string text;
-    for (const Json& word : argv) text += (text.empty() ? "" : " ") + textOf(word);
+    for (const Json& word : argv) text += (text.empty() ? "" : " ") + cellText(word);
     return text;
   };
   page.provenance.emplace_back("command", words(run.at("argv")));
-  page.provenance.emplace_back("version",
-                               fmt::format("simgap {} ({})", textOf(run.at("version")), textOf(run.at("git_hash"))));
-  page.provenance.emplace_back("seed", textOf(run.at("seed")));
-  page.provenance.emplace_back("began", textOf(run.at("start")));
+  page.provenance.emplace_back(
+      "version", fmt::format("simgap {} ({})", cellText(run.at("version")), cellText(run.at("git_hash"))));
+  page.provenance.emplace_back("seed", cellText(run.at("seed")));
+  page.provenance.emplace_back("began", cellText(run.at("start")));
   page.provenance.emplace_back("took", fmt::format("{:.3g} s", run.at("duration_s").get<double>()));
-  page.provenance.emplace_back("ended", textOf(run.at("status")));
+  page.provenance.emplace_back("ended", cellText(run.at("status")));
   for (const Json& input : run.at("inputs")) {
-    page.provenance.emplace_back(textOf(input.at("role")) + " (SHA-256)",
-                                 textOf(input.at("file")) + ": " + textOf(input.at("sha256")));
+    page.provenance.emplace_back(cellText(input.at("role")) + " (SHA-256)",
+                                 cellText(input.at("file")) + ": " + cellText(input.at("sha256")));
   }
   for (const Json& earlier : run.value("earlier", Json::array())) {
     page.provenance.emplace_back("begun by", words(earlier.at("argv")));
   }
-  const std::string status = textOf(run.at("status"));
+  const std::string status = cellText(run.at("status"));
   if (status != "done") page.notes.insert(page.notes.begin(), "The run ended as: " + status);
 }
 

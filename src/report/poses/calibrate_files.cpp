@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
+#include "calibrate_uncertainty.h"
 #include "simgap/model/arm/arm_yaml.h"
-#include "simgap/report/poses/arm_geometry.h"
 #include "simgap/report/poses/pose_report.h"
+#include "simgap/simulate/arm_geometry.h"
 
 namespace simgap {
 
@@ -21,7 +22,7 @@ std::string planText(const CalibrationTask& task, const CalibrationResult& expec
   for (const ParameterSpace::Choice& choice : config.parameters) {
     text += fmt::format("  {}, initial step {}\n", choice.pattern, choice.step);
   }
-  return text + uncertaintyText(expected) + "nothing was written\n";
+  return text + uncertaintyText(uncertaintyJson(expected)) + "nothing was written\n";
 }
 
 void writeCalibration(const ArmModel& before, const ArmModel& after, const CalibrationResult& result,
@@ -33,8 +34,8 @@ void writeCalibration(const ArmModel& before, const ArmModel& after, const Calib
   if (result.uncertainty) directory.write("singular_values.csv", singularValuesCsv(result));
   std::vector<ReplayedSet> replays;
   for (const SetResult& set : result.sets) {
-    replays.push_back({set.name, "before", before, set.set, set.initial});
-    replays.push_back({set.name, "after", after, set.set, set.final});
+    replays.push_back({set.name, "before", before, set.set, set.initial.outcomes});
+    replays.push_back({set.name, "after", after, set.set, set.final.outcomes});
   }
   writeArmGeometry(replays, directory);
 }

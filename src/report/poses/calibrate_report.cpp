@@ -2,13 +2,10 @@
 
 #include "calibrate_uncertainty.h"
 #include "pose_tables.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
-
-bool atBound(const SearchParameter& p, double value) { return value <= p.lower || value >= p.upper; }
-
-std::string bound(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 const std::vector<double>& bestValues(const CalibrationResult& result) { return result.state.strategy.best.y; }
 
@@ -31,7 +28,7 @@ Json parametersJson(const CalibrationResult& result) {
                           {"prior_sd", known ? numberOrNull(known->prior_sd) : Json(nullptr)},
                           {"lower", numberOrNull(p.lower)},
                           {"upper", numberOrNull(p.upper)},
-                          {"at_bound", atBound(p, value)},
+                          {"at_bound", value <= p.lower || value >= p.upper},
                           {"identifiable", known ? Json(toString(known->verdict)) : Json(nullptr)}});
   }
   return parameters;
@@ -85,17 +82,9 @@ std::string historyCsv(const CalibrationResult& result) {
 }
 
 std::string parametersCsv(const CalibrationResult& result) {
-  CsvWriter csv({"name", "unit", "initial", "prior_sd", "value", "sd", "identifiable", "lower", "upper", "at_bound"});
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    const SearchParameter& p = result.parameters[i];
-    const double value = bestValues(result)[i];
-    const ParameterUncertainty* known = uncertaintyOf(result, i);
-    csv.add(p.name).add(p.unit).add(p.initial).add(known ? bound(known->prior_sd) : "").add(value);
-    csv.add(known ? bound(known->sd) : "").add(known ? toString(known->verdict) : "");
-    csv.add(bound(p.lower)).add(bound(p.upper));
-    csv.add(atBound(p, value) ? "true" : "false").endRow();
-  }
-  return csv.text();
+  return csvText(recordTable(
+      "parameters", parametersJson(result),
+      {"name", "unit", "initial", "prior_sd", "value", "sd", "identifiable", "lower", "upper", "at_bound"}));
 }
 
 std::string errorsCsv(const CalibrationResult& result) {
@@ -124,7 +113,8 @@ std::string errorsCsv(const CalibrationResult& result) {
 }
 
 std::string terminalTable(const CalibrationResult& result) {
-  std::string text = alignedTable(calibrationErrors(toJson(result)));
+  const Json json = toJson(result);
+  std::string text = alignedTable(calibrationErrors(json));
   for (const SetResult& set : result.sets) {
     for (const std::string& line : invalidPoses(set.final, set.set, result.layout)) {
       text += fmt::format("{} pose {}\n", set.name, line);
@@ -133,7 +123,7 @@ std::string terminalTable(const CalibrationResult& result) {
   const std::size_t unknowns = result.parameters.size();
   std::size_t numbers = 0;
   for (const JointChannel& joint : result.layout.joints) {
-    numbers += result.sets.front().set.poses.size() * (joint.type == JointType::kSpherical ? 3 : 1);
+    numbers += result.sets.front().set.poses.size() * kindOf(joint.type).degrees_of_freedom;
   }
   if (numbers < unknowns) {
     text += fmt::format(
@@ -141,7 +131,13 @@ std::string terminalTable(const CalibrationResult& result) {
         "seen do.\n",
         numbers, unknowns);
   }
-  return text + verificationText(result) + uncertaintyText(result);
+  if (json.contains("verification")) {
+    const Table both = verificationTable(json);
+    text += both.caption + "\n" + alignedTable(both);
+  }
+  text += uncertaintyText(json);
+  for (const std::string& surprise : surprises(json)) text += surprise + "\n";
+  return text;
 }
 
 }  // namespace simgap

@@ -16,41 +16,6 @@ long count(const PoseUncertainty& uncertainty, Verdict verdict) {
                        [&](const ParameterUncertainty& p) { return p.verdict == verdict; });
 }
 
-/// "shoulder 1.30 (0.90 to 1.80)  elbow …"
-std::string predictionText(const PoseLayout& layout, const PredictedError& predicted) {
-  std::string text;
-  for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
-    text += fmt::format("{}{} {} ({} to {})", j ? ", " : "", layout.joints[j].name, degreesText(predicted.mean[j]),
-                        degreesText(predicted.lower[j]), degreesText(predicted.upper[j]));
-  }
-  return text;
-}
-
-/// "p003 (12.1 sd)": calibration poses that the robust loss lets go.
-std::vector<std::string> outliers(const CalibrationResult& result) {
-  std::vector<std::string> names;
-  const PoseSet& set = result.sets.front().set;
-  for (std::size_t p = 0; p < set.poses.size(); ++p) {
-    const double distance = result.uncertainty->distances[p];
-    if (distance > kRobustScale) names.push_back(fmt::format("{} ({:.1f} sd)", set.poses[p].name, distance));
-  }
-  return names;
-}
-
-/// Errors are within the interval, or larger: the model lacks something.
-std::string surprise(const CalibrationResult& result) {
-  std::string text;
-  for (const SetResult& set : result.sets) {
-    for (std::size_t j = 0; set.predicted && j < result.layout.joints.size(); ++j) {
-      if (set.final.mje.empty() || set.final.mje[j] <= set.predicted->upper[j]) continue;
-      text += fmt::format("{} {} deg where at most {} was to be expected: something is not in the model\n",
-                          result.layout.joints[j].name, degreesText(set.final.mje[j]),
-                          degreesText(set.predicted->upper[j]));
-    }
-  }
-  return text;
-}
-
 }  // namespace
 
 Json uncertaintyJson(const CalibrationResult& result) {
@@ -89,42 +54,28 @@ std::string singularValuesCsv(const CalibrationResult& result) {
   return csv.text();
 }
 
-std::string uncertaintyText(const CalibrationResult& result) {
+std::string uncertaintyText(const Json& json) {
   constexpr std::size_t kMostCombinations = 8;
-  constexpr std::size_t kMostOutliers = 4;
-  if (!result.uncertainty) return {};
-  const PoseUncertainty& uncertainty = *result.uncertainty;
-  std::string text = fmt::format("the poses tell, of {} parameters: {} identifiable, {} weak, {} not identifiable\n",
-                                 result.parameters.size(), count(uncertainty, Verdict::kIdentifiable),
-                                 count(uncertainty, Verdict::kWeak), count(uncertainty, Verdict::kNotIdentifiable));
+  if (!json.contains("identifiability")) return {};
+  long all = 0;
+  for (const Json& parameters : json.at("identifiability")) all += parameters.get<long>();
+  std::string text = fmt::format("the poses tell, of {} parameters:", all);
+  for (const auto& [verdict, parameters] : json.at("identifiability").items()) {
+    text += fmt::format("{} {} {}", text.ends_with(':') ? "" : ",", parameters.get<long>(), verdict);
+  }
+  text += "\n";
   std::size_t named = 0;
-  for (const Combination& combination : uncertainty.combinations) {
-    if (combination.parameters.size() > 2 || named == kMostCombinations) continue;
-    text += "  " + combination.text + "\n";
+  for (const Json& combination : json.at("combinations")) {
+    if (combination.at("parameters").size() > 2 || named == kMostCombinations) continue;
+    text += "  " + combination.at("text").get<std::string>() + "\n";
     ++named;
   }
-  if (named < uncertainty.combinations.size()) {
+  if (named < json.at("combinations").size()) {
     text += fmt::format("  {}{} combinations of parameters that no pose tells apart: see report.html\n",
-                        named ? "and " : "", uncertainty.combinations.size() - named);
+                        named ? "and " : "", json.at("combinations").size() - named);
   }
-  for (const SetResult& set : result.sets) {
-    if (!set.predicted) continue;
-    text +=
-        fmt::format("predicted for the {} poses [deg]: {}\n", set.name, predictionText(result.layout, *set.predicted));
-  }
-  if (result.sets.size() == 1) {
-    text +=
-        fmt::format("predicted for unseen poses [deg]: {}\n", predictionText(result.layout, result.predicted_unseen));
-  }
-  text += surprise(result);
-  const std::vector<std::string> far = outliers(result);
-  if (far.size() > kMostOutliers) {
-    text += fmt::format("{} of {} poses are more than {:g} sd from the fit\n", far.size(), uncertainty.distances.size(),
-                        kRobustScale);
-  } else if (!far.empty()) {
-    text += fmt::format("poses far from the fit, hardly counted: {}\n", fmt::join(far, ", "));
-  }
-  return text;
+  const Table predicted = predictionTable(json);
+  return text + predicted.caption + "\n" + alignedTable(predicted);
 }
 
 Json verificationJson(const CalibrationResult& result) {
@@ -143,22 +94,6 @@ Json verificationJson(const CalibrationResult& result) {
   if (sets.empty()) return Json::object();
   return {
       {"verification", {{"judge", result.config.verify}, {"searched_by", result.config.evaluator}, {"sets", sets}}}};
-}
-
-std::string verificationText(const CalibrationResult& result) {
-  std::string text;
-  for (const SetResult& set : result.sets) {
-    if (!set.searched) continue;
-    text += fmt::format("{} alone finds, {} poses [deg]:", result.config.evaluator, set.name);
-    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-      const PoseDifference difference = poseDifference(set, result.layout, j);
-      text += fmt::format(" {} {} ({} from {}'s on average, at most {})", result.layout.joints[j].name,
-                          degreesText(set.searched->mje[j]), degreesText(difference.mean), result.config.verify,
-                          degreesText(difference.largest));
-    }
-    text += "\n";
-  }
-  return text;
 }
 
 }  // namespace simgap

@@ -10,6 +10,5 @@ Json uncertaintyJson(const CalibrationResult& result);
 
 /// How far the evaluator that searched and the one that judged disagree; nothing when they are the same.
 Json verificationJson(const CalibrationResult& result);
-std::string verificationText(const CalibrationResult& result);
 
 }  // namespace simgap

@@ -3,37 +3,9 @@
 #include <fmt/format.h>
 
 #include "pose_tables.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
-namespace {
-
-std::vector<std::string> header(const DesignResult& result) {
-  std::vector<std::string> header{"predicted mean joint error of unseen poses [deg]"};
-  for (const Joint& joint : result.model.joints) header.push_back(joint.name);
-  return header;
-}
-
-std::vector<std::string> row(std::string name, const PredictedError& predicted) {
-  std::vector<std::string> row{std::move(name)};
-  for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
-    row.push_back(fmt::format("{} ({} to {})", degreesText(predicted.mean[j]), degreesText(predicted.lower[j]),
-                              degreesText(predicted.upper[j])));
-  }
-  return row;
-}
-
-std::vector<std::vector<std::string>> rows(const DesignResult& result) {
-  const PoseDesign& design = result.design;
-  std::vector<std::vector<std::string>> rows;
-  rows.push_back(row(fmt::format("the {} recorded poses", result.recorded.poses.size()), design.before));
-  for (std::size_t k = 0; k < design.after.size(); ++k) {
-    rows.push_back(row(fmt::format("and {}", design.poses[k].name), design.after[k]));
-  }
-  rows.push_back(row(fmt::format("{} random commands instead", design.poses.size()), design.after_random));
-  return rows;
-}
-
-}  // namespace
 
 Json toJson(const DesignResult& result) {
   const PoseLayout layout = result.model.poseLayout();
@@ -62,23 +34,14 @@ std::string nextPosesCsv(const DesignResult& result) {
   std::vector<std::string> columns{"pose"};
   for (const Muscle& muscle : result.model.muscles) columns.push_back("shaft_" + muscle.name + "_rad");
   for (const Joint& joint : result.model.joints) {
-    if (joint.type == JointType::kRevolute) {
-      columns.push_back(joint.name + "_rad");
-    } else {
-      for (const char* c : {"_qw", "_qx", "_qy", "_qz"}) columns.push_back(joint.name + c);
-    }
+    for (std::string& column : positionColumns(joint.type, joint.name)) columns.push_back(std::move(column));
   }
   CsvWriter csv(columns);
   for (const Pose& pose : result.design.poses) {
     csv.add(pose.name);
     for (const double shaft : pose.shafts) csv.add(shaft);
     for (std::size_t j = 0; j < pose.joints.size(); ++j) {
-      if (result.model.joints[j].type == JointType::kRevolute) {
-        csv.add(pose.joints[j].angle);
-      } else {
-        const Eigen::Quaterniond& q = pose.joints[j].rotation;
-        csv.add(q.w()).add(q.x()).add(q.y()).add(q.z());
-      }
+      for (const double cell : kindOf(result.model.joints[j].type).cells(pose.joints[j])) csv.add(cell);
     }
     csv.endRow();
   }
@@ -86,9 +49,9 @@ std::string nextPosesCsv(const DesignResult& result) {
 }
 
 std::string terminalTable(const DesignResult& result) {
-  std::vector<std::vector<std::string>> table{header(result)};
-  for (auto& line : rows(result)) table.push_back(line);
-  return alignedTable(table) + "record the commands of next_poses.csv in this order; calibrate with all poses\n";
+  const Table errors = expectedErrors(toJson(result));
+  return errors.caption + "\n" + alignedTable(errors) +
+         "record the commands of next_poses.csv in this order; calibrate with all poses\n";
 }
 
 }  // namespace simgap

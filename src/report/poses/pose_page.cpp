@@ -9,16 +9,12 @@
 namespace simgap {
 namespace {
 
-std::string degrees(double value) { return std::isfinite(value) ? fmt::format("{:.2f}", value) : "-"; }
-
 /// "before" -> "_before"; nothing for the only state.
 std::string suffix(const std::string& state) { return state.empty() ? "" : "_" + state; }
 
 std::string shownName(const std::string& state) { return state.empty() ? "simulated" : state; }
 
 }  // namespace
-
-std::string degreesCell(const Json& value) { return degrees(numberOf(value)); }
 
 PoseErrorTables::PoseErrorTables(const CsvTable& table, std::vector<std::string> states, std::string set)
     : states_(std::move(states)) {
@@ -94,7 +90,7 @@ std::vector<PoseErrorTables::Row> PoseErrorTables::worstFirst() const {
 std::string PoseErrorTables::said(const Row& row, std::size_t state) const {
   std::string text;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    text += fmt::format("{}{} {}°", j ? ", " : "", joints_[j], degrees(row.errors[state][j]));
+    text += fmt::format("{}{} {}°", j ? ", " : "", joints_[j], degreesCell(row.errors[state][j]));
   }
   text += " off " + shownName(states_[state]);
   if (!row.slack.empty() && state + 1 == states_.size()) text += "; slack: " + row.slack;
@@ -120,7 +116,7 @@ Table PoseErrorTables::table(bool folded) const {
   for (const Row& row : worstFirst()) {
     std::vector<std::string> line{sets().size() > 1 ? row.set + " " + row.pose : row.pose};
     for (std::size_t j = 0; j < joints_.size(); ++j) {
-      for (std::size_t s = 0; s < states_.size(); ++s) line.push_back(degrees(row.errors[s][j]));
+      for (std::size_t s = 0; s < states_.size(); ++s) line.push_back(degreesCell(row.errors[s][j]));
     }
     line.insert(line.end(), {row.status.back(), row.slack});
     table.rows.push_back(line);

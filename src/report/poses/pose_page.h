@@ -39,7 +39,4 @@ class PoseErrorTables {
   std::vector<Row> rows_;
 };
 
-/// Degrees of a JSON number with two decimals; "-" for null.
-std::string degreesCell(const Json& degrees);
-
 }  // namespace simgap

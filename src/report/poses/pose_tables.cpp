@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "simgap/core/joint_kind.h"
+
 namespace simgap {
 
 Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje) {
@@ -24,7 +26,7 @@ Json predictionJson(const PoseLayout& layout, const PredictedError& predicted) {
 
 std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> angles) {
   for (std::size_t j = 0; j < angles.size(); ++j) {
-    if (layout.joints[j].type == JointType::kSpherical) angles[j] *= 0.5;
+    angles[j] *= kindOf(layout.joints[j].type).printed_error;
   }
   return angles;
 }
@@ -57,16 +59,22 @@ constexpr const char* kPaperAngles = "  half angles of spherical joints, as 001 
 /// Degrees per joint, two decimals.
 std::vector<std::string> errorRow(std::string name, const Json& joints) {
   std::vector<std::string> row{std::move(name)};
-  for (const auto& [joint, degrees] : joints.items()) row.push_back(numberText(degrees, "{:.2f}"));
+  for (const auto& [joint, degrees] : joints.items()) row.push_back(degreesCell(degrees));
   return row;
 }
 
 std::vector<std::string> errorRow(std::string name, const Json& before, const Json& after) {
   std::vector<std::string> row{std::move(name)};
   for (const auto& [joint, degrees] : after.items()) {
-    row.insert(row.end(), {numberText(before.at(joint), "{:.2f}"), numberText(degrees, "{:.2f}")});
+    row.insert(row.end(), {degreesCell(before.at(joint)), degreesCell(degrees)});
   }
   return row;
+}
+
+/// "1.30 (0.90 to 1.80)"
+std::string interval(const Json& expected) {
+  return fmt::format("{} ({} to {})", degreesCell(expected.at("mean")), degreesCell(expected.at("ci90").at(0)),
+                     degreesCell(expected.at("ci90").at(1)));
 }
 
 }  // namespace
@@ -92,6 +100,96 @@ Table validationErrors(const Json& result) {
   table.rows = {errorRow(fmt::format("mean joint error [deg], {} poses", poses), result.at("mje_deg")),
                 errorRow(kPaperAngles, result.at("paper_mje_deg"))};
   return table;
+}
+
+Table criteriaTable(const Json& result) {
+  Table table{"Criteria", {"criterion", "limit", "found", "verdict"}, {}};
+  for (const Json& c : result.at("criteria")) {
+    table.rows.push_back({c.at("name"), fmt::format("{:g}", c.at("limit").get<double>()), degreesCell(c.at("value")),
+                          c.at("pass").get<bool>() ? "pass" : "FAIL"});
+  }
+  return table;
+}
+
+Table expectedErrors(const Json& result) {
+  const Json& predicted = result.at("predicted_mje_deg");
+  Table table{"Predicted mean joint error of unseen poses, with a 90 % interval [deg]", {"recorded"}, {}};
+  const auto add = [&](std::string name, const Json& joints) {
+    std::vector<std::string> row{std::move(name)};
+    for (const auto& [joint, expected] : joints.items()) row.push_back(interval(expected));
+    table.rows.push_back(row);
+  };
+  for (const auto& [joint, before] : predicted.at("before").items()) table.header.push_back(joint);
+  add(fmt::format("the {} poses so far", result.at("recorded").get<long>()), predicted.at("before"));
+  for (const Json& pose : result.at("poses")) {
+    add("and " + pose.at("pose").get<std::string>(), pose.at("predicted_mje_deg"));
+  }
+  add(fmt::format("{} random commands instead", result.at("poses").size()), predicted.at("after_random"));
+  return table;
+}
+
+Table predictionTable(const Json& result) {
+  Table table{"Mean joint error that the posterior predicts, with a 90 % interval [deg]", {"poses"}, {}};
+  const bool judged = result.contains("mje_deg");  // a plan has found nothing yet
+  for (const auto& [set, joints] : result.at("predicted_mje_deg").items()) {
+    std::vector<std::string> row{set};
+    const bool first = table.header.size() == 1;
+    for (const auto& [joint, expected] : joints.items()) {
+      if (first) table.header.push_back(joint + " predicted");
+      row.push_back(interval(expected));
+      if (!judged) continue;
+      if (first) table.header.push_back("found");
+      const Json found = result.at("mje_deg").value(set, Json(nullptr));
+      row.push_back(found.is_null() ? "" : degreesCell(found.at("final").at(joint)));
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+Table verificationTable(const Json& result) {
+  const Json& both = result.at("verification");
+  const std::string searcher = both.at("searched_by"), judge = both.at("judge");
+  Table table{fmt::format("Mean joint error that {} finds, and how far {} differs from it [deg]", searcher, judge),
+              {"poses"},
+              {}};
+  for (const auto& [set, found] : both.at("sets").items()) {
+    std::vector<std::string> row{set};
+    for (const auto& [joint, mean] : found.at("difference_deg").at("mean").items()) {
+      if (table.rows.empty()) table.header.insert(table.header.end(), {joint, "differs", "at most"});
+      row.insert(row.end(), {degreesCell(found.at("mje_deg").at(joint)), degreesCell(mean),
+                             degreesCell(found.at("difference_deg").at("largest").at(joint))});
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+std::vector<std::string> surprises(const Json& result) {
+  constexpr std::size_t kMostNamed = 8;
+  std::vector<std::string> notes;
+  for (const auto& [set, sides] : result.at("mje_deg").items()) {
+    const Json predicted = result.value("predicted_mje_deg", Json::object()).value(set, Json::object());
+    for (const auto& [joint, expected] : predicted.items()) {
+      const double found = numberOf(sides.at("final").at(joint)), upper = numberOf(expected.at("ci90").at(1));
+      if (!(found > upper)) continue;
+      notes.push_back(fmt::format(
+          "On the {} poses the {} misses by {:.2f}° where at most {:.2f}° was to be expected: something is not in the "
+          "model.",
+          set, joint, found, upper));
+    }
+  }
+  const Json outlying = result.value("outlying_poses", Json::array());
+  if (outlying.size() > kMostNamed) notes.push_back(fmt::format("{} poses lie far from the fit.", outlying.size()));
+  if (!outlying.empty() && outlying.size() <= kMostNamed) {
+    std::string names;
+    for (const Json& pose : outlying) {
+      names += fmt::format("{}{} ({:.1f} sd)", names.empty() ? "" : ", ", pose.at("pose").get<std::string>(),
+                           pose.at("distance_sd").get<double>());
+    }
+    notes.push_back("Poses far from the fit, hardly counted: " + names + ".");
+  }
+  return notes;
 }
 
 }  // namespace simgap

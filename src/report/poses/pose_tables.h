@@ -31,5 +31,15 @@ std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> an
 Table calibrationErrors(const Json& result);
 /// The same of the one model that validate judged.
 Table validationErrors(const Json& result);
+/// The limits set on a validation, and whether they hold.
+Table criteriaTable(const Json& result);
+/// Errors on unseen poses that design expects, with every further pose recorded.
+Table expectedErrors(const Json& result);
+/// Errors that the posterior of a calibration predicts, beside those found.
+Table predictionTable(const Json& result);
+/// What the evaluator that searched finds, and how far the one that judged disagrees.
+Table verificationTable(const Json& result);
+/// What contradicts the posterior of a calibration: errors beyond its interval, poses far from the fit.
+std::vector<std::string> surprises(const Json& result);
 
 }  // namespace simgap

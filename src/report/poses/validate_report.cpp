@@ -1,43 +1,9 @@
-#include <fmt/format.h>
+#include <algorithm>
 
+#include "pose_page.h"
 #include "pose_tables.h"
 
 namespace simgap {
-namespace {
-
-/// Pose indices, largest error in any joint first; invalid poses before all.
-std::vector<std::size_t> worstFirst(const Assessment& assessment) {
-  std::vector<double> worst;
-  for (const auto& errors : assessment.errors) {
-    worst.push_back(errors.empty() ? kInfinity : *std::max_element(errors.begin(), errors.end()));
-  }
-  std::vector<std::size_t> order(worst.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worst[a] > worst[b]; });
-  return order;
-}
-
-std::vector<std::vector<std::string>> poseRows(const ValidationResult& result, std::size_t most) {
-  std::vector<std::vector<std::string>> rows;
-  for (const std::size_t p : worstFirst(result.assessment)) {
-    if (rows.size() == most) break;
-    std::vector<std::string> row{result.set.poses[p].name};
-    for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-      row.push_back(result.assessment.errors[p].empty() ? "-" : degreesText(result.assessment.errors[p][j]));
-    }
-    row.push_back(describe(result.assessment.outcomes[p], result.layout));
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-std::vector<std::string> poseHeader(const ValidationResult& result) {
-  std::vector<std::string> header{"pose"};
-  for (const JointChannel& joint : result.layout.joints) header.push_back(joint.name);
-  return header;
-}
-
-}  // namespace
 
 Json toJson(const ValidationResult& result) {
   const Assessment& judged = result.assessment;
@@ -79,14 +45,14 @@ std::string errorsCsv(const ValidationResult& result) {
 
 std::string terminalTable(const ValidationResult& result) {
   constexpr std::size_t kMostPoses = 10;
-  Table errors = validationErrors(toJson(result));
-  for (const Criterion& c : result.criteria) {
-    errors.rows.push_back(
-        {fmt::format("{}: {:.2f}, limit {:.2f}: {}", c.name, c.value, c.limit, c.pass() ? "pass" : "FAIL")});
-  }
-  std::vector<std::vector<std::string>> rows{poseHeader(result)};
-  for (auto& row : poseRows(result, kMostPoses)) rows.push_back(row);
-  return alignedTable(errors) + "\nworst poses\n" + alignedTable(rows);
+  const Json json = toJson(result);
+  Table poses = PoseErrorTables(CsvTable::parse(errorsCsv(result), "errors.csv"), {""}, "replayed").table(false);
+  poses.rows.resize(std::min(poses.rows.size(), kMostPoses));
+  std::string text = alignedTable(validationErrors(json)) + "\n";
+  if (!result.criteria.empty()) text += alignedTable(criteriaTable(json)) + "\n";
+  text += "worst poses\n" + alignedTable(poses);
+  for (const std::string& line : invalidPoses(result.assessment, result.set, result.layout)) text += line + "\n";
+  return text;
 }
 
 }  // namespace simgap

@@ -10,6 +10,7 @@
 
 #include "simgap/core/yaml.h"
 #include "simgap/model/effects/extension.h"
+#include "simgap/optimize/uncertainty.h"
 
 namespace simgap {
 
@@ -32,6 +33,9 @@ struct FittedModel {
   double valueOr(std::string_view name, double otherwise) const { return has(name) ? value(name) : otherwise; }
   std::string setting(const std::string& key, const std::string& otherwise = "") const;
 };
+
+/// What was estimated as a model; what could not be found is left out.
+FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty);
 
 std::string writeFittedModel(const FittedModel& model);
 

@@ -49,12 +49,10 @@ struct FitSummary {
 };
 
 Json toJson(const FitSummary& summary);
-std::string parametersCsv(const FitSummary& summary);
-std::string correlationCsv(const FitSummary& summary);
 std::string terminalTable(const FitSummary& summary);
 
-/// The model file of a fit.
-FittedModel fittedModel(const std::string& kind, const std::string& law, const Uncertainty& uncertainty);
+/// model.yaml, parameters.csv and, where there is one, correlation.csv.
+void writeFit(const FitSummary& summary, const FittedModel& model, const RunDirectory& directory);
 
 /// A number with as many digits as its standard deviation supports.
 std::string valueText(double value, double sd);

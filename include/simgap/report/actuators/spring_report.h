@@ -6,8 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "simgap/fit/actuators/arm_with_drive.h"
 #include "simgap/fit/actuators/spring_fit.h"
-#include "simgap/report/actuators/drive_report.h"
+#include "simgap/report/actuators/fit_report.h"
 
 namespace simgap {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "simgap/capture/camera_calibration.h"
+#include "simgap/capture/capture_statistics.h"
 #include "simgap/core/run_directory.h"
-#include "simgap/measure/capture/camera_calibration.h"
-#include "simgap/measure/capture/capture_statistics.h"
 
 namespace simgap {
 

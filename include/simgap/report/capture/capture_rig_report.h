@@ -4,9 +4,9 @@
 
 #include <string>
 
+#include "simgap/capture/joint_calibration.h"
+#include "simgap/capture/target_check.h"
 #include "simgap/core/run_directory.h"
-#include "simgap/measure/capture/joint_calibration.h"
-#include "simgap/measure/capture/target_check.h"
 
 namespace simgap {
 

@@ -13,8 +13,6 @@ namespace simgap {
 Json toJson(const Diagnosis& diagnosis);
 std::string hypothesesCsv(const Diagnosis& diagnosis);
 std::string evidenceCsv(const Diagnosis& diagnosis);
-/// Hidden effects by row, answers by column.
-std::string confusionCsv(const SelfTest& test);
 std::string terminalTable(const Diagnosis& diagnosis);
 
 /// baseline.yaml, model.yaml, predictions.csv, the tables of hypotheses and evidence, and one residual_<channel>.csv

@@ -35,7 +35,8 @@ std::string parametersCsv(const CalibrationResult& result);
 std::string errorsCsv(const CalibrationResult& result);  ///< set, pose, status and error before and after, per joint
 std::string singularValuesCsv(const CalibrationResult& result);
 /// What the poses tell of the parameters, what error to expect on others; lines for the terminal.
-std::string uncertaintyText(const CalibrationResult& result);
+/// \param result  of toJson, or as much of it as a plan has
+std::string uncertaintyText(const Json& result);
 std::string terminalTable(const CalibrationResult& result);
 /// What a calibration would do, and what its poses can tell before any is run. \param expected  by expectedResult
 std::string planText(const CalibrationTask& task, const CalibrationResult& expected);

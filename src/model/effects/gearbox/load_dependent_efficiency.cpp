@@ -22,7 +22,7 @@ const ActuatorEffect load_dependent_efficiency = {
     .cause = "the gearbox loses a share of what it transmits, whichever way power flows",
     .equation = "tau += e |tau_ext| sign(w)",
     .signature = "residual x direction grows with the load, lifting and lowering",
-    .source = "000 eq. 11; Wang et al. 2011 (planetary gears)",
+    .source = "000 eq. 11; catalogue of causes",
     .look_alikes = "exactly a larger k_a when the drive is never driven backwards",
     .separates = "the same loads lifted and lowered",
     .columns = kColumns,

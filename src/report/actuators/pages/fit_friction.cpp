@@ -32,21 +32,11 @@ void addBands(const ResultFiles& files, Page& page) {
   if (!files.has("curves.csv")) return;
   const CsvTable table = files.table("curves.csv");
   const std::string velocity = columnLike(table, "velocity"), friction = columnLike(table, "friction");
-  const std::vector<std::string> band = table.text("band"), name = table.text("series");
-  const std::vector<double> x = numbersOf(table, velocity), y = numbersOf(table, friction);
+  const std::vector<std::string> band = table.text("band");
   page.addSection("Friction curves per band of load");
   for (const std::string& one : distinctOf(table, "band")) {
-    std::vector<Series> lines;
-    for (std::size_t i = 0; i < band.size(); ++i) {
-      if (band[i] != one) continue;
-      if (lines.empty() || lines.back().name != name[i]) {
-        const bool measured = name[i] == "measured";
-        lines.push_back({name[i], {}, {}, measured ? Series::Style::kPoints : Series::Style::kLine});
-        lines.back().colour = measured ? 6 : static_cast<int>(lines.size()) - 2;
-      }
-      lines.back().x.push_back(x[i]);
-      lines.back().y.push_back(y[i]);
-    }
+    const std::vector<Series> lines =
+        seriesOf(table, velocity, friction, [&](std::size_t row) { return band[row] == one; });
     page.add(lineChart("Load " + one, {axisTitle(velocity)}, {axisTitle(friction)}, lines));
   }
 }
@@ -117,19 +107,13 @@ void addMaps(const ResultFiles& files, Page& page) {
 void addProfile(const ResultFiles& files, Page& page) {
   const CsvTable table = files.table("profile.csv");
   const std::string model = files.result().at("model");
-  const std::vector<std::string> models = table.text("model");
-  const std::vector<double> v_s = numbersOf(table, "v_s"), delta = numbersOf(table, "delta"),
-                            mse = numbersOf(table, "mse");
-  std::vector<std::size_t> rows;
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    if (models[i] == model) rows.push_back(i);
-  }
-  if (rows.size() < 4) return;
-  double lowest = mse[rows.front()];
-  for (const std::size_t i : rows) lowest = std::min(lowest, mse[i]);
+  const auto column = [&](const char* name) { return numbersWhere(table, name, "model", model); };
+  const std::vector<double> v_s = column("v_s"), delta = column("delta"), mse = column("mse");
+  if (mse.size() < 4) return;
+  const double lowest = std::ranges::min(mse);
   CsvWriter scaled({"log10_v_s", "log10_delta"});
   std::vector<double> above;
-  for (const std::size_t i : rows) {
+  for (std::size_t i = 0; i < mse.size(); ++i) {
     scaled.add(std::log10(v_s[i])).add(std::log10(delta[i])).endRow();
     above.push_back(1e-3 + 100.0 * (mse[i] / lowest - 1.0));
   }
@@ -148,16 +132,13 @@ void addModels(const ResultFiles& files, Page& page) {
   const std::vector<std::string> laws = lawsOf(files.result()), names = distinctOf(table, "name");
   if (laws.size() < 2) return;
   std::vector<Series> bars;
-  for (const std::string& law : laws) bars.push_back({law, {}, {}});
-  for (const std::string& parameter : names) {
+  for (const std::string& law : laws) bars.push_back({law, {}, std::vector<double>(names.size(), std::nan(""))});
+  for (std::size_t n = 0; n < names.size(); ++n) {
     double largest = 0.0;
+    for (const double v : numbersWhere(table, "value", "name", names[n])) largest = std::fmax(largest, std::abs(v));
     for (std::size_t i = 0; i < name.size(); ++i) {
-      if (name[i] == parameter && std::isfinite(value[i])) largest = std::max(largest, std::abs(value[i]));
-    }
-    for (std::size_t l = 0; l < laws.size(); ++l) {
-      bars[l].y.push_back(std::nan(""));
-      for (std::size_t i = 0; i < name.size(); ++i) {
-        if (name[i] == parameter && model[i] == laws[l] && largest > 0.0) bars[l].y.back() = value[i] / largest;
+      if (name[i] == names[n] && largest > 0.0) {
+        std::ranges::find(bars, model[i], &Series::name)->y[n] = value[i] / largest;
       }
     }
   }

@@ -6,18 +6,6 @@
 namespace simgap::pages {
 namespace {
 
-/// Lines of a table with a column that names them; "measured" is drawn as points.
-std::vector<Series> seriesOf(const CsvTable& table, const std::string& x, const std::string& y) {
-  std::vector<Series> lines;
-  for (const std::string& name : distinctOf(table, "series")) {
-    lines.push_back({name, numbersWhere(table, x, "series", name), numbersWhere(table, y, "series", name)});
-    if (name != "measured") continue;
-    lines.back().style = Series::Style::kPoints;
-    lines.back().colour = 6;
-  }
-  return lines;
-}
-
 Page make(const ResultFiles& files) {
   if (isRefit(files)) return refitPage(files);
   Page page = beginFitPage(files);

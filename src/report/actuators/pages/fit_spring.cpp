@@ -1,19 +1,12 @@
-#include <algorithm>
-
 #include "report/actuators/fit_page.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
 namespace {
 
-/// One series of a table per name; what was measured, and what is missed, as points.
-std::vector<Series> springSeries(const CsvTable& table, const std::string& x, const std::string& y, bool points) {
-  std::vector<Series> lines;
-  for (const std::string& name : distinctOf(table, "series")) {
-    lines.push_back({name, numbersWhere(table, x, "series", name), numbersWhere(table, y, "series", name)});
-    if (points || name == "measured") lines.back().style = Series::Style::kPoints;
-    if (name == "measured") lines.back().colour = 6;
-  }
+/// The same lines as points.
+std::vector<Series> asPoints(std::vector<Series> lines) {
+  for (Series& line : lines) line.style = Series::Style::kPoints;
   return lines;
 }
 
@@ -24,13 +17,13 @@ Page make(const ResultFiles& files) {
   const std::string deflection = columnLike(forces, "deflection"), error = columnLike(errors, "error");
   const std::string force = forces.columns().back(), time = errors.columns()[1];
   Chart curve = lineChart("Force over deflection", {axisTitle(deflection)}, {axisTitle(force)},
-                          springSeries(forces, deflection, force, false));
+                          seriesOf(forces, deflection, force));
   curve.wide = true;
   page.add(std::move(curve));
   page.add(lineChart("Error over deflection", {axisTitle(deflection)}, {"predicted - measured"},
-                     springSeries(errors, deflection, error, true)));
+                     asPoints(seriesOf(errors, deflection, error))));
   page.add(lineChart("Error over time", {axisTitle(time)}, {"predicted - measured"},
-                     springSeries(errors, time, error, true)));
+                     asPoints(seriesOf(errors, time, error))));
   addFitDetails(files, page);
   return page;
 }

@@ -22,13 +22,7 @@ Chart viewErrors(const Json& result) {
 
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
-  const Json& baseline = result.at("parameters").back();
-  Page page{"simgap calibrate-cameras",
-            fmt::format("Views that were held out are met within {:.3f} px ({:.3f} px on the views used); baseline "
-                        "{:.3f} mm ± {:.3f}.",
-                        numberOf(result.at("heldout_rms_px")), numberOf(result.at("rms_px")),
-                        numberOf(baseline.at("value")), numberOf(baseline.at("sd"))),
-            {}};
+  Page page{"simgap calibrate-cameras", cameraAnswer(result), {}};
   if (result.at("scale_bar").is_null()) {
     page.notes.emplace_back("Without a scale bar nothing but the board's own size says how long a metre is.");
   }

@@ -1,11 +1,10 @@
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "report/capture/capture_tables.h"
-#include "simgap/core/rotation.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
@@ -85,21 +84,12 @@ Chart histogram(const std::string& caption, const std::string& title, const std:
 }
 
 /// Joint angles over time, with the windows in which the arm rested.
-Chart jointAngles(const ResultFiles& files) {
+Chart angleChart(const ResultFiles& files) {
   const CsvTable table = files.table("joints.csv");
   const std::vector<double> time = numbersOf(table, "time_s");
   std::vector<Series> lines;
-  for (const auto& [joint, spread] : files.result().at("joint_types").items()) {
-    Series line{joint, time, {}};
-    if (spread == "revolute") {
-      line.y = numbersOf(table, joint + "_rad");
-      for (double& angle : line.y) angle = toDegrees(angle);
-    } else {
-      for (const double w : numbersOf(table, joint + "_qw")) {
-        line.y.push_back(toDegrees(2.0 * std::acos(std::min(std::abs(w), 1.0))));
-      }
-    }
-    lines.push_back(line);
+  for (const auto& [joint, type] : files.result().at("joint_types").items()) {
+    lines.push_back({joint, time, jointAngles(table, joint)});
   }
   Chart chart = lineChart("Joint angles", {"time [s]"}, {"angle [deg]"}, lines);
   chart.note =
@@ -155,20 +145,6 @@ PageScene markerScene(const ResultFiles& files, const Frames& frames) {
   return scene;
 }
 
-Table poseTable(const Json& result) {
-  Table table{"Steady poses", {"pose", "from [s]", "to [s]", "samples"}, {}};
-  for (const Json& pose : result.at("poses")) {
-    std::vector<std::string> row{pose.at("pose"), fmt::format("{:.3f}", numberOf(pose.at("start_s"))),
-                                 fmt::format("{:.3f}", numberOf(pose.at("end_s"))), pose.at("samples").dump()};
-    for (const auto& [joint, spread] : pose.at("spread_deg").items()) {
-      if (table.rows.empty()) table.header.push_back(joint + " spread [deg]");
-      row.push_back(fmt::format("{:.3f}", numberOf(spread)));
-    }
-    table.rows.push_back(row);
-  }
-  return table;
-}
-
 Table distanceTable(const ResultFiles& files) {
   const CsvTable csv = files.table("distances.csv");
   Table table{"Distances [mm]", {"markers", "nominal", "mean", "sd", "predicted sd"}, {}, true};
@@ -193,14 +169,8 @@ Chart distanceHistogram(const ResultFiles& files) {
 
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
-  const double pairs = std::max(numberOf(result.at("pairs")), 1.0);
   const Json& doubts = result.at("geometry").at("findings");
-  Page page{"simgap capture",
-            fmt::format("{} pairs: all joints in {:.1f} % of them, {} steady poses; {}", result.at("pairs").dump(),
-                        100.0 * numberOf(result.at("pairs_with_all_joints")) / pairs, result.at("poses").size(),
-                        doubts.empty() ? "nothing speaks against the geometry."
-                                       : fmt::format("the geometry is in doubt for {} reasons.", doubts.size())),
-            {}};
+  Page page{"simgap capture", captureAnswer(result), {}};
   for (const Json& doubt : doubts) page.notes.push_back(doubt.at("sentence"));
   const Frames frames(files.table("frames.csv"));
   std::vector<Series> visible, rms, epipolar;
@@ -209,7 +179,7 @@ Page make(const ResultFiles& files) {
     rms.push_back(frames.series(target, frames.rms));
     epipolar.push_back(frames.series(target, frames.epipolar));
   }
-  page.add(jointAngles(files));
+  page.add(angleChart(files));
   page.add(markerScene(files, frames));
   page.addSection("How well the targets were seen");
   page.add(lineChart("Visible markers of each target", {"time [s]"}, {"markers"}, visible));
@@ -220,7 +190,7 @@ Page make(const ResultFiles& files) {
   page.add(sightingTable(result));
   page.add(captureFigures(result));
   page.addSection("Poses");
-  page.add(poseTable(result));
+  page.add(poseTable(result, files.table("poses.csv")));
   page.add(distanceTable(files));
   return page;
 }

@@ -1,7 +1,3 @@
-#include <fmt/format.h>
-
-#include <cmath>
-
 #include "report/capture/capture_tables.h"
 #include "simgap/report/html/result_page.h"
 
@@ -24,12 +20,7 @@ Chart gaps(const Json& result) {
 
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
-  Page page{
-      "simgap targets check",
-      fmt::format("{} at a noise of {:.2f} mm per marker.",
-                  result.at("sound").get<bool>() ? "Whole targets cannot be confused" : "Whole targets CAN be confused",
-                  numberOf(result.at("noise_mm"))),
-      {}};
+  Page page{"simgap targets check", targetAnswer(result), {}};
   page.add(gaps(result));
   page.addSection("Numbers");
   page.add(targetTable(result));

@@ -24,32 +24,6 @@ std::string answer(const Json& result) {
   return text + (held_out ? "." : "; only poses it has not seen (--validation) can show what that is worth.");
 }
 
-/// Errors beyond what the posterior expects: the model lacks something.
-std::vector<std::string> notes(const Json& result) {
-  std::vector<std::string> notes;
-  for (const auto& [set, sides] : result.at("mje_deg").items()) {
-    const Json predicted = result.value("predicted_mje_deg", Json::object()).value(set, Json::object());
-    for (const auto& [joint, expected] : predicted.items()) {
-      const double found = numberOf(sides.at("final").at(joint)), upper = numberOf(expected.at("ci90").at(1));
-      if (!(found > upper)) continue;
-      notes.push_back(fmt::format(
-          "On the {} poses the {} misses by {:.2f}° where at most {:.2f}° was to be expected: something is not in the "
-          "model.",
-          set, joint, found, upper));
-    }
-  }
-  const Json outlying = result.value("outlying_poses", Json::array());
-  if (!outlying.empty()) {
-    std::string names;
-    for (const Json& pose : outlying) {
-      names += fmt::format("{}{} ({:.1f} sd)", names.empty() ? "" : ", ", pose.at("pose").get<std::string>(),
-                           pose.at("distance_sd").get<double>());
-    }
-    notes.push_back("Poses far from the fit, hardly counted: " + names + ".");
-  }
-  return notes;
-}
-
 /// Validation first, its worst pose first: what a reader wants to see.
 void addPoses(const ResultFiles& files, Page& page) {
   const PoseErrorTables errors(files.table("errors.csv"), {"before", "after"}, "");
@@ -124,13 +98,11 @@ Table parameterTable(const Json& result) {
               {"name", "unit", "initial", "calibrated", "change", "sd before", "sd after", "the poses", "at bound"},
               {},
               true};
-  const auto text = [](const Json& value, const char* digits) {
-    return value.is_number() ? fmt::format(fmt::runtime(digits), value.get<double>()) : std::string();
-  };
   for (const Json& p : result.at("parameters")) {
-    table.rows.push_back({p.at("name"), p.at("unit"), text(p.at("initial"), "{:.6g}"), text(p.at("value"), "{:.6g}"),
+    table.rows.push_back({p.at("name"), p.at("unit"), numberText(p.at("initial"), "{:.6g}"),
+                          numberText(p.at("value"), "{:.6g}"),
                           fmt::format("{:+.3g}", numberOf(p.at("value")) - numberOf(p.at("initial"))),
-                          text(p.value("prior_sd", Json(nullptr)), "{:.2g}"), text(p.at("sd"), "{:.2g}"),
+                          numberText(p.value("prior_sd", Json(nullptr)), "{:.2g}"), numberText(p.at("sd"), "{:.2g}"),
                           p.at("identifiable").is_string() ? p.at("identifiable").get<std::string>() : "",
                           p.at("at_bound").get<bool>() ? "yes" : ""});
   }
@@ -167,31 +139,14 @@ void addParameters(const ResultFiles& files, Page& page) {
   page.add(parameterTable(result));
 }
 
-void addPredictions(const Json& result, Page& page) {
-  if (!result.contains("predicted_mje_deg")) return;
-  Table table{"Mean joint error that the posterior predicts, with a 90 % interval [deg]", {"poses"}, {}};
-  for (const auto& [set, joints] : result.at("predicted_mje_deg").items()) {
-    std::vector<std::string> row{set};
-    for (const auto& [joint, expected] : joints.items()) {
-      if (table.rows.empty()) {
-        table.header.insert(table.header.end(), {joint + " predicted", "5 %", "95 %", "found"});
-      }
-      row.insert(row.end(), {degreesCell(expected.at("mean")), degreesCell(expected.at("ci90").at(0)),
-                             degreesCell(expected.at("ci90").at(1)),
-                             set == "unseen" ? "" : degreesCell(result.at("mje_deg").at(set).at("final").at(joint))});
-    }
-    table.rows.push_back(row);
-  }
-  page.add(std::move(table));
-}
-
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
-  Page page{"simgap calibrate", answer(result), notes(result)};
+  Page page{"simgap calibrate", answer(result), surprises(result)};
   addPoses(files, page);
   page.addSection("How large the gap is");
   page.add(calibrationErrors(result));
-  addPredictions(result, page);
+  if (result.contains("predicted_mje_deg")) page.add(predictionTable(result));
+  if (result.contains("verification")) page.add(verificationTable(result));
   addConvergence(files, page);
   addParameters(files, page);
   page.addSection("Poses");

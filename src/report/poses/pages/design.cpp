@@ -1,16 +1,10 @@
 #include <fmt/format.h>
 
-#include "report/poses/pose_page.h"
+#include "report/poses/pose_tables.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
 namespace {
-
-/// "1.30 (0.90 to 1.80)"
-std::string interval(const Json& expected) {
-  return fmt::format("{} ({} to {})", degreesCell(expected.at("mean")), degreesCell(expected.at("ci90").at(0)),
-                     degreesCell(expected.at("ci90").at(1)));
-}
 
 std::string answer(const Json& result) {
   const Json& predicted = result.at("predicted_mje_deg");
@@ -25,7 +19,7 @@ std::string answer(const Json& result) {
   return text + ".";
 }
 
-Chart expectedErrors(const Json& result) {
+Chart expectedChart(const Json& result) {
   const Json& predicted = result.at("predicted_mje_deg");
   std::vector<Series> lines;
   for (const auto& [joint, before] : predicted.at("before").items()) {
@@ -48,23 +42,6 @@ Chart expectedErrors(const Json& result) {
   return chart;
 }
 
-Table expectedTable(const Json& result) {
-  const Json& predicted = result.at("predicted_mje_deg");
-  Table table{"Predicted mean joint error of unseen poses, with a 90 % interval [deg]", {"recorded"}, {}};
-  const auto add = [&](std::string name, const Json& joints) {
-    std::vector<std::string> row{std::move(name)};
-    for (const auto& [joint, expected] : joints.items()) row.push_back(interval(expected));
-    table.rows.push_back(row);
-  };
-  for (const auto& [joint, before] : predicted.at("before").items()) table.header.push_back(joint);
-  add(fmt::format("the {} poses so far", result.at("recorded").get<long>()), predicted.at("before"));
-  for (const Json& pose : result.at("poses")) {
-    add("and " + pose.at("pose").get<std::string>(), pose.at("predicted_mje_deg"));
-  }
-  add(fmt::format("{} random commands instead", result.at("poses").size()), predicted.at("after_random"));
-  return table;
-}
-
 Table commands(const Json& result) {
   Table table{"Commands [rad]; next_poses.csv holds them for the rig", {"pose"}, {}};
   for (const Json& pose : result.at("poses")) {
@@ -80,8 +57,8 @@ Table commands(const Json& result) {
 
 Page make(const ResultFiles& files) {
   Page page{"simgap design", answer(files.result()), {}};
+  page.add(expectedChart(files.result()));
   page.add(expectedErrors(files.result()));
-  page.add(expectedTable(files.result()));
   page.addSection("What to record");
   page.add(commands(files.result()));
   return page;

@@ -38,14 +38,7 @@ Page make(const ResultFiles& files) {
   page.add(std::move(chart));
   page.addSection("Numbers");
   page.add(validationErrors(result));
-  if (!result.at("criteria").empty()) {
-    Table criteria{"Criteria", {"criterion", "limit", "found", "verdict"}, {}};
-    for (const Json& c : result.at("criteria")) {
-      criteria.rows.push_back({c.at("name"), fmt::format("{:g}", c.at("limit").get<double>()),
-                               degreesCell(c.at("value")), c.at("pass").get<bool>() ? "pass" : "FAIL"});
-    }
-    page.add(std::move(criteria));
-  }
+  if (!result.at("criteria").empty()) page.add(criteriaTable(result));
   page.add(errors.table(/*folded=*/false));
   return page;
 }

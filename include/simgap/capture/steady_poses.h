@@ -1,0 +1,62 @@
+/// \file
+/// Where the arm rests, and what the shafts did then: a motion to a pose set.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "simgap/capture/joint_angles.h"
+#include "simgap/core/csv.h"
+
+namespace simgap {
+
+struct SteadyOptions {
+  double duration = 0.1;    ///< [s] a rest is at least this long (001: t_d)
+  double max_speed = 0.05;  ///< [rad/s] of any joint, by a straight line through `duration` (001: omega_max)
+};
+
+/// A rest of the arm.
+struct SteadyPose {
+  std::size_t first_frame = 0, last_frame = 0;
+  double start = 0.0, end = 0.0;  ///< [s]
+  std::size_t samples = 0;
+  std::vector<JointPosition> joints;  ///< means (rotations: Markley)
+  std::vector<double> spread;         ///< shape (joints) [rad]: standard deviation of a sample about the mean
+  std::vector<double> shafts;         ///< shape (muscles) [rad], means; empty without a shaft log
+};
+
+/// Windows of `duration` in which every joint's line has a slope below max_speed and no sample strays from the mean by
+/// more than max_speed * duration; windows that overlap are one rest.
+std::vector<SteadyPose> findSteadyPoses(std::span<const JointSample> samples, const std::vector<CaptureJoint>& joints,
+                                        const SteadyOptions& options);
+
+/// Shaft angles over time (columns `time_s`, `shaft_<muscle>_rad`).
+struct ShaftLog {
+  std::string file;
+  std::vector<std::string> muscles;
+  std::vector<double> times;                ///< [s], increasing
+  std::vector<std::vector<double>> shafts;  ///< shape (muscles, rows) [rad]
+};
+/// \throws DataError: no shaft column, fewer than two rows, time that does not increase, and all that CsvTable refuses.
+ShaftLog readShaftLog(const CsvTable& table);
+
+/// Fills in the means of the shafts while the arm rested. \returns the poses the log does not cover, which are removed.
+std::size_t joinShafts(std::vector<SteadyPose>& poses, const ShaftLog& log);
+
+/// By how much the joints move after the shafts.
+struct Lag {
+  double seconds = 0.0;
+  double correlation = 0.0;  ///< of joint and shaft speed at that lag; below kClearCorrelation the lag means nothing
+  static constexpr double kClearCorrelation = 0.5;
+};
+/// The largest correlation of the speeds of all joints and all shafts within +- `range` [s].
+Lag estimateLag(std::span<const JointSample> samples, const std::vector<CaptureJoint>& joints, const ShaftLog& log,
+                double range);
+
+/// The pose set (docs/formats.md): pose, repeat, time_s, shafts, joints; then per joint its standard deviation, and the
+/// number of samples.
+std::string posesCsv(std::span<const SteadyPose> poses, const std::vector<CaptureJoint>& joints,
+                     const std::vector<std::string>& muscles);
+
+}  // namespace simgap

@@ -1,0 +1,71 @@
+/// \file
+/// A pair of images to the poses of all targets.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "simgap/capture/target_matcher.h"
+
+namespace simgap {
+
+struct CaptureOptions {
+  BlobOptions blobs;
+  MatchOptions match;
+  double epipolar_gate = 1.5;  ///< [px]
+};
+
+/// One target in one frame.
+struct TargetFrame {
+  bool found = false;
+  MatchFailure failure = MatchFailure::kNone;
+  std::vector<int> candidate;  ///< shape (markers): index into FramePair::points, -1 when not seen
+  int visible = 0;             ///< markers used
+  TargetPose pose;             ///< in the left camera
+  double rms = 0.0;            ///< [m] of the markers' distances after the fit
+  double epipolar = 0.0;       ///< [px] mean of the markers' signed epipolar errors
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< rotation [rad], origin [m]
+};
+
+/// All that one pair of images gave.
+struct FramePair {
+  std::vector<Blob> left, right;
+  std::array<BlobRejections, 2> rejections;
+  std::vector<PointCandidate> points;
+  std::vector<TargetFrame> targets;  ///< shape (targets)
+  int ghosts = 0;                    ///< blobs of both images that no target used
+};
+
+/// Frames one after the other: a target is looked for where it was heading first.
+class StereoCapture {
+ public:
+  StereoCapture(const StereoCameras& cameras, const TargetSet& targets, const CaptureOptions& options = {});
+  StereoCapture(const StereoCapture&) = delete;
+  StereoCapture& operator=(const StereoCapture&) = delete;
+
+  /// \param left, right  8-bit grey of the cameras' size.  \returns valid until the next call.
+  const FramePair& process(const cv::Mat& left, const cv::Mat& right);
+  /// Forgets where the targets were.
+  void forget();
+  /// Standard deviation of a blob's centre, from the residuals of all fits so far [px]. The covariances follow it.
+  double centroidSd() const;
+
+ private:
+  void fit(std::size_t target, TargetMatch match);
+  void predict();
+
+  const StereoCameras cameras_;
+  const TargetSet targets_;
+  CaptureOptions options_;
+  BlobDetector left_blobs_, right_blobs_;
+  Triangulator triangulator_;
+  TargetMatcher matcher_;
+  FramePair frame_;
+  std::vector<std::array<std::optional<TargetPose>, 2>> history_;  ///< last, and the one before
+  std::vector<std::optional<TargetPose>> predicted_;
+  double square_sum_;  ///< [px^2] of the residuals of all fits
+  double freedoms_;
+};
+
+}  // namespace simgap

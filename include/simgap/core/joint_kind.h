@@ -1,0 +1,48 @@
+/// \file
+/// What a kind of joint is to files and statistics. One file of src/core/joints per kind, found by CMake.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/core/csv.h"
+#include "simgap/core/rotation.h"
+#include "simgap/core/yaml.h"
+
+namespace simgap {
+
+struct JointKind {
+  JointType type;
+  const char* name;                           ///< in files: "revolute"
+  int degrees_of_freedom;                     ///< numbers that a measured position holds, too
+  bool has_axis;                              ///< turns about an axis of its own, between limits
+  double printed_error;                       ///< multiple of the error that 001 eq. 4 prints
+  std::span<const std::string_view> columns;  ///< of a position in a table, behind the joint's name: "_rad"
+
+  /// The positions of that joint in a table, shape (rows). \throws DataError: a column is missing, a cell no position.
+  std::vector<JointPosition> (*read)(const CsvTable& table, const std::string& joint);
+  /// The same position as the cells of those columns.
+  std::vector<double> (*cells)(const JointPosition& position);
+  /// How far a position is from the zero pose, signed where the joint has an axis [rad].
+  double (*angle)(const JointPosition& position);
+  /// The way from one position to another as a rotation vector in the parent's frame, or along the first coordinate
+  /// where the joint has an axis [rad].
+  Eigen::Vector3d (*difference)(const JointPosition& from, const JointPosition& to);
+  JointPosition (*mean)(std::span<const JointPosition> repeats);
+};
+
+const JointKind& kindOf(JointType type);
+/// The kind that a file names. \throws ConfigError: none of that name.
+JointType readJointType(const YamlNode& node);
+
+/// Names of the columns that hold a joint's position.
+std::vector<std::string> positionColumns(JointType type, const std::string& joint);
+
+namespace joint_kinds {
+std::span<const JointKind* const> all();
+}
+
+}  // namespace simgap

@@ -1,0 +1,146 @@
+#include "simgap/capture/capture_run.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kLagRange = 0.5;  // [s] searched on both sides
+
+/// Distances of the markers of each target: nominal, measured, and the spread that the noise of the blobs predicts.
+std::string distancesCsv(const TargetSet& targets, const CaptureStatistics& s) {
+  CsvWriter csv({"target", "markers", "nominal_mm", "mean_mm", "sd_mm", "predicted_sd_mm"});
+  for (const DistanceStatistics& d : s.distances()) {
+    csv.add(targets.targets[d.target].name);
+    csv.add(fmt::format("{}-{}", d.markers[0], d.markers[1])).add(1e3 * d.nominal);
+    if (d.measured.count() > 1) {
+      csv.add(1e3 * d.measured.mean()).add(1e3 * d.measured.sd()).add(1e3 * std::sqrt(d.variance.mean()));
+    } else {
+      csv.add("").add("").add("");
+    }
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+/// How many distances are off by how much.
+std::string histogramCsv(const CaptureStatistics& s) {
+  CsvWriter csv({"error_mm", "count"});
+  for (int b = 0; b < DistanceHistogram::kBins; ++b) {
+    csv.add(fmt::format("{:.2f}", 1e3 * DistanceHistogram::kStep * (b - DistanceHistogram::kBins / 2 + 0.5)));
+    csv.add(static_cast<double>(s.histogram().counts[b])).endRow();
+  }
+  return csv.text();
+}
+
+}  // namespace
+
+CaptureRun::CaptureRun(const StereoCameras& cameras, const TargetSet& targets, const Rig& rig, const FrameTimes& times,
+                       const CaptureRunOptions& options)
+    : cameras_(cameras),
+      targets_(targets),
+      rig_(rig),
+      times_(times),
+      options_(options),
+      capture_(cameras, targets, options.capture),
+      statistics_(cameras, targets, rig) {}
+
+void CaptureRun::add(const ImagePairs& pairs) {
+  const std::size_t number = pairs.frame();
+  if (!times_.times.empty() && number >= times_.times.size()) {
+    throw DataError(fmt::format("found more image pairs than the {} time stamps", times_.times.size()));
+  }
+  const double time = times_.at(number);
+  const FramePair& frame = [&]() -> const FramePair& {
+    try {
+      return capture_.process(pairs.left(), pairs.right());
+    } catch (const DataError& error) {
+      throw DataError(fmt::format("{}, {}: {}", pairs.leftName(), pairs.rightName(), error.what()));
+    }
+  }();
+  statistics_.add(frame, capture_.centroidSd());
+  frames_csv_.add(framesCsvRows(targets_, frame, number, time));
+  trc_.add(trcRow(targets_, frame, number, time));
+  FrameDigest digest{time, static_cast<float>(frame.ghosts), {}};
+  for (const TargetFrame& target : frame.targets) {
+    digest.rms.push_back(target.found ? static_cast<float>(1e3 * target.rms) : std::numeric_limits<float>::quiet_NaN());
+  }
+  digests_.push_back(std::move(digest));
+  if (auto sample = jointAngles(rig_, frame.targets, number, time)) samples_.push_back(std::move(*sample));
+  if (options_.overlays.contains(number)) {
+    overlays_.emplace_back(number, encodePng(drawOverlay(cameras_, targets_, frame, pairs.left(), pairs.right())));
+  }
+}
+
+void CaptureRun::refuseUnseen() const {
+  std::string unseen;
+  std::size_t seen = 0;
+  for (std::size_t t = 0; t < targets_.targets.size(); ++t) {
+    if (statistics_.found(t) > 0) {
+      ++seen;
+    } else {
+      unseen += (unseen.empty() ? "" : ", ") + targets_.targets[t].name;
+    }
+  }
+  if (seen == 0) {
+    throw DataError(
+        fmt::format("found no target in {} pairs ({:.1f} bright blobs per left image, {:.1f} per right "
+                    "one): wrong targets, wrong stereo calibration, or no markers in view",
+                    statistics_.frames(), statistics_.blobs(0).mean(), statistics_.blobs(1).mean()));
+  }
+  if (!unseen.empty() && !options_.partial) {
+    throw DataError(fmt::format("never found the target {} in {} pairs (--partial goes on without it)", unseen,
+                                statistics_.frames()));
+  }
+}
+
+CaptureResult CaptureRun::finish(const ImagePairs& pairs, const std::optional<ShaftLog>& shafts) {
+  const std::size_t read = statistics_.frames() + pairs.skipped().size();
+  if (!times_.times.empty() && read < times_.times.size()) {
+    throw DataError(fmt::format("found {} time stamps for {} image pairs", times_.times.size(), read));
+  }
+  refuseUnseen();
+  CaptureResult result;
+  result.targets = targets_;
+  result.rig = rig_;
+  result.times = times_;
+  result.samples = std::move(samples_);
+  result.digests = std::move(digests_);
+  result.skipped = pairs.skipped();
+  result.doubts = statistics_.doubts();
+  for (const std::size_t number : options_.overlays) {
+    if (number >= read) result.missing_overlays.push_back(number);
+  }
+  result.poses = findSteadyPoses(result.samples, rig_.joints, options_.steady);
+  if (shafts) {
+    result.muscles = shafts->muscles;
+    result.lag = estimateLag(result.samples, rig_.joints, *shafts, kLagRange);
+    if (result.lag->correlation > Lag::kClearCorrelation && std::abs(result.lag->seconds) > options_.max_shaft_lag) {
+      throw DataError(
+          fmt::format("{}: the joints move {:.0f} ms after the shafts, expected at most {:.0f} ms: are the "
+                      "clocks synchronised?",
+                      shafts->file, 1e3 * result.lag->seconds, 1e3 * options_.max_shaft_lag));
+    }
+    result.poses_outside_log = joinShafts(result.poses, *shafts);
+  }
+  return result;
+}
+
+void CaptureRun::write(const RunDirectory& directory, const CaptureResult& result) const {
+  frames_csv_.writeTo(directory.file("frames.csv"), framesCsvHeader());
+  trc_.writeTo(directory.file("markers.trc"), trcHeader(targets_, times_.rate, statistics_.frames(), "markers.trc"));
+  TextSpool joints;
+  for (const JointSample& sample : result.samples) joints.add(jointsCsvRow(rig_.joints, sample));
+  joints.writeTo(directory.file("joints.csv"), jointsCsvHeader(rig_.joints));
+  directory.write("distances.csv", distancesCsv(targets_, statistics_));
+  directory.write("histogram.csv", histogramCsv(statistics_));
+  directory.write("poses.csv", posesCsv(result.poses, rig_.joints, result.muscles));
+  for (const auto& [number, png] : overlays_) directory.write(fmt::format("overlay_{:05}.png", number), png);
+}
+
+}  // namespace simgap

@@ -1,0 +1,100 @@
+#include "simgap/capture/images.h"
+
+#include <fmt/format.h>
+#include <string.h>
+
+#include <algorithm>
+#include <set>
+
+#include "image_module.h"
+#include "simgap/core/error.h"
+#include "simgap/core/module.h"
+
+namespace simgap {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::set<std::string> kImageEndings = {".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp"};
+
+const ImageModule& imageModule() {
+  using Entry = const ImageModule* (*)();
+  static const ImageModule* const loaded =
+      reinterpret_cast<Entry>(moduleEntry("libsimgap_images.so", SIMGAP_IMAGE_MODULE, "simgapImageModule"))();
+  return *loaded;
+}
+
+class FolderSource : public ImageSource {
+ public:
+  explicit FolderSource(const fs::path& folder) {
+    for (const auto& entry : fs::directory_iterator(folder)) {
+      std::string ending = entry.path().extension().string();
+      std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
+      if (entry.is_regular_file() && kImageEndings.contains(ending)) files_.push_back(entry.path());
+    }
+    if (files_.empty()) {
+      throw DataError(fmt::format("{}: found no image, expected files that end in {}", folder.string(),
+                                  fmt::join(kImageEndings, ", ")));
+    }
+    // As people count: 9.png before 10.png.
+    std::sort(files_.begin(), files_.end(),
+              [](const fs::path& a, const fs::path& b) { return strverscmp(a.c_str(), b.c_str()) < 0; });
+  }
+
+  std::optional<std::size_t> size() const override { return files_.size(); }
+  std::string name() const override { return files_[next_ - 1].string(); }
+
+  bool next(cv::Mat& image) override {
+    if (next_ == files_.size()) return false;
+    if (!imageModule().read(files_[next_++].c_str(), image)) {
+      throw DataError(fmt::format("{}: cannot be read as an image", name()));
+    }
+    return true;
+  }
+
+ private:
+  std::vector<fs::path> files_;
+  std::size_t next_ = 0;
+};
+
+class VideoSource : public ImageSource {
+ public:
+  explicit VideoSource(const fs::path& file) : file_(file.string()), video_(imageModule().open_video(file.c_str())) {
+    if (video_ == nullptr) {
+      throw DataError(
+          fmt::format("{}: found no video that can be read, expected a video or a folder of images", file_));
+    }
+  }
+
+  std::optional<std::size_t> size() const override {
+    return video_->count() > 0 ? std::optional(static_cast<std::size_t>(video_->count())) : std::nullopt;
+  }
+  std::string name() const override { return fmt::format("{}, frame {}", file_, read_ - 1); }
+
+  bool next(cv::Mat& image) override {
+    if (!video_->read(image)) return false;
+    ++read_;
+    return true;
+  }
+
+ private:
+  std::string file_;
+  std::unique_ptr<VideoFrames> video_;
+  std::size_t read_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ImageSource> openImages(const std::filesystem::path& path) {
+  if (!fs::exists(path)) throw ConfigError(fmt::format("{}: cannot be read", path.string()));
+  if (fs::is_directory(path)) return std::make_unique<FolderSource>(path);
+  return std::make_unique<VideoSource>(path);
+}
+
+std::string encodePng(const cv::Mat& image) {
+  std::vector<unsigned char> bytes;
+  if (!imageModule().encode_png(image, bytes)) throw NumericsError("an image could not be encoded as PNG");
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace simgap

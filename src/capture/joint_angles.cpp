@@ -1,0 +1,44 @@
+#include "simgap/capture/joint_angles.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace simgap {
+
+AxisAngle twistAbout(const Eigen::Quaterniond& rotation, const Eigen::Vector3d& axis) {
+  const double along = rotation.vec().dot(axis);
+  double angle = 2.0 * std::atan2(along, rotation.w());
+  if (angle > std::numbers::pi) angle -= 2.0 * std::numbers::pi;
+  if (angle <= -std::numbers::pi) angle += 2.0 * std::numbers::pi;
+  const double across = (rotation.vec() - along * axis).norm();
+  return {angle, 2.0 * std::atan2(across, std::hypot(rotation.w(), along))};
+}
+
+std::optional<JointSample> jointAngles(const Rig& rig, std::span<const TargetFrame> targets, std::size_t frame,
+                                       double time) {
+  JointSample sample{frame, time, {}, {}, {}};
+  for (const CaptureJoint& joint : rig.joints) {
+    const TargetFrame& parent = targets[joint.parent];
+    const TargetFrame& child = targets[joint.child];
+    if (!parent.found || !child.found) return std::nullopt;
+    JointPosition position;
+    position.rotation = Eigen::Quaterniond(parent.pose.rotation.transpose() * child.pose.rotation).normalized();
+    if (position.rotation.w() < 0.0) position.rotation.coeffs() = -position.rotation.coeffs();
+    const Eigen::Matrix3d in_camera = (parent.covariance + child.covariance).topLeftCorner<3, 3>();
+    const Eigen::Matrix3d covariance = parent.pose.rotation.transpose() * in_camera * parent.pose.rotation;
+    double off_axis = 0.0;
+    double variance = covariance.trace();
+    if (joint.type == JointType::kRevolute) {
+      const AxisAngle twist = twistAbout(position.rotation, joint.axis);
+      position.angle = twist.angle;
+      off_axis = twist.off_axis;
+      variance = joint.axis.dot(covariance * joint.axis);
+    }
+    sample.joints.push_back(position);
+    sample.sd.push_back(std::sqrt(variance));
+    sample.off_axis.push_back(off_axis);
+  }
+  return sample;
+}
+
+}  // namespace simgap

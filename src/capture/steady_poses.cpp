@@ -1,0 +1,223 @@
+#include "simgap/capture/steady_poses.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
+#include "simgap/core/units.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::size_t kFewestSamples = 3;
+constexpr double kDurationSlack = 1.0 - 1e-3;  // time stamps are rounded
+
+using Samples = std::span<const JointSample>;
+
+bool isSteady(Samples window, const std::vector<CaptureJoint>& joints, const SteadyOptions& options) {
+  const auto n = static_cast<double>(window.size());
+  const JointSample& middle = window[window.size() / 2];
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    double mean_time = 0.0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const JointSample& s : window) {
+      mean_time += s.time / n;
+      mean += kindOf(joints[j].type).difference(middle.joints[j], s.joints[j]) / n;
+    }
+    Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+    double squares = 0.0;
+    for (const JointSample& s : window) {
+      const Eigen::Vector3d off = kindOf(joints[j].type).difference(middle.joints[j], s.joints[j]) - mean;
+      if (off.norm() > options.max_speed * options.duration) return false;
+      slope += (s.time - mean_time) * off;
+      squares += (s.time - mean_time) * (s.time - mean_time);
+    }
+    if (!(slope.norm() < options.max_speed * squares)) return false;
+  }
+  return true;
+}
+
+SteadyPose meanOf(Samples rest, const std::vector<CaptureJoint>& joints) {
+  SteadyPose pose;
+  pose.first_frame = rest.front().frame;
+  pose.last_frame = rest.back().frame;
+  pose.start = rest.front().time;
+  pose.end = rest.back().time;
+  pose.samples = rest.size();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    JointPosition mean;
+    std::vector<Eigen::Quaterniond> rotations;
+    for (const JointSample& s : rest) {
+      rotations.push_back(s.joints[j].rotation);
+      mean.angle += s.joints[j].angle / static_cast<double>(rest.size());
+    }
+    mean.rotation = meanRotation(rotations);
+    double squares = 0.0;
+    for (const JointSample& s : rest) squares += std::pow(jointError(joints[j].type, s.joints[j], mean), 2);
+    pose.joints.push_back(mean);
+    pose.spread.push_back(std::sqrt(squares / (static_cast<double>(rest.size()) - 1.0)));
+  }
+  return pose;
+}
+
+/// Speed of a set of joints or shafts between neighbouring rows, at the middle of each step.
+struct Speed {
+  std::vector<double> times, values;
+
+  double at(double time) const {
+    if (time <= times.front() || time >= times.back()) return 0.0;
+    const auto next = std::upper_bound(times.begin(), times.end(), time) - times.begin();
+    const auto i = static_cast<std::size_t>(next);
+    const double part = (time - times[i - 1]) / (times[i] - times[i - 1]);
+    return values[i - 1] + part * (values[i] - values[i - 1]);
+  }
+};
+
+double correlation(const Speed& joints, const Speed& shafts, double lag) {
+  double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
+  for (std::size_t i = 0; i < joints.times.size(); ++i) {
+    const double x = joints.values[i];
+    const double y = shafts.at(joints.times[i] - lag);
+    n += 1.0;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+    syy += y * y;
+  }
+  const double variances = (n * sxx - sx * sx) * (n * syy - sy * sy);
+  return variances > 0.0 ? (n * sxy - sx * sy) / std::sqrt(variances) : 0.0;
+}
+
+}  // namespace
+
+std::vector<SteadyPose> findSteadyPoses(Samples samples, const std::vector<CaptureJoint>& joints,
+                                        const SteadyOptions& options) {
+  std::vector<SteadyPose> poses;
+  std::size_t first = 0, end = 0;  // of the rest that is growing
+  const auto close = [&] {
+    if (end > first) poses.push_back(meanOf(samples.subspan(first, end - first), joints));
+  };
+  std::size_t last = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    while (last < samples.size() && samples[last].time - samples[i].time < kDurationSlack * options.duration) ++last;
+    if (last == samples.size()) break;
+    const Samples window = samples.subspan(i, last + 1 - i);
+    // A window that grew over a gap in the recording says nothing of the gap.
+    const bool gap = window.back().time - window.front().time > 2.0 * options.duration;
+    if (window.size() < kFewestSamples || gap || !isSteady(window, joints, options)) continue;
+    if (i >= end) {
+      close();
+      first = i;
+    }
+    end = last + 1;
+  }
+  close();
+  return poses;
+}
+
+ShaftLog readShaftLog(const CsvTable& table) {
+  ShaftLog log;
+  log.file = table.name();
+  log.times = table.quantity("time", "s");
+  for (const std::string& column : table.columns()) {
+    if (!column.starts_with("shaft_")) continue;
+    log.muscles.push_back(splitUnit(column).stem.substr(6));
+    log.shafts.push_back(table.quantity("shaft_" + log.muscles.back(), "rad"));
+  }
+  if (log.muscles.empty()) {
+    throw DataError(fmt::format("{}:1: found no column shaft_<muscle>_rad, expected at least one", log.file));
+  }
+  if (log.times.size() < 2) {
+    throw DataError(fmt::format("{}: found {} rows, expected at least 2", log.file, log.times.size()));
+  }
+  for (std::size_t row = 1; row < log.times.size(); ++row) {
+    if (!(log.times[row] > log.times[row - 1])) {
+      table.fail(row,
+                 fmt::format("time does not increase: found {} s behind {} s", log.times[row], log.times[row - 1]));
+    }
+  }
+  return log;
+}
+
+std::size_t joinShafts(std::vector<SteadyPose>& poses, const ShaftLog& log) {
+  std::vector<SteadyPose> joined;
+  for (SteadyPose& pose : poses) {
+    // Half a step of the log before its first and behind its last row counts as covered.
+    const double step = (log.times.back() - log.times.front()) / static_cast<double>(log.times.size() - 1);
+    if (pose.start < log.times.front() - 0.5 * step || pose.end > log.times.back() + 0.5 * step) continue;
+    auto first = std::lower_bound(log.times.begin(), log.times.end(), pose.start) - log.times.begin();
+    auto end = std::upper_bound(log.times.begin(), log.times.end(), pose.end) - log.times.begin();
+    if (first == end) {  // a slow log without a row inside the rest: the row before it
+      first = std::max<std::ptrdiff_t>(0, first - 1);
+      end = first + 1;
+    }
+    for (const std::vector<double>& shaft : log.shafts) {
+      double sum = 0.0;
+      for (auto row = first; row < end; ++row) sum += shaft[row];
+      pose.shafts.push_back(sum / static_cast<double>(end - first));
+    }
+    joined.push_back(std::move(pose));
+  }
+  const std::size_t removed = poses.size() - joined.size();
+  poses = std::move(joined);
+  return removed;
+}
+
+Lag estimateLag(Samples samples, const std::vector<CaptureJoint>& joints, const ShaftLog& log, double range) {
+  Lag best;
+  if (samples.size() < kFewestSamples) return best;
+  Speed joint_speed, shaft_speed;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double step = samples[i].time - samples[i - 1].time;
+    double squares = 0.0;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      squares += kindOf(joints[j].type).difference(samples[i - 1].joints[j], samples[i].joints[j]).squaredNorm();
+    }
+    joint_speed.times.push_back(0.5 * (samples[i].time + samples[i - 1].time));
+    joint_speed.values.push_back(std::sqrt(squares) / step);
+  }
+  for (std::size_t i = 1; i < log.times.size(); ++i) {
+    double squares = 0.0;
+    for (const auto& shaft : log.shafts) squares += std::pow(shaft[i] - shaft[i - 1], 2);
+    shaft_speed.times.push_back(0.5 * (log.times[i] + log.times[i - 1]));
+    shaft_speed.values.push_back(std::sqrt(squares) / (log.times[i] - log.times[i - 1]));
+  }
+  const double step = 0.25 * (samples.back().time - samples.front().time) / static_cast<double>(samples.size() - 1);
+  const int steps = static_cast<int>(range / step);
+  best.correlation = correlation(joint_speed, shaft_speed, 0.0);
+  for (int i = 1; i <= 2 * steps; ++i) {  // outwards from zero: of equal lags the smallest
+    const double lag = (i % 2 == 1 ? 1 : -1) * ((i + 1) / 2) * step;
+    const double value = correlation(joint_speed, shaft_speed, lag);
+    if (value > best.correlation + 1e-9) best = {lag, value};
+  }
+  return best;
+}
+
+std::string posesCsv(std::span<const SteadyPose> poses, const std::vector<CaptureJoint>& joints,
+                     const std::vector<std::string>& muscles) {
+  std::vector<std::string> header{"pose", "repeat", "time_s"};
+  for (const std::string& muscle : muscles) header.push_back("shaft_" + muscle + "_rad");
+  for (const CaptureJoint& joint : joints) {
+    for (std::string& column : positionColumns(joint.type, joint.name)) header.push_back(std::move(column));
+  }
+  for (const CaptureJoint& joint : joints) header.push_back(joint.name + "_spread_rad");
+  header.emplace_back("samples");
+  CsvWriter csv(header);
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    const SteadyPose& pose = poses[p];
+    csv.add(fmt::format("p{:03}", p)).add(0.0).add(0.5 * (pose.start + pose.end));
+    for (const double shaft : pose.shafts) csv.add(shaft);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      for (const double cell : kindOf(joints[j].type).cells(pose.joints[j])) csv.add(cell);
+    }
+    for (const double spread : pose.spread) csv.add(spread);
+    csv.add(static_cast<double>(pose.samples)).endRow();
+  }
+  return csv.text();
+}
+
+}  // namespace simgap

@@ -1,0 +1,22 @@
+#include "simgap/core/joint_kind.h"
+
+#include <algorithm>
+
+namespace simgap {
+
+const JointKind& kindOf(JointType type) { return **std::ranges::find(joint_kinds::all(), type, &JointKind::type); }
+
+JointType readJointType(const YamlNode& node) {
+  std::vector<std::string> names;
+  for (const JointKind* kind : joint_kinds::all()) names.emplace_back(kind->name);
+  const std::string name = node.oneOf(names);
+  return (*std::ranges::find(joint_kinds::all(), name, &JointKind::name))->type;
+}
+
+std::vector<std::string> positionColumns(JointType type, const std::string& joint) {
+  std::vector<std::string> names;
+  for (const std::string_view column : kindOf(type).columns) names.push_back(joint + std::string(column));
+  return names;
+}
+
+}  // namespace simgap

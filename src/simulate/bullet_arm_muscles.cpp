@@ -1,0 +1,112 @@
+// Muscles of BulletArm: the line through space, the cord's force, the drive behind it.
+#include <cmath>
+
+#include "bullet_arm_state.h"
+
+namespace simgap {
+
+BulletArm::LinePath BulletArm::linePath(const MuscleState& muscle, int index) const {
+  LinePath path;
+  std::array<Eigen::Vector3d, 2> point;
+  for (std::size_t end = 0; end < 2; ++end) {
+    const int body = muscle.attachments[end].body;
+    path.ends[end].body = body;
+    path.ends[end].arm = frames_[body].rotation * muscle.attachments[end].point;
+    point[end] = frames_[body].origin + path.ends[end].arm;
+  }
+  // Straight: L = |x_1 - x_0|, dL/dx_1 = (x_1 - x_0) / L = -dL/dx_0.
+  const Eigen::Vector3d line = point[1] - point[0];
+  path.length = line.norm();
+  path.ends[1].slope = path.length > 0.0 ? Eigen::Vector3d(line / path.length) : Eigen::Vector3d::Zero();
+  path.ends[0].slope = -path.ends[1].slope;
+  // Around a joint, if it touches one: moving all three points together changes nothing, so dL/dx_2 = -dL/dx_0 -
+  // dL/dx_1.
+  for (std::size_t e = 0; e < extensions_.size(); ++e) {
+    const auto& [effect, target, p] = extensions_[e];
+    if (!effect->path || target != index) continue;
+    const Joint& joint = joints_[crossed_[e][static_cast<std::size_t>(std::lround(p[1])) - 1]];
+    const Eigen::Vector3d centre = frames_[joint.parent] * joint.parent_position;
+    BentPath bent;
+    if (!effect->path(p, point[0] - centre, point[1] - centre, bent)) continue;
+    path.length = bent.length;
+    for (std::size_t end = 0; end < 2; ++end) path.ends[end].slope = bent.slope[end];
+    path.centre = {joint.parent, frames_[joint.parent].rotation * joint.parent_position,
+                   -bent.slope[0] - bent.slope[1]};
+    break;
+  }
+  return path;
+}
+
+/// Virtual work: a line under the force F pulls at each point x_a with -F dL/dx_a.
+void BulletArm::pull(const LinePath& path, double force) {
+  for (const LinePath::Touch& end : path.ends) applyForce(end.body, end.arm, -force * end.slope);
+  if (path.centre) applyForce(path.centre->body, path.centre->arm, -force * path.centre->slope);
+}
+
+void BulletArm::applyMuscle(MuscleState& muscle, int index) {
+  const LinePath path = linePath(muscle, index);
+
+  // dL/dt = sum_a dL/dx_a . v_a with v_a = v_body + w_body x r_a.
+  double rate = 0.0;
+  const auto addRate = [&](const LinePath::Touch& touch) {
+    rate += touch.slope.dot(Eigen::Vector3d(drift_[touch.body] + spin_[touch.body].cross(touch.arm)));
+  };
+  for (const LinePath::Touch& end : path.ends) addRate(end);
+  if (path.centre) addRate(*path.centre);
+
+  // The cord has what the kite line leaves of the path: L_S = L - (L_K0 - r phi) - dL(phi), and so
+  // dL_S/dt = dL/dt + (r - d dL/dphi) dphi/dt (000 eq. 12 with what effects add to the line).
+  Lengthening longer;
+  for (const ArmExtension& extension : extensions_) {
+    if (!extension.effect->line || !extension.on(index)) continue;
+    const Lengthening one =
+        extension.effect->line(extension.p, {muscle.state.shaft_angle, muscle.spindle_radius, pose_time_});
+    longer.length += one.length;
+    longer.by_shaft += one.by_shaft;
+  }
+  const double winding_radius = muscle.spindle_radius - longer.by_shaft;
+  const double shaft_velocity = muscle.state.motor_velocity / muscle.drive.ratio();
+  const double cord_length =
+      path.length - (muscle.kite_line_length - muscle.spindle_radius * muscle.state.shaft_angle) - longer.length;
+  const double cord_rate = rate + winding_radius * shaft_velocity;
+
+  // F = max(0, k x + D dx/dt) while taut (000 eq. 3-4), with what effects add to k x.
+  const ShockCord& cord = muscle.shock_cord;
+  muscle.expansion = cord_length - cord.rest_length;
+  muscle.force = cord.force(cord_length, cord_rate);
+  double more = 0.0;
+  for (const ArmExtension& extension : extensions_) {
+    if (muscle.expansion <= 0.0 || !extension.effect->cord || !extension.on(index)) continue;
+    more += extension.effect->cord(extension.p, muscle.expansion, cord).force;
+  }
+  if (more != 0.0) muscle.force = std::max(0.0, cord.stiffness * muscle.expansion + more + cord.damping * cord_rate);
+  if (muscle.force > 0.0) pull(path, muscle.force);
+
+  // The controller's voltage drives the shaft against the force at the winding radius.
+  if (steps_ % controller_steps_ == 0) {
+    muscle.voltage = std::clamp(options_.shaft_gain * (muscle.reference - muscle.state.shaft_angle),
+                                -muscle.supply_voltage, muscle.supply_voltage);
+  }
+  muscle.drive.step(muscle.state, muscle.voltage, muscle.force * winding_radius);
+}
+
+void BulletArm::applyMuscles() {
+  for (std::size_t m = 0; m < muscles_.size(); ++m) applyMuscle(muscles_[m], static_cast<int>(m));
+}
+
+double BulletArm::shaftAngle(std::size_t muscle) const { return muscles_[muscle].state.shaft_angle; }
+double BulletArm::shaftError(std::size_t muscle) const {
+  return muscles_[muscle].reference - muscles_[muscle].state.shaft_angle;
+}
+double BulletArm::potentiometer(std::size_t muscle) const {
+  const MuscleState& m = muscles_[muscle];
+  const double line = m.kite_line_length - m.spindle_radius * m.state.shaft_angle;
+  return (line - m.kite_line_length) / m.spindle_radius + m.potentiometer_initial;
+}
+double BulletArm::force(std::size_t muscle) const { return muscles_[muscle].force; }
+double BulletArm::current(std::size_t muscle) const { return muscles_[muscle].state.current; }
+double BulletArm::cordExpansion(std::size_t muscle) const {
+  return muscles_[muscle].expansion / muscles_[muscle].shock_cord.rest_length;
+}
+
+}  // namespace simgap

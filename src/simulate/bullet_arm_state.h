@@ -1,0 +1,98 @@
+/// \file
+/// What BulletArm holds: Bullet's objects, and its muscles.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "bullet_joint.h"
+#include "simgap/simulate/bullet_arm.h"
+#include "simgap/simulate/joint_constraint_solver.h"
+
+namespace simgap {
+
+inline constexpr double kRunawaySpeed = 1e4;  // [rad/s]; no arm turns that fast, a simulation that blows up passes it
+
+/// Bullet's objects, in the order they must be destroyed backwards.
+struct BulletArm::World {
+  btDefaultCollisionConfiguration collision_configuration;
+  btCollisionDispatcher dispatcher{&collision_configuration};
+  btSimpleBroadphase broadphase;
+  JointConstraintSolver solver;
+  btMultiBodyDynamicsWorld world{&dispatcher, &broadphase, &solver, &collision_configuration};
+  btMultiBody body;
+  std::vector<BulletLink> links;   ///< shape (bodies)
+  std::vector<int> link_of_joint;  ///< shape (joints)
+
+  explicit World(int number_of_links)
+      : body(number_of_links, 0.0, btVector3(0.0, 0.0, 0.0), /*fixedBase=*/true, /*canSleep=*/false) {
+    body.setHasSelfCollision(false);
+    body.setLinearDamping(0.0);
+    body.setAngularDamping(0.0);
+    body.setMaxCoordinateVelocity(10.0 * kRunawaySpeed);  // Bullet clamps at 100 rad/s, which would hide a runaway
+  }
+  ~World() { world.removeMultiBody(&body); }
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+};
+
+/// What a step needs of a muscle, and its state.
+struct BulletArm::MuscleState {
+  MuscleState(const Muscle& muscle, double step)
+      : attachments(muscle.attachments),
+        kite_line_length(muscle.kite_line_length),
+        shock_cord(muscle.shock_cord),
+        spindle_radius(muscle.spindle_radius),
+        supply_voltage(muscle.motor.supply_voltage),
+        potentiometer_initial(muscle.potentiometer_initial),
+        motor(muscle.motor),
+        gearbox(muscle.gearbox),
+        drive(muscle.motor, muscle.gearbox, step) {}
+
+  void setModel(const Muscle& muscle, double step) {
+    if (muscle.motor != motor || muscle.gearbox != gearbox) {
+      *this = MuscleState(muscle, step);
+      return;
+    }
+    attachments = muscle.attachments;
+    kite_line_length = muscle.kite_line_length;
+    shock_cord = muscle.shock_cord;
+    spindle_radius = muscle.spindle_radius;
+    potentiometer_initial = muscle.potentiometer_initial;
+  }
+
+  void reset() {
+    state = {};
+    reference = voltage = force = expansion = 0.0;
+  }
+
+  std::array<Attachment, 2> attachments;
+  double kite_line_length;
+  ShockCord shock_cord;
+  double spindle_radius;
+  double supply_voltage;
+  double potentiometer_initial;
+  Motor motor;
+  Gearbox gearbox;
+  Drive drive;
+  DriveState state;
+  double reference = 0.0;  ///< [rad]
+  double voltage = 0.0;    ///< [V], held between controller ticks
+  double force = 0.0;      ///< [N]
+  double expansion = 0.0;  ///< of the cord, [m]
+};
+
+/// Where a muscle's line runs, and how its length changes as the points that it touches move.
+struct BulletArm::LinePath {
+  struct Touch {
+    int body;
+    Eigen::Vector3d arm;    ///< from the body's origin, in the world [m]
+    Eigen::Vector3d slope;  ///< of the length by the point
+  };
+  double length;  ///< [m]
+  std::array<Touch, 2> ends;
+  std::optional<Touch> centre;  ///< of the joint that bends it
+};
+
+}  // namespace simgap

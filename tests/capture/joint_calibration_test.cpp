@@ -1,0 +1,114 @@
+// Joints from the motion of targets that were placed by eye.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "simgap/capture/joint_calibration.h"
+#include "support/arms.h"
+#include "support/capture_study.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A motion of the arm as targets see it whose frames are not those of the bones.
+struct Motion {
+  TargetSet targets;
+  std::vector<TargetPose> bone_in_target;  ///< what the calibration has to find
+  std::vector<MotionFrame> frames;
+};
+
+Motion motionOf(double shoulder_range, double elbow_range, int zero_frames, double noise) {
+  Motion motion;
+  motion.targets = targetsOf(reality::standardTargets());
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (int t = 0; t < 3; ++t) {
+    // Placed by eye: up to 10 degrees and a few centimetres off the bone.
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(uniform(random, 0.05, 0.17), randomDirection(random)).matrix();
+    const Eigen::Vector3d shift = 0.03 * randomDirection(random);
+    motion.bone_in_target.push_back({turn, shift});
+    for (auto& m : motion.targets.targets[std::size_t(t)].markers) m = turn * m + shift;
+  }
+  for (int f = 0; f < 200; ++f) {
+    const bool zero = f < zero_frames;
+    const double swing = zero ? 0.0 : uniform(random, -shoulder_range, shoulder_range);
+    const Eigen::AngleAxisd shoulder(swing, randomDirection(random));
+    const Eigen::AngleAxisd elbow(zero ? 0.0 : uniform(random, 0.1, 0.1 + elbow_range), Eigen::Vector3d::UnitX());
+    const TargetPose camera{Eigen::AngleAxisd(1.5, Eigen::Vector3d::UnitX()).matrix(), {0, 0, 1.2}};
+    std::vector<TargetPose> bones{camera, camera, camera};
+    bones[1].rotation = camera.rotation * shoulder.toRotationMatrix();
+    bones[2].rotation = bones[1].rotation * elbow.toRotationMatrix();
+    bones[2].origin = bones[1] * Eigen::Vector3d(0, 0, -0.28);
+    MotionFrame frame{f, {}};
+    for (std::size_t t = 0; t < 3; ++t) {
+      const TargetPose& b = motion.bone_in_target[t];
+      Eigen::Vector3d jitter;
+      for (double& component : jitter) component = noise * normal(random);
+      TargetPose pose;
+      pose.rotation = bones[t].rotation * b.rotation.transpose();
+      pose.origin = bones[t].origin - pose.rotation * b.origin + 0.1 * jitter;
+      if (noise > 0.0) pose.rotation = Eigen::AngleAxisd(jitter.norm(), jitter.normalized()).matrix() * pose.rotation;
+      frame.targets.push_back(pose);
+    }
+    motion.frames.push_back(frame);
+  }
+  return motion;
+}
+
+Rig armRig() {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  return {"", "", {}, {{"shoulder", JointType::kSpherical, 0, 1, x}, {"elbow", JointType::kRevolute, 1, 2, x}}};
+}
+
+/// Largest distance of a marker from where it is on its bone [m].
+double largestMiss(const TargetSet& found) {
+  const TargetSet truth = targetsOf(reality::standardTargets());
+  double miss = 0.0;
+  for (std::size_t t = 0; t < 3; ++t) {
+    for (std::size_t i = 0; i < truth.targets[t].markers.size(); ++i) {
+      miss = std::max(miss, (found.targets[t].markers[i] - truth.targets[t].markers[i]).norm());
+    }
+  }
+  return miss;
+}
+
+TEST(JointCalibration, FindsBonesBehindBadlyPlacedTargets) {
+  JointCalibrationOptions options;
+  options.zero_first = 0;
+  options.zero_last = 19;
+  const auto calibrated = [&](double noise) {
+    const Motion motion = motionOf(0.6, 1.2, 20, noise);
+    return calibrateArmJoints(armRig(), motion.targets, motion.frames, options);
+  };
+  EXPECT_LT(largestMiss(calibrated(0.0).targets), 1e-9);
+  const ArmJointCalibration noisy = calibrated(5e-4);  // 0.03 degrees and 0.05 mm per axis
+  EXPECT_LT(largestMiss(noisy.targets), 0.5e-3);
+  EXPECT_NEAR(noisy.upper_arm, 0.28, 0.2e-3);
+  EXPECT_TRUE(noisy.zero_pose);
+}
+
+TEST(JointCalibration, CentreSdIsOfTheOrderOfTheError) {
+  const Motion motion = motionOf(0.6, 1.2, 0, 1e-3);
+  const FunctionalJoint joint = calibrateJoint(armRig().joints[0], motion.frames, {});
+  const double error = (joint.in_child - motion.bone_in_target[1].origin).norm();
+  EXPECT_LT(error, 4.0 * joint.centre_sd);
+  EXPECT_GT(error, 0.1 * joint.centre_sd);
+}
+
+TEST(JointCalibration, RefusesAMotionThatSaysTooLittle) {
+  const auto sentence = [](const Motion& motion) {
+    return errorOf([&] { calibrateArmJoints(armRig(), motion.targets, motion.frames, {}); });
+  };
+  EXPECT_THAT(sentence(motionOf(0.05, 1.2, 0, 5e-4)), HasSubstr("3: joint shoulder: the motion spans only"));
+  EXPECT_THAT(sentence(motionOf(0.6, 0.05, 0, 5e-4)), HasSubstr("3: joint elbow: the motion spans only"));
+  Motion few = motionOf(0.6, 1.2, 0, 5e-4);
+  few.frames.resize(5);
+  EXPECT_THAT(sentence(few), HasSubstr("3: joint shoulder: both targets were seen in 5 frames"));
+}
+
+}  // namespace
+}  // namespace simgap::test
