@@ -9,24 +9,19 @@
 #include "simgap/report/actuators/drive_report.h"
 
 namespace simgap {
-namespace {
 
-/// The arm of --into, with the muscle whose drive is fitted.
-std::optional<ArmWithDrive> readTarget(const DriveCommandOptions& options, Session& session) {
-  if (options.into.empty() != options.muscle.empty()) throw ConfigError("--into and --muscle go together");
-  if (options.into.empty()) return std::nullopt;
-  ArmWithDrive target{readArmFile(session, "arm", options.into), 0};
+std::optional<ArmWithDrive> readTarget(const std::string& into, const std::string& muscle, Session& session) {
+  if (into.empty() != muscle.empty()) throw ConfigError("--into and --muscle go together");
+  if (into.empty()) return std::nullopt;
+  ArmWithDrive target{readArmFile(session, "arm", into), 0};
   const std::vector<Muscle>& muscles = target.arm.muscles;
-  const auto found = std::ranges::find(muscles, options.muscle, &Muscle::name);
+  const auto found = std::ranges::find(muscles, muscle, &Muscle::name);
   if (found == muscles.end()) {
-    throw ConfigError(
-        fmt::format("{}: found no muscle {}, expected one that the arm has", options.into, options.muscle));
+    throw ConfigError(fmt::format("{}: found no muscle {}, expected one that the arm has", into, muscle));
   }
   target.muscle = static_cast<std::size_t>(found - muscles.begin());
   return target;
 }
-
-}  // namespace
 
 void DriveCommandOptions::add(CLI::App& command) {
   app = &command;
@@ -48,7 +43,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   DriveReport report;
   report.kind = kind;
   report.ratio = drive.ratio;
-  report.into = readTarget(options, session);
+  report.into = readTarget(options.into, options.muscle, session);
   const ParameterChoices choices = options.fit.parameters();
   requireKnown(choices, driveParameterNames());
   drive.fixed = choices.fixed;

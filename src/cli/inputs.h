@@ -32,7 +32,7 @@ FittedModel readModel(Session& session, const std::string& role, const std::stri
 
 /// A file, not the name of a law.
 bool namesFile(const std::string& model);
-/// \param model  a file, or a name: of a friction law, motor, gearbox, or pam. \param fitted  set to what a file holds.
+/// \param model  a file, or a name: of a friction law, motor, gearbox, pam or spring. \param fitted  set to what a file holds.
 ActuatorModel readSubject(Session& session, const std::string& model, FittedModel& fitted);
 
 }  // namespace simgap

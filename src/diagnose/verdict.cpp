@@ -6,10 +6,10 @@
 
 namespace simgap {
 
-bool isLost(const Cause& cause) { return cause.ambiguous_with.size() + 1 > kLargestGroup; }
+bool isLost(const std::vector<std::string>& ambiguous_with) { return ambiguous_with.size() + 1 > kLargestGroup; }
 
 DiagnosisVerdict verdictOf(const std::vector<Cause>& causes, bool structure) {
-  if (std::ranges::any_of(causes, isLost)) return DiagnosisVerdict::kUnexplained;
+  if (std::ranges::any_of(causes, isLost, &Cause::ambiguous_with)) return DiagnosisVerdict::kUnexplained;
   if (causes.empty()) return structure ? DiagnosisVerdict::kUnexplained : DiagnosisVerdict::kNothingFound;
   const bool grouped = std::ranges::any_of(causes, [](const Cause& cause) { return !cause.ambiguous_with.empty(); });
   return grouped ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;

@@ -12,7 +12,7 @@ namespace simgap {
 inline constexpr std::size_t kLargestGroup = 3;
 
 /// Whether a cause is one of so many look-alikes that naming it would be no answer.
-bool isLost(const Cause& cause);
+bool isLost(const std::vector<std::string>& ambiguous_with);
 
 /// \param structure  is left beside the causes: a verdict of its own only where nothing was found
 DiagnosisVerdict verdictOf(const std::vector<Cause>& causes, bool structure);

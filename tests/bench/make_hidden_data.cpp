@@ -14,7 +14,11 @@
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
 #include "reality/pose_draws.h"
+<<<<<<< HEAD
 #include "reality/servo_draws.h"
+=======
+#include "reality/spring_rig.h"
+>>>>>>> 7dac95e0768afd0859db61275c3b677d13ac95fb
 
 namespace {
 
@@ -27,6 +31,27 @@ const std::map<std::string, void (*)(PamTruth&)> kPam = {
     {"contraction-hysteresis", [](PamTruth& t) { t.braid_friction = 3e-5; }},
     {"end-effect", [](PamTruth& t) { t.ends = 0.2; }},
     {"force-bias", [](PamTruth& t) { t.force_offset = 15.0; }}};
+
+const std::map<std::string, void (*)(SpringTruth&)> kSpring = {
+    {"spring-softening", [](SpringTruth& t) { t.curve = rubberCurve(0.05); }},
+    {"spring-hardening", [](SpringTruth& t) { t.curve = ropeCurve(0.05); }},
+    {"spring-direction",
+     [](SpringTruth& t) {
+       t.curve = {{-1.0, -210.0}, {0.0, 0.0}, {1.0, 150.0}};
+     }},
+    {"spring-slack", [](SpringTruth& t) { t.pulls_only = true; }},
+    {"spring-creep", [](SpringTruth& t) { t.creep_stiffness = 60.0; }},
+    {"spring-hysteresis", [](SpringTruth& t) { t.friction = 0.6; }}};
+
+/// data/logs/shock-cord.csv.gz: it hangs loose below 30 mm, and a fifth of its stiffness creeps.
+std::string shockCord(std::uint64_t seed) {
+  SpringTruth cord;
+  cord.creep_stiffness = 40.0, cord.creep_decades = 2.0;
+  cord.pulls_only = true, cord.slack_below = 0.03;
+  SpringDesign design{.sessions = 4, .rate = 25.0, .low = 0.0, .high = 0.12, .encoder_step = 1e-4, .seed = seed};
+  design.spikes = 2;
+  return recordSpring(cord, design).csv();
+}
 
 const std::map<std::string, void (*)(MotorTruth&)> kMotor = {
     {"brush-drop", [](MotorTruth& t) { t.brush_drop = 0.6; }},
@@ -56,6 +81,12 @@ std::string logOf(const std::string& effect, std::uint64_t seed) {
     muscle->second(truth);
     return recordPam(truth, {.seed = seed}).csv();
   }
+  if (const auto spring = kSpring.find(effect); spring != kSpring.end()) {
+    SpringTruth truth;
+    spring->second(truth);
+    return recordSpring(truth, {.seed = seed}).csv();
+  }
+  if (effect == "shock-cord") return shockCord(seed);
   if (const auto motor = kMotor.find(effect); motor != kMotor.end()) {
     MotorTruth truth;
     motor->second(truth);

@@ -171,7 +171,7 @@ TEST_F(FitTest, PamWithAndWithoutItsSpring) {
 }
 
 TEST_F(FitTest, HelpShowsExamples) {
-  for (const char* command : {"fit-friction", "fit-motor", "fit-gearbox", "fit-pam", "predict"}) {
+  for (const char* command : {"fit-friction", "fit-motor", "fit-gearbox", "fit-pam", "fit-spring", "predict"}) {
     EXPECT_THAT(succeed({command, "--help"}), HasSubstr(std::string("  simgap ") + command + " "));
   }
 }

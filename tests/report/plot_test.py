@@ -14,7 +14,7 @@ import sample_runs
 
 PYTHON = "/usr/bin/python3"  # the one Debian's packages are for
 RUNS = {"calibration": ["calibrate"], "validation": ["validate"], "friction": ["fit-friction"], "response": ["fit-motor", "predict"],
-        "pam": ["fit-pam"], "capture": ["capture"], "diagnosis": ["diagnose"]}
+        "pam": ["fit-pam"], "spring": ["fit-spring"], "capture": ["capture"], "diagnosis": ["diagnose"]}
 
 
 def draw(script, run, figure):

@@ -44,12 +44,23 @@ def muscle_log(file):
     write_csv(file, "pressure_Pa,contraction,force_N", rows)
 
 
+def spring_log(file):
+    """A cord of 150 N/m that hangs loose below 10 mm, pulled and released."""
+    noise, rows = random.Random(4), []
+    for i in range(3000):
+        t = 0.02 * i
+        x = 0.02 + 0.03 * math.sin(0.5 * t) * math.sin(0.06 * t + 0.3)
+        rows.append((t, x, 150.0 * max(x - 0.01, 0.0) + noise.gauss(0, 0.03)))
+    write_csv(file, "time_s,deflection_m,force_N", rows)
+
+
 def commands(source, folder):
     """Result directory -> arguments of the command that fills it, in an order in which they can run."""
     arm, capture = source / "data/arm", source / "data/capture"
     friction_log(folder / "friction.csv")
     motor_log(folder / "motor.csv")
     muscle_log(folder / "muscle.csv")
+    spring_log(folder / "spring.csv")
     poses = ["--poses", arm / "poses_calibration.csv"]
     return {
         "calibrate": ["calibrate", arm / "arm.yaml", *poses, "--validation", arm / "poses_validation.csv", "--optimizer", "lm", "--starts", "2"],
@@ -62,6 +73,7 @@ def commands(source, folder):
         "fit-friction": ["fit-friction", folder / "friction.csv", "--require", "fast:900:12"],
         "fit-motor": ["fit-motor", folder / "motor.csv"],
         "fit-pam": ["fit-pam", folder / "muscle.csv"],
+        "fit-spring": ["fit-spring", folder / "spring.csv"],
         "predict": ["predict", folder / "fit-friction/model.yaml", folder / "friction.csv"],
     }
 

@@ -1,5 +1,5 @@
 /// \file
-/// What `diagnose` answers (FORMATS: result.json of diagnose), for logs and pose sets alike.
+/// What `diagnose` answers (docs/formats.md), for logs and pose sets alike.
 #pragma once
 
 #include <cstddef>
@@ -43,6 +43,7 @@ struct Absorption {
 
 struct Cause {
   std::string effect;
+  std::string form;      ///< "linear": by which of several laws of the cause; empty when it has one
   std::string target;    ///< which muscle, body or joint; empty otherwise
   std::string channel;   ///< the channel it depends on, or that is shifted; empty otherwise
   std::string sentence;  ///< the physical cause in words

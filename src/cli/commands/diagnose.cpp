@@ -121,10 +121,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   auto options = std::make_shared<Options>();
   app.add_option(
          "MODEL", options->model,
-         "fitted model of a drive, motor, gearbox or muscle, or arm model (YAML); or a name: a friction law (classic, "
-         "variant-a, …), motor, gearbox or pam")
+         "fitted model of a drive, motor, gearbox, muscle or spring, or arm model (YAML); or a name: a friction law "
+         "(classic, variant-a, …), motor, gearbox, pam or spring")
       ->required();
-  app.add_option("--log", options->log, "measured log (CSV) of a drive");
+  app.add_option("--log", options->log, "measured log (CSV) of a drive, muscle or spring");
   app.add_option("--poses", options->poses, "recorded poses (CSV) of an arm");
   app.add_option("--config", options->config,
                  "of --poses: calibration config with parameters and priors (default: the paper's)");

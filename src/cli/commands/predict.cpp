@@ -32,7 +32,11 @@ Prediction predictLog(const FittedModel& model, const Options& options, Session&
     throw ConfigError(fmt::format("{}: found a diagnosed model {}, expected none there", options.model,
                                   options.inverse ? "with --inverse" : "in a gearbox model"));
   }
+  if (model.kind == "spring" && options.inverse) {
+    throw ConfigError(options.model + ": found a spring with --inverse, expected a muscle or a drive there");
+  }
   const CsvTable table = session.readTable("log", options.log, options.table.csv());
+  if (model.kind == "spring") return predictDiagnosed(model, table, {});
   if (!diagnosed && model.kind == "pam") return predictPam(model, table, options.inverse);
   if (!diagnosed && model.kind != "friction") return predictDriveOf(model, table, options, session);
   const auto ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));

@@ -1,10 +1,15 @@
 #include "findings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numbers>
 
+#include "diagnose/verdict.h"
+#include "log_conclusion.h"
 #include "placebos.h"
 
 namespace simgap {
@@ -14,7 +19,9 @@ using Eigen::Index;
 using Kind = EffectParameter::Kind;
 
 constexpr double kCancelling = 30.0;  // times what a cause's terms add up to: each of them alone means nothing
+constexpr double kHeldOutLevel = 0.05;
 constexpr double kPlaceboLevel = 0.05;
+constexpr double kBeyond = 3.0;  // times the largest effort: a size that was extrapolated, not measured
 
 /// A size that was measured. With a shape beside it (how fast it heats up) each alone may be known badly where the two
 /// together are not: whether the cause is there at all was tested before, here only sizes that mean nothing are
@@ -46,6 +53,29 @@ std::string undetermined(const ActuatorRegression& model, const LogFit& fit, std
   return any || !sized ? "" : "none of its own parameters is determined by these data";
 }
 
+/// The size of a cause's column in the units of the effort, where its unit says one; else 0.
+double sizeOf(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect, std::size_t column,
+              const ActuatorRows& rows) {
+  const std::string_view unit = model.effects()[effect]->columns[column].unit;
+  const double theta = std::abs(fitted.theta[model.firstColumn(effect) + column]);
+  if (unit == "Nm" || unit == "A") return theta;
+  return unit == "1" ? theta * rows.top_load : 0.0;
+}
+
+/// The first column whose size nothing in the log comes near: its shape is fitted to the tail of a law, and the law's
+/// head, where its size would show, lies outside of the data.
+std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect,
+                          const ActuatorRows& rows) {
+  const double top = rows.effort.abs().maxCoeff();
+  const std::span<const EffectColumn> columns = model.effects()[effect]->columns;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const double size = sizeOf(model, fitted, effect, k, rows);
+    if (size <= kBeyond * top) continue;
+    return fmt::format("{} would be {:.2g} times the largest effort of the log", columns[k].name, size / top);
+  }
+  return {};
+}
+
 /// Terms that nearly cancel each other have no physical size (a sine over a small part of its period).
 bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect) {
   const std::size_t count = model.effects()[effect]->columns.size();
@@ -64,47 +94,133 @@ bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t 
   return largest > kCancelling * sum.norm();
 }
 
-std::string doubtOf(const LogSearch& search, const Fitted& full, const LogFit& fit, std::size_t effect,
-                    const Interval& gain, const LogDiagnosisOptions& options) {
-  if (std::string reason = undetermined(*full.model, fit, effect); !reason.empty()) return reason;
-  if (cancels(*full.model, full, effect)) return "its terms cancel each other: their sizes mean nothing";
-  if (!(gain.lower95 > 0.0) || gain.value < options.least_gain) {
-    return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f})", 100.0 * gain.value,
-                       100.0 * gain.lower95, 100.0 * gain.upper95);
+class Judge {
+ public:
+  Judge(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
+        const LogDiagnosisOptions& options, Selection& selection)
+      : search_(search), log_(log), split_(split), own_(own), options_(options), selection_(selection) {}
+
+  Findings run() {
+    measure();
+    while (takeOne([&](std::size_t cause) { return doubtOf(cause); }) ||
+           takeOne([&](std::size_t cause) { return shadowOver(cause); })) {
+    }
+    std::ranges::reverse(found_.candidates);
+    return std::move(found_);
   }
-  const PlaceboTest placebos = testPlacebos(search, full, search.without(full, effect), effect, options.seed);
-  if (placebos.p > kPlaceboLevel) {
+
+ private:
+  std::size_t causes() const { return selection_.steps.size() - 1; }
+  Interval gainOf(std::size_t cause) const {
+    return predictedGain(found_.heldout[cause].sum, found_.heldout[cause + 1].sum, options_.seed);
+  }
+
+  void measure() {
+    found_.heldout = heldOutErrors(search_, selection_, split_.heldout, log_.data.rows.session);
+    found_.on_all_rows = selection_.chosen;
+    found_.fit = describe(search_, log_, found_.on_all_rows);
+    found_.left = {};
+  }
+
+  /// Takes out the last cause about which there is a doubt; false when there is none.
+  template <typename Doubt>
+  bool takeOne(const Doubt& doubt_of) {
+    for (std::size_t k = causes(); k-- > 0;) {
+      const std::string doubt = doubt_of(k);
+      if (doubt.empty()) continue;
+      const std::string_view name = selection_.chosen.model->effects()[own_ + k]->name;
+      found_.candidates.push_back({std::string(name), {}, doubt, gainOf(k)});
+      dropCause(search_, own_, k, selection_);
+      measure();
+      return true;
+    }
+    return false;
+  }
+
+  /// Why a cause is no finding; empty when it is one.
+  std::string doubtOf(std::size_t cause) const {
+    const std::size_t effect = own_ + cause;
+    const Fitted& full = selection_.chosen;
+    if (const auto& others = selection_.ambiguous_with[cause]; isLost(others)) {
+      return fmt::format("cannot be told apart here from {}", fmt::join(others, ", "));
+    }
+    if (std::string reason = undetermined(*full.model, found_.fit, effect); !reason.empty()) return reason;
+    if (cancels(*full.model, full, effect)) return "its terms cancel each other: their sizes mean nothing";
+    std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
+    if (!beyond.empty()) return beyond;
+    const Interval gain = gainOf(cause);
+    const double p = pairedP(found_.heldout[cause], found_.heldout[cause + 1]);
+    if (gain.value < options_.least_gain || p > kHeldOutLevel) {
+      return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f})", 100.0 * gain.value,
+                         100.0 * gain.lower95, 100.0 * gain.upper95);
+    }
+    if (selection_.unnamed && selection_.unnamed->gain->value > gain.value) {
+      return fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
+                         selection_.unnamed->hypothesis.target);
+    }
+    const PlaceboTest placebos = testPlacebos(search_, full, search_.without(full, effect), effect, options_.seed);
+    if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
                        100.0 * placebos.largest, 100.0 * placebos.gain);
   }
-  return {};
-}
+
+  /// What is left and has no name may be what the cause only stands in for, unless that is clearly smaller.
+  std::string shadowOver(std::size_t cause) {
+    constexpr double kClearly = 2.0;
+    if (!found_.left) {
+      found_.left = explainable(log_, evidenceChannels(log_), residualOf(found_.on_all_rows), options_.seed);
+    }
+    const double before = found_.heldout[cause].mse(), after = found_.heldout[cause + 1].mse();
+    const double left = shareLeft(selection_, *found_.left) * found_.heldout.back().mse();
+    if (before - after >= kClearly * left || gainOf(cause).lower95 * before >= left) return {};
+    return fmt::format("it explains {:.0f} %, and what is left without a name {:.0f} %: it may only stand in for that",
+                       100.0 * (before - after) / before, 100.0 * left / before);
+  }
+
+  const LogSearch& search_;
+  const PreparedLog& log_;
+  const LogSplit& split_;
+  std::size_t own_;
+  const LogDiagnosisOptions& options_;
+  Selection& selection_;
+  Findings found_;
+};
 
 }  // namespace
 
-std::vector<Candidate> keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split,
-                                    std::size_t own, const LogDiagnosisOptions& options, Selection& selection) {
-  std::vector<Candidate> candidates;
-  for (bool taken = true; taken;) {
-    taken = false;
-    const std::vector<PieceErrors> heldout = heldOutErrors(search, selection, split.heldout, log.data.rows.session);
-    Fitted all = selection.chosen;
-    const LogFit fit = describe(search, log, all);
-    for (std::size_t k = selection.steps.size() - 1; k-- > 0 && !taken;) {
-      const Interval gain = predictedGain(heldout[k].sum, heldout[k + 1].sum, options.seed);
-      std::string doubt = doubtOf(search, selection.chosen, fit, own + k, gain, options);
-      if (doubt.empty() && selection.unnamed && selection.unnamed->gain->value > gain.value) {
-        doubt = fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
-                            selection.unnamed->hypothesis.target);
-      }
-      if (doubt.empty()) continue;
-      candidates.push_back({std::string(selection.chosen.model->effects()[own + k]->name), {}, doubt, gain});
-      dropCause(search, own, k, selection);
-      taken = true;
-    }
+Findings keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
+                      const LogDiagnosisOptions& options, Selection& selection) {
+  return Judge(search, log, split, own, options, selection).run();
+}
+
+void addLikely(const Selection& selection, Diagnosis& d) {
+  constexpr double kWorthSaying = 0.1;  // of the error
+  constexpr double kMostP = 0.1;        // of the hypothesis alone
+  constexpr double kSmallestP = 1e-3;
+  constexpr std::size_t kMost = 3;
+  std::vector<const Trial*> likely;
+  for (const Trial& trial : selection.last) {
+    const std::string_view name = trial.hypothesis.effect->name;
+    const bool known = std::ranges::find(d.causes, name, &Cause::effect) != d.causes.end() ||
+                       std::ranges::find(d.candidates, name, &Candidate::effect) != d.candidates.end();
+    if (!known && trial.gain && trial.gain->value >= kWorthSaying && trial.p_paired < kMostP) likely.push_back(&trial);
   }
-  std::ranges::reverse(candidates);
-  return candidates;
+  std::ranges::stable_sort(likely, std::greater<>(), [](const Trial* trial) { return trial->gain->value; });
+  for (const Trial* trial : likely) {
+    const std::string name(trial->hypothesis.effect->name);
+    if (std::ranges::find(d.candidates, name, &Candidate::effect) != d.candidates.end()) continue;
+    if (d.candidates.size() >= kMost) break;
+    // At best p argues by that much against chance (Sellke, Bayarri & Berger 2001).
+    const double p = std::max(trial->p_paired, kSmallestP);
+    const double odds = 1.0 / (-std::numbers::e * p * std::log(p));
+    d.candidates.push_back(
+        {name,
+         {},
+         fmt::format("likely, not certain: odds of at best {:.0f} : 1 (p = {:.2g}), and {} causes were "
+                     "tried; a longer log would tell",
+                     odds, trial->p_paired, selection.last.size()),
+         *trial->gain});
+  }
 }
 
 }  // namespace simgap

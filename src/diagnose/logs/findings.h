@@ -4,14 +4,28 @@
 /// as well. Such a cause is a candidate: it is shown below the line and is in no model.
 #pragma once
 
+#include <optional>
+
 #include "held_out.h"
 #include "log_causes.h"
+#include "log_evidence.h"
 
 namespace simgap {
 
+struct Findings {
+  std::vector<Candidate> candidates;  ///< taken out, with the reason
+  std::vector<PieceErrors> heldout;   ///< errors of each step that is left, on the held-out blocks
+  Fitted on_all_rows;                 ///< the model with the causes that are left
+  LogFit fit;                         ///< it
+  std::optional<Ceiling> left;        ///< what forests still explain; none where there is no cause
+};
+
 /// Takes causes that are no findings out of the selection, the last accepted first, until every cause left is one.
-/// \param own  effects of the baseline, which stay.  \returns those taken out, with the reason.
-std::vector<Candidate> keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split,
-                                    std::size_t own, const LogDiagnosisOptions& options, Selection& selection);
+/// \param own  effects of the baseline, which stay.
+Findings keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
+                      const LogDiagnosisOptions& options, Selection& selection);
+
+/// Causes that a short log makes likely, but not certain, join the candidates, with their odds.
+void addLikely(const Selection& selection, Diagnosis& d);
 
 }  // namespace simgap

@@ -1,5 +1,7 @@
 #include "log_causes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,6 +20,11 @@ std::vector<Absorption> shifts(const std::vector<Estimate>& before, const std::v
     list.push_back({a.name, (a.value - b->value) / a.sd});
   }
   return list;
+}
+
+bool isScanned(const ActuatorEffect& effect, std::string_view parameter) {
+  const auto found = std::ranges::find(effect.parameters, parameter, &EffectParameter::name);
+  return found != effect.parameters.end() && found->kind == EffectParameter::Kind::kScanned;
 }
 
 }  // namespace
@@ -44,7 +51,9 @@ std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Tr
   std::vector<Detectable> list;
   const double factor = detectionFactor(least_gain, effective_samples);
   for (const Trial& trial : trials) {
-    if (!trial.identifiable || trial.fitted.theta.empty()) continue;
+    const std::string_view name_of_cause = trial.hypothesis.effect->name;
+    const bool known = std::ranges::find(list, name_of_cause, &Detectable::effect) != list.end();
+    if (known || !trial.identifiable || trial.fitted.theta.empty()) continue;
     const ActuatorRegression& model = *trial.fitted.model;
     const Eigen::MatrixXd covariance = blockCovariance(model, search.pieces(search.training()), trial.fitted.theta);
     const std::vector<Estimate> all = model.physical(trial.fitted.theta, covariance);
@@ -66,12 +75,15 @@ std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceE
     const ActuatorEffect& effect = *extended.effects[own + k];
     Cause& cause = causes.emplace_back();
     cause.effect = effect.name;
-    cause.sentence = effect.cause;
+    cause.form = effect.form;
+    cause.sentence =
+        effect.form.empty() ? std::string(effect.cause) : fmt::format("{} ({})", effect.cause, effect.form);
     cause.gain_heldout = predictedGain(heldout[k].sum, heldout[k + 1].sum, seed);
     cause.p_adjusted = selection.p_adjusted[k];
     cause.ambiguous_with = selection.ambiguous_with[k];
     for (const Estimate& p : extended.extensions[own + k].parameters) {
-      const double half = std::isfinite(p.sd) ? extended.t * p.sd : 0.0;
+      // What was looked for step by step has no derivative to tell its interval by: none is stated.
+      const double half = isScanned(effect, p.name) ? std::nan("") : std::isfinite(p.sd) ? extended.t * p.sd : 0.0;
       cause.parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
     }
     cause.absorbed_by = absorbed(shifts(baseline.parameters, extended.parameters));

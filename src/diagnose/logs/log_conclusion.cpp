@@ -58,11 +58,15 @@ std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string&
 
 }  // namespace
 
-void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Ceiling& left, Diagnosis& d) {
+double shareLeft(const Selection& selection, const Ceiling& left) {
   const double unnamed = selection.unnamed ? std::max(0.0, selection.unnamed->gain->value) : 0.0;
   const double forests = left.share > kStructure ? left.share : 0.0;
-  const double remaining = 1.0 - 0.01 * d.explained_percent;
-  d.left_over_percent = 100.0 * remaining * std::min(1.0, std::max(unnamed, forests));
+  return std::min(1.0, std::max(unnamed, forests));
+}
+
+void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Ceiling& left, Diagnosis& d) {
+  const double unnamed = selection.unnamed ? std::max(0.0, selection.unnamed->gain->value) : 0.0;
+  d.left_over_percent = (100.0 - d.explained_percent) * shareLeft(selection, left);
   std::vector<Leftover> list;
   if (selection.unnamed) {
     const std::vector<double>& fixed = selection.unnamed->hypothesis.fixed;
@@ -72,7 +76,7 @@ void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Cei
   }
   for (const Leftover& l : left.channels) {
     const bool known = std::ranges::any_of(list, [&](const Leftover& other) { return other.channel == l.channel; });
-    if (!known && forests > 0.0 && l.share > 0.0) list.push_back(l);
+    if (!known && left.share > kStructure && l.share > 0.0) list.push_back(l);
   }
   double sum = 0.0;
   for (const Leftover& l : list) sum += l.share;

@@ -7,6 +7,10 @@
 
 namespace simgap {
 
+/// The share of the error that is left, with the causes in the model, which a dependence without a name explains: the
+/// unnamed one of the search, or forests. \param left  what forests explain
+double shareLeft(const Selection& selection, const Ceiling& left);
+
 /// Sets left_over_percent and the channels it depends on: shares of the baseline's error that add up.
 /// \param left  what forests still explain with the causes in the model
 void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Ceiling& left, Diagnosis& d);

@@ -59,17 +59,6 @@ double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
   return floor;
 }
 
-/// Groups too large to be an answer are candidates, all of them.
-void dropLargeGroups(const LogSearch& search, std::size_t own, Selection& selection, Diagnosis& d) {
-  for (std::size_t k = selection.steps.size() - 1; k-- > 0;) {
-    if (selection.ambiguous_with[k].size() + 1 <= kLargestGroup) continue;
-    const std::string reason =
-        fmt::format("cannot be told apart here from {}", fmt::join(selection.ambiguous_with[k], ", "));
-    d.candidates.push_back({std::string(selection.chosen.model->effects()[own + k]->name), {}, reason, {}});
-    dropCause(search, own, k, selection);
-  }
-}
-
 /// Leaves out rows near rest whose direction of motion a first fit cannot decide, then spikes.
 void takeOutRows(const ActuatorModel& subject, const LogSearch& search, PreparedLog& log, Diagnosis& d) {
   const Fitted first = search.fit(subject.effects, nullptr);
@@ -87,26 +76,15 @@ void takeOutRows(const ActuatorModel& subject, const LogSearch& search, Prepared
   for (const DataFault& fault : takeOutSpikes(log, residualOf(first))) d.faults.push_back(fault);
 }
 
-/// The models without and with the causes, fitted to all rows.
-std::pair<Fitted, Fitted> fitToAllRows(const LogSearch& search, const Selection& selection, const PreparedLog& log,
-                                       LogDiagnosis& result) {
-  Fitted before = selection.baseline, after = selection.chosen;
-  result.baseline = describe(search, log, before);
-  result.extended = describe(search, log, after);
-  result.predicted_before = before.model->predict(before.theta);
-  result.predicted_after = after.model->predict(after.theta);
-  return {std::move(before), std::move(after)};
-}
-
 /// What is left with the causes, against noise and against anything that the channels could explain.
-/// \param before, after  residuals, shape (rows).
+/// \param before, after  residuals, shape (rows). \param known  what forests explain of `after`, where it is known
 void measureLeft(const Selection& selection, const PreparedLog& log, const Eigen::VectorXd& before,
-                 const Eigen::VectorXd& after, std::uint64_t seed, Diagnosis& d) {
+                 const Eigen::VectorXd& after, const std::optional<Ceiling>& known, std::uint64_t seed, Diagnosis& d) {
   d.noise_floor = noiseFloor(log, after);
   d.effective_samples = static_cast<double>(d.samples) / correlationTime(after, log.data.rows.session);
   const std::vector<EvidenceChannel> channels = evidenceChannels(log);
   d.evidence = binEvidence(log, channels, before, after);
-  const Ceiling left = explainable(log, channels, after, seed);
+  const Ceiling left = known ? *known : explainable(log, channels, after, seed);
   const Ceiling whole = d.causes.empty() ? left : explainable(log, channels, before, seed);
   const double explained = std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
   d.explained_percent = 100.0 * explained;
@@ -162,21 +140,24 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
 
   Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
   d.hypotheses = selection.records;
-  dropLargeGroups(search, subject.effects.size(), selection, d);
-  for (Candidate& candidate : keepFindings(search, log, split, subject.effects.size(), options, selection)) {
-    d.candidates.push_back(std::move(candidate));
-  }
+  Findings found = keepFindings(search, log, split, subject.effects.size(), options, selection);
+  d.candidates = std::move(found.candidates);
   for (const std::string& name : selection.aliased) {
     d.not_testable.push_back({name, "the model's own parameters can take its place on this data"});
   }
-  const std::vector<PieceErrors> heldout = heldOutErrors(search, selection, split.heldout, log.data.rows.session);
-  d.baseline = {selection.baseline.mse, heldout.front().mse()};
-  d.extended = {selection.chosen.mse, heldout.back().mse()};
+  d.baseline = {selection.baseline.mse, found.heldout.front().mse()};
+  d.extended = {selection.chosen.mse, found.heldout.back().mse()};
 
   if (progress) progress("measuring what is left", 0.93);
-  const auto [before, after] = fitToAllRows(search, selection, log, result);
-  d.causes = causesOf(selection, heldout, result.baseline, result.extended, subject.effects.size(), options.seed);
-  measureLeft(selection, log, residualOf(before), residualOf(after), options.seed, d);
+  Fitted before = selection.baseline;
+  const Fitted& after = found.on_all_rows;
+  result.baseline = describe(search, log, before);
+  result.extended = std::move(found.fit);
+  result.predicted_before = before.model->predict(before.theta);
+  result.predicted_after = after.model->predict(after.theta);
+  d.causes = causesOf(selection, found.heldout, result.baseline, result.extended, subject.effects.size(), options.seed);
+  addLikely(selection, d);
+  measureLeft(selection, log, residualOf(before), residualOf(after), found.left, options.seed, d);
   d.detectable = detectable(search, selection.last, options.least_gain, d.effective_samples);
   if (options.self_tests > 0) {
     d.self_test = runSelfTest(subject, log, after, named, unnamed, d.detectable, d.effective_samples, options,

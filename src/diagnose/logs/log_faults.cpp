@@ -114,6 +114,28 @@ void findDropouts(const NamedChannel& channel, PreparedLog& log, std::vector<Dat
            faults);
 }
 
+/// Sensors of a spring at their limit, lost samples, and a force that pushes the way it is pushed.
+void findSpringFaults(PreparedLog& log, std::vector<DataFault>& faults) {
+  const ActuatorRows& rows = log.data.rows;
+  const auto all = static_cast<double>(rows.rows());
+  for (const ChannelSpikes& clipped : log.clipped) {
+    const bool few = static_cast<double>(clipped.rows.size()) <= kMostLeftOut * all;
+    faults.push_back({clipped.channel,
+                      fmt::format("{} sits at its limit in {} rows while the other channel moves on: saturated{}",
+                                  clipped.channel, clipped.rows.size(), few ? "; they were left out" : ""),
+                      clipped.rows.front() + 1, clipped.rows.back() + 1, clipped.rows.size(), few});
+  }
+  findDropouts({log.effort_column, rows.effort}, log, faults);
+  const ArrayXd force = rows.effort - rows.effort.mean(), deflection = rows.deflection - rows.deflection.mean();
+  const double agreement =
+      (force * deflection).sum() / std::max(force.matrix().norm() * deflection.matrix().norm(), 1e-300);
+  if (agreement > -kMirrored) return;
+  faults.push_back(
+      {log.effort_column, fmt::format("{} falls where the deflection grows (correlation {:.2f}): one of the "
+                                      "two has the wrong sign",
+                                      log.effort_column, agreement)});
+}
+
 /// Signs that no drive can have: load that helps to draw current, a joint that turns against its motor.
 void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   const ActuatorRows& rows = log.data.rows;
@@ -170,6 +192,11 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
     spikes.push_back({s.channel,
                       fmt::format("{} stands alone in {} rows: outliers; they were left out", s.channel, s.rows.size()),
                       s.rows.front() + 1, s.rows.back() + 1, s.rows.size(), true});
+  }
+  if (log.kind == ActuatorKind::kSpring) {
+    std::vector<DataFault> faults = std::move(spikes);
+    findSpringFaults(log, faults);
+    return faults;
   }
   if (log.kind == ActuatorKind::kMotor || log.kind == ActuatorKind::kPam) {
     // Voltages and pressures are set to levels, limits included: only lost samples can be told.

@@ -183,6 +183,7 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
     for (std::size_t k = 0; k < effects[e]->parameters.size(); ++k) start[first + k] = effects[e]->parameters[k].start;
   }
   const std::size_t speed = model->linear();
+  if (base_.kind == ActuatorKind::kSpring && !effects.empty()) return fitInTurn(effects);
   if (!base_.hasStribeck()) return fitFromStarts(model, {start});
   for (const double v_s : {0.003, 0.01, 0.03, 0.1, 0.3, 1.0}) {
     for (const double delta : {0.6, 1.0, 2.0}) {
@@ -192,6 +193,13 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
     }
   }
   return fitFromStarts(model, starts);
+}
+
+Fitted LogSearch::fitInTurn(const std::vector<const ActuatorEffect*>& effects) const {
+  Fitted fitted = fit({}, nullptr);
+  validate(fitted);
+  for (const ActuatorEffect* effect : effects) fitted = tryOne(fitted, {effect, {}, {}}).fitted;
+  return fit(effects, &fitted);
 }
 
 Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const Estimate> values) const {
@@ -273,7 +281,8 @@ void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<doub
 }
 
 Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const {
-  Trial trial{hypothesis, {}, 0.0, {}, 1.0, true};
+  Trial trial;
+  trial.hypothesis = hypothesis;
   std::vector<const ActuatorEffect*> effects = base.model->effects();
   effects.push_back(hypothesis.effect);
   const auto model = makeModel(effects);
@@ -312,8 +321,8 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   if (hypothesis.effect->counts != nullptr && !hypothesis.effect->counts(p, data_.rows)) return trial;
   validate(trial.fitted);
   trial.gain = pairedGain(base.validation, trial.fitted.validation, options_.seed);
-  trial.p = std::min(1.0, 2.0 * std::min(pairedP(base.validation, trial.fitted.validation),
-                                         waldP(*model, trial.fitted.theta, pieces(training_))));
+  trial.p_paired = pairedP(base.validation, trial.fitted.validation);
+  trial.p = std::min(1.0, 2.0 * std::min(trial.p_paired, waldP(*model, trial.fitted.theta, pieces(training_))));
   return trial;
 }
 
@@ -342,9 +351,7 @@ bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
 Fitted LogSearch::without(const Fitted& fitted, std::size_t effect) const {
   std::vector<const ActuatorEffect*> effects = fitted.model->effects();
   effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(effect));
-  Fitted rest = fit(effects, &fitted);
-  validate(rest);
-  return rest;
+  return fit(effects, &fitted);
 }
 
 Eigen::MatrixXd LogSearch::refit(Fitted& fitted, const std::vector<Block>& blocks) const {

@@ -36,6 +36,7 @@ struct Trial {
   std::optional<Interval> gain;  ///< on unseen folds; none when the training gain is already too small
   double p =
       1.0;  ///< not adjusted: paired errors on unseen folds, or sizes against their covariance, the smaller twice
+  double p_paired = 1.0;     ///< by the errors alone
   bool identifiable = true;  ///< false: the model's own parameters can take its place exactly
 };
 
@@ -60,7 +61,7 @@ class LogSearch {
   /// rival adds next to nothing (encompassing: Mizon & Richard 1986). Both on top of the same model.
   bool encompasses(const Trial& winner, const Trial& rival) const;
 
-  /// The model without one of its effects, validated.
+  /// The model without one of its effects.
   Fitted without(const Fitted& fitted, std::size_t effect) const;
 
   /// Squared errors of a model on pieces of any blocks.
@@ -81,6 +82,8 @@ class LogSearch {
   /// of a model that lacks something may lie far from the true one.
   std::optional<std::vector<double>> otherStribeck(const ActuatorRegression& model,
                                                    const std::vector<double>& start) const;
+  /// One effect after the other, each from its own starts.
+  Fitted fitInTurn(const std::vector<const ActuatorEffect*>& effects) const;
   void refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const;
   std::shared_ptr<const ActuatorRegression> makeModel(const std::vector<const ActuatorEffect*>& effects) const;
 

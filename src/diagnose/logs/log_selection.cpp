@@ -46,6 +46,7 @@ class Selector {
   void dropStandIns();
   void drop(std::size_t k, const Fitted& rest, double gain);
   std::vector<std::string> rivals(const std::vector<Trial>& trials, std::size_t accepted) const;
+  Fitted validatedWithout(const Fitted& fitted, std::size_t cause) const;
   std::size_t causes() const { return selection_.chosen.model->effects().size() - own_; }
   void tell(const std::string& what, double done) const {
     if (progress_) progress_(what, done);
@@ -58,7 +59,7 @@ class Selector {
   Selection selection_;
   std::size_t own_ = 0;
   std::size_t step_ = 0;
-  std::set<const ActuatorEffect*> dropped_;  ///< by pruning: what takes their place stays, or the steps would never end
+  std::set<std::string_view> dropped_;  ///< by pruning: what takes their place stays, or the steps would never end
 };
 
 std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) const {
@@ -73,8 +74,9 @@ std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) cons
 std::vector<Trial> Selector::step(const Fitted& base) {
   std::vector<Hypothesis> open;
   for (const Hypothesis& h : hypotheses_) {
-    const bool chosen = std::ranges::find(base.model->effects(), h.effect) != base.model->effects().end();
-    if (!chosen && !dropped_.contains(h.effect)) open.push_back(h);
+    const std::vector<const ActuatorEffect*>& in = base.model->effects();
+    const bool chosen = std::ranges::find(in, h.effect->name, &ActuatorEffect::name) != in.end();
+    if (!chosen && !dropped_.contains(h.effect->name)) open.push_back(h);
   }
   return search_.tryAll(base, open);
 }
@@ -83,7 +85,7 @@ void Selector::record(const std::vector<Trial>& trials, std::optional<std::size_
   ++step_;
   for (std::size_t t = 0; t < trials.size(); ++t) {
     const Trial& trial = trials[t];
-    HypothesisRecord entry{step_, std::string(trial.hypothesis.effect->name), trial.hypothesis.target, {}, 1.0, {}};
+    HypothesisRecord entry{step_, titleOf(*trial.hypothesis.effect), trial.hypothesis.target, {}, 1.0, {}};
     if (!trial.identifiable) {
       entry.outcome = "not identifiable: the model's own parameters can imitate it";
     } else if (!trial.gain) {
@@ -105,19 +107,27 @@ std::vector<std::string> Selector::rivals(const std::vector<Trial>& trials, std:
   const Trial& winner = trials[accepted];
   std::vector<std::string> names;
   for (std::size_t t = 0; t < trials.size(); ++t) {
-    if (t == accepted || !acceptable(trials[t], trials.size())) continue;
+    const std::string name(trials[t].hypothesis.effect->name);
+    const bool known = name == winner.hypothesis.effect->name || std::ranges::find(names, name) != names.end();
+    if (known || !acceptable(trials[t], trials.size())) continue;  // other forms of a cause are no rivals
     const double lead = winner.gain->value - trials[t].gain->value;
     const bool tie = pairedP(trials[t].fitted.validation, winner.fitted.validation) > options_.level ||
                      lead < kTie * winner.gain->value;
-    if (tie && !search_.encompasses(winner, trials[t])) names.emplace_back(trials[t].hypothesis.effect->name);
+    if (tie && !search_.encompasses(winner, trials[t])) names.push_back(name);
   }
   return names;
 }
 
+Fitted Selector::validatedWithout(const Fitted& fitted, std::size_t cause) const {
+  Fitted rest = search_.without(fitted, own_ + cause);
+  search_.validate(rest);
+  return rest;
+}
+
 void Selector::drop(std::size_t k, const Fitted& rest, double gain) {
   const ActuatorEffect* effect = selection_.chosen.model->effects()[own_ + k];
-  selection_.records.push_back({step_, std::string(effect->name), {}, {gain, gain, gain}, 1.0, "pruned"});
-  dropped_.insert(effect);
+  selection_.records.push_back({step_, titleOf(*effect), {}, {gain, gain, gain}, 1.0, "pruned"});
+  dropped_.insert(effect->name);
   selection_.chosen = rest;
   selection_.p_adjusted.erase(selection_.p_adjusted.begin() + static_cast<std::ptrdiff_t>(k));
   selection_.ambiguous_with.erase(selection_.ambiguous_with.begin() + static_cast<std::ptrdiff_t>(k));
@@ -126,7 +136,7 @@ void Selector::drop(std::size_t k, const Fitted& rest, double gain) {
 /// Takes out causes that the later ones made superfluous.
 void Selector::prune() {
   for (std::size_t k = causes(); k-- > 0 && causes() > 1;) {
-    const Fitted rest = search_.without(selection_.chosen, own_ + k);
+    const Fitted rest = validatedWithout(selection_.chosen, k);
     const double gain = 1.0 - selection_.chosen.validation.mse() / rest.validation.mse();
     if (gain < options_.least_gain || pairedP(rest.validation, selection_.chosen.validation) >= options_.level) {
       drop(k, rest, gain);
@@ -138,10 +148,10 @@ void Selector::prune() {
 void Selector::dropStandIns() {
   Fitted full = selection_.unnamed->fitted;
   for (std::size_t k = causes(); k-- > 0;) {
-    Fitted rest = search_.without(full, own_ + k);
+    Fitted rest = validatedWithout(full, k);
     const double gain = 1.0 - full.validation.mse() / rest.validation.mse();
     if (gain >= options_.least_gain) continue;
-    drop(k, search_.without(selection_.chosen, own_ + k), gain);
+    drop(k, validatedWithout(selection_.chosen, k), gain);
     full = std::move(rest);
   }
   selection_.unnamed->gain = pairedGain(selection_.chosen.validation, full.validation, options_.seed);
@@ -151,7 +161,7 @@ void Selector::dropStandIns() {
 void Selector::review() {
   if (causes() < 2) return;
   for (std::size_t k = 0; k < causes(); ++k) {
-    const Fitted rest = search_.without(selection_.chosen, own_ + k);
+    const Fitted rest = validatedWithout(selection_.chosen, k);
     const std::vector<Trial> trials = step(rest);
     const auto winner = best(trials);
     record(trials, winner);
@@ -186,7 +196,9 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
     record(trials, accepted);
     if (step_ == 1) {
       for (const Trial& t : trials) {
-        if (!t.identifiable) selection_.aliased.emplace_back(t.hypothesis.effect->name);
+        const std::string name(t.hypothesis.effect->name);
+        const bool new_one = std::ranges::find(selection_.aliased, name) == selection_.aliased.end();
+        if (!t.identifiable && new_one) selection_.aliased.push_back(name);
       }
     }
     selection_.last = std::move(trials);

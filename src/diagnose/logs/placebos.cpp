@@ -74,6 +74,13 @@ bool isConstant(const MatrixXd& signature) {
   return centred.squaredNorm() < 1e-6 * signature.squaredNorm();
 }
 
+/// A cause without a size, such as a cord that hangs loose below some length: there is no small amount of it, so that
+/// only what it changes as a whole is its signature, and not the derivatives where it is.
+bool isAllShape(const ActuatorEffect& effect) {
+  const auto is_shape = [](const EffectParameter& p) { return p.kind == EffectParameter::Kind::kShape; };
+  return effect.columns.empty() && std::ranges::all_of(effect.parameters, is_shape);
+}
+
 }  // namespace
 
 VectorXd phaseRandomised(const VectorXd& values, std::uint32_t draw, std::uint64_t seed) {
@@ -121,7 +128,11 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   PlaceboTest test;
   if (own.empty() || rows.size() < 100) return test;
   const Others fitted(MatrixXd(rest_jacobian(rows, others)), VectorXd(residual(rows)));
-  const MatrixXd signature = jacobian(rows, own);
+  MatrixXd signature = jacobian(rows, own);
+  if (isAllShape(*model.effects()[effect])) {
+    signature.conservativeResize(Eigen::NoChange, signature.cols() + 1);
+    signature.rightCols(1) = own_residual(rows) - residual(rows);
+  }
   if (isConstant(signature)) return {0.0, 0.0, 0.0};
   test.gain = fitted.gain(signature);
   std::vector<double> gains(kPlacebos);

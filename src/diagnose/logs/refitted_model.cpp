@@ -9,7 +9,8 @@
 namespace simgap {
 namespace {
 
-/// Of a winding or a muscle: what was fitted replaces what the file had; the spring of 002 is a parameter there.
+/// Of a winding, a muscle or a spring: what was fitted replaces what the file had; the tendon's spring of 002 and a
+/// cord's rest length are parameters there.
 void takeOver(const LogFit& fit, FittedModel& model) {
   const auto put = [&](const Estimate& parameter) {
     std::erase_if(model.parameters, [&](const Estimate& p) { return p.name == parameter.name; });
@@ -17,6 +18,15 @@ void takeOver(const LogFit& fit, FittedModel& model) {
   };
   for (const Estimate& p : fit.parameters) {
     if (p.name.find('.') == std::string::npos) put({p.name, p.unit, p.value, p.sd, false});
+  }
+  if (model.kind == "spring") {
+    model.law.clear();
+    std::erase_if(model.parameters, [](const Estimate& p) { return p.name == "rest_length"; });
+    const auto slack = std::ranges::find(model.extensions, "spring-slack", &Extension::effect);
+    if (slack == model.extensions.end()) return;
+    model.law = kCord;
+    put(slack->parameters[0]);
+    model.extensions.erase(slack);
   }
   if (model.kind != "pam") return;
   model.law = "no-spring";
@@ -34,14 +44,13 @@ void takeOver(const LogFit& fit, FittedModel& model) {
 FittedModel refittedModel(const FittedModel& given, const ActuatorModel& subject, const LogFit& fit,
                           const PreparedLog& log, const LogSource& source) {
   FittedModel model = given;
-  const ActuatorKind kind = subject.base.kind;
   model.covariance.resize(0, 0);
   model.data_file = source.file;
   model.data_sha256 = source.sha256;
   model.data_rows = source.rows;
   model.extensions = fit.extensions;
-  if (kind == ActuatorKind::kMotor || kind == ActuatorKind::kPam) {
-    model.kind = kind == ActuatorKind::kMotor ? "motor" : "pam";
+  if (subject.base.equation != nullptr) {
+    model.kind = subject.base.name();
     takeOver(fit, model);
     return model;
   }

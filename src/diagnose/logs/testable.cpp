@@ -3,20 +3,35 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace simgap {
 namespace {
 
+/// Whether one of the bench's constants that are fitted multiplies nearly that channel.
+bool isFitted(const Eigen::ArrayXd& channel, const ActuatorData& data) {
+  constexpr double kAlike = 0.9;  // correlation: each may be smoothed in its own way
+  const Eigen::VectorXd a = channel - channel.mean();
+  for (Eigen::Index k = 0; k < data.rig.cols(); ++k) {
+    const Eigen::VectorXd b = data.rig.col(k) - data.rig.col(k).mean();
+    if (std::abs(a.dot(b)) > kAlike * a.norm() * b.norm()) return true;
+  }
+  return false;
+}
+
 /// Why an effect cannot be tested on this log; empty when it can.
 std::string missingFor(const ActuatorEffect& effect, const ActuatorBase& base, const ActuatorData& data,
                        const std::vector<const ActuatorEffect*>& own) {
-  if (std::ranges::find(own, &effect) != own.end()) return "the model already contains it";
+  if (std::ranges::find(own, effect.name, &ActuatorEffect::name) != own.end()) return "the model already contains it";
   if (base.law != nullptr) {
     const bool in_law = effect.contained_in != nullptr && effect.contained_in(*base.law);
     if (in_law || (effect.is_offset && data.offset)) {
       return fmt::format("part of the law {}, or without meaning in it", base.law->name);
     }
     if (effect.needs_stribeck && !base.law->hasStribeck()) return "needs a law with a Stribeck term";
+  }
+  if (effect.multiple_of != nullptr && isFitted(data.rows.*effect.multiple_of, data)) {
+    return "a constant of the bench that is fitted says the same";
   }
   for (const OptionalChannel channel : effect.needs) {
     if (!data.rows.has(channel)) return fmt::format("needs {}", toString(channel));
@@ -35,6 +50,7 @@ std::vector<Hypothesis> namedHypotheses(const ActuatorModel& subject, const Actu
     const std::string reason = missingFor(*effect, subject.base, data, subject.effects);
     if (reason.empty()) {
       list.push_back({effect, {}, {}});
+      for (const ActuatorEffect* form : effect->other_forms) list.push_back({form, {}, {}});
     } else {
       diagnosis.not_testable.push_back({std::string(effect->name), reason});
     }

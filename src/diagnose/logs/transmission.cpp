@@ -22,7 +22,7 @@ void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const
   if (subject.base.kind != ActuatorKind::kFriction) return;
   ActuatorModel transmission{actuator_equations::transmission, {}, {}};
   for (const Extension& own : subject.of_angles) {
-    transmission.effects.push_back(&actuator_effects::find(own.effect));
+    transmission.effects.push_back(&actuator_effects::find(own.effect, own.form));
     for (LogFit* fit : {&result.baseline, &result.extended}) fit->extensions.push_back(own);
   }
   const std::vector<Hypothesis> hypotheses = namedHypotheses(transmission, log.data, options, d);

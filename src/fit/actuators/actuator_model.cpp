@@ -13,6 +13,7 @@ namespace {
 ActuatorBase baseOf(std::string_view name) {
   if (name == "pam") return actuator_equations::muscle;
   if (name == "motor") return actuator_equations::winding;
+  if (name == "spring") return actuator_equations::spring;
   if (name == "gearbox") return {friction::find("coulomb"), ActuatorKind::kGearbox};
   return friction::find(name);
 }
@@ -32,8 +33,12 @@ ActuatorModel subjectOf(const FittedModel& model) {
     subject.effects.push_back(&actuator_effects::find("tendon-compliance"));
     subject.values.push_back({"tendon-compliance.compliance", "1_N", 1.0 / k});
   }
+  if (model.kind == "spring" && model.law == kCord) {
+    subject.effects.push_back(&actuator_effects::find("spring-slack"));
+    subject.values.push_back({"spring-slack.rest_length", "m", model.value("rest_length")});
+  }
   for (const Extension& extension : model.extensions) {
-    const ActuatorEffect& effect = actuator_effects::find(extension.effect);
+    const ActuatorEffect& effect = actuator_effects::find(extension.effect, extension.form);
     const bool of_angles = effect.kind == ActuatorKind::kTransmission;
     if (of_angles) {
       subject.of_angles.push_back(extension);

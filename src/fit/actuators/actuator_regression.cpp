@@ -47,7 +47,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
       addLinear(p.name, p.unit, p.lower, p.upper, true);
   } else {
     for (const EffectColumn& column : base.equation->columns)
-      addLinear(std::string(column.name), std::string(column.unit), column.lower, column.upper, false);
+      addLinear(std::string(column.name), unitOn(column.unit, data), column.lower, column.upper, false);
   }
   for (const ParameterSpec& p : data.rig_parameters) addLinear(p.name, p.unit, 0.0, kInfinity, true);
   if (data.offset) addLinear("offset", data.effort_unit, -kInfinity, kInfinity, false);
@@ -100,6 +100,7 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
     t.shared.pressure = rows.pressure;
     t.shared.contraction = rows.contraction;
   }
+  if (base_.kind == ActuatorKind::kSpring) t.shared.deflection = rows.deflection;
   std::size_t at = 0;
   if (base_.hasStribeck()) {
     t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;
@@ -184,7 +185,7 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
 
 ActuatorRegression::Evaluation ActuatorRegression::columns(std::span<const double> p) const {
   const Terms t = terms(p, data_->rows.effort);
-  Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.cubic, t.shared.delay};
+  Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.saturation, t.shared.delay};
   visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(static_cast<Index>(j)) = column; });
   delayRows(result.x, t.shared.delay);
   return result;
@@ -217,7 +218,7 @@ ArrayXd ActuatorRegression::rightHandSide(std::span<const double> theta, const A
   visitColumns(t, p, [&](std::size_t j, const auto& column) { sum += theta[j] * column; });
   delay = t.shared.delay;
   delayRows(sum, delay);
-  return t.shared.cubic == 0.0 ? sum : ArrayXd(sum + t.shared.cubic * sum.cube());
+  return t.shared.saturation.acts() ? t.shared.saturation.effort(sum) : sum;
 }
 
 void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& residual,
@@ -237,13 +238,13 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   }
   const Evaluation e = columns(theta.subspan(linear_));
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
-  const ArrayXd predicted = implicit_ ? predict(theta) : ArrayXd(x_c.array() + e.cubic * x_c.array().cube());
+  const ArrayXd predicted = implicit_ ? predict(theta) : e.saturation.effort(x_c.array());
   residual = (predicted - data_->rows.effort).matrix();
   jacobian->resize(n, static_cast<Index>(parameters_.size()));
-  if (e.cubic == 0.0) {
-    jacobian->leftCols(linear) = e.x;
+  if (e.saturation.acts()) {
+    jacobian->leftCols(linear) = (e.x.array().colwise() * e.saturation.slope(x_c.array())).matrix();
   } else {
-    jacobian->leftCols(linear) = (e.x.array().colwise() * (1.0 + 3.0 * e.cubic * x_c.array().square())).matrix();
+    jacobian->leftCols(linear) = e.x;
   }
   const auto typicalSize = [&](const ParameterSpec& p) {
     if (base_.law != nullptr) return 1e-2;
@@ -356,6 +357,7 @@ std::vector<Extension> ActuatorRegression::extensions(std::span<const double> th
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     Extension& extension = list.emplace_back();
     extension.effect = effects_[e]->name;
+    extension.form = effects_[e]->form;
     const auto take = [&](std::size_t i, std::string_view name) {
       extension.parameters.push_back(all[i]);
       extension.parameters.back().name = name;

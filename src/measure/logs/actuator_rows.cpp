@@ -14,6 +14,8 @@ std::string_view toString(OptionalChannel channel) {
       return "a load that changes";
     case OptionalChannel::kRest:
       return "rests of 1 s and longer";
+    case OptionalChannel::kTime:
+      return "time_s";
   }
   return "";
 }
@@ -30,6 +32,8 @@ bool ActuatorRows::has(OptionalChannel channel) const {
       return top_load != 0.0;
     case OptionalChannel::kRest:
       return (rest > 0.5).any();
+    case OptionalChannel::kTime:
+      return timed;
   }
   return false;
 }

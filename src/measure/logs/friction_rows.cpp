@@ -217,11 +217,16 @@ void checkLog(const ActuatorLog& log, FrictionData& data) {
 }
 
 /// Kinetic laws are fitted and judged on motion.
-void leaveOutRests(const ActuatorLog& log, const FrictionDataOptions& options, MotionSign& sign, FrictionData& data) {
+void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
+                   FrictionData& data) {
   constexpr std::ptrdiff_t kFewestRows = 50;  // of motion
   if (options.raw_sign || !log.has_time) return;
-  const std::vector<bool> rest =
-      findRests(log.time, log.velocity, log.session, restingSpeed(log.velocity, sign.dead_band));
+  RestRule rule{restingSpeed(log.velocity, sign.dead_band)};
+  if (derived) {  // what stands between two positions is known for shorter rests, and their ends are blurred
+    rule.least_seconds = 0.1;
+    rule.blurred_seconds = 0.5 / data.bandwidth;
+  }
+  const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, rule);
   std::vector<bool> moving = sign.keep;
   for (std::size_t i = 0; i < rest.size(); ++i) moving[i] = moving[i] && !rest[i];
   const auto rests = std::ranges::count(sign.keep, true) - std::ranges::count(moving, true);
@@ -374,7 +379,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
       options.raw_sign ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, dead_band);
   data.dead_band = sign.dead_band;
   data.reversals = sign.reversals;
-  leaveOutRests(log, options, sign, data);
+  leaveOutRests(log, derived_velocity, options, sign, data);
   for (const ChannelSpikes& spikes : data.spikes) {
     for (const std::size_t i : spikes.rows) sign.keep[i] = false;
     if (options.all_rows) continue;  // whoever asked for all rows says it himself

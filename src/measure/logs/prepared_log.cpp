@@ -11,6 +11,7 @@
 #include "simgap/core/statistics.h"
 #include "simgap/core/units.h"
 #include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/spring_log.h"
 
 namespace simgap {
 namespace {
@@ -116,8 +117,8 @@ double correlation(const ArrayXd& a, const ArrayXd& b) {
 }
 
 /// Numeric columns that no quantity of the model came from. A command or an estimate that follows the effort is no
-/// cause: it says what was measured once more.
-void addContext(const CsvTable& table, PreparedLog& log) {
+/// cause: it says what was measured once more. \param own  further stems that the model reads.
+void addContext(const CsvTable& table, PreparedLog& log, const std::set<std::string>& own = {}) {
   constexpr double kCopy = 0.9;  // correlation
   static const std::set<std::string> kKnown = {"time",           "motor_current",  "motor_voltage", "motor_torque",
                                                "motor_force",    "motor_velocity", "velocity",      "joint_velocity",
@@ -125,7 +126,8 @@ void addContext(const CsvTable& table, PreparedLog& log) {
                                                "external_force", "current",        "voltage",       "load_torque",
                                                "pressure",       "contraction",    "force"};
   for (const std::string& column : table.columns()) {
-    const bool known = kKnown.contains(column) || kKnown.contains(splitUnit(column).stem);
+    const std::string stem = splitUnit(column).stem;
+    const bool known = kKnown.contains(column) || kKnown.contains(stem) || own.contains(stem);
     if (known || !table.isNumeric(column)) continue;
     ArrayXd values;
     try {
@@ -210,6 +212,32 @@ void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
   for (Index i = 0; i < rate.size() && most > 0.0; ++i) {
     if (std::abs(rate[i]) <= most) continue;
     for (Index k = std::max<Index>(0, i - kBeside); k < std::min(rate.size(), i + kBeside + 1); ++k) keep[k] = false;
+  }
+}
+
+/// Single wrong samples, looked for session by session, and sensors at their limit. A wrong deflection is replaced: a
+/// spring that remembers would carry it on.
+void leaveOutBadSamples(SpringLog& spring, PreparedLog& log) {
+  ChannelSpikes deflection{quantityName("deflection", spring.deflectionUnit()), {}}, force{log.effort_column, {}};
+  for (const Block& b : splitRows(spring.session, spring.rows())) {
+    const std::span<const double> time(spring.time.data() + b.begin, b.size());
+    const std::span<double> moved(spring.deflection.data() + b.begin, b.size());
+    for (const std::size_t i : repairSpikes(time, moved)) deflection.rows.push_back(b.begin + i);
+    const std::span<const double> pulled(spring.force.data() + b.begin, b.size());
+    for (const std::size_t i : findSpikes(time, pulled)) force.rows.push_back(b.begin + i);
+  }
+  const ChannelSpikes ends[] = {{deflection.channel, findClipped(spring.deflection, spring.force, spring.session)},
+                                {force.channel, findClipped(spring.force, spring.deflection, spring.session)}};
+  for (const ChannelSpikes& channel : {deflection, force}) {
+    if (!channel.rows.empty()) log.spikes.push_back(channel);
+  }
+  for (const ChannelSpikes& channel : ends) {
+    if (!channel.rows.empty()) log.clipped.push_back(channel);
+  }
+  for (const std::vector<ChannelSpikes>* list : {&log.spikes, &log.clipped}) {
+    for (const ChannelSpikes& channel : *list) {
+      for (const std::size_t i : channel.rows) log.data.keep[i] = false;
+    }
   }
 }
 
@@ -326,6 +354,35 @@ PreparedLog preparePamData(const CsvTable& table) {
   return log;
 }
 
+PreparedLog prepareSpringData(const CsvTable& table) {
+  SpringLog spring = readSpringLog(table);
+  PreparedLog log = prepared(ActuatorKind::kSpring, spring.file, spring.time, spring.session, spring.session_names);
+  log.effort_column = quantityName(spring.forceName(), spring.forceUnit());
+  log.data.effort_unit = log.data.load_unit = spring.forceUnit();
+  log.data.velocity_unit = spring.angular ? "rad_s" : "m_s";
+  leaveOutBadSamples(spring, log);
+  ActuatorRows& rows = log.data.rows;
+  rows.timed = spring.has_time;
+  rows.effort = toArray(spring.force);
+  rows.deflection = toArray(spring.deflection);
+  if (spring.has_time) {
+    rows.speed = slopeOf(rows, rows.deflection, FrictionDataOptions::kDefaultBandwidth / rows.step);
+    setDirection({rows.speed.begin(), rows.speed.end()}, log);
+  } else {
+    ArrayXd change = ArrayXd::Zero(rows.rows());
+    change.tail(rows.rows() - 1) = rows.deflection.tail(rows.rows() - 1) - rows.deflection.head(rows.rows() - 1);
+    setDirection({change.begin(), change.end()}, log);
+  }
+  rows.temperature = optional(table, "temperature", "degC");
+  addContext(table, log, {"deflection", "length", "torque"});
+  addContext(log, "deflection", rows.deflection);
+  if (spring.has_time) {
+    addContext(log, "deflection_rate", rows.speed);
+    addContext(log, "time", rows.time);
+  }
+  return log;
+}
+
 PreparedLog prepareTransmissionData(const PreparedLog& drive) {
   PreparedLog log = drive;
   log.kind = ActuatorKind::kTransmission;
@@ -342,6 +399,7 @@ PreparedLog prepareTransmissionData(const PreparedLog& drive) {
 PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions options) {
   if (kind == ActuatorKind::kMotor) return prepareMotorData(table);
   if (kind == ActuatorKind::kPam) return preparePamData(table);
+  if (kind == ActuatorKind::kSpring) return prepareSpringData(table);
   const ActuatorLogOptions log_options{.ratio = bench.ratio.value_or(0.0)};
   options.bandwidth = bench.bandwidth;
   if (kind == ActuatorKind::kGearbox) return prepareGearboxData(table, bench, log_options, options);

@@ -9,14 +9,22 @@
 namespace simgap {
 
 std::vector<bool> findRests(std::span<const double> time, std::span<const double> velocity,
-                            std::span<const int> session, double slow, double least_seconds) {
+                            std::span<const int> session, const RestRule& rule) {
   constexpr std::size_t kFewestRows = 4;
   std::vector<bool> rest(velocity.size(), false);
   for (std::size_t begin = 0, end = 0; begin < velocity.size(); begin = std::max(end, begin + 1)) {
-    for (end = begin; end < velocity.size() && session[end] == session[begin] && std::abs(velocity[end]) <= slow;)
+    for (end = begin; end < velocity.size() && session[end] == session[begin] && std::abs(velocity[end]) <= rule.slow;)
       ++end;
-    if (end - begin < kFewestRows || time[end - 1] - time[begin] < least_seconds) continue;
-    std::fill(rest.begin() + static_cast<std::ptrdiff_t>(begin), rest.begin() + static_cast<std::ptrdiff_t>(end), true);
+    if (end - begin < kFewestRows || time[end - 1] - time[begin] < rule.least_seconds) continue;
+    for (std::size_t i = begin; i < end; ++i) rest[i] = true;
+    for (std::size_t i = begin; i-- > 0 && session[i] == session[begin];) {
+      if (time[begin] - time[i] > rule.blurred_seconds) break;
+      rest[i] = true;
+    }
+    for (std::size_t i = end; i < velocity.size() && session[i] == session[begin]; ++i) {
+      if (time[i] - time[end - 1] > rule.blurred_seconds) break;
+      rest[i] = true;
+    }
   }
   return rest;
 }

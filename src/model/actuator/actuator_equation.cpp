@@ -23,6 +23,16 @@ void fillMuscle(const ActuatorRows& /*rows*/, const ActuatorTerms& terms, Eigen:
   x.col(2) = terms.pressure;
 }
 
+constexpr EffectColumn kSpring[] = {{.name = "stiffness", .unit = "Nm_rad", .lower = 0.0, .torque = false},
+                                    {.name = "offset", .unit = "Nm", .torque = false},
+                                    {.name = "damping", .unit = "Nms_rad", .lower = 0.0, .torque = false}};
+
+void fillSpring(const ActuatorRows& /*rows*/, const ActuatorTerms& terms, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = terms.deflection;
+  x.col(1) = 1.0;
+  x.col(2) = terms.viscous;
+}
+
 constexpr EffectColumn kTransmission[] = {{.name = "inverse_ratio", .unit = "1", .torque = false},
                                           {.name = "offset", .unit = "rad", .torque = false},
                                           {.name = "lag", .unit = "s", .torque = false}};
@@ -37,6 +47,7 @@ void fillTransmission(const ActuatorRows& rows, const ActuatorTerms& /*terms*/, 
 
 const ActuatorEquation winding = {"motor", ActuatorKind::kMotor, kWinding, fillWinding};
 const ActuatorEquation muscle = {"pam", ActuatorKind::kPam, kPam, fillMuscle};
+const ActuatorEquation spring = {"spring", ActuatorKind::kSpring, kSpring, fillSpring};
 const ActuatorEquation transmission = {"transmission", ActuatorKind::kTransmission, kTransmission, fillTransmission};
 
 }  // namespace simgap::actuator_equations

@@ -11,7 +11,7 @@
 namespace simgap {
 namespace {
 
-const std::vector<std::string> kKinds = {"friction", "motor", "gearbox", "pam"};
+const std::vector<std::string> kKinds = {"friction", "motor", "gearbox", "pam", "spring"};
 
 std::vector<double> numbers(const YamlNode& list) {
   std::vector<double> values;

@@ -20,6 +20,7 @@ std::vector<Extension> readExtensions(const YamlNode& list) {
   for (const YamlNode& entry : list.items()) {
     Extension& extension = extensions.emplace_back();
     extension.effect = entry.at("effect").text();
+    if (const auto form = entry.find("form")) extension.form = form->text();
     if (const auto target = entry.find("target")) extension.target = target->text();
     const YamlNode parameters = entry.at("parameters");
     for (const std::string& name : parameters.keys()) {
@@ -37,6 +38,7 @@ std::string writeExtensions(const std::vector<Extension>& extensions) {
   std::string text = "extensions:\n";
   for (const Extension& extension : extensions) {
     text += fmt::format("  - effect: {}\n", extension.effect);
+    if (!extension.form.empty()) text += fmt::format("    form: {}\n", extension.form);
     if (!extension.target.empty()) text += fmt::format("    target: {}\n", yamlText(extension.target));
     text += extension.parameters.empty() ? "    parameters: {}\n" : "    parameters:\n";
     for (const Estimate& p : extension.parameters) {

@@ -26,7 +26,10 @@ constexpr ArmKey kArmKeys[] = {{"R", "motor.resistance_ohm"},
                                {"tau_CM", "motor.coulomb_friction_Nm"},
                                {"eta", "gearbox.efficiency"},
                                {"mu_G", "gearbox.viscous_friction_Nms"},
-                               {"tau_CG", "gearbox.coulomb_friction_Nm"}};
+                               {"tau_CG", "gearbox.coulomb_friction_Nm"},
+                               {"stiffness", "shock_cord.stiffness_N_m"},
+                               {"damping", "shock_cord.damping_Ns_m"},
+                               {"rest_length", "shock_cord.rest_length_m"}};
 
 /// The estimates that belong to the kind: a motor's seven, or a gearbox's four.
 Uncertainty partOf(const Uncertainty& all, const std::string& kind) {
@@ -79,7 +82,17 @@ ArmModel armWithDrive(const DriveReport& report) {
   return arm;
 }
 
-/// The estimates as priors of the parameters of that arm; what is fixed or unknown is left out.
+FittedModel driveModel(const DriveReport& report, const Uncertainty& uncertainty) {
+  FittedModel model = fittedModel(report.kind, "", uncertainty);
+  if (report.kind == "gearbox") model.settings["transmission_ratio"] = fmt::format("{}", report.ratio);
+  model.data_file = report.log_file;
+  model.data_sha256 = report.log_sha256;
+  model.data_rows = report.log.rows();
+  return model;
+}
+
+}  // namespace
+
 std::string calibrationParameters(const std::string& muscle, const Uncertainty& uncertainty) {
   std::string text =
       "# For the `parameters:` of a calibration config; the covariance stands in model.yaml.\nparameters:\n";
@@ -91,17 +104,6 @@ std::string calibrationParameters(const std::string& muscle, const Uncertainty& 
   }
   return text;
 }
-
-FittedModel driveModel(const DriveReport& report, const Uncertainty& uncertainty) {
-  FittedModel model = fittedModel(report.kind, "", uncertainty);
-  if (report.kind == "gearbox") model.settings["transmission_ratio"] = fmt::format("{}", report.ratio);
-  model.data_file = report.log_file;
-  model.data_sha256 = report.log_sha256;
-  model.data_rows = report.log.rows();
-  return model;
-}
-
-}  // namespace
 
 FitSummary summarise(const DriveReport& report) {
   const DriveFit &fit = report.fit.fit, &judged = report.fit.judged();

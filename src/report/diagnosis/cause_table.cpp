@@ -17,8 +17,9 @@ std::string parameterText(const Json& parameter) {
 }  // namespace
 
 std::string causeName(const Json& cause) {
-  const std::string target = cause.value("target", std::string());
-  return cause.at("effect").get<std::string>() + (target.empty() ? "" : " of " + target);
+  const std::string target = cause.value("target", std::string()), form = cause.value("form", std::string());
+  return cause.at("effect").get<std::string>() + (target.empty() ? "" : " of " + target) +
+         (form.empty() ? "" : " (" + form + ")");
 }
 
 Table causeTable(const Json& result) {

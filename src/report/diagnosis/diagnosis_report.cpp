@@ -55,6 +55,7 @@ Json causesJson(const Diagnosis& d) {
                   {"p_adjusted", numberOrNull(c.p_adjusted)},
                   {"ambiguous_with", c.ambiguous_with},
                   {"absorbed_by", absorbed}};
+    if (!c.form.empty()) cause["form"] = c.form;
     if (!c.target.empty()) cause["target"] = c.target;
     if (!c.channel.empty()) cause["channel"] = c.channel;
     causes.push_back(cause);

@@ -9,6 +9,8 @@
 #include "reality/drive_draws.h"
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
+#include "reality/spring_rig.h"
+#include "simgap/core/error.h"
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/measure/logs/prepared_log.h"
 #include "support/files.h"
@@ -19,6 +21,10 @@ namespace {
 PreparedLog smallLog(ActuatorKind kind) {
   if (kind == ActuatorKind::kPam) {
     return preparePamData(CsvTable::parse(reality::recordPam({}, {.sessions = 3, .rows = 600}).csv(), "log.csv"));
+  }
+  if (kind == ActuatorKind::kSpring) {
+    return prepareSpringData(
+        CsvTable::parse(reality::recordSpring({}, {.sessions = 3, .seconds = 12.0}).csv(), "log.csv"));
   }
   if (kind == ActuatorKind::kMotor) {
     const reality::MotorDesign design{.seconds = 1.5, .rate = 500.0, .current_noise = 0.02, .velocity_noise = 0.2};
@@ -40,6 +46,7 @@ PreparedLog transmissionLog() {
 /// The name of the model that the effect extends, and a base with plausible values.
 std::string modelOf(const ActuatorEffect& effect) {
   if (effect.kind == ActuatorKind::kPam) return "pam";
+  if (effect.kind == ActuatorKind::kSpring) return "spring";
   return effect.kind == ActuatorKind::kMotor ? "motor" : "classic";
 }
 
@@ -69,6 +76,9 @@ class DriveEffectContract : public testing::TestWithParam<const ActuatorEffect*>
                                                                          {"R", "", 0.8, 0},
                                                                          {"L", "", 0.004, 0},
                                                                          {"K_E", "", 0.02, 0},
+                                                                         {"stiffness", "", 150.0, 0},
+                                                                         {"offset", "", 0.3, 0},
+                                                                         {"damping", "", 4.0, 0},
                                                                          {"inverse_ratio", "", 0.0102, 0}});
     std::vector<double> theta = model.startFrom(plain, base);
     const ActuatorEffect& effect = *model.effects()[0];
@@ -86,6 +96,7 @@ class DriveEffectContract : public testing::TestWithParam<const ActuatorEffect*>
         {ActuatorKind::kFriction, smallLog(ActuatorKind::kFriction)},
         {ActuatorKind::kMotor, smallLog(ActuatorKind::kMotor)},
         {ActuatorKind::kPam, smallLog(ActuatorKind::kPam)},
+        {ActuatorKind::kSpring, smallLog(ActuatorKind::kSpring)},
         {ActuatorKind::kTransmission, transmissionLog()}};
     const ActuatorKind kind = GetParam()->kind;
     return logs.at(kind == ActuatorKind::kGearbox ? ActuatorKind::kFriction : kind).data;
@@ -99,7 +110,8 @@ TEST_P(DriveEffectContract, SaysWhatItIs) {
     EXPECT_FALSE(text.empty()) << effect.name;
   }
   EXPECT_FALSE(effect.parameters.empty() && effect.columns.empty());
-  EXPECT_EQ(&actuator_effects::find(effect.name), &effect);
+  EXPECT_EQ(&actuator_effects::find(effect.name, effect.form), &effect);
+  EXPECT_EQ(actuator_effects::find(effect.name).name, effect.name);  // without a form the usual one
   std::set<std::string_view> names;
   for (const EffectParameter& p : effect.parameters) {
     EXPECT_LE(p.lower, p.upper);
@@ -177,13 +189,35 @@ TEST(PositionRipple, CountsFromOnePeriodInTheRangeOn) {
   EXPECT_TRUE(ripple.counts({&real, 1}, log.data.rows));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DriveEffectContract,
-                         testing::ValuesIn(actuator_effects::all().begin(), actuator_effects::all().end()),
-                         [](const auto& effect) {
-                           std::string name(effect.param->name);
-                           std::ranges::replace(name, '-', '_');
-                           return name;
-                         });
+std::vector<const ActuatorEffect*> everyForm() {
+  std::vector<const ActuatorEffect*> list;
+  for (const ActuatorEffect* effect : actuator_effects::all()) {
+    list.push_back(effect);
+    list.insert(list.end(), effect->other_forms.begin(), effect->other_forms.end());
+  }
+  return list;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, DriveEffectContract, testing::ValuesIn(everyForm()), [](const auto& effect) {
+  std::string name(effect.param->name);
+  if (!effect.param->form.empty()) name += "_" + std::string(effect.param->form);
+  std::ranges::replace(name, '-', '_');
+  return name;
+});
+
+TEST(EffectForms, AFormThatIsNoneIsRefusedWithThoseThatAre) {
+  EXPECT_THROW(
+      {
+        try {
+          actuator_effects::find("bend-friction", "cubic");
+        } catch (const ConfigError& error) {
+          EXPECT_STREQ(error.what(), "found the form 'cubic' of bend-friction, expected one of exponential, linear");
+          throw;
+        }
+      },
+      ConfigError);
+  EXPECT_THROW(actuator_effects::find("inertia", "linear"), ConfigError);
+}
 
 }  // namespace
 }  // namespace simgap::test

@@ -20,7 +20,7 @@ struct Motion {
     }
   }
   std::ptrdiff_t resting(double slow) const {
-    return std::ranges::count(findRests(time, velocity, session, slow), true);
+    return std::ranges::count(findRests(time, velocity, session, {slow}), true);
   }
 };
 
@@ -47,6 +47,18 @@ TEST(Rests, EndWithTheirSession) {
   EXPECT_EQ(m.resting(0.02), 20);
   std::fill(m.session.begin() + 10, m.session.end(), 1);
   EXPECT_EQ(m.resting(0.02), 0);
+}
+
+TEST(Rests, ASmoothedVelocityBlursTheirEnds) {
+  Motion m;
+  m.add(2.0, 10.0);
+  m.add(0.2, 0.0);
+  m.add(2.0, -10.0);
+  const auto rests = [&](const RestRule& rule) {
+    return std::ranges::count(findRests(m.time, m.velocity, m.session, rule), true);
+  };
+  EXPECT_EQ(rests({.slow = 0.02, .least_seconds = 0.1}), 10);
+  EXPECT_EQ(rests({.slow = 0.02, .least_seconds = 0.1, .blurred_seconds = 0.07}), 16);  // three rows at either end
 }
 
 TEST(Rests, CreepIsSlowAgainstTheUsualMotion) {

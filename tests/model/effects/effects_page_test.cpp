@@ -64,6 +64,9 @@ std::string entry(const ActuatorEffect& effect) {
   }
   if (effect.is_offset) laws.emplace_back("fits with an offset of their own");
   std::string text = fmt::format("{}: `{}` ({}). ", capitalised(effect.cause), effect.equation, joined(parameters));
+  for (const ActuatorEffect* form : effect.other_forms) {
+    text += fmt::format("Or, {}: `{}`. ", form->form, form->equation);
+  }
   text += sentence("", capitalised(effect.remarks)) + sentence("*Signature:* ", effect.signature);
   text += sentence("*Look-alikes:* ", effect.look_alikes) + sentence("*To separate them, record* ", effect.separates);
   text += sentence("*Needs* ", joined(needs)) + sentence("*Part of, or without meaning in,* ", joined(laws));
@@ -112,7 +115,8 @@ std::string entries(const std::string& group) {
     const bool drive = effect->kind == ActuatorKind::kFriction || effect->kind == ActuatorKind::kTransmission;
     const bool here = (group == "drive" && drive) || (group == "gearbox" && effect->kind == ActuatorKind::kGearbox) ||
                       (group == "motor" && effect->kind == ActuatorKind::kMotor) ||
-                      (group == "pam" && effect->kind == ActuatorKind::kPam);
+                      (group == "pam" && effect->kind == ActuatorKind::kPam) ||
+                      (group == "spring" && effect->kind == ActuatorKind::kSpring);
     if (here) text += entry(*effect);
   }
   return text;

@@ -1,5 +1,5 @@
 /// \file
-/// What a model of an arm gets wrong on recorded poses, and what causes it (DIAGNOSE, "And on poses"). Every effect of
+/// What a model of an arm gets wrong on recorded poses, and what causes it (docs/diagnose.md). Every effect of
 /// the catalogue, on every target, refits the whole model; causes are taken one after the other as long as the evidence
 /// for one more is clear, and their gain is measured on poses that took no part in any of that.
 #pragma once

@@ -2,7 +2,7 @@
 /// An actuator's log explained by a friction law, or another equation, and any number of effects
 /// (simgap/model/effects/actuator_effect.h):
 ///
-///     effort = P + cubic P^3,    P = X(p) c / gain, delayed
+///     effort = saturated(P),    P = X(p) c / gain, delayed
 ///
 /// Parameters, in order: c, the coefficients of the columns (of a law the first is 1 / k_a, torques enter as
 /// theta / k_a), then p: v_s and delta of the law, the presliding of every real drive as a nuisance, and the effects'
@@ -56,7 +56,7 @@ class ActuatorRegression : public RowModel {
  private:
   struct Evaluation {
     Eigen::MatrixXd x;  ///< shape (rows, C), delayed, over gain
-    double cubic;
+    Saturation saturation;
     double delay;
   };
   struct Terms {

@@ -14,6 +14,7 @@ enum class ActuatorKind {
   kGearbox,       ///< the same of a motor with a gearbox on a bench
   kMotor,         ///< a winding: voltage against current and speed
   kPam,           ///< a pneumatic muscle: force against pressure and contraction
+  kSpring,        ///< a spring, cord or tendon: force against one deflection
   kTransmission,  ///< between the two angles of a drive: the joint's against the motor's
 };
 
@@ -24,13 +25,14 @@ enum class OptionalChannel {
   kTemperature,
   kLoad,  ///< that changes
   kRest,  ///< of 1 s and longer
+  kTime,  ///< without it a log is rows in their order
 };
 std::string_view toString(OptionalChannel channel);
 
 /// The rows of a log as effects see them; every array has shape (n), or is empty when the log has no such channel.
 struct ActuatorRows {
   Eigen::ArrayXd time;                  ///< [s]
-  Eigen::ArrayXd effort;                ///< what the motor drew; a winding's voltage, a muscle's force
+  Eigen::ArrayXd effort;                ///< what the motor drew; a winding's voltage, a muscle's or spring's force
   Eigen::ArrayXd speed;                 ///< [rad/s]
   Eigen::ArrayXd direction;             ///< +1 or -1: the last direction of motion, held through rests
   Eigen::ArrayXd travel;                ///< [rad] in that direction since the row before, >= 0
@@ -44,11 +46,13 @@ struct ActuatorRows {
   Eigen::ArrayXd current_rate;          ///< [A/s]
   Eigen::ArrayXd pressure;              ///< [Pa] gauge, of a muscle
   Eigen::ArrayXd contraction;           ///< [1] apparent: of the muscle with its tendon
+  Eigen::ArrayXd deflection;            ///< [m] or [rad] of a spring
   std::vector<Eigen::ArrayXd> context;  ///< further logged channels, scaled to mean 0 and standard deviation 1
   std::vector<int> session;             ///< shape (n)
   double step = 0.0;                    ///< [s] median time between rows
   double top_speed = 0.0;               ///< [rad/s]
   double top_load = 0.0;                ///< [N m]
+  bool timed = true;                    ///< false: `time` counts rows
 
   Eigen::Index rows() const { return time.size(); }
   bool has(OptionalChannel channel) const;

@@ -37,7 +37,8 @@ struct PreparedLog {
   std::vector<std::string> session_names;
   std::string file, effort_column;
   double dead_band = 0.0;
-  std::vector<ChannelSpikes> spikes;  ///< samples that stood alone; their rows do not count
+  std::vector<ChannelSpikes> spikes;   ///< samples that stood alone; their rows do not count
+  std::vector<ChannelSpikes> clipped;  ///< of a spring: a sensor at its limit; likewise
   std::vector<std::string> warnings;
 };
 
@@ -54,6 +55,10 @@ PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const 
 /// \throws DataError as readMotorLog and readPamLog, and when there is no voltage, current or velocity.
 PreparedLog prepareMotorData(const CsvTable& table);
 PreparedLog preparePamData(const CsvTable& table);
+
+/// The same for a spring. Its rests stay: what its force does while nothing moves is creep. Samples that stand alone
+/// and sensors at their limit do not count. \throws DataError as readSpringLog.
+PreparedLog prepareSpringData(const CsvTable& table);
 
 /// The one of them that suits a model of that kind; the rig's bandwidth and ratio replace those of `options`.
 PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions options = {});

@@ -8,11 +8,18 @@
 
 namespace simgap {
 
-/// Rows of rests: runs within a session in which |velocity| stays within `slow` for `least_seconds` and longer.
-/// Reversals pass through there faster. A drive that creeps while it is held rests, too.
-/// \param time  [s], \param velocity  shape (n).  \param slow  [velocity's unit]
+struct RestRule {
+  double slow;                   ///< [velocity's unit] no rest is faster
+  double least_seconds = 0.3;    ///< reversals pass through zero faster
+  double blurred_seconds = 0.0;  ///< a velocity worked out from smoothed positions begins that much before the drive
+                                 ///< does, and ends that much after it
+};
+
+/// Rows of rests: runs within a session in which |velocity| stays within `slow`, and the rows beside them that a
+/// smoother has blurred. A drive that creeps while it is held rests, too.
+/// \param time  [s], \param velocity  shape (n).
 std::vector<bool> findRests(std::span<const double> time, std::span<const double> velocity,
-                            std::span<const int> session, double slow, double least_seconds = 0.3);
+                            std::span<const int> session, const RestRule& rule);
 
 /// Speed below which a drive counts as resting: its dead band, or a small share of its usual speed, because held drives
 /// creep.

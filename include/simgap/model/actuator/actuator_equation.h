@@ -25,6 +25,8 @@ struct ActuatorEquation {
 namespace actuator_equations {
 extern const ActuatorEquation winding;  ///< V = R i + L di/dt + K_E w (000 eq. 8)
 extern const ActuatorEquation muscle;   ///< f = p (a e^2 + b e + c), e the muscle's own contraction (002 eq. 14)
+/// F = stiffness x + offset + damping dx/dt (000 eq. 2-3), x the deflection, counted from anywhere.
+extern const ActuatorEquation spring;
 /// theta = theta_M / r + offset - lag w_M: a rigid transmission whose two encoders are not read at the same moment.
 extern const ActuatorEquation transmission;
 }  // namespace actuator_equations

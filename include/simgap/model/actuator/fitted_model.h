@@ -1,5 +1,5 @@
 /// \file
-/// Fitted drive models as files: `format: simgap/friction/1` (likewise motor, gearbox, pam): values with their
+/// Fitted drive models as files: `format: simgap/friction/1` (likewise motor, gearbox, pam, spring): values with their
 /// covariance, and the data they came from.
 #pragma once
 
@@ -13,11 +13,14 @@
 
 namespace simgap {
 
+/// Law of a spring that only pulls: no force below its `rest_length`.
+inline constexpr char kCord[] = "cord";
+
 struct FittedModel {
-  std::string kind;                             ///< "friction", "motor", "gearbox", "pam"
-  std::string law;                              ///< of a friction model; of a PAM "spring" or "no-spring"
-  std::vector<Estimate> parameters;             ///< shape (P)
-  Eigen::MatrixXd covariance;                   ///< shape (P, P); empty when unknown
+  std::string kind;                  ///< "friction", "motor", "gearbox", "pam", "spring"
+  std::string law;                   ///< of a friction model; of a PAM "spring" or "no-spring"; of a spring kCord or ""
+  std::vector<Estimate> parameters;  ///< shape (P)
+  Eigen::MatrixXd covariance;        ///< shape (P, P); empty when unknown
   std::map<std::string, std::string> settings;  ///< how the model is meant: "effort", "predicts", "dead_band_rad_s" …
   std::string data_file, data_sha256;
   std::size_t data_rows = 0;

@@ -1,6 +1,6 @@
 /// \file
-/// A physical cause that an actuator's model may lack: one file in src/model/effects/{drive,gearbox,motor,pam}, found
-/// by CMake (docs/effects.md). The model of an actuator's effort is linear in all but a few numbers p:
+/// A physical cause that an actuator's model may lack: one file in src/model/effects/{drive,gearbox,motor,pam,spring},
+/// found by CMake (docs/effects.md). The model of an actuator's effort is linear in all but a few numbers p:
 ///
 ///     effort = X(p) c,   X = [load | friction law's columns | effects' columns | 1] / gain
 ///
@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,17 +23,30 @@ namespace simgap {
 
 struct FrictionLaw;
 
+/// What a motor draws that would draw I if its torque grew with its current for ever, in
+/// effort = I + cubic I^3 + excess sign(I) max(|I| - knee, 0).
+struct Saturation {
+  double cubic = 0.0;   ///< [1/A^2]
+  double excess = 0.0;  ///< [1]
+  double knee = 0.0;    ///< [A]
+
+  bool acts() const { return cubic != 0.0 || excess != 0.0; }
+  Eigen::ArrayXd effort(const Eigen::ArrayXd& unsaturated) const;
+  Eigen::ArrayXd slope(const Eigen::ArrayXd& unsaturated) const;  ///< of the effort by I
+};
+
 /// What the columns are made of. Arrays of shape (n).
 struct ActuatorTerms {
   Eigen::ArrayXd load;         ///< [N m] what the drive works against
   Eigen::ArrayXd dry;          ///< what multiplies dry friction: direction x presliding x factors
   Eigen::ArrayXd viscous;      ///< [rad/s] what multiplies k_v
   Eigen::ArrayXd gain;         ///< torque per ampere, relative to k_a; empty: 1
-  double cubic = 0.0;          ///< [1/A^2] effort = I + cubic I^3
+  Saturation saturation;       ///< of the motor
   double delay = 0.0;          ///< [s] the effort is logged that much later than the motion
   Eigen::ArrayXd effort;       ///< [N] of a muscle: what stretches its tendon
   Eigen::ArrayXd pressure;     ///< [Pa] that drives a muscle
   Eigen::ArrayXd contraction;  ///< [1] of the muscle itself
+  Eigen::ArrayXd deflection;   ///< [m] or [rad] by which a spring is stretched
 };
 
 /// A number that enters the model non-linearly.
@@ -62,23 +76,28 @@ struct EffectColumn {
 /// A named physical cause. Whoever needs to know something of an effect reads it here: nothing outside its file tests
 /// an effect by its name, and docs/effects.md is written from these fields (tests/model/effects/effects_page_test.cpp).
 struct ActuatorEffect {
-  std::string_view name;                             ///< of the catalogue
-  ActuatorKind kind = ActuatorKind::kFriction;       ///< which logs can show it (see appliesTo)
-  std::string_view cause;                            ///< one sentence for people
-  std::string_view equation;                         ///< one line
-  std::string_view signature;                        ///< what the residual of a model without it looks like
-  std::string_view remarks = {};                     ///< what else to know of it; may be empty
-  std::string_view source;                           ///< where it comes from
-  std::string_view look_alikes;                      ///< what it is easily confused with
-  std::string_view separates;                        ///< the log that tells it from them: continues "record …"
+  std::string_view name;                        ///< of the catalogue
+  std::string_view form = {};                   ///< "linear": one of several laws of the same cause; empty: the only
+  ActuatorKind kind = ActuatorKind::kFriction;  ///< which logs can show it (see appliesTo)
+  std::string_view cause;                       ///< one sentence for people
+  std::string_view equation;                    ///< one line
+  std::string_view signature;                   ///< what the residual of a model without it looks like
+  std::string_view remarks = {};                ///< what else to know of it; may be empty
+  std::string_view source;                      ///< where it comes from
+  std::string_view look_alikes;                 ///< what it is easily confused with
+  std::string_view separates;                   ///< the log that tells it from them: continues "record …"
   std::span<const EffectParameter> parameters = {};  ///< shape (P)
   std::span<const EffectColumn> columns = {};        ///< shape (C)
   std::span<const OptionalChannel> needs = {};       ///< of a log
+  /// The same cause by other laws. Which of them the data follow is a detail of the finding: they share a name.
+  std::span<const ActuatorEffect* const> other_forms = {};
   /// True for laws of which it is a part already, or in which it has no meaning; none: it adds to every law.
   bool (*contained_in)(const FrictionLaw& law) = nullptr;
   bool needs_stribeck = false;  ///< it acts on the Stribeck term of a law
   bool is_offset = false;       ///< a constant effort: part of every fit with an offset of its own
   bool implicit = false;        ///< `apply` reads terms.effort: the effort stands on both sides of the equation
+  /// A channel that it is a multiple of: where a fitted constant of the bench is one, too, they say the same.
+  Eigen::ArrayXd ActuatorRows::*multiple_of = nullptr;
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
   bool on_drive = false;        ///< a gearbox's cause that any drive can have, too
   bool on_gearbox = true;       ///< false: a gearbox's own causes say it in other words, or its rows cannot show it
@@ -92,20 +111,30 @@ struct ActuatorEffect {
   /// Where to search, shape (starts)(P); none: at `start` of every parameter. \param residual  shape (n) of the model
   /// without the effect.
   std::vector<std::vector<double>> (*starts)(const ActuatorRows& rows, const Eigen::ArrayXd& residual) = nullptr;
-  /// False for values so small that sampling alone makes them; none: every value counts.
+  /// False for values that are no finding: so small that sampling alone makes them, or beyond the log; none: all count.
   bool (*counts)(std::span<const double> p, const ActuatorRows& rows) = nullptr;
 };
 
 /// Parameter by which a model has a little of the effect that is in every drive.
 inline constexpr std::string_view kNuisance = "presliding";
 
+/// The usual form of a cause that has others, too.
+constexpr ActuatorEffect withForms(ActuatorEffect usual, std::span<const ActuatorEffect* const> others) {
+  usual.other_forms = others;
+  return usual;
+}
+
+/// "bend-friction (linear)"
+std::string titleOf(const ActuatorEffect& effect);
+
 /// A gearbox has its own causes and those of any drive that are not ruled out (on_gearbox).
 bool appliesTo(const ActuatorEffect& effect, ActuatorKind kind);
 
 namespace actuator_effects {
 std::span<const ActuatorEffect* const> all();
-/// \throws ConfigError that lists the known effects.
-const ActuatorEffect& find(std::string_view name);
+/// \param form  of the effect; empty: its usual one
+/// \throws ConfigError that lists the known effects, or the forms of this one.
+const ActuatorEffect& find(std::string_view name, std::string_view form = {});
 /// The effect that every real drive has a little of.
 const ActuatorEffect& inEveryDrive();
 }  // namespace actuator_effects

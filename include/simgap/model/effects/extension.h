@@ -18,6 +18,7 @@ struct Extension {
   std::string effect;  ///< a name of the catalogue
   std::string target;  ///< which muscle, body or joint; empty for an effect of the whole
   std::vector<Estimate> parameters;
+  std::string form = {};  ///< of an effect that has several; empty: its usual one
 
   /// \throws ConfigError when there is no such parameter.
   double value(std::string_view name) const;

@@ -11,10 +11,10 @@
 
 namespace simgap {
 
-/// An arm that gets the fitted drive.
+/// An arm that gets the fitted drive or cord.
 struct ArmWithDrive {
   ArmModel arm;
-  std::size_t muscle = 0;  ///< whose drive it is
+  std::size_t muscle = 0;  ///< whose it is
 };
 
 struct DriveReport {
@@ -25,6 +25,9 @@ struct DriveReport {
   double ratio = 1.0;  ///< motor turns per turn of the output
   std::optional<ArmWithDrive> into;
 };
+
+/// The estimates as priors of the parameters of that muscle, YAML; what is fixed or unknown is left out.
+std::string calibrationParameters(const std::string& muscle, const Uncertainty& uncertainty);
 
 FitSummary summarise(const DriveReport& report);
 /// model.yaml, response.csv and the tables; with an arm also arm.yaml and calibration_parameters.yaml, the priors from

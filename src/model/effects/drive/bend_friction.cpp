@@ -1,5 +1,6 @@
 /// \file
-/// Cable friction that grows with the wrap angle (capstan): dry friction x exp(mu (theta - theta_mean)).
+/// Cable friction that grows with the wrap angle: dry friction x exp(mu (theta - theta_mean)) (capstan), or
+/// x (1 + mu (theta - theta_mean)) where sheath and cable press on each other by the bend alone.
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects {
@@ -13,15 +14,17 @@ void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& t
   terms.dry *= (p[0] * (rows.joint_angle - p[1])).max(-20.0).min(20.0).exp();
 }
 
+void applyLinear(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
+  terms.dry *= (1.0 + p[0] * (rows.joint_angle - p[1])).max(0.02);
+}
+
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   return {{0.0, rows.joint_angle.mean()}};
 }
 
-}  // namespace
-
-extern const ActuatorEffect bend_friction;
-const ActuatorEffect bend_friction = {
+constexpr ActuatorEffect kUsual = {
     .name = "bend-friction",
+    .form = "exponential",
     .cause = "cable friction that grows with the angle the cable is bent by",
     .equation = "tau_dry exp(mu (theta - theta_mean))",
     .signature = "steps at reversals that grow with the joint angle",
@@ -33,5 +36,19 @@ const ActuatorEffect bend_friction = {
     .apply = apply,
     .starts = starts,
 };
+
+constexpr ActuatorEffect kLinear = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "linear";
+  effect.equation = "tau_dry (1 + mu (theta - theta_mean))";
+  effect.apply = applyLinear;
+  return effect;
+}();
+constexpr const ActuatorEffect* kForms[] = {&kLinear};
+
+}  // namespace
+
+extern const ActuatorEffect bend_friction;
+const ActuatorEffect bend_friction = withForms(kUsual, kForms);
 
 }  // namespace simgap::actuator_effects

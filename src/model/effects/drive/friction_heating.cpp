@@ -1,5 +1,6 @@
 /// \file
-/// Friction that falls as the drive warms up: viscous and dry friction x exp(-beta (T - T_mean)), a beta for each.
+/// Friction that falls as the drive warms up: viscous and dry friction x exp(-beta (T - T_mean)), a beta for each, or
+/// x 1 / (1 + beta (T - T_mean)) (the viscosity of some greases).
 /// Where no temperature is logged, a first-order warm-up 1 - exp(-t / t_warm) of the whole log stands for it.
 #include "simgap/model/effects/actuator_effect.h"
 
@@ -11,15 +12,21 @@ constexpr EffectParameter kParameters[] = {{"beta_viscous", "1", -2.0, 2.0, 0.0,
                                            {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant},
                                            {"t_warm", "s", 1.0, 1e6, 1.0, 1.0, EffectParameter::Kind::kShape}};
 
+Eigen::ArrayXd warmthOf(std::span<const double> p, const ActuatorRows& rows) {
+  if (rows.temperature.size() > 0) return rows.temperature - p[2];
+  return 1.0 - (-(rows.time - rows.time[0]) / p[3]).exp();
+}
+
 void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
-  Eigen::ArrayXd warmth;
-  if (rows.temperature.size() > 0) {
-    warmth = rows.temperature - p[2];
-  } else {
-    warmth = 1.0 - (-(rows.time - rows.time[0]) / p[3]).exp();
-  }
+  const Eigen::ArrayXd warmth = warmthOf(p, rows);
   terms.viscous *= (-p[0] * warmth).max(-20.0).min(20.0).exp();
   terms.dry *= (-p[1] * warmth).max(-20.0).min(20.0).exp();
+}
+
+void applyHyperbolic(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
+  const Eigen::ArrayXd warmth = warmthOf(p, rows);
+  terms.viscous /= (1.0 + p[0] * warmth).max(0.02);
+  terms.dry /= (1.0 + p[1] * warmth).max(0.02);
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
@@ -28,11 +35,9 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return {{0.05, 0.05, 0.0, 0.1 * length}, {0.05, 0.05, 0.0, 0.4 * length}, {0.05, 0.05, 0.0, 2.0 * length}};
 }
 
-}  // namespace
-
-extern const ActuatorEffect friction_heating;
-const ActuatorEffect friction_heating = {
+constexpr ActuatorEffect kUsual = {
     .name = "friction-heating",
+    .form = "exponential",
     .cause = "friction falls as the drive warms up",
     .equation = "tau_dry exp(-beta_dry (T - T_mean)), k_v exp(-beta_viscous (T - T_mean))",
     .signature =
@@ -44,5 +49,19 @@ const ActuatorEffect friction_heating = {
     .apply = apply,
     .starts = starts,
 };
+
+constexpr ActuatorEffect kHyperbolic = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "hyperbolic";
+  effect.equation = "tau_dry / (1 + beta_dry (T - T_mean)), k_v / (1 + beta_viscous (T - T_mean))";
+  effect.apply = applyHyperbolic;
+  return effect;
+}();
+constexpr const ActuatorEffect* kForms[] = {&kHyperbolic};
+
+}  // namespace
+
+extern const ActuatorEffect friction_heating;
+const ActuatorEffect friction_heating = withForms(kUsual, kForms);
 
 }  // namespace simgap::actuator_effects

@@ -24,6 +24,7 @@ const ActuatorEffect inertia = {
     .look_alikes = "joint-gravity and channel-delay on sinusoids of one frequency",
     .separates = "the same angles at a slow and at a fast frequency",
     .columns = kColumns,
+    .multiple_of = &ActuatorRows::acceleration,
     .fill = fill,
 };
 

@@ -1,5 +1,5 @@
 /// \file
-/// Breakaway friction that grows with the time at rest: tau_s += c log(1 + t_rest / 1 s).
+/// Breakaway friction that grows with the time at rest: tau_s += c log(1 + t_rest / 1 s), or as a power of it.
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects {
@@ -13,11 +13,15 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const Actuato
   x.col(0) = terms.dry * stribeck * (1.0 + rows.rest).log();
 }
 
-}  // namespace
+void fillPower(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& terms,
+               const Eigen::ArrayXd& stribeck, Eigen::Ref<Eigen::ArrayXXd> x) {
+  constexpr double kExponent = 0.4;
+  x.col(0) = terms.dry * stribeck * rows.rest.pow(kExponent);
+}
 
-extern const ActuatorEffect stiction_ageing;
-const ActuatorEffect stiction_ageing = {
+constexpr ActuatorEffect kUsual = {
     .name = "stiction-ageing",
+    .form = "logarithm",
     .cause = "breaking away takes more the longer the drive has rested",
     .equation = "tau_s += c log(1 + t_rest / 1 s)",
     .signature = "breakaway peaks that grow with the rest before them",
@@ -29,5 +33,19 @@ const ActuatorEffect stiction_ageing = {
     .needs_stribeck = true,
     .fill = fill,
 };
+
+constexpr ActuatorEffect kPower = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "power";
+  effect.equation = "tau_s += c (t_rest / 1 s)^0.4";
+  effect.fill = fillPower;
+  return effect;
+}();
+constexpr const ActuatorEffect* kForms[] = {&kPower};
+
+}  // namespace
+
+extern const ActuatorEffect stiction_ageing;
+const ActuatorEffect stiction_ageing = withForms(kUsual, kForms);
 
 }  // namespace simgap::actuator_effects

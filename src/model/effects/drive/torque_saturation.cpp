@@ -1,5 +1,6 @@
 /// \file
-/// Torque per ampere that falls at high current: effort = I + s I^3, I what an unsaturated motor would draw.
+/// Torque per ampere that falls at high current: effort = I + s I^3, I what an unsaturated motor would draw, or from a
+/// knee on effort = I + s (|I| - I_knee) sign(I).
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects {
@@ -7,13 +8,28 @@ namespace {
 
 constexpr EffectParameter kParameters[] = {{"s", "1_A2", -0.1, 1.0, 0.0, 0.0}};
 
-void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) { terms.cubic += p[0]; }
+constexpr EffectParameter kKneeParameters[] = {{"s", "1", -0.5, 50.0, 0.0, 0.0},
+                                               {"I_knee", "A", 0.0, 1e6, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
-}  // namespace
+void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
+  terms.saturation.cubic += p[0];
+}
 
-extern const ActuatorEffect torque_saturation;
-const ActuatorEffect torque_saturation = {
+void applyKnee(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
+  terms.saturation.excess += p[0];
+  terms.saturation.knee = p[1];
+}
+
+std::vector<std::vector<double>> kneeStarts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  std::vector<std::vector<double>> list;
+  const double top = rows.effort.abs().maxCoeff();
+  for (const double share : {0.3, 0.5, 0.7}) list.push_back({0.05, share * top});
+  return list;
+}
+
+constexpr ActuatorEffect kUsual = {
     .name = "torque-saturation",
+    .form = "cube",
     .cause = "torque per ampere falls at high current",
     .equation = "I + s I^3",
     .signature = "the largest efforts are larger than the model, as their cube",
@@ -23,5 +39,21 @@ const ActuatorEffect torque_saturation = {
     .parameters = kParameters,
     .apply = apply,
 };
+
+constexpr ActuatorEffect kKnee = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "knee";
+  effect.equation = "I + s max(|I| - I_knee, 0) sign(I)";
+  effect.parameters = kKneeParameters;
+  effect.apply = applyKnee;
+  effect.starts = kneeStarts;
+  return effect;
+}();
+constexpr const ActuatorEffect* kForms[] = {&kKnee};
+
+}  // namespace
+
+extern const ActuatorEffect torque_saturation;
+const ActuatorEffect torque_saturation = withForms(kUsual, kForms);
 
 }  // namespace simgap::actuator_effects

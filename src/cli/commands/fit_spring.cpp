@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include "cli/drive_command.h"
+#include "cli/inputs.h"
+#include "simgap/cli/command.h"
+#include "simgap/measure/logs/spring_log.h"
+#include "simgap/report/actuators/spring_report.h"
+
+namespace simgap::commands {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  TableOptions table;
+  FitOptions fit;
+  std::string log, model, into, muscle;
+};
+
+/// \throws DataError for a force that falls where the deflection grows.
+SpringLog readSigned(const CsvTable& table) {
+  constexpr double kMirrored = -0.7;  // correlation
+  SpringLog spring = readSpringLog(table);
+  if (const double r = agreement(spring); r < kMirrored) {
+    throw DataError(
+        fmt::format("{}: {}_{} falls where {} grows (correlation {:.2f}), expected both to count tension as "
+                    "positive",
+                    spring.file, spring.forceName(), spring.forceUnit(), spring.deflectionColumn(), r));
+  }
+  return spring;
+}
+
+ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
+  Session session("fit-spring", options.common, argv);
+  const CsvOptions csv = options.table.csv();
+  if (!options.model.empty()) return runRefit({"fit-spring", options.model, options.log, {}, csv}, session, app);
+  const ParameterChoices choices = options.fit.parameters();
+  requireKnown(choices, springParameterNames());
+
+  SpringReport report;
+  report.into = readTarget(options.into, options.muscle, session);
+  const CsvTable table = readLog(session, "log", options.log, csv);
+  const Holdout holdout = readHoldout(options.fit.holdout, table);
+  const SpringLog spring = readSigned(table);
+  if (report.into && spring.angular) {
+    throw DataError(fmt::format("{}: found a torque over an angle, expected a force over a length for a muscle's cord",
+                                spring.file));
+  }
+  report.own_length = spring.own_length;
+  report.log = prepareSpringData(table);
+  report.log_sha256 = session.input("log").sha256;
+  report.comparison = compareSprings(report.log, {false, choices.fixed, choices.bounds}, holdout, options.fit.block_s);
+  for (const std::string& file : options.fit.validate) {
+    const PreparedLog other = prepareSpringData(session.readTable("validation", file, csv));
+    const auto rows = static_cast<std::size_t>(std::ranges::count(other.data.keep, true));
+    report.transfer.push_back({file, rows, meanSquaredError(report.comparison.chosen().fit, other, {})});
+  }
+  if (options.common.dry_run) {
+    fmt::print("would fit a spring to {} rows of {}; nothing was written\n", table.rows(), options.log);
+    return ExitCode::kDone;
+  }
+  session.begin(options.common.seed.value_or(0));
+  session.directory().write("config.resolved.yaml", resolvedOptions(app));
+  writeSpringReport(report, session.directory());
+  const FitSummary summary = summarise(report);
+  session.finish(toJson(summary), terminalTable(summary));
+  return ExitCode::kDone;
+}
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
+  auto options = std::make_shared<Options>();
+  app.add_option(
+         "LOG", options->log,
+         "log of the spring (CSV: force_N with deflection_m, or with length_m, its own length; or torque_Nm with "
+         "deflection_rad; time_s, session)")
+      ->required();
+  app.add_option("--model", options->model,
+                 "a diagnosed spring (YAML): its equation and its extensions are fitted together");
+  app.add_option("--into", options->into,
+                 "arm model (YAML) to write the cord into; the copy lands in the result directory");
+  app.add_option("--muscle", options->muscle, "whose cord it is");
+  return defineFit(options, app, argv, run);
+}
+
+}  // namespace
+
+extern const Command fit_spring;
+const Command fit_spring{"fit-spring", "stiffness, offset and damping of a spring, a shock cord or a tendon",
+                         "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring\n"
+                         "  simgap fit-spring data/logs/shock-cord.csv.gz --into data/arm/arm.yaml --muscle biceps",
+                         define};
+
+}  // namespace simgap::commands

@@ -1,0 +1,223 @@
+#include "simgap/fit/actuators/spring_fit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/error.h"
+#include "simgap/measure/logs/channel_checks.h"
+#include "simgap/model/actuator/fitted_model.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::size_t kRestLength = 3;  // place in theta
+
+/// The rows in use, and the model's residuals on them.
+class SpringProblem {
+ public:
+  SpringProblem(const PreparedLog& log, const SpringFitOptions& options, const std::vector<bool>& rows)
+      : options_(options) {
+    const ActuatorRows& all = log.data.rows;
+    for (std::size_t i = 0; i < log.data.keep.size(); ++i) {
+      if (!log.data.keep[i] || (!rows.empty() && !rows[i])) continue;
+      const auto k = static_cast<Index>(i);
+      deflection.push_back(all.deflection[k]);
+      rate.push_back(all.speed[k]);
+      force.push_back(all.effort[k]);
+      session.push_back(all.session[i]);
+    }
+    const bool angular = log.data.load_unit == "Nm";
+    parameters = {{"stiffness", angular ? "Nm_rad" : "N_m", 0.0, kInfinity},
+                  {"offset", log.data.load_unit, -kInfinity, kInfinity},
+                  {"damping", angular ? "Nms_rad" : "Ns_m", 0.0, kInfinity, !all.timed}};
+    if (options.cord) parameters.push_back({"rest_length", angular ? "rad" : "m", -kInfinity, kInfinity});
+    for (ParameterSpec& p : parameters) {
+      if (const auto bounds = options.bounds.find(p.name); bounds != options.bounds.end()) {
+        p.lower = bounds->second.lower;
+        p.upper = bounds->second.upper;
+      }
+      p.fixed = p.fixed || options.fixed.contains(p.name);
+    }
+  }
+
+  LeastSquaresProblem problem() const {
+    LeastSquaresProblem p;
+    p.parameters = parameters;
+    p.chunks = evenChunks(force.size());
+    p.evaluate = [this](std::span<const double> theta, const Block& block, Eigen::Ref<Eigen::VectorXd> r,
+                        Eigen::Ref<Eigen::MatrixXd>* j) { evaluate(theta, block, r, j); };
+    return p;
+  }
+
+  /// The line through the rows above a rest length, with the known values in place.
+  std::vector<double> startAt(double rest_length) const {
+    std::vector<std::size_t> taut;
+    for (std::size_t i = 0; i < force.size(); ++i) {
+      if (deflection[i] > rest_length) taut.push_back(i);
+    }
+    Eigen::MatrixXd x(std::ssize(taut), 2);
+    Eigen::VectorXd f(std::ssize(taut));
+    for (Index k = 0; k < f.size(); ++k) {
+      const std::size_t i = taut[static_cast<std::size_t>(k)];
+      x.row(k) << deflection[i], 1.0;
+      f[k] = force[i];
+    }
+    const Eigen::VectorXd line = x.colPivHouseholderQr().solve(f);
+    std::vector<double> theta = {std::max(line[0], 0.0), line[1], 0.0};
+    if (options_.cord) theta.push_back(rest_length);
+    for (std::size_t i = 0; i < theta.size(); ++i) {
+      if (const auto fixed = options_.fixed.find(parameters[i].name); fixed != options_.fixed.end())
+        theta[i] = fixed->second;
+    }
+    return theta;
+  }
+
+  std::vector<double> deflection, rate, force;
+  std::vector<int> session;
+  std::vector<ParameterSpec> parameters;
+
+ private:
+  void evaluate(std::span<const double> theta, const Block& block, Eigen::Ref<Eigen::VectorXd> r,
+                Eigen::Ref<Eigen::MatrixXd>* jacobian) const {
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      const auto row = static_cast<Index>(i - block.begin);
+      const bool slack = options_.cord && deflection[i] < theta[kRestLength];
+      const double x = slack ? theta[kRestLength] : deflection[i], v = slack ? 0.0 : rate[i];
+      r[row] = theta[0] * x + theta[1] + theta[2] * v - force[i];
+      if (jacobian == nullptr) continue;
+      jacobian->row(row).head(3) << x, 1.0, v;
+      if (options_.cord) (*jacobian)(row, kRestLength) = slack ? theta[0] : 0.0;
+    }
+  }
+
+  SpringFitOptions options_;
+};
+
+/// Rest lengths to begin with; of a spring without one, one below all rows.
+std::vector<double> restLengths(const SpringProblem& model, const SpringFitOptions& options) {
+  const auto [low, high] = std::ranges::minmax(model.deflection);
+  if (!options.cord) return {low - 1.0};
+  if (const auto fixed = options.fixed.find("rest_length"); fixed != options.fixed.end()) return {fixed->second};
+  std::vector<double> starts;
+  for (const double part : {0.01, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7}) starts.push_back(low + part * (high - low));
+  return starts;
+}
+
+void requireFittable(const PreparedLog& log, const SpringProblem& model, std::size_t free) {
+  const std::string deflection = log.data.load_unit == "Nm" ? "deflection_rad" : "the deflection";
+  if (model.force.size() <= free) {
+    throw DataError(
+        fmt::format("{}: found {} rows for {} parameters, expected many more", log.file, model.force.size(), free));
+  }
+  for (const auto& [name, values] : {std::pair<std::string, const std::vector<double>&>{log.effort_column, model.force},
+                                     {deflection, model.deflection}}) {
+    if (isConstant(values))
+      throw DataError(fmt::format("{}: {} is constant throughout: nothing can be found from it", log.file, name));
+  }
+}
+
+SpringCandidate fitSpringCandidate(const std::string& name, const PreparedLog& log, const SpringFitOptions& options,
+                                   const std::vector<bool>& kept, bool final_on_all) {
+  SpringCandidate candidate{name, fitSpring(log, options, kept), std::nullopt};
+  if (std::ranges::count(kept, false) == 0) return candidate;
+  std::vector<bool> held = kept;
+  held.flip();
+  candidate.mse_heldout = meanSquaredError(candidate.fit, log, held);
+  if (final_on_all) candidate.fit = fitSpring(log, options);
+  return candidate;
+}
+
+}  // namespace
+
+std::vector<std::string> springParameterNames() { return {"stiffness", "offset", "damping", "rest_length"}; }
+
+double SpringFit::force(double deflection, double rate) const {
+  const bool slack = cord && deflection < theta[kRestLength];
+  return theta[0] * (slack ? theta[kRestLength] : deflection) + theta[1] + (slack ? 0.0 : theta[2] * rate);
+}
+
+SpringFit fitSpring(const PreparedLog& log, const SpringFitOptions& options, const std::vector<bool>& rows) {
+  const SpringProblem model(log, options, rows);
+  const LeastSquaresProblem problem = model.problem();
+  SpringFit fit;
+  fit.cord = options.cord;
+  fit.n = model.force.size();
+  fit.parameters = problem.freeParameters().size();
+  requireFittable(log, model, fit.parameters);
+  std::vector<LeastSquaresResult> found;
+  for (const double rest_length : restLengths(model, options)) {
+    found.push_back(minimise(problem, model.startAt(rest_length)));
+  }
+  std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
+  fit.starts = found.size();
+  fit.distinct_minima = 1;
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    if (found[i].cost > 1.0001 * found[i - 1].cost) ++fit.distinct_minima;
+  }
+  fit.theta = found.front().theta;
+  fit.mse = found.front().cost / static_cast<double>(fit.n);
+  fit.uncertainty = estimateUncertainty(problem, fit.theta, model.session);
+  return fit;
+}
+
+double meanSquaredError(const SpringFit& fit, const PreparedLog& log, const std::vector<bool>& rows) {
+  const ActuatorRows& all = log.data.rows;
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < log.data.keep.size(); ++i) {
+    if (!log.data.keep[i] || (!rows.empty() && !rows[i])) continue;
+    const auto k = static_cast<Index>(i);
+    sum += std::pow(fit.force(all.deflection[k], all.speed[k]) - all.effort[k], 2);
+    ++count;
+  }
+  return sum / static_cast<double>(std::max<std::size_t>(count, 1));
+}
+
+Unloaded unloadedDeflection(const SpringFit& fit) {
+  if (fit.cord) return {fit.theta[kRestLength], fit.uncertainty.estimates[kRestLength].sd};
+  // x_0 = -b / k: its derivatives are b / k^2 and -1 / k.
+  const double k = fit.theta[0], b = fit.theta[1];
+  const Eigen::Vector2d slope(b / (k * k), -1.0 / k);
+  const double variance = slope.dot(fit.uncertainty.covariance.topLeftCorner<2, 2>() * slope);
+  return {-b / k, variance > 0.0 ? std::sqrt(variance) : std::nan("")};
+}
+
+SpringComparison compareSprings(const PreparedLog& log, const SpringFitOptions& options, const Holdout& holdout,
+                                const std::optional<double>& block_s) {
+  constexpr std::size_t kFewestBlocks = 5;  // one of them is a fifth
+  constexpr double kFewestSlack = 0.02;     // of the rows
+  const ActuatorRows& rows = log.data.rows;
+  const std::vector<double> time(rows.time.begin(), rows.time.end());
+  Holdout judged_by = holdout;
+  if (!holdout.any()) judged_by = {0.2, {}, "20 % of the blocks, before the final fit to all rows"};
+  const std::vector<Block> blocks =
+      rows.timed ? splitBlocks(time, rows.session, blockSeconds(block_s, time.back() - time.front()))
+                 : splitRows(rows.session, std::max<std::size_t>(1, time.size() / 50));
+  std::vector<bool> kept(time.size(), true);
+  if (blocks.size() >= kFewestBlocks || holdout.any()) {
+    kept = heldOutRows(judged_by, blocks);
+    kept.flip();
+  }
+  SpringFitOptions spring = options, cord = options;
+  spring.cord = false, cord.cord = true;
+  SpringComparison comparison;
+  comparison.heldout = judged_by.words;
+  if (!options.fixed.contains("rest_length") && !options.bounds.contains("rest_length")) {
+    comparison.candidates.push_back(fitSpringCandidate("spring", log, spring, kept, !holdout.any()));
+  }
+  comparison.candidates.push_back(fitSpringCandidate(kCord, log, cord, kept, !holdout.any()));
+  comparison.best = comparison.candidates.size() - 1;
+  if (comparison.best == 0) return comparison;
+  const auto judge = [](const SpringCandidate& c) { return c.mse_heldout.value_or(c.fit.mse); };
+  const double slack = (rows.deflection < comparison.chosen().fit.theta[kRestLength]).cast<double>().mean();
+  if (slack < kFewestSlack || judge(comparison.candidates.front()) <= judge(comparison.candidates.back()))
+    comparison.best = 0;
+  return comparison;
+}
+
+}  // namespace simgap

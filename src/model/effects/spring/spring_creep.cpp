@@ -1,0 +1,96 @@
+/// \file
+/// A part of the force dies away while the deflection stands: a Maxwell branch, spring and damper in series,
+///
+///     F += stiffness y,   dy/dt = dx/dt - y / tau,
+///
+/// solved exactly for a deflection that changes linearly between rows. Cords have many such branches: with `decades` =
+/// 2 the stiffness is shared by five of them, from tau / 10 to 10 tau. Every session begins relaxed.
+#include <cmath>
+
+#include "simgap/model/effects/actuator_effect.h"
+
+namespace simgap::actuator_effects {
+namespace {
+
+constexpr int kBranches = 5;
+constexpr EffectParameter kParameters[] = {{"tau", "s", 1e-3, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape},
+                                           {"decades", "1", 0.0, 4.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
+constexpr EffectColumn kColumns[] = {{.name = "stiffness", .unit = "Nm_rad", .lower = 0.0, .torque = false}};
+
+/// y of one branch, shape (n), times `share`, added to `sum`.
+void addBranch(double tau, double share, const ActuatorRows& rows, const Eigen::ArrayXd& deflection,
+               Eigen::Ref<Eigen::ArrayXd> sum) {
+  double y = 0.0;
+  for (Eigen::Index i = 1; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (rows.session[k] != rows.session[k - 1]) {
+      y = 0.0;
+      continue;
+    }
+    const double dt = rows.time[i] - rows.time[i - 1], stays = std::exp(-dt / tau);
+    y = stays * y + tau / dt * (1.0 - stays) * (deflection[i] - deflection[i - 1]);
+    sum[i] += share * y;
+  }
+}
+
+void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
+          const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.setZero();
+  const int branches = p[1] > 0.0 ? kBranches : 1;
+  for (int b = 0; b < branches; ++b) {
+    const double place = branches > 1 ? static_cast<double>(b) / (branches - 1) - 0.5 : 0.0;
+    addBranch(p[0] * std::pow(10.0, p[1] * place), 1.0 / branches, rows, terms.deflection, x.col(0));
+  }
+}
+
+double longestSession(const ActuatorRows& rows) {
+  double longest = 0.0;
+  for (Eigen::Index i = 1, begin = 0; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (rows.session[k] != rows.session[k - 1]) begin = i;
+    longest = std::max(longest, rows.time[i] - rows.time[begin]);
+  }
+  return longest;
+}
+
+constexpr double kShortest = 3.0;  // time steps: faster branches are damping
+
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  constexpr int kCount = 5;
+  const double low = 3.0 * kShortest * rows.step, high = std::max(longestSession(rows) / 3.0, 2.0 * low);
+  std::vector<std::vector<double>> list;
+  for (const double decades : {0.0, 2.0}) {
+    for (int k = 0; k < kCount; ++k) list.push_back({low * std::pow(high / low, k / (kCount - 1.0)), decades});
+  }
+  return list;
+}
+
+/// Slower than a session it is stiffness, or time itself.
+bool counts(std::span<const double> p, const ActuatorRows& rows) {
+  return p[0] > kShortest * rows.step && p[0] < longestSession(rows);
+}
+
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTime};
+
+}  // namespace
+
+extern const ActuatorEffect spring_creep;
+const ActuatorEffect spring_creep = {
+    .name = "spring-creep",
+    .kind = ActuatorKind::kSpring,
+    .cause = "a part of the force dies away while the deflection stands: the material creeps",
+    .equation = "F += stiffness y, dy/dt = dx/dt - y / tau",
+    .signature = "force falls during rests after a pull and rises after a release; loops are wider at one speed",
+    .remarks = "one relaxation time (`decades` = 0) or five over two decades about tau, as the data choose",
+    .source = "Maxwell 1867; Wiechert 1893",
+    .look_alikes = "spring-hysteresis when all motions have one speed",
+    .separates = "rests of some tau after fast pulls to several deflections, and slow loops beside fast ones",
+    .parameters = kParameters,
+    .columns = kColumns,
+    .needs = kNeeds,
+    .fill = fill,
+    .starts = starts,
+    .counts = counts,
+};
+
+}  // namespace simgap::actuator_effects

@@ -1,0 +1,225 @@
+// `simgap fit-spring` and `simgap diagnose spring` on logs of a simulated rig, with and without a secret.
+#include <cmath>
+
+#include "cli/cli_fixture.h"
+#include "reality/spring_rig.h"
+#include "simgap/core/run_directory.h"
+#include "simgap/core/yaml.h"
+#include "simgap/model/arm/arm_yaml.h"
+
+namespace simgap::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Springs : public CliTest {
+ protected:
+  static reality::SpringDesign rig(std::uint64_t seed) {
+    reality::SpringDesign design;
+    design.seed = seed;
+    return design;
+  }
+  /// A cord that is never pushed.
+  static reality::SpringDesign pulled(std::uint64_t seed) {
+    reality::SpringDesign design = rig(seed);
+    design.low = 0.0;
+    design.high = 0.1;
+    return design;
+  }
+  Json ask(const reality::SpringTruth& truth, const reality::SpringDesign& design) const {
+    put("log.csv", reality::recordSpring(truth, design).csv());
+    succeed({"diagnose", "spring", "--log", "log.csv", "-q", "--force", "-o", "d"});
+    return Json::parse(text("d/result.json"));
+  }
+  Json fit(const reality::SpringTruth& truth, const reality::SpringDesign& design, const Arguments& more = {}) const {
+    put("log.csv", reality::recordSpring(truth, design).csv());
+    Arguments all{"fit-spring", "log.csv", "-q", "--force", "-o", "f"};
+    all.insert(all.end(), more.begin(), more.end());
+    succeed(all);
+    return Json::parse(text("f/result.json"));
+  }
+  static Json parameter(const Json& list, const std::string& name) {
+    for (const Json& p : list) {
+      if (p.at("name") == name) return p;
+    }
+    throw std::runtime_error("no parameter " + name);
+  }
+  static double valueOf(const Json& result, const std::string& name) {
+    return parameter(result.at("causes").at(0).at("parameters"), name).at("value");
+  }
+  static bool alone(const Json& result, const std::string& effect) {
+    return result.at("verdict") == "cause-found" && result.at("causes").size() == 1 &&
+           result.at("causes")[0].at("effect") == effect;
+  }
+  static std::vector<std::string> namesIn(const Json& result) {
+    std::vector<std::string> names;
+    for (const Json& cause : result.at("causes")) names.push_back(cause.at("effect"));
+    return names;
+  }
+};
+
+TEST_F(Springs, AreFittedWithinTheirIntervals) {
+  reality::SpringTruth truth;
+  truth.force_offset = 0.4;
+  const Json result = fit(truth, rig(21));
+  EXPECT_EQ(result.at("model"), "spring");
+  for (const auto& [name, value] : {std::pair("stiffness", 150.0), {"offset", 0.4}, {"damping", 4.0}}) {
+    const Json p = parameter(result.at("parameters"), name);
+    EXPECT_NEAR(p.at("value").get<double>(), value, 3.0 * p.at("sd").get<double>()) << name;
+    EXPECT_LT(p.at("sd").get<double>(), 0.05 * value) << name;
+  }
+  EXPECT_NEAR(result.at("mse").get<double>(), 0.0025, 0.0003);
+}
+
+TEST_F(Springs, ACordHangsLooseBelowItsRestLength) {
+  reality::SpringTruth truth;
+  truth.pulls_only = true;
+  truth.slack_below = 0.035;
+  const Json result = fit(truth, pulled(22));
+  EXPECT_EQ(result.at("model"), "cord");
+  const Json rest = parameter(result.at("parameters"), "rest_length");
+  EXPECT_NEAR(rest.at("value").get<double>(), 0.035, 3.0 * rest.at("sd").get<double>() + 2e-5);
+  EXPECT_LT(rest.at("sd").get<double>(), 3e-4);
+  succeed({"predict", "f/model.yaml", "log.csv", "-q", "-o", "p"});
+  EXPECT_NEAR(Json::parse(text("p/result.json")).at("rms_error").get<double>(),
+              std::sqrt(result.at("mse").get<double>()), 0.002);
+}
+
+TEST_F(Springs, ACordIsWrittenIntoTheArmWithItsPriors) {
+  reality::SpringTruth truth;
+  truth.pulls_only = true;
+  truth.slack_below = 0.035;
+  const Json result = fit(truth, pulled(23), {"--into", "arm.yaml", "--muscle", "biceps"});
+  const auto cordOf = [](const ArmModel& arm) {
+    return std::ranges::find(arm.muscles, "biceps", &Muscle::name)->shock_cord;
+  };
+  const ShockCord before = cordOf(readArm(YamlNode::load(path("arm.yaml"))));
+  const ShockCord after = cordOf(readArm(YamlNode::load(path("f/arm.yaml"))));
+  EXPECT_NEAR(after.stiffness, 150.0, 3.0);
+  EXPECT_NEAR(after.damping, 4.0, 0.5);
+  EXPECT_EQ(after.rest_length, before.rest_length) << "the log does not say how long the cord was";
+  const std::string priors = text("f/calibration_parameters.yaml");
+  EXPECT_THAT(priors, HasSubstr("muscles.biceps.shock_cord.stiffness_N_m"));
+  EXPECT_THAT(priors, Not(HasSubstr("rest_length")));
+
+  std::string log = text("log.csv");
+  log.replace(log.find("deflection_m"), 12, "length_m");
+  put("length.csv", log);
+  succeed({"fit-spring", "length.csv", "-q", "--force", "-o", "f", "--into", "arm.yaml", "--muscle", "biceps"});
+  EXPECT_NEAR(cordOf(readArm(YamlNode::load(path("f/arm.yaml")))).rest_length, 0.035, 5e-4);
+  EXPECT_THAT(text("f/calibration_parameters.yaml"), HasSubstr("muscles.biceps.shock_cord.rest_length_m"));
+}
+
+TEST_F(Springs, SayWhatIsWrongWithALog) {
+  put("sign.csv", "time_s,deflection_m,force_N\n0,0,0\n1,0.1,-10\n2,0.2,-20\n3,0.3,-31\n4,0.2,-20\n5,0.1,-9\n");
+  expectRefused({"fit-spring", "sign.csv"}, 3, "sign.csv: force_N falls where deflection_m grows (correlation -1.00)");
+  put("two.csv", "time_s,deflection_m,torque_Nm\n0,0,0\n1,0.1,10\n");
+  expectRefused({"fit-spring", "two.csv"}, 3, "force");
+  put("few.csv", "time_s,deflection_m,force_N\n0,0,0\n1,0.1,10\n");
+  expectRefused({"fit-spring", "few.csv"}, 3, "found 2 rows for 3 parameters");
+  put("angle.csv", "deflection_rad,torque_Nm\n0,0\n0.1,10\n0.2,20\n0.3,31\n0.4,40\n");
+  expectRefused({"fit-spring", "angle.csv", "--into", "arm.yaml", "--muscle", "biceps"}, 3,
+                "found a torque over an angle");
+  succeed({"fit-spring", "angle.csv", "-q", "-o", "f"});
+  EXPECT_THAT(text("f/parameters.csv"), HasSubstr("stiffness,Nm_rad,"));
+}
+
+TEST_F(Springs, AreSilentWhereNothingIsHidden) {
+  reality::SpringDesign unkind = rig(2);
+  unkind.spikes = 5;
+  unkind.encoder_step = 2e-4;
+  unkind.force_limit = 6.5;
+  for (const reality::SpringDesign& design : {rig(1), unkind}) {
+    const Json result = ask({}, design);
+    EXPECT_EQ(result.at("verdict"), "nothing-found") << result.at("sentence") << result.at("candidates");
+  }
+  std::string channels;
+  for (const Json& fault : Json::parse(text("d/result.json")).at("faults")) {
+    EXPECT_TRUE(fault.at("corrected").get<bool>());
+    channels += fault.at("channel").get<std::string>() + " " + fault.at("sentence").get<std::string>() + "\n";
+  }
+  EXPECT_THAT(channels, HasSubstr("deflection_m stands alone in 5 rows"));
+  EXPECT_THAT(channels, HasSubstr("force_N sits at its limit"));
+}
+
+TEST_F(Springs, NameWhatBendsTheirCurve) {
+  reality::SpringTruth rubber, rope, cord;
+  rubber.curve = reality::rubberCurve(0.05);
+  rope.curve = reality::ropeCurve(0.05);
+  cord.pulls_only = true;
+  cord.slack_below = 0.04;
+  const Json soft = ask(rubber, rig(3));
+  ASSERT_TRUE(alone(soft, "spring-softening")) << soft.at("sentence");
+  // From 150 N/m at first to 0.557 of it at the end.
+  EXPECT_NEAR(valueOf(soft, "positive"), 150.0 * (1.0 - 0.557), 20.0);
+  EXPECT_NEAR(valueOf(soft, "negative"), 150.0 * (1.0 - 0.557), 20.0);
+  const Json hard = ask(rope, rig(4));
+  EXPECT_TRUE(alone(hard, "spring-hardening")) << hard.at("sentence");
+  const Json loose = ask(cord, pulled(5));
+  ASSERT_TRUE(alone(loose, "spring-slack")) << loose.at("sentence");
+  EXPECT_NEAR(valueOf(loose, "rest_length"), 0.04, 5e-4);
+  EXPECT_THAT(text("d/model.yaml"), HasSubstr("law: cord"));
+  succeed({"diagnose", "d/model.yaml", "--log", "log.csv", "-q", "-o", "again"});
+  EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "nothing-found");
+}
+
+TEST_F(Springs, NameTheDirectionThatIsStiffer) {
+  reality::SpringTruth truth;
+  truth.curve = {{-1.0, -210.0}, {0.0, 0.0}, {1.0, 150.0}};
+  const Json result = ask(truth, rig(6));
+  ASSERT_TRUE(alone(result, "spring-direction")) << result.at("sentence");
+  EXPECT_NEAR(valueOf(result, "change"), 60.0, 5.0);
+}
+
+TEST_F(Springs, NameWhatTheyRemember) {
+  reality::SpringTruth creep, narrow, friction, pack;
+  narrow.creep_stiffness = 60.0;
+  creep.creep_stiffness = 60.0;
+  creep.creep_decades = 2.0;
+  friction.friction = 0.6;
+  pack.friction = 1.0;
+  pack.slip = 0.015;
+  pack.slip_spread = 1.0;
+  const Json one = ask(narrow, rig(7));
+  ASSERT_TRUE(alone(one, "spring-creep")) << one.at("sentence");
+  EXPECT_NEAR(valueOf(one, "tau"), 2.0, 0.2);
+  EXPECT_NEAR(valueOf(one, "stiffness"), 60.0, 5.0);
+  EXPECT_EQ(valueOf(one, "decades"), 0.0);
+  const Json many = ask(creep, rig(8));
+  EXPECT_TRUE(alone(many, "spring-creep")) << many.at("sentence");
+  EXPECT_EQ(valueOf(many, "decades"), 2.0);
+  const Json rubbed = ask(friction, rig(9));
+  ASSERT_TRUE(alone(rubbed, "spring-hysteresis")) << rubbed.at("sentence");
+  EXPECT_NEAR(valueOf(rubbed, "friction"), 0.6, 0.05);
+  EXPECT_NEAR(valueOf(rubbed, "slip"), 0.004, 0.0004);
+  const Json packed = ask(pack, rig(10));
+  ASSERT_TRUE(alone(packed, "spring-hysteresis")) << packed.at("sentence");
+  EXPECT_EQ(valueOf(packed, "spread"), 1.0);
+  // The extended model is read by the other commands.
+  const double error = std::sqrt(packed.at("extended").at("mse").get<double>());
+  succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});
+  EXPECT_NEAR(Json::parse(text("p/result.json")).at("rms_error").get<double>(), error, 0.05 * error);
+  succeed({"fit-spring", "log.csv", "--model", "d/model.yaml", "-q", "-o", "refit"});
+  EXPECT_NEAR(Json::parse(text("refit/result.json")).at("mse").get<double>(), error * error, 0.1 * error * error);
+  succeed({"diagnose", "d/model.yaml", "--log", "log.csv", "-q", "-o", "again"});
+  EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "nothing-found");
+}
+
+TEST_F(Springs, NameTwoCausesAtOnce) {
+  reality::SpringTruth truth;
+  truth.curve = reality::rubberCurve(0.05);
+  truth.creep_stiffness = 60.0;
+  EXPECT_THAT(namesIn(ask(truth, rig(11))), ::testing::UnorderedElementsAre("spring-softening", "spring-creep"));
+}
+
+TEST_F(Springs, SayUnexplainedForWhatHasNoName) {
+  reality::SpringTruth truth;
+  truth.sweating = 0.06;
+  const Json result = ask(truth, rig(12));
+  EXPECT_EQ(result.at("verdict"), "unexplained") << result.at("sentence");
+  EXPECT_EQ(result.at("left_over").at("channels")[0].at("channel"), "humidity_percent");
+}
+
+}  // namespace
+}  // namespace simgap::test
