@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "real/real_logs.h"
+#include "real/planting.h"
 #include "simgap/core/csv.h"
 #include "support/files.h"
 
@@ -92,6 +92,33 @@ TEST_F(RealLogs, LockedSpringsHaveNoCauseOfMotion) {
   SKIP_WITHOUT_LOGS();
   for (const std::string name : {"sea-spring5_ramp6", "sea-spring1_ramp1", "sea-spring2_ramp2"}) {
     EXPECT_TRUE(ask(name).named.empty()) << name;
+  }
+}
+
+/// Six ramps of growing amplitude on one spring, each a session.
+TEST_F(RealLogs, TheSpringSoftensWithHysteresis) {
+  SKIP_WITHOUT_LOGS();
+  LogTable pooled;
+  for (int ramp = 1; ramp <= 6; ++ramp) {
+    LogTable one = LogTable::load(*realFolder() / fmt::format("sea_rmd_x8_spring/spring5_ramp{}.csv.gz", ramp), 1);
+    one.header.emplace_back("session");
+    one.columns.emplace_back(one.columns[0].size(), ramp);
+    pooled.append(one);
+  }
+  pooled.save(folder_.path() / "ramps.csv");
+  const RealLog log{"spring5",
+                    "spring",
+                    {},
+                    {},
+                    {"--map", "deflection_rad=spring_deflection_rad", "--map", "torque_Nm=measured_torque_Nm"},
+                    {},
+                    {},
+                    {}};
+  const RealAnswer answer = diagnoseReal(log, "ramps.csv", folder_.path(), SIMGAP_BINARY);
+  fmt::print("{:<24} {}\n", log.name, answer.text());
+  EXPECT_TRUE(answer.names("spring-hysteresis")) << answer.text();
+  for (const auto& group : answer.named) {
+    EXPECT_TRUE(group[0] == "spring-hysteresis" || group[0] == "spring-softening") << answer.text();
   }
 }
 
