@@ -284,6 +284,14 @@ std::vector<double>& LogTable::column(const std::string& name) {
   return columns[static_cast<std::size_t>(found - header.begin())];
 }
 
+void LogTable::append(const LogTable& more) {
+  if (header.empty()) header = more.header, columns.resize(header.size());
+  if (header != more.header) throw std::runtime_error("logs of different columns");
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    columns[k].insert(columns[k].end(), more.columns[k].begin(), more.columns[k].end());
+  }
+}
+
 void LogTable::save(const std::filesystem::path& file) const {
   CsvWriter writer(header);
   for (std::size_t i = 0; i < columns[0].size(); ++i) {

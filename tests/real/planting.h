@@ -31,6 +31,7 @@ struct LogTable {
 
   static LogTable load(const std::filesystem::path& file, std::size_t every);
   std::vector<double>& column(const std::string& name);
+  void append(const LogTable& more);  ///< of the same columns
   void save(const std::filesystem::path& file) const;
 };
 

@@ -192,14 +192,18 @@ Scale scaleOf(const ServoRig& rig) {
 double magnitudeFor(const Drawable& drawable, double gain, const ServoRig& rig, ServoSecret& secret) {
   ServoRig quick = rig;
   quick.rows = std::min<std::size_t>(rig.rows, 8000);
-  auto [magnitude, most] = drawable.range(scaleOf(rig));
-  for (int round = 0; round < 5; ++round) {
+  auto [magnitude, high] = drawable.range(scaleOf(rig));
+  double low = 0.0;
+  for (int round = 0; round < 7; ++round) {
     ServoSecret trial = secret;
     trial.change_time *= static_cast<double>(quick.rows) / static_cast<double>(rig.rows);
     drawable.set(trial, magnitude);
     const double now = expectedGain(quick, trial);
+    (now < gain ? low : high) = magnitude;
+    // The added error grows with the square of a small magnitude; some effects begin at a threshold.
     const double ratio = gain / (1.0 - gain) / std::max(now / (1.0 - now), 1e-6);
-    magnitude = std::min(magnitude * std::sqrt(std::clamp(ratio, 0.02, 50.0)), most);
+    const double next = magnitude * std::sqrt(std::clamp(ratio, 0.02, 50.0));
+    magnitude = next > low && next < high ? next : next >= high ? 0.5 * (magnitude + high) : 0.5 * (low + magnitude);
   }
   drawable.set(secret, magnitude);
   return magnitude;
