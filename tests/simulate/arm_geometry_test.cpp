@@ -61,7 +61,7 @@ class ArmGeometry : public ::testing::Test {
   ArmModel model_ = hinge();
   Pose pose_{"turned", {0.0}, {}, 1, {0.0}};
   PoseSet poses_;
-  Assessment outcomes_;
+  std::vector<PoseOutcome> outcomes_;
   test::ResultFolder folder_;
 };
 

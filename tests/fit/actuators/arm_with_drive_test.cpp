@@ -29,10 +29,16 @@ TEST(ArmWithDrive, OneMuscleGetsTheDriveAndKeepsItsSupply) {
 
 TEST(ArmWithDrive, PriorsAreOfWhatIsKnown) {
   Uncertainty uncertainty;
-  uncertainty.estimates = {{.name = "R", .value = 7.0, .sd = 0.25},
-                           {.name = "L", .value = 1e-3, .sd = 0.0, .fixed = true},
-                           {.name = "K_T", .value = 0.02, .sd = std::nan("")},
-                           {.name = "another", .value = 1.0, .sd = 1.0}};
+  const auto estimate = [](const char* name, double value, double sd, bool fixed) {
+    Estimate e;
+    e.name = name;
+    e.value = value;
+    e.sd = sd;
+    e.fixed = fixed;
+    return e;
+  };
+  uncertainty.estimates = {estimate("R", 7.0, 0.25, false), estimate("L", 1e-3, 0.0, true),
+                           estimate("K_T", 0.02, std::nan(""), false), estimate("another", 1.0, 1.0, false)};
   const std::string text = calibrationParameters("biceps", uncertainty);
   EXPECT_THAT(text, HasSubstr("{pattern: \"muscles.biceps.motor.resistance_ohm\", step: 0.25, prior_sd: 0.25}\n"));
   EXPECT_THAT(text, Not(HasSubstr("inductance")));

@@ -73,7 +73,9 @@ TEST(FrictionMaps, CurvesAreAsFastAsTheRowsAndSymmetric) {
   EXPECT_DOUBLE_EQ(velocities.front(), -data.velocity.abs().maxCoeff());
   for (std::size_t i = 0; i < velocities.size(); ++i) {
     EXPECT_EQ(velocities[i], -velocities[velocities.size() - 1 - i]);
-    if (i > 0) EXPECT_GT(velocities[i], velocities[i - 1]);
+    if (i > 0) {
+      EXPECT_GT(velocities[i], velocities[i - 1]);
+    }
   }
   const auto bands = loadBands(Eigen::ArrayXd::LinSpaced(101, 0.0, 100.0));
   ASSERT_EQ(bands.size(), 4u);
