@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace simgap {
 
@@ -18,7 +19,7 @@ double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 }
 
 double jointError(JointType type, const JointPosition& a, const JointPosition& b) {
-  return type == JointType::kSpherical ? geodesicAngle(a.rotation, b.rotation) : std::abs(a.angle - b.angle);
+  return type == JointType::kSpherical ? geodesicAngle(a.rotation, b.rotation) : std::abs(std::remainder(a.angle - b.angle, 2.0 * std::numbers::pi));
 }
 
 Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations) {

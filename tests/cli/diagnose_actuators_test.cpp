@@ -139,14 +139,14 @@ TEST_F(DiagnoseActuators, NameWhatIsWrongWithAGearbox) {
   reality::MotorDesign slow = bench(13);  // a fast rotor's inertia smooths a ripple away
   slow.voltage = 3.0;
   const Json rippled = ask("gearbox", reality::simulateMotor(ripple, slow).csv());
-  ASSERT_TRUE(alone(rippled, "gearbox-ripple")) << rippled.at("sentence");
+  ASSERT_TRUE(alone(rippled, "gearbox-ripple")) << rippled.at("sentence") << rippled.at("candidates");
   EXPECT_NEAR(valueOf(rippled, "r"), 2.0, 0.01);
   reality::MotorTruth loose;
   loose.play = 4.0;
   slow.seed = 14;
   const Json played = ask("gearbox", reality::simulateMotor(loose, slow).csv());
   // While the rotor coasts through the play it is no gearbox at all, and small causes may be read into that.
-  ASSERT_EQ(played.at("verdict"), "cause-found") << played.at("sentence");
+  ASSERT_EQ(played.at("verdict"), "cause-found") << played.at("sentence") << played.at("candidates");
   EXPECT_EQ(played.at("causes")[0].at("effect"), "backlash");
   EXPECT_GT(played.at("causes")[0].at("gain_heldout_percent").get<double>(), 70.0);
   EXPECT_NEAR(valueOf(played, "play"), 4.0, 0.3);

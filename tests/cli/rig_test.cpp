@@ -158,7 +158,7 @@ TEST_F(RigTest, AFewBadRowsAreLeftOutAndSaid) {
   const std::string table = succeed(fit("spoilt.csv", "f"));
   EXPECT_THAT(table, HasSubstr("spoilt.csv: rows were left out: motor_current_A has no number in 2 rows; time repeats "
                                "or goes back in 2 rows"));
-  EXPECT_EQ(countOf(table, "left out:"), 1u);
+  EXPECT_EQ(countOf(table, "rows were left out:"), 1u);
   EXPECT_NEAR(parameter("f", "k_a"), 0.9, 0.01);
   succeed({"diagnose", "coulomb", "--log", "spoilt.csv", "--bench", "rig.yaml", "--effects", "current-bias", "-q", "-o",
            "d"});

@@ -1,4 +1,7 @@
 // A hinge: an angle about an axis that is fixed in both bodies.
+#include <cmath>
+#include <numbers>
+
 #include "simgap/core/joint_kind.h"
 
 namespace simgap::joint_kinds {
@@ -18,7 +21,7 @@ std::vector<double> cells(const JointPosition& position) { return {position.angl
 double angle(const JointPosition& position) { return position.angle; }
 
 Eigen::Vector3d difference(const JointPosition& from, const JointPosition& to) {
-  return {to.angle - from.angle, 0.0, 0.0};
+  return {std::remainder(to.angle - from.angle, 2.0 * std::numbers::pi), 0.0, 0.0};  // a whole turn is none
 }
 
 JointPosition mean(std::span<const JointPosition> repeats) {

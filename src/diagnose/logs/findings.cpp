@@ -18,8 +18,8 @@ namespace {
 using Eigen::Index;
 using Kind = EffectParameter::Kind;
 
-constexpr double kCancelling = 30.0;  // times what a cause's terms add up to: each of them alone means nothing
-constexpr double kHeldOutLevel = 0.05;
+constexpr double kCancelling = 30.0;    // times what a cause's terms add up to: each of them alone means nothing
+constexpr double kHeldOutLevel = 0.25;  // a second look, on a fifth of the data, at what the first found significant
 constexpr double kPlaceboLevel = 0.05;
 constexpr double kBeyond = 3.0;  // times the largest effort: a size that was extrapolated, not measured
 
@@ -160,12 +160,10 @@ class Judge {
     std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
     if (!beyond.empty()) return beyond;
     const Interval gain = gainOf(cause);
-    // By pieces, not by blocks: a short log has few of those, and the test counts with neighbours that are alike.
-    const double p = pairedP(search_.errors(selection_.steps[cause], split_.heldout),
-                             search_.errors(selection_.steps[cause + 1], split_.heldout));
+    const double p = pairedP(heldOutPieces(selection_.steps[cause]), heldOutPieces(selection_.steps[cause + 1]));
     if (gain.value < options_.least_gain || p > kHeldOutLevel) {
-      return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f})", 100.0 * gain.value,
-                         100.0 * gain.lower95, 100.0 * gain.upper95);
+      return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f}, p = {:.2g})",
+                         100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
     }
     if (selection_.unnamed && selection_.unnamed->gain->value > gain.value) {
       return fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
@@ -175,6 +173,13 @@ class Judge {
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
                        100.0 * placebos.largest, 100.0 * placebos.gain);
+  }
+
+  /// By pieces, not by blocks: a short log has few of those, and the test counts with neighbours that are alike.
+  PieceErrors heldOutPieces(const Fitted& fitted) const {
+    constexpr double kPieces = 100.0;  // of the whole log at least
+    const double seconds = static_cast<double>(log_.data.rows.rows()) * log_.data.rows.step;
+    return search_.errors(fitted, split_.heldout, std::min(LogSearch::kPieceSeconds, seconds / kPieces));
   }
 
   /// What is left and has no name may be what the cause only stands in for, unless that is clearly smaller.

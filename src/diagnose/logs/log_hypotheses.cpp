@@ -17,7 +17,6 @@ using Eigen::Index;
 using Kind = EffectParameter::Kind;
 
 constexpr int kFolds = 5;
-constexpr double kPieceSeconds = 2.0;
 /// The presliding that every drive has: within this share of the typical travel between two rows.
 constexpr double kNuisancePresliding = 0.1;
 /// An effect whose signature is within that share of what the model's own parameters span is no finding of its own.
@@ -111,8 +110,8 @@ std::shared_ptr<const ActuatorRegression> LogSearch::makeModel(
   return std::make_shared<const ActuatorRegression>(base_, effects, data_, nuisance);
 }
 
-std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks) const {
-  const auto rows = static_cast<std::size_t>(std::max(8.0, std::round(kPieceSeconds / data_.rows.step)));
+std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks, double seconds) const {
+  const auto rows = static_cast<std::size_t>(std::max(8.0, std::round(seconds / data_.rows.step)));
   std::vector<Block> pieces;
   for (const Block& b : blocks) {
     const std::size_t count = std::max<std::size_t>(1, (b.size() + rows / 2) / rows);
@@ -124,10 +123,10 @@ std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks) const {
   return pieces;
 }
 
-PieceErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& blocks) const {
+PieceErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& blocks, double piece_seconds) const {
   Eigen::VectorXd residual;
   fitted.model->evaluate(fitted.theta, residual, nullptr);
-  const std::vector<Block> parts = pieces(blocks);
+  const std::vector<Block> parts = pieces(blocks, piece_seconds);
   PieceErrors errors{Eigen::ArrayXd(static_cast<Index>(parts.size())),
                      Eigen::ArrayXd(static_cast<Index>(parts.size()))};
   for (std::size_t k = 0; k < parts.size(); ++k) {

@@ -42,6 +42,8 @@ struct Trial {
 
 class LogSearch {
  public:
+  static constexpr double kPieceSeconds = 2.0;
+
   /// All arguments must outlive it. \param training  blocks; \param base, data  of the model.
   LogSearch(const ActuatorBase& base, const ActuatorData& data, std::vector<Block> training,
             const LogDiagnosisOptions& options);
@@ -65,12 +67,13 @@ class LogSearch {
   Fitted without(const Fitted& fitted, std::size_t effect) const;
 
   /// Squared errors of a model on pieces of any blocks.
-  PieceErrors errors(const Fitted& fitted, const std::vector<Block>& blocks) const;
+  PieceErrors errors(const Fitted& fitted, const std::vector<Block>& blocks,
+                     double piece_seconds = kPieceSeconds) const;
   /// The model refitted to some blocks, which moves `fitted` there; its covariance.
   Eigen::MatrixXd refit(Fitted& fitted, const std::vector<Block>& blocks) const;
 
   const std::vector<Block>& training() const { return training_; }
-  std::vector<Block> pieces(const std::vector<Block>& blocks) const;
+  std::vector<Block> pieces(const std::vector<Block>& blocks, double seconds = kPieceSeconds) const;
 
  private:
   Trial tryOne(const Fitted& base, const Hypothesis& hypothesis) const;

@@ -77,13 +77,17 @@ std::vector<double> smooth(std::span<const double> time, std::span<const double>
   entries.reserve(4 * n);
   for (Eigen::Index i = 0; i + 3 < n; ++i) {
     // Third divided difference over four uneven steps, scaled to (-1, 3, -3, 1) for even ones.
+    Eigen::Vector4d row = Eigen::Vector4d::Constant(6.0);
     for (int k = 0; k < 4; ++k) {
-      double coefficient = 6.0;
       for (int j = 0; j < 4; ++j) {
-        if (j != k) coefficient *= mean_step / (time[i + k] - time[i + j]);
+        if (j != k) row[k] *= mean_step / (time[i + k] - time[i + j]);
       }
-      entries.emplace_back(i, i + k, coefficient);
     }
+    // Rows that come in bursts are nearly one: their differences would outweigh all others by more than digits there
+    // are.
+    constexpr double kSteepest = 100.0;  // of even steps: sqrt(20)
+    row *= std::min(1.0, kSteepest / row.norm());
+    for (int k = 0; k < 4; ++k) entries.emplace_back(i, i + k, row[k]);
   }
   Eigen::SparseMatrix<double> difference(n - 3, n);
   difference.setFromTriplets(entries.begin(), entries.end());
