@@ -18,8 +18,7 @@ namespace {
 using Eigen::Index;
 using Kind = EffectParameter::Kind;
 
-constexpr double kCancelling = 30.0;    // times what a cause's terms add up to: each of them alone means nothing
-constexpr double kHeldOutLevel = 0.25;  // a second look, on a fifth of the data, at what the first found significant
+constexpr double kCancelling = 30.0;  // times what a cause's terms add up to: each of them alone means nothing
 constexpr double kPlaceboLevel = 0.05;
 constexpr double kBeyond = 3.0;  // times the largest effort: a size that was extrapolated, not measured
 
@@ -161,7 +160,9 @@ class Judge {
     if (!beyond.empty()) return beyond;
     const Interval gain = gainOf(cause);
     const double p = pairedP(heldOutPieces(selection_.steps[cause]), heldOutPieces(selection_.steps[cause + 1]));
-    if (gain.value < options_.least_gain || p > kHeldOutLevel) {
+    // A second look, on a fifth of the data, at what the first found significant: the smaller the gain, the surer.
+    const double level = std::clamp(1.5 * gain.value, 0.05, 0.25);
+    if (gain.value < options_.least_gain || p > level) {
       return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f}, p = {:.2g})",
                          100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
     }
