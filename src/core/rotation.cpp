@@ -19,7 +19,8 @@ double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 }
 
 double jointError(JointType type, const JointPosition& a, const JointPosition& b) {
-  return type == JointType::kSpherical ? geodesicAngle(a.rotation, b.rotation) : std::abs(std::remainder(a.angle - b.angle, 2.0 * std::numbers::pi));
+  return type == JointType::kSpherical ? geodesicAngle(a.rotation, b.rotation)
+                                       : std::abs(std::remainder(a.angle - b.angle, 2.0 * std::numbers::pi));
 }
 
 Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations) {

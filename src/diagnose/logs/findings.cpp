@@ -159,9 +159,10 @@ class Judge {
     std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
     if (!beyond.empty()) return beyond;
     const Interval gain = gainOf(cause);
-    const double p = pairedP(heldOutPieces(selection_.steps[cause]), heldOutPieces(selection_.steps[cause + 1]));
-    // A second look, on a fifth of the data, at what the first found significant: the smaller the gain, the surer.
-    const double level = std::clamp(1.5 * gain.value, 0.05, 0.25);
+    const double p = heldOutP(cause);
+    // A second look, on a fifth of the data, at what the first found significant. Small gains are what a law's shape
+    // leaves: they have to be surer.
+    const double level = gain.value < 0.1 ? 0.05 : 0.25;
     if (gain.value < options_.least_gain || p > level) {
       return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f}, p = {:.2g})",
                          100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
@@ -176,7 +177,14 @@ class Judge {
                        100.0 * placebos.largest, 100.0 * placebos.gain);
   }
 
-  /// By pieces, not by blocks: a short log has few of those, and the test counts with neighbours that are alike.
+  /// By blocks or, as a short log has few of those, by pieces of them, whose neighbours are more alike.
+  double heldOutP(std::size_t cause) const {
+    constexpr Index kEnoughBlocks = 10;
+    const PieceErrors &before = found_.heldout[cause], &after = found_.heldout[cause + 1];
+    if (before.sum.size() >= kEnoughBlocks) return pairedP(before, after);
+    return pairedP(heldOutPieces(selection_.steps[cause]), heldOutPieces(selection_.steps[cause + 1]));
+  }
+
   PieceErrors heldOutPieces(const Fitted& fitted) const {
     constexpr double kPieces = 100.0;  // of the whole log at least
     const double seconds = static_cast<double>(log_.data.rows.rows()) * log_.data.rows.step;

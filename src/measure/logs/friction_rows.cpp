@@ -9,11 +9,11 @@
 #include <numeric>
 
 #include "derived_motion.h"
-#include "simgap/measure/logs/rig_load.h"
 #include "row_faults.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/rig_load.h"
 
 namespace simgap {
 namespace {

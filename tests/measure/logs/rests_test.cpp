@@ -58,7 +58,8 @@ TEST(Rests, ASmoothedVelocityBlursTheirEnds) {
     return std::ranges::count(findRests(m.time, m.velocity, m.session, rule), true);
   };
   EXPECT_EQ(rests({.slow = 0.02, .least_seconds = 0.1}), 10);
-  EXPECT_EQ(rests({.slow = 0.02, .least_seconds = 0.1, .fewest_rows = 4, .blurred_seconds = 0.07}), 16);  // three rows at either end
+  EXPECT_EQ(rests({.slow = 0.02, .least_seconds = 0.1, .fewest_rows = 4, .blurred_seconds = 0.07}),
+            16);  // three rows at either end
 }
 
 TEST(Rests, CreepIsSlowAgainstTheUsualMotion) {
