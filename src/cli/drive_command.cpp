@@ -49,7 +49,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   requireKnown(choices, driveParameterNames());
   drive.fixed = choices.fixed;
   drive.bounds = choices.bounds;
-  const LogTable rows = readLog(session, "log", options.log, options.table.csv());
+  const LogTable rows = readLog(session, "log", options.log, options.table.csv(), options.fit.sessions);
   const Holdout holdout = readHoldout(options.fit.holdout, rows.table);
   report.log = readMotorLog(rows.table);
   report.log_file = options.log;
@@ -59,12 +59,8 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
     return ExitCode::kDone;
   }
   report.fit = fitAndJudge(report.log, drive, holdout, options.fit.block_s);
-  session.begin(options.common.seed.value_or(0));
-  session.directory().write("config.resolved.yaml", resolvedOptions(*options.app));
-  writeDriveReport(report, session.directory());
-  FitSummary summary = summarise(report);
-  std::ranges::copy(rows.summary(), std::back_inserter(summary.warnings));
-  session.finish(toJson(summary), terminalTable(summary));
+  finishFit(session, *options.app, summarise(report), rows.summary(),
+            [&](const RunDirectory& directory) { writeDriveReport(report, directory); });
   return ExitCode::kDone;
 }
 

@@ -49,6 +49,15 @@ std::string resolvedOptions(const CLI::App& app) {
   return text;
 }
 
+void finishFit(Session& session, const CLI::App& app, FitSummary summary, const std::vector<std::string>& left_out,
+               const std::function<void(const RunDirectory&)>& write) {
+  session.begin(session.options().seed.value_or(0));
+  session.directory().write("config.resolved.yaml", resolvedOptions(app));
+  write(session.directory());
+  std::ranges::copy(left_out, std::back_inserter(summary.warnings));
+  session.finish(toJson(summary), terminalTable(summary));
+}
+
 ExitCode runRefit(const RefitOptions& options, Session& session, const CLI::App& app) {
   refuseWithModelFile(app, options.model);
   FittedModel given;
@@ -66,14 +75,12 @@ ExitCode runRefit(const RefitOptions& options, Session& session, const CLI::App&
     return ExitCode::kDone;
   }
   const LogRefit refit = refitLog(subject, log);
-  session.begin(session.options().seed.value_or(0));
-  session.directory().write("config.resolved.yaml", resolvedOptions(app));
   const Input& file = session.input("log");
   const FittedModel model =
       refittedModel(given, subject, refit.fit, log, {file.file.filename().string(), file.sha256, refit.rows});
   const FitSummary summary = summarise(options.command, log, model, refit);
-  writeRefit(summary, log, model, refit, session.directory());
-  session.finish(toJson(summary), terminalTable(summary));
+  finishFit(session, app, summary, {},
+            [&](const RunDirectory& directory) { writeRefit(summary, log, model, refit, directory); });
   return ExitCode::kDone;
 }
 

@@ -12,6 +12,7 @@
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/bench.h"
+#include "simgap/report/actuators/fit_report.h"
 
 namespace simgap {
 
@@ -38,6 +39,11 @@ std::function<ExitCode()> defineFit(const std::shared_ptr<Options>& options, CLI
 
 /// config.resolved.yaml: the options that were given.
 std::string resolvedOptions(const CLI::App& app);
+
+/// The end of a fit: its files in a new result directory, its tables on the terminal.
+/// \param left_out  sentences about rows of the log that were left out. \param write  model and tables
+void finishFit(Session& session, const CLI::App& app, FitSummary summary, const std::vector<std::string>& left_out,
+               const std::function<void(const RunDirectory&)>& write);
 
 /// `fit-* LOG --model FILE`: law and extensions of a diagnosed model, fitted together to a log.
 struct RefitOptions {

@@ -43,10 +43,11 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
   return readPosesFor(model, table);
 }
 
-LogTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv) {
+LogTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv,
+                 const std::vector<std::string>& sessions) {
   CsvTable table = session.readTable(role, file, csv);
   warnOfSkippedRows(table);
-  return readLogTable(std::move(table));
+  return readLogTable(std::move(table), sessions);
 }
 
 Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio) {

@@ -18,9 +18,10 @@ double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return 2.0 * std::atan2(b_from_a.vec().norm(), std::abs(b_from_a.w()));
 }
 
+double hingeTurn(double from, double to) { return std::remainder(to - from, 2.0 * std::numbers::pi); }
+
 double jointError(JointType type, const JointPosition& a, const JointPosition& b) {
-  return type == JointType::kSpherical ? geodesicAngle(a.rotation, b.rotation)
-                                       : std::abs(std::remainder(a.angle - b.angle, 2.0 * std::numbers::pi));
+  return type == JointType::kSpherical ? geodesicAngle(a.rotation, b.rotation) : std::abs(hingeTurn(b.angle, a.angle));
 }
 
 Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations) {

@@ -261,6 +261,16 @@ LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<doub
   return result;
 }
 
+std::size_t rankMinima(std::vector<LeastSquaresResult>& found) {
+  constexpr double kSame = 1.0001;  // costs that differ by less are of one minimum
+  std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
+  std::size_t minima = found.empty() ? 0 : 1;
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    if (found[i].cost > kSame * found[i - 1].cost) ++minima;
+  }
+  return minima;
+}
+
 Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const double> theta) {
   VectorXd all(problem.rows());
   tbb::parallel_for(std::size_t{0}, problem.chunks.size(), [&](std::size_t k) {

@@ -28,7 +28,10 @@ struct JointPosition {
 /// quaternion. 001 eq. (4) prints arccos(Q . Q'), which is half of it.
 double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 
-/// Error of a joint, >= 0 [rad]: geodesic angle or absolute difference.
+/// From one angle of a hinge to another, the shorter way, in [-pi, pi] [rad]: whole turns count as none.
+double hingeTurn(double from, double to);
+
+/// Error of a joint, in [0, pi] [rad]: geodesic angle, or size of a hinge's turn.
 double jointError(JointType type, const JointPosition& a, const JointPosition& b);
 
 /// The rotation that minimises the sum of squared chordal distances (Markley et al. 2007), w >= 0.

@@ -62,6 +62,9 @@ struct LeastSquaresResult {
 LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<double> start,
                             const LeastSquaresOptions& options = {});
 
+/// Sorts what several starts found by its cost, lowest first. \returns how many minima of different cost they are
+std::size_t rankMinima(std::vector<LeastSquaresResult>& found);
+
 /// Residuals at theta, shape (rows).
 Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const double> theta);
 

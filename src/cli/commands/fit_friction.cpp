@@ -48,6 +48,8 @@ double spanOf(const ActuatorLog& log) {
   return seconds;
 }
 
+const std::vector<std::string> kAllSessions;
+
 /// A log with its rig, ready to be fitted.
 struct Task {
   const Options& options;
@@ -56,8 +58,9 @@ struct Task {
   ActuatorLogOptions log;
 
   FrictionData read(Session& session, const std::string& role, const std::string& file, Holdout* holdout) const {
-    LogTable rows = readLog(session, role, file, options.table.csv());
-    if (holdout != nullptr) *holdout = readHoldout(options.fit.holdout, rows.table);
+    const bool fitted = holdout != nullptr;
+    LogTable rows = readLog(session, role, file, options.table.csv(), fitted ? options.fit.sessions : kAllSessions);
+    if (fitted) *holdout = readHoldout(options.fit.holdout, rows.table);
     const std::vector<std::string> left_out = rows.summary();
     ActuatorLog drive = readActuatorLog(std::move(rows.table), log);
     FrictionDataOptions prepared = data;
@@ -74,7 +77,6 @@ Task makeTask(const Options& options, Session& session) {
   task.data.raw_sign = options.sign == "raw";
   task.data.dead_band_widths = options.dead_band;
   task.data.bandwidth = options.bandwidth;
-  task.data.sessions = options.fit.sessions;
   return task;
 }
 
@@ -108,11 +110,9 @@ ExitCode runLaws(const Options& options, const Task& task, Session& session, con
   for (const FrictionData& other : others) {
     report.transfer.push_back({other.file, other.rows(), meanSquaredError(report.best(), other, report.options)});
   }
-  session.begin(options.common.seed.value_or(0));
-  session.directory().write("config.resolved.yaml", resolvedOptions(app));
-  writeFrictionReport(report, session.input("log").sha256, session.directory());
-  const FitSummary summary = summarise(report);
-  session.finish(toJson(summary), terminalTable(summary));
+  finishFit(session, app, summarise(report), {}, [&](const RunDirectory& directory) {
+    writeFrictionReport(report, session.input("log").sha256, directory);
+  });
   return ExitCode::kDone;
 }
 

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
-
 #include "cli/fit_options.h"
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
@@ -34,7 +31,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     report.maker =
         fitPam(readPamLog(readLog(session, "curves", options.curves, csv).table), {false, options.tied, {}, {}});
   }
-  const LogTable rows = readLog(session, "log", options.log, csv);
+  const LogTable rows = readLog(session, "log", options.log, csv, options.fit.sessions);
   const Holdout holdout = readHoldout(options.fit.holdout, rows.table);
   report.log = readPamLog(rows.table);
   report.log_sha256 = session.input("log").sha256;
@@ -48,12 +45,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     fmt::print("would fit a muscle to {} rows of {}; nothing was written\n", report.log.rows(), options.log);
     return ExitCode::kDone;
   }
-  session.begin(options.common.seed.value_or(0));
-  session.directory().write("config.resolved.yaml", resolvedOptions(app));
-  writePamReport(report, session.directory());
-  FitSummary summary = summarise(report);
-  std::ranges::copy(rows.summary(), std::back_inserter(summary.warnings));
-  session.finish(toJson(summary), terminalTable(summary));
+  finishFit(session, app, summarise(report), rows.summary(),
+            [&](const RunDirectory& directory) { writePamReport(report, directory); });
   return ExitCode::kDone;
 }
 

@@ -1,10 +1,6 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-
-#include <algorithm>
-#include <iterator>
 
 #include "cli/drive_command.h"
 #include "cli/inputs.h"
@@ -35,23 +31,6 @@ SpringLog readSigned(const CsvTable& table) {
   return spring;
 }
 
-/// Rows of other sessions than the chosen ones do not count. \throws DataError for one that the log does not have.
-void keepSessions(const std::vector<std::string>& chosen, PreparedLog& log) {
-  if (chosen.empty()) return;
-  std::vector<bool> wanted(log.session_names.size(), false);
-  for (const std::string& name : chosen) {
-    const auto found = std::ranges::find(log.session_names, name);
-    if (found == log.session_names.end()) {
-      throw DataError(fmt::format("{}: found no session {}, expected one of {}", log.file, name,
-                                  fmt::join(log.session_names, ", ")));
-    }
-    wanted[static_cast<std::size_t>(found - log.session_names.begin())] = true;
-  }
-  for (std::size_t i = 0; i < log.data.keep.size(); ++i) {
-    if (!wanted[static_cast<std::size_t>(log.data.rows.session[i])]) log.data.keep[i] = false;
-  }
-}
-
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-spring", options.common, argv);
   const CsvOptions csv = options.table.csv();
@@ -61,7 +40,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
 
   SpringReport report;
   report.into = readTarget(options.into, options.muscle, session);
-  const LogTable file_rows = readLog(session, "log", options.log, csv);
+  const LogTable file_rows = readLog(session, "log", options.log, csv, options.fit.sessions);
   const CsvTable& table = file_rows.table;
   const Holdout holdout = readHoldout(options.fit.holdout, table);
   const SpringLog spring = readSigned(table);
@@ -71,7 +50,6 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   }
   report.own_length = spring.own_length;
   report.log = prepareSpringData(table);
-  keepSessions(options.fit.sessions, report.log);
   report.log_sha256 = session.input("log").sha256;
   report.comparison = compareSprings(report.log, {false, choices.fixed, choices.bounds}, holdout, options.fit.block_s);
   for (const std::string& file : options.fit.validate) {
@@ -83,12 +61,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     fmt::print("would fit a spring to {} rows of {}; nothing was written\n", table.rows(), options.log);
     return ExitCode::kDone;
   }
-  session.begin(options.common.seed.value_or(0));
-  session.directory().write("config.resolved.yaml", resolvedOptions(app));
-  writeSpringReport(report, session.directory());
-  FitSummary summary = summarise(report);
-  std::ranges::copy(file_rows.summary(), std::back_inserter(summary.warnings));
-  session.finish(toJson(summary), terminalTable(summary));
+  finishFit(session, app, summarise(report), file_rows.summary(),
+            [&](const RunDirectory& directory) { writeSpringReport(report, directory); });
   return ExitCode::kDone;
 }
 

@@ -41,16 +41,15 @@ Prediction predictLog(const FittedModel& model, const Options& options, Session&
   const LogTable rows = readLog(session, "log", options.log, options.table.csv());
   const CsvTable& table = rows.table;
   for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
-  if (options.simulate) {
-    const auto given = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
-    return runFreely(model, table, readRig(session, options.bench, given));
-  }
+  const auto rig = [&] {
+    return readRig(session, options.bench,
+                   options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio")));
+  };
+  if (options.simulate) return runFreely(model, table, rig());
   if (model.kind == "spring") return predictDiagnosed(model, table, {});
   if (!diagnosed && model.kind == "pam") return predictPam(model, table, options.inverse);
   if (!diagnosed && model.kind != "friction") return predictDriveOf(model, table, options, session);
-  const auto ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
-  const Bench bench = readRig(session, options.bench, ratio);
-  return diagnosed ? predictDiagnosed(model, table, bench) : predictFriction(model, table, bench);
+  return diagnosed ? predictDiagnosed(model, table, rig()) : predictFriction(model, table, rig());
 }
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {

@@ -1,7 +1,4 @@
 // A hinge: an angle about an axis that is fixed in both bodies.
-#include <cmath>
-#include <numbers>
-
 #include "simgap/core/joint_kind.h"
 
 namespace simgap::joint_kinds {
@@ -21,7 +18,7 @@ std::vector<double> cells(const JointPosition& position) { return {position.angl
 double angle(const JointPosition& position) { return position.angle; }
 
 Eigen::Vector3d difference(const JointPosition& from, const JointPosition& to) {
-  return {std::remainder(to.angle - from.angle, 2.0 * std::numbers::pi), 0.0, 0.0};  // a whole turn is none
+  return {hingeTurn(from.angle, to.angle), 0.0, 0.0};
 }
 
 JointPosition mean(std::span<const JointPosition> repeats) {

@@ -30,12 +30,16 @@ bool isMeasured(const Estimate& p, double neutral, double t) {
   return std::isfinite(p.sd) && p.sd > 0.0 && t * p.sd < kMeaningless * std::abs(p.value - neutral);
 }
 
-/// Whether a parameter changes anything: a warm-up time does not where a temperature was logged.
-bool acts(const ActuatorRegression& model, std::span<const double> theta, std::size_t parameter) {
+Eigen::MatrixXd jacobianAt(const ActuatorRegression& model, std::span<const double> theta) {
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;
   model.evaluate(theta, residual, &jacobian);
-  return jacobian.col(static_cast<Index>(parameter)).squaredNorm() > 0.0;
+  return jacobian;
+}
+
+/// Whether a parameter changes anything: a warm-up time does not where a temperature was logged.
+bool acts(const ActuatorRegression& model, std::span<const double> theta, std::size_t parameter) {
+  return jacobianAt(model, theta).col(static_cast<Index>(parameter)).squaredNorm() > 0.0;
 }
 
 /// Why the cause's own parameters are no measurement; empty when they are.
@@ -89,9 +93,7 @@ std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted,
 bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect) {
   const std::size_t count = model.effects()[effect]->columns.size();
   if (count < 2) return false;
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd jacobian;
-  model.evaluate(fitted.theta, residual, &jacobian);
+  const Eigen::MatrixXd jacobian = jacobianAt(model, fitted.theta);
   const auto first = static_cast<Index>(model.firstColumn(effect));
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(jacobian.rows());
   double largest = 0.0;
@@ -227,10 +229,8 @@ void addLikely(const Selection& selection, Diagnosis& d) {
   constexpr std::size_t kMost = 3;
   std::vector<const Trial*> likely;
   for (const Trial& trial : selection.last) {
-    const std::string_view name = trial.hypothesis.effect->name;
-    const bool known = std::ranges::find(d.causes, name, &Cause::effect) != d.causes.end() ||
-                       std::ranges::find(d.candidates, name, &Candidate::effect) != d.candidates.end();
-    if (!known && trial.gain && trial.gain->value >= kWorthSaying && trial.p_paired < kMostP) likely.push_back(&trial);
+    const bool found = std::ranges::find(d.causes, trial.hypothesis.effect->name, &Cause::effect) != d.causes.end();
+    if (!found && trial.gain && trial.gain->value >= kWorthSaying && trial.p_paired < kMostP) likely.push_back(&trial);
   }
   std::ranges::stable_sort(likely, std::greater<>(), [](const Trial* trial) { return trial->gain->value; });
   for (const Trial* trial : likely) {

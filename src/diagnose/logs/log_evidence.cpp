@@ -128,11 +128,10 @@ std::vector<EvidenceChannel> evidenceChannels(const PreparedLog& log) {
 
 namespace {
 
-/// Bins of equal counts of a channel.
-void addBins(const EvidenceChannel& channel, const std::string& against, std::vector<std::size_t> rows,
+/// Bins of equal counts of a channel. \param rows  by its values
+void addBins(const EvidenceChannel& channel, const std::string& against, const std::vector<std::size_t>& rows,
              const VectorXd& before, const VectorXd& after, double correlation, std::vector<EvidenceBin>& bins) {
   const auto value = [&](std::size_t i) { return channel.values[static_cast<Index>(i)]; };
-  std::ranges::stable_sort(rows, {}, value);
   for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
     end = std::min(rows.size(), begin + rows.size() / kBins + 1);
     while (end < rows.size() && value(rows[end]) == value(rows[end - 1])) ++end;
@@ -149,13 +148,15 @@ void addBins(const EvidenceChannel& channel, const std::string& against, std::ve
 std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<EvidenceChannel>& channels,
                                      const VectorXd& before, const VectorXd& after) {
   const double correlation = correlationTime(after, log.data.rows.session);
-  const std::vector<std::size_t> rows = keptRows(log);
+  std::vector<std::size_t> rows = keptRows(log);
   // What friction lacks has one sign forwards and the other backwards: its mean over both says nothing.
   const VectorXd direction = log.data.rows.direction.matrix();
   const VectorXd drag_before = before.cwiseProduct(direction), drag_after = after.cwiseProduct(direction);
   const std::string drag = fmt::format("residual in the direction of motion [{}] against ", log.data.effort_unit);
   std::vector<EvidenceBin> bins;
   for (const EvidenceChannel& channel : channels) {
+    std::ranges::sort(rows);  // rows of one value stand in the log's order
+    std::ranges::stable_sort(rows, {}, [&](std::size_t i) { return channel.values[static_cast<Index>(i)]; });
     addBins(channel, channel.name, rows, before, after, correlation, bins);
     if (channel.name != "direction") {
       addBins(channel, drag + channel.name, rows, drag_before, drag_after, correlation, bins);

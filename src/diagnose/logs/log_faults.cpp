@@ -133,9 +133,7 @@ void findSpringFaults(PreparedLog& log, std::vector<DataFault>& faults) {
                       clipped.rows.front() + 1, clipped.rows.back() + 1, clipped.rows.size(), few});
   }
   findDropouts({log.effort_column, rows.effort}, log, faults);
-  const ArrayXd force = rows.effort - rows.effort.mean(), deflection = rows.deflection - rows.deflection.mean();
-  const double agreement =
-      (force * deflection).sum() / std::max(force.matrix().norm() * deflection.matrix().norm(), 1e-300);
+  const double agreement = correlation(spanOf(rows.effort), spanOf(rows.deflection));
   if (agreement > -kMirrored) return;
   faults.push_back(
       {log.effort_column, fmt::format("{} falls where the deflection grows (correlation {:.2f}): one of the "
@@ -157,8 +155,7 @@ void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   const double size = (rows.effort - rows.effort.mean()).matrix().norm();
   // Only a load that was measured, and that the effort mirrors as plainly as a plot would show it. A back-driven motor,
   // a damper or a piston under pressure has effort against its speed in all honesty.
-  const double agreement =
-      correlation({rows.effort.data(), static_cast<std::size_t>(n)}, {rows.load.data(), static_cast<std::size_t>(n)});
+  const double agreement = correlation(spanOf(rows.effort), spanOf(rows.load));
   if (rows.top_load > 0.0 && log.data.rig.cols() == 0 && !log.data.angle && c[0] < -0.2 * size &&
       agreement < -kMirrored) {
     faults.push_back({"external_torque",

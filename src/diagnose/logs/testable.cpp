@@ -5,16 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 namespace {
 
 /// Whether one of the bench's constants that are fitted multiplies nearly that channel.
 bool isFitted(const Eigen::ArrayXd& channel, const ActuatorData& data) {
   constexpr double kAlike = 0.9;  // correlation: each may be smoothed in its own way
-  const Eigen::VectorXd a = channel - channel.mean();
   for (Eigen::Index k = 0; k < data.rig.cols(); ++k) {
-    const Eigen::VectorXd b = data.rig.col(k) - data.rig.col(k).mean();
-    if (std::abs(a.dot(b)) > kAlike * a.norm() * b.norm()) return true;
+    const Eigen::ArrayXd column = data.rig.col(k);
+    if (std::abs(correlation(spanOf(channel), spanOf(column))) > kAlike) return true;
   }
   return false;
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "drive_parameters.h"
+#include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/motion.h"
 #include "simgap/optimize/separable.h"
 
@@ -62,12 +63,7 @@ class FirstGuess {
 
  private:
   void applyFixed() {
-    const std::vector<ParameterSpec> parameters = driveParameters(options_);
-    for (std::size_t i = 0; i < kCount; ++i) {
-      if (const auto fixed = options_.fixed.find(parameters[i].name); fixed != options_.fixed.end()) {
-        theta_[i] = fixed->second;
-      }
-    }
+    fixValues(driveParameters(options_), options_.fixed, theta_);
     if (options_.tie_constants) theta_[kKt] = theta_[kKe];
   }
 

@@ -90,6 +90,18 @@ std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blo
   return heldOutRows(holdout, blocks, row);
 }
 
+JudgedRows judgedRows(const Holdout& holdout, std::span<const Block> blocks) {
+  constexpr std::size_t kFewestBlocks = 5;  // one of them is a fifth
+  Holdout judged_by = holdout;
+  if (!holdout.any()) judged_by = {0.2, {}, "20 % of the blocks, before the final fit to all rows"};
+  JudgedRows rows{std::vector<bool>(blocks.empty() ? 0 : blocks.back().end, true), judged_by.words, !holdout.any()};
+  if (blocks.size() >= kFewestBlocks || holdout.any()) {
+    rows.fitted = heldOutRows(judged_by, blocks);
+    rows.fitted.flip();
+  }
+  return rows;
+}
+
 double blockSeconds(const std::optional<double>& asked, double duration) {
   constexpr double kLongest = 20.0;
   return asked.value_or(duration > 0.0 ? std::min(kLongest, duration / 10.0) : kLongest);

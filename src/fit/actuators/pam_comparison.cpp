@@ -10,32 +10,11 @@ std::vector<Block> blocksOfMuscle(const PamLog& log, const std::optional<double>
   return splitBlocks(log.time, log.session, blockSeconds(block_s, log.time.back() - log.time.front()));
 }
 
-PamCandidate fitCandidate(const std::string& name, const PamLog& log, const PamFitOptions& options,
-                          const std::vector<bool>& kept, bool final_on_all) {
-  PamCandidate candidate{name, fitPam(log, options, kept), std::nullopt};
-  if (std::ranges::count(kept, false) > 0) {
-    std::vector<bool> held = kept;
-    held.flip();
-    candidate.mse_heldout = meanSquaredError(candidate.fit, log, held);
-    if (final_on_all) candidate.fit = fitPam(log, options);
-  }
-  return candidate;
-}
-
 }  // namespace
 
 PamComparison comparePam(const PamLog& log, const PamFitOptions& options, const std::optional<PamFit>& maker,
                          const Holdout& holdout, const std::optional<double>& block_s) {
-  constexpr std::size_t kFewestBlocks = 5;  // one of them is a fifth
-  // Which rows the fits see.
-  Holdout judged_by = holdout;
-  if (!holdout.any()) judged_by = {0.2, {}, "20 % of the blocks, before the final fit to all rows"};
-  const std::vector<Block> blocks = blocksOfMuscle(log, block_s);
-  std::vector<bool> kept(log.rows(), true);
-  if (blocks.size() >= kFewestBlocks || holdout.any()) {
-    kept = heldOutRows(judged_by, blocks);
-    kept.flip();
-  }
+  const JudgedRows rows = judgedRows(holdout, blocksOfMuscle(log, block_s));
   // The paper's two stages: a, b, c of the maker's curves, k from the rig.
   PamFitOptions plain = options;
   plain.spring = false;
@@ -45,14 +24,17 @@ PamComparison comparePam(const PamLog& log, const PamFitOptions& options, const 
   PamFitOptions spring = plain;
   spring.spring = !plain.fixed.contains("k");
 
+  const auto candidate = [&](const std::string& name, const PamFitOptions& of) {
+    return fitCandidate(
+        name, rows, [&](const std::vector<bool>& some) { return fitPam(log, of, some); },
+        [&](const PamFit& fit, const std::vector<bool>& some) { return meanSquaredError(fit, log, some); });
+  };
   PamComparison comparison;
-  comparison.heldout = judged_by.words;
+  comparison.heldout = rows.words;
   std::vector<PamCandidate>& candidates = comparison.candidates;
-  if (spring.spring) candidates.push_back(fitCandidate("no-spring", log, plain, kept, !holdout.any()));
-  candidates.push_back(fitCandidate("spring", log, spring, kept, !holdout.any()));
-  comparison.best = candidates.size() - 1;
-  const auto judge = [](const PamCandidate& c) { return c.mse_heldout.value_or(c.fit.mse); };
-  if (judge(candidates.front()) < judge(candidates.back())) comparison.best = 0;
+  if (spring.spring) candidates.push_back(candidate("no-spring", plain));
+  candidates.push_back(candidate("spring", spring));
+  comparison.best = candidates.front().judgedError() < candidates.back().judgedError() ? 0 : candidates.size() - 1;
   return comparison;
 }
 

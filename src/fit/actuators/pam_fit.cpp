@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "simgap/core/error.h"
+#include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/optimize/separable.h"
 
@@ -30,13 +31,7 @@ class PamProblem {
                   {"b", "m2", -kInfinity, kInfinity},
                   {"c", "m2", -kInfinity, kInfinity},
                   {"k", "N", 1.0, 1e9}};
-    for (ParameterSpec& p : parameters) {
-      if (const auto bounds = options.bounds.find(p.name); bounds != options.bounds.end()) {
-        p.lower = bounds->second.lower;
-        p.upper = bounds->second.upper;
-      }
-      p.fixed = options.fixed.contains(p.name);
-    }
+    constrain({options.fixed, options.bounds}, parameters);
     if (!options.spring) parameters[3].fixed = true;
     if (options.tied) parameters[1].fixed = true;
   }
@@ -85,10 +80,7 @@ class PamProblem {
     const Eigen::VectorXd& c = m.linear.coefficients;
     std::vector<double> theta =
         options_.tied ? std::vector{c[0], -2.0 * c[0], c[1], m.p[0]} : std::vector{c[0], c[1], c[2], m.p[0]};
-    for (std::size_t i = 0; i < theta.size(); ++i) {
-      if (const auto fixed = options_.fixed.find(parameters[i].name); fixed != options_.fixed.end())
-        theta[i] = fixed->second;
-    }
+    fixValues(parameters, options_.fixed, theta);
     return theta;
   }
 
@@ -165,12 +157,8 @@ PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector
     chosen.push_back(*std::ranges::min_element(starts, {}, [](const auto& s) { return s.linear.cost; }));
     for (const SeparableMinimum& start : chosen) found.push_back(minimise(problem, model.thetaOf(start)));
   }
-  std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
   fit.starts += found.size();
-  fit.distinct_minima = 1;
-  for (std::size_t i = 1; i < found.size(); ++i) {
-    if (found[i].cost > 1.0001 * found[i - 1].cost) ++fit.distinct_minima;
-  }
+  fit.distinct_minima = rankMinima(found);
   fit.theta = found.front().theta;
   fit.mse = found.front().cost / static_cast<double>(fit.n);
   fit.uncertainty = estimateUncertainty(problem, fit.theta, model.session);

@@ -59,4 +59,21 @@ void requireKnown(const ParameterChoices& choices, std::span<const std::string> 
   for (const auto& [name, range] : choices.bounds) require("--bounds", name);
 }
 
+void constrain(const ParameterChoices& choices, std::span<ParameterSpec> parameters) {
+  for (ParameterSpec& p : parameters) {
+    if (const auto bounds = choices.bounds.find(p.name); bounds != choices.bounds.end()) {
+      p.lower = bounds->second.lower;
+      p.upper = bounds->second.upper;
+    }
+    p.fixed = p.fixed || choices.fixed.contains(p.name);
+  }
+}
+
+void fixValues(std::span<const ParameterSpec> parameters, const std::map<std::string, double>& fixed,
+               std::span<double> theta) {
+  for (std::size_t i = 0; i < theta.size(); ++i) {
+    if (const auto known = fixed.find(parameters[i].name); known != fixed.end()) theta[i] = known->second;
+  }
+}
+
 }  // namespace simgap

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/model/actuator/fitted_model.h"
 
@@ -36,13 +37,7 @@ class SpringProblem {
                   {"offset", log.data.load_unit, -kInfinity, kInfinity},
                   {"damping", angular ? "Nms_rad" : "Ns_m", 0.0, kInfinity, !all.timed}};
     if (options.cord) parameters.push_back({"rest_length", angular ? "rad" : "m", -kInfinity, kInfinity});
-    for (ParameterSpec& p : parameters) {
-      if (const auto bounds = options.bounds.find(p.name); bounds != options.bounds.end()) {
-        p.lower = bounds->second.lower;
-        p.upper = bounds->second.upper;
-      }
-      p.fixed = p.fixed || options.fixed.contains(p.name);
-    }
+    constrain({options.fixed, options.bounds}, parameters);
   }
 
   LeastSquaresProblem problem() const {
@@ -70,10 +65,7 @@ class SpringProblem {
     const Eigen::VectorXd line = x.colPivHouseholderQr().solve(f);
     std::vector<double> theta = {std::max(line[0], 0.0), line[1], 0.0};
     if (options_.cord) theta.push_back(rest_length);
-    for (std::size_t i = 0; i < theta.size(); ++i) {
-      if (const auto fixed = options_.fixed.find(parameters[i].name); fixed != options_.fixed.end())
-        theta[i] = fixed->second;
-    }
+    fixValues(parameters, options_.fixed, theta);
     return theta;
   }
 
@@ -121,17 +113,6 @@ void requireFittable(const PreparedLog& log, const SpringProblem& model, std::si
   }
 }
 
-SpringCandidate fitSpringCandidate(const std::string& name, const PreparedLog& log, const SpringFitOptions& options,
-                                   const std::vector<bool>& kept, bool final_on_all) {
-  SpringCandidate candidate{name, fitSpring(log, options, kept), std::nullopt};
-  if (std::ranges::count(kept, false) == 0) return candidate;
-  std::vector<bool> held = kept;
-  held.flip();
-  candidate.mse_heldout = meanSquaredError(candidate.fit, log, held);
-  if (final_on_all) candidate.fit = fitSpring(log, options);
-  return candidate;
-}
-
 }  // namespace
 
 std::vector<std::string> springParameterNames() { return {"stiffness", "offset", "damping", "rest_length"}; }
@@ -153,12 +134,8 @@ SpringFit fitSpring(const PreparedLog& log, const SpringFitOptions& options, con
   for (const double rest_length : restLengths(model, options)) {
     found.push_back(minimise(problem, model.startAt(rest_length)));
   }
-  std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
   fit.starts = found.size();
-  fit.distinct_minima = 1;
-  for (std::size_t i = 1; i < found.size(); ++i) {
-    if (found[i].cost > 1.0001 * found[i - 1].cost) ++fit.distinct_minima;
-  }
+  fit.distinct_minima = rankMinima(found);
   fit.theta = found.front().theta;
   fit.mse = found.front().cost / static_cast<double>(fit.n);
   fit.uncertainty = estimateUncertainty(problem, fit.theta, model.session);
@@ -189,34 +166,30 @@ Unloaded unloadedDeflection(const SpringFit& fit) {
 
 SpringComparison compareSprings(const PreparedLog& log, const SpringFitOptions& options, const Holdout& holdout,
                                 const std::optional<double>& block_s) {
-  constexpr std::size_t kFewestBlocks = 5;  // one of them is a fifth
-  constexpr double kFewestSlack = 0.02;     // of the rows
+  constexpr double kFewestSlack = 0.02;  // of the rows
   const ActuatorRows& rows = log.data.rows;
   const std::vector<double> time(rows.time.begin(), rows.time.end());
-  Holdout judged_by = holdout;
-  if (!holdout.any()) judged_by = {0.2, {}, "20 % of the blocks, before the final fit to all rows"};
-  const std::vector<Block> blocks =
-      rows.timed ? splitBlocks(time, rows.session, blockSeconds(block_s, time.back() - time.front()))
-                 : splitRows(rows.session, std::max<std::size_t>(1, time.size() / 50));
-  std::vector<bool> kept(time.size(), true);
-  if (blocks.size() >= kFewestBlocks || holdout.any()) {
-    kept = heldOutRows(judged_by, blocks);
-    kept.flip();
-  }
-  SpringFitOptions spring = options, cord = options;
-  spring.cord = false, cord.cord = true;
+  const JudgedRows judged = judgedRows(
+      holdout, rows.timed ? splitBlocks(time, rows.session, blockSeconds(block_s, time.back() - time.front()))
+                          : splitRows(rows.session, std::max<std::size_t>(1, time.size() / 50)));
+  const auto candidate = [&](const std::string& name, bool cord) {
+    SpringFitOptions of = options;
+    of.cord = cord;
+    return fitCandidate(
+        name, judged, [&](const std::vector<bool>& some) { return fitSpring(log, of, some); },
+        [&](const SpringFit& fit, const std::vector<bool>& some) { return meanSquaredError(fit, log, some); });
+  };
   SpringComparison comparison;
-  comparison.heldout = judged_by.words;
+  comparison.heldout = judged.words;
+  std::vector<SpringCandidate>& candidates = comparison.candidates;
   if (!options.fixed.contains("rest_length") && !options.bounds.contains("rest_length")) {
-    comparison.candidates.push_back(fitSpringCandidate("spring", log, spring, kept, !holdout.any()));
+    candidates.push_back(candidate("spring", false));
   }
-  comparison.candidates.push_back(fitSpringCandidate(kCord, log, cord, kept, !holdout.any()));
-  comparison.best = comparison.candidates.size() - 1;
+  candidates.push_back(candidate(kCord, true));
+  comparison.best = candidates.size() - 1;
   if (comparison.best == 0) return comparison;
-  const auto judge = [](const SpringCandidate& c) { return c.mse_heldout.value_or(c.fit.mse); };
   const double slack = (rows.deflection < comparison.chosen().fit.theta[kRestLength]).cast<double>().mean();
-  if (slack < kFewestSlack || judge(comparison.candidates.front()) <= judge(comparison.candidates.back()))
-    comparison.best = 0;
+  if (slack < kFewestSlack || candidates.front().judgedError() <= candidates.back().judgedError()) comparison.best = 0;
   return comparison;
 }
 

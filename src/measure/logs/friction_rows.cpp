@@ -1,7 +1,6 @@
 #include "simgap/measure/logs/friction_rows.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -43,20 +42,6 @@ void checkLog(const ActuatorLog& log, FrictionData& data) {
                     "and fast motion in both directions",
                     log.file, velocity, log.velocity.front()));
   }
-}
-
-std::vector<bool> chosenSessions(const ActuatorLog& log, const std::vector<std::string>& names) {
-  if (names.empty()) return std::vector<bool>(log.session_names.size(), true);
-  std::vector<bool> chosen(log.session_names.size(), false);
-  for (const std::string& name : names) {
-    const auto found = std::ranges::find(log.session_names, name);
-    if (found == log.session_names.end()) {
-      throw DataError(fmt::format("{}: found no session {}, expected one of {}", log.file, name,
-                                  fmt::join(log.session_names, ", ")));
-    }
-    chosen[found - log.session_names.begin()] = true;
-  }
-  return chosen;
 }
 
 /// Drops rows channel by channel, in place: the data are the largest thing in memory.
@@ -171,10 +156,6 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   data.reversals = sign.reversals;
   leaveOutRests(log, derived_velocity, options, sign, data);
   leaveOutSpikes(options, sign, data);
-  const std::vector<bool> chosen = chosenSessions(log, options.sessions);
-  for (std::size_t i = 0; i < log.rows(); ++i) {
-    if (!chosen[log.session[i]]) sign.keep[i] = false;
-  }
   const std::size_t rows = log.rows();
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
   data.block_seconds = options.block_seconds;

@@ -110,6 +110,25 @@ void leaveOutBadStamps(LogTable& log) {
   log.table = table.withoutRows(out);
 }
 
+CsvTable keepSessions(CsvTable table, const std::vector<std::string>& chosen) {
+  if (chosen.empty()) return table;
+  CsvTable copy = table;
+  std::vector<std::string> names;
+  const std::vector<int> session = readSessions(copy, names);
+  std::vector<bool> unwanted(names.size(), true);
+  for (const std::string& name : chosen) {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+      throw DataError(
+          fmt::format("{}: found no session {}, expected one of {}", table.name(), name, fmt::join(names, ", ")));
+    }
+    unwanted[static_cast<std::size_t>(found - names.begin())] = false;
+  }
+  std::vector<bool> out(table.rows());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = unwanted[static_cast<std::size_t>(session[i])];
+  return table.withoutRows(out);
+}
+
 }  // namespace
 
 std::vector<std::string> LogTable::summary() const {
@@ -128,8 +147,8 @@ bool isLogChannel(const std::string& column) {
   return column == "session" || column == "contraction" || kStems.contains(splitUnit(column).stem);
 }
 
-LogTable readLogTable(CsvTable table) {
-  LogTable log{std::move(table), {}};
+LogTable readLogTable(CsvTable table, const std::vector<std::string>& sessions) {
+  LogTable log{keepSessions(std::move(table), sessions), {}};
   leaveOutEmptyCells(log);
   leaveOutBadStamps(log);
   return log;

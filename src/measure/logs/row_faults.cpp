@@ -23,14 +23,8 @@ void putSpikesRight(ActuatorLog& log, FrictionData& data) {
       {log.linear ? "external_force" : "external_torque", &log.load}};
   for (const auto& [name, values] : channels) {
     if (values->empty()) continue;
-    std::vector<std::size_t> rows;
-    for (const Block& b : splitRows(log.session, log.rows())) {
-      const std::span<const double> time = std::span(log.time).subspan(b.begin, b.size());
-      for (const std::size_t i : repairSpikes(time, std::span(*values).subspan(b.begin, b.size())))
-        rows.push_back(b.begin + i);
-    }
-    if (rows.empty()) continue;
-    data.spikes.push_back({name, std::move(rows)});
+    std::vector<std::size_t> rows = repairSpikes(log.time, log.session, *values);
+    if (!rows.empty()) data.spikes.push_back({name, std::move(rows)});
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/blocks.h"
 #include "simgap/core/statistics.h"
 #include "simgap/measure/logs/resolution.h"
 
@@ -47,10 +48,18 @@ std::vector<std::size_t> findSpikes(std::span<const double> time, std::span<cons
   return spikes;
 }
 
-std::vector<std::size_t> repairSpikes(std::span<const double> time, std::span<double> values) {
-  const std::vector<std::size_t> spikes = findSpikes(time, values);
-  for (const std::size_t i : spikes) values[i] -= bendAt(time, values, i);
-  return spikes;
+std::vector<std::size_t> repairSpikes(std::span<const double> time, const std::vector<int>& session,
+                                      std::span<double> values) {
+  std::vector<std::size_t> rows;
+  for (const Block& b : splitRows(session, values.size())) {
+    const std::span<const double> own_time = time.subspan(b.begin, b.size());
+    const std::span<double> own = values.subspan(b.begin, b.size());
+    for (const std::size_t i : findSpikes(own_time, own)) {
+      own[i] -= bendAt(own_time, own, i);
+      rows.push_back(b.begin + i);
+    }
+  }
+  return rows;
 }
 
 }  // namespace simgap

@@ -70,24 +70,11 @@ FittedModel muscleModel(const PamReport& report) {
 
 FitSummary summarise(const PamReport& report) {
   const PamCandidate& chosen = report.comparison.chosen();
-  FitSummary summary;
+  FitSummary summary = summaryOf(report.comparison);
   summary.command = "fit-pam";
-  summary.model = chosen.name;
   summary.target = "force";
   summary.target_unit = "N";
-  summary.uncertainty = chosen.fit.uncertainty;
-  summary.mse = chosen.fit.mse;
-  summary.mse_heldout = chosen.mse_heldout;
-  summary.heldout = report.comparison.heldout;
-  summary.n = chosen.fit.n;
-  summary.starts = chosen.fit.starts;
-  summary.distinct_minima = chosen.fit.distinct_minima;
   summary.warnings = chosen.fit.warnings;
-  const double n = chosen.fit.uncertainty.n_effective;
-  for (const PamCandidate& c : report.comparison.candidates) {
-    summary.comparison.push_back({c.name, c.fit.parameters, c.fit.mse, c.mse_heldout,
-                                  n * std::log(c.fit.mse) + static_cast<double>(c.fit.parameters) * std::log(n)});
-  }
   if (const auto geometry = geometryOf(chosen.fit.theta[0], chosen.fit.theta[2])) {
     summary.facts.emplace_back("geometry of a and c",
                                fmt::format("diameter {:.1f} mm, braid angle {:.1f} deg (002 eq. 12)",

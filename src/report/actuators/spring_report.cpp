@@ -121,26 +121,12 @@ std::vector<std::string> springWarnings(const SpringReport& report) {
 }  // namespace
 
 FitSummary summarise(const SpringReport& report) {
-  const SpringCandidate& chosen = report.comparison.chosen();
-  FitSummary summary;
+  FitSummary summary = summaryOf(report.comparison);
   summary.command = "fit-spring";
-  summary.model = chosen.name;
   summary.target = isAngular(report) ? "torque" : "force";
   summary.target_unit = report.log.data.load_unit;
-  summary.uncertainty = chosen.fit.uncertainty;
-  summary.mse = chosen.fit.mse;
-  summary.mse_heldout = chosen.mse_heldout;
-  summary.heldout = report.comparison.heldout;
-  summary.n = chosen.fit.n;
-  summary.starts = chosen.fit.starts;
-  summary.distinct_minima = chosen.fit.distinct_minima;
   summary.warnings = springWarnings(report);
-  const double n = chosen.fit.uncertainty.n_effective;
-  for (const SpringCandidate& c : report.comparison.candidates) {
-    summary.comparison.push_back({c.name, c.fit.parameters, c.fit.mse, c.mse_heldout,
-                                  n * std::log(c.fit.mse) + static_cast<double>(c.fit.parameters) * std::log(n)});
-  }
-  const Unloaded rest = unloadedDeflection(chosen.fit);
+  const Unloaded rest = unloadedDeflection(report.comparison.chosen().fit);
   summary.facts.emplace_back(
       report.own_length ? "rest length" : "no force at",
       fmt::format("{}{} {}", valueText(rest.deflection, rest.sd),

@@ -32,6 +32,15 @@ std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blo
 /// The same where the blocks are of the whole log.
 std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blocks);
 
+/// The rows that candidates are fitted to, and those that judge them.
+struct JudgedRows {
+  std::vector<bool> fitted;  ///< shape (rows)
+  std::string words;         ///< which rows judge
+  bool then_all = false;     ///< the final fit has all rows
+};
+/// Without a holdout a fifth of five or more blocks judges. \throws DataError as heldOutRows.
+JudgedRows judgedRows(const Holdout& holdout, std::span<const Block> blocks);
+
 /// Length of the blocks for a log of that duration [s]: what was asked for, else 20 s, in short logs a tenth of them.
 double blockSeconds(const std::optional<double>& asked, double duration);
 

@@ -3,26 +3,16 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
-#include "simgap/fit/actuators/holdout.h"
+#include "simgap/fit/actuators/fit_comparison.h"
 #include "simgap/fit/actuators/pam_fit.h"
 
 namespace simgap {
 
-struct PamCandidate {
-  std::string name;  ///< "spring" or "no-spring"
-  PamFit fit;
-  std::optional<double> mse_heldout;  ///< [N^2]
-};
-
-struct PamComparison {
-  std::vector<PamCandidate> candidates;  ///< one when the spring is known, else no-spring, spring
-  std::size_t best = 0;                  ///< the lowest held-out error (of all rows where none are held out)
-  std::string heldout;                   ///< which rows, in words
-  const PamCandidate& chosen() const { return candidates[best]; }
-};
+using PamCandidate = FitCandidate<PamFit>;
+/// One candidate when the spring is known, else no-spring and spring; the best has the lowest held-out error, of all
+/// rows where none are held out.
+using PamComparison = FitComparison<PamFit>;
 
 /// \param options  its `spring` is not used. \param maker  fit to the maker's curves: its a, b, c are taken as known.
 /// \param holdout  kept from the fits; without one a fifth of five or more blocks judges, and the final fit has all

@@ -24,4 +24,10 @@ ParameterChoices readParameterChoices(std::span<const std::string> fix, std::spa
 /// \throws ConfigError when `choices` names a parameter that none of the models has.
 void requireKnown(const ParameterChoices& choices, std::span<const std::string> known);
 
+/// Puts the chosen bounds into `parameters`, and marks the known ones as fixed.
+void constrain(const ParameterChoices& choices, std::span<ParameterSpec> parameters);
+/// Puts the known values into theta, shape (P) like `parameters`.
+void fixValues(std::span<const ParameterSpec> parameters, const std::map<std::string, double>& fixed,
+               std::span<double> theta);
+
 }  // namespace simgap

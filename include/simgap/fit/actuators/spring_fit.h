@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "simgap/fit/actuators/fit_comparison.h"
 #include "simgap/fit/actuators/friction_fit.h"
-#include "simgap/fit/actuators/holdout.h"
 #include "simgap/measure/logs/prepared_log.h"
 
 namespace simgap {
@@ -50,19 +50,10 @@ struct Unloaded {
 };
 Unloaded unloadedDeflection(const SpringFit& fit);
 
-struct SpringCandidate {
-  std::string name;  ///< "spring" or kCord
-  SpringFit fit;
-  std::optional<double> mse_heldout;  ///< [N^2]
-};
-
-/// A spring in both directions and a cord that only pulls, fitted to the same rows and judged on others.
-struct SpringComparison {
-  std::vector<SpringCandidate> candidates;  ///< spring, cord
-  std::size_t best = 0;                     ///< the cord where it errs less on held-out rows and some rows are slack
-  std::string heldout;                      ///< which rows, in words
-  const SpringCandidate& chosen() const { return candidates[best]; }
-};
+using SpringCandidate = FitCandidate<SpringFit>;
+/// A spring in both directions and a cord that only pulls (kCord), fitted to the same rows and judged on others: the
+/// cord is best where it errs less there and some rows are slack.
+using SpringComparison = FitComparison<SpringFit>;
 
 /// \param holdout  kept from the fits; without one a fifth of five or more blocks judges, and the final fit has all
 ///        rows. \param block_s  length of the blocks [s]; empty: as blockSeconds

@@ -3,10 +3,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <string_view>
 #include <vector>
 
 namespace simgap {
+
+/// A channel as the functions of `core` take it.
+inline std::span<const double> spanOf(const Eigen::ArrayXd& values) {
+  return {values.data(), static_cast<std::size_t>(values.size())};
+}
 
 /// What a log is of.
 enum class ActuatorKind {

@@ -17,13 +17,12 @@
 namespace simgap {
 
 struct FrictionDataOptions {
-  bool raw_sign = false;              ///< sign(w) as measured (003) instead of the held one
-  double dead_band_widths = 3.5;      ///< half width of the dead band in noise levels of the velocity
-  std::optional<double> dead_band;    ///< [rad/s] instead: as a model file holds it
-  std::optional<double> bandwidth;    ///< [Hz] of the smoothing; default: the bench's, else as suits the channel
-  double block_seconds = 20.0;        ///< length of the blocks that are held out together
-  std::vector<std::string> sessions;  ///< only these; all when empty
-  bool all_rows = false;              ///< do not leave rows out, only mark them (FrictionData::keep)
+  bool raw_sign = false;            ///< sign(w) as measured (003) instead of the held one
+  double dead_band_widths = 3.5;    ///< half width of the dead band in noise levels of the velocity
+  std::optional<double> dead_band;  ///< [rad/s] instead: as a model file holds it
+  std::optional<double> bandwidth;  ///< [Hz] of the smoothing; default: the bench's, else as suits the channel
+  double block_seconds = 20.0;      ///< length of the blocks that are held out together
+  bool all_rows = false;            ///< do not leave rows out, only mark them (FrictionData::keep)
 
   static constexpr double kDefaultBandwidth = 0.1;  ///< of the sampling rate: the highest that is chosen
 };

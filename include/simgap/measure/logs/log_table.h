@@ -33,7 +33,8 @@ bool isLogChannel(const std::string& column);
 
 /// Leaves out rows without a number in one of the log's channels, and of the others as few as it takes for time to rise
 /// within each session: stamps that repeat, or stand in the wrong order.
-/// \throws DataError: more than a tenth of the rows would have to go.
-LogTable readLogTable(CsvTable table);
+/// \param sessions  only these, all when empty.
+/// \throws DataError: more than a tenth of the rows would have to go; a session that the log does not have.
+LogTable readLogTable(CsvTable table, const std::vector<std::string>& sessions = {});
 
 }  // namespace simgap

@@ -22,7 +22,9 @@ struct ChannelSpikes {
 /// \param time  [s] rising, shape (n).  \param values  shape (n).
 std::vector<std::size_t> findSpikes(std::span<const double> time, std::span<const double> values);
 
-/// The same; each is replaced by the line between its neighbours.
-std::vector<std::size_t> repairSpikes(std::span<const double> time, std::span<double> values);
+/// The same, looked for session by session; each is replaced by the line between its neighbours.
+/// \param session  shape (n).
+std::vector<std::size_t> repairSpikes(std::span<const double> time, const std::vector<int>& session,
+                                      std::span<double> values);
 
 }  // namespace simgap

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "simgap/core/run_directory.h"
+#include "simgap/fit/actuators/fit_comparison.h"
 #include "simgap/model/actuator/fitted_model.h"
 #include "simgap/optimize/uncertainty.h"
 
@@ -47,6 +49,27 @@ struct FitSummary {
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> facts;  ///< further results: name and text
 };
+
+/// What a comparison of models says, whatever they model.
+template <typename Fit>
+FitSummary summaryOf(const FitComparison<Fit>& comparison) {
+  const FitCandidate<Fit>& chosen = comparison.chosen();
+  FitSummary summary;
+  summary.model = chosen.name;
+  summary.uncertainty = chosen.fit.uncertainty;
+  summary.mse = chosen.fit.mse;
+  summary.mse_heldout = chosen.mse_heldout;
+  summary.heldout = comparison.heldout;
+  summary.n = chosen.fit.n;
+  summary.starts = chosen.fit.starts;
+  summary.distinct_minima = chosen.fit.distinct_minima;
+  const double n = chosen.fit.uncertainty.n_effective;
+  for (const FitCandidate<Fit>& c : comparison.candidates) {
+    summary.comparison.push_back({c.name, c.fit.parameters, c.fit.mse, c.mse_heldout,
+                                  n * std::log(c.fit.mse) + static_cast<double>(c.fit.parameters) * std::log(n)});
+  }
+  return summary;
+}
 
 Json toJson(const FitSummary& summary);
 std::string terminalTable(const FitSummary& summary);

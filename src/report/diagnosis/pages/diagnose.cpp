@@ -135,25 +135,34 @@ Chart evidenceChart(const CsvTable& table, const std::string& against, const std
                    {before, after});
 }
 
+/// Mean residuals, ranked by what the causes took away of them.
+struct Evidence {
+  CsvTable table;
+  std::vector<std::string> channels;  ///< as byGain; empty: there is none
+};
+
+Evidence evidenceOf(const ResultFiles& files) {
+  if (!files.has("evidence.csv")) return {CsvTable::parse("against\n", "evidence.csv"), {}};
+  CsvTable table = files.table("evidence.csv");
+  std::vector<std::string> channels = byGain(table);
+  return {std::move(table), std::move(channels)};
+}
+
 /// The signature: of all channels the one against which the causes took away most of the mean residual.
-void addSignature(const ResultFiles& files, Page& page) {
-  if (files.result().at("causes").empty() || !files.has("evidence.csv")) return;
-  const CsvTable table = files.table("evidence.csv");
-  if (table.rows() == 0) return;
-  Chart chart = evidenceChart(table, byGain(table).front(), rootUnit(files.result()));
+void addSignature(const ResultFiles& files, const Evidence& evidence, Page& page) {
+  if (files.result().at("causes").empty() || evidence.channels.empty()) return;
+  Chart chart = evidenceChart(evidence.table, evidence.channels.front(), rootUnit(files.result()));
   chart.note = "The signature: what the model missed before, and what is left of it with the causes.";
   chart.wide = true;
   page.add(std::move(chart));
 }
 
 /// The others, ranked: what is left over shows as a shape.
-void addEvidence(const ResultFiles& files, Page& page) {
-  if (!files.has("evidence.csv")) return;
-  const CsvTable table = files.table("evidence.csv");
-  if (table.rows() == 0) return;
+void addEvidence(const ResultFiles& files, const Evidence& evidence, Page& page) {
+  if (evidence.channels.empty()) return;
   page.addSection("Evidence: the mean residual against what was logged", /*folded=*/true);
-  for (const std::string& against : byGain(table)) {
-    page.add(evidenceChart(table, against, rootUnit(files.result())));
+  for (const std::string& against : evidence.channels) {
+    page.add(evidenceChart(evidence.table, against, rootUnit(files.result())));
   }
 }
 
@@ -259,7 +268,8 @@ Page make(const ResultFiles& files) {
   const std::string sentence = text(result, "sentence");
   Page page{"simgap diagnose", sentence.empty() ? "Verdict: " + text(result, "verdict") + "." : sentence,
             notes(result)};
-  addSignature(files, page);
+  const Evidence evidence = evidenceOf(files);
+  addSignature(files, evidence, page);
   if (result.at("baseline").at("mse_heldout").is_number()) page.add(gap(result));
   addCauses(result, page);
   page.add(
@@ -271,7 +281,7 @@ Page make(const ResultFiles& files) {
     page.addSection("What to record next");
     page.add(PageText{next});
   }
-  addEvidence(files, page);
+  addEvidence(files, evidence, page);
   addPredictions(files, page);
   addSelfTest(result, page);
   addHypotheses(files, page);

@@ -1,0 +1,44 @@
+/// \file
+/// Models of one log, fitted to the same rows and judged on others.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/fit/actuators/holdout.h"
+
+namespace simgap {
+
+template <typename Fit>
+struct FitCandidate {
+  std::string name;
+  Fit fit;
+  std::optional<double> mse_heldout;  ///< in the squared unit of what is fitted
+
+  double judgedError() const { return mse_heldout.value_or(fit.mse); }
+};
+
+template <typename Fit>
+struct FitComparison {
+  std::vector<FitCandidate<Fit>> candidates;  ///< not empty; simplest first
+  std::size_t best = 0;
+  std::string heldout;  ///< which rows, in words
+  const FitCandidate<Fit>& chosen() const { return candidates[best]; }
+};
+
+/// \param fit_to  the fit to some rows, of shape (n); to all when they are empty. \param error_on  its mean squared
+/// error on some.
+template <typename FitTo, typename ErrorOn>
+auto fitCandidate(const std::string& name, const JudgedRows& rows, const FitTo& fit_to, const ErrorOn& error_on) {
+  FitCandidate<decltype(fit_to(rows.fitted))> candidate{name, fit_to(rows.fitted), std::nullopt};
+  if (std::ranges::count(rows.fitted, false) == 0) return candidate;
+  std::vector<bool> held = rows.fitted;
+  held.flip();
+  candidate.mse_heldout = error_on(candidate.fit, held);
+  if (rows.then_all) candidate.fit = fit_to({});
+  return candidate;
+}
+
+}  // namespace simgap

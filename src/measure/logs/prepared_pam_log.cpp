@@ -1,0 +1,59 @@
+// A pneumatic muscle's log.
+#include <numeric>
+#include <span>
+
+#include "prepared_rows.h"
+#include "simgap/measure/logs/motion.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+/// What a muscle's friction opposes: the change of its contraction or, in sessions at one length, of its pressure.
+std::vector<double> changesOf(const PamLog& log, const ActuatorRows& rows) {
+  constexpr double kFixedLength = 2e-3;  // spread of a contraction that is held
+  std::vector<double> changes(log.rows(), 0.0);
+  for (const Block& b : splitRows(log.session, log.rows())) {
+    const Index begin = b.begin, n = b.size();
+    const auto spread = [&](const ArrayXd& values) {
+      return values.segment(begin, n).maxCoeff() - values.segment(begin, n).minCoeff();
+    };
+    const ArrayXd& moved = spread(rows.contraction) > kFixedLength ? rows.contraction : rows.pressure;
+    const double scale = std::max(spread(moved), 1e-300);
+    ArrayXd slope = ArrayXd::Zero(n);
+    if (log.time.empty()) {  // levels, one after the other
+      slope.tail(n - 1) = moved.segment(begin, n).tail(n - 1) - moved.segment(begin, n).head(n - 1);
+    } else if (n >= 4) {
+      const std::span<const double> time(log.time.data() + b.begin, b.size());
+      const std::span<const double> values(moved.data() + begin, b.size());
+      slope = toArray(differentiate(time, smooth(time, values, FrictionDataOptions::kDefaultBandwidth / rows.step)));
+    }
+    ArrayXd::Map(changes.data() + begin, n) = slope / scale;
+  }
+  return changes;
+}
+
+}  // namespace
+
+PreparedLog preparePamData(const CsvTable& table) {
+  const PamLog muscle = readPamLog(table);
+  std::vector<double> time = muscle.time;
+  if (time.empty()) {  // rows in their order
+    time.resize(muscle.rows());
+    std::iota(time.begin(), time.end(), 0.0);
+  }
+  PreparedLog log = prepared(ActuatorKind::kPam, muscle.file, time, muscle.session, muscle.session_names);
+  log.effort_column = "force_N";
+  log.data.effort_unit = log.data.load_unit = "N";
+  ActuatorRows& rows = log.data.rows;
+  rows.effort = toArray(muscle.force);
+  rows.pressure = toArray(muscle.pressure);
+  rows.contraction = toArray(muscle.contraction);
+  setDirection(changesOf(muscle, rows), log);
+  addOptional(table, log, {{"pressure", &rows.pressure}, {"contraction", &rows.contraction}});
+  return log;
+}
+
+}  // namespace simgap

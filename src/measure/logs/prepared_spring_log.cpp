@@ -1,0 +1,64 @@
+// A spring's log.
+#include "prepared_rows.h"
+#include "simgap/core/units.h"
+#include "simgap/measure/logs/spring_log.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+
+/// Single wrong samples, looked for session by session, and sensors at their limit. Wrong samples are replaced: a
+/// spring that remembers would carry them on, and a limit is not where they are.
+void leaveOutBadSamples(SpringLog& spring, PreparedLog& log) {
+  const ChannelSpikes deflection{quantityName("deflection", spring.deflectionUnit()),
+                                 repairSpikes(spring.time, spring.session, spring.deflection)};
+  const ChannelSpikes force{log.effort_column, repairSpikes(spring.time, spring.session, spring.force)};
+  const ChannelSpikes ends[] = {{deflection.channel, findClipped(spring.deflection, spring.force, spring.session)},
+                                {force.channel, findClipped(spring.force, spring.deflection, spring.session)}};
+  for (const ChannelSpikes& channel : {deflection, force}) {
+    if (!channel.rows.empty()) log.spikes.push_back(channel);
+  }
+  for (const ChannelSpikes& channel : ends) {
+    if (!channel.rows.empty()) log.clipped.push_back(channel);
+  }
+  for (const std::vector<ChannelSpikes>* list : {&log.spikes, &log.clipped}) {
+    for (const ChannelSpikes& channel : *list) {
+      for (const std::size_t i : channel.rows) log.data.keep[i] = false;
+    }
+  }
+}
+
+}  // namespace
+
+PreparedLog prepareSpringData(const CsvTable& table) {
+  SpringLog spring = readSpringLog(table);
+  PreparedLog log = prepared(ActuatorKind::kSpring, spring.file, spring.time, spring.session, spring.session_names);
+  log.effort_column = quantityName(spring.forceName(), spring.forceUnit());
+  log.data.effort_unit = log.data.load_unit = spring.forceUnit();
+  log.data.velocity_unit = spring.angular ? "rad_s" : "m_s";
+  leaveOutBadSamples(spring, log);
+  ActuatorRows& rows = log.data.rows;
+  rows.timed = spring.has_time;
+  rows.effort = toArray(spring.force);
+  rows.deflection = toArray(spring.deflection);
+  if (spring.has_time) {
+    rows.speed = slopeOf(rows, rows.deflection, FrictionDataOptions::kDefaultBandwidth / rows.step);
+    setDirection({rows.speed.begin(), rows.speed.end()}, log);
+  } else {
+    ArrayXd change = ArrayXd::Zero(rows.rows());
+    change.tail(rows.rows() - 1) = rows.deflection.tail(rows.rows() - 1) - rows.deflection.head(rows.rows() - 1);
+    setDirection({change.begin(), change.end()}, log);
+  }
+  rows.temperature = optional(table, "temperature", "degC", log);
+  addContext(table, log, {"deflection", "length", "torque"});
+  addContext(log, "deflection", rows.deflection);
+  if (spring.has_time) {
+    addContext(log, "deflection_rate", rows.speed);
+    addContext(log, "time", rows.time);
+  }
+  return log;
+}
+
+}  // namespace simgap
