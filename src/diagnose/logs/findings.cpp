@@ -108,13 +108,20 @@ bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t 
 class Judge {
  public:
   Judge(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
-        const LogDiagnosisOptions& options, Selection& selection)
-      : search_(search), log_(log), split_(split), own_(own), options_(options), selection_(selection) {}
+        std::vector<Hypothesis> hypotheses, const LogDiagnosisOptions& options, Selection& selection)
+      : search_(search),
+        log_(log),
+        split_(split),
+        own_(own),
+        hypotheses_(std::move(hypotheses)),
+        options_(options),
+        selection_(selection) {}
 
   Findings run() {
     measure();
-    while (takeOne([&](std::size_t cause) { return doubtOf(cause); }) ||
-           takeOne([&](std::size_t cause) { return shadowOver(cause); })) {
+    while (takeOut() && causes() > 0) {  // what stays may only have been best beside what went
+      reviewCauses(search_, own_, hypotheses_, options_, selection_);
+      measure();
     }
     std::ranges::reverse(found_.candidates);
     return std::move(found_);
@@ -122,15 +129,29 @@ class Judge {
 
  private:
   std::size_t causes() const { return selection_.steps.size() - 1; }
+  /// By what the model loses without it, all others refitted: causes that need each other gain little alone.
   Interval gainOf(std::size_t cause) const {
-    return predictedGain(found_.heldout[cause].sum, found_.heldout[cause + 1].sum, options_.seed);
+    return predictedGain(errors_without_[cause].sum, found_.heldout.back().sum, options_.seed);
   }
 
   void measure() {
-    found_.heldout = heldOutErrors(search_, selection_, split_.heldout, log_.data.rows.session);
+    found_.heldout = heldOutErrors(search_, selection_.steps, split_.heldout, log_.data.rows.session);
+    without_.clear();
+    for (std::size_t k = 0; k < causes(); ++k) without_.push_back(search_.without(selection_.chosen, own_ + k));
+    errors_without_ = heldOutErrors(search_, without_, split_.heldout, log_.data.rows.session);
     found_.on_all_rows = selection_.chosen;
     found_.fit = describe(search_, log_, found_.on_all_rows);
     found_.left = {};
+  }
+
+  /// Takes out all causes about which there is a doubt; false when there was none.
+  bool takeOut() {
+    bool any = false;
+    while (takeOne([&](std::size_t cause) { return doubtOf(cause); }) ||
+           takeOne([&](std::size_t cause) { return shadowOver(cause); })) {
+      any = true;
+    }
+    return any;
   }
 
   /// Takes out the last cause about which there is a doubt; false when there is none.
@@ -141,6 +162,7 @@ class Judge {
       if (doubt.empty()) continue;
       const std::string_view name = selection_.chosen.model->effects()[own_ + k]->name;
       found_.candidates.push_back({std::string(name), {}, doubt, gainOf(k)});
+      std::erase_if(hypotheses_, [&](const Hypothesis& h) { return h.effect->name == name; });
       dropCause(search_, own_, k, selection_);
       measure();
       return true;
@@ -173,7 +195,7 @@ class Judge {
       return fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
                          selection_.unnamed->hypothesis.target);
     }
-    const PlaceboTest placebos = testPlacebos(search_, full, search_.without(full, effect), effect, options_.seed);
+    const PlaceboTest placebos = testPlacebos(search_, full, without_[cause], effect, options_.seed);
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
                        100.0 * placebos.largest, 100.0 * placebos.gain);
@@ -182,9 +204,9 @@ class Judge {
   /// By blocks or, as a short log has few of those, by pieces of them, whose neighbours are more alike.
   double heldOutP(std::size_t cause) const {
     constexpr Index kEnoughBlocks = 10;
-    const PieceErrors &before = found_.heldout[cause], &after = found_.heldout[cause + 1];
+    const PieceErrors &before = errors_without_[cause], &after = found_.heldout.back();
     if (before.sum.size() >= kEnoughBlocks) return pairedP(before, after);
-    return pairedP(heldOutPieces(selection_.steps[cause]), heldOutPieces(selection_.steps[cause + 1]));
+    return pairedP(heldOutPieces(without_[cause]), heldOutPieces(selection_.chosen));
   }
 
   PieceErrors heldOutPieces(const Fitted& fitted) const {
@@ -199,7 +221,7 @@ class Judge {
     if (!found_.left) {
       found_.left = explainable(log_, evidenceChannels(log_), residualOf(found_.on_all_rows), options_.seed);
     }
-    const double before = found_.heldout[cause].mse(), after = found_.heldout[cause + 1].mse();
+    const double before = errors_without_[cause].mse(), after = found_.heldout.back().mse();
     const double left = shareLeft(selection_, *found_.left) * found_.heldout.back().mse();
     if (before - after >= kClearly * left || gainOf(cause).lower95 * before >= left) return {};
     return fmt::format("it explains {:.0f} %, and what is left without a name {:.0f} %: it may only stand in for that",
@@ -210,16 +232,20 @@ class Judge {
   const PreparedLog& log_;
   const LogSplit& split_;
   std::size_t own_;
+  std::vector<Hypothesis> hypotheses_;  ///< but those of causes that were taken out
   const LogDiagnosisOptions& options_;
   Selection& selection_;
   Findings found_;
+  std::vector<Fitted> without_;              ///< shape (causes): the model without each of them
+  std::vector<PieceErrors> errors_without_;  ///< theirs, on the held-out blocks
 };
 
 }  // namespace
 
 Findings keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
-                      const LogDiagnosisOptions& options, Selection& selection) {
-  return Judge(search, log, split, own, options, selection).run();
+                      const std::vector<Hypothesis>& hypotheses, const LogDiagnosisOptions& options,
+                      Selection& selection) {
+  return Judge(search, log, split, own, hypotheses, options, selection).run();
 }
 
 void addLikely(const Selection& selection, Diagnosis& d) {

@@ -21,9 +21,10 @@ struct Findings {
 };
 
 /// Takes causes that are no findings out of the selection, the last accepted first, until every cause left is one.
-/// \param own  effects of the baseline, which stay.
+/// \param own  effects of the baseline, which stay. \param hypotheses  rivals of what is left, named
 Findings keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
-                      const LogDiagnosisOptions& options, Selection& selection);
+                      const std::vector<Hypothesis>& hypotheses, const LogDiagnosisOptions& options,
+                      Selection& selection);
 
 /// Causes that a short log makes likely, but not certain, join the candidates, with their odds.
 void addLikely(const Selection& selection, Diagnosis& d);

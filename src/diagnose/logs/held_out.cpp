@@ -67,11 +67,11 @@ PieceErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::v
 
 }  // namespace
 
-std::vector<PieceErrors> heldOutErrors(const LogSearch& search, const Selection& selection,
+std::vector<PieceErrors> heldOutErrors(const LogSearch& search, const std::vector<Fitted>& models,
                                        const std::vector<Block>& heldout, const std::vector<int>& session) {
   const std::vector<Fold> folds = foldsOf(heldout, search.training(), session);
   std::vector<PieceErrors> errors;
-  for (const Fitted& step : selection.steps) errors.push_back(errorsOf(search, step, folds));
+  for (const Fitted& model : models) errors.push_back(errorsOf(search, model, folds));
   return errors;
 }
 

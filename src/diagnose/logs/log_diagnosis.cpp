@@ -148,7 +148,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
 
   Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
   d.hypotheses = selection.records;
-  Findings found = keepFindings(search, log, split, subject.effects.size(), options, selection);
+  Findings found = keepFindings(search, log, split, subject.effects.size(), named, options, selection);
   d.candidates = std::move(found.candidates);
   for (const std::string& name : selection.aliased) {
     d.not_testable.push_back({name, "the model's own parameters can take its place on this data"});

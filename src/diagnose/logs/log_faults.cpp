@@ -15,7 +15,6 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
-constexpr double kFewSpikes = 0.01;   // share of the rows that may be taken out without a verdict
 constexpr double kMostLeftOut = 0.4;  // of the rows: with more of them gone the rest tells another story
 constexpr double kSpike = 8.0;        // in robust standard deviations
 constexpr double kUndecided = 4.0;    // likewise
@@ -39,10 +38,6 @@ void leaveOut(const std::string& channel, const std::string& sentence, const std
     for (const Index i : bad) log.data.keep[static_cast<std::size_t>(i)] = false;
   }
   faults.push_back(std::move(fault));
-}
-
-DataFault faultOf(const std::string& channel, const std::string& sentence, Index first, Index last, std::size_t rows) {
-  return {channel, sentence, static_cast<std::size_t>(first + 1), static_cast<std::size_t>(last + 1), rows, false};
 }
 
 /// Rows at the very end of the range, several in a row: a converter or an amplifier that cannot go further.
@@ -249,19 +244,12 @@ std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& re
     if (around < 0.3 * std::abs(residual[i]) && !reversal) spikes.push_back(i);
   }
   if (spikes.empty()) return {};
-  DataFault fault =
-      faultOf(log.effort_column,
-              fmt::format("{} rows stand alone, more than {:.0f} robust standard deviations off the model: "
-                          "outliers",
-                          spikes.size(), kSpike),
-              spikes.front(), spikes.back(), spikes.size());
-  fault.corrected =
-      static_cast<double>(spikes.size()) <= kFewSpikes * static_cast<double>((residual.array() != 0.0).count());
-  if (fault.corrected) {
-    fault.sentence += "; they were left out";
-    for (const Index i : spikes) log.data.keep[static_cast<std::size_t>(i)] = false;
-  }
-  return {fault};
+  std::vector<DataFault> faults;
+  leaveOut(log.effort_column,
+           fmt::format("{} rows stand alone, more than {:.0f} robust standard deviations off the model: outliers",
+                       spikes.size(), kSpike),
+           spikes, log, faults);
+  return faults;
 }
 
 }  // namespace simgap

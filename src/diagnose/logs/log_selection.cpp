@@ -29,6 +29,8 @@ class Selector {
       : search_(search), hypotheses_(hypotheses), options_(options), progress_(progress) {}
 
   Selection run(const std::vector<const ActuatorEffect*>& own, const std::vector<Hypothesis>& unnamed);
+  /// Of a selection that lost causes since.
+  Selection reviewed(std::size_t own, Selection selection);
 
  private:
   double adjusted(const Trial& trial, std::size_t count) const {
@@ -39,7 +41,8 @@ class Selector {
            adjusted(trial, count) < options_.level;
   }
   std::optional<std::size_t> best(const std::vector<Trial>& trials) const;
-  std::vector<Trial> step(const Fitted& base);
+  enum class Open { kNotDropped, kAll };
+  std::vector<Trial> step(const Fitted& base, Open open);
   void record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted);
   void prune();
   void review();
@@ -71,14 +74,14 @@ std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) cons
   return best;
 }
 
-std::vector<Trial> Selector::step(const Fitted& base) {
-  std::vector<Hypothesis> open;
+std::vector<Trial> Selector::step(const Fitted& base, Open open) {
+  std::vector<Hypothesis> tried;
   for (const Hypothesis& h : hypotheses_) {
     const std::vector<const ActuatorEffect*>& in = base.model->effects();
     const bool chosen = std::ranges::find(in, h.effect->name, &ActuatorEffect::name) != in.end();
-    if (!chosen && !dropped_.contains(h.effect->name)) open.push_back(h);
+    if (!chosen && (open == Open::kAll || !dropped_.contains(h.effect->name))) tried.push_back(h);
   }
-  return search_.tryAll(base, open);
+  return search_.tryAll(base, tried);
 }
 
 void Selector::record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted) {
@@ -157,12 +160,12 @@ void Selector::dropStandIns() {
   selection_.unnamed->gain = pairedGain(selection_.chosen.validation, full.validation, options_.seed);
 }
 
-/// With several causes, the first ones were chosen without the later ones: each is compared with its rivals again.
+/// The first causes were chosen without the later ones, and some were dropped for company that they no longer have:
+/// each is compared with all its rivals again.
 void Selector::review() {
-  if (causes() < 2) return;
   for (std::size_t k = 0; k < causes(); ++k) {
     const Fitted rest = validatedWithout(selection_.chosen, k);
-    const std::vector<Trial> trials = step(rest);
+    const std::vector<Trial> trials = step(rest, Open::kAll);
     const auto winner = best(trials);
     record(trials, winner);
     if (!winner) continue;
@@ -191,7 +194,7 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
   const double share = 0.8 / (options_.max_causes + 1.0);
   while (static_cast<int>(causes()) < options_.max_causes) {
     tell("trying causes", 0.1 + share * static_cast<double>(step_));
-    std::vector<Trial> trials = step(selection_.chosen);
+    std::vector<Trial> trials = step(selection_.chosen, Open::kNotDropped);
     const auto accepted = best(trials);
     record(trials, accepted);
     if (step_ == 1) {
@@ -210,7 +213,7 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
     prune();
   }
   tell("comparing each cause with its rivals", 0.8);
-  review();
+  if (causes() > 1 || !dropped_.empty()) review();
   prune();
   tell("looking for what has no name", 0.9);
   const std::vector<Trial> strange = search_.tryAll(selection_.chosen, unnamed);
@@ -220,6 +223,16 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
     selection_.unnamed = strange[*found];
     dropStandIns();
   }
+  rebuildSteps(search_, own_, selection_);
+  return std::move(selection_);
+}
+
+Selection Selector::reviewed(std::size_t own, Selection selection) {
+  own_ = own;
+  selection_ = std::move(selection);
+  if (!selection_.records.empty()) step_ = selection_.records.back().step;
+  search_.validate(selection_.chosen);
+  review();
   rebuildSteps(search_, own_, selection_);
   return std::move(selection_);
 }
@@ -236,6 +249,12 @@ void dropCause(const LogSearch& search, std::size_t own, std::size_t cause, Sele
   selection.p_adjusted.erase(selection.p_adjusted.begin() + at);
   selection.ambiguous_with.erase(selection.ambiguous_with.begin() + at);
   rebuildSteps(search, own, selection);
+}
+
+void reviewCauses(const LogSearch& search, std::size_t own, const std::vector<Hypothesis>& hypotheses,
+                  const LogDiagnosisOptions& options, Selection& selection) {
+  const DiagnosisProgress silent;
+  selection = Selector(search, hypotheses, options, silent).reviewed(own, std::move(selection));
 }
 
 Selection selectCauses(const LogSearch& search, const std::vector<const ActuatorEffect*>& own,

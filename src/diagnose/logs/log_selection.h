@@ -26,6 +26,10 @@ double detectionFactor(double least_gain, double effective_samples);
 /// Takes a cause out again; the later ones are refitted. \param own  effects of the baseline; \param cause  from 0
 void dropCause(const LogSearch& search, std::size_t own, std::size_t cause, Selection& selection);
 
+/// Compares each cause with its rivals again, and puts a better one in its place: after others were taken out.
+void reviewCauses(const LogSearch& search, std::size_t own, const std::vector<Hypothesis>& hypotheses,
+                  const LogDiagnosisOptions& options, Selection& selection);
+
 /// \param hypotheses  named; \param unnamed  outside the catalogue
 Selection selectCauses(const LogSearch& search, const std::vector<const ActuatorEffect*>& own,
                        const std::vector<Hypothesis>& hypotheses, const std::vector<Hypothesis>& unnamed,

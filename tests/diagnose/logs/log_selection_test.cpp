@@ -44,6 +44,25 @@ TEST(LogSelection, PicksNothingWhereNothingIsHidden) {
   EXPECT_EQ(selection.chosen.mse, selection.baseline.mse);
 }
 
+TEST(LogSelection, ReviewPutsABetterRivalInACausesPlace) {
+  reality::DriveSecret secret;
+  secret.current_bias = 0.5;
+  const PreparedLog log = preparedLog(smallRig(6000), secret);
+  const LogDiagnosisOptions options;
+  const LogSearch search(friction::find("classic"), log.data, splitLog(log, options).training, options);
+  Selection selection;
+  selection.baseline = search.fit({}, nullptr);
+  search.validate(selection.baseline);
+  selection.chosen = search.fit({&actuator_effects::find("bend-friction")}, &selection.baseline);
+  selection.p_adjusted = {0.01};
+  selection.ambiguous_with.resize(1);
+  reviewCauses(search, 0, hypotheses(), options, selection);
+  ASSERT_EQ(selection.chosen.model->effects().size(), 1u);
+  EXPECT_EQ(selection.chosen.model->effects()[0]->name, "current-bias");
+  ASSERT_EQ(selection.steps.size(), 2u);
+  EXPECT_LT(selection.steps[1].mse, 0.5 * selection.baseline.mse);
+}
+
 TEST(LogSelection, DetectionFactorHasAFloor) {
   EXPECT_DOUBLE_EQ(detectionFactor(0.015, 100.0), 4.6);
   EXPECT_DOUBLE_EQ(detectionFactor(0.01, 1e4), 10.0);

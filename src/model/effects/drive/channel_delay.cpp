@@ -21,8 +21,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 }
 
 /// Where a reversal lies between two rows is not known better than to half a row, and a velocity from an encoder lags
-/// by as much: less than a row is no finding.
-bool counts(std::span<const double> p, const ActuatorRows& rows) { return std::abs(p[0]) >= rows.step; }
+/// by as much: such a delay is no finding, one of a whole row is.
+bool counts(std::span<const double> p, const ActuatorRows& rows) { return std::abs(p[0]) >= 0.75 * rows.step; }
 
 }  // namespace
 
@@ -31,7 +31,7 @@ const ActuatorEffect channel_delay = {
     .name = "channel-delay",
     .cause = "the current, voltage or force is logged at another moment than the motion",
     .equation = "I(t) from the motion at t - dt",
-    .signature = "spikes of both signs at every reversal; less than half a sampling step is not named",
+    .signature = "spikes of both signs at every reversal; less than three quarters of a sampling step is not named",
     .source = "catalogue of causes",
     .look_alikes = "presliding-hysteresis, inertia",
     .separates = "fast reversals under load, and a knock that all channels see",
