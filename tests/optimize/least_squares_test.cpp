@@ -53,5 +53,16 @@ TEST(LeastSquares, HoldsTwoBoundsAtOnce) {
   EXPECT_NEAR(found.cost, 25.25, 1e-12);
 }
 
+TEST(LeastSquares, RanksWhatSeveralStartsFound) {
+  std::vector<LeastSquaresResult> found(4);
+  const double costs[] = {3.0, 1.0, 1.00005, 2.0};
+  for (std::size_t i = 0; i < found.size(); ++i) found[i].cost = costs[i];
+  EXPECT_EQ(rankMinima(found), 3u);  // 1 and 1.00005 are one
+  EXPECT_EQ(found.front().cost, 1.0);
+  EXPECT_EQ(found.back().cost, 3.0);
+  found.clear();
+  EXPECT_EQ(rankMinima(found), 0u);
+}
+
 }  // namespace
 }  // namespace simgap::test

@@ -54,5 +54,19 @@ TEST(HoldoutTest, BlocksAreTwentySecondsOrATenthOfAShortLog) {
   EXPECT_EQ(blockSeconds(3.0, 50.0), 3.0);
 }
 
+TEST(HoldoutTest, AFifthJudgesBeforeTheFinalFitWhereThereAreBlocks) {
+  std::vector<Block> blocks;
+  for (std::size_t b = 0; b < 5; ++b) blocks.push_back({10 * b, 10 * b + 10});
+  const JudgedRows judged = judgedRows({}, blocks);
+  EXPECT_EQ(std::ranges::count(judged.fitted, false), 10);
+  EXPECT_TRUE(judged.then_all);
+  blocks.pop_back();
+  EXPECT_EQ(std::ranges::count(judgedRows({}, blocks).fitted, false), 0);  // too few: all are fitted
+  const JudgedRows named = judgedRows(readHoldout("session=3", table()), std::vector<Block>{{0, 2}, {2, 4}});
+  EXPECT_THAT(named.fitted, testing::ElementsAre(true, true, false, false));
+  EXPECT_FALSE(named.then_all);
+  EXPECT_EQ(named.words, "session=3");
+}
+
 }  // namespace
 }  // namespace simgap

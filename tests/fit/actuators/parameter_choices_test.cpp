@@ -38,5 +38,19 @@ TEST(ParameterChoicesTest, RefusesParametersThatNoModelHas) {
   }
 }
 
+TEST(ParameterChoicesTest, ConstrainsSpecificationsAndFixesValues) {
+  std::vector<ParameterSpec> specs = {{"a", "1"}, {"b", "1", 0.0, 9.0}, {"c", "1", 0.0, 1.0, /*fixed=*/true}};
+  const ParameterChoices choices = read({"a=3"}, {"b=2:4"});
+  constrain(choices, specs);
+  EXPECT_TRUE(specs[0].fixed);
+  EXPECT_FALSE(specs[1].fixed);
+  EXPECT_EQ(specs[1].lower, 2.0);
+  EXPECT_EQ(specs[1].upper, 4.0);
+  EXPECT_TRUE(specs[2].fixed);
+  std::vector<double> theta = {1.0, 2.0, 0.5};
+  fixValues(specs, choices.fixed, theta);
+  EXPECT_EQ(theta, (std::vector<double>{3.0, 2.0, 0.5}));
+}
+
 }  // namespace
 }  // namespace simgap

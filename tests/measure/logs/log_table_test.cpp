@@ -6,6 +6,8 @@
 
 #include <map>
 
+#include "simgap/core/error.h"
+
 #include "support/files.h"
 
 namespace simgap::test {
@@ -41,6 +43,20 @@ TEST(LogTable, LeavesOutStampsThatRepeatOrGoBack) {
   EXPECT_EQ(found.left_out[0].last_row, 13u);
   EXPECT_EQ(found.table.lineOf(37), 41u);
   EXPECT_THAT(found.summary(), ElementsAre("log.csv: rows were left out: time repeats or goes back in 2 rows"));
+}
+
+TEST(LogTable, KeepsTheChosenSessionsAlone) {
+  const CsvTable table = CsvTable::parse(log({{3, "3,2.5,b,x"}, {4, "4,2.5,b,x"}, {9, "9,none,c,x"}}), "log.csv");
+  const LogTable found = readLogTable(table, {"b"});
+  EXPECT_EQ(found.table.text("session"), (std::vector<std::string>{"b", "b"}));
+  EXPECT_EQ(found.table.lineOf(0), 5u);
+  EXPECT_EQ(readLogTable(table, {"a"}).left_out.size(), 0u);  // what c lacks is not asked for
+  try {
+    readLogTable(table, {"z"});
+    FAIL() << "session z was taken";
+  } catch (const DataError& error) {
+    EXPECT_STREQ(error.what(), "log.csv: found no session z, expected one of a, b, c");
+  }
 }
 
 TEST(LogTable, OneStampFarAheadCostsOneRow) {
