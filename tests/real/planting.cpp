@@ -178,7 +178,8 @@ Shape otherShape(const Motion& m, const std::string& effect, double u, double v)
             [=](double rows) { return Series(shifted(m, std::ceil(rows)) - m.effort); },
             1.0,
             "dt",
-            {}};
+            {},
+            (m.time[m.time.size() - 1] - m.time[0]) / static_cast<double>(m.time.size() - 1)};
   }
   if (effect == "speed-limit") {
     const double limit = (0.65 + 0.2 * u) * m.top;
