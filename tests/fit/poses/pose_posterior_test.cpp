@@ -170,7 +170,6 @@ TEST(PosteriorSearch, HybridGoesOnFromAnyJournalToTheSameBits) {
   SearchJournal whole;
   searchHybrid(posterior, {3, 2, 1}, strategy, whole, note);
   ASSERT_EQ(whole.fits.size(), 3u + kHybridRounds * 3u);
-  EXPECT_LE(*std::min_element(seen.begin() + 3, seen.end()), *std::min_element(seen.begin(), seen.begin() + 3));
   for (const std::size_t kept : {0u, 1u, 2u, 5u, 12u}) {
     SearchJournal journal{whole.whitened_at, {whole.fits.begin(), whole.fits.begin() + kept}};
     const std::vector<double> before = std::exchange(seen, {});
