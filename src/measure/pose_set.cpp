@@ -1,6 +1,7 @@
 #include "simgap/measure/pose_set.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,29 @@ void refuseUnknownMuscles(const CsvTable& table, const PoseLayout& layout) {
     const std::string muscle = splitUnit(column).stem.substr(6);
     if (std::find(layout.muscles.begin(), layout.muscles.end(), muscle) == layout.muscles.end()) {
       throw DataError(fmt::format("{}:1: column {}: the model has no muscle '{}'", table.name(), column, muscle));
+    }
+  }
+}
+
+bool holdsPosition(const CsvTable& table, const JointKind& kind, const std::string& joint) {
+  const std::vector<std::string> columns = positionColumns(kind.type, joint);
+  return std::all_of(columns.begin(), columns.end(), [&](const std::string& column) {
+    const auto [stem, unit] = splitUnit(column);
+    return table.has(column) || (!unit.empty() && table.hasQuantity(stem, unit));
+  });
+}
+
+/// A table that holds a joint's position as another kind of joint has it belongs to a model of that kind.
+void refuseOtherJointTypes(const CsvTable& table, const PoseLayout& layout) {
+  for (const JointChannel& joint : layout.joints) {
+    const JointKind& expected = kindOf(joint.type);
+    if (holdsPosition(table, expected, joint.name)) continue;
+    for (const JointKind* kind : joint_kinds::all()) {
+      if (kind == &expected || !holdsPosition(table, *kind, joint.name)) continue;
+      throw DataError(
+          fmt::format("{}:1: joint {}: found {}, the position of a {} joint, expected {}: the model's type of it is {}",
+                      table.name(), joint.name, fmt::join(positionColumns(kind->type, joint.name), ", "), kind->name,
+                      fmt::join(positionColumns(expected.type, joint.name), ", "), expected.name));
     }
   }
 }
@@ -90,6 +114,7 @@ Pose meanPose(const std::string& name, const std::vector<std::size_t>& rows, con
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   if (table.rows() == 0) throw DataError(fmt::format("{}: found no rows, expected at least one pose", table.name()));
   refuseUnknownMuscles(table, layout);
+  refuseOtherJointTypes(table, layout);
   const Columns columns = readColumns(table, layout);
   const std::vector<std::string> names = table.text("pose");
   const bool has_repeats = table.has("repeat");

@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
 #include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
 namespace {
 
-constexpr double kLongestStep = 0.8;     // [rad] of a degree of freedom: beyond, the quadratic says nothing
-constexpr double kLastStep = 1e-6;       // [rad]: the error behind such a Newton step is of the order of its square
-constexpr double kArmijo = 1e-4;         // share of the predicted decrease that a step has to reach
-constexpr double kRounding = 1e-13;      // of the energy: smaller increases are not real
-constexpr double kStopTolerance = 1e-9;  // [rad], a joint this near its stop may be held by it
+constexpr double kLongestStep = 0.8;         // [rad] of a degree of freedom: beyond, the quadratic says nothing
+constexpr double kLastStep = 1e-6;           // [rad]: the error behind such a Newton step is of the order of its square
+constexpr double kArmijo = 1e-4;             // share of the predicted decrease that a step has to reach
+constexpr double kRounding = 1e-13;          // of the energy: smaller increases are not real
+constexpr double kSmallestCurvature = 1e-2;  // [N m/rad]: what counts as curved where the energy is not convex
+constexpr double kStopTolerance = 1e-9;      // [rad], a joint this near its stop may be held by it
 // On the sample arm with its parameters drawn anew 60 times, 7 of 4800 direct ways from rest ended on another branch
 // than follow() does; all but one of them had two doubts, as had 2 % of the others.
 constexpr int kDoubtsAllowed = 1;
@@ -21,7 +23,8 @@ constexpr double kFarFromRest = 1.5;  // [rad]
 // follow(): steps of the shafts, as shares of their way
 constexpr double kFirstStep = 0.25;
 constexpr double kShortestStep = 1.0 / 128.0;
-constexpr double kLongestMove = 0.5;  // [rad] of a joint in one step
+constexpr double kLongestMove = 0.5;    // [rad] of a joint in one step
+constexpr int kMostEvaluations = 4000;  // some 100 times what a pose of an arm takes
 
 Eigen::Quaterniond exponential(const Eigen::Vector3d& w) {
   const double square = w.squaredNorm();
@@ -39,7 +42,11 @@ void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
 }  // namespace
 
 EquilibriumArm::EquilibriumArm(const ArmModel& model)
-    : energy_(model), observation_(model), shafts_(model.muscles.size()), factor_(energy_.degreesOfFreedom()) {
+    : energy_(model),
+      observation_(model),
+      shafts_(model.muscles.size()),
+      factor_(energy_.degreesOfFreedom()),
+      axes_(energy_.degreesOfFreedom()) {
   const int n = energy_.degreesOfFreedom();
   joints_ = before_ = reached_ = rest_ = start_ = startPosition(model);
   held_.assign(static_cast<std::size_t>(n), 0);
@@ -49,6 +56,7 @@ EquilibriumArm::EquilibriumArm(const ArmModel& model)
   reduced_.resize(n, n);
   inverse_.resize(n, n);
   step_.resize(n);
+  turned_.resize(n);
 }
 
 void EquilibriumArm::setModel(const ArmModel& model) {
@@ -146,19 +154,16 @@ bool EquilibriumArm::solveReduced() {
     if (bound_[d]) step_[d] = given_[d];
   }
   factor_.compute(reduced_);
-  const bool convex = factor_.info() == Eigen::Success;
-  if (!convex) {
-    double shift = 0.0;  // Gershgorin: this much on the diagonal and no eigenvalue is negative
-    for (int d = 0; d < n; ++d) {
-      shift = std::max(shift, reduced_.row(d).cwiseAbs().sum() - std::abs(reduced_(d, d)) - reduced_(d, d));
-    }
-    for (int d = 0; d < n; ++d) {
-      if (!bound_[d]) reduced_(d, d) += 1.01 * shift + 1e-2;
-    }
-    factor_.compute(reduced_);
+  if (factor_.info() == Eigen::Success) {
+    factor_.solveInPlace(step_);
+    return true;
   }
-  factor_.solveInPlace(step_);
-  return convex;
+  // Down along every axis of the curvature, as far as a curvature of the other sign would go (saddle-free Newton).
+  axes_.compute(reduced_);
+  turned_.noalias() = axes_.eigenvectors().transpose() * step_;
+  turned_.array() /= axes_.eigenvalues().array().abs().max(kSmallestCurvature);
+  step_.noalias() = axes_.eigenvectors() * turned_;
+  return false;
 }
 
 /// Lets the joint that the step carries farthest beyond its limit go just there. The face of the box that it reaches
@@ -226,6 +231,10 @@ EquilibriumSolution EquilibriumArm::follow(std::span<const double> shafts) {
   double way = 0.0;  // of the shafts, 1 at their end
   double step = kFirstStep;
   while (way < 1.0) {
+    if (iterations > kMostEvaluations || interruptRequested()) {
+      solution.stable = false;
+      break;
+    }
     const double next = std::min(1.0, way + step);
     for (std::size_t m = 0; m < shafts_.size(); ++m) shafts_[m] = next * shafts[m];
     solution = solveFrom(reached_, shafts_);

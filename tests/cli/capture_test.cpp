@@ -96,6 +96,13 @@ TEST_F(CaptureTest, FindsTheRestsOfTheSampleRecording) {
   EXPECT_LT(std::sqrt(squares / double(frame.size())), 0.12 * kDegree);
   EXPECT_EQ(CsvTable::load(path("out/poses.csv")).rows(), 5u);
   EXPECT_NEAR(Json::parse(text("out/result.json")).at("shaft_lag_ms").get<double>(), 0.0, 20.0);
+  // The chain of docs/capture.md goes on from there: the shafts belong to an arm that was measured as arm.yaml says.
+  succeed({"calibrate", sourceFile("data/arm/arm.yaml").string(), "--poses", "out/poses.csv", "-q", "-o", "arm"});
+  const Json errors = Json::parse(text("arm/result.json")).at("mje_deg").at("calibration");
+  for (const char* joint : {"shoulder", "elbow"}) {
+    EXPECT_GT(errors.at("initial").at(joint).get<double>(), 10.0) << joint;
+    EXPECT_LT(errors.at("final").at(joint).get<double>(), 0.5) << joint;
+  }
 }
 
 TEST_F(CaptureTest, RefusesImagesThatDoNotBelongTogether) {

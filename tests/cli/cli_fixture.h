@@ -25,7 +25,8 @@ inline std::string quickConfig(int generations = 6) {
                                           {"lambda: 36", "lambda: 8"},
                                           {"steady_s: 0.5", "steady_s: 0.1"},
                                           {"max_velocity_rad_s: 0.02", "max_velocity_rad_s: 0.2"},
-                                          {"settle_s: 5", "settle_s: 2"}}) {
+                                          {"settle_s: 5", "settle_s: 2"},
+                                          {"optimizer: lm", "optimizer: es"}}) {
     text = replaced(text, from, to);
   }
   return replaced(text, "generations: 250", "generations: " + std::to_string(generations));
@@ -37,6 +38,14 @@ class CliTest : public testing::Test {
     put("arm.yaml", readText(sourceFile("data/arm/arm.yaml")));
     put("poses.csv", firstLines(readText(sourceFile("data/arm/poses_calibration.csv")), 4));
     put("config.yaml", quickConfig());
+    put("others.csv", posesOfSample(3, 3));
+  }
+
+  /// Poses of the sample arm, `count` of them from the `first` on.
+  static std::string posesOfSample(std::size_t first, std::size_t count) {
+    const std::string all = readText(sourceFile("data/arm/poses_calibration.csv"));
+    const std::string header = firstLines(all, 1);
+    return header + firstLines(all, 1 + first + count).substr(firstLines(all, 1 + first).size());
   }
 
   void put(const std::string& name, std::string_view text) const { folder_.put(name, text); }

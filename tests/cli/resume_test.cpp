@@ -83,6 +83,44 @@ TEST_F(ResumeTest, AfterKillsAtRandomMomentsTheEndIsTheSame) {
   EXPECT_GE(hits, 20);
 }
 
+class ResumeOptimiserTest : public ResumeTest, public testing::WithParamInterface<Arguments> {};
+
+TEST_P(ResumeOptimiserTest, AfterKillsAtRandomMomentsTheEndIsTheSame) {
+  put("poses.csv", readText(sourceFile("data/arm/poses_calibration.csv")));
+  const auto start = Clock::now();
+  succeed(calibrate("whole", GetParam()));
+  const double whole = Seconds(Clock::now() - start).count();
+  std::mt19937 random(7);
+  int hits = 0;
+  for (int run = 0; run < 8 && hits < 8; ++run) {
+    const std::string directory = "killed" + std::to_string(run);
+    hits += runAndKill(calibrate(directory, GetParam()), directory, 4, 2.0 * whole, random);
+    EXPECT_EQ(found(directory), found("whole")) << "run " << run;
+    if (!fs::exists(path("arm.yaml"))) showInputs();
+  }
+  EXPECT_GE(hits, 6);
+}
+
+TEST_P(ResumeOptimiserTest, CtrlCKeepsWhatIsFinished) {
+  put("poses.csv", readText(sourceFile("data/arm/poses_calibration.csv")));
+  succeed(calibrate("whole", GetParam()));
+  Process process(command(calibrate("stopped", GetParam())), folder_.path());
+  ASSERT_TRUE(appears("stopped/state.json"));
+  process.send(SIGINT);
+  const ProcessResult result = process.wait();
+  ASSERT_EQ(result.exit_code, 130) << result.err;
+  const Json state = Json::parse(text("stopped/state.json"));
+  EXPECT_GT(state.at("journal").at("fits").size() + state.at("told").size(), 0u);
+  EXPECT_LT(state.at("generation"), Json::parse(text("whole/state.json")).at("generation"));
+  succeed({"calibrate", "--resume", "stopped", "-q"});
+  EXPECT_EQ(found("stopped"), found("whole"));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ResumeOptimiserTest,
+                         testing::Values(Arguments{"--optimizer", "cma-es", "--generations", "40"},
+                                         Arguments{"--optimizer", "lm", "--starts", "100", "--verify", "none"},
+                                         Arguments{"--optimizer", "hybrid", "--starts", "60", "--verify", "none"}));
+
 TEST_F(ResumeTest, AKillInTheFirstMomentsLeavesADirectoryThatCanBeReplacedOrResumed) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> moment(0.0, 0.04);

@@ -159,5 +159,18 @@ TEST(PoseSet, UnpacksWhatBeginsAsGzip) {
   EXPECT_THAT(test::errorOf([&] { CsvTable::parse(text, "p.csv.gz"); }), HasSubstr("found no gzip data"));
 }
 
+TEST(PoseSet, NamesAJointOfAnotherType) {
+  const PoseLayout layout{{"a"}, {{"wrist", JointType::kSpherical}}};
+  const std::string hinge = "pose,shaft_a_rad,wrist_deg\np0,0,1\n";
+  EXPECT_THAT(
+      test::errorOf([&] { readPoseSet(CsvTable::parse(hinge, "p.csv"), layout); }),
+      ::testing::HasSubstr("3: p.csv:1: joint wrist: found wrist_rad, the position of a revolute joint, expected "
+                           "wrist_qw, wrist_qx, wrist_qy, wrist_qz: the model's type of it is spherical"));
+  const PoseLayout other{{"a"}, {{"wrist", JointType::kRevolute}}};
+  const std::string ball = "pose,shaft_a_rad,wrist_qw,wrist_qx,wrist_qy,wrist_qz\np0,0,1,0,0,0\n";
+  EXPECT_THAT(test::errorOf([&] { readPoseSet(CsvTable::parse(ball, "p.csv"), other); }),
+              ::testing::HasSubstr("expected wrist_rad: the model's type of it is revolute"));
+}
+
 }  // namespace
 }  // namespace simgap

@@ -46,6 +46,7 @@ inline CalibrationResult knownCalibration() {
                  {"validation", knownPoses({"<far>"}), knownAssessment(1, unknown, unknown), knownAssessment(1, 3, 4)}};
   result.parameters = {{{"muscles.biceps.stiffness", "N_m", 1, 1e4}, 900, 25, {}},
                        {{"joints.elbow.friction", "Nm"}, 0.1, 0.1, {}}};
+  result.config.optimizer = "es";
   result.config.strategy.mu = 2;
   result.config.strategy.lambda = 8;
   result.config.strategy.generations = 2;

@@ -88,9 +88,9 @@ TEST(CalibrateReport, TablesReadBackAsCsv) {
 TEST(CalibrateReport, PrintsATableForTheTerminal) {
   EXPECT_EQ(terminalTable(knownCalibration()),
             "mean joint error [deg]                           shoulder before  after  elbow before  after\n"
-            "calibration (2 poses)                                      20.00   2.00         10.00   1.00\n"
+            "calibration (2 of 2 poses)                                 20.00   2.00         10.00   1.00\n"
             "  half angles of spherical joints, as 001 eq. 4            10.00   1.00         10.00   1.00\n"
-            "validation (1 poses)                                           -   3.00             -   4.00\n"
+            "validation (1 of 1 poses)                                      -   3.00             -   4.00\n"
             "  half angles of spherical joints, as 001 eq. 4                -   1.50             -   4.00\n");
   CalibrationResult result = knownCalibration();
   result.sets[1].final = result.sets[1].initial;

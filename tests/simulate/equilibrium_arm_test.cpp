@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <iostream>
+#include <random>
 
 #include "reality/arm_statics.h"
 #include "simgap/model/arm/parameter_space.h"
@@ -168,6 +169,38 @@ TEST(EquilibriumArm, FindsBothEquilibriaOfAHingeBetweenTwoOfThem) {
   const auto all = distinctEquilibria(equilibrium, shafts, first);
   ASSERT_EQ(all.size(), 2u);
   EXPECT_NEAR(all[1][0].angle, -first[0].angle, 1e-6);
+}
+
+TEST(EquilibriumArm, GivesUpOnShaftsThatNoArmFollows) {
+  // Far beyond what its lines can hold: whatever comes out, it comes soon.
+  const reality::Arm real = reality::referenceArm();
+  EquilibriumArm equilibrium(test::modelOf(real, false));
+  for (const double shaft : {4000.0, -4000.0, 4e6, -4e6}) {
+    const std::vector<double> shafts(real.muscles.size(), shaft);
+    EXPECT_LE(equilibrium.solve(shafts).iterations, 4300) << shaft;
+  }
+}
+
+TEST(EquilibriumArm, FindsItsWayDownWhereTheEnergyIsNotConvex) {
+  // Starts turned far away, where most of the ways down begin on a ridge.
+  constexpr int kStarts = 400;
+  const reality::Arm real = reality::referenceArm();
+  EquilibriumArm equilibrium(test::modelOf(real, false));
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> bend(0.0, 2.0);
+  int found = 0, evaluations = 0;
+  for (int start = 0; start < kStarts; ++start) {
+    const std::vector<double> shafts = reality::randomShafts(real, static_cast<std::uint64_t>(start % 20));
+    std::vector<JointPosition> from = equilibrium.joints();
+    from[0].rotation = test::randomRotation(random);
+    from[1].angle = bend(random);
+    const EquilibriumSolution solution = equilibrium.solveFrom(from, shafts);
+    found += solution.stable;
+    evaluations += solution.iterations;
+  }
+  std::cout << found << " of " << kStarts << " found, " << static_cast<double>(evaluations) / kStarts
+            << " evaluations each\n";
+  EXPECT_EQ(found, kStarts);
 }
 
 TEST(EquilibriumArm, EnergyNeverRisesOverNewtonSteps) {

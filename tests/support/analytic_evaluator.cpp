@@ -65,6 +65,7 @@ std::vector<Pose> analyticPoses() {
 CalibrationConfig analyticConfig() {
   CalibrationConfig config;
   config.parameters = {{"muscles.*.kite_line_length_m", 0.05, {}, {}, {}, {}}};
+  config.optimizer = "es";
   config.strategy.mu = 3;
   config.strategy.lambda = 12;
   config.strategy.generations = 8;

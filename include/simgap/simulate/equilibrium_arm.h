@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <span>
 #include <vector>
 
@@ -37,6 +38,7 @@ class EquilibriumArm {
   EquilibriumSolution solveFrom(std::span<const JointPosition> from, std::span<const double> shafts,
                                 int max_iterations = 100);
   /// Follows the equilibrium while the shafts move from 0 in proportion; steps shorten where it moves fast.
+  /// Not stable when that takes more than some thousand evaluations, or the user asks to stop.
   EquilibriumSolution follow(std::span<const double> shafts);
 
   /// \name The last solution
@@ -86,7 +88,8 @@ class EquilibriumArm {
   Eigen::VectorXd torque_;   ///< that friction holds, 0 in an equilibrium
   Eigen::MatrixXd reduced_, inverse_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
-  Eigen::VectorXd step_;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes_;  ///< of a curvature that is not convex
+  Eigen::VectorXd step_, turned_;
 };
 
 /// All different equilibria found downhill of many starts (a fixed pattern over the joints' ranges), the given one

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -24,11 +25,26 @@ struct Options {
   std::optional<int> generations, mu, lambda;
   std::optional<double> target_fitness;
   std::optional<bool> early_acquisition;
-  std::optional<std::string> evaluator, optimizer, verify;
+  std::optional<std::string> evaluator, optimizer, objective, verify;
   std::optional<int> starts;
 };
 
 constexpr const char* kInputsFile = "inputs/inputs.json";
+
+/// An option of another optimiser would change nothing.
+void refuseForeignOptions(const Options& options, const CalibrationConfig& config) {
+  const std::string& chosen = config.optimizer;
+  const auto refuse = [&](bool given, const char* option, std::set<std::string> optimizers) {
+    if (!given || optimizers.contains(chosen)) return;
+    throw ConfigError(fmt::format("found {} with --optimizer {}, expected it with --optimizer {}", option, chosen,
+                                  fmt::join(optimizers, " or ")));
+  };
+  refuse(options.generations.has_value(), "--generations", {"es", "cma-es"});
+  refuse(options.mu.has_value(), "--mu", {"es", "hybrid"});
+  refuse(options.lambda.has_value(), "--lambda", {"es", "cma-es", "hybrid"});
+  refuse(options.starts.has_value(), "--starts", {"lm", "hybrid"});
+  refuse(options.objective.has_value(), "--objective", {"es", "cma-es"});
+}
 
 void applyOverrides(const Options& options, CalibrationConfig& config) {
   if (options.generations) config.strategy.generations = *options.generations;
@@ -39,6 +55,9 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
   if (options.early_acquisition) config.protocol.early_acquisition = *options.early_acquisition;
   if (options.optimizer) config.optimizer = *options.optimizer;
   if (options.evaluator) config.evaluator = *options.evaluator;
+  if (options.objective) {
+    config.objective = options.objective == "paper" ? PoseObjective::kPaper : PoseObjective::kGeodesic;
+  }
   if (options.verify) config.verify = *options.verify;
   if (options.starts) config.starts = *options.starts;
   if (config.usesPosterior()) {
@@ -48,7 +67,19 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
     }
     config.evaluator = "equilibrium";
   }
+  refuseForeignOptions(options, config);
   config.strategy.validate();
+}
+
+/// Poses that the search has seen validate nothing.
+bool samePoses(const PoseSet& a, const PoseSet& b) {
+  const auto same = [](const Pose& p, const Pose& q) {
+    const auto equal = [](const JointPosition& i, const JointPosition& j) {
+      return i.angle == j.angle && i.rotation.coeffs() == j.rotation.coeffs();
+    };
+    return p.shafts == q.shafts && std::ranges::equal(p.joints, q.joints, equal);
+  };
+  return std::ranges::equal(a.poses, b.poses, same);
 }
 
 CalibrationTask readTask(const Options& options, Session& session) {
@@ -63,6 +94,12 @@ CalibrationTask readTask(const Options& options, Session& session) {
   task.poses = readPoses(session, "poses", options.poses, task.model, csv);
   if (!options.validation.empty()) {
     task.validation = readPoses(session, "validation", options.validation, task.model, csv);
+    if (samePoses(task.poses, *task.validation)) {
+      throw ConfigError(
+          fmt::format("--validation {}: found the poses of --poses {}, expected others: what a search has "
+                      "seen validates nothing",
+                      options.validation, options.poses));
+    }
   }
   return task;
 }
@@ -117,7 +154,7 @@ void search(Calibration& calibration, const CalibrationTask& task, const Session
   progress.startFrom(static_cast<std::size_t>(calibration.state().strategy.generation));
   searchAndStore(calibration, session.directory(), [&](const CalibrationState& state) {
     std::string detail;
-    for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    for (std::size_t j = 0; j < state.best_mje.size(); ++j) {
       detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesCell(toDegrees(state.best_mje[j])));
     }
     progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
@@ -174,7 +211,9 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   const ArmModel best = calibration.bestModel();
   for (const std::string& warning : calibrationWarnings(best, result)) spdlog::warn("{}", warning);
   writeCalibration(task.model, best, result, session.directory());
-  session.finish(toJson(result), terminalTable(result));
+  const std::string failure = judgeDelivery(result).failure;
+  session.finish(toJson(result), terminalTable(result), failure.empty() ? "done" : "failed: " + failure);
+  if (!failure.empty()) throw NumericsError(failure);
   return ExitCode::kDone;
 }
 
@@ -193,10 +232,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("MODEL", options->model, "arm model (YAML)");
   app.add_option("--poses", options->poses, "recorded poses the search sees (CSV)");
   app.add_option("--validation", options->validation, "recorded poses it never sees, to judge the result (CSV)");
-  app.add_option("--config", options->config, "what is searched and how (YAML; default: the paper's settings)");
-  app.add_option("--generations", options->generations, "instead of the config's");
-  app.add_option("--mu", options->mu, "parents, instead of the config's");
-  app.add_option("--lambda", options->lambda, "offspring, instead of the config's");
+  app.add_option("--config", options->config, "what is searched and how (YAML; default: the paper's parameters)");
+  app.add_option("--generations", options->generations, "of es and cma-es, instead of the config's");
+  app.add_option("--mu", options->mu, "parents, of es and hybrid");
+  app.add_option("--lambda", options->lambda, "offspring, of es, cma-es and hybrid");
   app.add_option("--target-fitness", options->target_fitness, "stop at this sum of squared errors [rad^2]")
       ->check(finiteNumber());
   // Not an optional<bool>: CLI11 would take it for a counter and set it to 0 when the flag is not given.
@@ -207,8 +246,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--evaluator", options->evaluator, "bullet: simulate; equilibrium: minimise the potential energy")
       ->check(CLI::IsMember({"bullet", "equilibrium"}));
   app.add_option("--optimizer", options->optimizer,
-                 "es: the paper's; cma-es; lm: descent with priors from several starts; hybrid: es and lm in turn")
+                 "lm (default): descent with priors from several starts; es: the paper's; cma-es; hybrid: es and lm")
       ->check(CLI::IsMember({"es", "cma-es", "lm", "hybrid"}));
+  app.add_option(
+         "--objective", options->objective,
+         "of es and cma-es: geodesic angles (default), or eq. 3 as the paper printed it (half the angle of a ball)")
+      ->check(CLI::IsMember({"geodesic", "paper"}));
   app.add_option("--verify", options->verify, "who judges the model found with equilibria (default: bullet)")
       ->check(CLI::IsMember({"bullet", "none"}));
   app.add_option("--starts", options->starts, "of lm and hybrid (default: 8)")->check(CLI::Range(1, 10000));
@@ -224,13 +267,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 }  // namespace
 
 extern const Command calibrate;
-const Command calibrate{
-    "calibrate", "close the gap: search the model's parameters on recorded poses",
-    "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
-    "    --validation data/arm/poses_validation.csv --config configs/calibrate_arm.yaml -o runs/arm\n"
-    "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
-    "    --validation data/arm/poses_validation.csv --optimizer lm -o runs/arm-lm\n"
-    "  simgap calibrate --resume runs/arm",
-    define};
+const Command calibrate{"calibrate", "close the gap: search the model's parameters on recorded poses",
+                        "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
+                        "    --validation data/arm/poses_validation.csv -o runs/arm\n"
+                        "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
+                        "    --validation data/arm/poses_validation.csv --optimizer es -o runs/arm-es\n"
+                        "  simgap calibrate --resume runs/arm",
+                        define};
 
 }  // namespace simgap::commands

@@ -58,7 +58,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const ReplayedSet replay{"replayed", "simulated", model, set, result.assessment.outcomes};
   writeArmGeometry({&replay, 1}, session.directory());
   if (result.assessment.valid < set.poses.size()) {
-    const std::string reason = describeInvalid(result.assessment, set, result.layout);
+    const std::string reason = describeInvalid(result.assessment, set, result.layout, options.evaluator);
     session.finish(toJson(result), terminalTable(result), "failed: " + reason);
     throw NumericsError(reason);
   }

@@ -97,7 +97,7 @@ bool PoseFit::search(int starts, int threads, std::uint64_t seed) {
   PosteriorFit best;
   best.objective = std::numeric_limits<double>::infinity();
   for (const PosteriorFit& fit :
-       searchPosterior(posterior_, {starts, threads, seed}, [](const PosteriorFit&) { return false; })) {
+       searchPosterior(posterior_, {starts, threads, seed})) {
     if (fit.objective < best.objective) best = fit;
   }
   if (std::isinf(best.objective)) return false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "simgap/core/error.h"
@@ -35,7 +36,17 @@ Calibration::Calibration(const ArmModel& model, std::span<const Pose> poses, con
       offspring_(static_cast<std::size_t>(config.strategy.lambda), model) {}
 
 void Calibration::restore(CalibrationState state) {
-  if (config_.optimizer != "es") return;  // run() begins anew, see there
+  if (config_.optimizer != "es") {
+    const auto size = static_cast<Eigen::Index>(space_.size());
+    const auto fits = [&](const PosteriorFit& fit) { return fit.z.size() == size; };
+    if ((state.journal.whitened_at.size() != 0 && state.journal.whitened_at.size() != size) ||
+        (state.journal.whitened_at.size() == 0 && !state.journal.fits.empty()) ||
+        !std::all_of(state.journal.fits.begin(), state.journal.fits.end(), fits)) {
+      throw ConfigError(fmt::format("the stored state is not one of {} parameters", space_.size()));
+    }
+    state_ = std::move(state);
+    return;
+  }
   const std::size_t joints = layout_.joints.size();
   const auto fits = [&](const GenerationRecord& record) { return record.mje.size() == joints; };
   if (state.strategy.best.y.size() != space_.size() || state.best_mje.size() != joints ||
@@ -48,7 +59,12 @@ void Calibration::restore(CalibrationState state) {
 
 void Calibration::run(const std::function<void(const CalibrationState&)>& after_generation) {
   if (config_.optimizer == "es") return runEvolutionStrategy(after_generation);
-  state_ = {};  // they repeat themselves to the last bit, so an interrupted run just starts again
+  // They pass again through what is known already, which costs next to nothing.
+  CalibrationState begun;
+  begun.told = std::move(state_.told);
+  begun.journal = std::move(state_.journal);
+  begun.wall = state_.wall;
+  state_ = std::move(begun);
   config_.optimizer == "cma-es" ? runCmaEs(after_generation) : searchPosterior(after_generation);
 }
 
@@ -68,13 +84,13 @@ void Calibration::evaluateGeneration() {
   const std::vector<PoseOutcome> outcomes = evaluator_.evaluate(offspring_, poses_, AfterInvalid::kSkipRest);
   if (interruptRequested()) throw InterruptedError("interrupted");
 
-  GenerationRecord record;
   std::vector<double> fitness(individuals.size());
   std::vector<double> valid;
   std::size_t best = 0;
   std::vector<double> best_mje;
   for (std::size_t k = 0; k < individuals.size(); ++k) {
-    const Assessment judged = assess(layout_, poses_, std::span(outcomes).subspan(k * poses_.size(), poses_.size()));
+    const Assessment judged =
+        assess(layout_, poses_, std::span(outcomes).subspan(k * poses_.size(), poses_.size()), config_.objective);
     fitness[k] = judged.fitness;
     if (std::isnan(judged.fitness)) continue;
     if (valid.empty() || judged.fitness < fitness[best]) {
@@ -83,30 +99,32 @@ void Calibration::evaluateGeneration() {
     }
     valid.push_back(judged.fitness);
   }
-  if (valid.empty()) failWithoutValidIndividual(outcomes);
-
-  std::vector<double> relative_steps;
-  for (std::size_t j = 0; j < space_.size(); ++j) {
-    relative_steps.push_back(individuals[best].s[j] / space_.parameters()[j].step);
-  }
   const double best_before = strategy_.state().best.fitness;
-  if (!(best_before <= fitness[best])) state_.best_mje = best_mje;
-  strategy_.tell(fitness);
+  if (valid.empty() && std::isnan(best_before)) failWithoutValidIndividual(outcomes);
+  if (!valid.empty() && !(best_before <= fitness[best])) state_.best_mje = best_mje;
 
+  GenerationRecord record;
+  if (!valid.empty()) noteSteps(individuals[best], record);
+  strategy_.tell(fitness);
   record.generation = strategy_.state().generation;
-  record.best = fitness[best];
-  record.median = median(valid);
+  record.best = valid.empty() ? std::numeric_limits<double>::quiet_NaN() : fitness[best];
+  record.median = valid.empty() ? std::numeric_limits<double>::quiet_NaN() : median(valid);
   record.best_so_far = strategy_.state().best.fitness;
-  const auto [smallest, largest] = std::minmax_element(relative_steps.begin(), relative_steps.end());
-  record.sigma_min = *smallest;
-  record.sigma_median = median(relative_steps);
-  record.sigma_max = *largest;
   record.invalid = static_cast<int>(individuals.size() - valid.size());
   record.mje = state_.best_mje;
   state_.strategy = strategy_.state();
   state_.history.push_back(record);
   state_.invalid += record.invalid;
   state_.evaluations += std::ssize(outcomes);
+}
+
+void Calibration::noteSteps(const Individual& individual, GenerationRecord& record) const {
+  std::vector<double> relative;
+  for (std::size_t j = 0; j < space_.size(); ++j) relative.push_back(individual.s[j] / space_.parameters()[j].step);
+  const auto [smallest, largest] = std::minmax_element(relative.begin(), relative.end());
+  record.sigma_min = *smallest;
+  record.sigma_median = median(relative);
+  record.sigma_max = *largest;
 }
 
 void Calibration::failWithoutValidIndividual(std::span<const PoseOutcome> outcomes) const {

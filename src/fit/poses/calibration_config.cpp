@@ -58,6 +58,10 @@ CalibrationConfig CalibrationConfig::read(const YamlNode& root) {
   if (const auto evaluator = root.find("evaluator")) config.evaluator = evaluator->oneOf({"bullet", "equilibrium"});
   if (const auto optimizer = root.find("optimizer"))
     config.optimizer = optimizer->oneOf({"es", "cma-es", "lm", "hybrid"});
+  if (const auto objective = root.find("objective")) {
+    config.objective =
+        objective->oneOf({"geodesic", "paper"}) == "paper" ? PoseObjective::kPaper : PoseObjective::kGeodesic;
+  }
   if (const auto verify = root.find("verify")) config.verify = verify->oneOf({"bullet", "none"});
   if (const auto starts = root.find("starts")) config.starts = static_cast<int>(starts->integer(1, 10000));
   if (const auto friction = root.find("joint_friction_in_noise")) config.noise.joint_friction = friction->boolean();
@@ -70,7 +74,8 @@ std::string CalibrationConfig::toYaml() const {
   std::string text = "format: simgap/calibration/1\nparameters:\n";
   for (const ParameterSpace::Choice& choice : parameters) text += choiceYaml(choice);
   return text + strategyYaml(strategy) + "protocol:\n" + protocol.toYaml("  ") +
-         fmt::format("evaluator: {}\noptimizer: {}\nverify: {}\nstarts: {}\n", evaluator, optimizer, verify, starts) +
+         fmt::format("evaluator: {}\noptimizer: {}\nobjective: {}\nverify: {}\nstarts: {}\n", evaluator, optimizer,
+                     toString(objective), verify, starts) +
          fmt::format("capture_sd_rad: {}\njoint_friction_in_noise: {}\n", noise.capture_sd, noise.joint_friction);
 }
 

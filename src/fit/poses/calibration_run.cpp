@@ -63,9 +63,12 @@ CalibrationResult judgeCalibration(const CalibrationTask& task, const Calibratio
       task.model.poseLayout(), {}, calibration.space().parameters(), calibration.state(), task.config};
   const ArmModel best = calibration.bestModel();
   const auto replay = [&](Evaluator& evaluator, const ArmModel& model, const PoseSet& set) {
-    return replayAll(evaluator, model, set, [&](std::size_t done) {
-      if (progress) progress(done, set.poses.size());
-    });
+    return replayAll(
+        evaluator, model, set,
+        [&](std::size_t done) {
+          if (progress) progress(done, set.poses.size());
+        },
+        task.config.objective);
   };
   const auto add = [&](const char* name, const PoseSet& set) {
     result.sets.push_back(
@@ -86,6 +89,12 @@ std::vector<std::string> calibrationWarnings(const ArmModel& best, const Calibra
     all.insert(all.end(), outcomes.begin(), outcomes.end());
     const std::string ambiguous = otherEquilibria(best, set.set, outcomes);
     if (!ambiguous.empty()) warnings.push_back(ambiguous);
+  }
+  if (result.state.strategy.stop == StopReason::kNoValidIndividual) {
+    warnings.push_back(fmt::format(
+        "generation {} had no valid individual and ended the search; the result is the best of those before "
+        "it (smaller initial steps or a longer protocol may help)",
+        result.state.strategy.generation));
   }
   for (const std::string& cord : stretchedCords(all, result.layout)) warnings.push_back(cord);
   return warnings;

@@ -8,18 +8,19 @@
 #include "simgap/core/interrupt.h"
 #include "simgap/core/statistics.h"
 #include "simgap/fit/poses/calibration.h"
-#include "simgap/fit/poses/pose_posterior.h"
-#include "simgap/fit/poses/posterior_search.h"
-#include "simgap/optimize/cma_es.h"
 
 namespace simgap {
 namespace {
 
 class Stopwatch {
  public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+  explicit Stopwatch(double before) : before_(before) {}  ///< [s] of earlier sessions
+  double seconds() const {
+    return before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
 
  private:
+  double before_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
@@ -28,8 +29,8 @@ class Stopwatch {
 /// Sum of squared errors (001 eq. 3) of the model with these values; NaN when a pose is invalid.
 double Calibration::judge(const std::vector<double>& values, std::vector<double>& mje) {
   space_.apply(values, offspring_.front());
-  const Assessment judged =
-      assess(layout_, poses_, evaluator_.evaluate({&offspring_.front(), 1}, poses_, AfterInvalid::kGoOn));
+  const Assessment judged = assess(
+      layout_, poses_, evaluator_.evaluate({&offspring_.front(), 1}, poses_, AfterInvalid::kGoOn), config_.objective);
   mje = judged.mje;
   return judged.fitness;
 }
@@ -45,36 +46,54 @@ void Calibration::note(GenerationRecord record, const std::vector<double>& value
   record.best = fitness;
   record.best_so_far = strategy.best.fitness;
   record.mje = state_.best_mje;
+  if (record.mje.empty()) record.mje.assign(layout_.joints.size(), std::numeric_limits<double>::quiet_NaN());
   state_.history.push_back(std::move(record));
 }
 
+/// What CMA-ES is told of an individual: `invalid` when a pose is not steady, or after an interrupt.
+double Calibration::tell(const std::vector<double>& values, double invalid) {
+  const std::size_t individual = static_cast<std::size_t>(state_.evaluations) / poses_.size();
+  if (individual == state_.told.size()) {
+    std::vector<double> mje;
+    const double fitness = judge(values, mje);
+    if (interruptRequested()) return invalid;  // of no meaning: not all poses were looked at
+    state_.told.push_back(std::isnan(fitness) ? invalid : fitness);
+  }
+  state_.evaluations += std::ssize(poses_);
+  state_.invalid += state_.told[individual] == invalid;
+  return state_.told[individual];
+}
+
+/// A row of history.csv.
+void Calibration::noteBestOf(const CmaEsGeneration& generation, const std::vector<double>& values, double invalid) {
+  if (generation.best_objective == invalid) throw NumericsError("cma-es: no individual with steady poses was found");
+  const EvolutionStrategyState& strategy = state_.strategy;
+  const bool is_best = strategy.best.y.empty() || generation.best_objective < strategy.best.fitness;
+  GenerationRecord record;
+  if (is_best) judge(values, record.mje);
+  if (interruptRequested()) throw InterruptedError("interrupted");
+  record.median = upperMedian(generation.objectives);
+  note(std::move(record), values, is_best, generation.best_objective);
+}
+
 void Calibration::runCmaEs(const AfterGeneration& after_generation) {
-  const Stopwatch stopwatch;
+  const Stopwatch stopwatch(state_.wall);
   const ScaledParameters scaled(space_);
   // Finite, and worse than any arm whose poses are all steady: a joint is at most pi from where it should be.
   const double invalid = 10.0 * static_cast<double>(poses_.size() * layout_.joints.size());
-  std::vector<double> mje;
   const auto values = [&](const std::vector<double>& z) {
     return scaled.values(Eigen::Map<const Eigen::VectorXd>(z.data(), std::ssize(z)));
   };
   const auto objective = [&](const std::vector<double>& z) {
-    if (interruptRequested()) return invalid;
-    const double fitness = judge(values(z), mje);
-    state_.evaluations += std::ssize(poses_);
-    state_.invalid += std::isnan(fitness);
-    return std::isnan(fitness) ? invalid : fitness;
+    return interruptRequested() ? invalid : tell(values(z), invalid);
   };
   const CmaEsOptions options{config_.strategy.lambda, config_.strategy.generations, kHybridStep, config_.strategy.seed};
   minimiseByCmaEs(objective, space_.size(), options, [&](const CmaEsGeneration& generation) {
     if (interruptRequested()) throw InterruptedError("interrupted");
-    GenerationRecord record;
-    const std::vector<double> best = values(generation.best);
-    const double fitness = judge(best, record.mje);
-    if (std::isnan(fitness)) throw NumericsError("cma-es: no individual with steady poses was found");
-    record.median = upperMedian(generation.objectives);
+    noteBestOf(generation, values(generation.best), invalid);
     const EvolutionStrategyState& strategy = state_.strategy;
-    note(std::move(record), best, strategy.best.y.empty() || fitness < strategy.best.fitness, fitness);
-    state_.strategy.stop = fitness <= config_.strategy.target_fitness ? StopReason::kTargetFitness : StopReason::kNone;
+    const bool reached = strategy.best.fitness <= config_.strategy.target_fitness;
+    state_.strategy.stop = reached ? StopReason::kTargetFitness : StopReason::kNone;
     if (strategy.generation == options.generations) state_.strategy.stop = StopReason::kMaxGenerations;
     state_.wall = stopwatch.seconds();
     after_generation(state_);
@@ -83,7 +102,7 @@ void Calibration::runCmaEs(const AfterGeneration& after_generation) {
 }
 
 void Calibration::searchPosterior(const AfterGeneration& after_generation) {
-  const Stopwatch stopwatch;
+  const Stopwatch stopwatch(state_.wall);
   PosePosterior posterior(model_, poses_, space_, config_.noise);
   const PosteriorSearchOptions options{config_.starts, threads_, config_.strategy.seed};
   double best = std::numeric_limits<double>::infinity();
@@ -104,16 +123,28 @@ void Calibration::searchPosterior(const AfterGeneration& after_generation) {
     return state_.strategy.best.fitness <= config_.strategy.target_fitness;
   };
   if (config_.optimizer == "lm") {
-    simgap::searchPosterior(posterior, options, after_fit);
+    simgap::searchPosterior(posterior, options, state_.journal, after_fit);
   } else {
-    searchHybrid(posterior, options, config_.strategy, after_fit);
+    searchHybrid(posterior, options, config_.strategy, state_.journal, after_fit);
   }
   if (interruptRequested()) throw InterruptedError("interrupted");
-  if (std::isinf(best)) {
-    throw NumericsError("no start led to parameters with which every pose has a stable equilibrium");
-  }
+  if (std::isinf(best)) failWithoutEquilibrium(posterior);
   state_.strategy.stop = state_.strategy.best.fitness <= config_.strategy.target_fitness ? StopReason::kTargetFitness
                                                                                          : StopReason::kConverged;
+}
+
+void Calibration::failWithoutEquilibrium(PosePosterior& posterior) const {
+  const std::vector<PoseResidual>& residuals = posterior.evaluate(Eigen::VectorXd::Zero(space_.size()), false);
+  constexpr int kMostNamed = 5;
+  int named = 0;
+  std::string poses;
+  for (std::size_t p = 0; p < residuals.size(); ++p) {
+    if (residuals[p].valid) continue;
+    poses += (poses.empty() ? "; the arm as it was measured has none for pose " : ", ") + poses_[p].name;
+    if (++named == kMostNamed) break;
+  }
+  throw NumericsError("no start led to parameters with which every pose has a stable equilibrium" + poses +
+                      "; attachments, line lengths or shafts may be wrong there, and --optimizer es simulates instead");
 }
 
 }  // namespace simgap

@@ -1,10 +1,12 @@
+#include <limits>
+
 #include "simgap/core/error.h"
 #include "simgap/fit/poses/calibration.h"
 
 namespace simgap {
 namespace {
 
-// An unknown fitness is null.
+// An unknown fitness is null; the infinite objective of a descent without an equilibrium, too.
 double number(const Json& json) {
   return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
 }
@@ -17,24 +19,67 @@ Individual individualFromJson(const Json& json) {
   return {json.at("y").get<std::vector<double>>(), json.at("s").get<std::vector<double>>(), number(json.at("fitness"))};
 }
 
+Json numbersOrNull(const std::vector<double>& values) {
+  Json json = Json::array();
+  for (const double value : values) json.push_back(numberOrNull(value));
+  return json;
+}
+
+std::vector<double> numbers(const Json& json) {
+  std::vector<double> values;
+  for (const Json& value : json) values.push_back(number(value));
+  return values;
+}
+
 Json toJson(const GenerationRecord& r) {
-  return {{"generation", r.generation},   {"best", r.best},           {"median", r.median},
-          {"best_so_far", r.best_so_far}, {"sigma_min", r.sigma_min}, {"sigma_median", r.sigma_median},
-          {"sigma_max", r.sigma_max},     {"invalid", r.invalid},     {"mje", r.mje}};
+  return {{"generation", r.generation},       {"best", numberOrNull(r.best)},
+          {"median", numberOrNull(r.median)}, {"best_so_far", numberOrNull(r.best_so_far)},
+          {"sigma_min", r.sigma_min},         {"sigma_median", r.sigma_median},
+          {"sigma_max", r.sigma_max},         {"invalid", r.invalid},
+          {"mje", numbersOrNull(r.mje)}};
 }
 
 GenerationRecord recordFromJson(const Json& json) {
   GenerationRecord r;
   json.at("generation").get_to(r.generation);
-  json.at("best").get_to(r.best);
-  json.at("median").get_to(r.median);
-  json.at("best_so_far").get_to(r.best_so_far);
+  r.best = number(json.at("best"));
+  r.median = number(json.at("median"));
+  r.best_so_far = number(json.at("best_so_far"));
   json.at("sigma_min").get_to(r.sigma_min);
   json.at("sigma_median").get_to(r.sigma_median);
   json.at("sigma_max").get_to(r.sigma_max);
   json.at("invalid").get_to(r.invalid);
-  json.at("mje").get_to(r.mje);
+  r.mje = numbers(json.at("mje"));
   return r;
+}
+
+Json toJson(const Eigen::VectorXd& z) { return std::vector<double>(z.begin(), z.end()); }
+
+Eigen::VectorXd vectorFromJson(const Json& json) {
+  const std::vector<double> values = numbers(json);
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
+}
+
+Json toJson(const SearchJournal& journal) {
+  Json fits = Json::array();
+  for (const PosteriorFit& fit : journal.fits) {
+    fits.push_back({{"z", toJson(fit.z)},
+                    {"objective", numberOrNull(fit.objective)},
+                    {"iterations", fit.iterations},
+                    {"evaluations", fit.evaluations}});
+  }
+  return {{"whitened_at", toJson(journal.whitened_at)}, {"fits", fits}};
+}
+
+SearchJournal journalFromJson(const Json& json) {
+  SearchJournal journal{vectorFromJson(json.at("whitened_at")), {}};
+  for (const Json& fit : json.at("fits")) {
+    const Json& objective = fit.at("objective");
+    journal.fits.push_back({vectorFromJson(fit.at("z")),
+                            objective.is_null() ? std::numeric_limits<double>::infinity() : objective.get<double>(),
+                            fit.at("iterations").get<int>(), fit.at("evaluations").get<long>()});
+  }
+  return journal;
 }
 
 constexpr StopReason kStopReasons[] = {StopReason::kNone, StopReason::kMaxGenerations, StopReason::kTargetFitness,
@@ -53,11 +98,13 @@ Json toJson(const CalibrationState& state) {
           {"stop", toString(state.strategy.stop)},
           {"parents", parents},
           {"best", toJson(state.strategy.best)},
-          {"best_mje", state.best_mje},
+          {"best_mje", numbersOrNull(state.best_mje)},
           {"invalid", state.invalid},
           {"evaluations", state.evaluations},
           {"wall_s", state.wall},
-          {"history", history}};
+          {"history", history},
+          {"told", state.told},
+          {"journal", toJson(state.journal)}};
 }
 
 CalibrationState calibrationStateFromJson(const Json& json) try {
@@ -69,11 +116,13 @@ CalibrationState calibrationStateFromJson(const Json& json) try {
   }
   for (const Json& parent : json.at("parents")) state.strategy.parents.push_back(individualFromJson(parent));
   state.strategy.best = individualFromJson(json.at("best"));
-  json.at("best_mje").get_to(state.best_mje);
+  state.best_mje = numbers(json.at("best_mje"));
   json.at("invalid").get_to(state.invalid);
   json.at("evaluations").get_to(state.evaluations);
   json.at("wall_s").get_to(state.wall);
   for (const Json& record : json.at("history")) state.history.push_back(recordFromJson(record));
+  json.at("told").get_to(state.told);
+  state.journal = journalFromJson(json.at("journal"));
   return state;
 } catch (const Json::exception& error) {
   throw ConfigError(std::string("the stored state is not a simgap/calibration-state/1: ") + error.what());

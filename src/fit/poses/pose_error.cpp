@@ -4,9 +4,14 @@
 
 #include <limits>
 
+#include "simgap/core/joint_kind.h"
+
 namespace simgap {
 
-Assessment assess(const PoseLayout& layout, std::span<const Pose> poses, std::span<const PoseOutcome> outcomes) {
+std::string_view toString(PoseObjective objective) { return objective == PoseObjective::kPaper ? "paper" : "geodesic"; }
+
+Assessment assess(const PoseLayout& layout, std::span<const Pose> poses, std::span<const PoseOutcome> outcomes,
+                  PoseObjective objective) {
   Assessment result;
   result.outcomes.assign(outcomes.begin(), outcomes.end());
   result.errors.resize(poses.size());
@@ -15,10 +20,12 @@ Assessment assess(const PoseLayout& layout, std::span<const Pose> poses, std::sp
     if (outcomes[p].status != PoseStatus::kSteady) continue;
     ++result.valid;
     for (std::size_t j = 0; j < layout.joints.size(); ++j) {
-      const double error = jointError(layout.joints[j].type, poses[p].joints[j], outcomes[p].joints[j]);
+      const JointType type = layout.joints[j].type;
+      const double error = jointError(type, poses[p].joints[j], outcomes[p].joints[j]);
       result.errors[p].push_back(error);
       result.mje[j] += error;
-      result.fitness += error * error;
+      const double counted = objective == PoseObjective::kPaper ? kindOf(type).printed_error * error : error;
+      result.fitness += counted * counted;
     }
   }
   for (double& mean : result.mje) mean /= static_cast<double>(result.valid);

@@ -151,7 +151,8 @@ const std::vector<PoseResidual>& PosePosterior::evaluate(const Eigen::VectorXd& 
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     PoseResidual& residual = residuals_[p];
     arm_.setTime(poses_[p].time);
-    residual.valid = arm_.solveFrom(poses_[p].joints, poses_[p].shafts).stable;
+    // Most poses are near the measured one. Where no way leads down from there, the arm comes from its rest, as it did.
+    residual.valid = arm_.solveFrom(poses_[p].joints, poses_[p].shafts).stable || arm_.solve(poses_[p].shafts).stable;
     if (!residual.valid) continue;
     const std::vector<JointPosition>& observed = arm_.observe(poses_[p].shafts, poses_[p].shafts_before);
     if (jacobians) {

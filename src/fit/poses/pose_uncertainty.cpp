@@ -36,11 +36,36 @@ Eigen::MatrixXd stackJacobians(const std::vector<PoseResidual>& poses, bool weig
   return stacked;
 }
 
+/// Of the negative log posterior; 0 for a parameter at its bound that would leave it.
+Eigen::VectorXd posteriorGradient(const std::vector<PoseResidual>& poses, const ScaledParameters& scaled,
+                                  const Eigen::VectorXd& z) {
+  constexpr double kAtBound = 1e-6;  // [sd]
+  Eigen::VectorXd gradient(z.size());
+  for (Eigen::Index i = 0; i < z.size(); ++i) gradient[i] = scaled.hasPrior(i) ? z[i] : 0.0;
+  for (const PoseResidual& pose : poses) {
+    if (!pose.valid) continue;
+    gradient += robustWeight(pose.error.squaredNorm()) * (pose.jacobian.transpose() * pose.error);
+  }
+  for (Eigen::Index i = 0; i < z.size(); ++i) {
+    const bool leaves = (z[i] <= scaled.lower(i) + kAtBound && gradient[i] > 0.0) ||
+                        (z[i] >= scaled.upper(i) - kAtBound && gradient[i] < 0.0);
+    if (leaves) gradient[i] = 0.0;
+  }
+  return gradient;
+}
+
 /// Inverse of a curvature; directions that nothing bounds get the variance 1 / kTinyCurvature.
 Eigen::MatrixXd invertCurvature(const Eigen::MatrixXd& curvature) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(curvature);
   const Eigen::VectorXd bounded = eigen.eigenvalues().cwiseMax(kTinyCurvature);
   return eigen.eigenvectors() * bounded.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// Of z, shape (parameters, parameters). \param jacobian  weighted, of all poses
+Eigen::MatrixXd posteriorCovariance(const Eigen::MatrixXd& jacobian, const ScaledParameters& scaled) {
+  Eigen::MatrixXd curvature = jacobian.transpose() * jacobian;
+  for (Eigen::Index i = 0; i < scaled.size(); ++i) curvature(i, i) += scaled.hasPrior(i) ? 1.0 : 0.0;
+  return invertCurvature(curvature);
 }
 
 }  // namespace
@@ -68,9 +93,9 @@ PoseUncertainty assessUncertainty(PosePosterior& posterior, const Eigen::VectorX
     throw NumericsError("uncertainty: no pose has a stable equilibrium with these parameters");
   }
   const Eigen::MatrixXd jacobian = stackJacobians(residuals, true);
-  Eigen::MatrixXd curvature = jacobian.transpose() * jacobian;
-  for (Eigen::Index i = 0; i < z.size(); ++i) curvature(i, i) += scaled.hasPrior(i) ? 1.0 : 0.0;
-  result.covariance = invertCurvature(curvature);
+  result.covariance = posteriorCovariance(jacobian, scaled);
+  const Eigen::VectorXd gradient = posteriorGradient(residuals, scaled, z);
+  result.from_optimum = std::sqrt(gradient.dot(result.covariance * gradient));
   const Eigen::VectorXd singular = jacobian.bdcSvd().singularValues();
   result.singular_values.assign(singular.begin(), singular.end());
 

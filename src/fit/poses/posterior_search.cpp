@@ -5,6 +5,9 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <span>
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
@@ -36,98 +39,184 @@ Eigen::VectorXd drawStart(const ScaledParameters& parameters, std::uint64_t seed
   return z;
 }
 
-/// Descends from each z; a posterior's whitening is not changed by that.
-std::vector<PosteriorFit> polishAll(const PosePosterior& posterior, int threads,
-                                    const std::vector<Eigen::VectorXd>& z) {
-  std::vector<PosteriorFit> fits(z.size());
-  inParallel(posterior, threads, z.size(),
-             [&](PosePosterior& own, std::size_t i) { fits[i] = descendPosterior(own, z[i]); });
-  return fits;
+/// Every k-th pose, so that some hundred are left: of more, the way to the minimum learns little.
+std::vector<Pose> someOf(std::span<const Pose> poses) {
+  constexpr std::size_t kEnough = 100;
+  const std::size_t stride = (poses.size() + kEnough - 1) / kEnough;
+  std::vector<Pose> some;
+  for (std::size_t p = 0; p < poses.size(); p += stride) some.push_back(poses[p]);
+  return some;
 }
 
-bool better(const PosteriorFit& a, const PosteriorFit& b) { return a.objective < b.objective; }
+/// Near a minimum, or where it ends: from where the torques at the measured poses balance down on some of the poses.
+/// \param coarse  of those; its whitening is the descent's, and its own where it has none yet
+PosteriorFit approach(const PosePosterior& coarse, const PosePosterior& posterior, const Eigen::VectorXd& z,
+                      bool whiten) {
+  PosePosterior own = coarse;  // balancing changes the whitening
+  PosteriorFit fit;
+  fit.z = balanceTorques(own, z);
+  if (coarse.poses().size() == posterior.poses().size()) return fit;
+  PosePosterior descending = coarse;
+  if (whiten) descending.whiten(fit.z);
+  const PosteriorFit found = descendPosterior(descending, fit.z);
+  return std::isfinite(found.objective) ? found : fit;
+}
 
-}  // namespace
-
-std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const PosteriorSearchOptions& options,
-                                          const AfterFit& after_fit) {
-  std::vector<PosteriorFit> fits;
-  {
-    PosePosterior own = posterior;  // balancing changes the whitening
-    const Eigen::VectorXd z = balanceTorques(own, drawStart(posterior.parameters(), options.seed, 0));
-    own.whiten(z);
-    const PosteriorFit first = descendPosterior(own, z);
-    posterior.whiten(first.z);
-    fits.push_back(descendPosterior(posterior, first.z));
-    fits.back().iterations += first.iterations;
-    fits.back().evaluations += first.evaluations;
-    if (after_fit(fits.back())) return fits;
+/// From the approach; from z itself where an arm like that has a pose without an equilibrium.
+PosteriorFit descendFrom(PosePosterior& posterior, const PosePosterior& coarse, const Eigen::VectorXd& z) {
+  const PosteriorFit near = approach(coarse, posterior, z, /*whiten=*/false);
+  PosteriorFit fit = descendPosterior(posterior, near.z);
+  long evaluations = near.evaluations;
+  if (std::isinf(fit.objective)) {
+    evaluations += fit.evaluations;
+    fit = descendPosterior(posterior, z);
   }
+  fit.evaluations += evaluations;
+  return fit;
+}
+
+/// The finished descents of a search: those of an earlier session first, then new ones, which are made several at once
+/// and passed on in their order.
+class Descents {
+ public:
+  Descents(PosePosterior& posterior, int threads, SearchJournal& journal, const AfterFit& after_fit)
+      : posterior_(posterior), threads_(threads), journal_(journal), after_fit_(after_fit) {}
+
+  /// Makes `count` more by descend(posterior, i), i = 0 … count - 1. \returns false where the search ends
+  template <class Descend>
+  bool add(std::size_t count, const Descend& descend) {
+    const std::size_t first = passed_on_;
+    while (passed_on_ < first + count) {
+      if (passed_on_ == journal_.fits.size()) makeSome(passed_on_ - first, count, descend);
+      if (interruptRequested()) return false;
+      while (passed_on_ < std::min(first + count, journal_.fits.size())) {
+        if (after_fit_(journal_.fits[passed_on_++])) return false;
+      }
+    }
+    return true;
+  }
+  std::vector<PosteriorFit> passedOn() const {
+    return {journal_.fits.begin(), journal_.fits.begin() + static_cast<std::ptrdiff_t>(passed_on_)};
+  }
+
+ private:
+  template <class Descend>
+  void makeSome(std::size_t begin, std::size_t end, const Descend& descend) {
+    constexpr std::size_t kAtOnce = 8;  // what a kill can cost
+    std::vector<PosteriorFit> made(std::min(kAtOnce, end - begin));
+    inParallel(posterior_, threads_, made.size(),
+               [&](PosePosterior& own, std::size_t i) { made[i] = descend(own, begin + i); });
+    if (interruptRequested()) return;  // some are not finished
+    std::move(made.begin(), made.end(), std::back_inserter(journal_.fits));
+  }
+
+  PosePosterior& posterior_;
+  int threads_;
+  SearchJournal& journal_;
+  const AfterFit& after_fit_;
+  std::size_t passed_on_ = 0;
+};
+
+/// The descents from every start. \returns false where the search ends
+bool descendFromStarts(PosePosterior& posterior, const PosteriorSearchOptions& options, SearchJournal& journal,
+                       Descents& descents) {
+  const std::vector<Pose> some = someOf(posterior.poses());
+  PosePosterior coarse(posterior, some);
+  long whitening_cost = 0;
+  if (journal.fits.empty()) {
+    const PosteriorFit near =
+        approach(coarse, posterior, drawStart(posterior.parameters(), options.seed, 0), /*whiten=*/true);
+    PosePosterior own = posterior;
+    own.whiten(near.z);
+    const PosteriorFit first = descendPosterior(own, near.z);
+    if (interruptRequested()) return false;
+    whitening_cost = near.evaluations + first.evaluations;
+    journal.whitened_at = first.z;
+  }
+  coarse.whiten(journal.whitened_at);
+  posterior.whiten(journal.whitened_at);
+  const bool go_on = descents.add(1, [&](PosePosterior& own, std::size_t) {
+    PosteriorFit fit = descendPosterior(own, journal.whitened_at);
+    if (std::isinf(fit.objective)) fit = descendPosterior(own, drawStart(own.parameters(), options.seed, 0));
+    fit.evaluations += whitening_cost;
+    return fit;
+  });
   const auto others = static_cast<std::size_t>(std::max(0, options.starts - 1));
-  std::vector<PosteriorFit> found(others);
-  inParallel(posterior, options.threads, others, [&](PosePosterior& own, std::size_t i) {
-    PosePosterior balancing = own;
-    const Eigen::VectorXd z = drawStart(posterior.parameters(), options.seed, i + 1);
-    found[i] = descendPosterior(own, balanceTorques(balancing, z));
+  return go_on && descents.add(others, [&](PosePosterior& own, std::size_t i) {
+    return descendFrom(own, coarse, drawStart(own.parameters(), options.seed, i + 1));
   });
-  for (const PosteriorFit& fit : found) {
-    if (interruptRequested() || after_fit(fit)) break;
-    fits.push_back(fit);
-  }
-  return fits;
 }
 
-PosteriorFit searchHybrid(PosePosterior& posterior, const PosteriorSearchOptions& options,
-                          const EvolutionStrategyOptions& strategy, const AfterFit& after_fit) {
-  bool stop = false;
-  std::vector<PosteriorFit> best = searchPosterior(posterior, options, [&](const PosteriorFit& fit) {
-    stop = after_fit(fit);
-    return stop;
-  });
-  const auto mu = static_cast<std::size_t>(strategy.mu);
-  const auto keepBest = [&] {
-    std::stable_sort(best.begin(), best.end(), better);
-    if (best.size() > mu) best.resize(mu);
-  };
-  keepBest();
+/// A few generations of the evolution strategy around the best fits. \returns the parents they end with
+std::vector<Eigen::VectorXd> explore(const PosePosterior& posterior, int threads, std::span<const PosteriorFit> best,
+                                     const EvolutionStrategyOptions& options) {
   std::vector<ObjectParameter> space;
   for (Eigen::Index i = 0; i < posterior.parameters().size(); ++i) {
     space.push_back({0.0, kHybridStep, posterior.parameters().lower(i), posterior.parameters().upper(i)});
   }
-  for (int round = 1; round <= kHybridRounds && !stop && !interruptRequested(); ++round) {
-    EvolutionStrategyState state;
-    for (const PosteriorFit& fit : best) {
-      state.parents.push_back(
-          {{fit.z.begin(), fit.z.end()}, std::vector<double>(space.size(), kHybridStep), fit.objective});
-    }
-    state.best = state.parents.front();
-    EvolutionStrategyOptions exploration = strategy;
-    exploration.generations = kHybridGenerations;
-    exploration.seed = strategy.seed + static_cast<std::uint64_t>(round);
-    EvolutionStrategy explorer(space, exploration, state);
-    while (!explorer.stopped() && !interruptRequested()) {
-      const std::vector<Individual>& offspring = explorer.ask();
-      std::vector<double> objectives(offspring.size());
-      inParallel(posterior, options.threads, offspring.size(), [&](PosePosterior& own, std::size_t k) {
-        objectives[k] = own.objective(Eigen::Map<const Eigen::VectorXd>(offspring[k].y.data(), std::ssize(space)));
-      });
-      explorer.tell(objectives);
-    }
-    std::vector<Eigen::VectorXd> starts;
-    for (const Individual& parent : explorer.state().parents) {
-      starts.emplace_back(Eigen::Map<const Eigen::VectorXd>(parent.y.data(), std::ssize(space)));
-    }
-    std::vector<PosteriorFit> polished = polishAll(posterior, options.threads, starts);
-    if (interruptRequested()) break;
-    polished.front().evaluations +=
-        static_cast<long>(kHybridGenerations) * strategy.lambda * std::ssize(posterior.poses());
-    for (PosteriorFit& fit : polished) {
-      stop = stop || after_fit(fit);
-      best.push_back(std::move(fit));
-    }
-    keepBest();
+  EvolutionStrategyState state;
+  for (const PosteriorFit& fit : best) {
+    state.parents.push_back(
+        {{fit.z.begin(), fit.z.end()}, std::vector<double>(space.size(), kHybridStep), fit.objective});
   }
-  return best.front();
+  state.best = state.parents.front();
+  EvolutionStrategy explorer(space, options, state);
+  while (!explorer.stopped() && !interruptRequested()) {
+    const std::vector<Individual>& offspring = explorer.ask();
+    std::vector<double> objectives(offspring.size());
+    inParallel(posterior, threads, offspring.size(), [&](PosePosterior& own, std::size_t k) {
+      objectives[k] = own.objective(Eigen::Map<const Eigen::VectorXd>(offspring[k].y.data(), std::ssize(space)));
+    });
+    explorer.tell(objectives);
+  }
+  std::vector<Eigen::VectorXd> parents;
+  for (const Individual& parent : explorer.state().parents) {
+    parents.emplace_back(Eigen::Map<const Eigen::VectorXd>(parent.y.data(), std::ssize(space)));
+  }
+  return parents;
+}
+
+/// The `count` best, best first.
+std::vector<PosteriorFit> bestOf(std::vector<PosteriorFit> fits, int count) {
+  std::stable_sort(fits.begin(), fits.end(),
+                   [](const PosteriorFit& a, const PosteriorFit& b) { return a.objective < b.objective; });
+  if (std::ssize(fits) > count) fits.resize(static_cast<std::size_t>(count));
+  return fits;
+}
+
+}  // namespace
+
+std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const PosteriorSearchOptions& options,
+                                          SearchJournal& journal, const AfterFit& after_fit) {
+  Descents descents(posterior, options.threads, journal, after_fit);
+  descendFromStarts(posterior, options, journal, descents);
+  return descents.passedOn();
+}
+
+std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const PosteriorSearchOptions& options) {
+  SearchJournal journal;
+  return searchPosterior(posterior, options, journal, [](const PosteriorFit&) { return false; });
+}
+
+void searchHybrid(PosePosterior& posterior, const PosteriorSearchOptions& options,
+                  const EvolutionStrategyOptions& strategy, SearchJournal& journal, const AfterFit& after_fit) {
+  Descents descents(posterior, options.threads, journal, after_fit);
+  bool go_on = descendFromStarts(posterior, options, journal, descents);
+  EvolutionStrategyOptions exploration = strategy;
+  exploration.generations = kHybridGenerations;
+  for (int round = 1; round <= kHybridRounds && go_on; ++round) {
+    // Not in the journal: explored again it finds the same, for less than its descents cost.
+    exploration.seed = strategy.seed + static_cast<std::uint64_t>(round);
+    const std::vector<Eigen::VectorXd> starts =
+        explore(posterior, options.threads, bestOf(descents.passedOn(), strategy.mu), exploration);
+    if (interruptRequested()) return;
+    const long cost = static_cast<long>(kHybridGenerations) * strategy.lambda * std::ssize(posterior.poses());
+    go_on = descents.add(starts.size(), [&](PosePosterior& own, std::size_t i) {
+      PosteriorFit fit = descendPosterior(own, starts[i]);
+      if (i == 0) fit.evaluations += cost;
+      return fit;
+    });
+  }
 }
 
 }  // namespace simgap

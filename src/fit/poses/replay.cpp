@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pose_plausibility.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/model/arm/arm_effect.h"
@@ -20,6 +21,7 @@ PoseSet readPosesFor(const ArmModel& model, const CsvTable& table) {
                                   extension.effect->name));
     }
   }
+  refuseImplausiblePoses(model, set);
   return set;
 }
 
@@ -28,7 +30,7 @@ std::unique_ptr<Evaluator> makeEvaluator(const std::string& name, const PoseProt
 }
 
 Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet& set,
-                     const std::function<void(std::size_t)>& progress) {
+                     const std::function<void(std::size_t)>& progress, PoseObjective objective) {
   constexpr std::size_t kPosesAtOnce = 64;  // between two looks at the clock
   std::vector<PoseOutcome> outcomes;
   const std::span<const Pose> poses(set.poses);
@@ -40,7 +42,7 @@ Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet&
     stopIfInterrupted();
     if (progress) progress(outcomes.size());
   }
-  return assess(model.poseLayout(), poses, outcomes);
+  return assess(model.poseLayout(), poses, outcomes, objective);
 }
 
 std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout) {
@@ -70,15 +72,44 @@ std::string otherEquilibria(const ArmModel& model, const PoseSet& set, std::span
   return poses.empty() ? "" : fmt::format("{}: another stable equilibrium exists for pose{}", set.file, poses);
 }
 
-std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout) {
-  std::string text = fmt::format("{} of {} poses are invalid", set.poses.size() - assessment.valid, set.poses.size());
-  std::string separator = ": ";
-  for (std::size_t p = 0; p < set.poses.size(); ++p) {
-    if (assessment.outcomes[p].status == PoseStatus::kSteady) continue;
-    text += separator + set.poses[p].name + ": " + describe(assessment.outcomes[p], layout);
-    separator = "; ";
+namespace {
+
+/// What a user can change about a pose that ended so.
+std::string helpFor(PoseStatus status, const std::string& evaluator) {
+  const std::string statics =
+      evaluator == "bullet"
+          ? "; equilibria need no way there (validate --evaluator equilibrium, calibrate --verify none)"
+          : "";
+  switch (status) {
+    case PoseStatus::kAcquisitionError:
+      return "a longer protocol.acquisition_s in --config may help" + statics;
+    case PoseStatus::kNotSteady:
+      return "a longer protocol.settle_s in --config, or damping of joints and cords in the model, may help" + statics;
+    case PoseStatus::kNotFinite:
+      return "a smaller protocol.step_s in --config may help" + statics;
+    default:
+      return "--evaluator bullet simulates the way there; wrong attachments, line lengths or shafts have no "
+             "equilibrium";
   }
-  return text;
+}
+
+}  // namespace
+
+std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout,
+                            const std::string& evaluator) {
+  constexpr std::size_t kMostNamed = 5;
+  const std::size_t invalid = set.poses.size() - assessment.valid;
+  std::string text = fmt::format("{} of {} poses are invalid", invalid, set.poses.size());
+  std::size_t named = 0;
+  PoseStatus first = PoseStatus::kSteady;
+  for (std::size_t p = 0; p < set.poses.size() && named < kMostNamed; ++p) {
+    const PoseOutcome& outcome = assessment.outcomes[p];
+    if (outcome.status == PoseStatus::kSteady) continue;
+    if (named == 0) first = outcome.status;
+    text += (named++ == 0 ? ": " : "; ") + set.poses[p].name + ": " + describe(outcome, layout);
+  }
+  if (named < invalid) text += fmt::format("; and {} more", invalid - named);
+  return text + "; " + helpFor(first, evaluator);
 }
 
 }  // namespace simgap

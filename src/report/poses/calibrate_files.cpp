@@ -27,7 +27,7 @@ std::string planText(const CalibrationTask& task, const CalibrationResult& expec
 
 void writeCalibration(const ArmModel& before, const ArmModel& after, const CalibrationResult& result,
                       const RunDirectory& directory) {
-  directory.write("model.yaml", writeArm(after));
+  directory.write("model.yaml", writeArm(judgeDelivery(result).calibrated ? after : before));
   directory.write("history.csv", historyCsv(result));
   directory.write("parameters.csv", parametersCsv(result));
   directory.write("errors.csv", errorsCsv(result));

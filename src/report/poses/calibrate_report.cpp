@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "calibrate_uncertainty.h"
 #include "pose_tables.h"
 #include "simgap/core/joint_kind.h"
@@ -39,15 +41,23 @@ Json parametersJson(const CalibrationResult& result) {
 Json toJson(const CalibrationResult& result) {
   Json mje = Json::object(), paper = Json::object(), valid = Json::object();
   for (const SetResult& set : result.sets) {
-    mje[set.name] = {{"initial", mjeJson(result.layout, set.initial.mje)},
-                     {"final", mjeJson(result.layout, set.final.mje)}};
-    paper[set.name] = {{"initial", mjeJson(result.layout, paperAngles(result.layout, set.initial.mje))},
-                       {"final", mjeJson(result.layout, paperAngles(result.layout, set.final.mje))}};
-    valid[set.name] = {{"initial", set.initial.valid}, {"final", set.final.valid}, {"of", set.set.poses.size()}};
+    const ComparedErrors errors = compareErrors(set, result.layout.joints.size());
+    mje[set.name] = {{"initial", mjeJson(result.layout, errors.before)},
+                     {"final", mjeJson(result.layout, errors.after)}};
+    paper[set.name] = {{"initial", mjeJson(result.layout, paperAngles(result.layout, errors.before))},
+                       {"final", mjeJson(result.layout, paperAngles(result.layout, errors.after))}};
+    valid[set.name] = {{"initial", set.initial.valid},
+                       {"final", set.final.valid},
+                       {"compared", errors.poses},
+                       {"of", set.set.poses.size()}};
   }
+  const Delivery delivery = judgeDelivery(result);
   Json json = {{"format", "simgap/calibrate/1"},
+               {"delivered", delivery.calibrated ? "calibrated" : "start"},
+               {"failure", delivery.failure.empty() ? Json(nullptr) : Json(delivery.failure)},
                {"optimizer", result.config.optimizer},
                {"evaluator", result.config.evaluator},
+               {"objective", result.config.usesPosterior() ? "posterior" : toString(result.config.objective)},
                {"mje_deg", mje},
                {"paper_mje_deg", paper},
                {"valid_poses", valid},
@@ -72,10 +82,12 @@ std::string historyCsv(const CalibrationResult& result) {
                                   "sigma_min",  "sigma_median", "sigma_max",   "invalid"};
   for (const JointChannel& joint : result.layout.joints) header.push_back("mje_" + joint.name + "_deg");
   CsvWriter csv(header);
+  const auto number = [&csv](double value) { std::isfinite(value) ? csv.add(value) : csv.add(""); };
   for (const GenerationRecord& r : result.state.history) {
-    csv.add(r.generation).add(r.best).add(r.median).add(r.best_so_far);
+    csv.add(r.generation);
+    for (const double fitness : {r.best, r.median, r.best_so_far}) number(fitness);
     csv.add(r.sigma_min).add(r.sigma_median).add(r.sigma_max).add(r.invalid);
-    for (const double mje : r.mje) csv.add(toDegrees(mje));
+    for (const double mje : r.mje) number(toDegrees(mje));
     csv.endRow();
   }
   return csv.text();
@@ -136,6 +148,7 @@ std::string terminalTable(const CalibrationResult& result) {
     text += both.caption + "\n" + alignedTable(both);
   }
   text += uncertaintyText(json);
+  if (const std::string doubt = notConverged(json); !doubt.empty()) text += doubt + "\n";
   for (const std::string& surprise : surprises(json)) text += surprise + "\n";
   return text;
 }

@@ -19,7 +19,9 @@ long count(const PoseUncertainty& uncertainty, Verdict verdict) {
 }  // namespace
 
 Json uncertaintyJson(const CalibrationResult& result) {
-  if (!result.uncertainty) return Json::object();
+  Json known = {{"converged", result.from_optimum <= kAtOptimum},
+                {"sd_from_optimum", numberOrNull(result.from_optimum)}};
+  if (!result.uncertainty) return known;
   const PoseUncertainty& uncertainty = *result.uncertainty;
   Json combinations = Json::array();
   for (const Combination& combination : uncertainty.combinations) {
@@ -39,11 +41,12 @@ Json uncertaintyJson(const CalibrationResult& result) {
       outlying.push_back({{"pose", result.sets.front().set.poses[p].name}, {"distance_sd", uncertainty.distances[p]}});
     }
   }
-  return {{"identifiability", verdicts},
-          {"combinations", combinations},
-          {"singular_values", uncertainty.singular_values},
-          {"predicted_mje_deg", predicted},
-          {"outlying_poses", outlying}};
+  known.update({{"identifiability", verdicts},
+                {"combinations", combinations},
+                {"singular_values", uncertainty.singular_values},
+                {"predicted_mje_deg", predicted},
+                {"outlying_poses", outlying}});
+  return known;
 }
 
 std::string singularValuesCsv(const CalibrationResult& result) {

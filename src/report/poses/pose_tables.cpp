@@ -86,8 +86,10 @@ Table calibrationErrors(const Json& result) {
     table.header.insert(table.header.end(), {joint + " before", "after"});
   }
   for (const auto& [set, errors] : sets.items()) {
-    const long poses = result.at("valid_poses").at(set).at("of");
-    table.rows.push_back(errorRow(fmt::format("{} ({} poses)", set, poses), errors.at("initial"), errors.at("final")));
+    const Json& poses = result.at("valid_poses").at(set);
+    table.rows.push_back(
+        errorRow(fmt::format("{} ({} of {} poses)", set, poses.at("compared").get<long>(), poses.at("of").get<long>()),
+                 errors.at("initial"), errors.at("final")));
     table.rows.push_back(errorRow(kPaperAngles, paper.at(set).at("initial"), paper.at(set).at("final")));
   }
   return table;
@@ -96,8 +98,9 @@ Table calibrationErrors(const Json& result) {
 Table validationErrors(const Json& result) {
   Table table{"Mean joint errors [deg]", {""}, {}};
   for (const auto& [joint, degrees] : result.at("mje_deg").items()) table.header.push_back(joint);
-  const long poses = result.at("valid_poses");
-  table.rows = {errorRow(fmt::format("mean joint error [deg], {} poses", poses), result.at("mje_deg")),
+  const long valid = result.at("valid_poses");
+  table.rows = {errorRow(fmt::format("mean joint error [deg], {} of {} poses", valid, result.at("poses").size()),
+                         result.at("mje_deg")),
                 errorRow(kPaperAngles, result.at("paper_mje_deg"))};
   return table;
 }
@@ -163,6 +166,17 @@ Table verificationTable(const Json& result) {
     table.rows.push_back(row);
   }
   return table;
+}
+
+std::string notConverged(const Json& result) {
+  if (!result.contains("sd_from_optimum") || result.at("sd_from_optimum").is_null()) return {};
+  if (result.at("converged").get<bool>()) return {};
+  const bool descent = result.at("optimizer") == "lm" || result.at("optimizer") == "hybrid";
+  return fmt::format(
+      "Not converged: the parameters are {:.2g} standard deviations from the most probable ones, so nothing can be "
+      "said "
+      "of how well they are known; try {}.",
+      result.at("sd_from_optimum").get<double>(), descent ? "more --starts" : "--optimizer lm");
 }
 
 std::vector<std::string> surprises(const Json& result) {

@@ -39,6 +39,8 @@ Table expectedErrors(const Json& result);
 Table predictionTable(const Json& result);
 /// What the evaluator that searched finds, and how far the one that judged disagrees.
 Table verificationTable(const Json& result);
+/// That the search ended away from the most probable parameters, and what to do; empty where it did not.
+std::string notConverged(const Json& result);
 /// What contradicts the posterior of a calibration: errors beyond its interval, poses far from the fit.
 std::vector<std::string> surprises(const Json& result);
 

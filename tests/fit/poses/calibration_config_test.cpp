@@ -60,7 +60,8 @@ TEST(CalibrationConfig, ReadsWhatStandsInIt) {
 
 TEST(CalibrationConfig, IsTheSameAfterAFile) {
   for (const std::string& text :
-       {kConfig, test::readText(test::sourceFile("configs/calibrate_arm.yaml")),
+       {kConfig, replaced(kConfig, "optimizer: es", "objective: paper"),
+        test::readText(test::sourceFile("configs/calibrate_arm.yaml")),
         replaced(kConfig, "\"muscles.*.attachments\"", R"('muscles."\odd: #name".attachments')"),
         std::string("format: simgap/calibration/1\nparameters: [{pattern: gravity_m_s2, step: 1}]\n")}) {
     const std::string written = read(text).toYaml();
@@ -76,6 +77,8 @@ TEST(CalibrationConfig, IsTheSameAfterAFile) {
       EXPECT_EQ(a.parameters[i].prior_sd, b.parameters[i].prior_sd);
       EXPECT_EQ(a.parameters[i].prior_sd_percent, b.parameters[i].prior_sd_percent);
     }
+    EXPECT_EQ(a.optimizer, b.optimizer);
+    EXPECT_EQ(a.objective, b.objective);
     EXPECT_EQ(a.strategy.seed, b.strategy.seed);
     EXPECT_EQ(a.strategy.tau, b.strategy.tau);
     EXPECT_EQ(a.strategy.tau_prime, b.strategy.tau_prime);
@@ -101,6 +104,7 @@ TEST(CalibrationConfig, NamesFileLineAndPathOfWhatIsWrong) {
               StartsWith("2: c.yaml:20: protocol.early_acquisition: found 0"));
   EXPECT_THAT(errorWith("bullet", "mujoco"), StartsWith("2: c.yaml:21: evaluator: found 'mujoco'"));
   EXPECT_THAT(errorWith("optimizer: es", "optimizer: cma"), StartsWith("2: c.yaml:22: optimizer: found 'cma'"));
+  EXPECT_THAT(errorWith("optimizer: es", "objective: half"), StartsWith("2: c.yaml:22: objective: found 'half'"));
   EXPECT_THAT(errorWith("capture_sd_deg: 0.2", "capture_sd_deg: 0"), StartsWith("2: c.yaml:23: capture_sd_deg: "));
   EXPECT_THAT(errorWith("lower: 5.0e-3", "lower: 5"), StartsWith("2: c.yaml:4: parameters[1]: lower 5 is above upper"));
 }

@@ -25,7 +25,7 @@ struct Fitted {
 };
 
 Fitted fit(PosePosterior& posterior) {
-  const auto fits = searchPosterior(posterior, {}, [](const PosteriorFit&) { return false; });
+  const auto fits = searchPosterior(posterior);
   const auto best = std::min_element(fits.begin(), fits.end(),
                                      [](const auto& a, const auto& b) { return a.objective < b.objective; });
   EXPECT_TRUE(std::isfinite(best->objective));

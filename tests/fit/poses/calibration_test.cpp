@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/fit/poses/calibration_run.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "support/analytic_evaluator.h"
 #include "support/files.h"
+#include "support/rig.h"
 
 namespace simgap {
 namespace {
@@ -129,16 +131,27 @@ TEST(Calibration, SaysWhyNoIndividualIsValid) {
   EXPECT_EQ(stored, 0);
 }
 
-TEST(Calibration, NamesTheGenerationAndPoseThatFailed) {
+TEST(Calibration, EndsWithTheBestOfTheGenerationsBeforeOneThatIsAllInvalid) {
   int calls = 0;
   AnalyticEvaluator evaluator([&](const ArmModel&, std::size_t pose, PoseOutcome& outcome) {
     if (++calls > 3 * 24 && pose == 1) fail(outcome, PoseStatus::kNotSteady, 0, 1.0);
   });
   Calibration calibration(analyticArm(), poses(), analyticConfig(), evaluator);
-  EXPECT_THAT(test::errorOf([&] { calibration.run([](const CalibrationState&) {}); }),
-              HasSubstr("no valid individual in generation 4: 12 x not steady (worst: shoulder not steady, 1 rad/s in "
-                        "pose high)"));
-  EXPECT_EQ(calibration.state().strategy.generation, 3);
+  std::string third;
+  calibration.run([&](const CalibrationState& state) {
+    if (state.strategy.generation == 3) third = writeArm(calibration.bestModel());
+  });
+  const CalibrationState& state = calibration.state();
+  EXPECT_EQ(state.strategy.generation, 4);
+  EXPECT_EQ(state.strategy.stop, StopReason::kNoValidIndividual);
+  EXPECT_EQ(state.history.back().invalid, 12);
+  EXPECT_TRUE(std::isnan(state.history.back().best));
+  EXPECT_EQ(writeArm(calibration.bestModel()), third);
+  // What it left behind reads back, and the search has ended for it, too.
+  Calibration resumed(analyticArm(), poses(), analyticConfig(), evaluator);
+  resumed.restore(calibrationStateFromJson(Json::parse(toText(toJson(state)))));
+  resumed.run([](const CalibrationState&) { ADD_FAILURE() << "nothing was left to do"; });
+  EXPECT_EQ(writeArm(resumed.bestModel()), third);
 }
 
 TEST(CalibrationState, IsTheSameAfterAFileBitByBit) {
@@ -172,6 +185,22 @@ TEST(CalibrationState, KeepsNumbersThatAreHardToWrite) {
   EXPECT_TRUE(std::isnan(again.strategy.best.fitness));
 }
 
+TEST(CalibrationState, KeepsADescentThatFoundNothingAndAFitnessThatIsNone) {
+  CalibrationState state;
+  GenerationRecord record;
+  record.best = record.median = record.best_so_far = NAN;
+  record.mje = {NAN, 0.5};
+  state.history = {record};
+  state.journal.whitened_at = Eigen::VectorXd::Constant(2, 0.1);
+  state.journal.fits = {{Eigen::VectorXd::Constant(2, 0.3), INFINITY, 7, 11}};
+  const CalibrationState again = calibrationStateFromJson(Json::parse(toText(toJson(state))));
+  EXPECT_TRUE(std::isnan(again.history[0].best) && std::isnan(again.history[0].mje[0]));
+  EXPECT_EQ(again.history[0].mje[1], 0.5);
+  EXPECT_TRUE(std::isinf(again.journal.fits[0].objective));
+  EXPECT_EQ(again.journal.fits[0].z, state.journal.fits[0].z);
+  EXPECT_EQ(again.journal.fits[0].evaluations, 11);
+}
+
 TEST(CalibrationState, GoesOnBitIdenticallyFromEveryGeneration) {
   const auto spoil = [](const ArmModel& model, std::size_t pose, PoseOutcome& outcome) {
     if (pose == 0 && line(model, 1) > 0.22) fail(outcome, PoseStatus::kNotSteady, 0, 1.0);
@@ -190,6 +219,33 @@ TEST(CalibrationState, GoesOnBitIdenticallyFromEveryGeneration) {
     EXPECT_GE(resumed.state().wall, calibrationStateFromJson(Json::parse(file)).wall);
   }
 }
+
+class EveryOptimiser : public testing::TestWithParam<const char*> {};
+
+TEST_P(EveryOptimiser, GoesOnBitIdenticallyFromEveryStep) {
+  const test::RecordedRig rig = test::recordRig(3);
+  CalibrationConfig config = CalibrationConfig::read(YamlNode::load(test::sourceFile("configs/calibrate_arm.yaml")));
+  config.optimizer = GetParam();
+  config.evaluator = "equilibrium";
+  config.starts = 4;
+  config.strategy.mu = 2;
+  config.strategy.lambda = 8;
+  config.strategy.generations = 6;
+  const auto evaluator = makeEquilibriumEvaluator(0);
+  std::vector<std::string> files;
+  Calibration whole(rig.model, rig.calibration, config, *evaluator);
+  whole.run([&](const CalibrationState& state) { files.push_back(toText(toJson(state))); });
+  ASSERT_EQ(files.size(), expectedSteps(config));
+  for (const std::string& file : files) {
+    Calibration resumed(rig.model, rig.calibration, config, *evaluator, /*threads=*/1);
+    resumed.restore(calibrationStateFromJson(Json::parse(file)));
+    resumed.run([](const CalibrationState&) {});
+    EXPECT_EQ(textOf(resumed.state()), textOf(whole.state()));
+    EXPECT_EQ(writeArm(resumed.bestModel()), writeArm(whole.bestModel()));
+    EXPECT_GE(resumed.state().wall, calibrationStateFromJson(Json::parse(file)).wall);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(All, EveryOptimiser, testing::Values("es", "cma-es", "lm", "hybrid"));
 
 TEST(CalibrationState, OfAnotherCalibrationIsRefused) {
   AnalyticEvaluator evaluator;

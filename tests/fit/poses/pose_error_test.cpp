@@ -51,6 +51,16 @@ TEST(PoseError, SumsSquaresAndAveragesAmountsByHand) {
   EXPECT_EQ(judged.valid, 2u);
 }
 
+TEST(PoseError, ThePapersObjectiveCountsABallAQuarterAndAHingeInFull) {
+  const std::vector<Pose> poses{pose(turned(0.0, {1, 0, 0}), 1.0)};
+  const std::vector<PoseOutcome> outcomes{steady(turned(0.3, {1, 0, 0}), 1.2)};
+  EXPECT_NEAR(assess(kLayout, poses, outcomes).fitness, 0.09 + 0.04, 1e-15);
+  const Assessment printed = assess(kLayout, poses, outcomes, PoseObjective::kPaper);
+  // arccos(Q . Q') of 001 eq. 3 and 4, by hand: Q . Q' = cos(0.15).
+  EXPECT_NEAR(printed.fitness, std::pow(std::acos(std::cos(0.15)), 2) + 0.04, 1e-12);
+  EXPECT_NEAR(printed.mje[0], 0.3, 1e-15) << "errors are reported in full";
+}
+
 TEST(PoseError, ErrorsOfOppositeSignDoNotCancel) {
   const JointPosition same = turned(0.0, {1, 0, 0});
   const std::vector<Pose> poses{pose(same, 0.0), pose(same, 0.0)};

@@ -72,7 +72,7 @@ TEST(CalibratePage, ShowsWhatThePosesTellOfTheParameters) {
 
 TEST(ValidatePage, NamesTheWorstPoseFirstAndTheCriteriaThatFail) {
   const Page page = ResultFolder(knownValidation()).page();
-  EXPECT_THAT(page.answer, HasSubstr("On 2 poses the simulation misses the robot by 20.00° (shoulder)"));
+  EXPECT_THAT(page.answer, HasSubstr("On 2 of 3 poses the simulation misses the robot by 20.00° (shoulder)"));
   EXPECT_THAT(page.notes, ElementsAre(HasSubstr("mje_deg of elbow is -, which fails the limit of 5")));
   const Table* poses = nullptr;
   for (const PageBlock& block : page.sections.back().blocks) {

@@ -1,6 +1,7 @@
 /// \file
-/// Calibration of an arm on recorded poses: an optimiser over chosen parameters. The evolution strategy keeps a state
-/// after every generation from which it goes on bit-identically; the others are started anew and repeat themselves.
+/// Calibration of an arm on recorded poses: an optimiser over chosen parameters. Each keeps a state from which it goes
+/// on bit-identically: the evolution strategy its parents, CMA-ES what it was told, the descents those that are
+/// finished.
 #pragma once
 
 #include <functional>
@@ -10,7 +11,9 @@
 #include "simgap/core/run_directory.h"
 #include "simgap/fit/poses/pose_error.h"
 #include "simgap/fit/poses/pose_noise.h"
+#include "simgap/fit/poses/posterior_search.h"
 #include "simgap/model/arm/parameter_space.h"
+#include "simgap/optimize/cma_es.h"
 #include "simgap/optimize/evolution_strategy.h"
 #include "simgap/simulate/evaluator.h"
 
@@ -22,10 +25,11 @@ struct CalibrationConfig {
   EvolutionStrategyOptions strategy;
   PoseProtocol protocol;
   std::string evaluator = "bullet";  ///< or "equilibrium"; what es and cma-es search with
-  std::string optimizer = "es";      ///< "cma-es", "lm", "hybrid"; the last two search with equilibria always
-  std::string verify = "bullet";     ///< who judges the model that was found; "none": the evaluator itself
-  int starts = 8;                    ///< of lm and hybrid
-  PoseNoise noise;                   ///< of the recorded poses; `capture_sd` is the reports' noise floor
+  std::string optimizer = "lm";      ///< "hybrid", "es", "cma-es"; the first two search with equilibria always
+  PoseObjective objective = PoseObjective::kGeodesic;  ///< what es and cma-es minimise
+  std::string verify = "bullet";  ///< who judges the model that was found; "none": the evaluator itself
+  int starts = 8;                 ///< of lm and hybrid
+  PoseNoise noise;                ///< of the recorded poses; `capture_sd` is the reports' noise floor
 
   bool usesPosterior() const { return optimizer == "lm" || optimizer == "hybrid"; }
   /// \throws ConfigError with file, line and path.
@@ -37,18 +41,21 @@ struct CalibrationConfig {
 /// 0: the optimiser has none.
 struct GenerationRecord {
   int generation = 0;                                           ///< from 1
-  double best = 0.0;                                            ///< fitness of its best valid individual [rad^2]
+  double best = 0.0;                                            ///< fitness of its best valid individual [rad^2];
+                                                                ///< NaN: none
   double median = 0.0;                                          ///< of its valid individuals [rad^2]
   double best_so_far = 0.0;                                     ///< of all generations [rad^2]
   double sigma_min = 0.0, sigma_median = 0.0, sigma_max = 0.0;  ///< over parameters of the generation's best
   int invalid = 0;                                              ///< individuals
-  std::vector<double> mje;                                      ///< of I_best, shape (joints) [rad]
+  std::vector<double> mje;                                      ///< of I_best, shape (joints) [rad]; NaN: none yet
 };
 
 /// Everything that changes while a calibration runs.
 struct CalibrationState {
   EvolutionStrategyState strategy;
   std::vector<GenerationRecord> history;
+  std::vector<double> told;      ///< cma-es: objective of every individual in its order
+  SearchJournal journal;         ///< of lm and hybrid
   std::vector<double> best_mje;  ///< of I_best, shape (joints) [rad]
   long invalid = 0;              ///< individuals in all generations
   long evaluations = 0;          ///< poses that were simulated or solved
@@ -64,11 +71,12 @@ class Calibration {
   /// \param threads  of the optimisers that do not use the evaluator; 0: all
   Calibration(const ArmModel& model, std::span<const Pose> poses, const CalibrationConfig& config, Evaluator& evaluator,
               int threads = 0);
-  /// Goes on where a stored state ended.
+  /// Goes on where a stored state ended. \throws ConfigError: it is not one of this calibration.
   void restore(CalibrationState state);
 
   /// Searches to the end. `after_generation` is called with the state after every generation, to store and show it.
-  /// \throws NumericsError when a generation has no valid individual: counts of each reason and the worst case.
+  /// A generation without a valid individual ends it with the best of those before, as 001 does.
+  /// \throws NumericsError when there was none before: counts of each reason and the worst case.
   /// \throws InterruptedError when the user asked to stop; the last stored state is complete.
   void run(const std::function<void(const CalibrationState&)>& after_generation);
 
@@ -78,11 +86,15 @@ class Calibration {
 
  private:
   void evaluateGeneration();
+  void noteSteps(const Individual& individual, GenerationRecord& record) const;
   using AfterGeneration = std::function<void(const CalibrationState&)>;
   void runEvolutionStrategy(const AfterGeneration& after_generation);
   void runCmaEs(const AfterGeneration& after_generation);
   void searchPosterior(const AfterGeneration& after_generation);
   double judge(const std::vector<double>& values, std::vector<double>& mje);
+  double tell(const std::vector<double>& values, double invalid);
+  void noteBestOf(const CmaEsGeneration& generation, const std::vector<double>& values, double invalid);
+  [[noreturn]] void failWithoutEquilibrium(PosePosterior& posterior) const;
   void note(GenerationRecord record, const std::vector<double>& values, bool is_best, double fitness);
   [[noreturn]] void failWithoutValidIndividual(std::span<const PoseOutcome> outcomes) const;
 

@@ -15,7 +15,7 @@ struct PosteriorFit {
   long evaluations = 0;  ///< poses solved
 };
 
-/// Descends from z to the next local minimum, within the parameters' bounds.
+/// Descends from z to the next local minimum, within the parameters' bounds. After an interrupt it is not there yet.
 /// \param tolerance  ends where a step changes the objective by less than this fraction
 PosteriorFit descendPosterior(PosePosterior& posterior, const Eigen::VectorXd& z, int max_iterations = 60,
                               double tolerance = 1e-7);

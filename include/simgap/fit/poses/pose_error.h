@@ -3,12 +3,19 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "simgap/measure/pose_set.h"
 #include "simgap/simulate/pose_protocol.h"
 
 namespace simgap {
+
+/// What of a spherical joint is squared in 001 eq. 3: the angle between the rotations, or, as printed there
+/// (arccos Q . Q'), half of it, which counts the joint a quarter.
+enum class PoseObjective { kGeodesic, kPaper };
+std::string_view toString(PoseObjective objective);
 
 /// A model judged on a pose set.
 struct Assessment {
@@ -20,7 +27,8 @@ struct Assessment {
   double fitness = 0.0;
 };
 
-Assessment assess(const PoseLayout& layout, std::span<const Pose> poses, std::span<const PoseOutcome> outcomes);
+Assessment assess(const PoseLayout& layout, std::span<const Pose> poses, std::span<const PoseOutcome> outcomes,
+                  PoseObjective objective = PoseObjective::kGeodesic);
 
 /// "acquisition error of biceps, 12.3 deg": why a pose is invalid.
 std::string describe(const PoseOutcome& outcome, const PoseLayout& layout);

@@ -79,7 +79,8 @@ class PosePosterior {
   void whiten(const Eigen::VectorXd& z);
   /// Takes over the whitening of another posterior of the same poses.
   void whitenLike(const PosePosterior& other);
-  /// Residuals of all poses; equilibria are searched from the measured poses, shape (poses).
+  /// Residuals of all poses, shape (poses); equilibria are searched from the measured poses, and from the arm's rest
+  /// where that finds none.
   const std::vector<PoseResidual>& evaluate(const Eigen::VectorXd& z, bool jacobians);
   /// The same for the torques at the measured poses, which should vanish: no equilibrium is searched. A torque counts
   /// by how far it would move the joints, in units of `sd` [rad]; whiten() again sets the stiffness for that.

@@ -37,6 +37,9 @@ struct PoseUncertainty {
   std::vector<double> singular_values;  ///< of the whitened Jacobian, in prior standard deviations, descending
   std::vector<ParameterUncertainty> parameters;
   std::vector<Combination> combinations;
+  /// Length of the Newton step to the most probable parameters, in standard deviations: sqrt(g^T N^-1 g) with the
+  /// gradient g of the negative log posterior. Far above 0, nothing else here holds.
+  double from_optimum = 0.0;
   std::vector<double>
       distances;  ///< d_p of each pose; NaN without an equilibrium; beyond kRobustScale it is an outlier
 };

@@ -18,18 +18,29 @@ struct PosteriorSearchOptions {
   std::uint64_t seed = 1;
 };
 
+/// What a search has found so far: one that is begun anew with it goes on to the same end, to the bit.
+struct SearchJournal {
+  Eigen::VectorXd whitened_at;     ///< z of the whitening under which the fits compare; shape (0): before the first
+  std::vector<PosteriorFit> fits;  ///< finished descents in their order
+};
+
 /// Called after every start or round, in a fixed order, with what it found; true ends the search there.
 using AfterFit = std::function<bool(const PosteriorFit& fit)>;
 
 /// Descends from every start and leaves `posterior` with the whitening under which the fits are compared: that of the
-/// first start's solution. \returns all fits, in the order of the starts; the same for any number of threads
+/// first start's solution. An interrupt ends it; what was not finished is not in the journal.
+/// \param journal  of an earlier session, or empty; its fits are passed on to `after_fit` too
+/// \returns all fits, in the order of the starts; the same for any number of threads
 std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const PosteriorSearchOptions& options,
-                                          const AfterFit& after_fit);
+                                          SearchJournal& journal, const AfterFit& after_fit);
+
+/// The same, of a new search.
+std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const PosteriorSearchOptions& options = {});
 
 /// Hybrid: starts as above; then, `kHybridRounds` times, the evolution strategy explores around the mu best fits for
-/// `kHybridGenerations` generations and the mu best individuals are polished by descent. \returns the best fit
-PosteriorFit searchHybrid(PosePosterior& posterior, const PosteriorSearchOptions& options,
-                          const EvolutionStrategyOptions& strategy, const AfterFit& after_fit);
+/// `kHybridGenerations` generations and the mu best individuals are polished by descent.
+void searchHybrid(PosePosterior& posterior, const PosteriorSearchOptions& options,
+                  const EvolutionStrategyOptions& strategy, SearchJournal& journal, const AfterFit& after_fit);
 
 inline constexpr int kHybridRounds = 3;
 inline constexpr int kHybridGenerations = 8;

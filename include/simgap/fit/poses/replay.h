@@ -15,8 +15,8 @@
 
 namespace simgap {
 
-/// The poses of a table, for that model. \throws DataError as readPoseSet, and when the model's extensions need times
-/// that the table does not have.
+/// The poses of a table, for that model. \throws DataError as readPoseSet, when the model's extensions need times that
+/// the table does not have, and for numbers in another unit or order than announced (pose_plausibility.h).
 PoseSet readPosesFor(const ArmModel& model, const CsvTable& table);
 
 /// \param name  "bullet" or "equilibrium"
@@ -25,7 +25,8 @@ std::unique_ptr<Evaluator> makeEvaluator(const std::string& name, const PoseProt
 /// Judges a model on all poses of a set. \param progress  called with the number of poses done.
 /// \throws InterruptedError
 Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet& set,
-                     const std::function<void(std::size_t)>& progress = {});
+                     const std::function<void(std::size_t)>& progress = {},
+                     PoseObjective objective = PoseObjective::kGeodesic);
 
 /// A sentence per muscle whose cord was stretched beyond the range in which it is linear (000 eq. 2).
 std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout);
@@ -33,7 +34,9 @@ std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, c
 /// A sentence on poses with other stable equilibria beside the one that the arm came to; empty when there are none.
 std::string otherEquilibria(const ArmModel& model, const PoseSet& set, std::span<const PoseOutcome> outcomes);
 
-/// "2 of 15 poses are invalid: p003: …"
-std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout);
+/// "2 of 15 poses are invalid: p003: …", with the first few of them and what helps.
+/// \param evaluator  that found it: "bullet" or "equilibrium"
+std::string describeInvalid(const Assessment& assessment, const PoseSet& set, const PoseLayout& layout,
+                            const std::string& evaluator);
 
 }  // namespace simgap

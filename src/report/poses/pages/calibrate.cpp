@@ -11,6 +11,8 @@ namespace simgap::pages {
 namespace {
 
 std::string answer(const Json& result) {
+  const Json failure = result.value("failure", Json(nullptr));
+  if (failure.is_string()) return "Failed: " + failure.get<std::string>() + ".";
   const bool held_out = result.at("mje_deg").contains("validation");
   const Json& judge = result.at("mje_deg").at(held_out ? "validation" : "calibration");
   std::string text =
@@ -141,7 +143,9 @@ void addParameters(const ResultFiles& files, Page& page) {
 
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
-  Page page{"simgap calibrate", answer(result), surprises(result)};
+  std::vector<std::string> notes = surprises(result);
+  if (const std::string doubt = notConverged(result); !doubt.empty()) notes.insert(notes.begin(), doubt);
+  Page page{"simgap calibrate", answer(result), notes};
   addPoses(files, page);
   page.addSection("How large the gap is");
   page.add(calibrationErrors(result));

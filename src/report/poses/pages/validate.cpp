@@ -8,8 +8,8 @@ namespace simgap::pages {
 namespace {
 
 std::string answer(const Json& result) {
-  std::string text =
-      fmt::format("On {} poses the simulation misses the robot by", result.at("valid_poses").get<long>());
+  std::string text = fmt::format("On {} of {} poses the simulation misses the robot by",
+                                 result.at("valid_poses").get<long>(), result.at("poses").size());
   const char* separator = "";
   for (const auto& [joint, error] : result.at("mje_deg").items()) {
     text += fmt::format("{} {}° ({})", separator, degreesCell(error), joint);

@@ -1,0 +1,160 @@
+#include "pose_plausibility.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "simgap/core/error.h"
+#include "simgap/simulate/equilibrium_arm.h"
+
+namespace simgap {
+namespace {
+
+// A line that is wound up by more than this many times its muscle's length, or let out by it, belongs to another arm.
+constexpr double kMostLengths = 2.0;
+constexpr double kShortestLimit = 0.5;                   // [m], for muscles of no length
+constexpr double kBeyondLimit = 0.5 * std::numbers::pi;  // [rad] beyond its limits no joint is captured
+constexpr double kUnlimited = 4.0 * std::numbers::pi;    // [rad]: more than any joint without limits turns
+constexpr double kContradicted = 45.0 * kDegree;         // mean error of a reading that is in doubt,
+constexpr double kClearlyBetter = 0.5;                   // and what of it the other reading may leave
+constexpr double kTwoTurns = 4.0 * std::numbers::pi;     // [rad] of a shaft
+constexpr std::size_t kLooked = 40;                      // poses, enough for a mean
+
+bool woundTooFar(const Muscle& muscle, double shaft) {
+  const double length = muscle.kite_line_length + muscle.shock_cord.rest_length;
+  return muscle.spindle_radius * std::abs(shaft) > std::max(kMostLengths * length, kShortestLimit);
+}
+
+void refuseShaftsOutOfReach(const ArmModel& model, const PoseSet& set) {
+  const auto reachable = [&](double factor) {
+    return std::ranges::all_of(set.poses, [&](const Pose& pose) {
+      for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+        if (woundTooFar(model.muscles[m], factor * pose.shafts[m])) return false;
+      }
+      return true;
+    });
+  };
+  if (reachable(1.0)) return;
+  const char* help = reachable(kDegree) ? "; they look like degrees: name the columns shaft_<muscle>_deg" : "";
+  for (const Pose& pose : set.poses) {
+    for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+      const Muscle& muscle = model.muscles[m];
+      if (!woundTooFar(muscle, pose.shafts[m])) continue;
+      throw DataError(fmt::format(
+          "{}: pose {}: shaft_{}_rad: found {:.6g}, which winds {:.3g} m of line, expected angles in rad that a muscle "
+          "of "
+          "{:.3g} m allows{}",
+          set.file, pose.name, muscle.name, pose.shafts[m], muscle.spindle_radius * std::abs(pose.shafts[m]),
+          muscle.kite_line_length + muscle.shock_cord.rest_length, help));
+    }
+  }
+}
+
+/// How far an angle is outside a joint's limits [rad].
+double beyond(const Joint& joint, double angle) {
+  const double lower = std::max(joint.lower_limit, -kUnlimited), upper = std::min(joint.upper_limit, kUnlimited);
+  return std::max({0.0, lower - angle, angle - upper});
+}
+
+void refuseAnglesOutOfReach(const ArmModel& model, const PoseSet& set) {
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (joint.type != JointType::kRevolute) continue;
+    const auto reached = [&](double factor) {
+      return std::ranges::all_of(
+          set.poses, [&](const Pose& pose) { return beyond(joint, factor * pose.joints[j].angle) < kBeyondLimit; });
+    };
+    if (reached(1.0)) continue;
+    const auto farthest =
+        std::ranges::max_element(set.poses, {}, [&](const Pose& pose) { return beyond(joint, pose.joints[j].angle); });
+    throw DataError(
+        fmt::format("{}: pose {}: {}_rad: found {:.6g}, expected an angle in rad within the joint's limits{}", set.file,
+                    farthest->name, joint.name, farthest->joints[j].angle,
+                    reached(kDegree) ? "; it looks like degrees: name the column " + joint.name + "_deg" : ""));
+  }
+}
+
+/// Mean error per joint of the model against poses as they stand and read another way, over poses with equilibria for
+/// both.
+struct Readings {
+  std::vector<double> as_is, shafts_in_degrees, order_xyzw;  ///< shape (joints) [rad]
+};
+
+/// What was meant by a quaternion whose cells stand in the order x, y, z, w.
+JointPosition fromXyzw(const JointPosition& read) {
+  const Eigen::Quaterniond& q = read.rotation;
+  return {Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()), read.angle};
+}
+
+Readings compareReadings(const ArmModel& model, const PoseSet& set) {
+  const std::size_t joints = model.joints.size();
+  Readings mean{std::vector<double>(joints, 0.0), std::vector<double>(joints, 0.0), std::vector<double>(joints, 0.0)};
+  EquilibriumArm arm(model), other(model);
+  std::vector<double> degrees(model.muscles.size());
+  int count = 0;
+  for (std::size_t p = 0; p < std::min(kLooked, set.poses.size()); ++p) {
+    const Pose& pose = set.poses[p];
+    std::ranges::transform(pose.shafts, degrees.begin(), [](double shaft) { return shaft * kDegree; });
+    for (EquilibriumArm* each : {&arm, &other}) each->setTime(pose.time);
+    if (!arm.solve(pose.shafts).stable || !other.solve(degrees).stable) continue;
+    ++count;
+    for (std::size_t j = 0; j < joints; ++j) {
+      const JointType type = model.joints[j].type;
+      mean.as_is[j] += jointError(type, pose.joints[j], arm.joints()[j]);
+      mean.shafts_in_degrees[j] += jointError(type, pose.joints[j], other.joints()[j]);
+      mean.order_xyzw[j] += jointError(type, fromXyzw(pose.joints[j]), arm.joints()[j]);
+    }
+  }
+  for (std::vector<double>* of : {&mean.as_is, &mean.shafts_in_degrees, &mean.order_xyzw}) {
+    for (double& error : *of) error /= std::max(1, count);
+  }
+  return mean;
+}
+
+double largestShaft(const PoseSet& set) {
+  double largest = 0.0;
+  for (const Pose& pose : set.poses) {
+    for (const double shaft : pose.shafts) largest = std::max(largest, std::abs(shaft));
+  }
+  return largest;
+}
+
+bool clearlyWrong(double as_is, double other) { return as_is > kContradicted && other < kClearlyBetter * as_is; }
+
+void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
+  const Readings readings = compareReadings(model, set);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    if (model.joints[j].type != JointType::kSpherical) continue;
+    if (!clearlyWrong(readings.as_is[j], readings.order_xyzw[j])) continue;
+    const std::string& name = model.joints[j].name;
+    throw DataError(fmt::format(
+        "{}: {}_qw, {}_qx, {}_qy, {}_qz: found quaternions that look like x, y, z, w (as ROS writes them), expected w, "
+        "x, "
+        "y, z: read as named they lie {:.0f} deg from where the model rests, read as x, y, z, w {:.0f} deg; name the "
+        "columns by what they hold",
+        set.file, name, name, name, name, toDegrees(readings.as_is[j]), toDegrees(readings.order_xyzw[j])));
+  }
+  const auto worst = [](const std::vector<double>& errors) { return *std::ranges::max_element(errors); };
+  // A wrong model may be worse than an arm that hardly moves, which is what shafts in degrees make of it; but shafts
+  // that make two turns and more are rare, and angles in degrees are not.
+  if (largestShaft(set) > kTwoTurns && clearlyWrong(worst(readings.as_is), worst(readings.shafts_in_degrees))) {
+    throw DataError(
+        fmt::format("{}: shaft_<muscle>_rad: found angles that look like degrees, expected rad: read as rad the model "
+                    "rests {:.0f} deg "
+                    "from the poses, read as degrees {:.0f} deg; name the columns shaft_<muscle>_deg",
+                    set.file, toDegrees(worst(readings.as_is)), toDegrees(worst(readings.shafts_in_degrees))));
+  }
+}
+
+}  // namespace
+
+void refuseImplausiblePoses(const ArmModel& model, const PoseSet& set) {
+  refuseShaftsOutOfReach(model, set);
+  refuseAnglesOutOfReach(model, set);
+  refuseOtherReadings(model, set);
+}
+
+}  // namespace simgap
