@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 
+#include "simgap/core/interrupt.h"
+
 namespace simgap {
 namespace {
 
@@ -73,6 +75,14 @@ class PriorCost : public ceres::CostFunction {
   Eigen::VectorXd weights_;
 };
 
+/// A descent whose end nobody waits for any more is not usable.
+class StopOnInterrupt : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return interruptRequested() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+};
+
 struct Descent {
   int iterations;
   long evaluations;
@@ -104,6 +114,8 @@ Descent descend(const PosePosterior& posterior, Residuals residuals, Eigen::Vect
   options.parameter_tolerance = 1e-8;
   options.num_threads = 1;  // the starts are parallel, and the sum must not depend on threads
   options.logging_type = ceres::SILENT;
+  StopOnInterrupt stop;
+  options.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   return {static_cast<int>(summary.iterations.size()), sweep.poses(), summary.IsSolutionUsable()};
