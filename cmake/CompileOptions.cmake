@@ -16,6 +16,9 @@ if(SIMGAP_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
 endif()
+if(SIMGAP_FUZZ)  # coverage everywhere, the fuzzer itself in its targets
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
 # Third-party headers are not ours to warn about.
 foreach(target Eigen3::Eigen fmt::fmt spdlog::spdlog nlohmann_json::nlohmann_json yaml-cpp CLI11::CLI11 TBB::tbb)
   get_target_property(directories ${target} INTERFACE_INCLUDE_DIRECTORIES)

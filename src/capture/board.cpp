@@ -155,6 +155,7 @@ std::optional<BoardView> joinViews(const Board& board, const std::string& name, 
 }
 
 std::vector<BoardView> readCorners(const CsvTable& table) {
+  constexpr double kMostPixels = 1e6;  // far outside any image; a float holds no more than 1e38
   const std::vector<std::string> pair = table.text("pair");
   const auto column = [&](const char* name) { return table.quantity(name, ""); };
   const std::vector<double> x = table.quantity("board_x", "m"), y = table.quantity("board_y", "m");
@@ -162,6 +163,10 @@ std::vector<BoardView> readCorners(const CsvTable& table) {
   const std::vector<double> ru = column("right_u_px"), rv = column("right_v_px");
   std::vector<BoardView> views;
   for (std::size_t row = 0; row < table.rows(); ++row) {
+    for (const std::vector<double>* pixels : {&lu, &lv, &ru, &rv}) {
+      if (std::abs((*pixels)[row]) <= kMostPixels) continue;
+      table.fail(row, fmt::format("found {:g} px, expected at most {:g}", (*pixels)[row], kMostPixels));
+    }
     if (views.empty() || views.back().name != pair[row]) views.push_back({pair[row], {}, {}, {}});
     BoardView& view = views.back();
     view.board.emplace_back(static_cast<float>(x[row]), static_cast<float>(y[row]), 0.0F);

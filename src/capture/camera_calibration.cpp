@@ -12,6 +12,7 @@
 
 #include "simgap/capture/rigid_fit.h"
 #include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
 #include "simgap/core/rotation.h"
 #include "simgap/core/statistics.h"
 
@@ -51,6 +52,7 @@ int flagsFor(int distortion) {
 
 /// \param start  of an earlier calibration; without one each camera is calibrated alone first.
 OpenCvCalibration calibrate(const Views& views, cv::Size size, int distortion, const OpenCvCalibration* start) {
+  stopIfInterrupted();  // OpenCV cannot be: each of its calibrations goes to its end
   const OpenCvPoints points(views);
   const int flags = flagsFor(distortion);
   OpenCvCalibration c;

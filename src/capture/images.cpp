@@ -86,7 +86,11 @@ class VideoSource : public ImageSource {
 }  // namespace
 
 std::unique_ptr<ImageSource> openImages(const std::filesystem::path& path) {
-  if (!fs::exists(path)) throw ConfigError(fmt::format("{}: cannot be read", path.string()));
+  std::error_code why;
+  if (!fs::exists(path, why)) {
+    if (!why) why = std::make_error_code(std::errc::no_such_file_or_directory);
+    throw ConfigError(fmt::format("{}: cannot be read: {}", path.string(), why.message()));
+  }
   if (fs::is_directory(path)) return std::make_unique<FolderSource>(path);
   return std::make_unique<VideoSource>(path);
 }

@@ -3,48 +3,41 @@
 #include <fmt/format.h>
 
 #include <opencv2/calib3d.hpp>
+#include <string_view>
 
 #include "simgap/core/error.h"
+#include "simgap/core/yaml.h"
 
 namespace simgap {
 namespace {
 
-/// OpenCV prints its errors before it throws them.
-class QuietErrors {
- public:
-  QuietErrors() {
-    cv::redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
-  }
-  ~QuietErrors() { cv::redirectError(nullptr); }
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-};
+constexpr Range kLensNumber{-1e9, 1e9, false, "a number of a size of at most 1e9"};
 
-cv::FileStorage openStorage(const std::string& text, const std::string& file) {
-  const QuietErrors quiet;
-  try {
-    cv::FileStorage storage(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-    if (storage.isOpened()) return storage;
-  } catch (const cv::Exception&) {
+/// OpenCV's own reader trusts what it reads: it allocates what `rows` and `cols` say and calls itself for every
+/// bracket. What it writes is YAML but for the first line.
+YamlNode parseStorage(const std::string& text, const std::string& file) {
+  constexpr std::string_view kDirective = "%YAML:1.0";
+  if (!text.starts_with(kDirective)) {
+    throw ConfigError(
+        fmt::format("{}: found no OpenCV file storage, expected YAML that begins with {}", file, kDirective));
   }
-  throw ConfigError(fmt::format("{}: found no OpenCV file storage, expected YAML that begins with %YAML:1.0", file));
+  return YamlNode::parse("#" + text, file);  // a comment, so that lines keep their numbers
 }
 
-cv::Mat readMatrix(const cv::FileStorage& storage, const std::vector<std::string>& names, const std::string& file) {
+cv::Mat readMatrix(const YamlNode& storage, const std::vector<std::string>& names, const std::string& file) {
+  constexpr long kMostRows = 100;
   for (const std::string& name : names) {
-    const cv::FileNode node = storage[name];
-    if (node.empty()) continue;
-    cv::Mat matrix;
-    const QuietErrors quiet;
-    try {
-      node >> matrix;
-      matrix.convertTo(matrix, CV_64F);
-    } catch (const cv::Exception&) {
-      matrix.release();
+    const auto node = storage.find(name);
+    if (!node) continue;
+    const int rows = static_cast<int>(node->at("rows").integer(1, kMostRows));
+    const int cols = static_cast<int>(node->at("cols").integer(1, kMostRows));
+    const YamlNode data = node->at("data");
+    const std::vector<YamlNode> items = data.items();
+    if (std::ssize(items) != rows * cols) {
+      data.fail(fmt::format("found {} numbers, expected {} x {}", items.size(), rows, cols));
     }
-    if (matrix.empty() || !cv::checkRange(matrix)) {
-      throw ConfigError(fmt::format("{}: {}: expected a matrix of finite numbers", file, name));
-    }
+    cv::Mat matrix(rows, cols, CV_64F);
+    for (int i = 0; i < rows * cols; ++i) matrix.at<double>(i / cols, i % cols) = items[i].number(kLensNumber);
     return matrix;
   }
   throw ConfigError(fmt::format("{}: {} is missing (also looked for {})", file, names.front(),
@@ -57,7 +50,7 @@ void expectShape(const cv::Mat& matrix, int rows, int cols, const std::string& n
       fmt::format("{}: {}: found {}x{}, expected {}x{}", file, name, matrix.rows, matrix.cols, rows, cols));
 }
 
-CameraIntrinsics readCamera(const cv::FileStorage& storage, const std::string& side, const std::string& file) {
+CameraIntrinsics readCamera(const YamlNode& storage, const std::string& side, const std::string& file) {
   const cv::Mat k = readMatrix(storage, {"K" + side, "M" + side, "cameraMatrix" + side, "camera_matrix" + side}, file);
   expectShape(k, 3, 3, "K" + side, file);
   const cv::Mat d = readMatrix(storage, {"D" + side, "distCoeffs" + side, "dist_coeffs" + side}, file);
@@ -75,6 +68,13 @@ CameraIntrinsics readCamera(const cv::FileStorage& storage, const std::string& s
   return camera;
 }
 
+/// A side of the images in pixels; 0 when the file does not say.
+int readSide(const YamlNode& storage, const char* name) {
+  constexpr long kMostPixels = 1 << 16;
+  const auto node = storage.find(name);
+  return node ? static_cast<int>(node->integer(0, kMostPixels)) : 0;
+}
+
 void writeCamera(cv::FileStorage& storage, const CameraIntrinsics& camera, const std::string& side) {
   storage << "K" + side << cv::Mat(camera.K);
   storage << "D" + side << cv::Mat(camera.distortion).reshape(1, 1);
@@ -90,10 +90,9 @@ Eigen::Matrix3d StereoCameras::essential() const {
 }
 
 StereoCameras readStereo(const std::string& text, const std::string& file) {
-  const cv::FileStorage storage = openStorage(text, file);
+  const YamlNode storage = parseStorage(text, file);
   StereoCameras cameras;
-  if (!storage["image_width"].empty()) cameras.size.width = static_cast<int>(storage["image_width"]);
-  if (!storage["image_height"].empty()) cameras.size.height = static_cast<int>(storage["image_height"]);
+  cameras.size = {readSide(storage, "image_width"), readSide(storage, "image_height")};
   cameras.left = readCamera(storage, "1", file);
   cameras.right = readCamera(storage, "2", file);
   const cv::Mat r = readMatrix(storage, {"R"}, file);

@@ -2,11 +2,15 @@
 #include <glog/logging.h>
 #include <malloc.h>
 
-#include <algorithm>
+#include <csignal>
+#include <cstdio>
 #include <iostream>
+#include <new>
+#include <system_error>
 
 #include "simgap/cli/command.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/text.h"
 #include "simgap/version.h"
 
 namespace {
@@ -14,12 +18,25 @@ namespace {
 using simgap::Command;
 using simgap::ExitCode;
 
-/// One line, whatever names of files and poses hold.
-int fail(ExitCode code, std::string sentence) {
-  std::replace_if(
-      sentence.begin(), sentence.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  std::cerr << "simgap: " << sentence << '\n';
+/// One line of a length that can be read, whatever names of files and poses hold.
+int fail(ExitCode code, std::string_view sentence) {
+  constexpr std::size_t kLongest = 2000;
+  std::cerr << "simgap: " << simgap::printable(simgap::abridged(sentence, kLongest)) << '\n';
   return static_cast<int>(code);
+}
+
+/// A result that nobody could take is no success: plans, --help and the like go through buffers until here.
+int flushed(int code) {
+  const bool good = std::cout.flush().good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (good || code != 0) return code;
+  return fail(ExitCode::kUsage, "the standard output cannot be written");
+}
+
+/// A file that grows too large, and a reader that goes away, are errors of write with a reason, not the end of the
+/// process in the middle of a run.
+void ignoreWriteSignals() {
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
 }
 
 int run(const std::vector<std::string>& argv) {
@@ -61,9 +78,14 @@ int main(int argc, char** argv) try {
   mallopt(M_TRIM_THRESHOLD, 1 << 26);  // the small ones of chunks stay, or every chunk would fault its pages in anew
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' log; what matters of it is in its summaries
   simgap::installInterruptHandlers();
-  return run({argv, argv + argc});
+  ignoreWriteSignals();
+  return flushed(run({argv, argv + argc}));
 } catch (const simgap::Error& error) {
   return fail(error.code(), error.what());
+} catch (const std::bad_alloc&) {
+  return fail(ExitCode::kUsage, "not enough memory: the input needs more than the system grants");
+} catch (const std::system_error& error) {  // a folder that may not be looked into, no more threads
+  return fail(ExitCode::kUsage, std::string("the system refused: ") + error.what());
 } catch (const std::exception& error) {
   return fail(ExitCode::kInternal, std::string("internal error (a bug in simgap, please report it): ") + error.what());
 }

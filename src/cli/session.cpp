@@ -1,40 +1,24 @@
 #include "simgap/cli/session.h"
 
 #include <fmt/format.h>
-#include <spdlog/sinks/basic_file_sink.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
-#include <iostream>
+#include <cstdio>
+#include <cstring>
 #include <limits>
 
+#include "log.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/text.h"
 #include "simgap/core/units.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap {
 namespace {
-
-/// stderr for people, log.txt (none while `file` is empty) for later; stdout is for results only.
-void openLog(const CommonOptions& options, const std::filesystem::path& file = {}) {
-  auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
-  terminal->set_pattern("%v");
-  terminal->set_level(options.quiet     ? spdlog::level::warn
-                      : options.verbose ? spdlog::level::debug
-                                        : spdlog::level::info);
-  std::vector<spdlog::sink_ptr> sinks{terminal};
-  if (!file.empty()) {
-    sinks.push_back(std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), false));
-    sinks.back()->set_level(spdlog::level::debug);
-  }
-  auto logger = std::make_shared<spdlog::logger>("simgap", sinks.begin(), sinks.end());
-  logger->set_level(spdlog::level::debug);
-  logger->flush_on(spdlog::level::info);
-  spdlog::set_default_logger(logger);
-}
 
 /// What is wrong with a seed; empty when nothing is. CLI11 wraps what is negative or too large.
 std::string seedProblem(const std::string& text) {
@@ -43,6 +27,13 @@ std::string seedProblem(const std::string& text) {
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error == std::errc() && stop == end) return {};
   return fmt::format("found {}, expected an integer from 0 to {}", text, std::numeric_limits<std::uint64_t>::max());
+}
+
+/// Results go out through one door that notices when nobody can take them. \throws ConfigError when stdout is full or
+/// gone
+void printResult(std::string_view text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
+  if (!written) throw ConfigError(fmt::format("the standard output cannot be written: {}", std::strerror(errno)));
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -113,7 +104,12 @@ Session::Session(std::string command, const CommonOptions& options, const std::v
 }
 
 Session::~Session() {
-  if (run_ && !ended_) abandon(interruptRequested() ? "interrupted" : "failed");
+  if (!run_ || ended_) return;
+  try {
+    abandon(interruptRequested() ? "interrupted" : "failed");
+  } catch (const std::exception& error) {  // the disk is full: what main says is why the run failed
+    fmt::print(stderr, "simgap: the run stays recorded as unfinished: {}\n", printable(error.what()));
+  }
 }
 
 const Input& Session::read(const std::string& role, const std::filesystem::path& file) {
@@ -138,7 +134,7 @@ void Session::begin(std::uint64_t seed) {
 
 void Session::resume(const std::filesystem::path& directory, std::uint64_t seed) {
   directory_ = RunDirectory::open(directory);
-  record(seed, Json::parse(readFile(directory_->file("run.json")), nullptr, /*allow_exceptions=*/false));
+  record(seed, readJson(directory_->file("run.json")));
 }
 
 void Session::record(std::uint64_t seed, const Json& earlier) {
@@ -153,18 +149,17 @@ void Session::record(std::uint64_t seed, const Json& earlier) {
 
 void Session::finish(const Json& result, const std::string& table, const std::string& status) {
   directory_->write("result.json", result);
-  abandon(status);
-  const std::filesystem::path report = writeReport(*directory_);
-  if (options_.json) {
-    std::cout << toText(result) << std::flush;
-  } else {
-    std::cout << table << "report: " << report.string() << std::endl;
-  }
+  run_->end(status);
+  const std::filesystem::path report = writeReport(*directory_, run_->json());
+  printResult(options_.json ? toText(result)
+                            : printable(fmt::format("{}report: {}\n", table, report.string()), /*keep_lines=*/true));
+  run_->write(*directory_);  // last: a run is done when everything is there and somebody has been told
+  ended_ = true;
 }
 
 void Session::abandon(const std::string& status) {
+  ended_ = true;  // also when it cannot be recorded: the destructor would fail once more
   run_->write(*directory_, status);
-  ended_ = true;
 }
 
 }  // namespace simgap

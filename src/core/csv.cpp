@@ -11,11 +11,14 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include "csv_cells.h"
 #include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
 #include "simgap/core/run_directory.h"
+#include "simgap/core/text.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -23,14 +26,16 @@ namespace {
 
 constexpr double kBadCell = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint32_t kHeaderLine = 1;
+constexpr std::size_t kRowsUnasked = 4096;  // rows between two looks for an interrupt
 
 void requireHeaders(const std::vector<std::string>& headers, const std::string& name) {
+  std::unordered_set<std::string_view> seen;
   for (std::size_t i = 0; i < headers.size(); ++i) {
     if (headers[i].empty()) {
       failInCsv(name, kHeaderLine, fmt::format("column {} of the header has no name, expected one", i + 1));
     }
-    if (std::find(headers.begin(), headers.begin() + i, headers[i]) != headers.begin() + i) {
-      failInCsv(name, kHeaderLine, fmt::format("found the column {} twice, expected it once", headers[i]));
+    if (!seen.insert(headers[i]).second) {
+      failInCsv(name, kHeaderLine, fmt::format("found the column {} twice, expected it once", abridged(headers[i])));
     }
   }
 }
@@ -70,7 +75,10 @@ class CsvParser {
 
   CsvTable parse() {
     readHeader();
-    while (!cells_.atEnd()) readRow();
+    while (!cells_.atEnd()) {
+      readRow();
+      if (rows_ % kRowsUnasked == 0) stopIfInterrupted();
+    }
     for (Column& column : columns_) {
       if (column.kind == Kind::kUndecided) column = {Kind::kText, {}};
     }
@@ -293,8 +301,15 @@ QuantityMatch CsvTable::matched(std::string_view stem, std::string_view unit) co
 }
 
 std::vector<double> CsvTable::converted(std::vector<double> values, const QuantityMatch& match) const {
+  const double largest = largestPlausible(match.unit);
   const auto bad = std::ranges::find_if(values, [](double value) { return std::isnan(value); });
   if (bad != values.end()) failCell(static_cast<std::size_t>(bad - values.begin()), match.index);
+  const auto absurd = std::ranges::find_if(values, [&](double value) { return std::abs(value) > largest; });
+  if (absurd != values.end()) {
+    fail(static_cast<std::size_t>(absurd - values.begin()),
+         fmt::format("column {}: found {:g}, expected a size of at most {:g} {}: is that the unit?",
+                     abridged(headers_[match.index]), *absurd, largest, match.unit));
+  }
   // Adding an offset of 0 would turn -0 into 0.
   if (!match.conversion.isIdentity()) std::ranges::transform(values, values.begin(), match.conversion);
   return values;
@@ -353,8 +368,8 @@ void CsvTable::failMissing(std::string_view stem, std::string_view unit) const {
 
 void CsvTable::failCell(std::size_t row, std::size_t column) const {
   const std::string found = text(headers_[column])[row];
-  fail(row, fmt::format("column {}: found {}, expected a finite number{}", headers_[column],
-                        found.empty() ? "an empty cell" : fmt::format("'{}'", found),
+  fail(row, fmt::format("column {}: found {}, expected a finite number{}", abridged(headers_[column]),
+                        found.empty() ? "an empty cell" : fmt::format("'{}'", abridged(found)),
                         decimal_ == ',' ? " with a decimal comma, as other numbers of the file have it" : ""));
 }
 
@@ -373,8 +388,9 @@ CsvWriter& CsvWriter::add(double value) {
 CsvWriter& CsvWriter::add(std::string_view text) {
   // A row of one empty cell would be an empty line.
   const bool quote = text.find_first_of(",\"\n\r") != std::string_view::npos || (text.empty() && columns_ == 1);
-  if (!quote) return append(text);
+  if (!quote) return append(isFormula(text) ? kNoFormula + std::string(text) : std::string(text));
   std::string cell = "\"";
+  if (isFormula(text)) cell += kNoFormula;
   for (const char character : text) {
     if (character == '"') cell += '"';
     cell += character;

@@ -13,6 +13,7 @@
 #include <new>
 
 #include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -62,7 +63,7 @@ void failInCsv(const std::string& file, std::uint32_t line, const std::string& s
   throw DataError(fmt::format("{}:{}: {}", file, line, sentence));
 }
 
-std::string unpackCsv(std::string packed, const std::string& file) {
+std::string unpackCsv(std::string packed, const std::string& file, std::size_t largest) {
   const std::string_view bytes = packed;
   if (!bytes.starts_with(kGzipMagic)) {
     if (file.ends_with(".gz")) failInCsv(file, 1, "found no gzip data, expected them by the name's ending");
@@ -74,14 +75,17 @@ std::string unpackCsv(std::string packed, const std::string& file) {
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
   stream.avail_in = static_cast<uInt>(bytes.size());
   std::string text;
+  std::string piece(kReadSize, '\0');
   int status = Z_OK;
   while (status == Z_OK) {
-    const std::size_t size = text.size();
-    text.resize(size + kReadSize);
-    stream.next_out = reinterpret_cast<Bytef*>(text.data() + size);
+    stopIfInterrupted();
+    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
     stream.avail_out = kReadSize;
     status = inflate(&stream, Z_NO_FLUSH);
-    text.resize(size + kReadSize - stream.avail_out);
+    text.append(piece, 0, kReadSize - stream.avail_out);
+    if (text.size() > largest) {
+      throw DataError(fmt::format("{}: found more than {} MiB of unpacked text, expected less", file, largest >> 20U));
+    }
     // Packed files may stand one behind the other.
     const std::string_view rest = bytes.substr(bytes.size() - stream.avail_in);
     if (status == Z_STREAM_END && rest.starts_with(kGzipMagic)) status = inflateReset(&stream);
@@ -92,13 +96,19 @@ std::string unpackCsv(std::string packed, const std::string& file) {
                                   : "the gzip data are damaged here, expected a valid stream");
 }
 
+bool isFormula(std::string_view text) {
+  constexpr std::string_view kBegins = "=+-@\t\r";
+  text.remove_prefix(std::min(text.find_first_not_of(kNoFormula), text.size()));  // its own apostrophes are kept
+  return text.size() > 1 && kBegins.find(text[0]) != std::string_view::npos && !CsvCell{text}.number('.');
+}
+
 std::string CsvCell::text() const {
-  if (!escaped) return std::string(raw);
   std::string result;
   for (std::size_t i = 0; i < raw.size(); ++i) {
     result += raw[i];
-    if (raw[i] == '"') ++i;  // its double
+    if (escaped && raw[i] == '"') ++i;  // its double
   }
+  if (result.starts_with(kNoFormula) && isFormula(std::string_view(result).substr(1))) result.erase(0, 1);
   return result;
 }
 

@@ -11,11 +11,20 @@
 #include <string_view>
 #include <vector>
 
+#include "simgap/core/run_directory.h"
+
 namespace simgap {
 
 /// The text of a file's bytes: whatever begins as gzip does is unpacked.
-/// \throws DataError: not gzip although the name ends in .gz, truncated or damaged.
-std::string unpackCsv(std::string packed, const std::string& file);
+/// \throws DataError: not gzip although the name ends in .gz, truncated or damaged, or more than `largest` bytes
+/// unpacked.
+std::string unpackCsv(std::string packed, const std::string& file, std::size_t largest = kLargestFile);
+
+/// A text that a spreadsheet would calculate, behind apostrophes or not: a name =cmd|… in a file somebody sent would
+/// run there. Numbers are none.
+bool isFormula(std::string_view text);
+/// Stands before such a text in a file; spreadsheets do not show it.
+inline constexpr char kNoFormula = '\'';
 
 /// A DataError "FILE:LINE: sentence".
 [[noreturn]] void failInCsv(const std::string& file, std::uint32_t line, const std::string& sentence);
@@ -25,7 +34,7 @@ struct CsvCell {
   bool escaped = false;  ///< holds doubled quotes
   bool last = false;     ///< ends its row
 
-  std::string text() const;
+  std::string text() const;  ///< without the apostrophe before a formula
   /// NaN when it reads as a number but is not finite; empty when it is no number. \param decimal  '.' or ','
   std::optional<double> number(char decimal) const;
 };

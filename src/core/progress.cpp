@@ -8,6 +8,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "simgap/core/text.h"
+
 namespace simgap {
 namespace {
 
@@ -66,6 +68,7 @@ void Progress::update(std::size_t done, std::string_view detail) {
     line += fmt::format(", {} left", formatDuration(left));
   }
   if (!detail.empty()) line += fmt::format(", {}", detail);
+  line = printable(line);  // it names joints, and a file may call them anything
 
   if (terminal_) {
     // One column stays free, because some terminals wrap when the last one is written. ESC [K clears a longer old line.

@@ -4,11 +4,12 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <openssl/evp.h>
+#include <sys/file.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -27,66 +28,43 @@ namespace {
 
 constexpr char kRunFile[] = "run.json";
 
-[[noreturn]] void failToWrite(const fs::path& file, int error) {
-  throw ConfigError(fmt::format("{}: cannot be written: {}", file.string(), std::strerror(error)));
-}
-
-/// A file of a name nobody else uses, next to the one it will become; removed again unless it was renamed.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const fs::path& target) : target_(target) {
-    static std::atomic<unsigned> counter{0};
-    do {
-      name_ = target.parent_path() / fmt::format(".simgap-{}-{}.tmp", ::getpid(), counter++);
-      descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    } while (descriptor_ < 0 && errno == EEXIST);  // left behind by a killed process, or of another machine
-    if (descriptor_ < 0) failToWrite(target_, errno);
-  }
-  ~TemporaryFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!renamed_) ::unlink(name_.c_str());
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  void write(std::string_view content) {
-    while (!content.empty()) {
-      const ssize_t written = ::write(descriptor_, content.data(), content.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) failToWrite(target_, errno);
-      content.remove_prefix(static_cast<std::size_t>(written));
-    }
-  }
-
-  void becomeTarget() {
-    if (::fsync(descriptor_) != 0) failToWrite(target_, errno);
-    // Network file systems report a full disk only here.
-    if (::close(std::exchange(descriptor_, -1)) != 0) failToWrite(target_, errno);
-    if (::rename(name_.c_str(), target_.c_str()) != 0) failToWrite(target_, errno);
-    renamed_ = true;
-  }
-
- private:
-  const fs::path& target_;
-  fs::path name_;
-  int descriptor_ = -1;
-  bool renamed_ = false;
-};
-
-/// Makes a rename survive a power failure. Not every file system can, and the file is complete either way.
-void syncFolder(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
-}
-
 /// Empties a run directory. run.json goes last, so that an interrupted removal can be taken up again.
 void removeContents(const fs::path& directory) {
   for (const auto& entry : fs::directory_iterator(directory)) {
     if (entry.path().filename() != kRunFile) fs::remove_all(entry.path());
   }
   fs::remove(directory / kRunFile);
+}
+
+/// What a killed process had not finished writing.
+void removeLeftovers(const fs::path& directory) {
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(directory, ignored)) {
+    if (isTemporaryFile(entry.path())) fs::remove(entry.path(), ignored);
+  }
+}
+
+/// A run, or nothing, or what a process left that was killed before it wrote run.json.
+bool holdsNothingButOurs(const fs::path& directory) {
+  if (fs::exists(directory / kRunFile)) return true;
+  return std::ranges::all_of(fs::directory_iterator(directory),
+                             [](const fs::directory_entry& entry) { return isTemporaryFile(entry.path()); });
+}
+
+/// The directory for this process alone, until the last copy of what is returned ends, or the process, however it ends.
+/// Where a file system has no such locks there is none. \throws ConfigError when another process has it
+std::shared_ptr<const int> lockDirectory(const fs::path& directory) {
+  const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return nullptr;  // writing will say why
+  const auto close = [](const int* opened) {
+    ::close(*opened);
+    delete opened;
+  };
+  std::shared_ptr<const int> lock(new int(descriptor), close);
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    throw ConfigError(fmt::format("{}: another simgap is working there", directory.string()));
+  }
+  return lock;
 }
 
 std::string cpuModel() {
@@ -112,31 +90,6 @@ double steadySeconds() {
 
 }  // namespace
 
-void writeFileAtomically(const fs::path& file, std::string_view content) {
-  writeFileAtomically(file, [&] { return std::exchange(content, {}); });
-}
-
-void writeFileAtomically(const fs::path& file, const std::function<std::string_view()>& next_piece) {
-  TemporaryFile temporary(file);
-  for (std::string_view piece = next_piece(); !piece.empty(); piece = next_piece()) temporary.write(piece);
-  temporary.becomeTarget();
-  syncFolder(file.has_parent_path() ? file.parent_path() : fs::path("."));
-}
-
-std::string readFile(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string content;
-  std::error_code none;
-  if (fs::is_regular_file(file, none)) content.reserve(fs::file_size(file, none));  // growing would need it twice
-  std::array<char, 1 << 16> block;
-  // By blocks, not by size: a pipe has none.
-  while (stream.read(block.data(), block.size()) || stream.gcount() > 0) {
-    content.append(block.data(), static_cast<std::size_t>(stream.gcount()));
-  }
-  if (!stream.eof()) throw ConfigError(fmt::format("{}: cannot be read", file.string()));
-  return content;
-}
-
 std::string sha256(std::string_view content) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
   unsigned size = 0;
@@ -158,25 +111,29 @@ std::string utcTime(bool compact) {
   return compact ? fmt::format("{:%Y%m%dT%H%M%SZ}", utc) : fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc);
 }
 
-RunDirectory RunDirectory::create(const fs::path& directory, bool force) {
+RunDirectory RunDirectory::create(const fs::path& given, bool force) {
+  const fs::path directory = given.has_filename() ? given : given.parent_path();  // "out/" is "out"
   const std::string name = directory.string();
   try {
-    if (fs::exists(directory)) {
-      if (!fs::is_directory(directory)) throw ConfigError(fmt::format("{}: exists and is no directory", name));
-      if (!force) {
-        throw ConfigError(fmt::format("{}: exists; --force replaces it, --resume goes on where it can", name));
-      }
-      if (!fs::is_empty(directory) && !fs::exists(directory / kRunFile)) {
-        throw ConfigError(fmt::format("{}: is not empty and holds no {}, so it is no run and --force leaves it alone",
-                                      name, kRunFile));
-      }
-      removeContents(directory);
+    if (fs::exists(directory) && !fs::is_directory(directory)) {
+      throw ConfigError(fmt::format("{}: exists and is no directory", name));
     }
-    fs::create_directories(directory);
+    if (directory.has_parent_path()) fs::create_directories(directory.parent_path());
+    const bool made = fs::create_directory(directory);  // by this process, not by another one at the same time
+    RunDirectory result(directory, lockDirectory(directory));
+    if (made) return result;
+    if (!force) {
+      throw ConfigError(fmt::format("{}: exists; --force replaces it, --resume goes on where it can", name));
+    }
+    if (!holdsNothingButOurs(directory)) {
+      throw ConfigError(
+          fmt::format("{}: is not empty and holds no {}, so it is no run and --force leaves it alone", name, kRunFile));
+    }
+    removeContents(directory);
+    return result;
   } catch (const fs::filesystem_error& error) {
     throw ConfigError(fmt::format("{}: cannot be made: {}", name, error.code().message()));
   }
-  return RunDirectory(directory);
 }
 
 RunDirectory RunDirectory::open(const fs::path& directory) {
@@ -184,7 +141,9 @@ RunDirectory RunDirectory::open(const fs::path& directory) {
   if (!fs::is_regular_file(directory / kRunFile, ignored)) {
     throw ConfigError(fmt::format("{}: is no run directory: it holds no {}", directory.string(), kRunFile));
   }
-  return RunDirectory(directory);
+  RunDirectory result(directory, lockDirectory(directory));
+  removeLeftovers(directory);
+  return result;
 }
 
 fs::path RunDirectory::defaultPath(std::string_view command) {
@@ -220,10 +179,11 @@ void RunRecord::addEarlier(const Json& record) {
   json_["earlier"] = sessions;
 }
 
-void RunRecord::write(const RunDirectory& directory, std::string_view status) {
+void RunRecord::end(std::string_view status) {
   json_["duration_s"] = steadySeconds() - start_s_;
   json_["status"] = status;
-  directory.write(kRunFile, json_);
 }
+
+void RunRecord::write(const RunDirectory& directory) const { directory.write(kRunFile, json_); }
 
 }  // namespace simgap

@@ -108,6 +108,47 @@ const Unit* findUnit(std::string_view suffix) {
   return found == std::end(kUnits) ? nullptr : found;
 }
 
+/// The largest plausible value, in the first unit of the dimension. Angles count turns of motors over days, times may
+/// be seconds since 1970.
+double largestOf(Dimension dimension) {
+  switch (dimension) {
+    case Dimension::kAngle:
+      return 1e8;
+    case Dimension::kTime:
+      return 1e11;
+    case Dimension::kCurrent:
+    case Dimension::kVoltage:
+    case Dimension::kTemperature:
+    case Dimension::kLength:
+    case Dimension::kVelocity:
+      return 1e5;
+    case Dimension::kAngularVelocity:
+    case Dimension::kAcceleration:
+    case Dimension::kMass:
+    case Dimension::kDensity:
+      return 1e6;
+    case Dimension::kAngularAcceleration:
+    case Dimension::kForce:
+    case Dimension::kTorque:
+    case Dimension::kInertia:
+    case Dimension::kPower:
+    case Dimension::kFrequency:
+    case Dimension::kDamping:
+    case Dimension::kRotationalDamping:
+    case Dimension::kForcePerVoltage:
+    case Dimension::kBackEmf:
+    case Dimension::kTorqueConstant:
+      return 1e9;
+    case Dimension::kPressure:
+    case Dimension::kStiffness:
+    case Dimension::kRotationalStiffness:
+    case Dimension::kResistance:
+    case Dimension::kInductance:
+      return 1e12;
+  }
+  return kInfinity;
+}
+
 /// Edit distance that counts two swapped neighbours as one slip (optimal string alignment).
 std::size_t editDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before(b.size() + 1);
@@ -147,6 +188,11 @@ std::optional<UnitConversion> unitConversion(std::string_view suffix, std::strin
   const Unit* to = findUnit(target);
   if (from == nullptr || to == nullptr || from->dimension != to->dimension) return std::nullopt;
   return UnitConversion{from->factor / to->factor, (from->offset - to->offset) / to->factor};
+}
+
+double largestPlausible(std::string_view suffix) {
+  const Unit* unit = findUnit(suffix);
+  return unit == nullptr ? kInfinity : largestOf(unit->dimension) / unit->factor;
 }
 
 bool isUnit(std::string_view suffix) { return findUnit(suffix) != nullptr; }

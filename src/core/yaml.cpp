@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "simgap/core/run_directory.h"
+#include "simgap/core/text.h"
 #include "yaml_tree.h"
 
 namespace simgap {
@@ -130,7 +131,12 @@ std::optional<double> YamlNode::findQuantity(std::string_view stem, std::string_
 
 Eigen::Vector3d YamlNode::vectorQuantity(std::string_view stem, std::string_view unit) const {
   const Quantity found = quantityNode(stem, unit);
-  return found.node.vector3().unaryExpr(found.conversion);
+  const Eigen::Vector3d vector = found.node.vector3().unaryExpr(found.conversion);
+  if (vector.cwiseAbs().maxCoeff() > largestPlausible(unit)) {
+    found.node.fail(fmt::format("found {:g} {}, expected at most {:g}", vector.cwiseAbs().maxCoeff(), unit,
+                                largestPlausible(unit)));
+  }
+  return vector;
 }
 
 void YamlNode::expectAllRead() const {
@@ -177,9 +183,12 @@ double YamlNode::convertedNumber(const UnitConversion& conversion, std::string_v
   const double value = conversion(*number);
   const bool inside = std::isfinite(value) && value <= range.upper && value >= range.lower &&
                       !(range.lower_open && value == range.lower);
+  if (inside && std::abs(value) > largestPlausible(unit)) {
+    fail(fmt::format("found {:g} {}, expected a size of at most {:g}", value, unit, largestPlausible(unit)));
+  }
   if (inside) return value;
   const std::string in_asked_unit = conversion.isIdentity() ? "" : fmt::format(" ({:.6g} {})", value, unit);
-  fail(fmt::format("found {}{}, expected {}", value_->scalar, in_asked_unit, range.expected));
+  fail(fmt::format("found {}{}, expected {}", abridged(value_->scalar), in_asked_unit, range.expected));
 }
 
 std::string yamlText(std::string_view text) {

@@ -8,12 +8,18 @@
 #include <algorithm>
 #include <map>
 #include <sstream>
+#include <unordered_map>
 
 #include "simgap/core/error.h"
+#include "simgap/core/text.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
 namespace {
+
+// Far more than any file of simgap holds; more would only be slow, or too deep for the parser's stack.
+constexpr std::size_t kLargestYaml = std::size_t{16} << 20U;
+constexpr std::size_t kDeepest = 64;
 
 /// Builds the tree from the parser's events: yaml-cpp's own nodes forget whether a scalar was quoted, and keep
 /// duplicate keys silently.
@@ -63,7 +69,8 @@ class Builder : public YAML::EventHandler {
   struct Frame {
     std::shared_ptr<YamlValue> value;
     std::string path;
-    bool has_key = false;  ///< of a map: its value comes next
+    bool has_key = false;                                 ///< of a map: its value comes next
+    std::unordered_map<std::string, int> key_lines = {};  ///< a search through a map's keys would be quadratic
   };
 
   static int lineOf(const YAML::Mark& mark) { return mark.line + 1; }
@@ -86,9 +93,10 @@ class Builder : public YAML::EventHandler {
 
   void addKey(const std::string& key, int line) {
     YamlValue& map = *open_.back().value;
-    if (const auto first = map.indexOf(key)) {
+    const auto [first, is_new] = open_.back().key_lines.emplace(key, line);
+    if (!is_new) {
       failInYaml(file_, line, yamlChildPath(open_.back().path, key),
-                 fmt::format("found the key twice, first on line {}, expected it once", map.key_lines[*first]));
+                 fmt::format("found the key twice, first on line {}, expected it once", first->second));
     }
     map.keys.push_back(key);
     map.key_lines.push_back(line);
@@ -118,6 +126,9 @@ class Builder : public YAML::EventHandler {
 
   void open(const std::shared_ptr<YamlValue>& value) {
     std::string path = nextPath();
+    if (open_.size() >= kDeepest) {
+      failInYaml(file_, value->line, "", fmt::format("found values nested more than {} deep, expected less", kDeepest));
+    }
     add(value);
     open_.push_back({value, std::move(path)});
   }
@@ -163,11 +174,15 @@ std::string YamlValue::description() const {
     case Kind::kScalar:
       break;
   }
-  if (!plain) return fmt::format("the text '{}'", scalar);
-  return parseNumber(scalar) ? scalar : fmt::format("'{}'", scalar);
+  if (!plain) return fmt::format("the text '{}'", abridged(scalar));
+  return parseNumber(scalar) ? abridged(scalar) : fmt::format("'{}'", abridged(scalar));
 }
 
 std::shared_ptr<YamlValue> parseYamlTree(const std::string& text, const std::string& file) {
+  if (text.size() > kLargestYaml) {
+    throw ConfigError(
+        fmt::format("{}: found {} MiB, expected at most {}", file, text.size() >> 20U, kLargestYaml >> 20U));
+  }
   Builder builder(file);
   // yaml-cpp 0.7 notices a quote that is never closed only when the text does not end in an empty line.
   std::istringstream stream(text.substr(0, text.find_last_not_of(" \t\r\n") + 1));

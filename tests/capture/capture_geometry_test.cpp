@@ -54,6 +54,19 @@ TEST(StereoCameras, SaysWhatIsWrongWithAFile) {
   EXPECT_THAT(sentence(reality::stereoYaml(skewed)), HasSubstr("found no rotation"));
 }
 
+// OpenCV's own reader ran out of stack, or asked for 50 GB.
+TEST(StereoCameras, RefusesHostileFiles) {
+  const std::string good = reality::stereoYaml(kLenses);
+  const auto sentence = [](const std::string& text) { return errorOf([&] { readStereo(text, "s.yaml"); }); };
+  EXPECT_THAT(sentence("%YAML:1.0\n---\nK1: " + std::string(100'000, '[')), HasSubstr("2: s.yaml:"));
+  EXPECT_THAT(sentence(replaced(good, "rows: 3", "rows: 2000000000")), HasSubstr("K1.rows: found 2000000000"));
+  EXPECT_THAT(sentence(replaced(good, "rows: 3", "rows: -3")), HasSubstr("K1.rows: found -3"));
+  EXPECT_THAT(sentence(replaced(good, "rows: 3", "rows: 4")), HasSubstr("K1.data: found 9 numbers, expected 4 x 3"));
+  EXPECT_THAT(sentence(replaced(good, "[ 800,", "[ 1e300,")), HasSubstr("K1.data[0]: found 1e300"));
+  EXPECT_THAT(sentence(replaced(good, "[ 800,", "[ .nan,")), HasSubstr("K1.data[0]: found '.nan'"));
+  EXPECT_THAT(sentence(replaced(good, "image_width: ", "image_width: -")), HasSubstr("image_width: found -640"));
+}
+
 TEST(StereoCameras, UndistortionAgreesWithTheLens) {
   const StereoCameras cameras = camerasOf(kLenses);
   std::vector<cv::Point2d> normalized;

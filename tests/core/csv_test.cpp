@@ -6,12 +6,15 @@
 #include <zlib.h>
 
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <functional>
 #include <random>
 
+#include "core/csv_cells.h"
 #include "simgap/core/error.h"
+#include "support/files.h"
 
 namespace simgap {
 namespace {
@@ -385,6 +388,54 @@ TEST(CsvWriter, QuotesOnlyWhatNeedsIt) {
   CsvWriter writer({"a", "b, c"});
   writer.add("plain").add(0.1).endRow().add("").add("say \"hi\"").endRow();
   EXPECT_EQ(writer.text(), "a,\"b, c\"\nplain,0.1\n,\"say \"\"hi\"\"\"\n");
+}
+
+// A spreadsheet runs what such a cell holds.
+TEST(CsvWriter, DisarmsFormulasAndReadsThemBack) {
+  const std::vector<std::string> names = {"=1+1", "+cmd",   "-p1", "@sum",  "'=quoted",
+                                          "=a,b", "=\"x\"", "-",   "plain", "-5"};
+  CsvWriter writer({"=head", "name"});
+  for (const std::string& name : names) writer.add(-1.5).add(name).endRow();
+  EXPECT_EQ(writer.text().find(",="), std::string::npos);
+  EXPECT_NE(writer.text().find(",'=1+1\n"), std::string::npos);
+  EXPECT_NE(writer.text().find(",\"'=a,b\"\n"), std::string::npos);
+  EXPECT_NE(writer.text().find(",-5\n"), std::string::npos) << "a number is no formula";
+  const CsvTable table = parse(writer.text());
+  EXPECT_EQ(table.text("name"), names);
+  EXPECT_EQ(table.columns().front(), "=head");
+  EXPECT_EQ(table.quantity("=head", ""), std::vector<double>(names.size(), -1.5));
+}
+
+TEST(CsvQuantity, RefusesWhatIsAbsurd) {
+  EXPECT_EQ(quantitySentence("a_deg\n1\n1e20\n", "a", "rad"),
+            "log.csv:3: column a_deg: found 1e+20, expected a size of at most 5.72958e+09 deg: is that the unit?");
+  EXPECT_EQ(quantitySentence("T_K\n-1e9\n", "T", "degC"),
+            "log.csv:2: column T_K: found -1e+09, expected a size of at most 100000 K: is that the unit?");
+  EXPECT_EQ(quantitySentence("a_rad\n99999999\n", "a", "rad"), "no error");
+}
+
+TEST(CsvLoad, UnpacksNoMoreThanItMay) {
+  const std::string packed = test::gzipped("a\n" + std::string(5 << 20, '0') + "\n");
+  EXPECT_LT(packed.size(), 10'000u);
+  EXPECT_EQ(sentenceOf([&] { unpackCsv(packed, "bomb.csv.gz", 4 << 20); }),
+            "bomb.csv.gz: found more than 4 MiB of unpacked text, expected less");
+  EXPECT_EQ(unpackCsv(packed, "good.csv.gz", 6 << 20).size(), (5u << 20) + 3);
+}
+
+/// Seconds that `read` takes.
+double secondsOf(const std::function<void()>& read) {
+  const auto begin = std::chrono::steady_clock::now();
+  read();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// The check of the header was quadratic: 50,000 columns took 19 s, 400,000 would have taken 20 min.
+TEST(CsvParse, ManyColumnsTakeLinearTime) {
+  std::string text;
+  for (int i = 0; i < 400'000; ++i) text += "column" + std::to_string(i) + ",";
+  text.back() = '\n';
+  EXPECT_LT(secondsOf([&] { parse(text); }), 60.0);
+  EXPECT_EQ(parseSentence("column1," + text), "log.csv:1: found the column column1 twice, expected it once");
 }
 
 }  // namespace

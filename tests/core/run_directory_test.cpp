@@ -97,8 +97,54 @@ TEST_F(RunDirectoryTest, ReadersNeverSeeAPartOfAFile) {
 
 TEST_F(RunDirectoryTest, UnreadableFileIsNamed) {
   const fs::path missing = folder_ / "missing.csv";
-  EXPECT_EQ(errorOf([&] { readFile(missing); }), missing.string() + ": cannot be read");
-  EXPECT_EQ(errorOf([&] { readFile(folder_); }), folder_.string() + ": cannot be read");
+  EXPECT_EQ(errorOf([&] { readFile(missing); }), missing.string() + ": cannot be read: No such file or directory");
+  EXPECT_EQ(errorOf([&] { readFile(folder_); }), folder_.string() + ": cannot be read: Is a directory");
+}
+
+TEST_F(RunDirectoryTest, AFileThatIsTooLargeIsRefusedWhateverItsSize) {
+  put(folder_ / "file", std::string(100, 'x'));
+  EXPECT_EQ(readFile(folder_ / "file", 100).size(), 100u);
+  EXPECT_NE(errorOf([&] { readFile(folder_ / "file", 99); }).find("found more than"), std::string::npos);
+  EXPECT_NE(errorOf([&] { readFile("/dev/zero", 1 << 20); }).find("found more than 1 MiB"), std::string::npos);
+}
+
+TEST_F(RunDirectoryTest, ADirectoryIsForOneAtATime) {
+  {
+    const RunDirectory first = RunDirectory::create(folder_ / "run", false);
+    first.write("run.json", "{}");
+    for (const auto& other : {+[](const fs::path& run) { RunDirectory::create(run, true); },
+                              +[](const fs::path& run) { RunDirectory::open(run); }}) {
+      EXPECT_NE(errorOf([&] { other(folder_ / "run"); }).find("another simgap is working there"), std::string::npos);
+    }
+  }
+  RunDirectory::open(folder_ / "run");
+}
+
+TEST_F(RunDirectoryTest, LeftoversOfAKilledProcessAreOurs) {
+  fs::create_directory(folder_ / "run");
+  put(folder_ / "run" / ".simgap-1-2.tmp", "half a file");
+  RunDirectory::create(folder_ / "run", true);
+  EXPECT_EQ(entries(folder_ / "run"), 0);
+}
+
+TEST_F(RunDirectoryTest, AnEndingSlashChangesNothing) {
+  RunDirectory::create(folder_ / "run" / "", false);
+  errorOf([&] { RunDirectory::create(folder_ / "run" / "", false); });
+}
+
+TEST_F(RunDirectoryTest, JsonIsReadNoDeeperThanItCanBeShown) {
+  const auto sentence = [&](const std::string& text) {
+    put(folder_ / "file.json", text);
+    try {
+      readJson(folder_ / "file.json");
+    } catch (const DataError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(sentence(std::string(30, '[') + std::string(30, ']')), "no error");
+  EXPECT_NE(sentence(std::string(100'000, '[')).find("nested more than 64 deep"), std::string::npos);
+  EXPECT_NE(sentence("{\"a\":").find("found no JSON"), std::string::npos);
 }
 
 // FIPS 180-2, appendix B.

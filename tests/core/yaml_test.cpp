@@ -156,7 +156,8 @@ TEST(Yaml, RefusesWhatIsNoYaml) {
 }
 
 TEST(Yaml, NamesAFileThatCannotBeRead) {
-  EXPECT_EQ(sentenceOf([] { YamlNode::load("no/such/file.yaml"); }), "no/such/file.yaml: cannot be read");
+  EXPECT_EQ(sentenceOf([] { YamlNode::load("no/such/file.yaml"); }),
+            "no/such/file.yaml: cannot be read: No such file or directory");
 }
 
 TEST(YamlQuantity, ConvertsEverySpellingToTheAskedUnit) {
@@ -247,6 +248,42 @@ TEST(YamlAliases, ThatMultiplyAreWalkedOnce) {
   const YamlNode root = parse(text);
   for (const std::string& key : root.keys()) root.at(key);
   root.expectAllRead();
+}
+
+TEST(YamlLimits, RefuseWhatIsTooDeepOrTooLarge) {
+  for (const std::string& opening : {std::string(100'000, '['), std::string(100'000, '{'), [] {
+                                       std::string block;
+                                       for (int i = 0; i < 2'000; ++i) block += std::string(i, ' ') + "a:\n";
+                                       return block;
+                                     }()}) {
+    EXPECT_NE(sentenceOf([&] { parse("a: " + opening); }), "no error");
+  }
+  const std::string deep = std::string(64, '[') + std::string(64, ']');
+  EXPECT_EQ(sentenceOf([&] { parse(deep); }), "no error");
+  EXPECT_EQ(sentenceOf([&] { parse("[" + deep + "]"); }),
+            "f.yaml:1: found values nested more than 64 deep, expected less");
+  EXPECT_EQ(sentenceOf([&] { parse("a: " + std::string(17 << 20, 'x')); }),
+            "f.yaml: found 17 MiB, expected at most 16");
+}
+
+TEST(YamlLimits, ManyKeysTakeLinearTime) {
+  std::string text;
+  for (int i = 0; i < 50'000; ++i) text += "key" + std::to_string(i) + ": 1\n";
+  EXPECT_EQ(parse(text).keys().size(), 50'000u);
+}
+
+TEST(YamlLimits, RefuseAbsurdQuantities) {
+  EXPECT_EQ(sentenceOf("mass_g: 1e20", [](const YamlNode& root) { root.quantity("mass", "kg"); }),
+            "f.yaml:1: mass_g: found 1e+17 kg, expected a size of at most 1e+06");
+  EXPECT_EQ(sentenceOf("at_m: [0, -1e9, 0]", [](const YamlNode& root) { root.vectorQuantity("at", "m"); }),
+            "f.yaml:1: at_m: found 1e+09 m, expected at most 100000");
+  EXPECT_EQ(sentenceOf("n: 1e20", [](const YamlNode& root) { root.at("n").number(); }), "no error");
+}
+
+TEST(YamlLimits, ALongValueIsAbridged) {
+  const std::string sentence =
+      sentenceOf("a: " + std::string(1 << 20, 'x'), [](const YamlNode& root) { root.at("a").number(); });
+  EXPECT_LT(sentence.size(), 200u);
 }
 
 }  // namespace

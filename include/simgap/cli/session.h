@@ -53,7 +53,7 @@ class Session {
  public:
   /// \param command  its name.
   Session(std::string command, const CommonOptions& options, const std::vector<std::string>& argv);
-  ~Session();  ///< a run that did not end is recorded as failed, or as interrupted
+  ~Session();  ///< a run that did not end is recorded as failed, or as interrupted, where that can be written
 
   /// Reads a file that the user named. \throws ConfigError when it cannot be read.
   const Input& read(const std::string& role, const std::filesystem::path& file);
@@ -70,7 +70,8 @@ class Session {
   const RunDirectory& directory() const { return *directory_; }
   const CommonOptions& options() const { return options_; }
 
-  /// Writes result.json, ends run.json, makes report.html of what is in the directory, and prints the result.
+  /// Writes result.json, makes report.html of what is in the directory, prints the result and ends run.json, in this
+  /// order: only what is complete is recorded as done. \throws ConfigError, DataError: one of them fails.
   void finish(const Json& result, const std::string& table, const std::string& status = "done");
   /// Records how a run ended that has no result.
   void abandon(const std::string& status);

@@ -90,7 +90,7 @@ class CsvTable {
 };
 
 /// Builds a CSV text: a header row, then rows of numbers (shortest form that reads back exactly) and texts (quoted when
-/// they need it).
+/// they need it; an apostrophe before what a spreadsheet would calculate, which reading takes away again).
 class CsvWriter {
  public:
   explicit CsvWriter(const std::vector<std::string>& header);

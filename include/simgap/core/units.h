@@ -27,6 +27,10 @@ struct UnitConversion {
 /// Empty when either is no unit or they measure different things.
 std::optional<UnitConversion> unitConversion(std::string_view suffix, std::string_view target);
 
+/// The largest size that a value in the unit `suffix` has on any robot, rig or in its surroundings, generously: beyond
+/// it the file is wrong, not the world. Infinity without a unit.
+double largestPlausible(std::string_view suffix);
+
 /// True when `suffix` is a unit of the table.
 bool isUnit(std::string_view suffix);
 

@@ -119,18 +119,33 @@ void keepInputs(const Options& options, const Session& session, const Calibratio
   directory.write("config.resolved.yaml", task.config.toYaml());
 }
 
+/// A copy that keepInputs made. A directory may come from somebody else: it must not name, or link to, other files.
+std::string keptInput(const RunDirectory& directory, const std::string& name) {
+  const std::filesystem::path file = directory.file(name), inputs = directory.file("inputs");
+  const bool beside = std::filesystem::path(name).lexically_normal() == name && file.parent_path() == inputs;
+  std::error_code none;
+  const bool plain = std::filesystem::is_directory(std::filesystem::symlink_status(inputs, none)) &&
+                     std::filesystem::is_regular_file(std::filesystem::symlink_status(file, none));
+  if (beside && plain) return file.string();
+  throw ConfigError(fmt::format("{}: found '{}', expected a file in {}", directory.file(kInputsFile).string(), name,
+                                inputs.string()));
+}
+
 /// The options with which an interrupted run goes on: the copies in its own directory.
 Options resumedOptions(const Options& given) {
   const RunDirectory directory = RunDirectory::open(given.resume);
   const auto path = [&](const std::string& name) { return directory.file(name).string(); };
+  const auto input = [&](const Json& name) { return keptInput(directory, name.get<std::string>()); };
   Options options = given;
   try {
-    const Json kept = Json::parse(readFile(directory.file(kInputsFile)));
+    const Json kept = readJson(directory.file(kInputsFile));
     kept.at("map").get_to(options.table.map);
     kept.at("skip_bad_rows").get_to(options.table.skip_bad_rows);
-    options.model = path(kept.at("model"));
-    options.poses = path(kept.at("poses"));
-    if (kept.contains("validation")) options.validation = path(kept.at("validation"));
+    options.model = input(kept.at("model"));
+    options.poses = input(kept.at("poses"));
+    if (kept.contains("validation")) options.validation = input(kept.at("validation"));
+  } catch (const DataError& error) {
+    throw ConfigError(error.what());
   } catch (const Json::exception& error) {
     throw ConfigError(fmt::format("{}: is no calibration that can be resumed: {}", path(kInputsFile), error.what()));
   }

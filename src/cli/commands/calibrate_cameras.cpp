@@ -77,6 +77,7 @@ std::optional<ScaleBarCheck> checkScaleBar(const Options& options, const StereoC
   check.nominal = *length;
   ImagePairs pairs(openImages(options.scale_bar[0]), openImages(options.scale_bar[1]), options.skip_unreadable);
   while (pairs.next()) {
+    stopIfInterrupted();
     ++check.pairs;
     if (const auto d = measureScaleBar(cameras, pairs.left(), pairs.right(), options.scale_bar_radius)) {
       check.measured.add(*d);

@@ -6,6 +6,7 @@
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
 #include "simgap/fit/poses/posterior_search.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/poses/design_report.h"
@@ -49,6 +50,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   PosePosterior posterior(result.model, result.recorded.poses, space, config.noise);
   const PosteriorSearchOptions search{.starts = config.starts, .seed = design.seed};
   const std::vector<PosteriorFit> fits = searchPosterior(posterior, search);
+  stopIfInterrupted();
   const auto best = std::min_element(fits.begin(), fits.end(),
                                      [](const auto& a, const auto& b) { return a.objective < b.objective; });
   if (std::isinf(best->objective)) throw NumericsError("no start led to stable equilibria in all recorded poses");

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "simgap/cli/command.h"
+#include "simgap/core/text.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::commands {
@@ -11,7 +12,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>&)
   app.add_option("DIR", *directories, "result directories of earlier runs")->required();
   return [directories] {
     for (const std::filesystem::path& directory : *directories) {
-      fmt::print("report: {}\n", writeReport(RunDirectory::open(directory)).string());
+      fmt::print("report: {}\n", printable(writeReport(RunDirectory::open(directory)).string()));
     }
     return ExitCode::kDone;
   };

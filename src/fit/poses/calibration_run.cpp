@@ -49,9 +49,9 @@ bool restoreStored(Calibration& calibration, const RunDirectory& directory) {
   const std::filesystem::path file = directory.file(kStateFile);
   if (!std::filesystem::exists(file)) return false;
   try {
-    calibration.restore(calibrationStateFromJson(Json::parse(readFile(file))));
-  } catch (const Json::exception& error) {
-    throw ConfigError(fmt::format("{}: {}", file.string(), error.what()));
+    calibration.restore(calibrationStateFromJson(readJson(file)));
+  } catch (const DataError& error) {  // no measured data: a file of our own that somebody damaged
+    throw ConfigError(error.what());
   }
   return true;
 }

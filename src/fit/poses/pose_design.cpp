@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
 
 namespace simgap {
 namespace {
@@ -38,6 +39,7 @@ class GreedyDesign {
     double most = -1.0;
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
       if (used[c]) continue;
+      stopIfInterrupted();
       const Eigen::MatrixXd& jacobian = candidates_[c].jacobian;
       const Eigen::MatrixXd innovation =
           Eigen::MatrixXd::Identity(jacobian.rows(), jacobian.rows()) + jacobian * covariance * jacobian.transpose();
@@ -100,6 +102,7 @@ PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const
   }
   const GreedyDesign greedy(residuals, std::move(targets), options.criterion);
   for (std::size_t k = 0; k < options.poses; ++k) {
+    stopIfInterrupted();
     const int next = greedy.best(uncertainty.covariance, used);
     if (next < 0) break;
     used[next] = true;

@@ -10,6 +10,7 @@
 
 #include "identifiability.h"
 #include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
 
 namespace simgap {
@@ -205,6 +206,7 @@ std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::Vect
   const CounterRandom random(seed);
   std::vector<Pose> commands;
   for (std::uint32_t attempt = 0; commands.size() < count && attempt < kTriesPerPose * count; ++attempt) {
+    stopIfInterrupted();
     const auto draw = [&](std::uint32_t place) { return random.uniform({attempt, place, 0, kCloudPurpose}); };
     const auto near = static_cast<std::size_t>(draw(0) * static_cast<double>(recorded.size()));
     const std::vector<double>& home = recorded[near].shafts;

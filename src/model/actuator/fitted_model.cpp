@@ -13,6 +13,25 @@ namespace {
 
 const std::vector<std::string> kKinds = {"friction", "motor", "gearbox", "pam", "spring"};
 
+constexpr Range kPlausible{-1e15, 1e15, false, "a number of a size of at most 1e15"};  // in whatever unit
+
+/// What no estimate can have: a variance below 0, a correlation beyond 1.
+void refuseNoCovariance(const YamlNode& node, const Eigen::MatrixXd& covariance) {
+  constexpr double kRounding = 1.01;
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    if (covariance(i, i) < 0.0)
+      node.fail(fmt::format("found the variance {:g}, expected none below 0", covariance(i, i)));
+  }
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    for (Eigen::Index j = 0; j < covariance.cols(); ++j) {
+      const double most = kRounding * std::sqrt(covariance(i, i)) * std::sqrt(covariance(j, j));
+      if (std::abs(covariance(i, j)) <= most) continue;
+      node.fail(fmt::format("found {:g} in row {}, column {}, expected at most {:g}, or the correlation is beyond 1",
+                            covariance(i, j), i + 1, j + 1, most));
+    }
+  }
+}
+
 std::vector<double> numbers(const YamlNode& list) {
   std::vector<double> values;
   for (const YamlNode& item : list.items()) values.push_back(item.number());
@@ -84,7 +103,7 @@ FittedModel readFittedModel(const YamlNode& root, const std::vector<std::string>
   const YamlNode parameters = root.at("parameters");
   for (const std::string& name : parameters.keys()) {
     const YamlNode node = parameters.at(name);
-    Estimate p{name, node.at("unit").text(), node.at("value").number(), std::nan("")};
+    Estimate p{name, node.at("unit").text(), node.at("value").number(kPlausible), std::nan("")};
     if (const auto fixed = node.find("fixed")) p.fixed = fixed->boolean();
     if (const auto sd = node.find("sd")) p.sd = sd->number(kNonNegative);
     model.parameters.push_back(p);
@@ -102,6 +121,7 @@ FittedModel readFittedModel(const YamlNode& root, const std::vector<std::string>
       }
       for (Eigen::Index j = 0; j < count; ++j) model.covariance(i, j) = row[j];
     }
+    refuseNoCovariance(*covariance, model.covariance);
   }
   if (const auto settings = root.find("settings")) {
     for (const std::string& key : settings->keys()) model.settings[key] = settings->at(key).text();

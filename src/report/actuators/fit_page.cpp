@@ -129,13 +129,20 @@ std::vector<Series> seriesOf(const CsvTable& table, const std::string& x, const 
 Map gridOf(const CsvTable& table, const std::string& x, const std::string& y, const std::vector<double>& value) {
   const std::vector<double> xs = numbersOf(table, x), ys = numbersOf(table, y);
   const auto distinct = [](std::vector<double> values) {
+    std::erase_if(values, [](double at) { return !std::isfinite(at); });  // they cannot be sorted
     std::ranges::sort(values);
     values.erase(std::unique(values.begin(), values.end()), values.end());
     return values;
   };
+  constexpr std::size_t kMostCells = 1'000'000;
+  const auto known = [](double at) { return std::isfinite(at); };
   Map map;
   map.x = distinct(xs);
   map.y = distinct(ys);
+  if (!std::ranges::all_of(xs, known) || !std::ranges::all_of(ys, known) || map.x.size() * map.y.size() > kMostCells) {
+    throw DataError(fmt::format("{}: {} and {} make no grid: found {} x {} places, expected known ones, {} at most",
+                                table.name(), x, y, map.x.size(), map.y.size(), kMostCells));
+  }
   map.value.assign(map.x.size() * map.y.size(), std::nan(""));
   for (std::size_t i = 0; i < value.size(); ++i) {
     const auto column = std::ranges::lower_bound(map.x, xs[i]) - map.x.begin();

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simgap/capture/capture_run.h"
+#include "simgap/core/error.h"
 #include "simgap/core/rotation.h"
 
 namespace simgap {
@@ -91,14 +92,15 @@ Table poseTable(const Json& result, const CsvTable& poses) {
     const std::vector<double> angles = jointAngles(poses, joint);
     for (std::size_t p = 0; p < table.rows.size(); ++p) {
       const Json& spread = result.at("poses").at(p).at("spread_deg").at(joint);
-      table.rows[p].insert(table.rows[p].end(), {fmt::format("{:.2f}", angles[p]), fixedText(spread, 3)});
+      table.rows[p].insert(table.rows[p].end(), {fmt::format("{:.2f}", angles.at(p)), fixedText(spread, 3)});
     }
   }
   return table;
 }
 
 std::string cameraAnswer(const Json& result) {
-  const Json& baseline = result.at("parameters").back();
+  const Json& parameters = result.at("parameters");
+  const Json& baseline = parameters.at(parameters.size() - 1);  // back() of nothing is undefined
   return fmt::format(
       "Views that were held out are met within {:.3f} px ({:.3f} px on the views used); baseline {:.3f} mm ± {:.3f}.",
       numberOf(result.at("heldout_rms_px")), numberOf(result.at("rms_px")), numberOf(baseline.at("value")),
@@ -143,6 +145,7 @@ std::string jointAnswer(const Json& result) {
                   ? fmt::format("{} axis within {:.2f}°, ", name, numberOf(j.at("axis_sd_deg")))
                   : fmt::format("{} centre within {:.2f} mm, ", name, numberOf(j.at("centre_sd_mm")));
   }
+  if (answer.empty()) throw DataError("result.json: joints: found none, expected at least one");
   answer.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(answer.front())));
   return answer + fmt::format("upper arm {:.1f} mm; the zero pose is that of the {}.",
                               numberOf(result.at("upper_arm_mm")),

@@ -14,7 +14,7 @@ namespace simgap {
 namespace {
 
 Json readObject(const std::filesystem::path& file) {
-  Json json = Json::parse(readFile(file), nullptr, /*allow_exceptions=*/false);
+  Json json = readJson(file);
   if (!json.is_object()) throw DataError(fmt::format("{}: found no JSON object, expected one", file.string()));
   return json;
 }
@@ -39,14 +39,14 @@ std::vector<double> parseNumbers(const CsvTable& table, const std::string& colum
 
 }  // namespace
 
-ResultFiles::ResultFiles(std::filesystem::path directory) : directory_(std::move(directory)) {
+ResultFiles::ResultFiles(std::filesystem::path directory, const Json& run) : directory_(std::move(directory)) {
   for (const char* name : {"run.json", "result.json"}) {
     if (has(name)) continue;
     throw ConfigError(fmt::format("{}: found no {}, expected the directory of a run that has ended with a result",
                                   directory_.string(), name));
   }
   result_ = readObject(directory_ / "result.json");
-  run_ = readObject(directory_ / "run.json");
+  run_ = run.is_null() ? readObject(directory_ / "run.json") : run;
 }
 
 bool ResultFiles::has(std::string_view name) const { return std::filesystem::exists(directory_ / name); }

@@ -15,9 +15,14 @@ std::string commandOf(const std::string& format) {
   return begin < end ? format.substr(begin + 1, end - begin - 1) : format;
 }
 
+std::string formatOf(const ResultFiles& files) {
+  const auto format = files.result().find("format");
+  return format == files.result().end() || !format->is_string() ? "" : format->get<std::string>();
+}
+
 /// What a command without a page of its own has found: numbers and words in one table, lists of objects in their own.
 Page plainPage(const ResultFiles& files) {
-  const std::string command = commandOf(files.result().value("format", ""));
+  const std::string command = commandOf(formatOf(files));
   Page page{"simgap " + command, "The figures of this run.", {}};
   Table figures{"Figures", {"name", "value"}, {}};
   std::vector<Table> tables;
@@ -64,13 +69,17 @@ void addProvenance(const Json& run, Page& page) {
 }  // namespace
 
 Page makePage(const ResultFiles& files) {
-  const std::string format = files.result().value("format", "");
+  const std::string format = formatOf(files);
   const auto known = std::ranges::find(pages::all(), format, [](const ResultPage* page) { return page->format; });
   const auto file = [&](const char* name) { return (files.directory() / name).string(); };
   Page page;
   try {
     page = known == pages::all().end() ? plainPage(files) : (*known)->make(files);
-  } catch (const Json::exception& error) {
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {  // of JSON, or of a place that is not there
     throw DataError(fmt::format("{}: is no complete result ({}): {}", file("result.json"), format, error.what()));
   }
   try {
@@ -81,8 +90,8 @@ Page makePage(const ResultFiles& files) {
   return page;
 }
 
-std::filesystem::path writeReport(const RunDirectory& directory) {
-  directory.write("report.html", renderPage(makePage(ResultFiles(directory.path()))));
+std::filesystem::path writeReport(const RunDirectory& directory, const Json& run) {
+  directory.write("report.html", renderPage(makePage(ResultFiles(directory.path(), run))));
   return directory.file("report.html");
 }
 

@@ -201,7 +201,7 @@ TEST(Page, OfDamagedFilesIsRefusedWithTheirName) {
               ::testing::AllOf(HasSubstr("3: "), HasSubstr("result.json: is no complete result")));
   const ResultFolder broken(knownCalibration());
   broken.directory().write("result.json", std::string_view("{"));
-  EXPECT_THAT(test::errorOf([&] { broken.page(); }), HasSubstr("result.json: found no JSON object"));
+  EXPECT_THAT(test::errorOf([&] { broken.page(); }), HasSubstr("result.json: found no JSON"));
   const ResultFolder words(knownCalibration());
   words.directory().write("history.csv", test::replaced(historyCsv(knownCalibration()), "0.25", "much"));
   EXPECT_THAT(test::errorOf([&] { words.page(); }), HasSubstr("history.csv:3: "));

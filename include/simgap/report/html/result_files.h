@@ -15,9 +15,9 @@ namespace simgap {
 
 class ResultFiles {
  public:
-  /// Reads result.json and run.json.
+  /// Reads result.json and, without a `run` that is given, run.json.
   /// \throws ConfigError: a directory without them; DataError: one of them is no JSON object.
-  explicit ResultFiles(std::filesystem::path directory);
+  explicit ResultFiles(std::filesystem::path directory, const Json& run = nullptr);
 
   const std::filesystem::path& directory() const { return directory_; }
   const Json& result() const { return result_; }

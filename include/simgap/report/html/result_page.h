@@ -23,10 +23,11 @@ std::span<const ResultPage* const> all();
 }
 
 /// The page of a result, with its provenance from run.json. A format without a page of its own is shown as tables.
-/// \throws DataError: result.json lacks a key, a table lacks a column.
+/// \throws DataError: result.json or a table is not as the command wrote it.
 Page makePage(const ResultFiles& files);
 
-/// Writes report.html. \returns its path. \throws ConfigError, DataError: as ResultFiles and makePage.
-std::filesystem::path writeReport(const RunDirectory& directory);
+/// Writes report.html. \param run  the record of the run where run.json does not yet hold how it ended
+/// \returns its path. \throws ConfigError, DataError: as ResultFiles and makePage.
+std::filesystem::path writeReport(const RunDirectory& directory, const Json& run = nullptr);
 
 }  // namespace simgap

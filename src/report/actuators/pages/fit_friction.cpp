@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "report/actuators/fit_page.h"
+#include "simgap/core/error.h"
 #include "simgap/core/units.h"
 #include "simgap/report/html/result_page.h"
 
@@ -17,6 +18,7 @@ constexpr const char* kErrorColumn = "mean_abs_error_";
 std::vector<std::string> lawsOf(const Json& result) {
   std::vector<std::string> laws;
   for (const Json& row : result.at("comparison")) laws.push_back(row.at("model"));
+  if (laws.empty()) throw DataError("result.json: comparison: found no model, expected at least one");
   return laws;
 }
 
@@ -137,9 +139,8 @@ void addModels(const ResultFiles& files, Page& page) {
     double largest = 0.0;
     for (const double v : numbersWhere(table, "value", "name", names[n])) largest = std::fmax(largest, std::abs(v));
     for (std::size_t i = 0; i < name.size(); ++i) {
-      if (name[i] == names[n] && largest > 0.0) {
-        std::ranges::find(bars, model[i], &Series::name)->y[n] = value[i] / largest;
-      }
+      const auto bar = std::ranges::find(bars, model[i], &Series::name);
+      if (name[i] == names[n] && largest > 0.0 && bar != bars.end()) bar->y[n] = value[i] / largest;
     }
   }
   Chart chart = barChart("Parameters of all models", names, {"value / largest of the models"}, bars);

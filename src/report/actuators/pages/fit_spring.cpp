@@ -19,7 +19,7 @@ Page make(const ResultFiles& files) {
   Page page = beginFitPage(files);
   const CsvTable forces = files.table("forces.csv"), errors = files.table("errors.csv");
   const std::string deflection = columnLike(forces, "deflection"), error = columnLike(errors, "error");
-  const std::string force = forces.columns().back(), time = errors.columns()[1];
+  const std::string force = forces.columns().back(), time = errors.columns().at(1);
   Chart curve = lineChart("Force over deflection", {axisTitle(deflection)}, {axisTitle(force)},
                           seriesOf(forces, deflection, force));
   curve.wide = true;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "report/capture/capture_tables.h"
+#include "simgap/core/error.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
@@ -116,7 +117,9 @@ PageScene markerScene(const ResultFiles& files, const Frames& frames) {
   const auto shortNumber = [](double v) { return std::round(1e4 * v) / 1e4; };
   std::size_t row = 0;
   for (std::size_t n = 0; n < numbers.size(); n += stride) {
-    while (frames.frame[row] < numbers[n]) ++row;
+    while (row < frames.frame.size() && frames.frame[row] != numbers[n]) ++row;
+    if (row == frames.frame.size())
+      throw DataError("frames.csv: found a frame without a number, or frames out of order");
     Json markers = Json::array();
     const double time = frames.time[row];
     for (; row < frames.frame.size() && frames.frame[row] == numbers[n]; ++row) {

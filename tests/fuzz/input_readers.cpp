@@ -1,0 +1,89 @@
+#include <array>
+
+#include "core/csv_cells.h"
+#include "fuzz/readers.h"
+#include "simgap/capture/board.h"
+#include "simgap/capture/marker_targets.h"
+#include "simgap/capture/stereo_cameras.h"
+#include "simgap/core/error.h"
+#include "simgap/measure/logs/actuator_log.h"
+#include "simgap/measure/logs/bench.h"
+#include "simgap/measure/logs/log_table.h"
+#include "simgap/measure/logs/spring_log.h"
+#include "simgap/measure/pose_set.h"
+#include "simgap/model/actuator/fitted_model.h"
+#include "simgap/model/arm/arm_yaml.h"
+
+namespace simgap::test {
+namespace {
+
+YamlNode yaml(const std::string& bytes) { return YamlNode::parse(bytes, "input.yaml"); }
+
+/// A table, and everything that can be asked of it.
+void readTable(std::string bytes) {
+  for (const bool skip : {false, true}) {
+    CsvOptions options;
+    options.skip_bad_rows = skip;
+    const CsvTable table = CsvTable::parse(bytes, "input.csv", options);
+    for (const std::string& column : table.columns()) {
+      table.text(column);
+      table.badRows(column);
+      const UnitName name = splitUnit(column);
+      if (table.isNumeric(column) && table.offersQuantity(name.stem, name.unit)) table.quantity(name.stem, name.unit);
+    }
+  }
+}
+
+void readPacked(std::string bytes) { unpackCsv(std::move(bytes), "input.csv.gz", std::size_t{1} << 24U); }
+
+void readPoses(std::string bytes) {
+  PoseLayout layout;
+  layout.muscles = {"a", "b"};
+  layout.joints = {{"s", JointType::kSpherical}, {"e", JointType::kRevolute}};
+  readPoseSet(CsvTable::parse(std::move(bytes), "input.csv"), layout);
+}
+
+/// A log of any kind: each reader takes the columns it knows.
+void readLog(std::string bytes) {
+  const LogTable log = readLogTable(CsvTable::parse(std::move(bytes), "input.csv"));
+  const auto tryReading = [&](auto&& read) {
+    try {
+      read(log.table);
+    } catch (const DataError&) {
+    }
+  };
+  tryReading([](const CsvTable& table) { readActuatorLog(table, {}); });
+  tryReading([](const CsvTable& table) { readMotorLog(table); });
+  tryReading([](const CsvTable& table) { readPamLog(table); });
+  tryReading([](const CsvTable& table) { agreement(readSpringLog(table)); });
+}
+
+void readBoardCorners(std::string bytes) { readCorners(CsvTable::parse(std::move(bytes), "input.csv")); }
+void readArmModel(std::string bytes) { readArm(yaml(bytes)); }
+void readFitted(std::string bytes) { readFittedModel(yaml(bytes)); }
+void readBenchOf(std::string bytes) { readBench(yaml(bytes)); }
+void readTargetSet(std::string bytes) { readTargets(yaml(bytes)); }
+void readCameras(std::string bytes) { readStereo(bytes, "input.yaml"); }
+
+void readStereoRig(std::string bytes) {
+  TargetSet targets;
+  targets.marker_radius = 0.006;
+  for (const char* name : {"torso", "humerus"}) {
+    targets.targets.push_back({name, name, {{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.0, 0.2, 0.0}, {0.0, 0.0, 0.3}}});
+  }
+  rigFiles(yaml(bytes));
+  readRig(yaml(bytes), targets);
+}
+
+constexpr std::array kReaders = {
+    Reader{"csv", readTable},     Reader{"gzip", readPacked},          Reader{"poses", readPoses},
+    Reader{"log", readLog},       Reader{"corners", readBoardCorners}, Reader{"arm", readArmModel},
+    Reader{"fitted", readFitted}, Reader{"bench", readBenchOf},        Reader{"targets", readTargetSet},
+    Reader{"rig", readStereoRig}, Reader{"cameras", readCameras},
+};
+
+}  // namespace
+
+std::span<const Reader> inputReaders() { return kReaders; }
+
+}  // namespace simgap::test
