@@ -12,9 +12,11 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -86,6 +88,20 @@ Json machine() {
 
 double steadySeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// When this process began, on the clock of steadySeconds: reading the inputs is part of a run.
+double processStart() {
+  // Field 22 of /proc/self/stat, in clock ticks since the machine started; field 2, in brackets, may hold spaces.
+  const std::string stat = readFile("/proc/self/stat");
+  std::istringstream fields(stat.substr(std::min(stat.rfind(')') + 1, stat.size())));
+  std::string field;
+  for (int i = 3; i <= 22; ++i) fields >> field;
+  timespec since_boot = {};
+  ::clock_gettime(CLOCK_BOOTTIME, &since_boot);
+  const double now = static_cast<double>(since_boot.tv_sec) + 1e-9 * static_cast<double>(since_boot.tv_nsec);
+  const double age = now - std::strtod(field.c_str(), nullptr) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+  return steadySeconds() - std::max(age, 0.0);
 }
 
 }  // namespace
@@ -165,7 +181,7 @@ RunRecord::RunRecord(const std::vector<std::string>& argv, std::uint64_t seed, i
             {"duration_s", 0.0},
             {"status", "running"},
             {"inputs", Json::array()}},
-      start_s_(steadySeconds()) {}
+      start_s_(processStart()) {}
 
 void RunRecord::addHashedInput(std::string_view role, const fs::path& file, std::string_view hash) {
   json_["inputs"].push_back({{"role", role}, {"file", file.string()}, {"sha256", hash}});

@@ -321,19 +321,20 @@ bool atBound(const ParameterSpec& parameter, double value) {
   const double width = parameter.upper - parameter.lower;
   const auto near = [&](double bound) {
     if (!std::isfinite(bound)) return false;
-    const double scale = std::isfinite(width) ? width : std::max(std::abs(value), 1e-3);
-    return std::abs(value - bound) <= 1e-6 * std::min(scale, std::max(std::abs(value), 1e-3));
+    return std::abs(value - bound) <= 1e-6 * std::min(width, std::max(std::abs(value), std::abs(bound)));
   };
   return near(parameter.lower) || near(parameter.upper);
 }
 
 void differentiateNumerically(
-    std::span<const ParameterSpec> parameters, std::span<const double> theta,
+    std::span<const ParameterSpec> parameters, std::span<const double> theta, std::span<const double> typical,
     const std::function<void(std::span<const double>, Eigen::Ref<Eigen::VectorXd>)>& residual_at,
     Eigen::Ref<Eigen::MatrixXd> jacobian) {
+  // Long steps: a rotor's stops jump from one step of the simulation to the next, and such jumps have to average out.
+  constexpr double kStep = 1e-4;
   tbb::parallel_for(std::size_t{0}, parameters.size(), [&](std::size_t j) {
     if (parameters[j].fixed) return;
-    const double step = 1e-5 * std::max(std::abs(theta[j]), 1e-9);
+    const double step = kStep * std::max(std::abs(theta[j]), typical[j]);
     std::vector<double> moved(theta.begin(), theta.end());
     VectorXd up(jacobian.rows()), down(jacobian.rows());
     const double high = moved[j] = std::min(theta[j] + step, parameters[j].upper);

@@ -232,6 +232,7 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
   const double variance = at.residual.squaredNorm() / std::max(n - parameters, 1.0) * result.correlation_rows;
   const double t = studentQuantile(blocks.empty() ? std::max(result.n_effective - parameters, 1.0)
                                                   : static_cast<double>(blocks.size()) - 1.0);
+  result.quantile = t;
 
   // A parameter inside its bounds varies while those on a bound stay there.
   std::vector<Index> inside, everything;
@@ -262,6 +263,40 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
   result.correlation = correlationOf(result.covariance);
   result.findings = describe(result);
   return result;
+}
+
+void addHeldUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta, std::span<const int> held,
+                        const Eigen::MatrixXd& covariance, Uncertainty& result) {
+  LeastSquaresProblem all = problem;
+  for (const int i : held) all.parameters[i].fixed = false;
+  const std::vector<int> columns = all.freeParameters();
+  const Block whole{0, problem.rows()};
+  const MatrixXd factor = linearise(all, theta, std::span(&whole, 1)).factor;
+  std::vector<Index> own, given;  // columns of what was fitted, and of what was held
+  for (Index j = 0; j < std::ssize(columns); ++j) {
+    const bool is_held = std::ranges::find(held, columns[j]) != held.end();
+    if (is_held) given.push_back(j);
+    if (!is_held && result.estimates[columns[j]].identifiable) own.push_back(j);
+  }
+  const Determined inverse = inverseNormal(factor(Eigen::all, own));
+  const MatrixXd slopes =
+      -inverse.matrix * (factor(Eigen::all, own).transpose() * factor(Eigen::all, given));  // (own, held)
+  const MatrixXd added = slopes * covariance * slopes.transpose();
+  for (std::size_t a = 0; a < own.size(); ++a) {
+    const int i = columns[own[a]];
+    Estimate& e = result.estimates[i];
+    const auto reach = [&](double bound) {
+      return std::hypot(bound - e.value, result.quantile * std::sqrt(added(a, a)));
+    };
+    e.lower95 = std::max(e.value - reach(e.lower95), problem.parameters[i].lower);
+    e.upper95 = std::min(e.value + reach(e.upper95), problem.parameters[i].upper);
+    if (e.at_bound) continue;
+    e.sd = std::hypot(e.sd, std::sqrt(added(a, a)));
+    for (std::size_t b = 0; b < own.size(); ++b) {
+      if (!result.estimates[columns[own[b]]].at_bound) result.covariance(i, columns[own[b]]) += added(a, b);
+    }
+  }
+  result.correlation = correlationOf(result.covariance);
 }
 
 Uncertainty partOf(const Uncertainty& all, std::size_t begin, std::size_t end) {

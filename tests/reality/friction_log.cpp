@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "reality/measuring_chain.h"
 #include "simgap/core/csv.h"
 
 namespace simgap::reality {
@@ -43,7 +44,7 @@ FrictionLog simulateFrictionLog(const DriveTruth& truth, const LogDesign& design
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;
   FrictionLog log;
-  double noise = 0.0, deflection = 0.0, last_direction = 1.0;
+  double noise = 0.0, deflection = 0.0, last_direction = 1.0, last_drawn = 0.0;
   const double dt = 1.0 / design.rate;
   for (int session = 0; session < design.sessions; ++session) {
     const double mass_torque = session % 4 == 3 ? 1.0 : 4.0 + 14.0 * uniform(random);  // m g l [N m]
@@ -72,10 +73,14 @@ FrictionLog simulateFrictionLog(const DriveTruth& truth, const LogDesign& design
         if (std::fabs(w) > 1e-9) last_direction = w > 0.0 ? 1.0 : -1.0;
         dry = level * last_direction;
       }
+      const double drawn = (load + dry + truth.viscous * w) / truth.torque_per_ampere + truth.current_offset;
+      // Between two samples the current is as good as straight.
+      const double late = drawn + truth.current_late * (k == 0 ? 0.0 : last_drawn - drawn);
+      last_drawn = drawn;
       noise = truth.noise_memory * noise +
               truth.noise * std::sqrt(1.0 - truth.noise_memory * truth.noise_memory) * normal(random);
       log.time.push_back(static_cast<double>(log.time.size()) * dt);
-      log.current.push_back((load + dry + truth.viscous * w) / truth.torque_per_ampere + truth.current_offset + noise);
+      log.current.push_back(quantised(late + noise, truth.current_grain));
       log.velocity.push_back(w + truth.velocity_noise * normal(random));
       log.position.push_back(angle * design.ratio);
       log.load.push_back(load);

@@ -22,6 +22,8 @@ struct DriveTruth {
   double noise = 0.25;          ///< [A] standard deviation of the current's noise
   double noise_memory = 0.0;    ///< correlation of neighbouring samples' noise
   double velocity_noise = 0.0;  ///< [rad/s]
+  double current_late = 0.0;    ///< [rows] that the current is logged after it flowed; without bristles
+  double current_grain = 0.0;   ///< [A] of the converter
   double bristle_travel = 0.0;  ///< [rad] of the motor until friction has built up; 0: none
 };
 

@@ -1,14 +1,16 @@
 #include "reality/motor_log.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "reality/measuring_chain.h"
 #include "simgap/core/csv.h"
 
 namespace simgap::reality {
 
 MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
-  constexpr double kStep = 2e-5;
+  const double kStep = design.step;
   std::mt19937_64 random(design.seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   std::normal_distribution<double> normal;
@@ -21,17 +23,28 @@ MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
   const double viscous = gain * m.viscous + m.gear_viscous / m.ratio;
   const double coulomb = gain * m.coulomb + m.gear_coulomb;
   for (int session = 0; session < design.sessions; ++session) {
+    ColouredNoise current_noise(design.current_noise, design.noise_memory);
+    ColouredNoise velocity_noise(design.velocity_noise, design.noise_memory);
+    std::vector<double> voltages, currents;  // in steps of the integration
+    const auto before = [&](const std::vector<double>& past, double rows_late) {
+      const auto steps = static_cast<std::size_t>(std::lround(rows_late * inner));
+      return past[past.size() - 1 - std::min(steps, past.size() - 1)];
+    };
     double i = 0.0, w = 0.0, voltage = 0.0, load = 0.0, warmth = 0.0, angle = 0.0, wheel = 0.0;
     for (int k = 0; k < rows; ++k) {
       if (k % 317 == 0) voltage = design.voltage * uniform(random);
       if (k % 523 == 0) load = design.load * uniform(random);
       log.time.push_back(k / design.rate);
-      log.voltage.push_back(voltage);
+      voltages.push_back(voltage);
+      currents.push_back(i);
+      log.voltage.push_back(quantised(before(voltages, design.voltage_late), design.voltage_grain));
       log.load.push_back(load);
-      log.current.push_back(i + design.current_noise * normal(random));
-      log.velocity.push_back(w + design.velocity_noise * normal(random));
+      log.current.push_back(
+          quantised(before(currents, design.current_late) + current_noise.next(normal(random)), design.current_grain));
+      log.velocity.push_back(quantised(w + velocity_noise.next(normal(random)), design.velocity_grain));
       log.session.push_back(session);
       for (int s = 0; s < inner; ++s) {
+        if (s > 0) voltages.push_back(voltage), currents.push_back(i);
         // The winding by the trapezoidal rule, the rotor by a symplectic step with friction that can hold it.
         const double brushes = m.brush_drop * i / (std::abs(i) + 0.2);
         const double resistance = m.resistance * (1.0 + m.heating * warmth);

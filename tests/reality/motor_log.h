@@ -1,5 +1,5 @@
 /// \file
-/// A DC motor, with or without a gearbox, on a bench: its equations integrated in steps of 20 microseconds.
+/// A DC motor, with or without a gearbox, on a bench: its equations integrated in fine steps.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +27,11 @@ struct MotorDesign {
   double voltage = 12.0;        ///< [V] amplitude of the voltage steps
   double current_noise = 0.0;   ///< [A]
   double velocity_noise = 0.0;  ///< [rad/s]
+  double noise_memory = 0.0;    ///< correlation of neighbouring samples' noise
+  double voltage_late = 0.0;    ///< [rows] that the voltage is logged after it was
+  double current_late = 0.0;    ///< [rows] likewise
+  double voltage_grain = 0.0, current_grain = 0.0, velocity_grain = 0.0;  ///< [V], [A], [rad/s] of the converters
+  double step = 2e-5;                                                     ///< [s] of the integration
   std::uint64_t seed = 1;
 };
 

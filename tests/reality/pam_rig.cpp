@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "reality/measuring_chain.h"
 #include "simgap/core/csv.h"
 
 namespace simgap::reality {
@@ -45,6 +46,8 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
   std::mt19937_64 random(design.seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::normal_distribution<double> normal;
+  ColouredNoise force_noise(design.force_noise, design.noise_memory);
+  const double late = design.pressure_late / design.rate;  // [s]
   PamRecord record;
   double humid = uniform(random) * 6.0;
   for (int s = 0; s < design.sessions; ++s) {
@@ -66,9 +69,11 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
       double f = muscleForce(m, p, e) - m.braid_friction * p * bristle;
       f *= 1.0 + m.breathing * std::sin(humid);
       record.time.push_back(t);
-      record.pressure.push_back(p + m.sensor_offset + design.pressure_noise * normal(random));
+      const double seen = middle_p + swing_p * std::sin(6.2831853 * (t - late) / period_p + phase_p);
+      record.pressure.push_back(
+          quantised(seen + m.sensor_offset + design.pressure_noise * normal(random), design.pressure_grain));
       record.contraction.push_back(e + design.contraction_noise * normal(random));
-      record.force.push_back(f + m.force_offset + design.force_noise * normal(random));
+      record.force.push_back(quantised(f + m.force_offset + force_noise.next(normal(random)), design.force_grain));
       record.humidity.push_back(humidity);
       record.session.push_back(s);
     }

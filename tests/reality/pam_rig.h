@@ -29,6 +29,9 @@ struct PamDesign {
   std::size_t rows = 1200;  ///< per session
   double rate = 50.0;       ///< [Hz]
   double force_noise = 5.0, pressure_noise = 300.0, contraction_noise = 2e-4;
+  double noise_memory = 0.0;                       ///< correlation of neighbouring samples' noise of the force
+  double pressure_late = 0.0;                      ///< [rows] that the pressure is logged after it was
+  double pressure_grain = 0.0, force_grain = 0.0;  ///< [Pa], [N] of the converters
   std::uint64_t seed = 1;
 };
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "simgap/core/csv.h"
+#include "simgap/report/html/result_files.h"
 #include "support/files.h"
 #include "support/process.h"
 
@@ -60,9 +61,10 @@ LogAnswer diagnoseDraw(const reality::DriveDraw& draw, const std::filesystem::pa
   if (!std::filesystem::exists(folder / "d/hypotheses.csv")) return answer;
   const CsvTable hypotheses = CsvTable::load(folder / "d/hypotheses.csv");
   const std::vector<std::string> effect = hypotheses.text("effect");
-  const std::vector<double> step = hypotheses.quantity("step", ""), gain = hypotheses.quantity("gain_percent", "");
+  const std::vector<double> step = hypotheses.quantity("step", ""), gain = numbersOf(hypotheses, "gain_percent");
   for (std::size_t i = 0; i < effect.size(); ++i) {
-    if (step[i] == 1.0 && effect[i] == draw.effects[0]) answer.true_gain = 0.01 * gain[i];
+    const bool measured = std::isfinite(gain[i]);
+    if (step[i] == 1.0 && effect[i] == draw.effects[0] && measured) answer.true_gain = 0.01 * gain[i];
   }
   return answer;
 }

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -65,10 +66,14 @@ struct Candidate {
 struct HypothesisRecord {
   std::size_t step;  ///< counted from 1
   std::string effect, target;
-  Interval gain_inner;  ///< fraction of the error on the inner validation blocks
+  Interval gain_inner;  ///< fraction of the error on the inner validation blocks; kNotMeasured where none was needed
   double p_adjusted;
-  std::string outcome;  ///< "accepted", "ambiguous", "rejected: …", "pruned"
+  std::string outcome;                  ///< "accepted", "ambiguous", "rejected: …", "pruned"
+  std::optional<double> log_odds = {};  ///< against the model without it, where that decides (poses)
 };
+inline constexpr Interval kNotMeasured{std::numeric_limits<double>::quiet_NaN(),
+                                       std::numeric_limits<double>::quiet_NaN(),
+                                       std::numeric_limits<double>::quiet_NaN()};
 
 /// The smallest magnitude of an effect that these data could have revealed.
 struct Detectable {

@@ -85,13 +85,15 @@ struct Linearisation {
 Linearisation linearise(const LeastSquaresProblem& problem, std::span<const double> theta,
                         std::span<const Block> pieces);
 
-/// True when a value sits on one of its bounds (to 1e-6 of the value, or of the other bound's distance).
+/// True when a value sits on one of its bounds, to 1e-6 of its size or of the bounds' distance: on a bound of 0 without
+/// another that is 0 itself. Units do not matter.
 bool atBound(const ParameterSpec& parameter, double value);
 
 /// Fills `jacobian` by central differences of `residual_at`; for models that are simulated.
 /// \param parameters  give bounds (a one-sided difference is taken there) and which are fixed (0).
+/// \param typical  shape (P): sizes at which the parameters matter, for steps of those that may be 0.
 void differentiateNumerically(
-    std::span<const ParameterSpec> parameters, std::span<const double> theta,
+    std::span<const ParameterSpec> parameters, std::span<const double> theta, std::span<const double> typical,
     const std::function<void(std::span<const double>, Eigen::Ref<Eigen::VectorXd>)>& residual_at,
     Eigen::Ref<Eigen::MatrixXd> jacobian);
 

@@ -21,12 +21,19 @@ struct Uncertainty {
   double correlation_rows = 1.0;      ///< integrated correlation time of the residuals, in rows
   double n_effective = 0.0;           ///< rows / correlation_rows
   std::size_t blocks = 0;             ///< of the jackknife; 0 after the fallback
+  double quantile = 1.96;             ///< half width of a 95 % interval in standard deviations (Student)
   std::vector<std::string> findings;  ///< sentences: which parameters, or combinations, the data do not determine
 };
 
 /// \param session  shape (rows): correlations and blocks do not reach over sessions.
 Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta,
                                 std::span<const int> session);
+
+/// Adds what it does to the estimates that parameters were held at values known only with a covariance. To first order
+/// the estimates move by -(J^T J)^-1 J^T J_held with the held ones.
+/// \param held  places in theta. \param covariance  shape (held, held).
+void addHeldUncertainty(const LeastSquaresProblem& problem, std::span<const double> theta, std::span<const int> held,
+                        const Eigen::MatrixXd& covariance, Uncertainty& result);
 
 /// The same of the parameters from `begin` to before `end` alone.
 Uncertainty partOf(const Uncertainty& all, std::size_t begin, std::size_t end);

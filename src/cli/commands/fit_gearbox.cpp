@@ -22,7 +22,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
     DriveFitOptions drive;
     drive.fit_motor = false;
     drive.fit_gearbox = true;
-    drive.motor = motorFrom(readModel(session, "motor", options->motor, {"motor"}));
+    const FittedModel motor = readModel(session, "motor", options->motor, {"motor"});
+    drive.motor = motorFrom(motor);
+    drive.motor_covariance = motorCovarianceFrom(motor);
     drive.ratio = options->ratio;
     return runDriveFit("gearbox", *options, session, drive);
   };

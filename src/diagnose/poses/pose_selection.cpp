@@ -207,7 +207,8 @@ bool Selection::step(PoseFit& fit, PoseSelection& selection) {
   std::size_t tried = 0;
   for (const PoseCandidate& candidate : candidates) {
     const double odds = candidate.odds;
-    HypothesisRecord record{number, std::string(candidate.cause.effect->name), candidate.cause.target, {}, 1.0, ""};
+    HypothesisRecord record{
+        number, std::string(candidate.cause.effect->name), candidate.cause.target, kNotMeasured, 1.0, "", odds};
     record.p_adjusted = pAdjusted(candidate);
     if (odds < kClearOdds || record.p_adjusted > options_.level) {
       record.outcome = fmt::format("rejected: log odds {:.1f}", odds);
@@ -261,7 +262,7 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
       selection.records.push_back({selection.causes.size() + 2,
                                    std::string(cause.cause.effect->name),
                                    cause.cause.target,
-                                   {},
+                                   kNotMeasured,
                                    1.0,
                                    "exchanged for " + best.cause.label()});
     }
@@ -285,7 +286,7 @@ void Selection::prune(PoseFit& fit, PoseSelection& selection) {
     selection.records.push_back({selection.causes.size() + 1,
                                  std::string(selection.causes[c].cause.effect->name),
                                  selection.causes[c].cause.target,
-                                 {},
+                                 kNotMeasured,
                                  1.0,
                                  "pruned"});
     std::vector<PoseCause> causes = fit.causes();

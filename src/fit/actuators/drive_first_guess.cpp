@@ -44,7 +44,7 @@ class FirstGuess {
   FirstGuess(const MotorLog& log, const DriveFitOptions& options) : log_(log), options_(options) {}
 
   std::vector<double> theta() {
-    theta_ = {1.0, 1e-3, 0.05, 0.05, 1e-5, 1e-6, 1e-3, 1.0, 0.0, 0.0, 0.0};
+    theta_ = {1.0, 1e-3, 0.05, 0.05, 1e-5, 1e-6, 1e-3, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0};
     const Motor& m = options_.motor;
     if (!options_.fit_motor) {
       theta_[kR] = m.resistance, theta_[kL] = m.inductance, theta_[kKe] = m.back_emf_constant;

@@ -17,7 +17,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Residuals of simulated against measured channels: per session the velocities, then the currents.
+/// Residuals of simulated against measured channels: row by row velocity and current, so that blocks of rows hold both;
+/// without the rows that are held out.
 class ResponseProblem {
  public:
   ResponseProblem(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& held)
@@ -25,41 +26,58 @@ class ResponseProblem {
         options_(options),
         held_(held),
         velocity_(!log.velocity.empty()),
-        current_(!log.current.empty() && !log.voltage.empty()) {
-    sessions_ = splitRows(log.session, log.rows());
-    const std::size_t channels = (velocity_ ? 1 : 0) + (current_ ? 1 : 0);
-    for (const Block& rows : sessions_) chunks_.push_back({rows.begin * channels, rows.end * channels});
+        current_(!log.current.empty() && !log.voltage.empty()),
+        step_(meanStep(log)),
+        typical_(kCount, 0.0) {
+    parameters_ = driveParameters(options, step_);
+    if (options.tie_constants) parameters_[kKt].fixed = true;
+    for (const Block& rows : splitRows(log.session, log.rows())) {
+      std::size_t kept = 0;
+      for (std::size_t i = rows.begin; i < rows.end; ++i) kept += counts(i) ? 1 : 0;
+      if (kept == 0) continue;
+      const std::size_t begin = chunks_.empty() ? 0 : chunks_.back().end;
+      sessions_.push_back(rows);
+      chunks_.push_back({begin, begin + kept * channels()});
+    }
   }
 
   double velocityScale = 1.0, currentScale = 1.0;  ///< standard deviation of each channel's residual
 
-  LeastSquaresProblem problem() const {
+  /// \param theta  near which derivatives are taken. \param given_too  also by the motor's parameters that are given
+  LeastSquaresProblem problem(std::span<const double> theta, bool given_too = false) {
+    typical_ = typicalSizes(log_, theta, options_.ratio);
     LeastSquaresProblem problem;
-    problem.parameters = driveParameters(options_);
-    if (options_.tie_constants) problem.parameters[kKt].fixed = true;
+    problem.parameters = parameters_;
     problem.chunks = chunks_;
-    problem.evaluate = [this](std::span<const double> theta, const Block& chunk, Eigen::Ref<VectorXd> residual,
-                              Eigen::Ref<MatrixXd>* jacobian) {
-      evaluate(theta, chunk, residual);
+    std::vector<ParameterSpec> moving = parameters_;
+    for (std::size_t i = 0; given_too && i < kFirstOfGearbox; ++i) moving[i].fixed = false;
+    problem.evaluate = [this, moving](std::span<const double> at, const Block& chunk, Eigen::Ref<VectorXd> residual,
+                                      Eigen::Ref<MatrixXd>* jacobian) {
+      evaluate(at, chunk, residual);
       if (jacobian == nullptr) return;
-      std::vector<ParameterSpec> parameters = driveParameters(options_);
-      if (options_.tie_constants) parameters[kKt].fixed = true;
       differentiateNumerically(
-          parameters, theta, [&](std::span<const double> moved, Eigen::Ref<VectorXd> r) { evaluate(moved, chunk, r); },
-          *jacobian);
+          moving, at, typical_,
+          [&](std::span<const double> moved, Eigen::Ref<VectorXd> r) { evaluate(moved, chunk, r); }, *jacobian);
     };
     return problem;
   }
 
-  /// Session and channel of every residual, so that correlations do not reach over them.
+  /// Session of every residual, so that correlations do not reach over them.
   std::vector<int> labels() const {
     std::vector<int> all;
-    for (std::size_t s = 0; s < sessions_.size(); ++s) {
-      if (velocity_) all.insert(all.end(), sessions_[s].size(), static_cast<int>(2 * s));
-      if (current_) all.insert(all.end(), sessions_[s].size(), static_cast<int>(2 * s + 1));
-    }
+    for (std::size_t s = 0; s < chunks_.size(); ++s) all.insert(all.end(), chunks_[s].size(), static_cast<int>(s));
     return all;
   }
+
+  DriveDelays delays(std::span<const double> theta) const { return delaysOf(log_, theta, step_); }
+  double step() const { return step_; }
+  bool hasVelocity() const { return velocity_; }
+  bool hasCurrent() const { return current_; }
+  std::size_t channels() const { return (velocity_ ? 1 : 0) + (current_ ? 1 : 0); }
+  std::size_t rows() const { return chunks_.empty() ? 0 : chunks_.back().end / channels(); }
+
+ private:
+  bool counts(std::size_t row) const { return held_.empty() || !held_[row]; }
 
   void evaluate(std::span<const double> theta, const Block& chunk, Eigen::Ref<VectorXd> residual) const {
     const auto session =
@@ -68,26 +86,22 @@ class ResponseProblem {
     std::vector<double> all(theta.begin(), theta.end());
     if (options_.tie_constants) all[kKt] = all[kKe];
     std::vector<double> current(rows.size()), velocity(rows.size());
-    simulateSession(log_, rows, motorOf(all), gearboxOf(all, options_.ratio), current, velocity);
+    simulateSession(log_, rows, motorOf(all), gearboxOf(all, options_.ratio), delays(all), current, velocity);
     Index at = 0;
-    const auto put = [&](const std::vector<double>& simulated, const std::vector<double>& measured, double scale) {
-      for (std::size_t i = 0; i < rows.size(); ++i) {
-        const bool out = !held_.empty() && held_[rows.begin + i];
-        residual[at++] = out ? 0.0 : (simulated[i] - measured[rows.begin + i]) / scale;
-      }
-    };
-    if (velocity_) put(velocity, log_.velocity, velocityScale);
-    if (current_) put(current, log_.current, currentScale);
+    for (std::size_t i = rows.begin; i < rows.end; ++i) {
+      if (!counts(i)) continue;
+      if (velocity_) residual[at++] = (velocity[i - rows.begin] - log_.velocity[i]) / velocityScale;
+      if (current_) residual[at++] = (current[i - rows.begin] - log_.current[i]) / currentScale;
+    }
   }
 
-  bool hasVelocity() const { return velocity_; }
-  bool hasCurrent() const { return current_; }
-
- private:
   const MotorLog& log_;
   const DriveFitOptions& options_;
   const std::vector<bool>& held_;
   bool velocity_, current_;
+  double step_;
+  std::vector<double> typical_;
+  std::vector<ParameterSpec> parameters_;
   std::vector<Block> sessions_, chunks_;
 };
 
@@ -162,6 +176,9 @@ std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& opt
   }
   if (options.fit_gearbox && log.current.empty())
     fail("found no current_A, expected it: it carries the motor's torque");
+  // A delay is one against the velocity, or of the voltage against the current.
+  if (!voltage) options.fixed.try_emplace("voltage_delay", 0.0);
+  if (!current || !velocity) options.fixed.try_emplace("current_delay", 0.0);
   return missing;
 }
 
@@ -186,6 +203,44 @@ std::vector<LeastSquaresResult> fitFromSeveralStarts(const LeastSquaresProblem& 
   return found;
 }
 
+/// The delays that were fitted; a sentence about each that is clearly none.
+void takeDelays(const MotorLog& log, const ResponseProblem& response, DriveFit& fit) {
+  constexpr double kClear = 4.0;    // standard deviations
+  constexpr double kMatters = 0.1;  // rows
+  fit.delays = response.delays(fit.theta);
+  for (const std::size_t i : {kVoltageDelay, kCurrentDelay}) {
+    const Estimate& e = fit.uncertainty.estimates[i];
+    if (e.fixed || !e.identifiable) continue;
+    const FittedDelay delay{i == kVoltageDelay ? "voltage_V" : "current_A",
+                            log.velocity.empty() ? "current_A" : "velocity_rad_s", e.value, e.sd,
+                            e.value / response.step()};
+    fit.fitted_delays.push_back(delay);
+    if (e.at_bound) {
+      fit.warnings.push_back(
+          fmt::format("{} seems to be more than {:.0f} rows apart from {}: put the channels on one "
+                      "clock before fitting them",
+                      delay.channel, std::floor(std::abs(delay.rows)), delay.against));
+    } else if (std::abs(delay.rows) > kMatters && std::abs(delay.seconds) > kClear * delay.sd) {
+      fit.warnings.push_back(fmt::format("{} comes {:.3g} ms ({:.2f} rows) {} than {}; the fit allows for it",
+                                         delay.channel, 1e3 * std::abs(delay.seconds), std::abs(delay.rows),
+                                         delay.rows > 0.0 ? "later" : "earlier", delay.against));
+    }
+  }
+}
+
+/// What the given motor's own uncertainty adds to the gearbox's.
+void addMotorUncertainty(const LeastSquaresProblem& problem, const DriveFitOptions& options, DriveFit& fit) {
+  if (options.fit_motor || !options.fit_gearbox) return;
+  if (options.motor_covariance.size() == 0) {
+    fit.warnings.emplace_back(
+        "the motor's model states no uncertainty: the gearbox's intervals hold for exactly that motor only");
+    return;
+  }
+  std::vector<int> held;
+  for (std::size_t i = 0; i < kFirstOfGearbox; ++i) held.push_back(static_cast<int>(i));
+  addHeldUncertainty(problem, fit.theta, held, options.motor_covariance, fit.uncertainty);
+}
+
 /// What is tied to another parameter takes its estimate over; what is missing has none.
 void settleEstimates(Uncertainty& uncertainty, const DriveFitOptions& options,
                      const std::vector<std::string>& missing) {
@@ -208,18 +263,18 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   DriveFitOptions options = given;
   DriveFit fit;
   const std::vector<std::string> missing = settleMissing(log, options, fit.warnings);
-  fit.rows = log.rows();
   fit.first_guess = driveFirstGuess(log, options);
   ResponseProblem response(log, options, held);
-  const LeastSquaresProblem problem = response.problem();
+  const LeastSquaresProblem problem = response.problem(fit.first_guess);
+  fit.rows = response.rows();
   const std::size_t free = problem.freeParameters().size();
-  if (log.rows() <= free) {
-    throw DataError(fmt::format("{}: found {} rows for {} parameters, expected many more", log.file, log.rows(), free));
+  if (fit.rows <= free) {
+    throw DataError(fmt::format("{}: found {} rows for {} parameters, expected many more", log.file, fit.rows, free));
   }
   const auto measure = [&](std::span<const double> at) {
     std::vector<double> all(at.begin(), at.end());
     if (options.tie_constants) all[kKt] = all[kKe];
-    return simulateDrive(log, motorOf(all), gearboxOf(all, options.ratio));
+    return simulateDrive(log, motorOf(all), gearboxOf(all, options.ratio), response.delays(all));
   };
   // The channels' weights follow the fit.
   response.velocityScale = response.hasVelocity() ? spread(log.velocity) : 1.0;
@@ -242,8 +297,16 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   if (!best.converged) fit.warnings.push_back("the fit stopped early: " + best.message);
   fit.theta = best.theta;
   if (options.tie_constants) fit.theta[kKt] = fit.theta[kKe];
-  fit.uncertainty = estimateUncertainty(problem, best.theta, response.labels());
+  const LeastSquaresProblem found_problem = response.problem(fit.theta, /*given_too=*/!options.fit_motor);
+  fit.uncertainty = estimateUncertainty(found_problem, fit.theta, response.labels());
+  fit.uncertainty.n_effective /= static_cast<double>(response.channels());  // of rows, not of residuals
+  // A delay of about 0 is hardly ever known to better than itself: that is no finding.
+  std::erase_if(fit.uncertainty.findings, [](const std::string& sentence) {
+    return sentence.find("_delay is hardly determined") != std::string::npos;
+  });
+  addMotorUncertainty(found_problem, options, fit);
   settleEstimates(fit.uncertainty, options, missing);
+  takeDelays(log, response, fit);
   const DriveResponse r = measure(fit.theta);
   const auto channel = [&](const char* name, const char* unit, const std::vector<double>& simulated,
                            const std::vector<double>& measured) {

@@ -9,11 +9,36 @@
 namespace simgap {
 
 /// Places in theta.
-enum Parameter : std::size_t { kR, kL, kKe, kKt, kJm, kMuM, kTauM, kEta, kTauG, kMuG, kJg, kCount };
-inline constexpr std::size_t kFirstOfGearbox = kEta;
+enum Parameter : std::size_t {
+  kR,
+  kL,
+  kKe,
+  kKt,
+  kJm,
+  kMuM,
+  kTauM,
+  kEta,
+  kTauG,
+  kMuG,
+  kJg,
+  kVoltageDelay,
+  kCurrentDelay,
+  kCount
+};
+inline constexpr std::size_t kFirstOfGearbox = kEta, kFirstDelay = kVoltageDelay;
 
-/// Bounds, and which are fixed, shape (kCount).
-std::vector<ParameterSpec> driveParameters(const DriveFitOptions& options);
+/// Bounds, and which are fixed, shape (kCount). \param step  between two rows [s]
+std::vector<ParameterSpec> driveParameters(const DriveFitOptions& options, double step = 1.0);
+
+/// Sizes at which the parameters matter on this log, shape (kCount): friction that takes a tenth of the torque, a delay
+/// of one row.
+std::vector<double> typicalSizes(const MotorLog& log, std::span<const double> theta, double ratio);
+
+/// Between two rows, on average [s].
+double meanStep(const MotorLog& log);
+
+/// The delays among the parameters, in rows. \param step  as meanStep
+DriveDelays delaysOf(const MotorLog& log, std::span<const double> theta, double step);
 
 /// Whether a log has a channel, and it says something.
 bool varies(const std::vector<double>& channel);

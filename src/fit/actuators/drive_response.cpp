@@ -1,5 +1,7 @@
 #include "drive_response.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -50,59 +52,134 @@ class DrivenRotor {
   double gain_, inertia_, damping_, coulomb_, per_ampere_;
 };
 
+/// Steps of a drive whose winding is fed with a voltage.
+class VoltageFed {
+ public:
+  /// \param ends  of the parts of a step, as shares of it.
+  VoltageFed(const Motor& motor, const Gearbox& gearbox, const std::array<double, 3>& ends, double grain)
+      : motor_(motor), gearbox_(gearbox), ends_(ends), grain_(grain) {}
+
+  /// One part of a step of `dt`; in finer steps where the rotor starts, stops or turns.
+  void advance(DriveState& state, std::size_t part, double dt, double voltage, double load) {
+    const Part& drive = partsOf(dt)[part];
+    DriveState next = state;
+    drive.whole.step(next, voltage, load);
+    if (!switches(state.motor_velocity, next.motor_velocity)) {
+      state = next;
+      return;
+    }
+    for (int k = 0; k < kSubsteps; ++k) drive.fine.step(state, voltage, load);
+  }
+
+ private:
+  struct Part {
+    Drive whole, fine;
+  };
+
+  const std::array<Part, 3>& partsOf(double dt) {
+    const long step = std::lround(dt / grain_);
+    auto found = parts_.find(step);
+    if (found != parts_.end()) return found->second;
+    const double seconds = static_cast<double>(step) * grain_;
+    const auto part = [&](double from, double to) {
+      return Part{{motor_, gearbox_, (to - from) * seconds}, {motor_, gearbox_, (to - from) * seconds / kSubsteps}};
+    };
+    return parts_.emplace(step, std::array{part(0.0, ends_[0]), part(ends_[0], ends_[1]), part(ends_[1], ends_[2])})
+        .first->second;
+  }
+
+  const Motor& motor_;
+  const Gearbox& gearbox_;
+  std::array<double, 3> ends_;
+  double grain_;
+  std::map<long, std::array<Part, 3>> parts_;
+};
+
+/// Steps of a drive whose current is given.
+class CurrentFed {
+ public:
+  CurrentFed(const Motor& motor, const Gearbox& gearbox, const std::array<double, 3>& ends)
+      : rotor_(motor, gearbox), ends_(ends) {}
+
+  void advance(DriveState& state, std::size_t part, double dt, double current, double load) const {
+    const double seconds = dt * (ends_[part] - (part > 0 ? ends_[part - 1] : 0.0));
+    const double next = rotor_.step(state.motor_velocity, current, load, seconds);
+    const int steps = switches(state.motor_velocity, next) ? kSubsteps : 1;
+    for (int k = 0; k < steps; ++k) {
+      state.motor_velocity = rotor_.step(state.motor_velocity, current, load, seconds / steps);
+    }
+    state.current = current;
+  }
+
+ private:
+  DrivenRotor rotor_;
+  std::array<double, 3> ends_;
+};
+
+/// A delay in rows: so many whole ones, and the share of a step at which the next row's instant lies.
+struct Shift {
+  explicit Shift(double rows)
+      : whole(static_cast<std::ptrdiff_t>(std::floor(rows))), at(1.0 - (rows - std::floor(rows))) {}
+  std::ptrdiff_t whole;
+  double at;  ///< in (0, 1]
+};
+
+/// Goes through a session's steps: in each the input changes once, and the current is sampled once.
+template <typename Fed>
+void followSession(Fed fed, const MotorLog& log, const Block& rows, const std::vector<double>& input,
+                   const Shift& change, const Shift& sample, const std::array<double, 3>& ends,
+                   std::span<double> current, std::span<double> velocity) {
+  const std::ptrdiff_t count = std::ssize(velocity);
+  const auto inputAt = [&](std::ptrdiff_t row) {
+    return input[rows.begin + std::clamp<std::ptrdiff_t>(row, 0, count - 1)];
+  };
+  DriveState state;
+  state.current = at(log.current, rows.begin);
+  state.motor_velocity = at(log.velocity, rows.begin);
+  double sampled = state.current;
+  std::ptrdiff_t next = 0;  // row whose current comes next
+  for (std::ptrdiff_t i = 0; i < count; ++i) {
+    velocity[i] = state.motor_velocity;
+    if (i + 1 == count) break;
+    const std::size_t row = rows.begin + i;
+    const double dt = log.time[row + 1] - log.time[row];
+    for (std::size_t part = 0; part < ends.size(); ++part) {
+      const double begin = part > 0 ? ends[part - 1] : 0.0;
+      if (ends[part] > begin) {
+        const std::ptrdiff_t of_input = i + change.whole + (begin >= change.at ? 1 : 0);
+        fed.advance(state, part, dt, inputAt(of_input), at(log.load, row));
+      }
+      if (ends[part] != sample.at) continue;
+      for (; next < std::min(count, i + 1 + sample.whole); ++next) current[next] = sampled;
+      sampled = state.current;
+    }
+  }
+  for (; next < count; ++next) current[next] = sampled;
+}
+
 }  // namespace
 
 void simulateSession(const MotorLog& log, const Block& rows, const Motor& motor, const Gearbox& gearbox,
-                     std::span<double> current, std::span<double> velocity) {
-  const std::size_t first = rows.begin;
-  if (log.voltage.empty()) {
-    const DrivenRotor rotor(motor, gearbox);
-    double speed = at(log.velocity, first);
-    for (std::size_t i = first; i < rows.end; ++i) {
-      current[i - first] = log.current[i];
-      velocity[i - first] = speed;
-      if (i + 1 == rows.end) break;
-      const double dt = log.time[i + 1] - log.time[i];
-      const double next = rotor.step(speed, log.current[i], at(log.load, i), dt);
-      const int steps = switches(speed, next) ? kSubsteps : 1;
-      if (steps == 1) speed = next;
-      for (int k = 0; steps > 1 && k < steps; ++k)
-        speed = rotor.step(speed, log.current[i], at(log.load, i), dt / steps);
-    }
-    return;
-  }
-  const double grain = kStepGrain * (log.time[rows.end - 1] - log.time[first]) / static_cast<double>(rows.size());
-  struct Steps {
-    Drive whole, part;
-  };
-  std::map<long, Steps> drives;
-  DriveState state;
-  state.current = at(log.current, first);
-  state.motor_velocity = at(log.velocity, first);
-  for (std::size_t i = first; i < rows.end; ++i) {
-    current[i - first] = state.current;
-    velocity[i - first] = state.motor_velocity;
-    if (i + 1 == rows.end) break;
-    const long step = std::lround((log.time[i + 1] - log.time[i]) / grain);
-    auto found = drives.find(step);
-    if (found == drives.end()) {
-      const double dt = static_cast<double>(step) * grain;
-      found = drives.emplace(step, Steps{{motor, gearbox, dt}, {motor, gearbox, dt / kSubsteps}}).first;
-    }
-    DriveState next = state;
-    found->second.whole.step(next, log.voltage[i], at(log.load, i));
-    if (switches(state.motor_velocity, next.motor_velocity)) {
-      for (int k = 0; k < kSubsteps; ++k) found->second.part.step(state, log.voltage[i], at(log.load, i));
-    } else {
-      state = next;
-    }
+                     const DriveDelays& delays, std::span<double> current, std::span<double> velocity) {
+  const bool has_voltage = !log.voltage.empty();
+  const Shift change(delays.input), sample(has_voltage ? delays.current : 0.0);
+  const std::array<double, 3> ends = {std::min(change.at, sample.at), std::max(change.at, sample.at), 1.0};
+  if (has_voltage) {
+    const double grain =
+        kStepGrain * (log.time[rows.end - 1] - log.time[rows.begin]) / static_cast<double>(rows.size());
+    followSession(VoltageFed(motor, gearbox, ends, grain), log, rows, log.voltage, change, sample, ends, current,
+                  velocity);
+  } else {
+    followSession(CurrentFed(motor, gearbox, ends), log, rows, log.current, change, sample, ends, current, velocity);
+    std::ranges::copy(std::span(log.current).subspan(rows.begin, rows.size()), current.begin());
   }
 }
 
-DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox) {
+DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox,
+                            const DriveDelays& delays) {
   DriveResponse response{std::vector<double>(log.rows()), std::vector<double>(log.rows())};
   for (const Block& rows : splitRows(log.session, log.rows())) {
-    simulateSession(log, rows, motor, gearbox, std::span(response.current).subspan(rows.begin, rows.size()),
+    simulateSession(log, rows, motor, gearbox, delays, std::span(response.current).subspan(rows.begin, rows.size()),
                     std::span(response.velocity).subspan(rows.begin, rows.size()));
   }
   return response;

@@ -6,8 +6,9 @@
 
 namespace simgap {
 
-/// Fills current and velocity, shape (rows of the block), of one session.
+/// Fills current and velocity, shape (rows of the block), of one session. Inputs are held between the instants at which
+/// they were sampled, which lie `delays` before their rows; before the first and behind the last row they stay.
 void simulateSession(const MotorLog& log, const Block& rows, const Motor& motor, const Gearbox& gearbox,
-                     std::span<double> current, std::span<double> velocity);
+                     const DriveDelays& delays, std::span<double> current, std::span<double> velocity);
 
 }  // namespace simgap

@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "simgap/core/units.h"
 
 namespace simgap {
 
 std::vector<std::string> driveParameterNames() {
-  return {"R", "L", "K_E", "K_T", "J_M", "mu_M", "tau_CM", "eta", "tau_CG", "mu_G", "J_G"};
+  return {"R",   "L",      "K_E",  "K_T", "J_M",           "mu_M",         "tau_CM",
+          "eta", "tau_CG", "mu_G", "J_G", "voltage_delay", "current_delay"};
 }
 
 JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, const Holdout& holdout,
@@ -28,6 +32,25 @@ JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, 
 Motor motorFrom(const FittedModel& model) {
   return {model.value("R"),   model.value("L"),    model.value("K_E"),    model.value("K_T"),
           model.value("J_M"), model.value("mu_M"), model.value("tau_CM"), 0.0};
+}
+
+Eigen::MatrixXd motorCovarianceFrom(const FittedModel& model) {
+  const std::vector<std::string> names = driveParameterNames();
+  constexpr Eigen::Index kOfMotor = 7;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(kOfMotor, kOfMotor);
+  const auto place = [&](Eigen::Index i) {
+    return std::ranges::find(model.parameters, names[i], &Estimate::name) - model.parameters.begin();
+  };
+  bool known = model.covariance.size() > 0;
+  for (Eigen::Index i = 0; i < kOfMotor; ++i) {
+    const Estimate& parameter = model.parameters[place(i)];
+    if (std::isfinite(parameter.sd)) known = true;
+    if (model.covariance.size() == 0 && std::isfinite(parameter.sd)) covariance(i, i) = std::pow(parameter.sd, 2);
+    for (Eigen::Index k = 0; k < kOfMotor && model.covariance.size() > 0; ++k) {
+      covariance(i, k) = model.covariance(place(i), place(k));
+    }
+  }
+  return known ? covariance : Eigen::MatrixXd();
 }
 
 Gearbox gearboxFrom(const FittedModel& model) {

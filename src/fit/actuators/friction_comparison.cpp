@@ -15,20 +15,22 @@ namespace {
 std::vector<FrictionFit> fitLaws(std::span<const FrictionLaw* const> laws, const FrictionData& data,
                                  const FrictionFitOptions& options, std::vector<std::string>& left_out) {
   std::vector<std::optional<FrictionFit>> found(laws.size());
-  std::vector<std::string> reasons(laws.size());
+  std::vector<std::optional<Error>> reasons(laws.size());
   tbb::parallel_for(std::size_t{0}, laws.size(), [&](std::size_t k) {
     try {
       found[k] = fitFriction(*laws[k], data, options);
     } catch (const DataError& error) {
-      reasons[k] = error.what();
+      reasons[k] = error;
+    } catch (const NumericsError& error) {
+      reasons[k] = error;
     }
   });
   std::vector<FrictionFit> fits;
   for (std::size_t k = 0; k < laws.size(); ++k) {
     if (found[k]) fits.push_back(std::move(*found[k]));
-    if (!reasons[k].empty()) left_out.push_back(fmt::format("{} was left out: {}", laws[k]->name, reasons[k]));
+    if (reasons[k]) left_out.push_back(fmt::format("{} was left out: {}", laws[k]->name, reasons[k]->what()));
   }
-  if (fits.empty()) throw DataError(reasons.back());
+  if (fits.empty()) throw Error(*reasons.back());
   return fits;
 }
 

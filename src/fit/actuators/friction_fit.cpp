@@ -8,7 +8,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "effort_delay.h"
 #include "friction_model.h"
+#include "friction_signs.h"
 #include "simgap/core/error.h"
 #include "simgap/core/statistics.h"
 
@@ -40,6 +42,42 @@ std::string missing(const FrictionModel& model, const FrictionData& data) {
         "neither k_a nor {} is known, and only their ratio acts on this log: fix one of them (--fix "
         "k_a=…)",
         fmt::join(data.rig_names, ", "));
+  }
+  return {};
+}
+
+/// Why this result is none: a channel with the wrong sign, a gain or a friction that is unbounded; empty when it is
+/// one.
+std::string degenerate(const FrictionModel& model, const FrictionData& data, std::span<const double> theta,
+                       bool predict_load) {
+  constexpr double kNothing = 1e-6;  // of what is predicted: a driving effort or load that has no part in it
+  constexpr double kBeyond = 1e3;    // times the largest effort or load: a friction that no row shows
+  const FrictionLaw& law = model.law();
+  const double load = data.totalLoad(theta.subspan(1 + law.terms.size(), data.rig_names.size())).abs().maxCoeff();
+  const double effort = data.effort.abs().maxCoeff();
+  const double driving = predict_load ? effort : load, target = predict_load ? load : effort;
+  const double gain = predict_load ? theta[0] : 1.0 / theta[0];
+  const bool no_gain = !model.parameters()[0].fixed && driving > 0.0 && gain * driving < kNothing * target;
+  const auto terms = theta.subspan(1, law.terms.size());
+  if (no_gain || std::ranges::all_of(terms, [](double value) { return value == 0.0; })) {
+    if (std::string sentence = oppositeSign(data); !sentence.empty()) return sentence;
+  }
+  if (no_gain) {
+    return fmt::format(
+        "{} does not grow with the load, so k_a cannot be found: check both channels, or fix it (--fix "
+        "k_a=…)",
+        data.effort_name);
+  }
+  const double torque = predict_load ? target : theta[0] * target;
+  for (std::size_t j = 0; j < law.terms.size(); ++j) {
+    const bool per_load = law.terms[j].basis == FrictionBasis::kLoad;
+    const bool constant = law.terms[j].basis == FrictionBasis::kDirection;
+    if (model.parameters()[1 + j].fixed || !(per_load || constant)) continue;
+    if (terms[j] * (per_load ? load : 1.0) < kBeyond * torque) continue;
+    return fmt::format(
+        "{} of {} has no bound on this log ({:.2g}): no row is slow enough to show it; record slow motion "
+        "through rest, or bound it (--bounds {}=0:…)",
+        law.terms[j].name, law.name, terms[j], law.terms[j].name);
   }
   return {};
 }
@@ -172,6 +210,41 @@ LeastSquaresResult polish(const FrictionModel& model, std::span<const SeparableM
   return best;
 }
 
+/// Widens intervals by where the estimates would lie had the fit known of a delay of the target, if one is seen. The
+/// estimates stay those of least squares: whether a delay is one of the channel only a diagnosis can tell.
+void allowForDelay(const LeastSquaresProblem& problem, const FrictionData& data, FrictionFit& fit) {
+  const Eigen::ArrayXd& target = fit.predict_load ? data.load : data.effort;
+  const LeastSquaresProblem delayed = withDelay(problem, data, target, fit.theta);
+  std::vector<double> theta = fit.theta;
+  theta.push_back(0.0);
+  const std::optional<DelayEffect> effect = delayEffect(delayed, theta, data.session);
+  if (!effect) return;
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(std::ssize(fit.theta));
+  for (std::size_t i = 0; i < fit.theta.size(); ++i) {
+    Estimate& e = fit.uncertainty.estimates[i];
+    if (e.fixed || !e.identifiable || e.at_bound) continue;
+    const double half = fit.uncertainty.quantile * e.sd * effect->widening[i];
+    const double center = e.value + effect->shift[i];
+    e.lower95 = std::clamp(center - half, problem.parameters[i].lower, e.lower95);
+    e.upper95 = std::clamp(center + half, e.upper95, problem.parameters[i].upper);
+    shift[i] = effect->shift[i];
+    e.sd = std::hypot(e.sd, shift[i]);
+  }
+  Eigen::MatrixXd& covariance = fit.uncertainty.covariance;
+  covariance += shift * shift.transpose();
+  const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  fit.uncertainty.correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  fit.uncertainty.correlation.diagonal().setOnes();
+  const double rows = effect->delay / rowSeconds(data);
+  constexpr double kWorthSaying = 0.05;  // rows
+  if (std::abs(rows) < kWorthSaying) return;
+  fit.warnings.push_back(fmt::format(
+      "{} seems to come {:.2g} ms ({:.2f} rows) {} than load and motion: the intervals allow for it; simgap "
+      "diagnose tells whether it does",
+      fit.predict_load ? "the load" : data.effort_name, 1e3 * std::abs(effect->delay), std::abs(rows),
+      rows > 0.0 ? "later" : "earlier"));
+}
+
 }  // namespace
 
 double FrictionFit::value(std::string_view name) const {
@@ -208,11 +281,15 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   LeastSquaresProblem problem = model.problem();
   const LeastSquaresResult best = polish(model, fit.minima, options, problem);
   fit.theta = best.theta;
+  if (const std::string sentence = degenerate(model, data, fit.theta, options.predict_load); !sentence.empty()) {
+    throw NumericsError(fmt::format("{}: {}", data.file, sentence));
+  }
   const bool squares = options.loss == LossKind::kSquares;
   fit.mse = (squares ? best.cost : residuals(problem, fit.theta).squaredNorm()) / static_cast<double>(fit.n);
   if (!best.converged)
     fit.warnings.push_back(fmt::format("the polish of {} stopped early: {}", law.name, best.message));
   fit.uncertainty = estimateUncertainty(problem, fit.theta, data.session);
+  allowForDelay(problem, data, fit);
   if (folds >= 2) fit.mse_heldout = crossValidate(model, search.parts, search.total, fit.minima);
   for (const std::string& sentence : gaps(model, data, fit.theta)) fit.warnings.push_back(sentence);
   const auto weight = data.fits_weight

@@ -95,10 +95,15 @@ class PamProblem {
     for (std::size_t i = block.begin; i < block.end; ++i) {
       const auto row = static_cast<Index>(i - block.begin);
       const double p = pressure[i], eps = contraction[i];
-      // Without a real root the spring is too soft for this point: the largest force there is, at the turning point.
-      const double f = m.force(p, eps).value_or(m.k * (1.0 / (2.0 * std::max(p * m.a / m.k, 1e-300)) - eps));
+      // Without a real root the spring is too soft for this point: the force at the turning point.
+      const std::optional<double> root = m.force(p, eps);
+      const double f = root ? *root : m.turningForce(p, eps);
       r[row] = f - force[i];
       if (jacobian == nullptr) continue;
+      if (!root) {
+        jacobian->row(row) = turningSlopes(m, p, eps);
+        continue;
+      }
       // From F = f - p g(eps + f / k) = 0: df = -F_theta / F_f.
       const double x = eps + f / m.k, slope = 2.0 * m.a * x + m.b;
       const double stiffness = f > 0.0 ? 1.0 - p * slope / m.k : kInfinity;
@@ -107,6 +112,15 @@ class PamProblem {
       (*jacobian)(row, 2) = p / stiffness;
       (*jacobian)(row, 3) = std::isfinite(m.k) ? -p * slope * f / (m.k * m.k) / stiffness : 0.0;
     }
+  }
+
+  /// Derivatives of Pam::turningForce by a, b, c, k.
+  Eigen::RowVector4d turningSlopes(const Pam& m, double p, double eps) const {
+    const double half = 1.0 / (2.0 * m.a), by_a = m.k * half / m.a * (m.b - m.k / p);
+    const double by_k = 2.0 * m.k * half / p - eps - m.b * half;
+    // Tied, b = -2a moves with a, and the term of b stays what it is.
+    return options_.tied ? Eigen::RowVector4d(by_a - m.k * m.b * half / m.a, 0.0, 0.0, by_k)
+                         : Eigen::RowVector4d(by_a, -m.k * half, 0.0, by_k);
   }
 
   PamFitOptions options_;

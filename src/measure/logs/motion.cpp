@@ -1,8 +1,8 @@
 #include "simgap/measure/logs/motion.h"
 
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
+#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -25,6 +25,19 @@ std::size_t turningPoint(std::span<const double> velocity, std::size_t from, std
     turn = i;
   }
   return turn;
+}
+
+/// Third divided difference over the four uneven steps from row i, scaled to (-1, 3, -3, 1) for even ones.
+Eigen::Vector4d thirdDifference(std::span<const double> time, std::size_t i, double mean_step) {
+  Eigen::Vector4d row = Eigen::Vector4d::Constant(6.0);
+  for (int k = 0; k < 4; ++k) {
+    for (int j = 0; j < 4; ++j) {
+      if (j != k) row[k] *= mean_step / (time[i + k] - time[i + j]);
+    }
+  }
+  // Rows that come in bursts are nearly one: their differences would outweigh all others by more than digits there are.
+  constexpr double kSteepest = 100.0;  // of even steps: sqrt(20)
+  return row * std::min(1.0, kSteepest / row.norm());
 }
 
 }  // namespace
@@ -67,35 +80,43 @@ MotionSign rawSign(std::span<const double> velocity) {
 }
 
 std::vector<double> smooth(std::span<const double> time, std::span<const double> values, double bandwidth) {
-  const Eigen::Index n = values.size();
+  const std::size_t n = values.size();
   if (n < 4) return {values.begin(), values.end()};
   const double mean_step = (time[n - 1] - time[0]) / static_cast<double>(n - 1);
   // sin instead of its argument: exact for even steps also near the Nyquist frequency.
   const double phase = std::min(std::numbers::pi * bandwidth * mean_step, std::numbers::pi / 2.0);
   const double weight = std::pow(2.0 * std::sin(phase), -6.0);
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(4 * n);
-  for (Eigen::Index i = 0; i + 3 < n; ++i) {
-    // Third divided difference over four uneven steps, scaled to (-1, 3, -3, 1) for even ones.
-    Eigen::Vector4d row = Eigen::Vector4d::Constant(6.0);
-    for (int k = 0; k < 4; ++k) {
-      for (int j = 0; j < 4; ++j) {
-        if (j != k) row[k] *= mean_step / (time[i + k] - time[i + j]);
-      }
+  // (1 + weight D^T D) x = values has seven diagonals. Its factor L diag(d) L^T is made row by row, and L^-1 values
+  // with it: of a long log nothing is held but three numbers a row.
+  std::vector<double> smoothed(n);
+  std::vector<std::array<double, 3>> lower(n);  // row i of L, left of the diagonal: at i - 3, i - 2, i - 1
+  std::array<double, 3> d = {1.0, 1.0, 1.0};    // of the last three rows, oldest first
+  std::array<double, 3> z = {};                 // likewise, of L^-1 values
+  std::array<Eigen::Vector4d, 4> rows;          // of D, that reach this row; row m stands at m % 4
+  rows.fill(Eigen::Vector4d::Zero());
+  for (std::size_t i = 0; i < n; ++i) {
+    rows[i % 4] = i + 3 < n ? thirdDifference(time, i, mean_step) : Eigen::Vector4d(Eigen::Vector4d::Zero());
+    std::array<double, 4> a = {};  // row i of the matrix, at i - 3 … i
+    for (std::size_t m = i < 3 ? 0 : i - 3; m <= i; ++m) {
+      const Eigen::Vector4d& row = rows[m % 4];
+      for (std::size_t k = m; k <= i; ++k) a[3 + k - i] += weight * row[i - m] * row[k - m];
     }
-    // Rows that come in bursts are nearly one: their differences would outweigh all others by more than digits there
-    // are.
-    constexpr double kSteepest = 100.0;  // of even steps: sqrt(20)
-    row *= std::min(1.0, kSteepest / row.norm());
-    for (int k = 0; k < 4; ++k) entries.emplace_back(i, i + k, row[k]);
+    const std::array<double, 3>& before = i > 0 ? lower[i - 1] : lower[0];
+    const double y3 = a[0];
+    const double y2 = a[1] - (i > 1 ? lower[i - 2][2] * y3 : 0.0);
+    const double y1 = a[2] - (i > 0 ? before[1] * y3 + before[2] * y2 : 0.0);
+    std::array<double, 3>& l = lower[i];
+    l = {y3 / d[0], y2 / d[1], y1 / d[2]};
+    const double pivot = 1.0 + a[3] - l[0] * y3 - l[1] * y2 - l[2] * y1;
+    const double forward = values[i] - l[0] * z[0] - l[1] * z[1] - l[2] * z[2];
+    d = {d[1], d[2], pivot};
+    z = {z[1], z[2], forward};
+    smoothed[i] = forward / pivot;
   }
-  Eigen::SparseMatrix<double> difference(n - 3, n);
-  difference.setFromTriplets(entries.begin(), entries.end());
-  Eigen::SparseMatrix<double> normal = weight * Eigen::SparseMatrix<double>(difference.transpose() * difference);
-  for (Eigen::Index i = 0; i < n; ++i) normal.coeffRef(i, i) += 1.0;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>> factor(normal);
-  const Eigen::VectorXd smoothed = factor.solve(Eigen::Map<const Eigen::VectorXd>(values.data(), n));
-  return {smoothed.begin(), smoothed.end()};
+  for (std::size_t i = n; i-- > 0;) {
+    for (std::size_t k = 1; k <= 3 && i + k < n; ++k) smoothed[i] -= lower[i + k][3 - k] * smoothed[i + k];
+  }
+  return smoothed;
 }
 
 std::vector<Block> splitRuns(std::span<const double> time, std::span<const int> session) {

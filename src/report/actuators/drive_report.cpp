@@ -14,13 +14,15 @@ namespace {
 /// The estimates that belong to the kind: a motor's seven, or a gearbox's four.
 Uncertainty partOf(const Uncertainty& all, const std::string& kind) {
   constexpr std::size_t kMotorParameters = 7;
-  return kind == "motor" ? partOf(all, 0, kMotorParameters) : partOf(all, kMotorParameters, all.estimates.size());
+  constexpr std::size_t kDriveParameters = 11;  // what follows are delays of channels
+  return kind == "motor" ? partOf(all, 0, kMotorParameters) : partOf(all, kMotorParameters, kDriveParameters);
 }
 
 std::string responseCsv(const DriveReport& report) {
   const MotorLog& log = report.log;
   const std::vector<double>& theta = report.fit.fit.theta;
-  const DriveResponse response = simulateDrive(log, motorOf(theta), gearboxOf(theta, report.ratio));
+  const DriveResponse response =
+      simulateDrive(log, motorOf(theta), gearboxOf(theta, report.ratio), report.fit.fit.delays);
   std::vector<std::string> header{"time_s", "velocity_simulated_rad_s", "current_simulated_A"};
   if (!log.velocity.empty()) header.emplace_back("velocity_measured_rad_s");
   if (!log.current.empty()) header.emplace_back("current_measured_A");
@@ -73,6 +75,11 @@ FitSummary summarise(const DriveReport& report) {
   for (std::size_t c = 0; c < fit.channels.size(); ++c) {
     summary.facts.emplace_back("simulated " + fit.channels[c].name,
                                channelText(fit.channels[c], judged.channels[c].rms_heldout));
+  }
+  for (const FittedDelay& delay : fit.fitted_delays) {
+    summary.facts.emplace_back(
+        delay.channel, fmt::format("{:.3g} ± {:.2g} ms after {} ({:.2f} rows)", 1e3 * delay.seconds, 1e3 * delay.sd,
+                                   delay.against, delay.rows));
   }
   return summary;
 }

@@ -130,10 +130,12 @@ Json toJson(const Diagnosis& d) {
 
 std::string hypothesesCsv(const Diagnosis& d) {
   CsvWriter csv({"step", "effect", "target", "gain_percent", "gain_lower95_percent", "gain_upper95_percent",
-                 "p_adjusted", "outcome"});
+                 "p_adjusted", "log_odds", "outcome"});
+  const auto number = [](double value) { return std::isfinite(value) ? fmt::format("{}", value) : std::string(); };
   for (const HypothesisRecord& h : d.hypotheses) {
-    csv.add(static_cast<double>(h.step)).add(h.effect).add(h.target).add(100.0 * h.gain_inner.value);
-    csv.add(100.0 * h.gain_inner.lower95).add(100.0 * h.gain_inner.upper95).add(h.p_adjusted).add(h.outcome).endRow();
+    csv.add(static_cast<double>(h.step)).add(h.effect).add(h.target).add(number(100.0 * h.gain_inner.value));
+    csv.add(number(100.0 * h.gain_inner.lower95)).add(number(100.0 * h.gain_inner.upper95)).add(h.p_adjusted);
+    csv.add(h.log_odds ? number(*h.log_odds) : "").add(h.outcome).endRow();
   }
   return csv.text();
 }

@@ -3,9 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "reality/motor_log.h"
+#include "simgap/core/csv.h"
 #include "support/files.h"
 
 namespace simgap::test {
@@ -55,6 +58,53 @@ TEST(MotorFit, RecoversTheTruthFromNoisyLogs) {
   ASSERT_EQ(fit.channels.size(), 2u);
   EXPECT_NEAR(fit.channels[0].rms, 3.0, 0.2);
   EXPECT_NEAR(fit.channels[1].rms, 0.1, 0.01);
+}
+
+TEST(MotorFit, UnitsOfTheColumnsDoNotMatter) {
+  MotorTruth truth;
+  truth.viscous = 0.0;  // its step of differentiation has no size of its own
+  const MotorBenchLog log = simulateMotor(truth, {.seconds = 3.0, .current_noise = 0.05, .velocity_noise = 1.0});
+  const MotorLog si = read(log.csv());
+  CsvWriter other({"time_ms", "voltage_V", "current_mA", "velocity_rpm", "load_torque_mNm", "session"});
+  for (std::size_t k = 0; k < log.time.size(); ++k) {
+    other.add(1e3 * log.time[k]).add(log.voltage[k]).add(1e3 * log.current[k]);
+    other.add(log.velocity[k] * 30.0 / std::numbers::pi).add(1e3 * log.load[k]);
+    other.add(static_cast<double>(log.session[k])).endRow();
+  }
+  const DriveFit one = fitDrive(si, {}), two = fitDrive(read(other.text()), {});
+  const double torque = truth.torque * 1.0, speed = 300.0;  // of 1 A, and usual here
+  for (std::size_t i = 0; i < 7; ++i) {
+    const Estimate &a = one.uncertainty.estimates[i], &b = two.uncertainty.estimates[i];
+    EXPECT_EQ(a.at_bound, b.at_bound) << a.name;
+    EXPECT_NEAR(a.value, b.value, 1e-3 * std::max(a.upper95 - a.lower95, 0.0)) << a.name;
+    EXPECT_NEAR(a.upper95, b.upper95, 1e-2 * (a.upper95 - a.lower95)) << a.name;
+    if (a.name == "mu_M") {
+      EXPECT_LT(a.upper95, 0.01 * torque / speed);
+      EXPECT_GT(a.upper95, 0.0);
+    }
+  }
+}
+
+TEST(MotorFit, ALateVoltageIsFoundAndDoesNoHarm) {
+  const MotorTruth truth;
+  const MotorDesign design{.seconds = 3.0, .current_noise = 0.02, .velocity_noise = 1.0, .voltage_late = 1.0};
+  const DriveFit fit = fitDrive(read(simulateMotor(truth, design).csv()), {});
+  expectMotor(fit, truth, 0.01);
+  ASSERT_EQ(fit.fitted_delays.size(), 2u);
+  EXPECT_EQ(fit.fitted_delays[0].channel, "voltage_V");
+  EXPECT_NEAR(fit.fitted_delays[0].seconds, 1.0 / design.rate, 0.05 / design.rate);
+  EXPECT_THAT(fit.warnings, Contains(HasSubstr("voltage_V comes 1")));
+  EXPECT_LE(fit.uncertainty.n_effective, static_cast<double>(fit.rows));
+}
+
+TEST(MotorFit, RowsThatAreHeldOutDoNotCount) {
+  const MotorBenchLog log = simulateMotor({}, {.seconds = 3.0, .current_noise = 0.05, .velocity_noise = 1.0});
+  const MotorLog read_log = read(log.csv());
+  std::vector<bool> held(read_log.rows(), false);
+  std::fill(held.begin(), held.begin() + 1500, true);
+  const DriveFit fit = fitDrive(read_log, {}, held);
+  EXPECT_EQ(fit.rows, read_log.rows() - 1500);
+  EXPECT_LE(fit.uncertainty.n_effective, static_cast<double>(fit.rows));
 }
 
 TEST(MotorFit, ListsWhatALogWithoutAChannelCannotShow) {

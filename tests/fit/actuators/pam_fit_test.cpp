@@ -53,6 +53,33 @@ TEST(Pam, ClosedFormIsTheRootOfTheImplicitEquation) {
   }
 }
 
+/// Where the spring is too soft no force solves f = p g(eps + f / k): the excess has its extremum at the turning point.
+TEST(Pam, TurningForceIsWhereTheEquationComesNearest) {
+  const Pam muscle{kA, kB, 0.08, 4000.0, -10.0, 10.0};
+  const double p = 6e5, eps = -0.05;
+  ASSERT_FALSE(muscle.force(p, eps).has_value());
+  const auto excess = [&](double f) { return p * muscle.area(eps + f / muscle.k) - f; };
+  const double turn = muscle.turningForce(p, eps), h = 1e-3 * std::abs(turn);
+  EXPECT_NEAR((excess(turn + h) - excess(turn - h)) / (2.0 * h), 0.0, 1e-9);
+  EXPECT_GT(excess(turn + h), excess(turn));
+  EXPECT_GT(excess(turn - h), excess(turn));
+  EXPECT_GT(excess(turn), 0.0);  // no root
+}
+
+/// Stiff enough for a root by a hair, the force is the turning force.
+TEST(Pam, ForceGoesOverIntoTheTurningForce) {
+  Pam muscle{kA, kB, 0.08, 1e3, -10.0, 10.0};
+  const double p = 6e5, eps = -0.05;
+  double soft = 1e3, stiff = 1e6;
+  ASSERT_FALSE(muscle.force(p, eps).has_value());
+  for (int i = 0; i < 200; ++i) {
+    muscle.k = 0.5 * (soft + stiff);
+    (muscle.force(p, eps) ? stiff : soft) = muscle.k;
+  }
+  muscle.k = stiff;
+  EXPECT_NEAR(muscle.force(p, eps).value(), muscle.turningForce(p, eps), 1e-4 * muscle.turningForce(p, eps));
+}
+
 TEST(Pam, PressureInvertsForce) {
   const Pam muscle{kA, kB, kC, kSpring, -0.1, 0.9};
   for (const double p : {1e5, 6e5}) {

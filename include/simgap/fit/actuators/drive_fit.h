@@ -6,8 +6,12 @@
 ///
 ///     L di/dt = V - R i - K_E w           J dw/dt = N eta K_T i - b w - c sign(w) - T
 ///     J = N eta J_M + J_G / N,  b = N eta mu_M + mu_G / N,  c = N eta tau_CM + tau_CG
+///
+/// Channels are seldom sampled at one instant: how late voltage and current are against the velocity is fitted, too.
+/// Taken as 0, half a sample moves inertia and inductance by many times their standard deviation.
 #pragma once
 
+#include <Eigen/Core>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,6 +29,8 @@ struct DriveFitOptions {
   bool fit_motor = true;  ///< its parameters are free
   bool fit_gearbox = false;
   Motor motor;         ///< known values when it is not fitted
+  /// Of R, L, K_E, K_T, J_M, mu_M and tau_CM when the motor is not fitted; empty when it is not known.
+  Eigen::MatrixXd motor_covariance;
   double ratio = 1.0;  ///< N
   std::map<std::string, double> fixed;
   std::map<std::string, Bounds> bounds;
@@ -41,12 +47,29 @@ struct DriveChannel {
   double spread = 0.0;  ///< standard deviation of the measurement
 };
 
+/// How late channels are against the velocity (the voltage against the current, where there is no velocity), in rows.
+struct DriveDelays {
+  double input = 0.0;    ///< of the voltage, or of the current where it drives
+  double current = 0.0;  ///< of the measured current, where the voltage drives
+};
+
+/// A delay that was fitted.
+struct FittedDelay {
+  std::string channel;  ///< "voltage_V"
+  std::string against;  ///< "velocity_rad_s"
+  double seconds = 0.0, sd = 0.0;
+  double rows = 0.0;  ///< the same in steps of the log
+};
+
 struct DriveFit {
   std::vector<double> first_guess;  ///< shape (P)
-  std::vector<double> theta;        ///< shape (P): R, L, K_E, K_T, J_M, mu_M, tau_CM, eta, tau_CG, mu_G, J_G
+  /// Shape (P): R, L, K_E, K_T, J_M, mu_M, tau_CM, eta, tau_CG, mu_G, J_G, and the delays of voltage and current [s].
+  std::vector<double> theta;
   Uncertainty uncertainty;
   std::vector<DriveChannel> channels;
-  std::size_t rows = 0;
+  DriveDelays delays;
+  std::vector<FittedDelay> fitted_delays;
+  std::size_t rows = 0;  ///< that the fit saw
   std::size_t starts = 0, distinct_minima = 0;
   std::vector<std::string> warnings;  ///< what could not be found, and why; its estimates are NaN
 };
@@ -59,7 +82,8 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& options, const std
 struct DriveResponse {
   std::vector<double> current, velocity;  ///< shape (rows) [A], [rad/s] of the motor
 };
-DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox);
+DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox,
+                            const DriveDelays& delays = {});
 
 Motor motorOf(std::span<const double> theta);
 Gearbox gearboxOf(std::span<const double> theta, double ratio);

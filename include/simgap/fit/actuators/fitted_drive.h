@@ -31,4 +31,8 @@ JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, 
 Motor motorFrom(const FittedModel& model);
 Gearbox gearboxFrom(const FittedModel& model);
 
+/// Of a fitted motor's R, L, K_E, K_T, J_M, mu_M and tau_CM: as the model states it, else from the standard deviations;
+/// empty when it states neither. The model has to be one that motorFrom takes.
+Eigen::MatrixXd motorCovarianceFrom(const FittedModel& model);
+
 }  // namespace simgap

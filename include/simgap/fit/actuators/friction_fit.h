@@ -62,6 +62,7 @@ LeastSquaresProblem makeFrictionProblem(const FrictionLaw& law, const FrictionDa
 
 /// Searches the whole box of (v_s, delta), solves for the rest, polishes on all rows.
 /// \throws DataError: fewer rows than parameters, k_a or load-dependent terms that the log cannot determine;
+///         NumericsError: a channel of the wrong sign, a parameter without a bound;
 ///         ConfigError: a fixed or bounded parameter the law does not have.
 FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const FrictionFitOptions& options);
 

@@ -39,6 +39,12 @@ struct Pam {
     return inRange(contraction, f) ? std::optional(f) : std::nullopt;
   }
 
+  /// Where no force solves the equation, because the spring is too soft: the force at which p g(eps + f / k) comes
+  /// nearest to f, the vertex of the quadratic. Needs a finite k and p a > 0.
+  double turningForce(double pressure, double contraction) const noexcept {
+    return k * (k / (2.0 * pressure * a) - contraction - b / (2.0 * a));
+  }
+
   /// Pressure [Pa] for a force >= 0 [N] at an apparent contraction (002 eq. 17). Empty outside the contraction range,
   /// and where no pressure gives the force.
   std::optional<double> pressure(double force, double contraction) const noexcept {

@@ -176,15 +176,19 @@ void addHypotheses(const ResultFiles& files, Page& page) {
   const auto outcome = table.text("outcome");
   const auto gain = numbersOf(table, "gain_percent"), p = numbersOf(table, "p_adjusted");
   const auto lower = numbersOf(table, "gain_lower95_percent"), upper = numbersOf(table, "gain_upper95_percent");
+  const bool has_odds = std::ranges::find(table.columns(), "log_odds") != table.columns().end();
+  const auto odds = has_odds ? numbersOf(table, "log_odds") : std::vector<double>(step.size(), std::nan(""));
+  const bool by_odds = std::ranges::any_of(odds, [](double value) { return std::isfinite(value); });
   std::vector<IntervalRow> rivals;
   Table record{"All steps", {"hypothesis", "step", "gain [%]", "p (adjusted)", "outcome"}, {}, true};
   for (std::size_t i = 0; i < step.size(); ++i) {
     const std::string name = effect[i] + (target[i].empty() ? "" : " of " + target[i]);
     record.rows.push_back({name, step[i], numberText(numberOrNull(gain[i]), "{:.2f}"),
                            numberText(numberOrNull(p[i]), "{:.2g}"), outcome[i]});
-    if (step[i] != step.front() || !std::isfinite(gain[i])) continue;
-    const bool accepted = outcome[i] == "accepted", ambiguous = outcome[i] == "ambiguous";
-    rivals.push_back({name, gain[i], lower[i], upper[i],
+    const double value = by_odds ? odds[i] : gain[i];
+    if (step[i] != step.front() || !std::isfinite(value)) continue;
+    const bool accepted = outcome[i].starts_with("accepted"), ambiguous = outcome[i] == "ambiguous";
+    rivals.push_back({name, value, by_odds ? value : lower[i], by_odds ? value : upper[i],
                       accepted    ? "accepted"
                       : ambiguous ? "ambiguous"
                                   : "rejected",
@@ -197,7 +201,9 @@ void addHypotheses(const ResultFiles& files, Page& page) {
   rivals.resize(std::min(count, kMost));
   page.addSection("What was tested");
   if (!rivals.empty()) {
-    Chart chart = intervalChart("Rivals of the first step, best first", {"gain on blocks not fitted [%]"}, rivals);
+    Chart chart =
+        intervalChart("Rivals of the first step, best first",
+                      {by_odds ? "log odds against the model without it" : "gain on blocks not fitted [%]"}, rivals);
     if (count > kMost) chart.note = fmt::format("The {} best of {}.", kMost, count);
     chart.wide = true;
     page.add(std::move(chart));
