@@ -1,27 +1,38 @@
 #include "simgap/cli/session.h"
 
 #include <fmt/format.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/sinks/basic_file_sink.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <charconv>
 #include <iostream>
+#include <iterator>
 #include <limits>
+#include <mutex>
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/text.h"
 #include "simgap/core/units.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap {
 namespace {
 
+/// Warnings on lines of their own, whatever progress the terminal shows.
+class SentenceSink : public spdlog::sinks::base_sink<std::mutex> {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    printSentence({message.payload.data(), message.payload.size()});
+  }
+  void flush_() override {}
+};
+
 /// stderr for people, log.txt (none while `file` is empty) for later; stdout is for results only.
 void openLog(const CommonOptions& options, const std::filesystem::path& file = {}) {
-  auto terminal = std::make_shared<spdlog::sinks::stderr_sink_mt>();
-  terminal->set_pattern("%v");
+  auto terminal = std::make_shared<SentenceSink>();
   terminal->set_level(options.quiet     ? spdlog::level::warn
                       : options.verbose ? spdlog::level::debug
                                         : spdlog::level::info);
@@ -43,6 +54,14 @@ std::string seedProblem(const std::string& text) {
   const auto [stop, error] = std::from_chars(text.data(), end, value);
   if (error == std::errc() && stop == end) return {};
   return fmt::format("found {}, expected an integer from 0 to {}", text, std::numeric_limits<std::uint64_t>::max());
+}
+
+/// Of a file, or of standard input for "-", which can be read once.
+std::string contentOf(const std::filesystem::path& file) {
+  if (file != "-") return readFile(file);
+  std::string content{std::istreambuf_iterator<char>(std::cin), {}};
+  if (content.empty()) throw ConfigError("-: found nothing on standard input, expected a file there");
+  return content;
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -67,8 +86,7 @@ void CommonOptions::add(CLI::App& app) {
 
 void TableOptions::add(CLI::App& app) {
   app.add_option("--map", map,
-                 "canonical=column: a column that has another name in the file; canonical=column*-0.001 multiplies it, "
-                 "too; may be repeated")
+                 "a column that has another name in the file; *-0.001 multiplies it, too; may be repeated")
       ->type_name("NAME=COLUMN[*FACTOR]")
       ->allow_extra_args(false);  // what follows is the next argument, not the next entry
   app.add_flag("--skip-bad-rows", skip_bad_rows,
@@ -110,6 +128,7 @@ Session::Session(std::string command, const CommonOptions& options, const std::v
     threads_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options_.threads));
   }
   openLog(options_);  // the inputs are read before there is a log.txt
+  activity_.emplace(command_, 0, options_.quiet);
 }
 
 Session::~Session() {
@@ -117,7 +136,7 @@ Session::~Session() {
 }
 
 const Input& Session::read(const std::string& role, const std::filesystem::path& file) {
-  Input input{role, file, readFile(file), ""};
+  Input input{role, file, contentOf(file), ""};
   input.sha256 = sha256(input.content);
   return inputs_.emplace_back(std::move(input));
 }
@@ -125,7 +144,7 @@ const Input& Session::read(const std::string& role, const std::filesystem::path&
 const Input& Session::input(const std::string& role) const { return *std::ranges::find(inputs_, role, &Input::role); }
 
 CsvTable Session::readTable(const std::string& role, const std::filesystem::path& file, const CsvOptions& options) {
-  std::string content = readFile(file);
+  std::string content = contentOf(file);
   inputs_.push_back({role, file, "", sha256(content)});
   return CsvTable::parse(std::move(content), file.string(), options);
 }
@@ -155,11 +174,17 @@ void Session::finish(const Json& result, const std::string& table, const std::st
   directory_->write("result.json", result);
   abandon(status);
   const std::filesystem::path report = writeReport(*directory_);
+  activity_.reset();
   if (options_.json) {
     std::cout << toText(result) << std::flush;
   } else {
-    std::cout << table << "report: " << report.string() << std::endl;
+    std::cout << wrapped(table) << "report: " << report.string() << std::endl;
   }
+}
+
+void Session::print(const std::string& text) {
+  activity_.reset();
+  std::cout << wrapped(text) << std::flush;
 }
 
 void Session::abandon(const std::string& status) {

@@ -223,6 +223,7 @@ void RunRecord::addEarlier(const Json& record) {
 void RunRecord::write(const RunDirectory& directory, std::string_view status) {
   json_["duration_s"] = steadySeconds() - start_s_;
   json_["status"] = status;
+  json_["directory"] = directory.path().string();
   directory.write(kRunFile, json_);
 }
 
