@@ -2,6 +2,8 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
+
 #include "cli/fit_options.h"
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
@@ -63,13 +65,14 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   }
   session.begin(diagnose.seed);
   session.directory().write("config.resolved.yaml", resolvedOptions(app));
-  Progress progress("diagnose: %", 100, options.common.quiet);
+  std::optional<Progress> progress(std::in_place, "diagnose: %", 100, options.common.quiet);
   const LogDiagnosis result = diagnoseLog(subject, log, diagnose, [&](const std::string& what, double done) {
-    progress.update(static_cast<std::size_t>(100.0 * done), what);
+    progress->update(static_cast<std::size_t>(100.0 * done), what);
   });
   const Input& file = session.input("log");
   writeLogDiagnosis(result, given, subject, log, {file.file.filename().string(), file.sha256, result.diagnosis.samples},
                     session.directory());
+  progress.reset();  // the result stands below its line
   finish(result.diagnosis, session);
   return ExitCode::kDone;
 }
@@ -105,16 +108,17 @@ ExitCode runPoses(const Options& options, Session& session) {
   }
   session.begin(diagnose.seed);
   session.directory().write("config.resolved.yaml", config.toYaml());
-  Progress progress("diagnose: %", 100, options.common.quiet);
+  std::optional<Progress> progress(std::in_place, "diagnose: %", 100, options.common.quiet);
   const PoseDiagnosis result = diagnosePoses(
       model, set, config.parameters, config.noise, diagnose,
-      [&](const std::string& what, double done) { progress.update(static_cast<std::size_t>(100.0 * done), what); });
+      [&](const std::string& what, double done) { progress->update(static_cast<std::size_t>(100.0 * done), what); });
   writePoseDiagnosis(result, session.directory());
   const std::unique_ptr<Evaluator> evaluator = makeEvaluator("equilibrium", {});
   const Assessment before = replayAll(*evaluator, model, set), after = replayAll(*evaluator, result.model, set);
   const ReplayedSet replays[] = {{"all", "given", model, set, before.outcomes},
                                  {"all", "with the causes", result.model, set, after.outcomes}};
   writeArmGeometry(replays, session.directory());
+  progress.reset();  // the result stands below its line
   finish(result.diagnosis, session);
   return ExitCode::kDone;
 }
