@@ -55,7 +55,8 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   report.log_file = options.log;
   report.log_sha256 = session.input("log").sha256;
   if (options.common.dry_run) {
-    fmt::print("would fit a {} to {} rows of {}; nothing was written\n", kind, report.log.rows(), options.log);
+    session.print(
+        fmt::format("would fit a {} to {} rows of {}; nothing was written\n", kind, report.log.rows(), options.log));
     return ExitCode::kDone;
   }
   report.fit = fitAndJudge(report.log, drive, holdout, options.fit.block_s);

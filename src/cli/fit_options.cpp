@@ -71,7 +71,8 @@ ExitCode runRefit(const RefitOptions& options, Session& session, const CLI::App&
   PreparedLog log = prepareLog(table, options.bench, subject.base.kind);
   std::ranges::copy(file_rows.summary(), std::back_inserter(log.warnings));
   if (session.options().dry_run) {
-    fmt::print("would fit {} to {} rows of {}; nothing was written\n", options.model, table.rows(), options.log);
+    session.print(
+        fmt::format("would fit {} to {} rows of {}; nothing was written\n", options.model, table.rows(), options.log));
     return ExitCode::kDone;
   }
   const LogRefit refit = refitLog(subject, log);

@@ -11,21 +11,28 @@
 #include <mutex>
 
 #include "simgap/core/error.h"
+#include "simgap/core/progress.h"
 #include "simgap/core/text.h"
 
 namespace simgap {
 namespace {
 
-/// Lines without control characters, whatever names in files hold.
-class DescriptorSink : public spdlog::sinks::base_sink<std::mutex> {
- public:
-  /// \param name  for the message that it cannot be written; empty: nobody would see that message
-  DescriptorSink(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
-  ~DescriptorSink() override {
-    if (descriptor_ != STDERR_FILENO) ::close(descriptor_);
+/// Sentences for people on lines of their own, whatever progress the terminal shows and whatever names in files hold.
+class TerminalSink : public spdlog::sinks::base_sink<std::mutex> {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    printSentence(printable({message.payload.data(), message.payload.size()}));
   }
-  DescriptorSink(const DescriptorSink&) = delete;
-  DescriptorSink& operator=(const DescriptorSink&) = delete;
+  void flush_() override {}
+};
+
+/// Lines without control characters in a file.
+class FileSink : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  FileSink(int descriptor, std::string name) : descriptor_(descriptor), name_(std::move(name)) {}
+  ~FileSink() override { ::close(descriptor_); }
+  FileSink(const FileSink&) = delete;
+  FileSink& operator=(const FileSink&) = delete;
 
  protected:
   void sink_it_(const spdlog::details::log_msg& message) override {
@@ -45,7 +52,7 @@ class DescriptorSink : public spdlog::sinks::base_sink<std::mutex> {
  private:
   void sayFailure(int error) {
     failed_ = true;
-    if (!name_.empty()) fmt::print(stderr, "{}: cannot be written: {}\n", printable(name_), std::strerror(error));
+    printSentence(fmt::format("{}: cannot be written: {}", printable(name_), std::strerror(error)));
   }
 
   int descriptor_;
@@ -63,14 +70,13 @@ int openFile(const std::filesystem::path& file) {
 }  // namespace
 
 void openLog(const CommonOptions& options, const std::filesystem::path& file) {
-  auto terminal = std::make_shared<DescriptorSink>(STDERR_FILENO, "");
-  terminal->set_pattern("%v");
+  auto terminal = std::make_shared<TerminalSink>();
   terminal->set_level(options.quiet     ? spdlog::level::warn
                       : options.verbose ? spdlog::level::debug
                                         : spdlog::level::info);
   std::vector<spdlog::sink_ptr> sinks{terminal};
   if (!file.empty()) {
-    sinks.push_back(std::make_shared<DescriptorSink>(openFile(file), file.string()));
+    sinks.push_back(std::make_shared<FileSink>(openFile(file), file.string()));
     sinks.back()->set_level(spdlog::level::debug);
   }
   auto logger = std::make_shared<spdlog::logger>("simgap", sinks.begin(), sinks.end());

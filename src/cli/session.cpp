@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <limits>
+#include <mutex>
 
 #include "log.h"
 #include "simgap/core/error.h"
@@ -36,6 +37,14 @@ void printResult(std::string_view text) {
   if (!written) throw ConfigError(fmt::format("the standard output cannot be written: {}", std::strerror(errno)));
 }
 
+/// Of a file, or of standard input for "-", which can be read once.
+std::string contentOf(const std::filesystem::path& file) {
+  if (file != "-") return readFile(file);
+  std::string content = readFile("/dev/stdin");
+  if (content.empty()) throw ConfigError("-: found nothing on standard input, expected a file there");
+  return content;
+}
+
 std::string join(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
@@ -58,8 +67,7 @@ void CommonOptions::add(CLI::App& app) {
 
 void TableOptions::add(CLI::App& app) {
   app.add_option("--map", map,
-                 "canonical=column: a column that has another name in the file; canonical=column*-0.001 multiplies it, "
-                 "too; may be repeated")
+                 "a column that has another name in the file; *-0.001 multiplies it, too; may be repeated")
       ->type_name("NAME=COLUMN[*FACTOR]")
       ->allow_extra_args(false);  // what follows is the next argument, not the next entry
   app.add_flag("--skip-bad-rows", skip_bad_rows,
@@ -101,6 +109,7 @@ Session::Session(std::string command, const CommonOptions& options, const std::v
     threads_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(options_.threads));
   }
   openLog(options_);  // the inputs are read before there is a log.txt
+  activity_.emplace(command_, 0, options_.quiet);
 }
 
 Session::~Session() {
@@ -113,7 +122,7 @@ Session::~Session() {
 }
 
 const Input& Session::read(const std::string& role, const std::filesystem::path& file) {
-  Input input{role, file, readFile(file), ""};
+  Input input{role, file, contentOf(file), ""};
   input.sha256 = sha256(input.content);
   return inputs_.emplace_back(std::move(input));
 }
@@ -121,7 +130,7 @@ const Input& Session::read(const std::string& role, const std::filesystem::path&
 const Input& Session::input(const std::string& role) const { return *std::ranges::find(inputs_, role, &Input::role); }
 
 CsvTable Session::readTable(const std::string& role, const std::filesystem::path& file, const CsvOptions& options) {
-  std::string content = readFile(file);
+  std::string content = contentOf(file);
   inputs_.push_back({role, file, "", sha256(content)});
   return CsvTable::parse(std::move(content), file.string(), options);
 }
@@ -151,10 +160,17 @@ void Session::finish(const Json& result, const std::string& table, const std::st
   directory_->write("result.json", result);
   run_->end(status);
   const std::filesystem::path report = writeReport(*directory_, run_->json());
+  activity_.reset();
   printResult(options_.json ? toText(result)
-                            : printable(fmt::format("{}report: {}\n", table, report.string()), /*keep_lines=*/true));
+                            : printable(fmt::format("{}report: {}\n", wrapped(table), report.string()),
+                                        /*keep_lines=*/true));
   run_->write(*directory_);  // last: a run is done when everything is there and somebody has been told
   ended_ = true;
+}
+
+void Session::print(const std::string& text) {
+  activity_.reset();
+  printResult(printable(wrapped(text), /*keep_lines=*/true));
 }
 
 void Session::abandon(const std::string& status) {

@@ -40,6 +40,10 @@ void requireHeaders(const std::vector<std::string>& headers, const std::string& 
   }
 }
 
+std::string didYouMean(const std::string& nearest) {
+  return nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest);
+}
+
 std::vector<std::string> renamed(const std::vector<std::string>& headers,
                                  const std::map<std::string, std::string>& rename, const std::string& name) {
   std::vector<std::string> result = headers;
@@ -48,8 +52,8 @@ std::vector<std::string> renamed(const std::vector<std::string>& headers,
     const auto found = std::ranges::find(headers, column);
     if (found == headers.end()) {
       failInCsv(name, kHeaderLine,
-                fmt::format("found no column {} to read as {}, expected one of {}", column, canonical,
-                            fmt::join(headers, ", ")));
+                fmt::format("found no column {} to read as {}, expected one of {}{}", column, canonical,
+                            fmt::join(headers, ", "), didYouMean(nearestName(column, headers))));
     }
     const auto index = static_cast<std::size_t>(found - headers.begin());
     if (taken[index]) {
@@ -361,9 +365,11 @@ void CsvTable::failMissing(std::string_view stem, std::string_view unit) const {
   std::vector<std::string> spellings;
   for (const std::string& suffix : unitsLike(unit)) spellings.push_back(quantityName(stem, suffix));
   if (spellings.empty()) spellings.emplace_back(stem);
-  failInCsv(
-      name_, kHeaderLine,
-      fmt::format("found no column {}, expected it among {}", fmt::join(spellings, " or "), fmt::join(headers_, ", ")));
+  std::string nearest;
+  for (std::size_t i = 0; i < spellings.size() && nearest.empty(); ++i) nearest = nearestName(spellings[i], headers_);
+  failInCsv(name_, kHeaderLine,
+            fmt::format("found no column {}, expected it among {}{}", fmt::join(spellings, " or "),
+                        fmt::join(headers_, ", "), didYouMean(nearest)));
 }
 
 void CsvTable::failCell(std::size_t row, std::size_t column) const {

@@ -4,6 +4,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -18,21 +19,26 @@ using std::chrono::milliseconds;
 constexpr milliseconds kQuietStart{1000};
 constexpr milliseconds kTerminalInterval{100};
 constexpr milliseconds kLogInterval{5000};
+constexpr milliseconds kMovingInterval{1000};
+
+/// What stderr shows; several threads draw on it.
+struct Screen {
+  std::mutex mutex;
+  Progress* shown = nullptr;  ///< the newest that is at work
+};
+Screen& screen() {
+  static Screen instance;
+  return instance;
+}
 
 std::size_t terminalWidth() {
   struct winsize size = {};
   const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-  return known ? size.ws_col : 80;
+  return known ? size.ws_col : kTextWidth;
 }
 
-/// The first `characters` of a UTF-8 text, not cut inside a character.
-std::string_view firstCharacters(std::string_view text, std::size_t characters) {
-  std::size_t seen = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool begins_character = (static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U;
-    if (begins_character && seen++ == characters) return text.substr(0, i);
-  }
-  return text;
+double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
 }
 
 }  // namespace
@@ -45,39 +51,84 @@ std::string formatDuration(double seconds) {
   return fmt::format("{} h {:02} min", total / 3600, total % 3600 / 60);
 }
 
+void printSentence(std::string_view sentence) {
+  const std::lock_guard lock(screen().mutex);
+  const bool terminal = isatty(STDERR_FILENO) == 1;
+  Progress* const shown = screen().shown;
+  const bool covered = shown != nullptr && shown->line_open_;
+  if (covered) std::fputs("\r\x1b[K", stderr);
+  fmt::print(stderr, "{}\n", terminal ? wrapped(sentence, terminalWidth()) : std::string(sentence));
+  if (covered) shown->draw(Progress::Clock::now());
+  std::fflush(stderr);
+}
+
 Progress::Progress(std::string label, std::size_t total, bool quiet)
-    : label_(std::move(label)), total_(total), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {}
+    : label_(std::move(label)), total_(total), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {
+  const std::lock_guard lock(screen().mutex);
+  below_ = std::exchange(screen().shown, this);
+  if (terminal_ && !quiet_) mover_ = std::jthread([this](const std::stop_token& stop) { keepMoving(stop); });
+}
 
 Progress::~Progress() {
-  if (line_open_) std::fputs("\n", stderr);
+  mover_.request_stop();
+  if (mover_.joinable()) mover_.join();
+  const std::lock_guard lock(screen().mutex);
+  Progress** place = &screen().shown;
+  while (*place != nullptr && *place != this) place = &(*place)->below_;
+  if (*place == this) *place = below_;
+  if (line_open_) std::fputs(total_ > 0 ? "\n" : "\r\x1b[K", stderr);
+  std::fflush(stderr);
+}
+
+std::string Progress::line(Clock::time_point now) const {
+  std::string text = total_ > 0 ? fmt::format("{} {}/{}", label_, done_, total_) : label_;
+  const double elapsed = secondsBetween(start_, now);
+  const bool estimated = done_ > first_ && done_ < total_;
+  const double left = estimated ? secondsBetween(start_, last_news_) * static_cast<double>(total_ - done_) /
+                                          static_cast<double>(done_ - first_) -
+                                      secondsBetween(last_news_, now)
+                                : 0.0;
+  if (left > 0.0) {
+    text += fmt::format(", {} left", formatDuration(left));
+  } else if (total_ == 0 || done_ < total_) {
+    text += fmt::format(", {} so far", formatDuration(elapsed));
+  }
+  if (!detail_.empty()) text += ", " + detail_;
+  return printable(text);  // it names joints, and a file may call them anything
+}
+
+void Progress::draw(Clock::time_point now) {
+  last_print_ = now;
+  if (terminal_) {
+    // One column stays free, because some terminals wrap when the last one is written. ESC [K clears a longer old line.
+    fmt::print(stderr, "\r{}\x1b[K", firstCharacters(line(now), terminalWidth() - 1));
+    line_open_ = true;
+  } else {
+    fmt::print(stderr, "{}\n", line(now));
+  }
+  std::fflush(stderr);
+}
+
+void Progress::keepMoving(std::stop_token stop) {
+  std::unique_lock lock(screen().mutex);
+  while (!stop.stop_requested()) {
+    ended_.wait_for(lock, stop, kMovingInterval, [] { return false; });
+    const Clock::time_point now = Clock::now();
+    if (!stop.stop_requested() && screen().shown == this && now - last_print_ >= kMovingInterval) draw(now);
+  }
 }
 
 void Progress::update(std::size_t done, std::string_view detail) {
   if (quiet_) return;
+  const std::lock_guard lock(screen().mutex);
   const Clock::time_point now = Clock::now();
+  done_ = done;
+  detail_ = detail;
+  last_news_ = now;
   const bool due = now - start_ >= kQuietStart && now - last_print_ >= (terminal_ ? kTerminalInterval : kLogInterval);
   // A line that stays on the screen must not end short of the last unit of work.
   const bool completes = line_open_ && done >= total_;
-  if (!due && !completes) return;
-  last_print_ = now;
-
-  std::string line = fmt::format("{} {}/{}", label_, done, total_);
-  if (done > first_ && done < total_) {
-    const double elapsed = std::chrono::duration<double>(now - start_).count();
-    const double left = elapsed * static_cast<double>(total_ - done) / static_cast<double>(done - first_);
-    line += fmt::format(", {} left", formatDuration(left));
-  }
-  if (!detail.empty()) line += fmt::format(", {}", detail);
-  line = printable(line);  // it names joints, and a file may call them anything
-
-  if (terminal_) {
-    // One column stays free, because some terminals wrap when the last one is written. ESC [K clears a longer old line.
-    fmt::print(stderr, "\r{}\x1b[K", firstCharacters(line, terminalWidth() - 1));
-    line_open_ = true;
-  } else {
-    fmt::print(stderr, "{}\n", line);
-  }
-  std::fflush(stderr);
+  if (due || completes) draw(now);
 }
 
 }  // namespace simgap

@@ -200,6 +200,10 @@ void RunRecord::end(std::string_view status) {
   json_["status"] = status;
 }
 
-void RunRecord::write(const RunDirectory& directory) const { directory.write(kRunFile, json_); }
+void RunRecord::write(const RunDirectory& directory) const {
+  Json json = json_;
+  json["directory"] = directory.path().string();
+  directory.write(kRunFile, json);
+}
 
 }  // namespace simgap

@@ -4,10 +4,76 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <sstream>
 
 #include "simgap/core/csv.h"
+#include "simgap/core/text.h"
 
 namespace simgap {
+namespace {
+
+constexpr std::size_t kGap = 2;  ///< between columns
+
+/// Per column the largest `width` of its cells.
+std::vector<std::size_t> columnWidths(const std::vector<std::vector<std::string>>& rows,
+                                      std::size_t (*width)(std::string_view)) {
+  std::vector<std::size_t> widths(1);
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], width(row[c]));
+  }
+  return widths;
+}
+
+std::size_t widestWord(std::string_view cell) {
+  const std::vector<std::string> words = wordLines(cell, 0);
+  std::size_t widest = 0;
+  for (const std::string& word : words) widest = std::max(widest, textWidth(word));
+  return widest;
+}
+
+/// Takes from the widest column, as long as its words allow it, until all fit into a line.
+void narrow(std::vector<std::size_t>& widths, const std::vector<std::size_t>& least) {
+  std::size_t total = kGap * (widths.size() - 1);
+  for (const std::size_t width : widths) total += width;
+  for (; total > kTextWidth; --total) {
+    std::size_t widest = widths.size();
+    for (std::size_t c = 0; c < widths.size(); ++c) {
+      if (widths[c] > least[c] && (widest == widths.size() || widths[c] > widths[widest])) widest = c;
+    }
+    if (widest == widths.size()) return;
+    --widths[widest];
+  }
+}
+
+/// The first column, to the left, and columns from `begin` to `end`, to the right; cells take as many lines as they
+/// need.
+std::string tableRow(const std::vector<std::string>& row, const std::vector<std::size_t>& widths, std::size_t begin,
+                     std::size_t end) {
+  std::vector<std::vector<std::string>> cells(row.size());
+  std::size_t lines = 1;
+  for (std::size_t c = 0; c < row.size(); ++c) {
+    const bool fits = textWidth(row[c]) <= widths[c];
+    cells[c] = fits ? std::vector{row[c]} : wordLines(row[c], widths[c]);
+    if (c == 0 || (c >= begin && c < end)) lines = std::max(lines, cells[c].size());
+  }
+  const auto cell = [&](std::size_t c, std::size_t l) { return l < cells[c].size() ? cells[c][l] : std::string(); };
+  const auto blanks = [&](std::size_t c, const std::string& part) {
+    return std::string(widths[c] - std::min(widths[c], textWidth(part)), ' ');
+  };
+  std::string text;
+  for (std::size_t l = 0; l < lines; ++l) {
+    std::string line = cell(0, l) + blanks(0, cell(0, l));
+    for (std::size_t c = begin; c < std::min(end, row.size()); ++c) {
+      line += std::string(kGap, ' ') + blanks(c, cell(c, l)) + cell(c, l);
+    }
+    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
 
 double numberOf(const Json& json) { return json.is_number() ? json.get<double>() : std::nan(""); }
 
@@ -17,19 +83,39 @@ std::string numberText(const Json& json, const char* format) {
 }
 
 std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-  }
+  std::vector<std::size_t> widths = columnWidths(rows, textWidth);
+  narrow(widths, columnWidths(rows, widestWord));
   std::string text;
-  for (const auto& row : rows) {
-    std::string line = fmt::format("{:<{}}", row.front(), widths[0]);
-    for (std::size_t c = 1; c < row.size(); ++c) line += fmt::format("  {:>{}}", row[c], widths[c]);
-    text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
+  for (std::size_t begin = 1, end = 0; end < widths.size(); begin = end) {
+    std::size_t width = widths[0];
+    for (end = begin; end < widths.size() && (end == begin || width + kGap + widths[end] <= kTextWidth); ++end) {
+      width += kGap + widths[end];
+    }
+    if (!text.empty()) text += "\n";
+    for (const auto& row : rows) text += tableRow(row, widths, begin, end);
   }
   return text;
 }
+
+std::string unitTitle(const std::string& unit) {
+  static const std::map<std::string, std::string> kTokens = {{"Nm", "N m"}, {"Nms", "N m s"}, {"Ns", "N s"},
+                                                             {"Vs", "V s"}, {"ohm", "Ω"},     {"degC", "°C"}};
+  static const std::map<std::string, std::string> kProducts = {
+      {"kg_m2", "kg m²"}, {"V_s_rad", "V s/rad"}, {"A_s_rad", "A s/rad"}};
+  if (const auto product = kProducts.find(unit); product != kProducts.end()) return product->second;
+  std::string title, token;
+  std::istringstream tokens(unit);
+  for (; std::getline(tokens, token, '_'); title += token) {
+    const bool squared = token.size() > 1 && token.back() == '2', cubed = token.size() > 1 && token.back() == '3';
+    if (squared || cubed) token.pop_back();
+    if (const auto known = kTokens.find(token); known != kTokens.end()) token = known->second;
+    token += squared ? "²" : cubed ? "³" : "";
+    if (!title.empty()) title += '/';
+  }
+  return title;
+}
+
+std::string probabilityText(const Json& p) { return numberOf(p) < 1e-4 ? "< 0.0001" : numberText(p, "{:.2g}"); }
 
 std::string cellText(const Json& value) {
   if (value.is_null()) return {};

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <map>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ inline std::string quickConfig(int generations = 6) {
   }
   return replaced(text, "generations: 250", "generations: " + std::to_string(generations));
 }
+
+/// Sentences of a printed result without the breaks that hold them within 80 columns.
+inline std::string unwrapped(const std::string& text) { return std::regex_replace(text, std::regex("\n  +"), " "); }
 
 class CliTest : public testing::Test {
  protected:

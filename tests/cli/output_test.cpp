@@ -75,7 +75,7 @@ TEST_F(OutputTest, StdoutHoldsResultsOnly) {
 TEST_F(OutputTest, DryRunWritesNothing) {
   const auto before = everything();
   EXPECT_THAT(succeed({"validate", "arm.yaml", "--poses", "poses.csv", "--dry-run"}), HasSubstr("nothing was written"));
-  const std::string plan = succeed(calibrate("out", {"--dry-run"}));
+  const std::string plan = unwrapped(succeed(calibrate("out", {"--dry-run"})));
   EXPECT_THAT(plan, HasSubstr("99 parameters on 3 poses with bullet by es: 6 generations of 8 individuals (2 parents), "
                               "144 pose simulations"));
   EXPECT_THAT(plan, HasSubstr("the poses tell, of 99 parameters: "));

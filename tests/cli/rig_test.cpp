@@ -155,7 +155,7 @@ TEST_F(RigTest, AFewBadRowsAreLeftOutAndSaid) {
   spoil("7.000000,", "7.000000,,0.2,a");
   spoil("8.000000,", "8.000000,nan,0.2,a");
   put("spoilt.csv", log);
-  const std::string table = succeed(fit("spoilt.csv", "f"));
+  const std::string table = unwrapped(succeed(fit("spoilt.csv", "f")));
   EXPECT_THAT(table, HasSubstr("spoilt.csv: rows were left out: motor_current_A has no number in 2 rows; time repeats "
                                "or goes back in 2 rows"));
   EXPECT_EQ(countOf(table, "rows were left out:"), 1u);

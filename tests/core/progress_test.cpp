@@ -86,7 +86,8 @@ TEST(Progress, RewritesOneLineOfATerminal) {
     Progress progress("generation", 250, false);
     progress.update(1, "best 3.5");
     EXPECT_EQ(terminal.take(), "") << "nothing within the first second";
-    std::this_thread::sleep_for(milliseconds(1050));
+    std::this_thread::sleep_for(milliseconds(1200));
+    terminal.take();
     progress.update(125, "best 2.5");
     progress.update(126, "too soon: at most 10 times a second");
     // Half is done, so as much time is left as has passed: 1 s, and at most 9 s on a very busy machine.
@@ -100,13 +101,39 @@ TEST(Progress, RewritesOneLineOfATerminal) {
   EXPECT_EQ(terminal.take(), "\r\n");  // the terminal's own translation of a newline
 }
 
+TEST(Progress, MovesWithoutNews) {
+  if (!terminalsExist()) GTEST_SKIP() << "no pseudo terminal here";
+  StderrTerminal terminal(200);
+  {
+    Progress work("fit-motor", 0, false);
+    std::this_thread::sleep_for(milliseconds(2300));
+    const std::string lines = terminal.take();
+    EXPECT_NE(lines.find("\rfit-motor, 1 s so far\x1b[K"), std::string::npos) << lines;
+    EXPECT_NE(lines.find("\rfit-motor, 2 s so far\x1b[K"), std::string::npos) << lines;
+  }
+  EXPECT_EQ(terminal.take(), "\r\x1b[K") << "nothing is left of it";
+}
+
+TEST(Progress, SentencesStandOnLinesOfTheirOwn) {
+  if (!terminalsExist()) GTEST_SKIP() << "no pseudo terminal here";
+  StderrTerminal terminal(30);
+  Progress progress("pose", 4, false);
+  std::this_thread::sleep_for(milliseconds(1200));
+  progress.update(2);
+  terminal.take();
+  printSentence("a cord is stretched beyond what is linear");
+  const std::string text = terminal.take();
+  EXPECT_TRUE(text.starts_with("\r\x1b[Ka cord is stretched beyond\r\n  what is linear\r\n\rpose 2/4, ")) << text;
+}
+
 TEST(Progress, CutsALineToTheTerminal) {
   if (!terminalsExist()) GTEST_SKIP() << "no pseudo terminal here";
   StderrTerminal terminal(20);
   Progress progress("pose", 4, false);
   std::this_thread::sleep_for(milliseconds(1050));
-  progress.update(0, "α α α α α α α α α");
-  EXPECT_EQ(terminal.take(), "\rpose 0/4, α α α α α\x1b[K");  // 19 characters
+  terminal.take();
+  progress.update(4, "α α α α α α α α α");
+  EXPECT_EQ(terminal.take(), "\rpose 4/4, α α α α α\x1b[K");  // 19 characters
 }
 
 TEST(Progress, LeavesEarlierWorkOutOfTheEstimate) {
@@ -115,6 +142,7 @@ TEST(Progress, LeavesEarlierWorkOutOfTheEstimate) {
   Progress progress("step", 1'020'100, false);
   progress.startFrom(1'000'000);
   std::this_thread::sleep_for(milliseconds(1050));
+  terminal.take();
   progress.update(1'000'100);
   // 100 steps in 1.05 s, 20000 to go: 210 s. The steps before would make it less than 1 s.
   const std::string line = terminal.take();

@@ -51,7 +51,8 @@ class Pages(unittest.TestCase):
                                                   ".filter(name => !name.startsWith('data:'))"), [])
                 self.assertTrue(self.browser.run("return document.querySelector('.answer').textContent.trim()"))
                 with_view = self.browser.run("return document.querySelectorAll('.scene').length")
-                self.assertLess(self.file(name).stat().st_size, 1_500_000 if with_view else 400_000)
+                pictures = self.browser.run("return [...document.images].reduce((sum, image) => sum + image.src.length, 0)")
+                self.assertLess(self.file(name).stat().st_size - pictures, 1_500_000 if with_view else 400_000)
                 if self.keep:
                     self.picture(name, self.browser.whole_page())
                 colours, commonest = webdriver.pixels(self.browser.screenshot())
@@ -107,6 +108,84 @@ class Pages(unittest.TestCase):
                 self.assertNotEqual(self.browser.screenshot(view), first)
                 self.assertNotEqual(self.browser.run(said), first_said)
                 self.assertEqual(self.browser.console(), [])
+
+    def test_every_page_says_what_it_is_worth(self):
+        box = "const box = document.querySelector('.verdict'); return box && [box.className, box.querySelector('strong').textContent, box.querySelector('code')?.textContent || '']"
+        for name in self.names:
+            with self.subTest(name):
+                self.open(name)
+                kind, words, command = self.browser.run(box)
+                self.assertIn(kind.split()[1], ("good", "doubtful", "bad"))
+                self.assertTrue(words)
+                self.assertTrue(not command or command.startswith("simgap "), command)
+        self.open("calibrate")
+        self.assertEqual(self.browser.run("return document.querySelectorAll('.verdict .copy').length"), 1)
+
+    def test_long_logs_can_be_looked_into(self):
+        for name in ("diagnose", "fit-friction", "fit-motor", "capture"):
+            with self.subTest(name):
+                self.open(name)
+                index = self.browser.run("return page.charts.findIndex(spec => spec.zoom)")
+                self.assertGreaterEqual(index, 0)
+                span = f"const x = charts[{index}].scales.x; return x.max - x.min"
+                whole = self.browser.run(span)
+                drag = """
+                  const canvas = charts[arguments[0]].canvas, box = canvas.getBoundingClientRect(), area = charts[arguments[0]].chartArea;
+                  const at = (share, type) => canvas.dispatchEvent(new PointerEvent(type, {bubbles: true, clientX: box.left + area.left + share * (area.right - area.left), clientY: box.top + 50}));
+                  at(0.25, 'pointerdown'); at(0.5, 'pointermove'); at(0.5, 'pointerup');"""
+                self.browser.run(drag, index)
+                quarter = self.browser.run(span)
+                self.assertAlmostEqual(quarter / whole, 0.25, delta=0.02)
+                self.browser.run("""
+                  const canvas = charts[arguments[0]].canvas, box = canvas.getBoundingClientRect(); canvas.focus();
+                  canvas.dispatchEvent(new WheelEvent('wheel', {bubbles: true, cancelable: true, deltaY: -300, clientX: box.left + box.width / 2, clientY: box.top + 50}));""", index)
+                self.assertLess(self.browser.run(span), 0.9 * quarter)
+                spans = self.browser.run("return charts.filter(c => c.config.options.zoom).map(c => c.scales.x.max - c.scales.x.min)")
+                self.assertLess(max(spans) - min(spans), 1e-6 * max(spans), "all of a group show the same stretch")
+                self.browser.run("document.querySelector('.zoom button').click()")
+                self.assertAlmostEqual(self.browser.run(span), whole, delta=1e-6 * whole)
+                self.assertEqual(self.browser.console(), [])
+
+    def test_a_click_on_a_bar_shows_that_pose(self):
+        for name in ("calibrate", "validate", "diagnose-poses"):
+            with self.subTest(name):
+                self.open(name)
+                label = self.browser.run("""
+                  const index = page.charts.findIndex(spec => spec.poses), chart = charts[index];
+                  chart.options.onClick({}, [{index: 2}]);
+                  return `${page.charts[index].poses} pose ${page.charts[index].labels[2]}`;""")
+                self.assertEqual(self.browser.run("return views[0].data.poses[views[0].pose].name"), label)
+
+    def test_the_arm_names_its_parts(self):
+        for name in ("validate", "design", "diagnose-poses"):
+            with self.subTest(name):
+                self.open(name)
+                names = self.browser.run("""
+                  const found = new Set();
+                  const canvas = views[0].renderer.domElement, box = canvas.getBoundingClientRect();
+                  for (let i = 1; i < 40; ++i) for (let j = 1; j < 30; ++j) {
+                    canvas.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + box.width * i / 40, clientY: box.top + box.height * j / 30}));
+                    if (!views[0].pointed.hidden) found.add(views[0].pointed.textContent.split(',')[0]);
+                  }
+                  return [...found];""")
+                self.assertTrue({"torso", "humerus", "forearm"} & set(names), names)
+                self.assertIn("torso", names)
+                self.assertTrue(set(names) & set(self.browser.run("return views[0].data.muscles")), names)
+
+    def test_the_overlay_of_a_capture_is_in_its_page(self):
+        self.open("capture")
+        self.assertEqual(self.browser.run("return [...document.querySelectorAll('.image img')].map(i => i.complete && i.naturalWidth > 100)"), [True])
+
+    def test_labels_of_a_telephone_keep_the_muscle(self):
+        self.browser.protocol("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+        self.open("calibrate")
+        labels = self.browser.run("""
+          const chart = charts[page.charts.findIndex(spec => spec.kind === 'intervals')];
+          return chart.scales.y.ticks.map(tick => tick.label)""")
+        muscles = self.browser.run("return views[0].data.muscles")
+        for label in labels:
+            self.assertTrue(any(label.startswith(muscle) for muscle in muscles), label)
+            self.assertLess(len(label), 40)
 
     def test_the_toggle_shows_before_and_after(self):
         self.open("calibrate")

@@ -87,11 +87,11 @@ TEST(CalibrateReport, TablesReadBackAsCsv) {
 
 TEST(CalibrateReport, PrintsATableForTheTerminal) {
   EXPECT_EQ(terminalTable(knownCalibration()),
-            "mean joint error [deg]                           shoulder before  after  elbow before  after\n"
-            "calibration (2 of 2 poses)                                 20.00   2.00         10.00   1.00\n"
-            "  half angles of spherical joints, as 001 eq. 4            10.00   1.00         10.00   1.00\n"
-            "validation (1 of 1 poses)                                      -   3.00             -   4.00\n"
-            "  half angles of spherical joints, as 001 eq. 4                -   1.50             -   4.00\n");
+            "mean joint error [deg]      shoulder before  after  elbow before  after\n"
+            "calibration (2 of 2 poses)            20.00   2.00         10.00   1.00\n"
+            "  as half angles (paper)              10.00   1.00         10.00   1.00\n"
+            "validation (1 of 1 poses)                 -   3.00             -   4.00\n"
+            "  as half angles (paper)                  -   1.50             -   4.00\n");
   CalibrationResult result = knownCalibration();
   result.sets[1].final = result.sets[1].initial;
   result.parameters.resize(9, result.parameters[0]);  // 2 poses x (3 + 1) numbers
@@ -171,9 +171,9 @@ TEST(ValidateReport, PrintsATableForTheTerminalWithTheWorstFirst) {
   ValidationResult result = knownValidation();
   result.criteria.clear();
   EXPECT_EQ(terminalTable(result),
-            "                                                 shoulder  elbow\n"
-            "mean joint error [deg], 2 poses                     20.00  10.00\n"
-            "  half angles of spherical joints, as 001 eq. 4     10.00  10.00\n"
+            "                                 shoulder  elbow\n"
+            "mean joint error [deg], 2 poses     20.00  10.00\n"
+            "  as half angles (paper)            10.00  10.00\n"
             "\n"
             "worst poses\n"
             "pose   shoulder  elbow             status  slack muscles\n"

@@ -67,13 +67,17 @@ def commands(source, folder):
         "validate": ["validate", folder / "calibrate/model.yaml", "--poses", arm / "poses_validation.csv"],
         "design": ["design", arm / "arm.yaml", *poses, "--count", "2", "--candidates", "20"],
         "capture": ["capture", capture / "rig.yaml", "--left", capture / "left", "--right", capture / "right", "--timestamps",
-                    capture / "timestamps.csv", "--shafts", capture / "shafts.csv"],
+                    capture / "timestamps.csv", "--shafts", capture / "shafts.csv", "--overlay", "0"],
+        "calibrate-cameras": ["calibrate-cameras", source / "data/boards/left", source / "data/boards/right", "--board", "chessboard:9x6:0.025"],
         "calibrate-joints": ["calibrate-joints", capture / "rig.yaml", "--frames", folder / "capture/frames.csv"],
         "targets-check": ["targets", "check", capture / "targets.yaml"],
         "fit-friction": ["fit-friction", folder / "friction.csv", "--require", "fast:900:12"],
         "fit-motor": ["fit-motor", folder / "motor.csv"],
+        "fit-gearbox": ["fit-gearbox", source / "data/logs/gearbox.csv.gz", "--motor", folder / "fit-motor/model.yaml", "--ratio", "72"],
         "fit-pam": ["fit-pam", folder / "muscle.csv"],
         "fit-spring": ["fit-spring", folder / "spring.csv"],
+        "diagnose-poses": ["diagnose", source / "data/arm-dense/arm.yaml", "--poses", source / "data/arm-dense/poses_calibration.csv",
+                           "--effects", "spindle-coiling"],
         "predict": ["predict", folder / "fit-friction/model.yaml", folder / "friction.csv"],
     }
 

@@ -25,6 +25,27 @@ TEST(Table, WhatIsUnknownIsADash) {
   EXPECT_EQ(degreesCell(nullptr), "-");
 }
 
+TEST(Table, FitsIntoEightyColumns) {
+  const std::string words = "a cell of many words that would not fit beside the others if it stood on one line alone";
+  EXPECT_EQ(alignedTable(Table{"", {"name", "x", "what"}, {{"a", "1", words}}}),
+            "name  x                                                                     what\n"
+            "a     1    a cell of many words that would not fit beside the others if it stood\n"
+            "                                                               on one line alone\n");
+  const std::string wide(40, 'w');
+  EXPECT_EQ(alignedTable(Table{"", {"name", "x", "y"}, {{"a", wide, wide}}}),
+            "name  " + std::string(39, ' ') + "x\na     " + wide + "\n\nname  " + std::string(39, ' ') + "y\na     " +
+                wide + "\n");
+}
+
+TEST(Table, UnitsAsPeopleWriteThem) {
+  const std::vector<std::pair<std::string, std::string>> known = {
+      {"rad_s", "rad/s"}, {"1_rad", "1/rad"}, {"A2", "A²"},     {"kg_m2", "kg m²"},       {"Nm_A", "N m/A"},
+      {"m_s2", "m/s²"},   {"ohm", "Ω"},       {"deg2", "deg²"}, {"Nms_rad", "N m s/rad"}, {"", ""}};
+  for (const auto& [unit, title] : known) EXPECT_EQ(unitTitle(unit), title) << unit;
+  EXPECT_EQ(probabilityText(0.0), "< 0.0001");
+  EXPECT_EQ(probabilityText(0.031), "0.031");
+}
+
 TEST(Table, NumbersStandToTheRight) {
   EXPECT_EQ(alignedTable(Table{"", {"name", "x"}, {{"a", "1.5"}, {"long", ""}}}), "name    x\na     1.5\nlong\n");
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "simgap/core/csv.h"
+#include "simgap/core/progress.h"
 #include "simgap/core/run_directory.h"
 
 namespace simgap {
@@ -73,6 +74,8 @@ class Session {
   /// Writes result.json, makes report.html of what is in the directory, prints the result and ends run.json, in this
   /// order: only what is complete is recorded as done. \throws ConfigError, DataError: one of them fails.
   void finish(const Json& result, const std::string& table, const std::string& status = "done");
+  /// A text on stdout instead of a result: what a dry run would do.
+  void print(const std::string& text);
   /// Records how a run ended that has no result.
   void abandon(const std::string& status);
 
@@ -82,6 +85,7 @@ class Session {
   std::string command_;
   CommonOptions options_;
   std::optional<tbb::global_control> threads_;  ///< empty: all the machine has
+  std::optional<Progress> activity_;            ///< shown while nothing else is, until there is a result
   std::vector<std::string> argv_;
   std::vector<Input> inputs_;
   std::optional<RunDirectory> directory_;

@@ -22,10 +22,17 @@ double numberOf(const Json& json);
 /// A number of JSON in that format of fmt, "{:.5g}"; "-" for null and what is not finite.
 std::string numberText(const Json& json, const char* format);
 
-/// Text in columns: the first column left-aligned, the others right.
+/// Text in columns, the first left-aligned, the others right, at most kTextWidth wide: cells break between words where
+/// they have to, and columns that do not fit even so follow below, beside the first column again.
 std::string alignedTable(const std::vector<std::vector<std::string>>& rows);
 /// Header and rows, without the caption.
 std::string alignedTable(const Table& table);
+
+/// A unit as people write it: "rad_s" is "rad/s", "1_rad" is "1/rad", "A2" is "A²".
+std::string unitTitle(const std::string& unit);
+
+/// A probability: what is less than 0.0001 is not told more exactly.
+std::string probabilityText(const Json& p);
 
 /// A value as a file holds it: words as they are, a number in the shortest form that reads back, nothing for null.
 std::string cellText(const Json& value);

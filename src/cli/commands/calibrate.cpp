@@ -3,14 +3,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cstring>
 #include <set>
 
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/core/rotation.h"
+#include "simgap/core/text.h"
 #include "simgap/fit/poses/calibration_run.h"
 #include "simgap/report/poses/pose_report.h"
 
@@ -153,15 +152,6 @@ Options resumedOptions(const Options& given) {
   return options;
 }
 
-/// A path as a shell takes it.
-std::string shellWord(const std::string& path) {
-  const auto safe = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_-./+,:@", c); };
-  if (std::all_of(path.begin(), path.end(), safe)) return path;
-  std::string word = "'";
-  for (const char c : path) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return word + "'";
-}
-
 void search(Calibration& calibration, const CalibrationTask& task, const Session& session) {
   const PoseLayout layout = task.model.poseLayout();
   Progress progress(task.config.usesPosterior() ? "calibrate: descent" : "calibrate: generation",
@@ -208,7 +198,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
   Session session("calibrate", options.common, argv);
   const CalibrationTask task = readTask(options, session);
   if (options.common.dry_run) {
-    fmt::print("{}", planText(task, expectedResult(task)));
+    session.print(planText(task, expectedResult(task)));
     return ExitCode::kDone;
   }
   const CalibrationEvaluators evaluators(task.config);
@@ -283,11 +273,14 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command calibrate;
 const Command calibrate{"calibrate", "close the gap: search the model's parameters on recorded poses",
-                        "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
+                        "  simgap calibrate data/arm/arm.yaml \\\n"
+                        "    --poses data/arm/poses_calibration.csv \\\n"
                         "    --validation data/arm/poses_validation.csv -o runs/arm\n"
-                        "  simgap calibrate data/arm/arm.yaml --poses data/arm/poses_calibration.csv \\\n"
-                        "    --validation data/arm/poses_validation.csv --optimizer es -o runs/arm-es\n"
-                        "  simgap calibrate --resume runs/arm",
+                        "  simgap calibrate --resume runs/arm\n"
+                        "  simgap calibrate data/arm/arm.yaml \\\n"
+                        "    --poses data/arm/poses_calibration.csv \\\n"
+                        "    --validation data/arm/poses_validation.csv \\\n"
+                        "    --optimizer es --evaluator equilibrium -o runs/arm-es",
                         define};
 
 }  // namespace simgap::commands

@@ -104,7 +104,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   CameraCalibrationResult result;
   Views views = options.corners.empty() ? viewsOfImages(options) : viewsOfCorners(options, session);
   if (options.common.dry_run) {
-    fmt::print("would calibrate from {} of {} pairs; nothing was written\n", views.views.size(), views.pairs);
+    session.print(
+        fmt::format("would calibrate from {} of {} pairs; nothing was written\n", views.views.size(), views.pairs));
     return ExitCode::kDone;
   }
   result.calibration = calibrateCameras(views.views, views.size, options.calibration);
@@ -159,8 +160,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command calibrate_cameras;
 const Command calibrate_cameras{"calibrate-cameras", "stereo cameras from views of a board, judged on views held out",
-                                "  simgap calibrate-cameras board/left board/right --board chessboard:9x6:0.025 \\\n"
-                                "    --scale-bar bar/left bar/right 0.300 -o runs/cameras",
+                                "  simgap calibrate-cameras data/boards/left data/boards/right \\\n"
+                                "    --board chessboard:9x6:0.025 \\\n"
+                                "    --scale-bar data/boards/bar-left data/boards/bar-right 0.300 \\\n"
+                                "    -o runs/cameras",
                                 define};
 
 }  // namespace simgap::commands

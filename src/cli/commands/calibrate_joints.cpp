@@ -40,7 +40,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const auto motion = readMotion(CsvTable::parse(frames.content, frames.file.string(), options.table.csv()), targets);
   const ArmJointCalibration result = calibrateArmJoints(rig, targets, motion, calibration);
   if (options.common.dry_run) {
-    fmt::print("{}nothing was written\n", terminalTable(result));
+    session.print(fmt::format("{}nothing was written\n", terminalTable(result)));
     return ExitCode::kDone;
   }
   session.begin(options.common.seed.value_or(0));
@@ -74,9 +74,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command calibrate_joints;
 const Command calibrate_joints{"calibrate-joints", "from a motion: shoulder centre, elbow axis, markers in bone frames",
-                               "  simgap calibrate-joints data/capture/rig.yaml --frames runs/motion/frames.csv \\\n"
-                               "    --zero 0:30 -o runs/joints\n"
-                               "  simgap capture runs/joints/rig.yaml --left … --right …",
+                               "  simgap capture data/capture/rig.yaml --left data/capture/left \\\n"
+                               "    --right data/capture/right --rate 60 -o runs/motion\n"
+                               "  simgap calibrate-joints data/capture/rig.yaml \\\n"
+                               "    --frames runs/motion/frames.csv --zero 0:10 -o runs/joints\n"
+                               "  simgap capture runs/joints/rig.yaml --left data/capture/left \\\n"
+                               "    --right data/capture/right --rate 60 -o runs/capture",
                                define};
 
 }  // namespace simgap::commands

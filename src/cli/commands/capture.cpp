@@ -59,8 +59,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   }
   ImagePairs pairs(openImages(options.left), openImages(options.right), options.skip_unreadable);
   if (options.common.dry_run) {
-    fmt::print("would look for {} targets in {} pairs; nothing was written\n", targets.targets.size(),
-               pairs.size() ? std::to_string(*pairs.size()) : "some");
+    session.print(fmt::format("would look for {} targets in {} pairs; nothing was written\n", targets.targets.size(),
+                              pairs.size() ? std::to_string(*pairs.size()) : "some"));
     return ExitCode::kDone;
   }
   CaptureRunOptions run_options = options.run;
@@ -123,9 +123,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command capture;
 const Command capture{"capture", "stereo images of marker targets to joint angles and the poses calibrate reads",
-                      "  simgap capture data/capture/rig.yaml --left data/capture/left --right data/capture/right \\\n"
-                      "    --timestamps data/capture/timestamps.csv --shafts data/capture/shafts.csv \\\n"
-                      "    --overlay 0 -o runs/capture",
+                      "  simgap capture data/capture/rig.yaml --left data/capture/left \\\n"
+                      "    --right data/capture/right --timestamps data/capture/timestamps.csv \\\n"
+                      "    --shafts data/capture/shafts.csv --overlay 0 -o runs/capture",
                       define};
 
 }  // namespace simgap::commands

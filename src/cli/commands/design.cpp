@@ -8,8 +8,10 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/fit/poses/posterior_search.h"
+#include "simgap/fit/poses/replay.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/poses/design_report.h"
+#include "simgap/simulate/arm_geometry.h"
 
 namespace simgap::commands {
 namespace {
@@ -40,8 +42,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   design.seed = options.common.seed.value_or(config.strategy.seed);
   if (options.criterion == "information") design.criterion = DesignCriterion::kInformation;
   if (options.common.dry_run) {
-    fmt::print("would fit {} parameters to {} poses and choose {} of {} commands; nothing was written\n", space.size(),
-               result.recorded.poses.size(), design.poses, design.candidates);
+    session.print(fmt::format("would fit {} parameters to {} poses and choose {} of {} commands; nothing was written\n",
+                              space.size(), result.recorded.poses.size(), design.poses, design.candidates));
     return ExitCode::kDone;
   }
   session.begin(design.seed);
@@ -58,6 +60,10 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   result.design = designPoses(posterior, best->z, space, design);
   result.model = posterior.modelAt(best->z);
 
+  const PoseSet next{"next_poses.csv", result.design.poses};
+  const Assessment expected = replayAll(*makeEvaluator("equilibrium", {}), result.model, next);
+  const ReplayedSet replay{"next", "expected", result.model, next, expected.outcomes};
+  writeArmGeometry({&replay, 1}, session.directory());
   session.directory().write("next_poses.csv", nextPosesCsv(result));
   session.directory().write("model.yaml", writeArm(result.model));
   session.finish(toJson(result), terminalTable(result));
@@ -81,8 +87,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 }  // namespace
 
 extern const Command design;
-const Command design{
-    "design", "which poses to record next",
-    "  simgap design data/arm/arm.yaml --poses data/arm/poses_calibration.csv --count 5 -o runs/design", define};
+const Command design{"design", "which poses to record next",
+                     "  simgap design data/arm/arm.yaml \\\n"
+                     "    --poses data/arm/poses_calibration.csv --count 5 -o runs/design",
+                     define};
 
 }  // namespace simgap::commands

@@ -2,13 +2,17 @@
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
+
 #include "cli/fit_options.h"
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/holdout.h"
+#include "simgap/fit/poses/replay.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
+#include "simgap/simulate/arm_geometry.h"
 
 namespace simgap::commands {
 namespace {
@@ -55,19 +59,20 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   diagnose.heldout_rows = holdout.rows;
   requireDiagnosable(log, diagnose);
   if (options.common.dry_run) {
-    fmt::print("would diagnose {} on {} rows of {}; nothing was written\n", subject.base.name(), table.rows(),
-               options.log);
+    session.print(fmt::format("would diagnose {} on {} rows of {}; nothing was written\n", subject.base.name(),
+                              table.rows(), options.log));
     return ExitCode::kDone;
   }
   session.begin(diagnose.seed);
   session.directory().write("config.resolved.yaml", resolvedOptions(app));
-  Progress progress("diagnose, %", 100, options.common.quiet);
+  std::optional<Progress> progress(std::in_place, "diagnose: %", 100, options.common.quiet);
   const LogDiagnosis result = diagnoseLog(subject, log, diagnose, [&](const std::string& what, double done) {
-    progress.update(static_cast<std::size_t>(100.0 * done), what);
+    progress->update(static_cast<std::size_t>(100.0 * done), what);
   });
   const Input& file = session.input("log");
   writeLogDiagnosis(result, given, subject, log, {file.file.filename().string(), file.sha256, result.diagnosis.samples},
                     session.directory());
+  progress.reset();  // the result stands below its line
   finish(result.diagnosis, session);
   return ExitCode::kDone;
 }
@@ -97,16 +102,23 @@ ExitCode runPoses(const Options& options, Session& session) {
   const PoseSet set = readPoses(session, "poses", options.poses, model, options.table.csv());
   const CalibrationConfig config = readConfig(session, options.config);
   if (options.common.dry_run) {
-    fmt::print("would diagnose {} on {} poses of {}; nothing was written\n", model.name, set.poses.size(), set.file);
+    session.print(fmt::format("would diagnose {} on {} poses of {}; nothing was written\n", model.name,
+                              set.poses.size(), set.file));
     return ExitCode::kDone;
   }
   session.begin(diagnose.seed);
   session.directory().write("config.resolved.yaml", config.toYaml());
-  Progress progress("diagnose, %", 100, options.common.quiet);
+  std::optional<Progress> progress(std::in_place, "diagnose: %", 100, options.common.quiet);
   const PoseDiagnosis result = diagnosePoses(
       model, set, config.parameters, config.noise, diagnose,
-      [&](const std::string& what, double done) { progress.update(static_cast<std::size_t>(100.0 * done), what); });
+      [&](const std::string& what, double done) { progress->update(static_cast<std::size_t>(100.0 * done), what); });
   writePoseDiagnosis(result, session.directory());
+  const std::unique_ptr<Evaluator> evaluator = makeEvaluator("equilibrium", {});
+  const Assessment before = replayAll(*evaluator, model, set), after = replayAll(*evaluator, result.model, set);
+  const ReplayedSet replays[] = {{"all", "given", model, set, before.outcomes},
+                                 {"all", "with the causes", result.model, set, after.outcomes}};
+  writeArmGeometry(replays, session.directory());
+  progress.reset();  // the result stands below its line
   finish(result.diagnosis, session);
   return ExitCode::kDone;
 }
@@ -153,8 +165,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command diagnose;
 const Command diagnose{"diagnose", "what the model gets wrong, the physical cause, and the gain on data never used",
-                       "  simgap diagnose runs/friction/model.yaml --log log.csv -o runs/diagnosis\n"
-                       "  simgap diagnose data/arm-dense/arm.yaml --poses data/arm-dense/poses_calibration.csv",
+                       "  simgap diagnose classic --log data/logs/bend-friction.csv.gz \\\n"
+                       "    -o runs/diagnosis\n"
+                       "  simgap diagnose data/arm-dense/arm.yaml \\\n"
+                       "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm",
                        define};
 
 }  // namespace simgap::commands

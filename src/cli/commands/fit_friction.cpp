@@ -102,8 +102,8 @@ ExitCode runLaws(const Options& options, const Task& task, Session& session, con
     others.push_back(task.read(session, "validation", file, nullptr));
   }
   if (options.common.dry_run) {
-    fmt::print("would fit {} models to {} rows of {}; nothing was written\n", laws.size(), report.data->rows(),
-               options.log);
+    session.print(fmt::format("would fit {} models to {} rows of {}; nothing was written\n", laws.size(),
+                              report.data->rows(), options.log));
     return ExitCode::kDone;
   }
   report.laws = compareLaws(laws, *report.data, report.options, test ? &*test : nullptr, holdout.words);
@@ -147,7 +147,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->check(CLI::IsMember({"effort", "torque"}));
   app.add_option("--loss", options->loss, "robust loss")->check(CLI::IsMember({"squares", "huber", "cauchy", "tukey"}));
   app.add_option("--require", options->require,
-                 "working point the data should cover: NAME:DEG_PER_S:NM at the joint, or 'paper' (003 table 1)")
+                 "working point the data should cover: NAME:DEG_PER_S:NM at the joint, or 'paper'")
       ->allow_extra_args(false);
   return defineFit(options, app, argv, run);
 }
@@ -156,6 +156,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command fit_friction;
 const Command fit_friction{"fit-friction", "friction of a drive from its log, with uncertainty and held-out error",
-                           "  simgap fit-friction log.csv --model all -o runs/friction", define};
+                           "  simgap fit-friction data/logs/bend-friction.csv.gz --model all \\\n"
+                           "    -o runs/friction",
+                           define};
 
 }  // namespace simgap::commands

@@ -34,7 +34,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command fit_gearbox;
 const Command fit_gearbox{"fit-gearbox", "efficiency, friction and inertia of a gearbox behind a known motor",
-                          "  simgap fit-gearbox loads.csv --motor runs/motor/model.yaml --ratio 72 -o runs/gearbox",
+                          "  simgap fit-motor data/logs/motor.csv.gz -o runs/motor\n"
+                          "  simgap fit-gearbox data/logs/gearbox.csv.gz \\\n"
+                          "    --motor runs/motor/model.yaml --ratio 72 -o runs/gearbox",
                           define};
 
 }  // namespace simgap::commands

@@ -25,6 +25,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command fit_motor;
 const Command fit_motor{"fit-motor", "constants of a DC motor from its log, by the simulated response",
-                        "  simgap fit-motor motor.csv --into arm.yaml --muscle biceps -o runs/motor", define};
+                        "  simgap fit-motor data/logs/motor.csv.gz --into data/arm/arm.yaml \\\n"
+                        "    --muscle biceps -o runs/motor",
+                        define};
 
 }  // namespace simgap::commands

@@ -42,7 +42,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     report.transfer.push_back({file, other.rows(), meanSquaredError(report.comparison.chosen().fit, other, {})});
   }
   if (options.common.dry_run) {
-    fmt::print("would fit a muscle to {} rows of {}; nothing was written\n", report.log.rows(), options.log);
+    session.print(
+        fmt::format("would fit a muscle to {} rows of {}; nothing was written\n", report.log.rows(), options.log));
     return ExitCode::kDone;
   }
   finishFit(session, app, summarise(report), rows.summary(),
@@ -65,6 +66,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command fit_pam;
 const Command fit_pam{"fit-pam", "force model of a pneumatic muscle, with and without its tendon's spring",
-                      "  simgap fit-pam rig.csv --curves maker.csv -o runs/pam", define};
+                      "  simgap fit-pam data/logs/muscle.csv.gz \\\n"
+                      "    --curves data/logs/muscle-curves.csv.gz -o runs/pam",
+                      define};
 
 }  // namespace simgap::commands

@@ -58,7 +58,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     report.transfer.push_back({file, rows, meanSquaredError(report.comparison.chosen().fit, other, {})});
   }
   if (options.common.dry_run) {
-    fmt::print("would fit a spring to {} rows of {}; nothing was written\n", table.rows(), options.log);
+    session.print(fmt::format("would fit a spring to {} rows of {}; nothing was written\n", table.rows(), options.log));
     return ExitCode::kDone;
   }
   finishFit(session, app, summarise(report), file_rows.summary(),
@@ -86,7 +86,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 extern const Command fit_spring;
 const Command fit_spring{"fit-spring", "stiffness, offset and damping of a spring, a shock cord or a tendon",
                          "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring\n"
-                         "  simgap fit-spring data/logs/shock-cord.csv.gz --into data/arm/arm.yaml --muscle biceps",
+                         "  simgap fit-spring data/logs/shock-cord.csv.gz \\\n"
+                         "    --into data/arm/arm.yaml --muscle biceps -o runs/spring-arm",
                          define};
 
 }  // namespace simgap::commands

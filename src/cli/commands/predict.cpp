@@ -57,7 +57,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   const FittedModel model = readModel(session, "model", options.model);
   const Prediction prediction = predictLog(model, options, session);
   if (options.common.dry_run) {
-    fmt::print("would predict {} rows of {}; nothing was written\n", prediction.predicted.size(), options.log);
+    session.print(
+        fmt::format("would predict {} rows of {}; nothing was written\n", prediction.predicted.size(), options.log));
     return ExitCode::kDone;
   }
   session.begin(options.common.seed.value_or(0));
@@ -87,6 +88,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command predict;
 const Command predict{"predict", "feed-forward current, force or pressure from a fitted model",
-                      "  simgap predict runs/friction/model.yaml log.csv -o runs/prediction", define};
+                      "  simgap fit-friction data/logs/bend-friction.csv.gz -o runs/friction\n"
+                      "  simgap predict runs/friction/model.yaml data/logs/none.csv.gz \\\n"
+                      "    -o runs/prediction",
+                      define};
 
 }  // namespace simgap::commands

@@ -22,6 +22,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>&)
 
 extern const Command report;
 const Command report{"report", "make report.html again from the files of a run, without running anything",
-                     "  simgap report runs/arm", define};
+                     "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring\n"
+                     "  simgap report runs/spring",
+                     define};
 
 }  // namespace simgap::commands

@@ -20,7 +20,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
       readTargets(YamlNode::parse(session.read("targets", options.targets).content, options.targets.string()));
   const TargetSetReport report = checkTargets(targets, 1e-3 * options.noise_mm);
   if (options.common.dry_run) {
-    fmt::print("{}nothing was written\n", terminalTable(report));
+    session.print(fmt::format("{}nothing was written\n", terminalTable(report)));
   } else {
     session.begin(options.common.seed.value_or(0));
     session.finish(toJson(report), terminalTable(report));

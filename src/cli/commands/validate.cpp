@@ -47,7 +47,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const PoseSet set = readPoses(session, "poses", options.poses, model, options.table.csv());
   const PoseProtocol protocol = options.config.empty() ? PoseProtocol{} : readConfig(session, options.config).protocol;
   if (options.common.dry_run) {
-    fmt::print("would replay {} poses of {} on {}; nothing was written\n", set.poses.size(), set.file, model.name);
+    session.print(fmt::format("would replay {} poses of {} on {}; nothing was written\n", set.poses.size(), set.file,
+                              model.name));
     return ExitCode::kDone;
   }
   session.begin(options.common.seed.value_or(0));
@@ -84,7 +85,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command validate;
 const Command validate{"validate", "mean joint errors of a model on recorded poses",
-                       "  simgap validate runs/arm/model.yaml --poses data/arm/poses_validation.csv --max-mje 5",
+                       "  simgap calibrate data/arm/arm.yaml \\\n"
+                       "    --poses data/arm/poses_calibration.csv --optimizer lm -o runs/arm\n"
+                       "  simgap validate runs/arm/model.yaml \\\n"
+                       "    --poses data/arm/poses_validation.csv --max-mje 5 -o runs/validation",
                        define};
 
 }  // namespace simgap::commands

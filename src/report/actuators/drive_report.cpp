@@ -7,6 +7,7 @@
 
 #include "simgap/core/csv.h"
 #include "simgap/model/arm/arm_yaml.h"
+#include "simgap/report/table.h"
 
 namespace simgap {
 namespace {
@@ -38,7 +39,7 @@ std::string responseCsv(const DriveReport& report) {
 
 /// "simulated velocity": its error, and the share of what was measured that it is.
 std::string channelText(const DriveChannel& channel, const std::optional<double>& heldout) {
-  return fmt::format("RMS {:.4g} {}{}, {:.1f} % of the measurement's spread", channel.rms, channel.unit,
+  return fmt::format("RMS {:.4g} {}{}, {:.1f} % of the measurement's spread", channel.rms, unitTitle(channel.unit),
                      heldout ? fmt::format(" (held out {:.4g})", *heldout) : "", 100.0 * channel.rms / channel.spread);
 }
 

@@ -13,18 +13,23 @@ namespace {
 
 /// Intervals relative to the value: parameters of any unit stand on one axis.
 void addIntervals(const Json& result, Page& page) {
+  constexpr double kWidest = 5.0;  // of a relative interval that shares an axis with the others
   std::vector<IntervalRow> rows;
+  std::string left_out;
   for (const Json& p : result.at("parameters")) {
     const double value = numberOf(p.at("value"));
     const double lower = numberOf(p.at("ci95").at(0)) / value, upper = numberOf(p.at("ci95").at(1)) / value;
     if (p.at("fixed").get<bool>() || value == 0.0 || !std::isfinite(lower) || !std::isfinite(upper)) continue;
-    IntervalRow row{p.at("name"), 0.0, 100.0 * (std::min(lower, upper) - 1.0), 100.0 * (std::max(lower, upper) - 1.0)};
-    row.marked = p.at("at_bound");
-    rows.push_back(row);
+    // Its interval means little, and would press all others into a line.
+    if (p.at("at_bound").get<bool>() || std::max(std::abs(lower - 1.0), std::abs(upper - 1.0)) > kWidest) {
+      left_out += (left_out.empty() ? "" : ", ") + p.at("name").get<std::string>();
+      continue;
+    }
+    rows.push_back({p.at("name"), 0.0, 100.0 * (std::min(lower, upper) - 1.0), 100.0 * (std::max(lower, upper) - 1.0)});
   }
   if (rows.empty()) return;
   Chart chart = intervalChart("How well each parameter is known", {"95 % interval about the value [%]"}, rows);
-  chart.note = "A triangle stands at its bound.";
+  if (!left_out.empty()) chart.note = "Not drawn, because at a bound or hardly known: " + left_out + ".";
   page.add(std::move(chart));
 }
 
@@ -48,13 +53,49 @@ void addCorrelation(const ResultFiles& files, Page& page) {
   page.add(mapChart("Correlation of the parameters", {""}, {""}, map));
 }
 
+/// Names of the parameters for which `key` is `value`.
+std::string parametersWith(const Json& result, const char* key, bool value) {
+  std::string names;
+  for (const Json& p : result.at("parameters")) {
+    if (p.at("fixed").get<bool>() || p.at(key).get<bool>() != value) continue;
+    names += (names.empty() ? "" : ", ") + p.at("name").get<std::string>();
+  }
+  return names;
+}
+
+/// Whether the model may be used, and what tells more about it.
+PageVerdict fitVerdict(const ResultFiles& files, const std::string& command) {
+  constexpr double kOverfitted = 2.0;  // squared error on rows held out, relative to the rows fitted
+  const Json& result = files.result();
+  PageVerdict verdict{PageVerdict::Level::kGood, "good", "Every parameter is determined by these rows.",
+                      fmt::format("simgap diagnose {} --log {}", files.path("model.yaml"), files.input("log", "LOG"))};
+  const auto doubt = [&](const char* words, const std::string& cause) {
+    verdict.level = PageVerdict::Level::kDoubtful;
+    verdict.words = words;
+    verdict.cause = cause;
+  };
+  const std::string unknown = parametersWith(result, "identifiable", false);
+  const std::string bound = parametersWith(result, "at_bound", true);
+  if (!unknown.empty()) doubt("not determined", "These rows do not tell " + unknown + ".");
+  if (!bound.empty()) {
+    doubt("at a bound", "The search wanted to go beyond the bounds of " + bound +
+                            ": a wrong sign or unit in the log, or a model that does not fit.");
+  }
+  if (numberOf(result.at("mse_heldout")) > kOverfitted * numberOf(result.at("mse"))) {
+    doubt("does not carry over", "The error on rows it was not fitted to is much larger.");
+  }
+  if (command == "fit-gearbox") verdict.command.clear();  // diagnose takes no gearbox without its motor
+  return verdict;
+}
+
 }  // namespace
 
 Page beginFitPage(const ResultFiles& files) {
   const Json& result = files.result();
-  const std::string format = result.at("format");
-  return {"simgap " + format.substr(7, format.rfind('/') - 7), fitAnswer(result),
-          result.at("warnings").get<std::vector<std::string>>()};
+  const std::string format = result.at("format"), command = format.substr(7, format.rfind('/') - 7);
+  Page page{"simgap " + command, fitAnswer(result), result.at("warnings").get<std::vector<std::string>>()};
+  page.verdict = fitVerdict(files, command);
+  return page;
 }
 
 void addFitDetails(const ResultFiles& files, Page& page) {
@@ -77,7 +118,25 @@ void addTimeChart(const ResultFiles& files, Page& page, const std::vector<double
                           {axisTitle(files.result().at("target").get<std::string>())}, lines);
   chart.note = "A stretch from the middle of the log.";
   chart.wide = true;
+  makeZoomable(chart);
   page.add(std::move(chart));
+  page.add(
+      residualChart(time, measured, {predicted.front()}, axisTitle(files.result().at("target").get<std::string>())));
+}
+
+Chart residualChart(const std::vector<double>& time, const std::vector<double>& measured,
+                    const std::vector<std::pair<std::string, std::vector<double>>>& predicted,
+                    const std::string& title) {
+  std::vector<Series> lines;
+  for (const auto& [model, values] : predicted) {
+    Series line{model, time, values, Series::Style::kLine, static_cast<int>(lines.size())};
+    for (std::size_t i = 0; i < line.y.size(); ++i) line.y[i] -= measured[i];
+    lines.push_back(line);
+  }
+  Chart chart = lineChart("Predicted - measured", {"time [s]"}, {title}, lines);
+  chart.wide = true;
+  makeZoomable(chart);
+  return chart;
 }
 
 bool isRefit(const ResultFiles& files) { return files.has("predictions.csv"); }

@@ -20,10 +20,15 @@ Page beginFitPage(const ResultFiles& files);
 /// Parameters with intervals, models compared, correlations, and what else the fit has to say.
 void addFitDetails(const ResultFiles& files, Page& page);
 
-/// A stretch of the log and what each model predicts for it, by name.
+/// A stretch of the log and what each model predicts for it, by name, the chosen one first; and what that one leaves.
 void addTimeChart(const ResultFiles& files, Page& page, const std::vector<double>& time,
                   const std::vector<double>& measured,
                   const std::vector<std::pair<std::string, std::vector<double>>>& predicted);
+
+/// What the models leave, over time, in the colours of their lines.
+Chart residualChart(const std::vector<double>& time, const std::vector<double>& measured,
+                    const std::vector<std::pair<std::string, std::vector<double>>>& predicted,
+                    const std::string& title);
 
 /// An extended model fitted anew: measured and predicted over time, and its parameters.
 bool isRefit(const ResultFiles& files);

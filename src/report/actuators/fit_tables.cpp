@@ -11,14 +11,6 @@
 namespace simgap {
 namespace {
 
-/// "rad_s" -> "rad/s"
-std::string unitTitle(std::string unit) {
-  if (unit == "Nm") return "N m";
-  if (unit == "degC") return "°C";
-  std::ranges::replace(unit, '_', '/');
-  return unit;
-}
-
 std::string targetUnit(const Json& result) { return unitTitle(splitUnit(result.at("target").get<std::string>()).unit); }
 
 /// How the search went; empty without one over several starts.
@@ -74,9 +66,10 @@ Table fitParameters(const Json& result) {
     const double lower = numberOf(p.at("ci95").at(0)), upper = numberOf(p.at("ci95").at(1));
     const bool interval = !fixed && std::isfinite(lower) && std::isfinite(upper);
     const std::string unit = p.at("unit"), shown = fixed ? numberText(p.at("value"), "{:.6g}") : valueText(value, sd);
-    table.rows.push_back(
-        {p.at("name"), unit == "1" ? "-" : unit, std::isfinite(value) ? shown : "-", numberText(p.at("sd"), "{:.2g}"),
-         interval ? fmt::format("{} … {}", valueText(lower, sd), valueText(upper, sd)) : "-", noteOf(p)});
+    table.rows.push_back({p.at("name"), unit == "1" ? "-" : unitTitle(unit), std::isfinite(value) ? shown : "-",
+                          numberText(p.at("sd"), "{:.2g}"),
+                          interval ? fmt::format("{} … {}", valueText(lower, sd), valueText(upper, sd)) : "-",
+                          noteOf(p)});
   }
   return table;
 }

@@ -96,7 +96,7 @@ FitSummary summarise(const FrictionReport& report) {
   }
   if (data.dead_band > 0.0) {
     summary.facts.emplace_back("direction held", fmt::format("within ±{:.3g} {}, {} reversals", data.dead_band,
-                                                             data.velocity_unit, data.reversals));
+                                                             unitTitle(data.velocity_unit), data.reversals));
   }
   for (const std::string& channel : data.derived) {
     summary.facts.emplace_back(channel, fmt::format("worked out, zero-phase smoothing of {:.3g} Hz", data.bandwidth));

@@ -7,6 +7,7 @@
 
 #include "simgap/core/csv.h"
 #include "simgap/core/units.h"
+#include "simgap/report/table.h"
 
 namespace simgap {
 namespace {
@@ -54,7 +55,7 @@ std::vector<std::string> requirementSentences(const FrictionReport& report) {
   std::vector<std::string> sentences;
   for (const Requirement& r : report.requirements) {
     sentences.push_back(fmt::format("{}: {:.3g} {} and {:.3g} {} {} (measured up to {:.3g} and {:.3g})", r.name,
-                                    r.velocity, data.velocity_unit, r.torque, data.load_unit,
+                                    r.velocity, unitTitle(data.velocity_unit), r.torque, unitTitle(data.load_unit),
                                     reached.covers(r) ? "are covered" : "are NOT covered", reached.velocity,
                                     reached.load));
   }
@@ -70,7 +71,7 @@ std::string curvesCsv(const FrictionReport& report) {
   CsvWriter csv(
       {"band", "series", quantityName("velocity", data.velocity_unit), quantityName("friction", data.load_unit)});
   for (const auto& [low, high] : loadBands(load)) {
-    const std::string band = fmt::format("{:.3g} … {:.3g} {}", low, high, data.load_unit);
+    const std::string band = fmt::format("{:.3g} … {:.3g} {}", low, high, unitTitle(data.load_unit));
     for (const Index i : rowsOfBand(load, low, high)) {
       csv.add(band).add("measured").add(data.velocity[i]).add(friction(data.effort[i], load[i])).endRow();
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "simgap/core/csv.h"
 
@@ -20,24 +21,34 @@ Pam unboundedMuscle(const PamCandidate& candidate) {
   return muscle;
 }
 
-/// Measured and predicted force over contraction: some rows of the log, and each candidate at three pressures.
-std::string forcesCsv(const std::vector<PamCandidate>& candidates, const PamLog& log) {
+/// The pressures of the log where they are set in steps, else some that span them, rising [Pa].
+std::vector<double> pressureLevels(const PamLog& log) {
+  constexpr double kStep = 1e4;
+  constexpr std::size_t kMost = 12;
+  std::set<double> steps;
+  for (const double pressure : log.pressure) steps.insert(kStep * std::round(pressure / kStep));
+  if (steps.size() <= kMost) return {steps.begin(), steps.end()};
+  std::vector<double> sorted(log.pressure), levels;
+  std::ranges::sort(sorted);
+  for (const double q : {0.02, 0.2, 0.4, 0.6, 0.8, 0.98}) {
+    levels.push_back(sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))]);
+  }
+  return levels;
+}
+
+/// Measured and predicted force over contraction: some rows of the log, and the chosen model at all pressures.
+std::string forcesCsv(const PamCandidate& chosen, const PamLog& log) {
   CsvWriter csv({"series", "contraction", "force_N"});
-  std::vector<double> levels(log.pressure);
-  std::ranges::sort(levels);
   for (std::size_t i = 0; i < log.rows(); i += muscleStride(log)) {
     csv.add("measured").add(log.contraction[i]).add(log.force[i]).endRow();
   }
   const auto [low, high] = std::ranges::minmax(log.contraction);
-  for (const PamCandidate& c : candidates) {
-    const Pam muscle = unboundedMuscle(c);
-    for (const double q : {0.4, 0.7, 1.0}) {
-      const double pressure = levels[static_cast<std::size_t>(q * static_cast<double>(levels.size() - 1))];
-      for (int i = 0; i <= 60; ++i) {
-        const double eps = low + (high - low) * i / 60.0;
-        const auto f = muscle.force(pressure, eps);
-        if (f) csv.add(fmt::format("{} at {:.0f} kPa", c.name, 1e-3 * pressure)).add(eps).add(*f).endRow();
-      }
+  const Pam muscle = unboundedMuscle(chosen);
+  for (const double pressure : pressureLevels(log)) {
+    for (int i = 0; i <= 60; ++i) {
+      const double eps = low + (high - low) * i / 60.0;
+      const auto f = muscle.force(pressure, eps);
+      if (f) csv.add(fmt::format("{} at {:.0f} kPa", chosen.name, 1e-3 * pressure)).add(eps).add(*f).endRow();
     }
   }
   return csv.text();
@@ -77,8 +88,8 @@ FitSummary summarise(const PamReport& report) {
   summary.warnings = chosen.fit.warnings;
   if (const auto geometry = geometryOf(chosen.fit.theta[0], chosen.fit.theta[2])) {
     summary.facts.emplace_back("geometry of a and c",
-                               fmt::format("diameter {:.1f} mm, braid angle {:.1f} deg (002 eq. 12)",
-                                           1e3 * geometry->diameter, geometry->angle * 180.0 / std::numbers::pi));
+                               fmt::format("diameter {:.1f} mm, braid angle {:.1f} deg", 1e3 * geometry->diameter,
+                                           geometry->angle * 180.0 / std::numbers::pi));
   }
   if (report.maker) {
     summary.facts.emplace_back(
@@ -91,7 +102,7 @@ FitSummary summarise(const PamReport& report) {
 void writePamReport(const PamReport& report, const RunDirectory& directory) {
   const FitSummary summary = summarise(report);
   writeFit(summary, muscleModel(report), directory);
-  directory.write("forces.csv", forcesCsv(report.comparison.candidates, report.log));
+  directory.write("forces.csv", forcesCsv(report.comparison.chosen(), report.log));
   directory.write("errors.csv", forceErrorsCsv(report.comparison.candidates, report.log));
 }
 

@@ -1,5 +1,7 @@
 #include "response_page.h"
 
+#include <fmt/format.h>
+
 #include "fit_page.h"
 #include "simgap/core/units.h"
 
@@ -21,7 +23,13 @@ void addResponses(const CsvTable& table, const std::string& measured, const std:
     Chart chart = lineChart(quantity + (timed ? " over time" : " of every row"), {timed ? "time [s]" : "row"},
                             {axisTitle(quantityName(quantity, name.unit))}, lines);
     chart.wide = true;
+    makeZoomable(chart);
     page.add(std::move(chart));
+    if (!table.has(other)) continue;
+    Chart residual = residualChart(x, numbersOf(table, other), {{computed.substr(1), numbersOf(table, column)}},
+                                   axisTitle(quantityName(quantity, name.unit)));
+    residual.caption = fmt::format("{}: {} - {}", quantity, computed.substr(1), measured.substr(1));
+    page.add(std::move(residual));
   }
 }
 

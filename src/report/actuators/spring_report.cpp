@@ -109,10 +109,8 @@ std::vector<std::string> springWarnings(const SpringReport& report) {
   const double rest = unloadedDeflection(report.comparison.chosen().fit).deflection;
   const double expansion = report.log.data.rows.deflection.maxCoeff() / rest - 1.0;
   if (report.own_length && rest > 0.0 && expansion > kLinear) {
-    warnings.push_back(
-        fmt::format("the cord was expanded by {:.0f} % of its rest length: beyond 80 % it is not linear "
-                    "(000 eq. 2)",
-                    100.0 * expansion));
+    warnings.push_back(fmt::format("the cord was expanded by {:.0f} % of its rest length: beyond 80 % it is not linear",
+                                   100.0 * expansion));
   }
   if (!report.log.data.rows.timed) warnings.emplace_back("without time_s there is no damping: not fitted");
   return warnings;

@@ -11,7 +11,7 @@ std::string parameterText(const Json& parameter) {
   const Json& interval = parameter.at("ci95");
   const double half = 0.5 * (numberOf(interval.at(1)) - numberOf(interval.at(0)));
   return fmt::format("{} = {:.4g}{}{}", name, numberOf(parameter.at("value")),
-                     half > 0.0 ? fmt::format(" ± {:.2g}", half) : "", unit == "1" ? "" : " " + unit);
+                     half > 0.0 ? fmt::format(" ± {:.2g}", half) : "", unit == "1" ? "" : " " + unitTitle(unit));
 }
 
 }  // namespace
@@ -35,7 +35,7 @@ Table causeTable(const Json& result) {
     table.rows.push_back({causeName(cause),
                           fmt::format("{:.1f} % ({:.1f} … {:.1f})", numberOf(cause.at("gain_heldout_percent")),
                                       numberOf(interval.at(0)), numberOf(interval.at(1))),
-                          fmt::format("{:.2g}", numberOf(cause.at("p_adjusted"))), parameters});
+                          probabilityText(cause.at("p_adjusted")), parameters});
   }
   return table;
 }

@@ -154,6 +154,7 @@ std::string terminalTable(const Diagnosis& d) {
   std::string text = d.sentence + "\n\n";
   std::string unit = d.error_unit;  // of squares: "A2"
   if (unit.ends_with('2')) unit.pop_back();
+  unit = unitTitle(unit);
   if (d.verdict != DiagnosisVerdict::kDataFault)
     text += fmt::format("gap       RMS {:.4g} {} on data never used, noise floor {:.4g} {}\n",
                         std::sqrt(d.baseline.mse_heldout), unit, std::sqrt(d.noise_floor), unit);

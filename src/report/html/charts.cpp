@@ -91,6 +91,8 @@ Chart lineChart(std::string caption, const Axis& x, const Axis& y, const std::ve
           {{"kind", "lines"}, {"x", axisJson(x)}, {"y", axisJson(y)}, {"series", seriesJson(series)}}};
 }
 
+void makeZoomable(Chart& chart, const std::string& group) { chart.spec["zoom"] = group; }
+
 Chart barChart(std::string caption, const std::vector<std::string>& labels, const Axis& y,
                const std::vector<Series>& series) {
   return {std::move(caption),

@@ -1,5 +1,7 @@
 #include "simgap/report/html/page.h"
 
+#include <openssl/evp.h>
+
 #include <algorithm>
 #include <kainjow/mustache.hpp>
 #include <string_view>
@@ -50,6 +52,15 @@ std::vector<bool> wordColumns(const Table& table) {
   return words;
 }
 
+std::string base64(const std::string& bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
+  const int length =
+      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                      reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<int>(bytes.size()));
+  text.resize(static_cast<std::size_t>(length));
+  return text;
+}
+
 /// Turns blocks into what the template shows; the descriptions of charts and scenes are collected for report.js.
 class BlockRenderer {
  public:
@@ -82,6 +93,13 @@ class BlockRenderer {
     return block("scene", drawn(scene.caption, scene.note, scene.scene, scenes));
   }
 
+  mustache::data operator()(const PageImage& image) {
+    mustache::data item;
+    item.set("caption", image.caption);
+    item.set("base64", base64(image.png));
+    return block("image", item);
+  }
+
   Json charts = Json::array(), scenes = Json::array();
 
  private:
@@ -101,6 +119,18 @@ class BlockRenderer {
     return block;
   }
 };
+
+/// Of PageVerdict::Level, in its order, as report.css knows them.
+constexpr const char* kLevels[] = {"good", "doubtful", "bad"};
+
+mustache::data verdictOf(const PageVerdict& verdict) {
+  mustache::data item;
+  item.set("level", kLevels[static_cast<int>(verdict.level)]);
+  item.set("words", verdict.words);
+  item.set("cause", verdict.cause);
+  if (!verdict.command.empty()) item.set("command", mustache::data{"text", verdict.command});
+  return item;
+}
 
 mustache::data provenanceOf(const Page& page) {
   mustache::data list{mustache::data::type::list};
@@ -131,6 +161,7 @@ std::string renderPage(const Page& page) {
   mustache::data data;
   data.set("title", page.title);
   data.set("answer", page.answer);
+  if (page.verdict) data.set("verdict", verdictOf(*page.verdict));
   data.set("notes", cells(page.notes));
   data.set("noted", !page.notes.empty());
   data.set("sections", sections);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "simgap/core/error.h"
+#include "simgap/core/text.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -50,6 +51,18 @@ ResultFiles::ResultFiles(std::filesystem::path directory, const Json& run) : dir
 }
 
 bool ResultFiles::has(std::string_view name) const { return std::filesystem::exists(directory_ / name); }
+
+std::string ResultFiles::input(std::string_view role, std::string_view otherwise) const {
+  for (const Json& input : run_.value("inputs", Json::array())) {
+    if (input.value("role", "") == role) return shellWord(input.value("file", ""));
+  }
+  return std::string(otherwise);
+}
+
+std::string ResultFiles::path(std::string_view name) const {
+  const std::filesystem::path directory = run_.value("directory", directory_.string());
+  return shellWord((directory / name).string());
+}
 
 CsvTable ResultFiles::table(std::string_view name) const { return CsvTable::load(directory_ / name); }
 

@@ -63,7 +63,7 @@ void addProvenance(const Json& run, Page& page) {
     page.provenance.emplace_back("begun by", words(earlier.at("argv")));
   }
   const std::string status = cellText(run.at("status"));
-  if (status != "done") page.notes.insert(page.notes.begin(), "The run ended as: " + status);
+  if (status != "done") page.verdict = {PageVerdict::Level::kBad, "not done", "The run ended as: " + status + ".", ""};
 }
 
 }  // namespace

@@ -64,6 +64,7 @@ Chart PoseErrorTables::chart(const std::string& set) const {
   }
   Chart chart = barChart(fmt::format("Error of each {} pose, worst first", set), labels, {"joint error [deg]"}, series);
   chart.wide = labels.size() > 24;
+  chart.spec["poses"] = set;  // a click on a bar shows that pose
   return chart;
 }
 

@@ -54,7 +54,7 @@ std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSe
 
 namespace {
 
-constexpr const char* kPaperAngles = "  half angles of spherical joints, as 001 eq. 4";
+constexpr const char* kPaperAngles = "  as half angles (paper)";
 
 /// Degrees per joint, two decimals.
 std::vector<std::string> errorRow(std::string name, const Json& joints) {

@@ -119,7 +119,7 @@ TEST(DiagnosePage, ShowsTheGapTheCausesTheEvidenceAndTheSelfTest) {
   EXPECT_TRUE(gain.at("upper").is_null());
   const Json signature = chartOf(page, "Against load").spec;
   EXPECT_EQ(signature.at("series")[1].at("half"), Json({0.2}));
-  EXPECT_EQ(signature.at("x").at("title"), "load [Nm]");
+  EXPECT_EQ(signature.at("x").at("title"), "load [N m]");
   EXPECT_EQ(std::get<Chart>(page.sections[0].blocks[0]).caption, "Against load") << "the signature comes first";
   const Json rivals = chartOf(page, "Rivals of the first step, best first").spec.at("rows");
   ASSERT_EQ(rivals.size(), 2u) << "what was not judged has no place among them";
@@ -213,7 +213,8 @@ TEST(Page, OfDamagedFilesIsRefusedWithTheirName) {
 TEST(Page, SaysWhenARunHasFailed) {
   const ResultFolder folder(knownValidation());
   RunRecord({"simgap"}, 1, 1).write(folder.directory(), "failed: one pose is invalid");
-  EXPECT_EQ(folder.page().notes.at(0), "The run ended as: failed: one pose is invalid");
+  EXPECT_EQ(folder.page().verdict->level, PageVerdict::Level::kBad);
+  EXPECT_EQ(folder.page().verdict->cause, "The run ended as: failed: one pose is invalid.");
 }
 
 TEST(Thinning, KeepsEveryPeakTheOrderAndTheGaps) {

@@ -60,6 +60,8 @@ struct Chart {
 
 /// Curves and points over x.
 Chart lineChart(std::string caption, const Axis& x, const Axis& y, const std::vector<Series>& series);
+/// Lets a reader zoom into a chart of lines; all of `group` show the same stretch.
+void makeZoomable(Chart& chart, const std::string& group = "time");
 /// Groups of bars, one per label.
 Chart barChart(std::string caption, const std::vector<std::string>& labels, const Axis& y,
                const std::vector<Series>& series);

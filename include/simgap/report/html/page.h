@@ -2,6 +2,7 @@
 /// One self-contained HTML page per result: the answer in a sentence, the figures, the details, where it came from.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -24,7 +25,22 @@ struct PageScene {
   Json scene;  ///< as templates/arm_view.js reads it
 };
 
-using PageBlock = std::variant<PageText, Table, Chart, PageScene>;
+/// A picture; the page holds a copy.
+struct PageImage {
+  std::string caption;
+  std::string png;  ///< the bytes of the file
+};
+
+using PageBlock = std::variant<PageText, Table, Chart, PageScene, PageImage>;
+
+/// Whether a reader can use the result, why (not), and what to run next.
+struct PageVerdict {
+  enum class Level { kGood, kDoubtful, kBad };
+  Level level = Level::kGood;
+  std::string words;    ///< "good", "worse than the start", "13 of 15 poses valid"
+  std::string cause;    ///< in a sentence
+  std::string command;  ///< to copy into a shell; may be empty
+};
 
 struct PageSection {
   std::string heading;  ///< empty for the figure right below the answer
@@ -38,6 +54,7 @@ struct Page {
   std::vector<std::string> notes;  ///< what a reader must know before believing the answer
   std::vector<PageSection> sections = {};
   std::vector<std::pair<std::string, std::string>> provenance = {};
+  std::optional<PageVerdict> verdict = {};
 
   /// Adds a block to the last section; to a first one without a heading when there is none.
   void add(PageBlock block) {

@@ -23,6 +23,10 @@ class ResultFiles {
   const Json& result() const { return result_; }
   const Json& run() const { return run_; }
   bool has(std::string_view name) const;
+  /// The file that the run read in that role, as a word for a shell; `otherwise` when there was none.
+  std::string input(std::string_view role, std::string_view otherwise) const;
+  /// A file of the directory that the run wrote into, as a word for a shell.
+  std::string path(std::string_view name) const;
   /// \throws ConfigError, DataError: as CsvTable::load
   CsvTable table(std::string_view name) const;
 

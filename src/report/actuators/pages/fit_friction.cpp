@@ -25,7 +25,10 @@ std::vector<std::string> lawsOf(const Json& result) {
 void addTime(const ResultFiles& files, Page& page) {
   const CsvTable series = files.table("series.csv");
   std::vector<std::pair<std::string, std::vector<double>>> predicted;
-  for (const std::string& law : lawsOf(files.result())) predicted.emplace_back(law, numbersOf(series, law));
+  std::vector<std::string> laws = lawsOf(files.result());  // the chosen one is drawn on top
+  const auto chosen = std::ranges::find(laws, files.result().at("model").get<std::string>());
+  if (chosen != laws.end()) std::rotate(laws.begin(), chosen, chosen + 1);
+  for (const std::string& law : laws) predicted.emplace_back(law, numbersOf(series, law));
   addTimeChart(files, page, numbersOf(series, "time_s"), numbersOf(series, "measured"), predicted);
 }
 

@@ -18,6 +18,11 @@ Page make(const ResultFiles& files) {
   page.answer += result.at("rms_error").is_number()
                      ? fmt::format(", {:.4g} {} (RMS) from the log.", numberOf(result.at("rms_error")), target.unit)
                      : "; the log holds nothing to compare with.";
+  page.verdict = {PageVerdict::Level::kGood, "done",
+                  result.at("rms_error").is_number() ? "What is left may have a cause that can be named."
+                                                     : "Nothing in the log says how right it is.",
+                  fmt::format("simgap diagnose {} --log {}", files.input("model", "MODEL"), files.input("log", "LOG"))};
+  if (result.at("model") == "gearbox") page.verdict->command.clear();
   if (const long left = result.at("left_out").get<long>(); left > 0) {
     page.notes.push_back(fmt::format("{} rows were left out, or lie outside the model's range.", left));
   }

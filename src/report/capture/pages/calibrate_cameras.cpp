@@ -26,6 +26,12 @@ Page make(const ResultFiles& files) {
   if (result.at("scale_bar").is_null()) {
     page.notes.emplace_back("Without a scale bar nothing but the board's own size says how long a metre is.");
   }
+  constexpr double kLargestError = 1.0;  // px
+  const bool good = numberOf(result.at("heldout_rms_px")) < kLargestError;
+  page.verdict = {good ? PageVerdict::Level::kGood : PageVerdict::Level::kBad, good ? "good" : "large errors",
+                  good ? "Views that were held out are met within a pixel."
+                       : "A wrong spacing or number of corners, or views that are not of one moment.",
+                  "simgap capture RIG.yaml --left LEFT --right RIGHT"};
   page.add(viewErrors(result));
   page.addSection("Numbers");
   page.add(cameraFigures(result));

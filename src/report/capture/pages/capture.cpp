@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "report/capture/capture_tables.h"
 #include "simgap/core/error.h"
@@ -100,6 +101,7 @@ Chart angleChart(const ResultFiles& files) {
     chart.spec["bands"].push_back({pose.at("start_s"), pose.at("end_s")});
   }
   chart.wide = true;
+  makeZoomable(chart);
   return chart;
 }
 
@@ -170,11 +172,49 @@ Chart distanceHistogram(const ResultFiles& files) {
   return chart;
 }
 
+PageVerdict verdictOf(const ResultFiles& files) {
+  constexpr double kMostLost = 0.05;
+  const Json& result = files.result();
+  const double pairs = numberOf(result.at("pairs")), seen = numberOf(result.at("pairs_with_all_joints"));
+  PageVerdict verdict{PageVerdict::Level::kGood, "good", "Nothing speaks against the geometry.",
+                      files.has("poses.csv") && !result.at("poses").empty()
+                          ? fmt::format("simgap calibrate ARM.yaml --poses {}", files.path("poses.csv"))
+                          : fmt::format("simgap calibrate-joints {} --frames {}", files.input("rig", "RIG.yaml"),
+                                        files.path("frames.csv"))};
+  if (seen < (1.0 - kMostLost) * pairs) {
+    verdict.level = PageVerdict::Level::kDoubtful;
+    verdict.words = fmt::format("{:.0f} of {:.0f} pairs", seen, pairs);
+    verdict.cause = "In the others a target was not found, so that joints are missing.";
+  }
+  if (!result.at("geometry").at("findings").empty()) {
+    verdict.level = PageVerdict::Level::kBad;
+    verdict.words = "the geometry is in doubt";
+    verdict.cause = "Joint angles can be wrong by more than their deviations say.";
+  }
+  return verdict;
+}
+
+/// What was found in single pairs, as the run drew it.
+void addOverlays(const ResultFiles& files, Page& page) {
+  constexpr std::size_t kMost = 1;  // each is two thirds of a megabyte
+  std::vector<std::filesystem::path> pictures;
+  for (const auto& entry : std::filesystem::directory_iterator(files.directory())) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("overlay_") && name.ends_with(".png")) pictures.push_back(entry.path());
+  }
+  std::ranges::sort(pictures);
+  pictures.resize(std::min(pictures.size(), kMost));
+  for (const auto& picture : pictures) {
+    page.add(PageImage{"What was found: " + picture.stem().string(), readFile(picture)});
+  }
+}
+
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   const Json& doubts = result.at("geometry").at("findings");
   Page page{"simgap capture", captureAnswer(result), {}};
   for (const Json& doubt : doubts) page.notes.push_back(doubt.at("sentence"));
+  page.verdict = verdictOf(files);
   const Frames frames(files.table("frames.csv"));
   std::vector<Series> visible, rms, epipolar;
   for (const std::string& target : targetNames(result)) {
@@ -184,6 +224,7 @@ Page make(const ResultFiles& files) {
   }
   page.add(angleChart(files));
   page.add(markerScene(files, frames));
+  addOverlays(files, page);
   page.addSection("How well the targets were seen");
   page.add(lineChart("Visible markers of each target", {"time [s]"}, {"markers"}, visible));
   page.add(lineChart("Fit of the targets", {"time [s]"}, {"fit RMS [mm]"}, rms));

@@ -21,6 +21,10 @@ Chart gaps(const Json& result) {
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   Page page{"simgap targets check", targetAnswer(result), {}};
+  const bool sound = result.at("sound").get<bool>();
+  page.verdict = {sound ? PageVerdict::Level::kGood : PageVerdict::Level::kBad, sound ? "good" : "can be confused",
+                  sound ? "" : "Move the markers that are named below, by more than the noise bridges.",
+                  sound ? "simgap capture RIG.yaml --left LEFT --right RIGHT" : ""};
   page.add(gaps(result));
   page.addSection("Numbers");
   page.add(targetTable(result));

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "report/diagnosis/cause_table.h"
+#include "report/poses/arm_scene.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages {
@@ -26,7 +27,7 @@ std::string capitalised(std::string words) {
 /// Squared errors are in "A2"; their roots in "A".
 std::string rootUnit(const Json& result) {
   const std::string unit = text(result, "error_unit");
-  return unit.ends_with('2') ? unit.substr(0, unit.size() - 1) : unit;
+  return unitTitle(unit.ends_with('2') ? unit.substr(0, unit.size() - 1) : unit);
 }
 
 std::vector<std::string> notes(const Json& result) {
@@ -92,7 +93,21 @@ void addPredictions(const ResultFiles& files, Page& page) {
                            {"before", time, numbersOf(table, "before"), Series::Style::kLine, 1},
                            {"with the causes", time, numbersOf(table, "after"), Series::Style::kLine, 0}});
   chart.wide = true;
+  makeZoomable(chart);
   page.add(std::move(chart));
+  const auto left = [&](const char* column) {
+    std::vector<double> rest = numbersOf(table, "measured");
+    const std::vector<double> predicted = numbersOf(table, column);
+    for (std::size_t i = 0; i < rest.size(); ++i) rest[i] -= predicted[i];
+    return rest;
+  };
+  Chart residual =
+      lineChart("What is left: measured - predicted", {"time [s]"}, {fmt::format("[{}]", rootUnit(files.result()))},
+                {{"with the causes", time, left("after"), Series::Style::kLine, 0},
+                 {"before", time, left("before"), Series::Style::kLine, 1, /*faint=*/true}});
+  residual.wide = true;
+  makeZoomable(residual);
+  page.add(std::move(residual));
 }
 
 /// Channels, first those against which the causes took away most of the squared mean residual.
@@ -131,8 +146,8 @@ Chart evidenceChart(const CsvTable& table, const std::string& against, const std
   const std::string quantity = named ? "mean " + against.substr(0, split) : fmt::format("mean residual [{}]", unit);
   const std::string title = (named ? against.substr(0, against.find(" [")) + " against " : "Against ") + channel;
   const std::string own = unitOf(table, against);
-  return lineChart(capitalised(title), {own.empty() ? channel : fmt::format("{} [{}]", channel, own)}, {quantity},
-                   {before, after});
+  return lineChart(capitalised(title), {own.empty() ? channel : fmt::format("{} [{}]", channel, unitTitle(own))},
+                   {quantity}, {before, after});
 }
 
 /// Mean residuals, ranked by what the causes took away of them.
@@ -183,8 +198,8 @@ void addHypotheses(const ResultFiles& files, Page& page) {
   Table record{"All steps", {"hypothesis", "step", "gain [%]", "p (adjusted)", "outcome"}, {}, true};
   for (std::size_t i = 0; i < step.size(); ++i) {
     const std::string name = effect[i] + (target[i].empty() ? "" : " of " + target[i]);
-    record.rows.push_back({name, step[i], numberText(numberOrNull(gain[i]), "{:.2f}"),
-                           numberText(numberOrNull(p[i]), "{:.2g}"), outcome[i]});
+    record.rows.push_back(
+        {name, step[i], numberText(numberOrNull(gain[i]), "{:.2f}"), probabilityText(numberOrNull(p[i])), outcome[i]});
     const double value = by_odds ? odds[i] : gain[i];
     if (step[i] != step.front() || !std::isfinite(value)) continue;
     const bool accepted = outcome[i].starts_with("accepted"), ambiguous = outcome[i] == "ambiguous";
@@ -209,6 +224,41 @@ void addHypotheses(const ResultFiles& files, Page& page) {
     page.add(std::move(chart));
   }
   page.add(std::move(record));
+}
+
+/// The arm in its poses with and without the causes, those first that gain most.
+void addArm(const ResultFiles& files, Page& page) {
+  if (!files.has("poses.csv")) return;
+  const CsvTable table = files.table("poses.csv");
+  const std::vector<std::string> names = table.text("pose");
+  const std::vector<double> before = numbersOf(table, "before_deg"), after = numbersOf(table, "after_deg");
+  std::vector<std::size_t> order(names.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return before[i] - after[i]; });
+  std::vector<ScenePose> poses;
+  Series bars_before{"before", {}, {}}, bars_after{"with the causes", {}, {}};
+  std::vector<std::string> labels;
+  for (const std::size_t i : order) {
+    poses.push_back({"all",
+                     names[i],
+                     {{"given", fmt::format("the model as given; RMS {:.2f}° after a fit", before[i])},
+                      {"with the causes", fmt::format("RMS {:.2f}°", after[i])}}});
+    labels.push_back(names[i]);
+    bars_before.y.push_back(before[i]);
+    bars_after.y.push_back(after[i]);
+  }
+  bars_before.faint = true;
+  bars_before.colour = bars_after.colour = 0;
+  auto scene = armScene(files, poses);
+  if (!scene) return;
+  scene->scene["slider"] = "pose, the largest gain first";
+  page.addSection("The arm in its poses");
+  page.add(std::move(*scene));
+  Chart chart = barChart("Error of each pose, the largest gain first", labels, {"RMS joint error [deg]"},
+                         {bars_before, bars_after});
+  chart.wide = true;
+  chart.spec["poses"] = "all";
+  page.add(std::move(chart));
 }
 
 /// How often a cause hidden in this design would be named rightly.
@@ -245,7 +295,7 @@ void addLimits(const Json& result, Page& page) {
                 detectable.size() > 12};
     for (const Json& d : detectable) {
       table.rows.push_back(
-          {causeName(d), text(d, "parameter"), numberText(d.at("magnitude95"), "{:.3g}"), text(d, "unit")});
+          {causeName(d), text(d, "parameter"), numberText(d.at("magnitude95"), "{:.3g}"), unitTitle(text(d, "unit"))});
     }
     page.add(std::move(table));
   }
@@ -258,7 +308,7 @@ void addLimits(const Json& result, Page& page) {
 }
 
 Table figures(const Json& result) {
-  const std::string unit = text(result, "error_unit");
+  const std::string unit = unitTitle(text(result, "error_unit"));
   const Json &baseline = result.at("baseline"), &extended = result.at("extended");
   Table table{fmt::format("Mean squared errors [{}]", unit), {"", "fitted", "never used"}, {}};
   table.rows = {
@@ -269,11 +319,37 @@ Table figures(const Json& result) {
   return table;
 }
 
+/// What the answer is worth, and what goes on from it.
+PageVerdict verdictOf(const ResultFiles& files) {
+  const Json& result = files.result();
+  const std::string verdict = text(result, "verdict");
+  const bool arm = files.has("poses.csv");
+  PageVerdict shown{PageVerdict::Level::kGood, verdict, "", ""};
+  if (verdict == "data-fault") {
+    shown.level = PageVerdict::Level::kBad;
+    shown.cause = "The data themselves are wrong: nothing was fitted.";
+  } else if (verdict == "ambiguous") {
+    shown.level = PageVerdict::Level::kDoubtful;
+    shown.cause = "These data cannot tell some causes apart: record what is asked for below.";
+  } else if (verdict == "unexplained") {
+    shown.level = PageVerdict::Level::kDoubtful;
+    shown.cause = "What is left depends on what was logged, and no known cause explains it.";
+  } else if (verdict == "nothing-found") {
+    shown.cause = "No known cause makes the model better on data never used.";
+  } else {
+    shown.cause = "The causes hold on data that found none of them; the extended model is model.yaml.";
+    shown.command = arm ? fmt::format("simgap validate {} --poses OTHER_POSES.csv", files.path("model.yaml"))
+                        : fmt::format("simgap predict {} OTHER_LOG.csv", files.path("model.yaml"));
+  }
+  return shown;
+}
+
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   const std::string sentence = text(result, "sentence");
   Page page{"simgap diagnose", sentence.empty() ? "Verdict: " + text(result, "verdict") + "." : sentence,
             notes(result)};
+  page.verdict = verdictOf(files);
   const Evidence evidence = evidenceOf(files);
   addSignature(files, evidence, page);
   if (result.at("baseline").at("mse_heldout").is_number()) page.add(gap(result));
@@ -287,6 +363,7 @@ Page make(const ResultFiles& files) {
     page.addSection("What to record next");
     page.add(PageText{next});
   }
+  addArm(files, page);
   addEvidence(files, evidence, page);
   addPredictions(files, page);
   addSelfTest(result, page);

@@ -52,6 +52,12 @@ function partMesh(part, material) {
   return ball(vector(part.position), part.radius, material);
 }
 
+/** What the pointer says of a mesh. */
+function named(mesh, name) {
+  mesh.userData.name = name;
+  return mesh;
+}
+
 class ArmView {
   constructor(figure, scene) {
     this.figure = figure;
@@ -114,6 +120,9 @@ class ArmView {
     this.renderer.domElement.addEventListener('blur', () => { this.controls.enableZoom = false; });
     this.controls.addEventListener('change', () => this.draw());
     this.renderer.domElement.addEventListener('pointerdown', () => this.renderer.domElement.focus());
+    this.pointed = this.figure.querySelector('.pointed');
+    this.renderer.domElement.addEventListener('pointermove', event => this.nameWhatIsThere(event));
+    this.renderer.domElement.addEventListener('pointerleave', () => { this.pointed.hidden = true; });
     this.renderer.domElement.addEventListener('keydown', event => this.turnByKey(event));
     this.space = new THREE.Scene();
     this.space.add(new THREE.HemisphereLight(0xffffff, 0x999999, 0.7));
@@ -123,6 +132,7 @@ class ArmView {
     this.space.add(this.content);
     this.points = this.allPoints();
     this.sphere = new THREE.Sphere().setFromPoints(this.points);
+    this.torso = this.fixedFrame();
     this.floor = Math.min(...this.points.map(p => p.z));
     new ResizeObserver(() => this.resize()).observe(this.box);
   }
@@ -131,7 +141,9 @@ class ArmView {
   allPoints() {
     const points = [];
     for (const pose of this.data.poses) {
-      for (const state of Object.values(pose.states)) {
+      // The last state and what was measured: a wild start would push the arm into a corner.
+      for (const state of [pose.states[this.data.states[this.data.states.length - 1]], pose.states[this.data.ghost]]) {
+        if (!state) continue;
         for (const part of this.data.parts) {
           const body = state.bodies[part.body];
           if (body) {
@@ -140,11 +152,64 @@ class ArmView {
             for (const end of [-reach, reach]) points.push(vector(part.position).addScaledVector(axis, end).applyQuaternion(turn).add(vector(body)));
           }
         }
-        for (const path of state.paths) path.points.forEach(p => points.push(vector(p)));
+        for (const path of state.paths || []) path.points.forEach(p => points.push(vector(p)));
         for (const [, ...at] of state.markers || []) points.push(vector(at));
       }
     }
     return points.length ? points : [new THREE.Vector3()];
+  }
+
+  /** The body that muscles begin at and that has no shape of its own, as the box about their points that never move. */
+  fixedFrame() {
+    const shaped = new Set(this.data.parts.map(part => part.body)), index = this.data.bodies.findIndex((_, i) => !shaped.has(i));
+    if (index < 0) return null;
+    const key = p => p.map(x => x.toFixed(3)).join(), ends = new Map();
+    let states = 0;
+    const last = this.data.states[this.data.states.length - 1];  // another model has its muscles elsewhere
+    for (const pose of this.data.poses) {
+      const state = pose.states[last];
+      if (state?.paths?.length) {
+        ++states;
+        const seen = new Map(state.paths.flatMap(path => [path.points[0], path.points[path.points.length - 1]]).map(p => [key(p), p]));
+        seen.forEach((p, k) => ends.set(k, {p, count: (ends.get(k)?.count || 0) + 1}));
+      }
+    }
+    const still = [...ends.values()].filter(end => 2 * end.count > states).map(end => vector(end.p));
+    if (states < 2 || still.length < 3) return null;
+    return {name: this.data.bodies[index], box: new THREE.Box3().setFromPoints(still).expandByScalar(0.015)};
+  }
+
+  addTorso() {
+    if (!this.torso) return;
+    const size = this.torso.box.getSize(new THREE.Vector3());
+    const mesh = new THREE.Mesh(new THREE.BoxBufferGeometry(size.x, size.y, size.z), this.material(cssColour('bone'), 0.3));
+    mesh.position.copy(this.torso.box.getCenter(new THREE.Vector3()));
+    this.content.add(named(mesh, this.torso.name));
+  }
+
+  /** The name of the body or muscle under the pointer. */
+  nameWhatIsThere(event) {
+    const box = this.renderer.domElement.getBoundingClientRect();
+    const at = new THREE.Vector2(2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height);
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(at, this.camera);
+    const hits = ray.intersectObject(this.content, true).map(hit => hit.object.userData.name).filter(Boolean);
+    const name = hits.find(hit => this.data.muscles?.includes(hit.split(',')[0])) || hits[0];
+    this.pointed.hidden = !name;
+    if (!name) return;
+    this.pointed.textContent = name;
+    this.pointed.style.left = `${event.clientX - box.left + 14}px`;
+    this.pointed.style.top = `${event.clientY - box.top + 8}px`;
+  }
+
+  /** Shows the pose of that name, where there is one. */
+  showPose(name) {
+    const index = this.data.poses.findIndex(pose => pose.name === name);
+    if (index < 0) return;
+    this.pose = index;
+    this.slider.value = index;
+    this.show();
+    this.figure.scrollIntoView({block: 'nearest'});
   }
 
   /** As near as all points fit into the picture. */
@@ -157,7 +222,7 @@ class ArmView {
       return p.dot(back) + Math.max(Math.abs(p.dot(up)) / height, Math.abs(p.dot(right)) / width);
     });
     this.controls.target.copy(this.sphere.center);
-    this.camera.position.copy(this.sphere.center).addScaledVector(back, 1.05 * Math.max(...distances));
+    this.camera.position.copy(this.sphere.center).addScaledVector(back, 1.01 * Math.max(...distances));
     this.controls.update();
   }
 
@@ -201,7 +266,7 @@ class ArmView {
       const frame = new THREE.Group();
       frame.position.copy(vector(body));
       frame.quaternion.set(body[4], body[5], body[6], body[3]);
-      this.data.parts.filter(part => part.body === index).forEach(part => frame.add(partMesh(part, material)));
+      this.data.parts.filter(part => part.body === index).forEach(part => frame.add(named(partMesh(part, material), this.data.bodies[index])));
       this.content.add(frame);
     });
   }
@@ -211,8 +276,8 @@ class ArmView {
       const slack = !(path.tension > 0), t = path.tension / this.data.most_tension;
       const material = slack ? this.material(cssColour('soft'), 0.5) : this.material(tensionColour(t));
       const radius = slack ? 0.001 : 0.0016 + 0.0024 * t;
-      const points = path.points.map(vector);
-      points.slice(1).forEach((to, i) => this.content.add(rod(points[i], to, radius, material)));
+      const points = path.points.map(vector), said = path.name + (slack ? ', slack' : ', ' + shortText(path.tension) + ' N');
+      points.slice(1).forEach((to, i) => this.content.add(named(rod(points[i], to, radius, material), said)));
       points.forEach(p => this.content.add(ball(p, radius * 1.8, material)));
     }
   }
@@ -251,6 +316,7 @@ class ArmView {
       this.addMarkers(state);
     }
     if (ghost) this.addBodies(ghost, this.material(cssColour('text'), 0.35));
+    this.addTorso();
     this.addFloor();
     this.draw();
   }

@@ -106,12 +106,81 @@ function linesConfig(spec) {
     type: 'scatter', data: {datasets: [...spec.series.map(lineDataset), ...spec.series.flatMap(bandDatasets)]},
     options: {
       bands: spec.bands,
+      zoom: spec.zoom,
       interaction: {mode: 'nearest', axis: 'x', intersect: false},
-      scales: {x: axisOptions(spec.x, spec.series.flatMap(s => s.x)), y: axisOptions(spec.y)},
+      scales: {x: {...axisOptions(spec.x, spec.series.flatMap(s => s.x)), min: zoomed[spec.zoom]?.[0], max: zoomed[spec.zoom]?.[1]}, y: axisOptions(spec.y)},
       plugins: {legend: shown, tooltip: asTooltip(spec.x, spec.y)},
     },
   };
 }
+
+// ---------------------------------------------------------------------------------------------------- zoom
+
+/** The stretch of x that all charts of a group show; none: all of it. */
+const zoomed = {};
+
+function wholeRange(spec) {
+  const all = spec.series.flatMap(s => s.x).filter(x => x !== null);
+  return [all.reduce((a, b) => Math.min(a, b), Infinity), all.reduce((a, b) => Math.max(a, b), -Infinity)];
+}
+
+/** All charts of the group show that stretch; with none, everything. */
+function zoomTo(group, range) {
+  if (range) zoomed[group] = range; else delete zoomed[group];
+  charts.filter(chart => chart.config.options.zoom === group).forEach(chart => {
+    Object.assign(chart.options.scales.x, {min: range?.[0], max: range?.[1]});
+    chart.update('none');
+  });
+  document.querySelectorAll(`.zoom[data-group="${group}"] button`).forEach(button => { button.disabled = !range; });
+}
+
+/** The wheel comes nearer to the pointer once the chart has been clicked; dragging chooses a stretch; a double click or the button shows all. */
+function offerZoom(figure, spec) {
+  const canvas = figure.querySelector('canvas'), bar = figure.querySelector('.zoom');
+  const button = element('button', {type: 'button', disabled: ''}, 'Show all');
+  const [low, high] = wholeRange(spec);
+  bar.dataset.group = spec.zoom;
+  bar.append('Drag to look closer; click, then use the wheel. ', button);
+  canvas.tabIndex = 0;
+  const chart = () => charts.find(c => c.canvas === canvas);
+  const place = event => chart().scales.x.getValueForPixel(event.clientX - canvas.getBoundingClientRect().left);
+  let begin = null;
+  button.addEventListener('click', () => zoomTo(spec.zoom, null));
+  canvas.addEventListener('dblclick', () => zoomTo(spec.zoom, null));
+  canvas.addEventListener('pointerdown', event => { canvas.focus(); begin = place(event); });
+  canvas.addEventListener('pointermove', event => {
+    if (begin === null) return;
+    chart().config.options.chosen = [begin, place(event)];
+    chart().draw();
+  });
+  canvas.addEventListener('pointerup', event => {
+    if (begin === null) return;
+    const range = [begin, place(event)].sort((a, b) => a - b).map(x => Math.min(Math.max(x, low), high));
+    begin = null;
+    chart().config.options.chosen = null;
+    if (range[1] - range[0] > 0.005 * (chart().scales.x.max - chart().scales.x.min)) zoomTo(spec.zoom, range); else chart().draw();
+  });
+  canvas.addEventListener('pointerleave', () => { begin = null; chart().config.options.chosen = null; });
+  canvas.addEventListener('wheel', event => {
+    if (document.activeElement !== canvas) return;  // the wheel scrolls the page until the chart has the focus
+    event.preventDefault();
+    const {min, max} = chart().scales.x, about = place(event), factor = Math.exp(0.002 * event.deltaY);
+    const range = [Math.max(about - (about - min) * factor, low), Math.min(about + (max - about) * factor, high)];
+    zoomTo(spec.zoom, range[0] <= low && range[1] >= high ? null : range);
+  }, {passive: false});
+}
+
+/** Shades the stretch that is being chosen. */
+const choicePainter = {
+  id: 'choice',
+  afterDatasetsDraw(chart) {
+    const range = chart.config.options.chosen;
+    if (!range) return;
+    const {ctx, chartArea: {top, bottom}, scales: {x}} = chart, [from, to] = range.map(value => x.getPixelForValue(value));
+    ctx.fillStyle = translucent(cssColour('c0'), 0.2);
+    ctx.fillRect(from, top, to - from, bottom - top);
+  },
+};
 
 /** "Before" is hollow and pale, "after" full: told apart without colour, too. */
 function barsConfig(spec) {
@@ -124,11 +193,21 @@ function barsConfig(spec) {
     type: 'bar', data: {labels: spec.labels, datasets},
     options: {
       interaction: {mode: 'index', intersect: false},
+      onClick: (event, items) => items.length && spec.poses && showPose(`${spec.poses} pose ${spec.labels[items[0].index]}`),
       scales: {x: {grid: {display: false}, title: {display: Boolean(spec.x), text: spec.x?.title}}, y: axisOptions(spec.y)},
       plugins: {legend: legend(spec.series)},
     },
   };
 }
+
+/** A bar of a pose shows that pose in the view in three dimensions. */
+function showPose(name) {
+  for (const view of typeof views === 'undefined' ? [] : views) view.showPose(name);
+}
+
+/** On narrow screens a parameter's name keeps what tells it apart: the muscle and the end of its path. */
+const rowLabel = (name, width) => width >= 520 ? name :
+  name.replace(/^(muscles|joints|bodies)\./, '').replace(/attachments\.(\d+)\.point_m\./, 'at $1 ').replace('shock_cord.', '').replace(/_(m|rad|N_m|Ns_m|kg)$/, '');
 
 /** A dot on its interval, one row each; rows of a group share a colour. */
 function intervalsConfig(spec) {
@@ -150,7 +229,7 @@ function intervalsConfig(spec) {
     type: 'bar', data: {labels: spec.rows.map(r => r.name), datasets},
     options: {
       indexAxis: 'y',
-      scales: {x: axisOptions(spec.x), y: {offset: true, ticks: {autoSkip: false}, grid: {display: false}}},
+      scales: {x: axisOptions(spec.x), y: {offset: true, ticks: {autoSkip: false, callback(value) { return rowLabel(this.getLabelForValue(value), this.chart.width); }}, grid: {display: false}}},
       plugins: {
         legend: {...legend(groups), labels: {usePointStyle: true, filter: item => item.text !== ''}},
         tooltip: {filter: item => item.dataset.type === 'line', callbacks: {label}},
@@ -284,7 +363,7 @@ function drawCharts() {
     if (spec.kind === 'intervals') plot.style.height = `${1.35 * spec.rows.length + 6}rem`;
     figure.querySelector('.scale')?.remove();
     if (spec.kind === 'map') plot.after(scaleBar(spec));
-    charts.push(new Chart(plot.querySelector('canvas'), {...configs[spec.kind](spec), plugins: [cellPainter, bandPainter]}));
+    charts.push(new Chart(plot.querySelector('canvas'), {...configs[spec.kind](spec), plugins: [cellPainter, bandPainter, choicePainter]}));
   });
 }
 
@@ -299,7 +378,15 @@ function offerNumbers(figure, caption, rows) {
 
 document.querySelectorAll('figure.chart').forEach(figure => {
   const spec = page.charts[figure.dataset.chart];
+  if (spec.zoom) offerZoom(figure, spec);
   offerNumbers(figure, figure.querySelector('figcaption').textContent, () => rowsOf[spec.kind](spec));
+});
+
+document.querySelector('.copy')?.addEventListener('click', event => {
+  const code = event.target.previousElementSibling;
+  getSelection().selectAllChildren(code);
+  if (!navigator.clipboard) document.execCommand('copy');
+  (navigator.clipboard?.writeText(code.textContent) ?? Promise.resolve()).then(() => { event.target.textContent = 'Copied'; }, () => document.execCommand('copy'));
 });
 
 const redrawers = [drawCharts];

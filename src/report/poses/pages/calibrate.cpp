@@ -37,9 +37,16 @@ void addPoses(const ResultFiles& files, Page& page) {
 
 void addConvergence(const ResultFiles& files, Page& page) {
   const Json& result = files.result();
+  page.addSection("Convergence");
   const bool strategy = result.at("optimizer") == "es";
   const CsvTable history = files.table("history.csv");
   const std::vector<double> steps = numbersOf(history, "generation");
+  const std::vector<double> course = numbersOf(history, "best_so_far_rad2");
+  if (!strategy && !course.empty() && std::ranges::min(course) > 0.99 * std::ranges::max(course)) {
+    page.add(PageText{fmt::format("None of the {} descents came much lower than the first: there is no course to draw.",
+                                  course.size())});
+    return;
+  }
   const Axis x{strategy || result.at("optimizer") == "cma-es" ? "generation" : "descent"};
   std::vector<Series> mje;
   for (const auto& [joint, value] : result.at("mje_deg").at("calibration").at("final").items()) {
@@ -49,7 +56,6 @@ void addConvergence(const ResultFiles& files, Page& page) {
     const std::vector<double> noise(steps.size(), numberOf(result.at("capture_sd_deg")));
     mje.push_back({"capture noise", steps, noise, Series::Style::kDashed, 6});
   }
-  page.addSection("Convergence");
   page.add(lineChart("Mean joint error of the best model so far", x, {"mean joint error [deg]", true}, mje));
   page.add(
       lineChart("Fitness", x, {"sum of squared errors [rad²]", true},
@@ -141,11 +147,55 @@ void addParameters(const ResultFiles& files, Page& page) {
   page.add(parameterTable(result));
 }
 
+/// What the calibrated model is worth on the poses that judge it, and what goes on from it.
+PageVerdict verdictOf(const ResultFiles& files) {
+  using enum PageVerdict::Level;
+  const Json& result = files.result();
+  const bool held_out = result.at("mje_deg").contains("validation");
+  const char* set = held_out ? "validation" : "calibration";
+  const Json& judged = result.at("mje_deg").at(set);
+  const std::string model = files.path("model.yaml"), poses = files.input("poses", "POSES.csv");
+  const std::string again =
+      fmt::format("simgap calibrate {} --poses {}{} --optimizer lm", files.input("model", "MODEL.yaml"), poses,
+                  held_out ? " --validation " + files.input("validation", "OTHER.csv") : "");
+  for (const auto& [joint, final] : judged.at("final").items()) {
+    const double before = numberOf(judged.at("initial").at(joint)), after = numberOf(final);
+    if (!std::isfinite(after))
+      return {kBad, "no valid number", fmt::format("No {} pose of {} is steady.", set, joint), again};
+    if (after > before)
+      return {kBad, "worse than the start",
+              fmt::format("The {} misses by more than before on the {} poses.", joint, set), again};
+  }
+  const Json counts = result.at("valid_poses").at(set);
+  const long of = counts.at("of"), valid = counts.value("final", of);
+  if (valid < of) {
+    return {kDoubtful, fmt::format("{} of {} poses valid", valid, of),
+            "The means leave out the poses in which the arm does not come to rest.",
+            fmt::format("simgap validate {} --poses {} --evaluator equilibrium", model, poses)};
+  }
+  const std::string optimizer = result.value("optimizer", "lm");
+  if (!surprises(result).empty()) {
+    if (optimizer != "lm" && optimizer != "hybrid") {
+      return {kDoubtful, "not converged", "The search has not come to the optimum that the intervals suppose: try lm.",
+              again};
+    }
+    return {kDoubtful, "something is not in the model", "Poses are missed by more than the model's own uncertainty.",
+            fmt::format("simgap diagnose {} --poses {}", model, poses)};
+  }
+  if (!held_out) {
+    return {kDoubtful, "not judged", "Only poses it was not fitted to can show what it is worth.",
+            fmt::format("simgap validate {} --poses OTHER_POSES.csv", model)};
+  }
+  return {kGood, "good", "It holds on poses the search never saw.",
+          fmt::format("simgap design {} --poses {}", files.input("model", "MODEL.yaml"), poses)};
+}
+
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   std::vector<std::string> notes = surprises(result);
   if (const std::string doubt = notConverged(result); !doubt.empty()) notes.insert(notes.begin(), doubt);
   Page page{"simgap calibrate", answer(result), notes};
+  page.verdict = verdictOf(files);
   addPoses(files, page);
   page.addSection("How large the gap is");
   page.add(calibrationErrors(result));

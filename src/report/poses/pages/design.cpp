@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "report/poses/pose_page.h"
 #include "report/poses/pose_tables.h"
 #include "simgap/report/html/result_page.h"
 
@@ -57,6 +58,20 @@ Table commands(const Json& result) {
 
 Page make(const ResultFiles& files) {
   Page page{"simgap design", answer(files.result()), {}};
+  page.verdict = {PageVerdict::Level::kGood, "done",
+                  "Record these commands, add them to the poses, and calibrate again.",
+                  fmt::format("simgap calibrate {} --poses ALL_POSES.csv", files.input("model", "MODEL.yaml"))};
+  std::vector<ScenePose> scene_poses;
+  for (const Json& pose : files.result().at("poses"))
+    scene_poses.push_back({"next", pose.at("pose"), {{"expected", "expected by the fitted model"}}});
+  if (auto scene = armScene(files, scene_poses)) {
+    scene->scene["ghost"] = nullptr;
+    scene->note =
+        "Where the fitted model expects the arm. Drag or use the arrow keys to turn; click, then scroll to come "
+        "nearer.";
+    scene->scene["slider"] = "pose, the most telling first";
+    page.add(std::move(*scene));
+  }
   page.add(expectedChart(files.result()));
   page.add(expectedErrors(files.result()));
   page.addSection("What to record");

@@ -28,10 +28,25 @@ std::vector<std::string> notes(const Json& result) {
   return notes;
 }
 
+PageVerdict verdictOf(const ResultFiles& files, const std::vector<std::string>& failed) {
+  using enum PageVerdict::Level;
+  const Json& result = files.result();
+  const std::string model = files.input("model", "MODEL.yaml"), poses = files.input("poses", "POSES.csv");
+  const std::size_t of = result.at("poses").size();
+  const auto valid = result.at("valid_poses").get<std::size_t>();
+  const std::string next = fmt::format("simgap diagnose {} --poses {}", model, poses);
+  if (valid < of)
+    return {kBad, fmt::format("{} of {} poses valid", valid, of), "In the others the arm does not come to rest.", next};
+  if (!failed.empty()) return {kBad, "fails the limit", "", next};
+  return {kGood, fmt::format("{} of {} poses valid", valid, of), "What is left may have a cause that can be named.",
+          next};
+}
+
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   const PoseErrorTables errors(files.table("errors.csv"), {""}, "replayed");
   Page page{"simgap validate", answer(result), notes(result)};
+  page.verdict = verdictOf(files, page.notes);
   if (auto scene = armScene(files, errors.scenePoses())) page.add(std::move(*scene));
   Chart chart = errors.chart("replayed");
   chart.wide = true;
