@@ -86,6 +86,7 @@ void addCauses(const Json& result, Page& page) {
 
 void addPredictions(const ResultFiles& files, Page& page) {
   if (!files.has("predictions.csv")) return;
+  page.addSection("Over time");
   const CsvTable table = files.table("predictions.csv");
   const std::vector<double> time = numbersOf(table, "time_s");
   Chart chart = lineChart("Measured and predicted", {"time [s]"}, {fmt::format("[{}]", rootUnit(files.result()))},
