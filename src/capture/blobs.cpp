@@ -8,13 +8,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "simgap/core/error.h"
+#include "touching_blobs.h"
 
 namespace simgap {
 namespace {
 
-constexpr double kWindowMargin = 2.0;  // [px] beyond the thresholded blob: where its blurred rim has faded
-constexpr double kRimExcess = 0.5;     // [px] by which the rim's window reaches beyond the margin; see below
-constexpr int kCentringRounds = 4;     // of re-centring; the second already moves by less than 1e-3 px
+constexpr double kRimExcess = 0.5;  // [px] by which the rim's window reaches beyond the margin; see below
+constexpr int kCentringRounds = 4;  // of re-centring; the second already moves by less than 1e-3 px
 
 /// Pixels between two boxes; 0 when they touch.
 double gapBetween(const cv::Rect& a, const cv::Rect& b) {
@@ -88,13 +88,18 @@ Eigen::Vector2d rimStep(const cv::Mat& image, const Eigen::Vector2d& centre, dou
 }
 
 /// Smaller by larger axis of the ellipse with these second moments.
-double axisRatio(const Moments& m) {
-  const double mean = 0.5 * (m.xx + m.yy);
-  const double spread = std::hypot(0.5 * (m.xx - m.yy), m.xy);
+double axisRatio(const Eigen::Matrix2d& m) {
+  const double mean = 0.5 * m.trace();
+  const double spread = std::hypot(0.5 * (m(0, 0) - m(1, 1)), m(0, 1));
   return mean - spread > 0.0 ? std::sqrt((mean - spread) / (mean + spread)) : 0.0;
 }
 
 }  // namespace
+
+BlobDetector::BlobDetector(const BlobOptions& options)
+    : options_(options), touching_(std::make_unique<TouchingBlobs>()) {}
+
+BlobDetector::~BlobDetector() = default;
 
 double BlobDetector::backgroundAround(const cv::Mat& image, const cv::Rect& box) {
   const cv::Rect wide(box.x - options_.border, box.y - options_.border, box.width + 2 * options_.border,
@@ -117,58 +122,54 @@ double BlobDetector::backgroundAround(const cv::Mat& image, const cv::Rect& box)
   return background;
 }
 
-void BlobDetector::measure(const cv::Mat& image, const cv::Rect& box, double margin) {
-  const double background = backgroundAround(image, box);
+bool BlobDetector::measure(const cv::Mat& image, BrightRegion& region) const {
+  const cv::Rect& box = region.box;
+  Blob& blob = region.blob;
   double peak = 0.0;
   for (int y = box.y; y < box.y + box.height; ++y) {
     const auto* row = image.ptr<unsigned char>(y);
     peak = std::max<double>(peak, *std::max_element(row + box.x, row + box.x + box.width));
   }
-  Blob blob;
-  const double half = 0.5 * (background + peak);
+  region.peak = peak - region.background;
+  const double half = 0.5 * (region.background + peak);
   for (int y = box.y; y < box.y + box.height; ++y) {
     const auto* row = image.ptr<unsigned char>(y);
     blob.area +=
         static_cast<double>(std::count_if(row + box.x, row + box.x + box.width, [&](int v) { return v > half; }));
   }
-  if (blob.area < options_.min_area) {
-    ++rejections_.area;
-    return;
-  }
+  if (blob.area < options_.min_area) return false;
   blob.centre = {box.x + 0.5 * (box.width - 1), box.y + 0.5 * (box.height - 1)};
-  const double radius = 0.5 * std::max(box.width, box.height) + margin;
+  const double radius = 0.5 * std::max(box.width, box.height) + region.margin;
   Moments moments;
   for (int round = 0; round < kCentringRounds; ++round) {
-    moments = momentsWithin(image, blob.centre, radius, background);
-    if (!(moments.mass > 0.0)) break;
+    moments = momentsWithin(image, blob.centre, radius, region.background);
+    if (!(moments.mass > 0.0)) return true;
     const Eigen::Vector2d step(moments.x / moments.mass, moments.y / moments.mass);
     blob.centre += step;
     if (step.norm() < 1e-3) break;
   }
+  region.moments << moments.xx, moments.xy, moments.xy, moments.yy;
+  region.moments /= moments.mass;
+  const Eigen::Vector2d centre_of_mass = blob.centre;
   const double rim = std::sqrt(blob.area / std::numbers::pi);
-  const double width = margin + kRimExcess;
+  const double width = region.margin + kRimExcess;
   for (int round = 0; rim > width && round < kCentringRounds; ++round) {
-    const Eigen::Vector2d step = rimStep(image, blob.centre, rim, width, background);
+    const Eigen::Vector2d step = rimStep(image, blob.centre, rim, width, region.background);
     blob.centre += step;
     if (step.norm() < 1e-3) break;
   }
-  blob.circularity = moments.mass > 0.0 ? axisRatio(moments) : 0.0;
+  region.asymmetry = (blob.centre - centre_of_mass).norm();
+  blob.circularity = axisRatio(region.moments);
   const bool inside = blob.centre.x() >= box.x && blob.centre.x() < box.x + box.width && blob.centre.y() >= box.y &&
                       blob.centre.y() < box.y + box.height;
-  if (blob.circularity < options_.min_circularity || !inside) {
-    ++rejections_.circularity;
-    return;
-  }
-  blobs_.push_back(blob);
+  region.round = blob.circularity >= options_.min_circularity && inside;
+  return true;
 }
 
-const std::vector<Blob>& BlobDetector::detect(const cv::Mat& image) {
-  CV_Assert(image.type() == CV_8UC1);
-  blobs_.clear();
-  rejections_ = {};
+void BlobDetector::findRegions(const cv::Mat& image) {
   cv::threshold(image, binary_, options_.threshold, 255, cv::THRESH_BINARY);
   cv::findContours(binary_, contours_, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
-  boxes_.clear();
+  regions_.clear();
   for (const auto& contour : contours_) {
     const cv::Rect box = cv::boundingRect(contour);
     if (box.area() < 4) continue;  // a hot pixel
@@ -179,20 +180,34 @@ const std::vector<Blob>& BlobDetector::detect(const cv::Mat& image) {
     } else if (box.area() > 2.0 * options_.max_area) {
       ++rejections_.area;
     } else {
-      boxes_.push_back(box);
+      regions_.emplace_back().box = box;
     }
   }
-  if (boxes_.size() > kMostBlobs) {
-    throw DataError(fmt::format("found {} bright blobs, expected at most {}: is the image overexposed?", boxes_.size(),
-                                kMostBlobs));
+  if (regions_.size() > kMostBlobs) {
+    throw DataError(fmt::format("found {} bright blobs, expected at most {}: is the image overexposed?",
+                                regions_.size(), kMostBlobs));
   }
-  for (const cv::Rect& box : boxes_) {
-    double margin = kWindowMargin;
-    for (const cv::Rect& other : boxes_) {
-      if (&other != &box) margin = std::min(margin, 0.5 * gapBetween(box, other));
+  for (BrightRegion& region : regions_) {
+    region.margin = kWindowMargin;
+    for (const BrightRegion& other : regions_) {
+      if (&other != &region) region.margin = std::min(region.margin, 0.5 * gapBetween(region.box, other.box));
     }
-    measure(image, box, margin);
   }
+}
+
+const std::vector<Blob>& BlobDetector::detect(const cv::Mat& image, double expected_radius) {
+  CV_Assert(image.type() == CV_8UC1);
+  blobs_.clear();
+  rejections_ = {};
+  findRegions(image);
+  const auto too_small = [&](BrightRegion& region) {
+    region.background = backgroundAround(image, region.box);
+    return !measure(image, region);
+  };
+  const auto kept = std::remove_if(regions_.begin(), regions_.end(), too_small);
+  rejections_.area += static_cast<int>(regions_.end() - kept);
+  regions_.erase(kept, regions_.end());
+  rejections_.circularity += touching_->separate(image, regions_, expected_radius, blobs_);
   return blobs_;
 }
 

@@ -92,7 +92,7 @@ void TextSpool::writeTo(const std::filesystem::path& file, std::string_view head
 }
 
 std::string framesCsvHeader() {
-  std::string text = "frame,time_s,target,visible,n,mask,rms_mm,epipolar_px,qw,qx,qy,qz,x_m,y_m,z_m";
+  std::string text = "frame,time_s,target,visible,single,n,mask,rms_mm,epipolar_px,qw,qx,qy,qz,x_m,y_m,z_m";
   for (std::size_t i = 0; i < 6; ++i) {
     for (std::size_t j = i; j < 6; ++j) text += fmt::format(",cov_{}_{}", kPoseNames[i], kPoseNames[j]);
   }
@@ -109,9 +109,10 @@ std::string framesCsvRows(const TargetSet& targets, const FramePair& frame, std:
     const Eigen::Quaterniond q(target.pose.rotation);
     const double sign = q.w() < 0.0 ? -1.0 : 1.0;
     const Eigen::Vector3d& o = target.pose.origin;
-    text += fmt::format("{},{:.6f},{},{},{},{},{:.5f},{:.4f},{:.9f},{:.9f},{:.9f},{:.9f},{:.8f},{:.8f},{:.8f}", number,
-                        time, targets.targets[t].name, target.visible, target.candidate.size(), mask, 1e3 * target.rms,
-                        target.epipolar, sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z(), o.x(), o.y(), o.z());
+    text += fmt::format("{},{:.6f},{},{},{},{},{},{:.5f},{:.4f},{:.9f},{:.9f},{:.9f},{:.9f},{:.8f},{:.8f},{:.8f}",
+                        number, time, targets.targets[t].name, target.visible, target.single, target.candidate.size(),
+                        mask, 1e3 * target.rms, target.epipolar, sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z(),
+                        o.x(), o.y(), o.z());
     for (int i = 0; i < 6; ++i) {
       for (int j = i; j < 6; ++j) text += fmt::format(",{:.4e}", target.covariance(i, j));
     }

@@ -86,7 +86,8 @@ void CaptureStatistics::addDistances(const FramePair& frame, double centroid_sd)
     const Eigen::Vector3d& q = frame.points[b].point;
     const double length = (p - q).norm();
     const Eigen::Vector3d along = (p - q) / length;
-    const Eigen::Matrix3d covariance = triangulator_.covariancePerPixel(p) + triangulator_.covariancePerPixel(q);
+    const Eigen::Matrix3d covariance =
+        triangulator_.covariancePerPixel(frame.points[a]) + triangulator_.covariancePerPixel(frame.points[b]);
     distance.measured.add(length);
     distance.variance.add(centroid_sd * centroid_sd * along.dot(covariance * along));
     histogram_.add(length - distance.nominal);

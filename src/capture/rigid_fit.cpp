@@ -40,9 +40,9 @@ Normal normalEquations(const StereoCameras& cameras, const TargetPose& pose, std
     Eigen::Matrix<double, 3, 6> towards;
     towards << -cross(arm), Eigen::Matrix3d::Identity();
     const Eigen::Vector3d in_left = arm + pose.origin;
-    double squares = normal.add(in_left, towards, seen[i]->left_image, cameras.left.focal());
+    double squares = normal.add(in_left, towards, seen[i]->left_image, cameras.left.focal() / seen[i]->left_spread);
     squares += normal.add(cameras.rotation * in_left + cameras.translation, cameras.rotation * towards,
-                          seen[i]->right_image, cameras.right.focal());
+                          seen[i]->right_image, cameras.right.focal() / seen[i]->right_spread);
     if (marker_px != nullptr) marker_px->push_back(std::sqrt(squares / 4.0));
   }
   return normal;

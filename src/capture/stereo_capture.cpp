@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "tracked_target.h"
 
 namespace simgap {
 namespace {
@@ -19,6 +20,7 @@ constexpr double kOutlierRatio = 15.0;
 // A fit whose variance is this much larger than that of all fits (0.1 % of good ones with 6 degrees of freedom).
 constexpr double kSpoiltRatio = 3.7;
 constexpr int kFewestMarkers = 3;
+constexpr int kLongestLoss = 5;  // frames for which a track is continued without its target
 
 struct SeenMarkers {
   std::vector<int> marker;
@@ -53,26 +55,40 @@ StereoCapture::StereoCapture(const StereoCameras& cameras, const TargetSet& targ
       right_blobs_(options.blobs),
       triangulator_(cameras, targets.marker_radius, options.epipolar_gate),
       matcher_(targets_, options.match),
-      history_(targets.targets.size()),
+      tracks_(targets.targets.size()),
       predicted_(targets.targets.size()),
       square_sum_(kGuessFreedoms * kGuessedCentroidSd * kGuessedCentroidSd),
       freedoms_(kGuessFreedoms) {}
 
 double StereoCapture::centroidSd() const { return std::sqrt(square_sum_ / freedoms_); }
 
-void StereoCapture::forget() {
-  for (auto& poses : history_) poses = {};
-}
+void StereoCapture::forget() { tracks_.assign(tracks_.size(), {}); }
 
 void StereoCapture::predict() {
-  for (std::size_t t = 0; t < history_.size(); ++t) {
-    const auto& [last, before] = history_[t];
+  for (std::size_t t = 0; t < tracks_.size(); ++t) {
+    const auto& [last, before, lost] = tracks_[t];
     predicted_[t] = last;
-    if (last && before) {
-      predicted_[t]->rotation = last->rotation * before->rotation.transpose() * last->rotation;
-      predicted_[t]->origin = 2.0 * last->origin - before->origin;
+    if (!last || !before) continue;
+    const Eigen::Matrix3d turn = last->rotation * before->rotation.transpose();
+    for (int frame = 0; frame <= lost; ++frame) {
+      predicted_[t]->rotation = turn * predicted_[t]->rotation;
+      predicted_[t]->origin += last->origin - before->origin;
     }
   }
+}
+
+std::array<double, 2> StereoCapture::expectedRadii() const {
+  double left = 0.0, right = 0.0;
+  int seen = 0;
+  for (const auto& pose : predicted_) {
+    if (!pose) continue;
+    left += 1.0 / pose->origin.z();
+    right += 1.0 / (cameras_.rotation * pose->origin + cameras_.translation).z();
+    ++seen;
+  }
+  if (seen == 0) return {0.0, 0.0};
+  const double scale = targets_.marker_radius / seen;
+  return {scale * left * cameras_.left.focal(), scale * right * cameras_.right.focal()};
 }
 
 void StereoCapture::fit(std::size_t target, TargetMatch match) {
@@ -108,6 +124,56 @@ void StereoCapture::fit(std::size_t target, TargetMatch match) {
   frame.covariance = (own > kSpoiltRatio * pooled ? own : square_sum_ / freedoms_) * refined.cofactor;
 }
 
+void StereoCapture::follow(std::size_t target) {
+  FreeBlobs left{frame_.left, std::vector<char>(frame_.left.size(), 0)};
+  FreeBlobs right{frame_.right, std::vector<char>(frame_.right.size(), 0)};
+  for (const TargetFrame& other : frame_.targets) {
+    for (const int c : other.candidate) {
+      if (c < 0) continue;
+      left.used[frame_.points[c].left] = 1;
+      right.used[frame_.points[c].right] = 1;
+    }
+  }
+  const auto tracked =
+      fitTracked(cameras_, triangulator_, targets_.targets[target].markers, *predicted_[target], left, right);
+  if (!tracked) return;
+  const double freedoms = 2.0 * tracked->images - 6.0;
+  const double own = tracked->refined.square_sum / freedoms;
+  const double pooled = square_sum_ / freedoms_;
+  if (own > kSpoiltRatio * pooled) return;  // what is this uncertain may be another marker
+  TargetFrame& frame = frame_.targets[target];
+  std::vector<int> candidate(frame.candidate.size(), -1);
+  for (std::size_t i = 0; i < candidate.size(); ++i) {
+    if (tracked->left[i] < 0 || tracked->right[i] < 0) continue;
+    const auto pair = std::find_if(frame_.points.begin(), frame_.points.end(), [&](const PointCandidate& point) {
+      return point.left == tracked->left[i] && point.right == tracked->right[i];
+    });
+    if (pair == frame_.points.end()) return;  // the two do not meet
+    candidate[i] = static_cast<int>(pair - frame_.points.begin());
+  }
+  const SeenMarkers markers = seenMarkers(targets_.targets[target], candidate, frame_.points);
+  frame.found = true;
+  frame.failure = MatchFailure::kNone;
+  frame.candidate = candidate;
+  frame.visible = static_cast<int>(markers.marker.size());
+  frame.single = static_cast<int>(tracked->marker.size()) - frame.visible;
+  frame.pose = tracked->refined.pose;
+  frame.rms = fitRms(frame.pose, markers.body, markers.camera);
+  for (const PointCandidate* seen : markers.seen) frame.epipolar += seen->epipolar / frame.visible;
+  frame.covariance = std::max(own, pooled) * tracked->refined.cofactor;
+}
+
+void StereoCapture::remember(std::size_t target) {
+  Track& track = tracks_[target];
+  if (frame_.targets[target].found) {
+    track.before = track.lost == 0 ? track.last : std::nullopt;
+    track.last = frame_.targets[target].pose;
+    track.lost = 0;
+  } else if (++track.lost > kLongestLoss) {
+    track = {};
+  }
+}
+
 const FramePair& StereoCapture::process(const cv::Mat& left, const cv::Mat& right) {
   const auto expectSize = [&](const cv::Mat& image, const char* side) {
     if (cameras_.size.empty() || image.size() == cameras_.size) return;
@@ -116,11 +182,12 @@ const FramePair& StereoCapture::process(const cv::Mat& left, const cv::Mat& righ
   };
   expectSize(left, "left");
   expectSize(right, "right");
-  frame_.left = left_blobs_.detect(left);
-  frame_.right = right_blobs_.detect(right);
+  predict();
+  const std::array<double, 2> radius = expectedRadii();
+  frame_.left = left_blobs_.detect(left, radius[0]);
+  frame_.right = right_blobs_.detect(right, radius[1]);
   frame_.rejections = {left_blobs_.rejections(), right_blobs_.rejections()};
   frame_.points = triangulator_.candidates(frame_.left, frame_.right);
-  predict();
   const auto& matches = matcher_.match(triangulator_, frame_.points, predicted_);
   frame_.targets.assign(targets_.targets.size(), {});
   int used = 0;
@@ -129,9 +196,11 @@ const FramePair& StereoCapture::process(const cv::Mat& left, const cv::Mat& righ
     frame_.targets[t].candidate.assign(targets_.targets[t].markers.size(), -1);
     if (matches[t]) fit(t, *matches[t]);
     used += frame_.targets[t].visible;
-    history_[t][1] = history_[t][0];
-    history_[t][0].reset();
-    if (frame_.targets[t].found) history_[t][0] = frame_.targets[t].pose;
+  }
+  for (std::size_t t = 0; t < matches.size(); ++t) {
+    if (!matches[t] && predicted_[t]) follow(t);
+    used += frame_.targets[t].found && !matches[t] ? frame_.targets[t].visible : 0;
+    remember(t);
   }
   frame_.ghosts = static_cast<int>(frame_.left.size() + frame_.right.size()) - 2 * used;
   return frame_;

@@ -53,7 +53,7 @@ void TargetMatcher::prepare(const Triangulator& triangulator, const std::vector<
   std::vector<Eigen::Matrix3d> covariance;
   covariance.reserve(n);
   const double centroid_variance = options_.centroid_sd * options_.centroid_sd;
-  for (const auto& c : candidates) covariance.push_back(centroid_variance * triangulator.covariancePerPixel(c.point));
+  for (const auto& c : candidates) covariance.push_back(centroid_variance * triangulator.covariancePerPixel(c));
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t b = 0; b < a; ++b) {
       const Eigen::Vector3d between = candidates[a].point - candidates[b].point;

@@ -2,8 +2,14 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 namespace simgap {
+namespace {
+
+constexpr double kCentreGate = 0.1;  // [px] four standard deviations of a free blob's centre, generously
+
+}  // namespace
 
 void correctToEpipolar(const Eigen::Matrix3d& essential, Eigen::Vector2d& left, Eigen::Vector2d& right) {
   // Lindstrom 2010, listing 3 (niter2), with x' E x = 0 written as right' E left = 0.
@@ -27,10 +33,12 @@ void correctToEpipolar(const Eigen::Matrix3d& essential, Eigen::Vector2d& left, 
 Triangulator::Triangulator(const StereoCameras& cameras, double marker_radius, double gate)
     : cameras_(cameras), essential_(cameras.essential()), radius_(marker_radius), gate_(gate) {}
 
-void Triangulator::pair(int left, int right, double signed_error) {
+void Triangulator::pair(int left, int right, const std::array<double, 2>& spread, double signed_error) {
   PointCandidate c;
   c.left = left;
   c.right = right;
+  c.left_spread = spread[0];
+  c.right_spread = spread[1];
   c.epipolar = signed_error;
   const cv::Point2d l = left_[left];
   const cv::Point2d r = right_[right];
@@ -74,22 +82,43 @@ const std::vector<PointCandidate>& Triangulator::candidates(const std::vector<Bl
     const double scale = focal / line.head<2>().norm();
     for (std::size_t j = 0; j < right_.size(); ++j) {
       const double error = scale * line.dot(Eigen::Vector3d(right_[j].x, right_[j].y, 1.0));
-      if (std::abs(error) < gate_) pair(static_cast<int>(i), static_cast<int>(j), error);
+      const double uncertain = kCentreGate * (left[i].spread + right[j].spread - 2.0);
+      if (std::abs(error) >= gate_ + uncertain) continue;
+      pair(static_cast<int>(i), static_cast<int>(j), {left[i].spread, right[j].spread}, error);
     }
   }
   return candidates_;
 }
 
-Eigen::Matrix3d Triangulator::covariancePerPixel(const Eigen::Vector3d& point) const {
+PointCandidate Triangulator::observe(int left, int right, const Eigen::Vector3d& expected,
+                                     const std::vector<Blob>& left_blobs, const std::vector<Blob>& right_blobs) const {
+  PointCandidate c;
+  c.left = left;
+  c.right = right;
+  c.point = expected;
+  c.left_spread = left < 0 ? std::numeric_limits<double>::infinity() : left_blobs[left].spread;
+  c.right_spread = right < 0 ? std::numeric_limits<double>::infinity() : right_blobs[right].spread;
+  const double right_depth = (cameras_.rotation * expected + cameras_.translation).z();
+  const auto shrunk = [this](const cv::Point2d& seen, double depth) {
+    return Eigen::Vector2d((1.0 - std::pow(radius_ / depth, 2)) * Eigen::Vector2d(seen.x, seen.y));
+  };
+  if (left >= 0) c.left_image = shrunk(left_[left], expected.z());
+  if (right >= 0) c.right_image = shrunk(right_[right], right_depth);
+  return c;
+}
+
+Eigen::Matrix3d Triangulator::covariancePerPixel(const PointCandidate& candidate) const {
+  const Eigen::Vector3d& point = candidate.point;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  const auto add = [&](const Eigen::Matrix3d& rotation, const Eigen::Vector3d& p, double focal) {
+  const auto add = [&](const Eigen::Matrix3d& rotation, const Eigen::Vector3d& p, double focal, double spread) {
     Eigen::Matrix<double, 2, 3> projection;
     projection << 1.0 / p.z(), 0.0, -p.x() / (p.z() * p.z()), 0.0, 1.0 / p.z(), -p.y() / (p.z() * p.z());
-    const Eigen::Matrix<double, 2, 3> jacobian = focal * projection * rotation;
+    const Eigen::Matrix<double, 2, 3> jacobian = focal / spread * projection * rotation;
     information += jacobian.transpose() * jacobian;
   };
-  add(Eigen::Matrix3d::Identity(), point, cameras_.left.focal());
-  add(cameras_.rotation, cameras_.rotation * point + cameras_.translation, cameras_.right.focal());
+  add(Eigen::Matrix3d::Identity(), point, cameras_.left.focal(), candidate.left_spread);
+  add(cameras_.rotation, cameras_.rotation * point + cameras_.translation, cameras_.right.focal(),
+      candidate.right_spread);
   return information.inverse();
 }
 

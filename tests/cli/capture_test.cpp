@@ -92,7 +92,7 @@ TEST_F(CaptureTest, FindsTheRestsOfTheSampleRecording) {
   for (std::size_t i = 0; i < frame.size(); ++i) {
     squares += std::pow(elbow[i] - true_elbow[std::size_t(frame[i])], 2);
   }
-  EXPECT_GE(frame.size(), 50u);  // two markers of the forearm touch in one of the six poses
+  EXPECT_GE(frame.size(), 50u);  // two markers of the forearm cover one another in one of the six poses
   EXPECT_LT(std::sqrt(squares / double(frame.size())), 0.12 * kDegree);
   EXPECT_EQ(CsvTable::load(path("out/poses.csv")).rows(), 5u);
   EXPECT_NEAR(Json::parse(text("out/result.json")).at("shaft_lag_ms").get<double>(), 0.0, 20.0);

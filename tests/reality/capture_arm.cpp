@@ -61,6 +61,13 @@ ArmPose randomPose(std::uint64_t seed) {
   return pose;
 }
 
+ArmPose widePose(std::uint64_t seed) {
+  std::mt19937_64 engine(seed * 2 + 2);
+  ArmPose pose = randomPose(seed);
+  pose.elbow = uniform(engine, 0.0, 1.6);
+  return pose;
+}
+
 ArmPose between(const ArmPose& a, const ArmPose& b, double t) {
   return {a.shoulder.slerp(t, b.shoulder), a.elbow + t * (b.elbow - a.elbow)};
 }

@@ -27,6 +27,8 @@ std::string targetsYaml(const std::vector<MarkerTarget>& targets, double radius 
 
 /// A pose within the arm's reach and the cameras' view; a pure function of the seed.
 ArmPose randomPose(std::uint64_t seed);
+/// The same with an elbow from straight to 1.6 rad: markers of the forearm then come to touch in the images.
+ArmPose widePose(std::uint64_t seed);
 /// Between two poses: `t` = 0 gives a, 1 gives b.
 ArmPose between(const ArmPose& a, const ArmPose& b, double t);
 

@@ -26,12 +26,25 @@ Eigen::Vector3d rotationVector(const Eigen::Matrix3d& rotation) {
   return turn.angle() * turn.axis();
 }
 
+/// What an exposure shows is the mean over it; at the corner of a path that is not the pose in its middle.
+ArmPose meanOf(const std::vector<ArmPose>& poses) {
+  ArmPose mean{Eigen::Quaterniond(0, 0, 0, 0), 0.0};
+  for (const ArmPose& pose : poses) {
+    mean.shoulder.coeffs() += pose.shoulder.coeffs() * (pose.shoulder.dot(poses[0].shoulder) < 0.0 ? -1.0 : 1.0);
+    mean.elbow += pose.elbow / double(poses.size());
+  }
+  mean.shoulder.normalize();
+  return mean;
+}
+
 class Judge {
  public:
   Judge(const reality::CaptureStage& stage) : stage_(stage) {}
 
   void add(const FramePair& frame, const reality::RenderedPair& truth, const ArmPose& pose) {
     ++result.pairs;
+    const bool whole = allInView(truth);
+    result.whole_pairs += whole;
     for (std::size_t t = 0; t < frame.targets.size(); ++t) {
       const bool visible = markersInView(truth, t) >= 3;
       result.visible_targets += visible;
@@ -43,11 +56,13 @@ class Judge {
       ++fits_;
       const Eigen::Vector3d turn = rotationVector(target.pose.rotation * trueRotation(t, pose).transpose());
       const Eigen::Vector3d shift = target.pose * stage_.targets()[t].markers[0] - truth.markers[t][0];
+      shift_squares_ += shift.squaredNorm();
       addSpread(target, turn, shift, target.pose.rotation * stage_.targets()[t].markers[0]);
       turns_.resize(3);
       turns_[t] = target.pose.rotation;
     }
     if (!std::all_of(frame.targets.begin(), frame.targets.end(), [](const auto& f) { return f.found; })) return;
+    result.captured_pairs += whole;
     const Eigen::Matrix3d shoulder = turns_[0].transpose() * turns_[1];
     const Eigen::Matrix3d elbow = turns_[1].transpose() * turns_[2];
     const Eigen::AngleAxisd flexion(pose.elbow, Eigen::Vector3d::UnitX());
@@ -66,6 +81,7 @@ class Judge {
     result.shoulder_deg = toDegrees(rms(shoulder_squares_, arms_));
     result.elbow_deg = toDegrees(rms(elbow_squares_, arms_));
     result.relative_deg = toDegrees(rms(shoulder_squares_ + forearm_squares_, 2.0 * arms_));
+    result.position_rms = rms(shift_squares_, 3.0 * fits_);
     result.sd_ratio = rms(normalized_squares_, normalized_);
   }
 
@@ -93,22 +109,39 @@ class Judge {
     return count;
   }
 
-  bool standsFree(const reality::RenderedPair& truth, std::size_t t, std::size_t i, bool right) const {
+  bool allInView(const reality::RenderedPair& truth) const {
+    for (std::size_t t = 0; t < truth.markers.size(); ++t) {
+      for (std::size_t i = 0; i < truth.markers[t].size(); ++i) {
+        if (!truth.visible[t][i] || !insideImage(truth.markers[t][i], false)) return false;
+        if (!insideImage(truth.markers[t][i], true)) return false;
+      }
+    }
+    return true;
+  }
+
+  Eigen::Vector2d pixel(const Eigen::Vector3d& p, bool right) const {
     const reality::StereoLenses& lenses = stage_.lenses();
-    const reality::Lens& lens = right ? lenses.right : lenses.left;
-    const auto pixel = [&](const Eigen::Vector3d& p) {
-      return lens.project(right ? Eigen::Vector3d(lenses.rotation * p + lenses.translation) : p);
-    };
-    const Eigen::Vector2d at = pixel(truth.markers[t][i]);
+    return right ? lenses.right.project(lenses.rotation * p + lenses.translation) : lenses.left.project(p);
+  }
+
+  bool insideImage(const Eigen::Vector3d& marker, bool right) const {
+    const reality::Lens& lens = right ? stage_.lenses().right : stage_.lenses().left;
+    const Eigen::Vector2d at = pixel(marker, right);
     const double margin = 10.0 * lens.width / 640.0;
-    const double touching = 0.012 * lens.fx / truth.markers[t][i].z() + 4.0;
+    return at.x() > margin && at.y() > margin && at.x() < lens.width - margin && at.y() < lens.height - margin;
+  }
+
+  bool standsFree(const reality::RenderedPair& truth, std::size_t t, std::size_t i, bool right) const {
+    const double focal = (right ? stage_.lenses().right : stage_.lenses().left).fx;
+    const Eigen::Vector2d at = pixel(truth.markers[t][i], right);
+    const double touching = 0.012 * focal / truth.markers[t][i].z() + 4.0;
     for (std::size_t other = 0; other < truth.markers.size(); ++other) {
       for (std::size_t k = 0; k < truth.markers[other].size(); ++k) {
         if ((other == t && k == i) || !truth.visible[other][k]) continue;
-        if ((pixel(truth.markers[other][k]) - at).norm() < touching) return false;
+        if ((pixel(truth.markers[other][k], right) - at).norm() < touching) return false;
       }
     }
-    return at.x() > margin && at.y() > margin && at.x() < lens.width - margin && at.y() < lens.height - margin;
+    return insideImage(truth.markers[t][i], right);
   }
 
   /// Errors over their reported standard deviations: rotation and position of the first marker, each axis.
@@ -126,7 +159,7 @@ class Judge {
   const reality::CaptureStage& stage_;
   std::vector<Eigen::Matrix3d> turns_;
   double fit_squares_ = 0, fits_ = 0, shoulder_squares_ = 0, elbow_squares_ = 0, forearm_squares_ = 0, arms_ = 0;
-  double normalized_squares_ = 0, normalized_ = 0;
+  double shift_squares_ = 0, normalized_squares_ = 0, normalized_ = 0;
 };
 
 }  // namespace
@@ -148,26 +181,29 @@ StudyResult runStudy(const StudyOptions& options) {
   StereoCapture capture(camerasOf(stage.lenses()), targetsOf(stage.targets()));
   Judge judge(stage);
   std::vector<double> times;
+  const auto drawn = options.wide ? reality::widePose : reality::randomPose;
   for (int n = 0; n < options.pairs; ++n) {
     const std::uint64_t seed = options.seed * 1000003 + std::uint64_t(n);
     constexpr int kPerLeg = 30;  // frames from one pose to the next: 0.5 s at 60 Hz
     const auto at = [&](double frame) {
       const auto leg = std::uint64_t(frame / kPerLeg);
-      return reality::between(reality::randomPose(options.seed * 77 + leg),
-                              reality::randomPose(options.seed * 77 + leg + 1), frame / kPerLeg - double(leg));
+      return reality::between(drawn(options.seed * 77 + leg), drawn(options.seed * 77 + leg + 1),
+                              frame / kPerLeg - double(leg));
     };
     std::vector<ArmPose> poses;
     for (int e = 0; e < options.exposures; ++e) {
       const double moment = n + 0.3 * (options.exposures > 1 ? e / (options.exposures - 1.0) - 0.5 : 0.0);
-      poses.push_back(options.sequence ? at(std::max(0.0, moment)) : reality::randomPose(seed));
+      poses.push_back(options.sequence ? at(std::max(0.0, moment)) : drawn(seed));
     }
-    const reality::RenderedPair pair = stage.render(poses, options.disturbance, seed);
+    const ArmPose mean = meanOf(poses);
+    reality::RenderedPair pair = stage.render(poses, options.disturbance, seed);
+    pair.markers = reality::markersInLeft(stage.targets(), mean);
     const cv::Mat left = matOf(pair.left);
     const cv::Mat right = matOf(pair.right);
     const auto start = std::chrono::steady_clock::now();
     const FramePair& frame = capture.process(left, right);
     times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
-    judge.add(frame, pair, poses[poses.size() / 2]);
+    judge.add(frame, pair, mean);
     if (!options.sequence) capture.forget();
   }
   std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
@@ -177,13 +213,15 @@ StudyResult runStudy(const StudyOptions& options) {
 }
 
 std::string describe(const std::string& name, const StudyResult& r) {
-  char text[400];
+  char text[500];
   std::snprintf(text, sizeof text,
-                "%-34s pairs %4d  wrong %d  found %d/%d (%.2f %%)  fit RMS %.4f mm  relative %.4f deg  shoulder %.4f  "
-                "elbow %.4f  spread/sd %.3f  %.3f ms",
+                "%-34s pairs %4d  wrong %d  found %d/%d (%.2f %%)  whole %d/%d (%.2f %%)  fit RMS %.4f mm  relative "
+                "%.4f deg  shoulder %.4f  "
+                "elbow %.4f  position %.4f mm  spread/sd %.3f  %.3f ms",
                 name.c_str(), r.pairs, r.wrong_identities, r.found_targets, r.visible_targets,
-                100.0 * r.found_targets / std::max(1, r.visible_targets), 1e3 * r.fit_rms, r.relative_deg,
-                r.shoulder_deg, r.elbow_deg, r.sd_ratio, r.process_ms);
+                100.0 * r.found_targets / std::max(1, r.visible_targets), r.captured_pairs, r.whole_pairs,
+                100.0 * r.captured_pairs / std::max(1, r.whole_pairs), 1e3 * r.fit_rms, r.relative_deg, r.shoulder_deg,
+                r.elbow_deg, 1e3 * r.position_rms, r.sd_ratio, r.process_ms);
   return text;
 }
 

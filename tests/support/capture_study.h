@@ -21,6 +21,7 @@ struct StudyOptions {
   reality::Disturbance disturbance;
   bool sequence = false;  ///< a moving arm instead of independent poses: uses the tracking
   int exposures = 1;      ///< more: motion blur (with `sequence`)
+  bool wide = false;      ///< the elbow from straight to 1.6 rad (reality::widePose)
   std::uint64_t seed = 1;
 };
 
@@ -28,10 +29,13 @@ struct StudyResult {
   int pairs = 0;
   int visible_targets = 0;                     ///< at least 3 markers drawn
   int found_targets = 0;                       ///< of these
+  int whole_pairs = 0;                         ///< all markers drawn inside both images, touching or not
+  int captured_pairs = 0;                      ///< of these: all targets found
   int wrong_identities = 0;                    ///< markers whose blob belongs to something else
   double fit_rms = 0.0;                        ///< [m] root mean square over targets
   double shoulder_deg = 0.0, elbow_deg = 0.0;  ///< root mean square errors of the joints
   double relative_deg = 0.0;                   ///< of all relative target rotations
+  double position_rms = 0.0;                   ///< [m] of the targets' first markers, per axis
   double sd_ratio = 0.0;    ///< observed spread / reported standard deviation of relative rotations and positions
   double process_ms = 0.0;  ///< median time of a pair
 };

@@ -25,7 +25,8 @@ class TextSpool {
   std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
 };
 
-/// frames.csv: per frame and target what was seen of it. `mask` has bit i set when marker i was used; the pose maps the
+/// frames.csv: per frame and target what was seen of it. `visible` markers were seen by both
+/// cameras (bits in `mask`), `single` further ones by one; the pose maps the
 /// body's frame into the left camera's; cov_* is the upper triangle over rotation vector (camera axes) and position.
 std::string framesCsvHeader();
 std::string framesCsvRows(const TargetSet& targets, const FramePair& frame, std::size_t number, double time);

@@ -21,7 +21,8 @@ struct TargetFrame {
   bool found = false;
   MatchFailure failure = MatchFailure::kNone;
   std::vector<int> candidate;  ///< shape (markers): index into FramePair::points, -1 when not seen
-  int visible = 0;             ///< markers used
+  int visible = 0;             ///< markers used that both cameras see
+  int single = 0;              ///< further ones that one camera sees; 0 unless `visible` is 2
   TargetPose pose;             ///< in the left camera
   double rms = 0.0;            ///< [m] of the markers' distances after the fit
   double epipolar = 0.0;       ///< [px] mean of the markers' signed epipolar errors
@@ -53,7 +54,12 @@ class StereoCapture {
 
  private:
   void fit(std::size_t target, TargetMatch match);
+  /// Of a target that was not matched: by two markers, what one camera sees of the others, and its track.
+  void follow(std::size_t target);
+  void remember(std::size_t target);
   void predict();
+  /// Of a marker's image in both cameras, where the targets are expected; 0: nowhere. [px]
+  std::array<double, 2> expectedRadii() const;
 
   const StereoCameras cameras_;
   const TargetSet targets_;
@@ -62,7 +68,12 @@ class StereoCapture {
   Triangulator triangulator_;
   TargetMatcher matcher_;
   FramePair frame_;
-  std::vector<std::array<std::optional<TargetPose>, 2>> history_;  ///< last, and the one before
+  /// Where a target was last, in the frame before that, and how many frames ago it was lost.
+  struct Track {
+    std::optional<TargetPose> last, before;
+    int lost = 0;
+  };
+  std::vector<Track> tracks_;
   std::vector<std::optional<TargetPose>> predicted_;
   double square_sum_;  ///< [px^2] of the residuals of all fits
   double freedoms_;

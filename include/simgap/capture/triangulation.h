@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "simgap/capture/blobs.h"
@@ -17,6 +18,8 @@ struct PointCandidate {
   Eigen::Vector2d left_image = Eigen::Vector2d::Zero();  ///< normalized, undistorted, corrected for the sphere
   Eigen::Vector2d right_image = Eigen::Vector2d::Zero();
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  ///< in the left camera [m]
+  double left_spread = 1.0;                         ///< Blob::spread
+  double right_spread = 1.0;
   double epipolar = 0.0;  ///< [px] signed: by how much the right image misses its epipolar line
 };
 
@@ -34,11 +37,16 @@ class Triangulator {
   /// of its sphere's centre: normalized images are scaled by 1 - (radius / depth)^2.
   const std::vector<PointCandidate>& candidates(const std::vector<Blob>& left, const std::vector<Blob>& right);
 
-  /// Covariance of a triangulated point per variance of a blob's centre in px^2. [m^2 / px^2]
-  Eigen::Matrix3d covariancePerPixel(const Eigen::Vector3d& point) const;
+  /// A marker expected at `expected` (in the left camera), as the blobs `left` and `right` show it; -1: not seen by
+  /// that camera, whose spread is then infinite. `point` is the expected one.
+  PointCandidate observe(int left, int right, const Eigen::Vector3d& expected, const std::vector<Blob>& left_blobs,
+                         const std::vector<Blob>& right_blobs) const;
+
+  /// Covariance of a triangulated point per variance of a free blob's centre in px^2. [m^2 / px^2]
+  Eigen::Matrix3d covariancePerPixel(const PointCandidate& candidate) const;
 
  private:
-  void pair(int left, int right, double signed_error);
+  void pair(int left, int right, const std::array<double, 2>& spread, double signed_error);
 
   const StereoCameras cameras_;
   Eigen::Matrix3d essential_;
