@@ -10,12 +10,11 @@
 namespace simgap {
 namespace {
 
-constexpr double kLongestStep = 0.8;         // [rad] of a degree of freedom: beyond, the quadratic says nothing
-constexpr double kLastStep = 1e-6;           // [rad]: the error behind such a Newton step is of the order of its square
-constexpr double kArmijo = 1e-4;             // share of the predicted decrease that a step has to reach
-constexpr double kRounding = 1e-13;          // of the energy: smaller increases are not real
-constexpr double kSmallestCurvature = 1e-2;  // [N m/rad]: what counts as curved where the energy is not convex
-constexpr double kStopTolerance = 1e-9;      // [rad], a joint this near its stop may be held by it
+constexpr double kLongestStep = 0.8;     // [rad] of a degree of freedom: beyond, the quadratic says nothing
+constexpr double kLastStep = 1e-6;       // [rad]: the error behind such a Newton step is of the order of its square
+constexpr double kArmijo = 1e-4;         // share of the predicted decrease that a step has to reach
+constexpr double kRounding = 1e-13;      // of the energy: smaller increases are not real
+constexpr double kStopTolerance = 1e-9;  // [rad], a joint this near its stop may be held by it
 // On the sample arm with its parameters drawn anew 60 times, 7 of 4800 direct ways from rest ended on another branch
 // than follow() does; all but one of them had two doubts, as had 2 % of the others.
 constexpr int kDoubtsAllowed = 1;
@@ -42,11 +41,7 @@ void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
 }  // namespace
 
 EquilibriumArm::EquilibriumArm(const ArmModel& model)
-    : energy_(model),
-      observation_(model),
-      shafts_(model.muscles.size()),
-      factor_(energy_.degreesOfFreedom()),
-      axes_(energy_.degreesOfFreedom()) {
+    : energy_(model), observation_(model), shafts_(model.muscles.size()), factor_(energy_.degreesOfFreedom()) {
   const int n = energy_.degreesOfFreedom();
   joints_ = before_ = reached_ = rest_ = start_ = startPosition(model);
   held_.assign(static_cast<std::size_t>(n), 0);
@@ -56,7 +51,6 @@ EquilibriumArm::EquilibriumArm(const ArmModel& model)
   reduced_.resize(n, n);
   inverse_.resize(n, n);
   step_.resize(n);
-  turned_.resize(n);
 }
 
 void EquilibriumArm::setModel(const ArmModel& model) {
@@ -158,11 +152,18 @@ bool EquilibriumArm::solveReduced() {
     factor_.solveInPlace(step_);
     return true;
   }
-  // Down along every axis of the curvature, as far as a curvature of the other sign would go (saddle-free Newton).
-  axes_.compute(reduced_);
-  turned_.noalias() = axes_.eigenvectors().transpose() * step_;
-  turned_.array() /= axes_.eigenvalues().array().abs().max(kSmallestCurvature);
-  step_.noalias() = axes_.eigenvectors() * turned_;
+  // Down all the same: Cholesky with an added multiple of the identity (Nocedal & Wright 2006, algorithm 3.3).
+  constexpr int kMostShifts = 30;
+  double shift = 0.0;
+  for (int k = 0; k < kMostShifts && factor_.info() != Eigen::Success; ++k) {
+    const double next = std::max(4.0 * shift, 1e-3 * reduced_.norm());
+    for (int d = 0; d < n; ++d) {
+      if (!bound_[d]) reduced_(d, d) += next - shift;
+    }
+    shift = next;
+    factor_.compute(reduced_);
+  }
+  factor_.solveInPlace(step_);
   return false;
 }
 

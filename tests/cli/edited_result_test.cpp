@@ -93,7 +93,8 @@ class EditedResultTest : public CliTest {
 
 TEST_F(EditedResultTest, OfACalibration) {
   put("config.yaml", quickConfig(1));
-  succeed(calibrate("out", {"--validation", "poses.csv"}));
+  put("others.csv", posesOfSample(3, 3));
+  succeed(calibrate("out", {"--validation", "others.csv"}));
   edit();
 }
 

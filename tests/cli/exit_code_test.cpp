@@ -78,10 +78,10 @@ TEST_F(ExitCodeTest, TwoForAWrongModelOrConfiguration) {
     put("config.yaml", replaced(quickConfig(), from, to));
     expectRefused(calibrate("out"), 2, sentence);
   };
-  refuseConfig("mu: 2", "nu: 2", "config.yaml:12: strategy.nu: found an unknown key");
+  refuseConfig("mu: 2", "nu: 2", "config.yaml:13: strategy.nu: found an unknown key");
   refuseConfig("muscles.*.attachments.0", "muscles.*.wings", "pattern 'muscles.*.wings' matches nothing in the model");
   refuseConfig("upper: 1.0e-2", "upper: 5.5e-3", "outside its range");
-  refuseConfig("lower: 5.0e-3", "lower: 5", "config.yaml:10: parameters[4]: lower 5 is above upper");
+  refuseConfig("lower: 5.0e-3", "lower: 5", "config.yaml:11: parameters[4]: lower 5 is above upper");
 }
 
 TEST_F(ExitCodeTest, TwoForADirectoryThatIsNotOursToWrite) {

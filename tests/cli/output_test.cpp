@@ -89,7 +89,7 @@ TEST_F(OutputTest, DirectoryHoldsAllThatTheContractNames) {
   EXPECT_THAT(entries(path("c")),
               ElementsAre("arm_bodies.csv", "arm_muscles.csv", "arm_parts.csv", "config.resolved.yaml", "errors.csv",
                           "history.csv", "inputs", "log.txt", "model.yaml", "parameters.csv", "report.html",
-                          "result.json", "run.json", "singular_values.csv", "state.json"));
+                          "result.json", "run.json", "state.json"));
   const Json run = Json::parse(text("c/run.json"));
   EXPECT_EQ(run.at("format"), "simgap/run/1");
   EXPECT_EQ(run.at("status"), "done");

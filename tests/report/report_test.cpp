@@ -171,9 +171,9 @@ TEST(ValidateReport, PrintsATableForTheTerminalWithTheWorstFirst) {
   ValidationResult result = knownValidation();
   result.criteria.clear();
   EXPECT_EQ(terminalTable(result),
-            "                                 shoulder  elbow\n"
-            "mean joint error [deg], 2 poses     20.00  10.00\n"
-            "  as half angles (paper)            10.00  10.00\n"
+            "                                      shoulder  elbow\n"
+            "mean joint error [deg], 2 of 3 poses     20.00  10.00\n"
+            "  as half angles (paper)                 10.00  10.00\n"
             "\n"
             "worst poses\n"
             "pose   shoulder  elbow             status  slack muscles\n"

@@ -88,8 +88,7 @@ class EquilibriumArm {
   Eigen::VectorXd torque_;   ///< that friction holds, 0 in an equilibrium
   Eigen::MatrixXd reduced_, inverse_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes_;  ///< of a curvature that is not convex
-  Eigen::VectorXd step_, turned_;
+  Eigen::VectorXd step_;
 };
 
 /// All different equilibria found downhill of many starts (a fixed pattern over the joints' ranges), the given one

@@ -114,8 +114,8 @@ void keepInputs(const Options& options, const Session& session, const Calibratio
     directory.write(name, input.content);
     kept[input.role] = name;
   }
-  directory.write(kInputsFile, kept);
   directory.write("config.resolved.yaml", task.config.toYaml());
+  directory.write(kInputsFile, kept);  // last: with it a run can be resumed
 }
 
 /// A copy that keepInputs made. A directory may come from somebody else: it must not name, or link to, other files.

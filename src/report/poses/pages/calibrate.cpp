@@ -153,18 +153,12 @@ PageVerdict verdictOf(const ResultFiles& files) {
   const Json& result = files.result();
   const bool held_out = result.at("mje_deg").contains("validation");
   const char* set = held_out ? "validation" : "calibration";
-  const Json& judged = result.at("mje_deg").at(set);
   const std::string model = files.path("model.yaml"), poses = files.input("poses", "POSES.csv");
-  const std::string again =
-      fmt::format("simgap calibrate {} --poses {}{} --optimizer lm", files.input("model", "MODEL.yaml"), poses,
-                  held_out ? " --validation " + files.input("validation", "OTHER.csv") : "");
-  for (const auto& [joint, final] : judged.at("final").items()) {
-    const double before = numberOf(judged.at("initial").at(joint)), after = numberOf(final);
-    if (!std::isfinite(after))
-      return {kBad, "no valid number", fmt::format("No {} pose of {} is steady.", set, joint), again};
-    if (after > before)
-      return {kBad, "worse than the start",
-              fmt::format("The {} misses by more than before on the {} poses.", joint, set), again};
+  const std::string again = fmt::format("simgap calibrate {} --poses {}{}", files.input("model", "MODEL.yaml"), poses,
+                                        held_out ? " --validation " + files.input("validation", "OTHER.csv") : "");
+  if (const auto failure = result.find("failure"); failure != result.end() && failure->is_string()) {
+    const bool kept = result.value("delivered", std::string()) == "start";
+    return {kBad, kept ? "worse than the start" : "not valid", failure->get<std::string>(), again};
   }
   const Json counts = result.at("valid_poses").at(set);
   const long of = counts.at("of"), valid = counts.value("final", of);
@@ -173,12 +167,8 @@ PageVerdict verdictOf(const ResultFiles& files) {
             "The means leave out the poses in which the arm does not come to rest.",
             fmt::format("simgap validate {} --poses {} --evaluator equilibrium", model, poses)};
   }
-  const std::string optimizer = result.value("optimizer", "lm");
+  if (const std::string doubt = notConverged(result); !doubt.empty()) return {kDoubtful, "not converged", doubt, again};
   if (!surprises(result).empty()) {
-    if (optimizer != "lm" && optimizer != "hybrid") {
-      return {kDoubtful, "not converged", "The search has not come to the optimum that the intervals suppose: try lm.",
-              again};
-    }
     return {kDoubtful, "something is not in the model", "Poses are missed by more than the model's own uncertainty.",
             fmt::format("simgap diagnose {} --poses {}", model, poses)};
   }
