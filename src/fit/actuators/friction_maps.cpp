@@ -14,7 +14,7 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 
 constexpr std::size_t kCells = 24;  // of the map, per axis
-constexpr std::size_t kShown = 1500;
+constexpr std::size_t kShown = 1200;
 
 }  // namespace
 
