@@ -63,7 +63,7 @@ TEST(FrictionMaps, CountEveryRowOnceAndAverageItsError) {
   EXPECT_EQ(count, double(data.rows()));
   EXPECT_NEAR(sum, error.sum(), 1e-9 * error.sum());
   const std::vector<TimeSample> samples = timeSamples(rows);
-  ASSERT_EQ(samples.size(), 1500u);
+  ASSERT_EQ(samples.size(), 1200u);
   EXPECT_NEAR(std::abs(samples[7].predicted[0] - samples[7].measured), error[samples[7].index], 1e-12);
 }
 
