@@ -88,7 +88,8 @@ void Selector::record(const std::vector<Trial>& trials, std::optional<std::size_
   ++step_;
   for (std::size_t t = 0; t < trials.size(); ++t) {
     const Trial& trial = trials[t];
-    HypothesisRecord entry{step_, titleOf(*trial.hypothesis.effect), trial.hypothesis.target, kNotMeasured, 1.0, {}, {}};
+    HypothesisRecord entry{step_, titleOf(*trial.hypothesis.effect), trial.hypothesis.target, kNotMeasured, 1.0, {},
+                           {}};
     if (!trial.identifiable) {
       entry.outcome = "not identifiable: the model's own parameters can imitate it";
     } else if (!trial.gain) {

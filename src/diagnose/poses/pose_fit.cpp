@@ -96,8 +96,7 @@ void PoseFit::descend(const Eigen::VectorXd& z, double tolerance) {
 bool PoseFit::search(int starts, int threads, std::uint64_t seed) {
   PosteriorFit best;
   best.objective = std::numeric_limits<double>::infinity();
-  for (const PosteriorFit& fit :
-       searchPosterior(posterior_, {starts, threads, seed})) {
+  for (const PosteriorFit& fit : searchPosterior(posterior_, {starts, threads, seed})) {
     if (fit.objective < best.objective) best = fit;
   }
   if (std::isinf(best.objective)) return false;

@@ -259,12 +259,8 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
     }
     const PoseCandidate& best = candidates.front();
     if (best.cause.label() != cause.cause.label()) {
-      selection.records.push_back({selection.causes.size() + 2,
-                                   std::string(cause.cause.effect->name),
-                                   cause.cause.target,
-                                   kNotMeasured,
-                                   1.0,
-                                   "exchanged for " + best.cause.label()});
+      selection.records.push_back({selection.causes.size() + 2, std::string(cause.cause.effect->name),
+                                   cause.cause.target, kNotMeasured, 1.0, "exchanged for " + best.cause.label()});
     }
     cause.cause = best.cause;
     cause.odds = best.odds;
@@ -283,12 +279,8 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
 void Selection::prune(PoseFit& fit, PoseSelection& selection) {
   for (std::size_t c = selection.causes.size(); c-- > 0 && selection.causes.size() > 1;) {
     if (selection.causes[c].odds >= kClearOdds) continue;
-    selection.records.push_back({selection.causes.size() + 1,
-                                 std::string(selection.causes[c].cause.effect->name),
-                                 selection.causes[c].cause.target,
-                                 kNotMeasured,
-                                 1.0,
-                                 "pruned"});
+    selection.records.push_back({selection.causes.size() + 1, std::string(selection.causes[c].cause.effect->name),
+                                 selection.causes[c].cause.target, kNotMeasured, 1.0, "pruned"});
     std::vector<PoseCause> causes = fit.causes();
     causes.erase(causes.begin() + static_cast<std::ptrdiff_t>(c));
     selection.causes.erase(selection.causes.begin() + static_cast<std::ptrdiff_t>(c));

@@ -28,7 +28,7 @@ namespace simgap {
 struct DriveFitOptions {
   bool fit_motor = true;  ///< its parameters are free
   bool fit_gearbox = false;
-  Motor motor;         ///< known values when it is not fitted
+  Motor motor;  ///< known values when it is not fitted
   /// Of R, L, K_E, K_T, J_M, mu_M and tau_CM when the motor is not fitted; empty when it is not known.
   Eigen::MatrixXd motor_covariance;
   double ratio = 1.0;  ///< N
