@@ -119,7 +119,7 @@ TEST_P(ResumeOptimiserTest, CtrlCKeepsWhatIsFinished) {
 INSTANTIATE_TEST_SUITE_P(All, ResumeOptimiserTest,
                          testing::Values(Arguments{"--optimizer", "cma-es", "--generations", "40"},
                                          Arguments{"--optimizer", "lm", "--starts", "100", "--verify", "none"},
-                                         Arguments{"--optimizer", "hybrid", "--starts", "60", "--verify", "none"}));
+                                         Arguments{"--optimizer", "hybrid", "--starts", "200", "--verify", "none"}));
 
 TEST_F(ResumeTest, AKillInTheFirstMomentsLeavesADirectoryThatCanBeReplacedOrResumed) {
   std::mt19937 random(3);
@@ -138,7 +138,7 @@ TEST_F(ResumeTest, AKillInTheFirstMomentsLeavesADirectoryThatCanBeReplacedOrResu
       continue;
     }
     const int resumable = simgap({"calibrate", "--resume", directory, "--dry-run"}).exit_code;
-    EXPECT_EQ(resumable, fs::exists(path(directory + "/config.resolved.yaml")) ? 0 : 2) << directory;
+    EXPECT_EQ(resumable, fs::exists(path(directory + "/inputs/inputs.json")) ? 0 : 2) << directory;
     EXPECT_EQ(simgap({"validate", "arm.yaml", "--poses", "poses.csv", "-q", "--force", "-o", directory}).exit_code, 0);
   }
 }
