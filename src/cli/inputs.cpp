@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "simgap/core/error.h"
-#include "simgap/fit/poses/replay.h"
+#include "simgap/simulate/replay.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/html/assets.h"
 

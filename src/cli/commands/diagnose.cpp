@@ -10,7 +10,7 @@
 #include "simgap/core/progress.h"
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/holdout.h"
-#include "simgap/fit/poses/replay.h"
+#include "simgap/simulate/replay.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
 #include "simgap/simulate/arm_geometry.h"
 

@@ -21,7 +21,7 @@ const std::vector<std::string> kParameters = {"a", "b", "c", "k"};
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-pam", options.common, argv);
   const CsvOptions csv = options.table.csv();
-  if (!options.model.empty()) return runRefit({"fit-pam", options.model, options.log, {}, csv}, session, app);
+  if (!options.model.empty()) return runRefit({"fit-pam", options.model, options.log, csv}, session, app);
   const ParameterChoices choices = options.fit.parameters();
   requireKnown(choices, kParameters);
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "simgap/core/run_directory.h"
-#include "simgap/fit/poses/pose_error.h"
+#include "simgap/simulate/pose_error.h"
 #include "simgap/fit/poses/pose_noise.h"
 #include "simgap/fit/poses/posterior_search.h"
 #include "simgap/model/arm/parameter_space.h"
