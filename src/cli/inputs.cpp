@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "simgap/core/error.h"
-#include "simgap/simulate/replay.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/html/assets.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap {
 namespace {

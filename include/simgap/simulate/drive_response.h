@@ -25,7 +25,8 @@ DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearb
                             const DriveDelays& delays = {});
 
 /// The same of one session. Fills current and velocity, shape (rows of the block). Inputs are held between the instants
-/// at which they were sampled, which lie `delays` before their rows; before the first and behind the last row they stay.
+/// at which they were sampled, which lie `delays` before their rows; before the first and behind the last row they
+/// stay.
 void simulateSession(const MotorLog& log, const Block& rows, const Motor& motor, const Gearbox& gearbox,
                      const DriveDelays& delays, std::span<double> current, std::span<double> velocity);
 
