@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/random.h"
 
 namespace simgap {
@@ -29,7 +30,7 @@ PoseSet simulatePoses(const ArmModel& model, PoseFit& fit, std::uint64_t seed) {
     for (Eigen::Index i = 0; i < noise.size(); ++i) {
       noise[i] = random.normalPair({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(i), 0, kNoisePurpose})[0];
     }
-    noise = fit.posterior().whitening(p).inverse() * noise;
+    noise = inverse(fit.posterior().whitening(p)) * noise;
     Eigen::Index d = 0;
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
       if (model.joints[j].type == JointType::kSpherical) {

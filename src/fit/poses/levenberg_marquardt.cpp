@@ -117,7 +117,8 @@ Descent descend(const PosePosterior& posterior, Residuals residuals, Eigen::Vect
   options.callbacks.push_back(&interruption);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return {static_cast<int>(summary.iterations.size()), sweep.poses(), summary.IsSolutionUsable()};
+  const int steps = summary.iterations.empty() ? 0 : summary.iterations.back().iteration;
+  return {steps, sweep.poses(), summary.IsSolutionUsable()};
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "simgap/core/decompositions.h"
+
 namespace simgap {
 namespace {
 
@@ -134,7 +136,7 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
     energy.evaluate(poses_[p].joints);
     stiffness_[p] = energy.hessian();
     // A torque tau moves the equilibrium by H^-1 tau: cov = C + H^-1 T H^-1 = L L^T, whitened by L^-1.
-    const Eigen::MatrixXd compliance = energy.hessian().inverse();
+    const Eigen::MatrixXd compliance = inverse(energy.hessian());
     const Eigen::MatrixXd covariance =
         Eigen::MatrixXd(capture.asDiagonal()) + compliance * friction.asDiagonal() * compliance.transpose();
     whitening_[p] = covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(n, n));
