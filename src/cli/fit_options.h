@@ -50,7 +50,7 @@ struct RefitOptions {
   std::string command;  ///< "fit-friction"
   std::string model, log;
   Bench bench;
-  CsvOptions csv;
+  LogFileOptions table;
 };
 /// \throws ConfigError: a model of another kind than the command fits; an option that only a law by name takes.
 ExitCode runRefit(const RefitOptions& options, Session& session, const CLI::App& app);

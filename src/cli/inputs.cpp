@@ -7,6 +7,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/fit/poses/replay.h"
+#include "simgap/measure/logs/bag.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/html/assets.h"
 
@@ -15,6 +16,11 @@ namespace {
 
 void warnOfSkippedRows(const CsvTable& table) {
   if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", table.name(), table.skippedRows());
+}
+
+LogTable readLogOf(CsvTable table, const std::vector<std::string>& sessions) {
+  warnOfSkippedRows(table);
+  return readLogTable(std::move(table), sessions);
 }
 
 }  // namespace
@@ -43,11 +49,18 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
   return readPosesFor(model, table);
 }
 
-LogTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv,
+LogTable readLog(Session& session, const std::string& role, const std::string& file, const LogFileOptions& options,
                  const std::vector<std::string>& sessions) {
-  CsvTable table = session.readTable(role, file, csv);
-  warnOfSkippedRows(table);
-  return readLogTable(std::move(table), sessions);
+  std::string content = session.take(role, file);
+  if (!isBag(content)) {
+    if (!options.topics.empty() && role == "log") {
+      throw ConfigError(fmt::format("{}: found --topic, expected it with a recording only (MCAP, rosbag2)", file));
+    }
+    return readLogOf(CsvTable::parse(std::move(content), file, options.csv()), sessions);
+  }
+  BagLog bag = readBag(std::move(content), file, options.topics, options.csv());
+  for (const std::string& note : bag.notes) spdlog::warn("{}", note);
+  return readLogOf(std::move(bag.table), sessions);
 }
 
 Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio) {

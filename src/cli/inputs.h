@@ -24,8 +24,9 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
                   const CsvOptions& csv);
 
 /// A log without the rows that nothing can be taken from; rows that the user lets pass are counted in a warning.
-/// \param sessions  only these. \throws DataError as readLogTable.
-LogTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv,
+/// \param sessions  only these. \throws DataError as readLogTable and, for a recording, readBag; ConfigError: --topic
+/// without a recording, or the other way round.
+LogTable readLog(Session& session, const std::string& role, const std::string& file, const LogFileOptions& options,
                  const std::vector<std::string>& sessions = {});
 /// The rig of a file, or a torque sensor without one; `ratio` replaces its own.
 Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio);

@@ -7,6 +7,7 @@
 #include "simgap/capture/stereo_cameras.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/actuator_log.h"
+#include "simgap/measure/logs/bag.h"
 #include "simgap/measure/logs/bench.h"
 #include "simgap/measure/logs/log_table.h"
 #include "simgap/measure/logs/spring_log.h"
@@ -58,6 +59,12 @@ void readLog(std::string bytes) {
   tryReading([](const CsvTable& table) { agreement(readSpringLog(table)); });
 }
 
+/// A recording, and every number of it.
+void readRecording(std::string bytes) {
+  const std::vector<std::string> topics = readableTopics(bytes, "input.mcap");
+  readBag(std::move(bytes), "input.mcap", topics);
+}
+
 void readBoardCorners(std::string bytes) { readCorners(CsvTable::parse(std::move(bytes), "input.csv")); }
 void readArmModel(std::string bytes) { readArm(yaml(bytes)); }
 void readFitted(std::string bytes) { readFittedModel(yaml(bytes)); }
@@ -76,10 +83,11 @@ void readStereoRig(std::string bytes) {
 }
 
 constexpr std::array kReaders = {
-    Reader{"csv", readTable},     Reader{"gzip", readPacked},          Reader{"poses", readPoses},
-    Reader{"log", readLog},       Reader{"corners", readBoardCorners}, Reader{"arm", readArmModel},
-    Reader{"fitted", readFitted}, Reader{"bench", readBenchOf},        Reader{"targets", readTargetSet},
-    Reader{"rig", readStereoRig}, Reader{"cameras", readCameras},
+    Reader{"csv", readTable},         Reader{"gzip", readPacked},          Reader{"poses", readPoses},
+    Reader{"log", readLog},           Reader{"corners", readBoardCorners}, Reader{"arm", readArmModel},
+    Reader{"fitted", readFitted},     Reader{"bench", readBenchOf},        Reader{"targets", readTargetSet},
+    Reader{"rig", readStereoRig},     Reader{"cameras", readCameras},    Reader{"mcap", readRecording},
+    Reader{"rosbag2", readRecording},
 };
 
 }  // namespace
