@@ -63,6 +63,25 @@ LogTable readLog(Session& session, const std::string& role, const std::string& f
   return readLogOf(std::move(bag.table), sessions);
 }
 
+CamerasInput readCameraFiles(Session& session, const std::vector<std::filesystem::path>& files,
+                             const std::filesystem::path& of_rig) {
+  std::vector<CameraFile> read;
+  for (const std::filesystem::path& file : files.empty() ? std::vector{of_rig} : files) {
+    read.push_back({file.string(), session.read("stereo", file).content});
+  }
+  CamerasInput input{readCameras(read), {}};
+  const bool as_it_stands = read.size() == 1 && isStereoYaml(read[0].text);
+  input.yaml = as_it_stands ? read[0].text : writeStereo(input.cameras);
+  return input;
+}
+
+void addCamerasOption(CLI::App& app, std::vector<std::filesystem::path>& files) {
+  app.add_option("--cameras", files,
+                 "another calibration than the rig's: OpenCV's YAML or XML, Kalibr's camchain, or ROS's camera_info of "
+                 "the left camera and the right one")
+      ->expected(1, 2);
+}
+
 Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio) {
   Bench bench;
   if (!file.empty()) bench = readBench(YamlNode::parse(session.read("bench", file).content, file));

@@ -3,6 +3,7 @@
 #include "core/csv_cells.h"
 #include "fuzz/readers.h"
 #include "simgap/capture/board.h"
+#include "simgap/capture/camera_files.h"
 #include "simgap/capture/marker_targets.h"
 #include "simgap/capture/stereo_cameras.h"
 #include "simgap/core/error.h"
@@ -70,7 +71,14 @@ void readArmModel(std::string bytes) { readArm(yaml(bytes)); }
 void readFitted(std::string bytes) { readFittedModel(yaml(bytes)); }
 void readBenchOf(std::string bytes) { readBench(yaml(bytes)); }
 void readTargetSet(std::string bytes) { readTargets(yaml(bytes)); }
-void readCameras(std::string bytes) { readStereo(bytes, "input.yaml"); }
+/// A file of both cameras, or the same camera_info for each.
+void readCamerasOf(std::string bytes) {
+  try {
+    readCameras(std::vector<CameraFile>{{"left.yaml", bytes}, {"right.yaml", bytes}});
+  } catch (const Error&) {
+  }
+  readCameras(std::vector<CameraFile>{{"input.yaml", bytes}});
+}
 
 void readStereoRig(std::string bytes) {
   TargetSet targets;
@@ -86,7 +94,7 @@ constexpr std::array kReaders = {
     Reader{"csv", readTable},         Reader{"gzip", readPacked},          Reader{"poses", readPoses},
     Reader{"log", readLog},           Reader{"corners", readBoardCorners}, Reader{"arm", readArmModel},
     Reader{"fitted", readFitted},     Reader{"bench", readBenchOf},        Reader{"targets", readTargetSet},
-    Reader{"rig", readStereoRig},     Reader{"cameras", readCameras},    Reader{"mcap", readRecording},
+    Reader{"rig", readStereoRig},     Reader{"cameras", readCamerasOf},    Reader{"mcap", readRecording},
     Reader{"rosbag2", readRecording},
 };
 
