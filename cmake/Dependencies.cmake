@@ -16,6 +16,8 @@ find_package(PkgConfig REQUIRED)
 # find_package(Bullet) would give the single-precision libraries.
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
 pkg_check_modules(mpi REQUIRED ompi-c)
+pkg_check_modules(recordings REQUIRED IMPORTED_TARGET liblz4 libzstd sqlite3)
+pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
 find_path(RANDOM123_INCLUDE_DIR Random123/threefry.h REQUIRED)
 find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
 find_file(CHART_JS chart.min.js PATHS /usr/share/javascript/chart.js REQUIRED)

@@ -5,13 +5,12 @@
 #include <opencv2/calib3d.hpp>
 #include <string_view>
 
+#include "camera_storage.h"
 #include "simgap/core/error.h"
 #include "simgap/core/yaml.h"
 
 namespace simgap {
 namespace {
-
-constexpr Range kLensNumber{-1e9, 1e9, false, "a number of a size of at most 1e9"};
 
 /// OpenCV's own reader trusts what it reads: it allocates what `rows` and `cols` say and calls itself for every
 /// bracket. What it writes is YAML but for the first line.
@@ -24,21 +23,25 @@ YamlNode parseStorage(const std::string& text, const std::string& file) {
   return YamlNode::parse("#" + text, file);  // a comment, so that lines keep their numbers
 }
 
-cv::Mat readMatrix(const YamlNode& storage, const std::vector<std::string>& names, const std::string& file) {
-  constexpr long kMostRows = 100;
+class YamlStorage : public CameraStorage {
+ public:
+  explicit YamlStorage(YamlNode root) : root_(std::move(root)) {}
+  std::optional<cv::Mat> matrix(const std::string& name) const override {
+    const auto node = root_.find(name);
+    return node ? std::optional(matrixOf(*node)) : std::nullopt;
+  }
+  int side(const std::string& name) const override {
+    const auto node = root_.find(name);
+    return node ? sideOf(*node) : 0;
+  }
+
+ private:
+  YamlNode root_;
+};
+
+cv::Mat readMatrix(const CameraStorage& storage, const std::vector<std::string>& names, const std::string& file) {
   for (const std::string& name : names) {
-    const auto node = storage.find(name);
-    if (!node) continue;
-    const int rows = static_cast<int>(node->at("rows").integer(1, kMostRows));
-    const int cols = static_cast<int>(node->at("cols").integer(1, kMostRows));
-    const YamlNode data = node->at("data");
-    const std::vector<YamlNode> items = data.items();
-    if (std::ssize(items) != rows * cols) {
-      data.fail(fmt::format("found {} numbers, expected {} x {}", items.size(), rows, cols));
-    }
-    cv::Mat matrix(rows, cols, CV_64F);
-    for (int i = 0; i < rows * cols; ++i) matrix.at<double>(i / cols, i % cols) = items[i].number(kLensNumber);
-    return matrix;
+    if (const auto matrix = storage.matrix(name)) return *matrix;
   }
   throw ConfigError(fmt::format("{}: {} is missing (also looked for {})", file, names.front(),
                                 fmt::join(names.begin() + 1, names.end(), ", ")));
@@ -50,29 +53,12 @@ void expectShape(const cv::Mat& matrix, int rows, int cols, const std::string& n
       fmt::format("{}: {}: found {}x{}, expected {}x{}", file, name, matrix.rows, matrix.cols, rows, cols));
 }
 
-CameraIntrinsics readCamera(const YamlNode& storage, const std::string& side, const std::string& file) {
+CameraIntrinsics readCamera(const CameraStorage& storage, const std::string& side, const std::string& file) {
   const cv::Mat k = readMatrix(storage, {"K" + side, "M" + side, "cameraMatrix" + side, "camera_matrix" + side}, file);
   expectShape(k, 3, 3, "K" + side, file);
   const cv::Mat d = readMatrix(storage, {"D" + side, "distCoeffs" + side, "dist_coeffs" + side}, file);
-  CameraIntrinsics camera;
-  camera.K = k;
-  camera.distortion.assign(d.begin<double>(), d.end<double>());
-  const std::size_t n = camera.distortion.size();
-  if (n != 4 && n != 5 && n != 8 && n != 12 && n != 14) {
-    throw ConfigError(fmt::format("{}: D{}: found {} coefficients, expected 4, 5, 8, 12 or 14", file, side, n));
-  }
-  if (!(k.at<double>(0, 0) > 0.0 && k.at<double>(1, 1) > 0.0)) {
-    throw ConfigError(fmt::format("{}: K{}: found focal lengths {:g} and {:g} px, expected numbers > 0", file, side,
-                                  k.at<double>(0, 0), k.at<double>(1, 1)));
-  }
-  return camera;
-}
-
-/// A side of the images in pixels; 0 when the file does not say.
-int readSide(const YamlNode& storage, const char* name) {
-  constexpr long kMostPixels = 1 << 16;
-  const auto node = storage.find(name);
-  return node ? static_cast<int>(node->integer(0, kMostPixels)) : 0;
+  return checkedCamera(k, {d.begin<double>(), d.end<double>()}, fmt::format("{}: K{}", file, side),
+                       fmt::format("{}: D{}", file, side));
 }
 
 void writeCamera(cv::FileStorage& storage, const CameraIntrinsics& camera, const std::string& side) {
@@ -82,6 +68,64 @@ void writeCamera(cv::FileStorage& storage, const CameraIntrinsics& camera, const
 
 }  // namespace
 
+Eigen::MatrixXd eigenOf(const cv::Mat& matrix) {
+  Eigen::MatrixXd result(matrix.rows, matrix.cols);
+  for (int i = 0; i < matrix.rows; ++i) {
+    for (int j = 0; j < matrix.cols; ++j) result(i, j) = matrix.at<double>(i, j);
+  }
+  return result;
+}
+
+cv::Mat matOf(const Eigen::MatrixXd& matrix) {
+  cv::Mat result(static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols()), CV_64F);
+  for (int i = 0; i < result.rows; ++i) {
+    for (int j = 0; j < result.cols; ++j) result.at<double>(i, j) = matrix(i, j);
+  }
+  return result;
+}
+
+cv::Mat matrixOf(const YamlNode& node) {
+  const int rows = static_cast<int>(node.at("rows").integer(1, kMostStorageRows));
+  const int cols = static_cast<int>(node.at("cols").integer(1, kMostStorageRows));
+  const YamlNode data = node.at("data");
+  const std::vector<YamlNode> items = data.items();
+  if (std::ssize(items) != rows * cols) {
+    data.fail(fmt::format("found {} numbers, expected {} x {}", items.size(), rows, cols));
+  }
+  cv::Mat matrix(rows, cols, CV_64F);
+  for (int i = 0; i < rows * cols; ++i) matrix.at<double>(i / cols, i % cols) = items[i].number(kLensNumber);
+  return matrix;
+}
+
+int sideOf(const YamlNode& node) { return static_cast<int>(node.integer(0, kMostPixels)); }
+
+CameraIntrinsics checkedCamera(const cv::Matx33d& k, std::vector<double> distortion, const std::string& k_name,
+                               const std::string& d_name) {
+  const std::size_t n = distortion.size();
+  if (n != 4 && n != 5 && n != 8 && n != 12 && n != 14) {
+    throw ConfigError(fmt::format("{}: found {} coefficients, expected 4, 5, 8, 12 or 14", d_name, n));
+  }
+  if (!(k(0, 0) > 0.0 && k(1, 1) > 0.0)) {
+    throw ConfigError(
+        fmt::format("{}: found focal lengths {:g} and {:g} px, expected numbers > 0", k_name, k(0, 0), k(1, 1)));
+  }
+  CameraIntrinsics camera;
+  camera.K = k;
+  camera.distortion = std::move(distortion);
+  return camera;
+}
+
+void setPose(StereoCameras& cameras, const Eigen::Matrix3d& r, const Eigen::Vector3d& t, const std::string& r_name,
+             const std::string& t_name) {
+  const double skew = (r * r.transpose() - Eigen::Matrix3d::Identity()).norm();
+  if (skew > 1e-4 || r.determinant() < 0.0) {
+    throw ConfigError(fmt::format("{}: found no rotation (R R' misses the identity by {:.2g})", r_name, skew));
+  }
+  cameras.rotation = Eigen::Quaterniond(r).normalized().toRotationMatrix();
+  cameras.translation = t;
+  if (!(cameras.baseline() > 0.0)) throw ConfigError(fmt::format("{}: found no distance between the cameras", t_name));
+}
+
 Eigen::Matrix3d StereoCameras::essential() const {
   Eigen::Matrix3d cross;
   const Eigen::Vector3d& t = translation;
@@ -90,9 +134,12 @@ Eigen::Matrix3d StereoCameras::essential() const {
 }
 
 StereoCameras readStereo(const std::string& text, const std::string& file) {
-  const YamlNode storage = parseStorage(text, file);
+  return stereoFrom(YamlStorage(parseStorage(text, file)), file);
+}
+
+StereoCameras stereoFrom(const CameraStorage& storage, const std::string& file) {
   StereoCameras cameras;
-  cameras.size = {readSide(storage, "image_width"), readSide(storage, "image_height")};
+  cameras.size = {storage.side("image_width"), storage.side("image_height")};
   cameras.left = readCamera(storage, "1", file);
   cameras.right = readCamera(storage, "2", file);
   const cv::Mat r = readMatrix(storage, {"R"}, file);
@@ -100,32 +147,22 @@ StereoCameras readStereo(const std::string& text, const std::string& file) {
   cv::Mat t = readMatrix(storage, {"T"}, file);
   if (t.rows == 1) t = t.t();
   expectShape(t, 3, 1, "T", file);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) cameras.rotation(i, j) = r.at<double>(i, j);
-    cameras.translation[i] = t.at<double>(i);
-  }
-  const double skew = (cameras.rotation * cameras.rotation.transpose() - Eigen::Matrix3d::Identity()).norm();
-  if (skew > 1e-4 || cameras.rotation.determinant() < 0.0) {
-    throw ConfigError(fmt::format("{}: R: found no rotation (R R' misses the identity by {:.2g})", file, skew));
-  }
-  cameras.rotation = Eigen::Quaterniond(cameras.rotation).normalized().toRotationMatrix();
-  if (!(cameras.baseline() > 0.0)) throw ConfigError(fmt::format("{}: T: found no distance between the cameras", file));
+  setPose(cameras, eigenOf(r), eigenOf(t), file + ": R", file + ": T");
   return cameras;
 }
 
 std::string writeStereo(const StereoCameras& cameras, const std::vector<std::string>& comments) {
-  cv::FileStorage storage("stereo.yaml",
-                          cv::FileStorage::WRITE | cv::FileStorage::MEMORY | cv::FileStorage::FORMAT_YAML);
+  return storageText(cameras, comments, cv::FileStorage::FORMAT_YAML);
+}
+
+std::string storageText(const StereoCameras& cameras, const std::vector<std::string>& comments, int format) {
+  const char* const name = format == cv::FileStorage::FORMAT_XML ? "stereo.xml" : "stereo.yaml";
+  cv::FileStorage storage(name, cv::FileStorage::WRITE | cv::FileStorage::MEMORY | format);
   for (const std::string& comment : comments) storage.writeComment(comment);
   storage << "image_width" << cameras.size.width << "image_height" << cameras.size.height;
   writeCamera(storage, cameras.left, "1");
   writeCamera(storage, cameras.right, "2");
-  cv::Mat r(3, 3, CV_64F), t(3, 1, CV_64F);
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) r.at<double>(i, j) = cameras.rotation(i, j);
-    t.at<double>(i) = cameras.translation[i];
-  }
-  storage << "R" << r << "T" << t;
+  storage << "R" << matOf(cameras.rotation) << "T" << matOf(cameras.translation);
   return storage.releaseAndGetString();
 }
 

@@ -49,7 +49,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   requireKnown(choices, driveParameterNames());
   drive.fixed = choices.fixed;
   drive.bounds = choices.bounds;
-  const LogTable rows = readLog(session, "log", options.log, options.table.csv(), options.fit.sessions);
+  const LogTable rows = readLog(session, "log", options.log, options.table, options.fit.sessions);
   const Holdout holdout = readHoldout(options.fit.holdout, rows.table);
   report.log = readMotorLog(rows.table);
   report.log_file = options.log;

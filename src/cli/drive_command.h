@@ -11,7 +11,7 @@ namespace simgap {
 
 struct DriveCommandOptions {
   CommonOptions common;
-  TableOptions table;
+  LogFileOptions table;
   FitOptions fit;
   std::string log, into, muscle;
   const CLI::App* app = nullptr;

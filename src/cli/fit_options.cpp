@@ -66,7 +66,7 @@ ExitCode runRefit(const RefitOptions& options, Session& session, const CLI::App&
     throw ConfigError(fmt::format("{}: found a model of kind {}, expected {}: use fit-{}", options.model, given.kind,
                                   options.command.substr(4), given.kind));
   }
-  const LogTable file_rows = readLog(session, "log", options.log, options.csv);
+  const LogTable file_rows = readLog(session, "log", options.log, options.table);
   const CsvTable& table = file_rows.table;
   PreparedLog log = prepareLog(table, options.bench, subject.base.kind);
   std::ranges::copy(file_rows.summary(), std::back_inserter(log.warnings));

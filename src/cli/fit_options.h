@@ -49,7 +49,7 @@ void finishFit(Session& session, const CLI::App& app, FitSummary summary, const 
 struct RefitOptions {
   std::string command;  ///< "fit-friction"
   std::string model, log;
-  CsvOptions csv;
+  LogFileOptions table;
   Bench bench = {};
 };
 /// \throws ConfigError: a model of another kind than the command fits; an option that only a law by name takes.

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "simgap/core/error.h"
+#include "simgap/measure/logs/bag.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/html/assets.h"
 #include "simgap/simulate/replay.h"
@@ -15,6 +16,11 @@ namespace {
 
 void warnOfSkippedRows(const CsvTable& table) {
   if (table.skippedRows() > 0) spdlog::warn("{}: {} bad rows left out", table.name(), table.skippedRows());
+}
+
+LogTable readLogOf(CsvTable table, const std::vector<std::string>& sessions) {
+  warnOfSkippedRows(table);
+  return readLogTable(std::move(table), sessions);
 }
 
 }  // namespace
@@ -43,11 +49,37 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
   return readPosesFor(model, table);
 }
 
-LogTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv,
+LogTable readLog(Session& session, const std::string& role, const std::string& file, const LogFileOptions& options,
                  const std::vector<std::string>& sessions) {
-  CsvTable table = session.readTable(role, file, csv);
-  warnOfSkippedRows(table);
-  return readLogTable(std::move(table), sessions);
+  std::string content = session.take(role, file);
+  if (!isBag(content)) {
+    if (!options.topics.empty() && role == "log") {
+      throw ConfigError(fmt::format("{}: found --topic, expected it with a recording only (MCAP, rosbag2)", file));
+    }
+    return readLogOf(CsvTable::parse(std::move(content), file, options.csv()), sessions);
+  }
+  BagLog bag = readBag(std::move(content), file, options.topics, options.csv());
+  for (const std::string& note : bag.notes) spdlog::warn("{}", note);
+  return readLogOf(std::move(bag.table), sessions);
+}
+
+CamerasInput readCameraFiles(Session& session, const std::vector<std::filesystem::path>& files,
+                             const std::filesystem::path& of_rig) {
+  std::vector<CameraFile> read;
+  for (const std::filesystem::path& file : files.empty() ? std::vector{of_rig} : files) {
+    read.push_back({file.string(), session.read("stereo", file).content});
+  }
+  CamerasInput input{readCameras(read), {}};
+  const bool as_it_stands = read.size() == 1 && isStereoYaml(read[0].text);
+  input.yaml = as_it_stands ? read[0].text : writeStereo(input.cameras);
+  return input;
+}
+
+void addCamerasOption(CLI::App& app, std::vector<std::filesystem::path>& files) {
+  app.add_option("--cameras", files,
+                 "another calibration than the rig's: OpenCV's YAML or XML, Kalibr's camchain, or ROS's camera_info of "
+                 "the left camera and the right one")
+      ->expected(1, 2);
 }
 
 Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio) {

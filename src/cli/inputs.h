@@ -2,9 +2,12 @@
 /// The files that several commands read, as the library takes them. A session notes each for run.json.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "simgap/capture/camera_files.h"
 #include "simgap/cli/session.h"
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/fit/poses/calibration.h"
@@ -24,9 +27,21 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
                   const CsvOptions& csv);
 
 /// A log without the rows that nothing can be taken from; rows that the user lets pass are counted in a warning.
-/// \param sessions  only these. \throws DataError as readLogTable.
-LogTable readLog(Session& session, const std::string& role, const std::string& file, const CsvOptions& csv,
+/// \param sessions  only these. \throws DataError as readLogTable and, for a recording, readBag; ConfigError: --topic
+/// without a recording, or the other way round.
+LogTable readLog(Session& session, const std::string& role, const std::string& file, const LogFileOptions& options,
                  const std::vector<std::string>& sessions = {});
+/// Two cameras, and the same as OpenCV's YAML: the file itself where it is that.
+struct CamerasInput {
+  StereoCameras cameras;
+  std::string yaml;
+};
+/// \param files  as readCameras; without any the one that the rig names. \throws ConfigError as readCameras
+CamerasInput readCameraFiles(Session& session, const std::vector<std::filesystem::path>& files,
+                             const std::filesystem::path& of_rig);
+/// --cameras, with which it is called.
+void addCamerasOption(CLI::App& app, std::vector<std::filesystem::path>& files);
+
 /// The rig of a file, or a torque sensor without one; `ratio` replaces its own.
 Bench readRig(Session& session, const std::string& file, const std::optional<double>& ratio);
 /// The fitted model of a file. \param kinds  as readFittedModel

@@ -77,6 +77,14 @@ void TableOptions::add(CLI::App& app) {
                "drop and count rows that cannot be read, instead of refusing the file");
 }
 
+void LogFileOptions::add(CLI::App& app) {
+  app.add_option("--topic", topics,
+                 "of a recording (MCAP, rosbag2): a topic, or those of its numbers that FIELD names; may be repeated")
+      ->type_name("NAME[:FIELD]")
+      ->allow_extra_args(false);
+  TableOptions::add(app);
+}
+
 CLI::Validator finiteNumber() {
   const auto problem = [](std::string& text) {
     return parseNumber(text) ? std::string() : fmt::format("found {}, expected a finite number", text);
@@ -132,10 +140,10 @@ const Input& Session::read(const std::string& role, const std::filesystem::path&
 
 const Input& Session::input(const std::string& role) const { return *std::ranges::find(inputs_, role, &Input::role); }
 
-CsvTable Session::readTable(const std::string& role, const std::filesystem::path& file, const CsvOptions& options) {
+std::string Session::take(const std::string& role, const std::filesystem::path& file) {
   std::string content = contentOf(file);
   inputs_.push_back({role, file, "", sha256(content)});
-  return CsvTable::parse(std::move(content), file.string(), options);
+  return content;
 }
 
 void Session::begin(std::uint64_t seed) {

@@ -3,10 +3,12 @@
 #include "core/csv_cells.h"
 #include "fuzz/readers.h"
 #include "simgap/capture/board.h"
+#include "simgap/capture/camera_files.h"
 #include "simgap/capture/marker_targets.h"
 #include "simgap/capture/stereo_cameras.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/actuator_log.h"
+#include "simgap/measure/logs/bag.h"
 #include "simgap/measure/logs/bench.h"
 #include "simgap/measure/logs/log_table.h"
 #include "simgap/measure/logs/spring_log.h"
@@ -58,12 +60,25 @@ void readLog(std::string bytes) {
   tryReading([](const CsvTable& table) { agreement(readSpringLog(table)); });
 }
 
+/// A recording, and every number of it.
+void readRecording(std::string bytes) {
+  const std::vector<std::string> topics = readableTopics(bytes, "input.mcap");
+  readBag(std::move(bytes), "input.mcap", topics);
+}
+
 void readBoardCorners(std::string bytes) { readCorners(CsvTable::parse(std::move(bytes), "input.csv")); }
 void readArmModel(std::string bytes) { readArm(yaml(bytes)); }
 void readFitted(std::string bytes) { readFittedModel(yaml(bytes)); }
 void readBenchOf(std::string bytes) { readBench(yaml(bytes)); }
 void readTargetSet(std::string bytes) { readTargets(yaml(bytes)); }
-void readCameras(std::string bytes) { readStereo(bytes, "input.yaml"); }
+/// A file of both cameras, or the same camera_info for each.
+void readCamerasOf(std::string bytes) {
+  try {
+    readCameras(std::vector<CameraFile>{{"left.yaml", bytes}, {"right.yaml", bytes}});
+  } catch (const Error&) {
+  }
+  readCameras(std::vector<CameraFile>{{"input.yaml", bytes}});
+}
 
 void readStereoRig(std::string bytes) {
   TargetSet targets;
@@ -76,10 +91,11 @@ void readStereoRig(std::string bytes) {
 }
 
 constexpr std::array kReaders = {
-    Reader{"csv", readTable},     Reader{"gzip", readPacked},          Reader{"poses", readPoses},
-    Reader{"log", readLog},       Reader{"corners", readBoardCorners}, Reader{"arm", readArmModel},
-    Reader{"fitted", readFitted}, Reader{"bench", readBenchOf},        Reader{"targets", readTargetSet},
-    Reader{"rig", readStereoRig}, Reader{"cameras", readCameras},
+    Reader{"csv", readTable},         Reader{"gzip", readPacked},          Reader{"poses", readPoses},
+    Reader{"log", readLog},           Reader{"corners", readBoardCorners}, Reader{"arm", readArmModel},
+    Reader{"fitted", readFitted},     Reader{"bench", readBenchOf},        Reader{"targets", readTargetSet},
+    Reader{"rig", readStereoRig},     Reader{"cameras", readCamerasOf},    Reader{"mcap", readRecording},
+    Reader{"rosbag2", readRecording},
 };
 
 }  // namespace

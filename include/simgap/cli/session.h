@@ -37,6 +37,12 @@ struct TableOptions {
   CsvOptions csv() const;  ///< \throws ConfigError for a `map` without '='
 };
 
+/// Options of commands that read logs.
+struct LogFileOptions : TableOptions {
+  std::vector<std::string> topics;  ///< as readBag
+  void add(CLI::App& app);
+};
+
 /// Refuses NaN and infinity, which CLI11 takes.
 CLI::Validator finiteNumber();
 
@@ -44,7 +50,7 @@ CLI::Validator finiteNumber();
 struct Input {
   std::string role;  ///< "model", "poses", …
   std::filesystem::path file;
-  std::string content;  ///< empty for a table, which can be large
+  std::string content;  ///< empty for a log, which can be large
   std::string sha256 = {};
 };
 
@@ -58,8 +64,8 @@ class Session {
 
   /// Reads a file that the user named. \throws ConfigError when it cannot be read.
   const Input& read(const std::string& role, const std::filesystem::path& file);
-  /// A table that the user named; its text is not kept. \throws ConfigError, DataError: as CsvTable.
-  CsvTable readTable(const std::string& role, const std::filesystem::path& file, const CsvOptions& options);
+  /// The content of a file that the user named, which is not kept. \throws ConfigError when it cannot be read.
+  std::string take(const std::string& role, const std::filesystem::path& file);
   const std::vector<Input>& inputs() const { return inputs_; }
   const Input& input(const std::string& role) const;  ///< the first of that role; it must have been read
 

@@ -1,6 +1,6 @@
 /// \file
-/// Eigen's decompositions of matrices of any size, compiled once: each takes a compiler many seconds, more than the code
-/// that asks for it.
+/// Eigen's decompositions of matrices of any size, compiled once: each takes a compiler many seconds, more than the
+/// code that asks for it.
 #pragma once
 
 #include <Eigen/Core>

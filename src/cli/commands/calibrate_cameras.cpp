@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "simgap/capture/camera_files.h"
 #include "simgap/capture/image_pairs.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
@@ -90,6 +91,20 @@ std::optional<ScaleBarCheck> checkScaleBar(const Options& options, const StereoC
   return check;
 }
 
+/// The cameras for other programs; those that do not have this lens model are left out and named.
+void writeForOthers(const StereoCameras& cameras, const RunDirectory& directory) {
+  directory.write("stereo.xml", writeStereoXml(cameras));
+  if (const auto camchain = writeCamchain(cameras)) {
+    directory.write("camchain.yaml", *camchain);
+  } else {
+    spdlog::info("camchain.yaml is left out: Kalibr's lens has k1 k2 p1 p2 alone (--distortion 4)");
+  }
+  if (const auto info = writeCameraInfo(cameras)) {
+    directory.write("left_camera_info.yaml", (*info)[0]);
+    directory.write("right_camera_info.yaml", (*info)[1]);
+  }
+}
+
 void expectUsage(const Options& options) {
   const bool images = !options.left.empty() && !options.right.empty() && !options.board.empty();
   const bool corners = !options.corners.empty() && !options.image_size.empty();
@@ -124,6 +139,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
                   writeStereo(result.calibration.cameras,
                               {fmt::format("simgap calibrate-cameras: {:.4f} px on held-out views, {} views",
                                            result.calibration.heldout_rms, result.views.size())}));
+  writeForOthers(result.calibration.cameras, directory);
   directory.write("coverage.png", encodePng(drawCoverage(result.views, result.calibration.cameras.size)));
   session.finish(toJson(result), terminalTable(result));
   const bool scale_failed = options.max_scale_error && result.scale_bar &&

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
 #include "simgap/report/capture/capture_rig_report.h"
@@ -11,6 +12,7 @@ struct Options {
   CommonOptions common;
   TableOptions table;
   std::filesystem::path rig, frames;
+  std::vector<std::filesystem::path> cameras;
   std::string zero;
   JointCalibrationOptions calibration;
 };
@@ -35,7 +37,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const TargetSet targets =
       readTargets(YamlNode::parse(session.read("targets", targets_file).content, targets_file.string()));
   Rig rig = readRig(root, targets);
-  const std::string stereo = session.read("stereo", options.rig.parent_path() / files[0]).content;
+  const CamerasInput cameras = readCameraFiles(session, options.cameras, options.rig.parent_path() / files[0]);
   const Input& frames = session.read("frames", options.frames);
   const auto motion = readMotion(CsvTable::parse(frames.content, frames.file.string(), options.table.csv()), targets);
   const ArmJointCalibration result = calibrateArmJoints(rig, targets, motion, calibration);
@@ -47,7 +49,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   // A rig of its own: capture runs on it as it stands.
   rig.stereo_file = "stereo.yaml";
   rig.targets_file = "targets.yaml";
-  session.directory().write("stereo.yaml", stereo);
+  session.directory().write("stereo.yaml", cameras.yaml);
   session.directory().write(
       "targets.yaml", writeTargets(result.targets, {"markers in the frames of the bones: simgap calibrate-joints"}));
   session.directory().write("rig.yaml", writeRig(rig, result.targets));
@@ -60,6 +62,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   const auto positive = CLI::PositiveNumber & finiteNumber();
   app.add_option("RIG", options->rig, "the rig the motion was captured with (YAML)")->required();
   app.add_option("--frames", options->frames, "frames.csv of a capture that moves all joints")->required();
+  addCamerasOption(app, options->cameras);
   app.add_option("--zero", options->zero, "FIRST:LAST frame in which the arm hangs straight: its zero pose");
   app.add_option("--max-sd", options->calibration.max_centre_sd, "refuse a centre that is known worse [m]")
       ->check(positive);

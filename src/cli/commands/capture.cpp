@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "cli/inputs.h"
 #include "simgap/capture/capture_run.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
@@ -15,6 +16,7 @@ struct Options {
   CommonOptions common;
   TableOptions table;
   std::filesystem::path rig, left, right, timestamps, shafts;
+  std::vector<std::filesystem::path> cameras;
   std::optional<double> rate, max_scale_error;
   double max_camera_lag = 2e-3;
   std::vector<std::size_t> overlays;
@@ -49,8 +51,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const TargetSet targets =
       readTargets(YamlNode::parse(session.read("targets", targets_file).content, targets_file.string()));
   const Rig rig = readRig(root, targets);
-  const std::filesystem::path stereo_file = beside(files[0]);
-  const StereoCameras cameras = readStereo(session.read("stereo", stereo_file).content, stereo_file.string());
+  const StereoCameras cameras = readCameraFiles(session, options.cameras, beside(files[0])).cameras;
   const FrameTimes frame_times = times(options, session);
   std::optional<ShaftLog> shafts;
   if (!options.shafts.empty()) {
@@ -89,6 +90,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("RIG", options->rig, "stereo rig: cameras, targets, joints (YAML)")->required();
   app.add_option("--left", options->left, "images of the left camera: a folder or a video")->required();
   app.add_option("--right", options->right, "images of the right camera")->required();
+  addCamerasOption(app, options->cameras);
   app.add_option("--timestamps", options->timestamps, "time of every pair (CSV: time_s, or left_time_s, right_time_s)");
   app.add_option("--rate", options->rate, "or so many pairs a second [Hz]")
       ->check(CLI::PositiveNumber & finiteNumber());

@@ -19,7 +19,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  TableOptions table;
+  LogFileOptions table;
   std::string model, log, bench, poses, config;
   std::optional<double> ratio;
   std::optional<int> max_causes;
@@ -47,7 +47,7 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   FittedModel given;
   const ActuatorModel subject = readSubject(session, options.model, given);
   const Bench bench = readRig(session, options.bench, options.ratio);
-  LogTable file_rows = readLog(session, "log", options.log, options.table.csv());
+  LogTable file_rows = readLog(session, "log", options.log, options.table);
   const CsvTable& table = file_rows.table;
   PreparedLog log = prepareLog(table, bench, subject.base.kind);
   log.left_out = std::move(file_rows.left_out);
@@ -127,6 +127,9 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   Session session("diagnose", options.common, argv);
   if (options.log.empty() == options.poses.empty()) {
     throw ConfigError("found neither or both of --log and --poses, expected one of them");
+  }
+  if (options.log.empty() && !options.table.topics.empty()) {
+    throw ConfigError("found --topic with --poses, expected it with --log");
   }
   return options.poses.empty() ? runLog(options, session, app) : runPoses(options, session);
 }

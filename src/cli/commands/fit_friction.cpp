@@ -15,7 +15,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  TableOptions table;
+  LogFileOptions table;
   FitOptions fit;
   std::string log, bench;
   std::vector<std::string> require;
@@ -59,7 +59,7 @@ struct Task {
 
   FrictionData read(Session& session, const std::string& role, const std::string& file, Holdout* holdout) const {
     const bool fitted = holdout != nullptr;
-    LogTable rows = readLog(session, role, file, options.table.csv(), fitted ? options.fit.sessions : kAllSessions);
+    LogTable rows = readLog(session, role, file, options.table, fitted ? options.fit.sessions : kAllSessions);
     if (fitted) *holdout = readHoldout(options.fit.holdout, rows.table);
     const std::vector<std::string> left_out = rows.summary();
     ActuatorLog drive = readActuatorLog(std::move(rows.table), log);
@@ -122,12 +122,12 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   if (options.models.size() != 1 || !namesFile(options.models[0])) return runLaws(options, task, session, app);
   Bench bench = task.bench;
   if (options.bandwidth) bench.bandwidth = options.bandwidth;
-  return runRefit({"fit-friction", options.models[0], options.log, options.table.csv(), bench}, session, app);
+  return runRefit({"fit-friction", options.models[0], options.log, options.table, bench}, session, app);
 }
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("LOG", options->log, "actuator log (CSV)")->required();
+  app.add_option("LOG", options->log, "actuator log (CSV, or a recording with --topic)")->required();
   app.add_option(
          "--model", options->models,
          "friction laws, comma-separated; 'all': the three of the paper, 'every': all there are; or the file of a "
@@ -157,7 +157,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 extern const Command fit_friction;
 const Command fit_friction{"fit-friction", "friction of a drive from its log, with uncertainty and held-out error",
                            "  simgap fit-friction data/logs/bend-friction.csv.gz --model all \\\n"
-                           "    -o runs/friction",
+                           "    -o runs/friction\n"
+                           "  simgap fit-friction data/logs/bend.mcap -o runs/bend \\\n"
+                           "    --topic /joint_states:bend --topic /motor/current --topic /load/torque \\\n"
+                           "    --map motor_velocity_rad_s=bend.velocity \\\n"
+                           "    --map motor_current_A=motor/current \\\n"
+                           "    --map external_torque_Nm=load/torque",
                            define};
 
 }  // namespace simgap::commands

@@ -10,7 +10,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  TableOptions table;
+  LogFileOptions table;
   FitOptions fit;
   std::string log, curves, model;
   bool tied = false;
@@ -20,25 +20,24 @@ const std::vector<std::string> kParameters = {"a", "b", "c", "k"};
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-pam", options.common, argv);
-  const CsvOptions csv = options.table.csv();
-  if (!options.model.empty()) return runRefit({"fit-pam", options.model, options.log, csv}, session, app);
+  if (!options.model.empty()) return runRefit({"fit-pam", options.model, options.log, options.table}, session, app);
   const ParameterChoices choices = options.fit.parameters();
   requireKnown(choices, kParameters);
 
   PamReport report;
   if (!options.curves.empty()) {
     report.maker_file = options.curves;
-    report.maker =
-        fitPam(readPamLog(readLog(session, "curves", options.curves, csv).table), {false, options.tied, {}, {}});
+    report.maker = fitPam(readPamLog(readLog(session, "curves", options.curves, options.table).table),
+                          {false, options.tied, {}, {}});
   }
-  const LogTable rows = readLog(session, "log", options.log, csv, options.fit.sessions);
+  const LogTable rows = readLog(session, "log", options.log, options.table, options.fit.sessions);
   const Holdout holdout = readHoldout(options.fit.holdout, rows.table);
   report.log = readPamLog(rows.table);
   report.log_sha256 = session.input("log").sha256;
   report.comparison = comparePam(report.log, {false, options.tied, choices.fixed, choices.bounds}, report.maker,
                                  holdout, options.fit.block_s);
   for (const std::string& file : options.fit.validate) {
-    const PamLog other = readPamLog(readLog(session, "validation", file, csv).table);
+    const PamLog other = readPamLog(readLog(session, "validation", file, options.table).table);
     report.transfer.push_back({file, other.rows(), meanSquaredError(report.comparison.chosen().fit, other, {})});
   }
   if (options.common.dry_run) {

@@ -13,7 +13,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  TableOptions table;
+  LogFileOptions table;
   FitOptions fit;
   std::string log, model, into, muscle;
 };
@@ -33,14 +33,13 @@ SpringLog readSigned(const CsvTable& table) {
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-spring", options.common, argv);
-  const CsvOptions csv = options.table.csv();
-  if (!options.model.empty()) return runRefit({"fit-spring", options.model, options.log, csv}, session, app);
+  if (!options.model.empty()) return runRefit({"fit-spring", options.model, options.log, options.table}, session, app);
   const ParameterChoices choices = options.fit.parameters();
   requireKnown(choices, springParameterNames());
 
   SpringReport report;
   report.into = readTarget(options.into, options.muscle, session);
-  const LogTable file_rows = readLog(session, "log", options.log, csv, options.fit.sessions);
+  const LogTable file_rows = readLog(session, "log", options.log, options.table, options.fit.sessions);
   const CsvTable& table = file_rows.table;
   const Holdout holdout = readHoldout(options.fit.holdout, table);
   const SpringLog spring = readSigned(table);
@@ -53,7 +52,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   report.log_sha256 = session.input("log").sha256;
   report.comparison = compareSprings(report.log, {false, choices.fixed, choices.bounds}, holdout, options.fit.block_s);
   for (const std::string& file : options.fit.validate) {
-    const PreparedLog other = prepareSpringData(readLog(session, "validation", file, csv).table);
+    const PreparedLog other = prepareSpringData(readLog(session, "validation", file, options.table).table);
     const auto rows = static_cast<std::size_t>(std::ranges::count(other.data.keep, true));
     report.transfer.push_back({file, rows, meanSquaredError(report.comparison.chosen().fit, other, {})});
   }

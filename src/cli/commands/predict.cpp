@@ -14,7 +14,7 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  TableOptions table;
+  LogFileOptions table;
   std::string model, log, motor, bench;
   bool inverse = false, simulate = false;
   std::optional<double> ratio;
@@ -38,7 +38,7 @@ Prediction predictLog(const FittedModel& model, const Options& options, Session&
   if (model.kind == "spring" && options.inverse) {
     throw ConfigError(options.model + ": found a spring with --inverse, expected a muscle or a drive there");
   }
-  const LogTable rows = readLog(session, "log", options.log, options.table.csv());
+  const LogTable rows = readLog(session, "log", options.log, options.table);
   const CsvTable& table = rows.table;
   for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
   const auto rig = [&] {
