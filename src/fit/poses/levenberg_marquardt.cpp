@@ -16,11 +16,12 @@ using Residuals = std::function<const std::vector<PoseResidual>&(const Eigen::Ve
 class Sweep : public ceres::EvaluationCallback {
  public:
   Sweep(Eigen::VectorXd& z, Residuals residuals) : z_(z), residuals_(std::move(residuals)) {}
-  /// With derivatives always: where a step is taken, Ceres asks for them at a point that it knows already, and finding
-  /// the equilibria once more would cost as much as they do.
-  void PrepareForEvaluation(bool, bool new_point) override {
-    if (!new_point) return;
-    current_ = &residuals_(z_, /*jacobians=*/true);
+  /// Between bounds Ceres looks at most points three times: its line search, the step itself, the next derivatives.
+  void PrepareForEvaluation(bool jacobians, bool) override {
+    if (current_ != nullptr && z_ == at_ && (!jacobians || has_jacobians_)) return;
+    at_ = z_;
+    current_ = &residuals_(z_, jacobians);
+    has_jacobians_ = jacobians;
     poses_ += static_cast<long>(current_->size());
   }
   const PoseResidual& pose(std::size_t p) const { return (*current_)[p]; }
@@ -30,6 +31,8 @@ class Sweep : public ceres::EvaluationCallback {
   Eigen::VectorXd& z_;  // Ceres writes each trial point here first
   Residuals residuals_;
   const std::vector<PoseResidual>* current_ = nullptr;
+  Eigen::VectorXd at_;
+  bool has_jacobians_ = false;
   long poses_ = 0;
 };
 
