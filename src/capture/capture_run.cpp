@@ -55,14 +55,15 @@ void CaptureRun::add(const ImagePairs& pairs) {
   if (!times_.times.empty() && number >= times_.times.size()) {
     throw DataError(fmt::format("found more image pairs than the {} time stamps", times_.times.size()));
   }
-  const double time = times_.at(number);
-  const FramePair& frame = [&]() -> const FramePair& {
-    try {
-      return capture_.process(pairs.left(), pairs.right());
-    } catch (const DataError& error) {
-      throw DataError(fmt::format("{}, {}: {}", pairs.leftName(), pairs.rightName(), error.what()));
-    }
-  }();
+  try {
+    add(pairs.left(), pairs.right(), number, times_.at(number));
+  } catch (const DataError& error) {
+    throw DataError(fmt::format("{}, {}: {}", pairs.leftName(), pairs.rightName(), error.what()));
+  }
+}
+
+bool CaptureRun::add(const cv::Mat& left, const cv::Mat& right, std::size_t number, double time) {
+  const FramePair& frame = capture_.process(left, right);
   statistics_.add(frame, capture_.centroidSd());
   frames_csv_.add(framesCsvRows(targets_, frame, number, time));
   trc_.add(trcRow(targets_, frame, number, time));
@@ -71,10 +72,13 @@ void CaptureRun::add(const ImagePairs& pairs) {
     digest.rms.push_back(target.found ? static_cast<float>(1e3 * target.rms) : std::numeric_limits<float>::quiet_NaN());
   }
   digests_.push_back(std::move(digest));
-  if (auto sample = jointAngles(rig_, frame.targets, number, time)) samples_.push_back(std::move(*sample));
+  auto sample = jointAngles(rig_, frame.targets, number, time);
+  const bool whole = sample.has_value();
+  if (whole) samples_.push_back(std::move(*sample));
   if (options_.overlays.contains(number)) {
-    overlays_.emplace_back(number, encodePng(drawOverlay(cameras_, targets_, frame, pairs.left(), pairs.right())));
+    overlays_.emplace_back(number, encodePng(drawOverlay(cameras_, targets_, frame, left, right)));
   }
+  return whole;
 }
 
 void CaptureRun::refuseUnseen() const {
@@ -99,8 +103,8 @@ void CaptureRun::refuseUnseen() const {
   }
 }
 
-CaptureResult CaptureRun::finish(const ImagePairs& pairs, const std::optional<ShaftLog>& shafts) {
-  const std::size_t read = statistics_.frames() + pairs.skipped().size();
+CaptureResult CaptureRun::finish(const std::vector<std::string>& skipped, const std::optional<ShaftLog>& shafts) {
+  const std::size_t read = statistics_.frames() + skipped.size();
   if (!times_.times.empty() && read < times_.times.size()) {
     throw DataError(fmt::format("found {} time stamps for {} image pairs", times_.times.size(), read));
   }
@@ -111,7 +115,7 @@ CaptureResult CaptureRun::finish(const ImagePairs& pairs, const std::optional<Sh
   result.times = times_;
   result.samples = std::move(samples_);
   result.digests = std::move(digests_);
-  result.skipped = pairs.skipped();
+  result.skipped = skipped;
   result.doubts = statistics_.doubts();
   for (const std::size_t number : options_.overlays) {
     if (number >= read) result.missing_overlays.push_back(number);

@@ -12,9 +12,15 @@ namespace {
 constexpr double kSignificance = 4.0;        // standard errors
 constexpr double kScaleTolerance = 1e-3;     // of a length
 constexpr double kSpreadTolerance = 1.5;     // observed by predicted standard deviation of a distance
+constexpr double kDisturbed = 1.5;           // Blob::spread of a marker that others touch or cover
 constexpr double kSpreadFloor = 0.05e-3;     // [m] of additional spread
 constexpr double kEpipolarTolerance = 0.05;  // [px] mean of the signed error
 constexpr std::size_t kFewestForStatistics = 10;
+
+/// A marker that another one covers in part says nothing of the geometry of the cameras.
+bool isUndisturbed(const PointCandidate& point) {
+  return point.left_spread < kDisturbed && point.right_spread < kDisturbed;
+}
 
 double standardError(const RunningStatistics& s) { return s.sd() / std::sqrt(static_cast<double>(s.count())); }
 
@@ -82,6 +88,7 @@ void CaptureStatistics::addDistances(const FramePair& frame, double centroid_sd)
     const int a = target.candidate[distance.markers[0]];
     const int b = target.candidate[distance.markers[1]];
     if (a < 0 || b < 0) continue;
+    if (!isUndisturbed(frame.points[a]) || !isUndisturbed(frame.points[b])) continue;
     const Eigen::Vector3d& p = frame.points[a].point;
     const Eigen::Vector3d& q = frame.points[b].point;
     const double length = (p - q).norm();
@@ -102,7 +109,7 @@ void CaptureStatistics::addScaleBar(const FramePair& frame) {
     const TargetFrame& target = frame.targets[rig_.scale_bar->target[e]];
     if (!target.found) return;
     const int candidate = target.candidate[rig_.scale_bar->marker[e]];
-    if (candidate < 0) return;
+    if (candidate < 0 || !isUndisturbed(frame.points[candidate])) return;
     ends[e] = frame.points[candidate].point;
   }
   scale_bar_.add((ends[0] - ends[1]).norm());
@@ -126,7 +133,7 @@ void CaptureStatistics::add(const FramePair& frame, double centroid_sd) {
     rms_[t].add(target.rms);
     markers_[t].add(target.visible);
     for (const int c : target.candidate) {
-      if (c >= 0) epipolar_.add(frame.points[c].epipolar);
+      if (c >= 0 && isUndisturbed(frame.points[c])) epipolar_.add(frame.points[c].epipolar);
     }
   }
   addDistances(frame, centroid_sd);

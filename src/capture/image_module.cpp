@@ -28,8 +28,13 @@ bool read(const char* file, cv::Mat& image) try {
 class OpenCvVideo : public VideoFrames {
  public:
   explicit OpenCvVideo(const char* file) : capture_(file) {}
+  OpenCvVideo(const char* device, double rate) : capture_(device, cv::CAP_V4L2) {
+    if (rate > 0.0) capture_.set(cv::CAP_PROP_FPS, rate);
+    capture_.set(cv::CAP_PROP_BUFFERSIZE, 1);
+  }
   bool isOpen() const { return capture_.isOpened(); }
   bool read(cv::Mat& image) override { return capture_.read(frame_) && toGrey(frame_, image); }
+  double rate() const override { return capture_.get(cv::CAP_PROP_FPS); }
   long count() const override { return static_cast<long>(capture_.get(cv::CAP_PROP_FRAME_COUNT)); }
 
  private:
@@ -40,6 +45,13 @@ class OpenCvVideo : public VideoFrames {
 VideoFrames* openVideo(const char* file) try {
   auto video = std::make_unique<OpenCvVideo>(file);
   return video->isOpen() ? video.release() : nullptr;
+} catch (const cv::Exception&) {
+  return nullptr;
+}
+
+VideoFrames* openCamera(const char* device, double rate) try {
+  auto camera = std::make_unique<OpenCvVideo>(device, rate);
+  return camera->isOpen() ? camera.release() : nullptr;
 } catch (const cv::Exception&) {
   return nullptr;
 }
@@ -55,6 +67,6 @@ bool encodePng(const cv::Mat& image, std::vector<unsigned char>& bytes) try {
 
 const simgap::ImageModule* simgapImageModule() {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);  // errors come back as values
-  static const simgap::ImageModule module{simgap::read, simgap::openVideo, simgap::encodePng};
+  static const simgap::ImageModule module{simgap::read, simgap::openVideo, simgap::openCamera, simgap::encodePng};
   return &module;
 }

@@ -17,13 +17,6 @@ namespace fs = std::filesystem;
 
 const std::set<std::string> kImageEndings = {".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp"};
 
-const ImageModule& imageModule() {
-  using Entry = const ImageModule* (*)();
-  static const ImageModule* const loaded =
-      reinterpret_cast<Entry>(moduleEntry("libsimgap_images.so", SIMGAP_IMAGE_MODULE, "simgapImageModule"))();
-  return *loaded;
-}
-
 class FolderSource : public ImageSource {
  public:
   explicit FolderSource(const fs::path& folder) {
@@ -84,6 +77,13 @@ class VideoSource : public ImageSource {
 };
 
 }  // namespace
+
+const ImageModule& imageModule() {
+  using Entry = const ImageModule* (*)();
+  static const ImageModule* const loaded =
+      reinterpret_cast<Entry>(moduleEntry("libsimgap_images.so", SIMGAP_IMAGE_MODULE, "simgapImageModule"))();
+  return *loaded;
+}
 
 std::unique_ptr<ImageSource> openImages(const std::filesystem::path& path) {
   std::error_code why;

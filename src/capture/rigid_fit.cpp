@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "simgap/core/rotation.h"
+
 namespace simgap {
 namespace {
 

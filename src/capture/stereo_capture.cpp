@@ -7,6 +7,7 @@
 
 #include "simgap/core/error.h"
 #include "tracked_target.h"
+#include "two_point_search.h"
 
 namespace simgap {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kGuessFreedoms = 6.0;
 constexpr double kOutlierRatio = 15.0;
 // A fit whose variance is this much larger than that of all fits (0.1 % of good ones with 6 degrees of freedom).
 constexpr double kSpoiltRatio = 3.7;
+// Of a fit to markers that one camera alone sees: a marker taken for another is off by tenths of a pixel, too.
+constexpr double kStrangerRatio = 15.0;
 constexpr int kFewestMarkers = 3;
 constexpr int kLongestLoss = 5;  // frames for which a track is continued without its target
 
@@ -134,21 +137,29 @@ void StereoCapture::follow(std::size_t target) {
       right.used[frame_.points[c].right] = 1;
     }
   }
-  const auto tracked =
-      fitTracked(cameras_, triangulator_, targets_.targets[target].markers, *predicted_[target], left, right);
-  if (!tracked) return;
-  const double freedoms = 2.0 * tracked->images - 6.0;
-  const double own = tracked->refined.square_sum / freedoms;
+  const std::vector<Eigen::Vector3d>& markers = targets_.targets[target].markers;
+  if (predicted_[target]) {
+    const auto tracked = fitTracked(cameras_, triangulator_, markers, *predicted_[target], left, right);
+    if (tracked && accept(target, *tracked)) return;
+  }
+  const auto found =
+      findByTwoPoints(cameras_, triangulator_, markers, frame_.points, left, right, square_sum_ / freedoms_);
+  if (found) accept(target, *found);
+}
+
+bool StereoCapture::accept(std::size_t target, const TrackedTarget& tracked) {
+  const double freedoms = 2.0 * tracked.images - 6.0;
+  const double own = tracked.refined.square_sum / freedoms;
   const double pooled = square_sum_ / freedoms_;
-  if (own > kSpoiltRatio * pooled) return;  // what is this uncertain may be another marker
+  if (own > kStrangerRatio * pooled) return false;
   TargetFrame& frame = frame_.targets[target];
   std::vector<int> candidate(frame.candidate.size(), -1);
   for (std::size_t i = 0; i < candidate.size(); ++i) {
-    if (tracked->left[i] < 0 || tracked->right[i] < 0) continue;
+    if (tracked.left[i] < 0 || tracked.right[i] < 0) continue;
     const auto pair = std::find_if(frame_.points.begin(), frame_.points.end(), [&](const PointCandidate& point) {
-      return point.left == tracked->left[i] && point.right == tracked->right[i];
+      return point.left == tracked.left[i] && point.right == tracked.right[i];
     });
-    if (pair == frame_.points.end()) return;  // the two do not meet
+    if (pair == frame_.points.end()) return false;  // the two do not meet
     candidate[i] = static_cast<int>(pair - frame_.points.begin());
   }
   const SeenMarkers markers = seenMarkers(targets_.targets[target], candidate, frame_.points);
@@ -156,11 +167,12 @@ void StereoCapture::follow(std::size_t target) {
   frame.failure = MatchFailure::kNone;
   frame.candidate = candidate;
   frame.visible = static_cast<int>(markers.marker.size());
-  frame.single = static_cast<int>(tracked->marker.size()) - frame.visible;
-  frame.pose = tracked->refined.pose;
+  frame.single = static_cast<int>(tracked.marker.size()) - frame.visible;
+  frame.pose = tracked.refined.pose;
   frame.rms = fitRms(frame.pose, markers.body, markers.camera);
   for (const PointCandidate* seen : markers.seen) frame.epipolar += seen->epipolar / frame.visible;
-  frame.covariance = std::max(own, pooled) * tracked->refined.cofactor;
+  frame.covariance = std::max(own, pooled) * tracked.refined.cofactor;
+  return true;
 }
 
 void StereoCapture::remember(std::size_t target) {
@@ -198,7 +210,7 @@ const FramePair& StereoCapture::process(const cv::Mat& left, const cv::Mat& righ
     used += frame_.targets[t].visible;
   }
   for (std::size_t t = 0; t < matches.size(); ++t) {
-    if (!matches[t] && predicted_[t]) follow(t);
+    if (!matches[t]) follow(t);
     used += frame_.targets[t].found && !matches[t] ? frame_.targets[t].visible : 0;
     remember(t);
   }

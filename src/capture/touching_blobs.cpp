@@ -19,13 +19,18 @@ constexpr double kBlurSpread = 0.1;        // [px]
 constexpr double kFadeSpread = 0.05;       // (1)
 constexpr int kOldest = 60;                // images for which a marker's looks are remembered
 constexpr double kOtherArea = 0.3;         // (1) by which the expected area may differ from the remembered one
+constexpr double kFarArea = 0.7;           // (1) of a marker that is further away than those that were looked at
 constexpr double kHiddenPart = 1.3;        // (1) of a marker's area may be hidden in a group, with what the rim adds
-constexpr double kMostSpread = 5.0;        // by which a centre may be less certain than a free one's
+constexpr double kLeastBrightness = 0.6;   // (1) of a region's peak, by the height of a marker's image
+constexpr double kMostBrightness = 1.6;
+constexpr int kClusterRounds = 5;
+constexpr double kMostSpread = 5.0;  // by which a centre may be less certain than a free one's
 
-bool standsFree(const BrightRegion& region) {
-  return region.round && region.margin >= kWindowMargin && region.asymmetry < kFreeAsymmetry &&
-         region.blob.circularity > kFreeCircularity;
+bool isSymmetrical(const BrightRegion& region) {
+  return region.round && region.asymmetry < kFreeAsymmetry && region.blob.circularity > kFreeCircularity;
 }
+
+bool standsFree(const BrightRegion& region) { return isSymmetrical(region) && region.margin >= kWindowMargin; }
 
 template <typename Value>
 double medianOf(const std::vector<DiscFit>& fits, const Value& value) {
@@ -84,6 +89,56 @@ std::vector<Disc> startOf(const std::vector<const BrightRegion*>& group, const D
   return discs;
 }
 
+/// So many discs where the group's bright pixels crowd: k-means from the pixels that are furthest from one another.
+std::vector<Disc> clusteredStart(const cv::Mat& image, const std::vector<const BrightRegion*>& group, std::size_t count,
+                                 const DiscShape& shape) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (const BrightRegion* region : group) {
+    const double half = region->background + 0.5 * region->peak;
+    for (int y = region->box.y; y < region->box.y + region->box.height; ++y) {
+      for (int x = region->box.x; x < region->box.x + region->box.width; ++x) {
+        if (image.at<unsigned char>(y, x) > half) pixels.emplace_back(x, y);
+      }
+    }
+  }
+  if (pixels.size() < count) return {};
+  std::vector<Eigen::Vector2d> centres{group.front()->blob.centre};
+  const auto nearest = [&](const Eigen::Vector2d& pixel) {
+    return std::min_element(centres.begin(), centres.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      return (a - pixel).squaredNorm() < (b - pixel).squaredNorm();
+    });
+  };
+  const auto farthest = [&] {
+    return *std::max_element(pixels.begin(), pixels.end(), [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      return (*nearest(a) - a).squaredNorm() < (*nearest(b) - b).squaredNorm();
+    });
+  };
+  centres.front() = farthest();  // an end of the group
+  while (centres.size() < count) centres.push_back(farthest());
+  for (int round = 0; round < kClusterRounds; ++round) {
+    std::vector<Eigen::Vector3d> sums(count, Eigen::Vector3d::Zero());  // x, y, pixels
+    for (const Eigen::Vector2d& pixel : pixels) sums[nearest(pixel) - centres.begin()] += pixel.homogeneous();
+    for (std::size_t k = 0; k < count; ++k) {
+      if (sums[k].z() > 0.0) centres[k] = sums[k].hnormalized();
+    }
+  }
+  std::vector<Disc> discs;
+  for (const Eigen::Vector2d& centre : centres) discs.push_back({centre, shape.radius, shape.amplitude});
+  return discs;
+}
+
+/// How many markers a group can be at most. What is symmetrical, or of another brightness than markers, is one thing.
+std::size_t mostDiscs(const std::vector<const BrightRegion*>& group, const DiscShape& marker) {
+  const double single = kFarArea * std::numbers::pi * marker.radius * marker.radius;
+  double most = 0.0;
+  for (const BrightRegion* region : group) {
+    const double brightness = region->peak / marker.amplitude;
+    const bool one = isSymmetrical(*region) || brightness < kLeastBrightness || brightness > kMostBrightness;
+    most += one ? 1.0 : std::max(1.0, std::floor(region->blob.area / single + kHiddenPart));
+  }
+  return static_cast<std::size_t>(std::min<double>(kMostDiscs, most));
+}
+
 }  // namespace
 
 void TouchingBlobs::learn(const cv::Mat& image, std::vector<const BrightRegion*> free, double area) {
@@ -120,14 +175,20 @@ void TouchingBlobs::learn(const cv::Mat& image, std::vector<const BrightRegion*>
 /// More discs, where the image is brightest above them, until they explain the group.
 std::optional<DiscFit> TouchingBlobs::explain(const cv::Mat& image,
                                               const std::vector<const BrightRegion*>& group) const {
-  double area = 0.0;
-  for (const BrightRegion* region : group) area += region->blob.area;
-  const double single = std::numbers::pi * marker_->radius * marker_->radius;
-  const auto most = static_cast<std::size_t>(std::min<double>(kMostDiscs, area / single + kHiddenPart));
+  const std::size_t most = mostDiscs(group, *marker_);
   std::vector<Disc> start = startOf(group, *marker_);
+  const auto explains = [](const DiscFit& fit) { return fit.converged && fit.misfit < kMostMisfit; };
   while (start.size() <= most) {
     DiscFit fit = fitDiscs(image, *marker_, start, group.front()->background);
-    if (fit.converged && fit.misfit < kMostMisfit) return fit;
+    if (explains(fit)) return fit;
+    if (start.size() > 1) {
+      // Moments and excess mislead where three or more touch, or one is much darker.
+      const std::vector<Disc> clustered = clusteredStart(image, group, start.size(), *marker_);
+      if (clustered.empty()) break;
+      const DiscFit other = fitDiscs(image, *marker_, clustered, group.front()->background);
+      if (explains(other)) return other;
+      if (other.misfit < fit.misfit) fit = other;
+    }
     if (fit.discs.empty()) break;
     start = fit.discs;
     start.push_back({fit.excess, marker_->radius, marker_->amplitude});

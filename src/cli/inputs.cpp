@@ -37,7 +37,9 @@ CalibrationConfig readConfig(Session& session, const std::string& file, const Ar
   try {
     if (model != nullptr) ParameterSpace(*model, config.parameters);
   } catch (const ConfigError& error) {
-    throw ConfigError(fmt::format("{}: {}", name, error.what()));
+    throw ConfigError(
+        fmt::format("{}: {}{}", name, error.what(),
+                    file.empty() ? " (these parameters are the built-in ones; --config FILE gives others)" : ""));
   }
   return config;
 }

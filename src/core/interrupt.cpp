@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "simgap/core/error.h"
+#include "simgap/core/interrupt_answer.h"
 
 namespace simgap {
 namespace {
@@ -21,14 +22,12 @@ extern "C" void onStopSignal(int /*signal*/) {
   timespec now = {};
   clock_gettime(CLOCK_MONOTONIC, &now);
   const std::int64_t milliseconds = now.tv_sec * std::int64_t{1000} + now.tv_nsec / 1'000'000;
-  if (!requested.exchange(true, std::memory_order_relaxed)) {
-    first_request_ms.store(milliseconds, std::memory_order_relaxed);
-    return;
-  }
   // `timeout` and some terminals send one wish to stop twice, to the process and to its group.
   constexpr std::int64_t kSameWish = 500;
-  const bool again = milliseconds - first_request_ms.load(std::memory_order_relaxed) > kSameWish;
-  if (again) _exit(static_cast<int>(ExitCode::kInterrupted));
+  const std::int64_t before = first_request_ms.load(std::memory_order_relaxed);
+  if (before > 0 && milliseconds - before <= kSameWish) return;
+  first_request_ms.store(milliseconds, std::memory_order_relaxed);
+  if (requested.exchange(true, std::memory_order_relaxed)) _exit(static_cast<int>(ExitCode::kInterrupted));
 }
 
 }  // namespace
@@ -45,6 +44,7 @@ void installInterruptHandlers() {
 bool interruptRequested() noexcept { return requested.load(std::memory_order_relaxed); }
 
 void requestInterrupt() noexcept { requested.store(true, std::memory_order_relaxed); }
+void interruptAnswered() noexcept { requested.store(false, std::memory_order_relaxed); }
 
 void stopIfInterrupted() {
   if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");

@@ -62,8 +62,8 @@ void printSentence(std::string_view sentence) {
   std::fflush(stderr);
 }
 
-Progress::Progress(std::string label, std::size_t total, bool quiet)
-    : label_(std::move(label)), total_(total), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {
+Progress::Progress(std::string label, std::size_t total, bool quiet, Unit unit)
+    : label_(std::move(label)), total_(total), unit_(unit), quiet_(quiet), terminal_(isatty(STDERR_FILENO) == 1) {
   const std::lock_guard lock(screen().mutex);
   below_ = std::exchange(screen().shown, this);
   if (terminal_ && !quiet_) mover_ = std::jthread([this](const std::stop_token& stop) { keepMoving(stop); });
@@ -81,7 +81,9 @@ Progress::~Progress() {
 }
 
 std::string Progress::line(Clock::time_point now) const {
-  std::string text = total_ > 0 ? fmt::format("{} {}/{}", label_, done_, total_) : label_;
+  std::string text = label_;
+  if (total_ > 0)
+    text += unit_ == Unit::kPercent ? fmt::format(" {} %", 100 * done_ / total_) : fmt::format(" {}/{}", done_, total_);
   const double elapsed = secondsBetween(start_, now);
   const bool estimated = done_ > first_ && done_ < total_;
   const double left = estimated ? secondsBetween(start_, last_news_) * static_cast<double>(total_ - done_) /

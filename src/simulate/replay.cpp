@@ -1,6 +1,7 @@
 #include "simgap/simulate/replay.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -61,15 +62,21 @@ std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, c
 }
 
 std::string otherEquilibria(const ArmModel& model, const PoseSet& set, std::span<const PoseOutcome> outcomes) {
+  constexpr std::size_t kMostNamed = 8;
   EquilibriumArm arm(model);
-  std::string poses;
+  std::vector<std::string> poses;
   for (std::size_t p = 0; p < outcomes.size(); ++p) {
     if (outcomes[p].status != PoseStatus::kSteady) continue;
     if (!arm.solveFrom(outcomes[p].joints, outcomes[p].shafts).stable) continue;
     const std::vector<JointPosition> found = arm.joints();
-    if (distinctEquilibria(arm, outcomes[p].shafts, found).size() > 1) poses += " " + set.poses[p].name;
+    if (distinctEquilibria(arm, outcomes[p].shafts, found).size() > 1) poses.push_back(set.poses[p].name);
   }
-  return poses.empty() ? "" : fmt::format("{}: another stable equilibrium exists for pose{}", set.file, poses);
+  if (poses.empty()) return "";
+  const std::size_t named = std::min(poses.size(), kMostNamed);
+  std::string text =
+      fmt::format("{}: another stable equilibrium exists for {} of {} poses: {}", set.file, poses.size(),
+                  set.poses.size(), fmt::join(poses.begin(), poses.begin() + std::ptrdiff_t(named), " "));
+  return named < poses.size() ? text + fmt::format(" and {} more", poses.size() - named) : text;
 }
 
 namespace {

@@ -74,6 +74,35 @@ TEST(CaptureAccuracy, MarkersThatTouchCostNoFrames) {
   EXPECT_GE(captured, 0.99 * whole);
 }
 
+// Every pair on its own: no track says where a target is whose markers cover one another.
+TEST(CaptureAccuracy, MarkersThatTouchCostNoFramesWithoutATrack) {
+  int whole = 0, captured = 0;
+  for (const std::uint64_t seed : {51U, 52U, 53U}) {
+    StudyOptions options;
+    options.wide = true;
+    options.seed = seed;
+    const StudyResult result = study("640x480 wide, independent", options, 200);
+    whole += result.whole_pairs;
+    captured += result.captured_pairs;
+    EXPECT_LE(result.relative_deg, 0.04);
+    EXPECT_GT(result.sd_ratio, 0.8);
+    EXPECT_LT(result.sd_ratio, 1.25);
+  }
+  EXPECT_GT(whole, 300);
+  EXPECT_GE(captured, 0.99 * whole);
+}
+
+// Twenty reflections in each image: what was found of markers that touch is still as certain as it says.
+TEST(CaptureAccuracy, DeviationsHoldAmongTwentyGhosts) {
+  StudyOptions options = moving(1);
+  options.wide = true;
+  options.seed = 61;
+  options.disturbance.ghosts = 20;
+  const StudyResult result = study("640x480 wide, moving, 20 ghosts", options, 150);
+  EXPECT_GT(result.sd_ratio, 0.8);
+  EXPECT_LT(result.sd_ratio, 1.25);
+}
+
 TEST(CaptureAccuracy, HiddenMarkersAndGhostsAreNeverConfused) {
   study("640x480 30 % hidden, 10 ghosts", hidden(1), 60);
 }

@@ -123,10 +123,12 @@ RecordedPose record(const Arm& truth, const std::vector<double>& shafts, const R
   return pose;
 }
 
-Rig makeRig(std::uint64_t seed, const RigOptions& options) {
+Rig makeRig(std::uint64_t seed, const RigOptions& options) { return makeRig(referenceArm(), seed, options); }
+
+Rig makeRig(const Arm& nominal, std::uint64_t seed, const RigOptions& options) {
   Noise noise(seed * 7919 + 17);
   Rig rig;
-  rig.nominal = referenceArm();
+  rig.nominal = nominal;
   rig.truth = drawTruth(rig.nominal, options, noise);
   const std::uint64_t base = 100000 * (seed + 1);
   for (int p = 0; p < options.calibration; ++p) {

@@ -40,6 +40,8 @@ struct Rig {
 
 /// The reference arm's twin; a pure function of its arguments.
 Rig makeRig(std::uint64_t seed, const RigOptions& options = {});
+/// The twin of another arm.
+Rig makeRig(const Arm& nominal, std::uint64_t seed, const RigOptions& options = {});
 
 /// What the rig records when the truth is commanded to these shafts. \param draw  numbers the noise
 RecordedPose record(const Arm& truth, const std::vector<double>& shafts, const RigOptions& options, std::uint64_t draw);

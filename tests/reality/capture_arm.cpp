@@ -33,6 +33,41 @@ std::vector<MarkerTarget> standardTargets() {
           {"forearm", {{0, -0.06, -0.08}, {0.04, -0.065, -0.11}, {-0.035, -0.06, -0.15}, {0.01, -0.085, -0.2}}}};
 }
 
+std::vector<MarkerTarget> drawnTargets(std::uint64_t seed) {
+  struct Place {
+    const char* name;
+    std::size_t markers;
+    double near, far, low, high;  // y and z [m]
+  };
+  constexpr Place kPlaces[] = {{"torso", 4, -0.19, -0.15, 0.08, 0.22},
+                               {"humerus", 5, -0.1, -0.06, -0.22, -0.1},
+                               {"forearm", 4, -0.09, -0.055, -0.21, -0.08}};
+  std::mt19937_64 engine(seed * 2 + 5);
+  std::vector<MarkerTarget> targets;
+  for (const Place& place : kPlaces) {
+    MarkerTarget target{place.name, {}};
+    std::vector<double> distances;
+    while (target.markers.size() < place.markers) {
+      const double x = uniform(engine, -0.06, 0.07);
+      const double y = uniform(engine, place.near, place.far);
+      const Eigen::Vector3d marker(x, y, uniform(engine, place.low, place.high));
+      std::vector<double> all = distances;
+      bool fits = true;
+      for (const Eigen::Vector3d& other : target.markers) {
+        const double distance = (marker - other).norm();
+        fits = fits && distance > 0.035;
+        for (const double known : all) fits = fits && std::abs(distance - known) > 4e-3;
+        all.push_back(distance);
+      }
+      if (!fits) continue;
+      target.markers.push_back(marker);
+      distances = all;
+    }
+    targets.push_back(target);
+  }
+  return targets;
+}
+
 std::string targetsYaml(const std::vector<MarkerTarget>& targets, double radius) {
   std::ostringstream out;
   out.precision(17);

@@ -23,6 +23,9 @@ struct MarkerTarget {
 
 /// Targets on torso, humerus and forearm, 10-15 cm wide: 4, 5 and 4 markers.
 std::vector<MarkerTarget> standardTargets();
+/// Others of 4, 5 and 4 markers about where the standard ones are; a pure function of the seed. Distances within a
+/// target differ by at least 4 mm.
+std::vector<MarkerTarget> drawnTargets(std::uint64_t seed);
 std::string targetsYaml(const std::vector<MarkerTarget>& targets, double radius = 0.006);
 
 /// A pose within the arm's reach and the cameras' view; a pure function of the seed.

@@ -87,11 +87,12 @@ TEST(CalibrateReport, TablesReadBackAsCsv) {
 
 TEST(CalibrateReport, PrintsATableForTheTerminal) {
   EXPECT_EQ(terminalTable(knownCalibration()),
-            "mean joint error [deg]      shoulder before  after  elbow before  after\n"
-            "calibration (2 of 2 poses)            20.00   2.00         10.00   1.00\n"
-            "  as half angles (paper)              10.00   1.00         10.00   1.00\n"
-            "validation (1 of 1 poses)                 -   3.00             -   4.00\n"
-            "  as half angles (paper)                  -   1.50             -   4.00\n");
+            "mean joint error [deg]      shoulder before   after  elbow before   after\n"
+            "calibration (2 of 2 poses)            20.00    2.00         10.00    1.00\n"
+            "  as half angles (paper)              10.00    1.00         10.00    1.00\n"
+            "validation (1 of 1 poses)                 -    3.00             -    4.00\n"
+            "  as half angles (paper)                  -    1.50             -    4.00\n"
+            "  at rest                            0 of 1  1 of 1        0 of 1  1 of 1\n");
   CalibrationResult result = knownCalibration();
   result.sets[1].final = result.sets[1].initial;
   result.parameters.resize(9, result.parameters[0]);  // 2 poses x (3 + 1) numbers

@@ -1,9 +1,10 @@
 #include "support/capture_study.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
+#include <numeric>
 
 #include "simgap/core/rotation.h"
 
@@ -177,8 +178,10 @@ cv::Mat matOf(const reality::Image& image) {
 }
 
 StudyResult runStudy(const StudyOptions& options) {
-  const reality::CaptureStage stage(reality::standardLenses(options.scale), reality::standardTargets());
-  StereoCapture capture(camerasOf(stage.lenses()), targetsOf(stage.targets()));
+  const reality::CaptureStage stage(
+      reality::standardLenses(options.scale),
+      options.targets == 0 ? reality::standardTargets() : reality::drawnTargets(options.targets), {}, options.radius);
+  StereoCapture capture(camerasOf(stage.lenses()), targetsOf(stage.targets(), options.radius));
   Judge judge(stage);
   std::vector<double> times;
   const auto drawn = options.wide ? reality::widePose : reality::randomPose;
@@ -193,19 +196,22 @@ StudyResult runStudy(const StudyOptions& options) {
     std::vector<ArmPose> poses;
     for (int e = 0; e < options.exposures; ++e) {
       const double moment = n + 0.3 * (options.exposures > 1 ? e / (options.exposures - 1.0) - 0.5 : 0.0);
-      poses.push_back(options.sequence ? at(std::max(0.0, moment)) : drawn(seed));
+      poses.push_back(options.rest > 0   ? drawn(options.seed * 1000003 + std::uint64_t(n / options.rest))
+                      : options.sequence ? at(std::max(0.0, moment))
+                                         : drawn(seed));
     }
     const ArmPose mean = meanOf(poses);
     reality::RenderedPair pair = stage.render(poses, options.disturbance, seed);
     pair.markers = reality::markersInLeft(stage.targets(), mean);
     const cv::Mat left = matOf(pair.left);
     const cv::Mat right = matOf(pair.right);
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     const FramePair& frame = capture.process(left, right);
-    times.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    times.push_back(1e3 * double(std::clock() - start) / CLOCKS_PER_SEC);
     judge.add(frame, pair, mean);
-    if (!options.sequence) capture.forget();
+    if (!options.sequence && options.rest == 0) capture.forget();
   }
+  judge.result.mean_ms = std::accumulate(times.begin(), times.end(), 0.0) / double(times.size());
   std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
   judge.result.process_ms = times[times.size() / 2];
   judge.finish();

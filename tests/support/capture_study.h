@@ -19,9 +19,12 @@ struct StudyOptions {
   int scale = 1;  ///< 1: 640x480, 2: 1280x960
   int pairs = 100;
   reality::Disturbance disturbance;
-  bool sequence = false;  ///< a moving arm instead of independent poses: uses the tracking
-  int exposures = 1;      ///< more: motion blur (with `sequence`)
-  bool wide = false;      ///< the elbow from straight to 1.6 rad (reality::widePose)
+  bool sequence = false;      ///< a moving arm instead of independent poses: uses the tracking
+  int exposures = 1;          ///< more: motion blur (with `sequence`)
+  bool wide = false;          ///< the elbow from straight to 1.6 rad (reality::widePose)
+  int rest = 0;               ///< frames for which the arm rests before it jumps to the next pose; 0: see `sequence`
+  std::uint64_t targets = 0;  ///< 0: reality::standardTargets; else the seed of reality::drawnTargets
+  double radius = 0.006;      ///< of the markers [m]
   std::uint64_t seed = 1;
 };
 
@@ -37,7 +40,8 @@ struct StudyResult {
   double relative_deg = 0.0;                   ///< of all relative target rotations
   double position_rms = 0.0;                   ///< [m] of the targets' first markers, per axis
   double sd_ratio = 0.0;    ///< observed spread / reported standard deviation of relative rotations and positions
-  double process_ms = 0.0;  ///< median time of a pair
+  double process_ms = 0.0;  ///< median processor time of a pair
+  double mean_ms = 0.0;     ///< mean processor time of a pair
 };
 
 StudyResult runStudy(const StudyOptions& options);

@@ -11,6 +11,7 @@
 #include "simgap/capture/capture_files.h"
 #include "simgap/capture/capture_statistics.h"
 #include "simgap/capture/image_pairs.h"
+#include "simgap/capture/live_cameras.h"
 #include "simgap/capture/steady_poses.h"
 #include "simgap/core/run_directory.h"
 
@@ -31,6 +32,15 @@ struct FrameDigest {
   std::vector<float> rms;  ///< shape (targets) [mm]; NaN when not found
 };
 
+/// How a run with cameras that ran went.
+struct LiveFigures {
+  LiveCounts counts;
+  std::size_t pairs = 0, poses = 0;  ///< poses: pairs with all joints
+  double seconds = 0.0;              ///< from the first image on [s]
+  std::vector<double> latency;       ///< per pair, from its image to its angles [s]
+  double started_unix = 0.0;         ///< [s] since 1970: what time_s counts from
+};
+
 struct CaptureResult {
   TargetSet targets;
   Rig rig;
@@ -44,6 +54,7 @@ struct CaptureResult {
   std::vector<std::string> skipped;
   std::vector<std::size_t> missing_overlays;
   std::vector<GeometryFinding> doubts;
+  std::optional<LiveFigures> live;
 };
 
 class CaptureRun {
@@ -51,11 +62,14 @@ class CaptureRun {
   CaptureRun(const StereoCameras& cameras, const TargetSet& targets, const Rig& rig, const FrameTimes& times,
              const CaptureRunOptions& options);
 
-  /// One pair; call in order. \throws DataError: more pairs than time stamps, and all that StereoCapture refuses.
+  /// One pair; call in order. \returns whether all joints were found. \throws DataError: all that StereoCapture
+  /// refuses.
+  bool add(const cv::Mat& left, const cv::Mat& right, std::size_t number, double time);
+  /// The same of a recording. \throws DataError: more pairs than time stamps, and all that StereoCapture refuses.
   void add(const ImagePairs& pairs);
   /// \throws DataError: no target in any frame, a target that was never seen (unless `partial`), fewer pairs than time
   ///         stamps, joints that move more than max_shaft_lag after the shafts.
-  CaptureResult finish(const ImagePairs& pairs, const std::optional<ShaftLog>& shafts);
+  CaptureResult finish(const std::vector<std::string>& skipped, const std::optional<ShaftLog>& shafts);
   /// frames.csv, joints.csv, poses.csv, markers.trc and the overlays.
   void write(const RunDirectory& directory, const CaptureResult& result) const;
 

@@ -1,5 +1,5 @@
 /// \file
-/// Where images come from: a folder, a video; a live camera would be one more implementation of ImageSource.
+/// Where images come from: a folder, a video. (Cameras that run: live_cameras.h.)
 #pragma once
 
 #include <filesystem>

@@ -22,7 +22,7 @@ struct TargetFrame {
   MatchFailure failure = MatchFailure::kNone;
   std::vector<int> candidate;  ///< shape (markers): index into FramePair::points, -1 when not seen
   int visible = 0;             ///< markers used that both cameras see
-  int single = 0;              ///< further ones that one camera sees; 0 unless `visible` is 2
+  int single = 0;              ///< further ones that one camera sees; 0 where those of both were enough
   TargetPose pose;             ///< in the left camera
   double rms = 0.0;            ///< [m] of the markers' distances after the fit
   double epipolar = 0.0;       ///< [px] mean of the markers' signed epipolar errors
@@ -37,6 +37,8 @@ struct FramePair {
   std::vector<TargetFrame> targets;  ///< shape (targets)
   int ghosts = 0;                    ///< blobs of both images that no target used
 };
+
+struct TrackedTarget;
 
 /// Frames one after the other: a target is looked for where it was heading first.
 class StereoCapture {
@@ -54,8 +56,10 @@ class StereoCapture {
 
  private:
   void fit(std::size_t target, TargetMatch match);
-  /// Of a target that was not matched: by two markers, what one camera sees of the others, and its track.
+  /// Of a target that was not matched: by two markers, what one camera sees of the others, and its track, or a search
+  /// where there is none.
   void follow(std::size_t target);
+  bool accept(std::size_t target, const TrackedTarget& tracked);
   void remember(std::size_t target);
   void predict();
   /// Of a marker's image in both cameras, where the targets are expected; 0: nowhere. [px]

@@ -23,9 +23,10 @@ void printSentence(std::string_view sentence);
 /// not known, the time since the beginning counts up. Of several at once, the newest is shown.
 class Progress {
  public:
+  enum class Unit { kCount, kPercent };
   /// \param label  what is counted: "generation".  \param total  how many there are; 0: work that cannot be counted,
-  /// shown by its time on a terminal only.  \param quiet  print nothing.
-  Progress(std::string label, std::size_t total, bool quiet);
+  /// shown by its time on a terminal only.  \param quiet  print nothing.  \param unit  how `done` of `total` is shown.
+  Progress(std::string label, std::size_t total, bool quiet, Unit unit = Unit::kCount);
   ~Progress();  ///< ends the rewritten line; one that counts nothing is wiped out
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -47,6 +48,7 @@ class Progress {
   std::size_t total_;
   std::size_t first_ = 0, done_ = 0;
   std::string detail_;
+  Unit unit_;
   bool quiet_;
   bool terminal_;
   bool line_open_ = false;

@@ -30,6 +30,7 @@ struct Options {
 };
 
 constexpr const char* kInputsFile = "inputs/inputs.json";
+constexpr int kSmallestPopulation = 5;  // of a CMA-ES in pagmo
 
 /// An option of another optimiser would change nothing.
 void refuseForeignOptions(const Options& options, const CalibrationConfig& config) {
@@ -68,6 +69,14 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
     config.evaluator = "equilibrium";
   }
   refuseForeignOptions(options, config);
+  // A CMA-ES weighs its whole population; only the evolution strategy has parents.
+  if (config.optimizer == "cma-es") {
+    if (config.strategy.lambda < kSmallestPopulation) {
+      throw ConfigError(fmt::format("found lambda = {} with --optimizer cma-es, expected at least {}",
+                                    config.strategy.lambda, kSmallestPopulation));
+    }
+    config.strategy.mu = std::min(config.strategy.mu, config.strategy.lambda);
+  }
   config.strategy.validate();
 }
 

@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
 
 #include "cli/inputs.h"
 #include "simgap/capture/capture_run.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/interrupt_answer.h"
 #include "simgap/core/progress.h"
 #include "simgap/report/capture/capture_report.h"
 
@@ -16,8 +20,9 @@ struct Options {
   CommonOptions common;
   TableOptions table;
   std::filesystem::path rig, left, right, timestamps, shafts;
+  std::string live;  ///< "0,2": cameras that run
   std::vector<std::filesystem::path> cameras;
-  std::optional<double> rate, max_scale_error;
+  std::optional<double> rate, max_scale_error, duration;
   double max_camera_lag = 2e-3;
   std::vector<std::size_t> overlays;
   bool skip_unreadable = false;
@@ -39,10 +44,133 @@ void processAll(CaptureRun& run, ImagePairs& pairs, bool quiet) {
   }
 }
 
-ExitCode run(const Options& options, const std::vector<std::string>& argv) {
-  if (options.timestamps.empty() == !options.rate) {
-    throw ConfigError("capture needs the time of every pair: either --timestamps CSV or --rate HZ");
+void checkOptions(const Options& options) {
+  if (options.live.empty()) {
+    if (options.left.empty() || options.right.empty()) {
+      throw ConfigError("capture needs images: either --left and --right, or --camera LEFT,RIGHT");
+    }
+    if (options.duration) throw ConfigError("found --duration-s without --camera, which is what it ends");
+    if (options.timestamps.empty() == !options.rate) {
+      throw ConfigError("capture needs the time of every pair: either --timestamps CSV or --rate HZ");
+    }
+    return;
   }
+  const auto refuse = [](bool given, const char* option) {
+    if (given) throw ConfigError(fmt::format("found {} with --camera, whose images are taken as they come", option));
+  };
+  refuse(!options.left.empty(), "--left");
+  refuse(!options.right.empty(), "--right");
+  refuse(!options.timestamps.empty(), "--timestamps");
+  refuse(!options.shafts.empty(), "--shafts");
+  refuse(options.skip_unreadable, "--skip-unreadable");
+}
+
+/// Warnings, files and table. \returns whether the user's criterion was met.
+ExitCode deliver(const Options& options, Session& session, const CaptureRun& capture, const CaptureResult& result) {
+  for (const std::string& name : result.skipped) spdlog::warn("left out: {}", name);
+  for (const std::size_t number : result.missing_overlays) spdlog::warn("--overlay {}: there is no such pair", number);
+  for (const GeometryFinding& doubt : result.doubts) spdlog::warn("the geometry is in doubt: {}", doubt.sentence);
+  if (result.poses_outside_log > 0) {
+    spdlog::warn("{} steady poses lie outside the shaft log and were left out", result.poses_outside_log);
+  }
+  capture.write(session.directory(), result);
+  const CaptureStatistics& statistics = capture.statistics();
+  session.finish(toJson(result, statistics), terminalTable(result, statistics));
+  const bool scale_failed =
+      options.max_scale_error && std::abs(statistics.scaleErrorPercent()) > *options.max_scale_error;
+  return scale_failed ? ExitCode::kCriterionFailed : ExitCode::kDone;
+}
+
+/// LEFT,RIGHT.
+LiveCameras openCameras(const Options& options) {
+  const std::size_t comma = options.live.find(',');
+  if (comma == std::string::npos || comma == 0 || comma + 1 == options.live.size()) {
+    throw ConfigError(fmt::format("--camera: found '{}', expected LEFT,RIGHT, as in 0,2", options.live));
+  }
+  return LiveCameras(options.live.substr(0, comma), options.live.substr(comma + 1), options.rate);
+}
+
+/// Says once in a while how fast and how late the angles come.
+class LiveDisplay {
+ public:
+  explicit LiveDisplay(bool quiet) : quiet_(quiet), progress_("capture: live", 0, quiet) {}
+
+  void show(const LiveFigures& live, double seconds, double latency) {
+    const bool terminal = isatty(STDERR_FILENO) == 1;
+    worst_ = std::max(worst_, latency);
+    if (quiet_ || seconds < last_ + (terminal ? 0.5 : 5.0)) return;
+    const double span = seconds - last_;
+    const auto per_second = [span](std::size_t now, std::size_t then) {
+      return static_cast<double>(now - then) / span;
+    };
+    const std::string text =
+        fmt::format("{:.1f} pairs/s, {:.1f} poses/s, {:.1f} ms behind the image at most, {} dropped",
+                    per_second(live.pairs, pairs_), per_second(live.poses, poses_), 1e3 * worst_,
+                    live.counts.dropped[0] + live.counts.dropped[1]);
+    if (terminal) {
+      progress_.update(0, text);
+    } else {
+      printSentence("capture: " + text);
+    }
+    last_ = seconds;
+    pairs_ = live.pairs;
+    poses_ = live.poses;
+    worst_ = 0.0;
+  }
+
+ private:
+  bool quiet_;
+  Progress progress_;
+  double last_ = 0.0, worst_ = 0.0;
+  std::size_t pairs_ = 0, poses_ = 0;
+};
+
+/// Until Ctrl-C, --duration-s, or the end of a camera.
+LiveFigures processLive(CaptureRun& run, LiveCameras& cameras, const Options& options) {
+  const auto since = [&](LiveClock::time_point moment) {
+    return std::chrono::duration<double>(moment - cameras.start()).count();
+  };
+  LiveFigures live;
+  live.started_unix = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count() -
+                      since(LiveClock::now());
+  LiveDisplay display(options.common.quiet);
+  while (!interruptRequested() && !(options.duration && since(LiveClock::now()) >= *options.duration)) {
+    const LiveCameras::Wait found = cameras.next();
+    if (found == LiveCameras::Wait::kEnd) break;
+    if (found == LiveCameras::Wait::kNothing) continue;
+    live.poses += run.add(cameras.left(), cameras.right(), live.pairs, since(cameras.taken()));
+    ++live.pairs;
+    live.latency.push_back(since(LiveClock::now()) - since(cameras.taken()));
+    live.counts = cameras.counts();
+    display.show(live, since(LiveClock::now()), live.latency.back());
+  }
+  interruptAnswered();
+  live.counts = cameras.counts();
+  live.seconds = since(LiveClock::now());
+  return live;
+}
+
+ExitCode runLive(const Options& options, Session& session, const StereoCameras& stereo, const TargetSet& targets,
+                 const Rig& rig) {
+  LiveCameras cameras = openCameras(options);
+  if (options.common.dry_run) {
+    session.print(fmt::format("would look for {} targets in the images of {} at {:g} Hz; nothing was written\n",
+                              targets.targets.size(), options.live, cameras.rate()));
+    return ExitCode::kDone;
+  }
+  CaptureRunOptions run_options = options.run;
+  run_options.overlays.insert(options.overlays.begin(), options.overlays.end());
+  session.begin(
+      options.common.seed.value_or(0));  // before the recording: a directory that is in use is no surprise then
+  CaptureRun capture(stereo, targets, rig, {{}, cameras.rate(), 0.0}, run_options);
+  LiveFigures live = processLive(capture, cameras, options);
+  CaptureResult result = capture.finish({}, std::nullopt);
+  result.live = std::move(live);
+  return deliver(options, session, capture, result);
+}
+
+ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+  checkOptions(options);
   Session session("capture", options.common, argv);
   const YamlNode root = YamlNode::parse(session.read("rig", options.rig).content, options.rig.string());
   const auto files = rigFiles(root);
@@ -52,6 +180,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
       readTargets(YamlNode::parse(session.read("targets", targets_file).content, targets_file.string()));
   const Rig rig = readRig(root, targets);
   const StereoCameras cameras = readCameraFiles(session, options.cameras, beside(files[0])).cameras;
+  if (!options.live.empty()) return runLive(options, session, cameras, targets, rig);
   const FrameTimes frame_times = times(options, session);
   std::optional<ShaftLog> shafts;
   if (!options.shafts.empty()) {
@@ -68,31 +197,25 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   run_options.overlays.insert(options.overlays.begin(), options.overlays.end());
   CaptureRun capture(cameras, targets, rig, frame_times, run_options);
   processAll(capture, pairs, options.common.quiet);
-  const CaptureResult result = capture.finish(pairs, shafts);
+  const CaptureResult result = capture.finish(pairs.skipped(), shafts);
 
   session.begin(options.common.seed.value_or(0));
-  for (const std::string& name : result.skipped) spdlog::warn("left out: {}", name);
-  for (const std::size_t number : result.missing_overlays) spdlog::warn("--overlay {}: there is no such pair", number);
-  for (const GeometryFinding& doubt : result.doubts) spdlog::warn("the geometry is in doubt: {}", doubt.sentence);
-  if (result.poses_outside_log > 0) {
-    spdlog::warn("{} steady poses lie outside the shaft log and were left out", result.poses_outside_log);
-  }
-  capture.write(session.directory(), result);
-  const CaptureStatistics& statistics = capture.statistics();
-  session.finish(toJson(result, statistics), terminalTable(result, statistics));
-  const bool scale_failed =
-      options.max_scale_error && std::abs(statistics.scaleErrorPercent()) > *options.max_scale_error;
-  return scale_failed ? ExitCode::kCriterionFailed : ExitCode::kDone;
+  return deliver(options, session, capture, result);
 }
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("RIG", options->rig, "stereo rig: cameras, targets, joints (YAML)")->required();
-  app.add_option("--left", options->left, "images of the left camera: a folder or a video")->required();
-  app.add_option("--right", options->right, "images of the right camera")->required();
+  app.add_option("--left", options->left, "images of the left camera: a folder or a video");
+  app.add_option("--right", options->right, "images of the right camera");
+  app.add_option("--camera", options->live,
+                 "instead, cameras that run: numbers or paths of V4L2 devices (0,2), or videos played at their rate")
+      ->type_name("LEFT,RIGHT");
+  app.add_option("--duration-s", options->duration, "end with --camera after so long; Ctrl-C ends at any time [s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
   addCamerasOption(app, options->cameras);
   app.add_option("--timestamps", options->timestamps, "time of every pair (CSV: time_s, or left_time_s, right_time_s)");
-  app.add_option("--rate", options->rate, "or so many pairs a second [Hz]")
+  app.add_option("--rate", options->rate, "or so many pairs a second; of --camera: to ask for [Hz]")
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--shafts", options->shafts, "shaft angles over time, for poses.csv (CSV: time_s, shaft_*_rad)");
   app.add_option("--overlay", options->overlays, "draw what was found into pair N (a PNG); may be repeated")

@@ -29,7 +29,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("design", options.common, argv);
   DesignResult result;
   result.model = readArmFile(session, "model", options.model);
-  const CalibrationConfig config = readConfig(session, options.config);
+  const CalibrationConfig config = readConfig(session, options.config, &result.model);
   const ParameterSpace space(result.model, config.parameters);
   result.recorded = readPoses(session, "poses", options.poses, result.model, options.table.csv());
   if (result.recorded.poses.size() < kFewestPoses) {

@@ -65,7 +65,7 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   }
   session.begin(diagnose.seed);
   session.directory().write("config.resolved.yaml", resolvedOptions(app));
-  std::optional<Progress> progress(std::in_place, "diagnose: %", 100, options.common.quiet);
+  std::optional<Progress> progress(std::in_place, "diagnose:", 100, options.common.quiet, Progress::Unit::kPercent);
   const LogDiagnosis result = diagnoseLog(subject, log, diagnose, [&](const std::string& what, double done) {
     progress->update(static_cast<std::size_t>(100.0 * done), what);
   });
@@ -100,7 +100,7 @@ ExitCode runPoses(const Options& options, Session& session) {
   const PoseDiagnosisOptions diagnose = poseOptions(options);
   const ArmModel model = readArmFile(session, "model", options.model);
   const PoseSet set = readPoses(session, "poses", options.poses, model, options.table.csv());
-  const CalibrationConfig config = readConfig(session, options.config);
+  const CalibrationConfig config = readConfig(session, options.config, &model);
   if (options.common.dry_run) {
     session.print(fmt::format("would diagnose {} on {} poses of {}; nothing was written\n", model.name,
                               set.poses.size(), set.file));
@@ -108,7 +108,7 @@ ExitCode runPoses(const Options& options, Session& session) {
   }
   session.begin(diagnose.seed);
   session.directory().write("config.resolved.yaml", config.toYaml());
-  std::optional<Progress> progress(std::in_place, "diagnose: %", 100, options.common.quiet);
+  std::optional<Progress> progress(std::in_place, "diagnose:", 100, options.common.quiet, Progress::Unit::kPercent);
   const PoseDiagnosis result = diagnosePoses(
       model, set, config.parameters, config.noise, diagnose,
       [&](const std::string& what, double done) { progress->update(static_cast<std::size_t>(100.0 * done), what); });

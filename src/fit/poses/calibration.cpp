@@ -149,7 +149,11 @@ void Calibration::failWithoutValidIndividual(std::span<const PoseOutcome> outcom
     sentence += fmt::format("{}{} x {} (worst: {})", separator, reason.count, toString(status), reason.worst);
     separator = ", ";
   }
-  throw NumericsError(sentence + "; smaller initial steps or a longer protocol may help");
+  const bool simulated = config_.evaluator == "bullet";
+  throw NumericsError(sentence + "; smaller steps" +
+                      (simulated ? " or a longer protocol in --config may help, or equilibria, which need no way there "
+                                   "(--evaluator equilibrium --verify none)"
+                                 : " in --config may help, or --optimizer lm"));
 }
 
 ArmModel Calibration::bestModel() const {

@@ -75,10 +75,12 @@ Delivery judgeDelivery(const CalibrationResult& result) {
   for (const SetResult& set : result.sets) {
     const std::string worse = worseOn(set, result.layout);
     if (worse.empty()) continue;
+    // Where every pose came to rest before, time and damping were enough: the parameters lead astray.
+    const std::size_t poses = set.set.poses.size();
+    const bool restless = set.final.valid < poses && set.initial.valid < poses;
     return {false, fmt::format("the result is worse than the start, which model.yaml keeps: {}; {}", worse,
-                               set.final.valid < set.set.poses.size()
-                                   ? describeInvalid(set.final, set.set, result.layout, judgeName(result.config))
-                                   : nextStep(result.config))};
+                               restless ? describeInvalid(set.final, set.set, result.layout, judgeName(result.config))
+                                        : nextStep(result.config))};
   }
   for (const SetResult& set : result.sets) {
     if (set.final.valid == set.set.poses.size()) continue;

@@ -96,7 +96,7 @@ std::vector<std::string> calibrationWarnings(const ArmModel& best, const Calibra
   if (result.state.strategy.stop == StopReason::kNoValidIndividual) {
     warnings.push_back(fmt::format(
         "generation {} had no valid individual and ended the search; the result is the best of those before "
-        "it (smaller initial steps or a longer protocol may help)",
+        "it (smaller steps or a longer protocol in --config may help)",
         result.state.strategy.generation));
   }
   for (const std::string& cord : stretchedCords(all, result.layout)) warnings.push_back(cord);

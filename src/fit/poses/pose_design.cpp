@@ -75,6 +75,27 @@ class GreedyDesign {
   DesignCriterion criterion_;
 };
 
+/// Muscles that are beyond their linear range in the recorded poses already.
+std::string stretchedText(const PosePosterior& posterior, const Eigen::VectorXd& z) {
+  const ArmModel model = posterior.modelAt(z);
+  EquilibriumArm arm(model);
+  std::vector<double> largest(model.muscles.size(), 0.0);
+  for (const Pose& pose : posterior.poses()) {
+    arm.setTime(pose.time);
+    if (!arm.solve(pose.shafts).stable) continue;
+    for (std::size_t m = 0; m < largest.size(); ++m) {
+      largest[m] = std::max(largest[m], arm.energy().expansion(m) / model.muscles[m].shock_cord.rest_length);
+    }
+  }
+  std::string text;
+  for (std::size_t m = 0; m < largest.size(); ++m) {
+    if (largest[m] <= ShockCord::kLinearRange) continue;
+    text += fmt::format("; the recorded poses stretch the cord of {} by {:.0f} %, it is linear up to {:.0f} %",
+                        model.muscles[m].name, 100.0 * largest[m], 100.0 * ShockCord::kLinearRange);
+  }
+  return text;
+}
+
 }  // namespace
 
 PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const ParameterSpace& space,
@@ -83,8 +104,8 @@ PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const
   // Other commands judge the choice than those it was made from.
   const std::vector<Pose> unseen = drawCommands(posterior, z, 100, options.seed + 1);
   if (candidates.size() < options.poses || unseen.empty()) {
-    throw NumericsError(fmt::format("only {} of {} candidate commands lead to a stable equilibrium with linear cords",
-                                    candidates.size(), options.candidates));
+    throw NumericsError(fmt::format("only {} of {} candidate commands lead to a stable equilibrium with linear cords{}",
+                                    candidates.size(), options.candidates, stretchedText(posterior, z)));
   }
   PoseUncertainty uncertainty = assessUncertainty(posterior, z, space);
   PosePosterior there(posterior, candidates);

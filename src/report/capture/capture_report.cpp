@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "capture_tables.h"
 #include "simgap/core/joint_kind.h"
 
@@ -10,6 +12,25 @@ namespace {
 
 double percent(std::size_t part, std::size_t all) {
   return all > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(all) : 0.0;
+}
+
+/// Rates, what was lost, and how late an angle is behind its image.
+Json liveJson(const LiveFigures& live) {
+  const auto pairOf = [](const std::array<std::size_t, 2>& counts) { return Json{counts[0], counts[1]}; };
+  std::vector<double> sorted = live.latency;
+  std::sort(sorted.begin(), sorted.end());
+  const auto latency = [&](double part) {
+    if (sorted.empty()) return Json(nullptr);
+    return Json(1e3 * sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))]);
+  };
+  return {{"seconds", live.seconds},
+          {"frames", pairOf(live.counts.frames)},
+          {"dropped", pairOf(live.counts.dropped)},
+          {"unpaired", pairOf(live.counts.unpaired)},
+          {"pairs_per_s", static_cast<double>(live.pairs) / live.seconds},
+          {"poses_per_s", static_cast<double>(live.poses) / live.seconds},
+          {"latency_ms", {{"median", latency(0.5)}, {"p95", latency(0.95)}, {"largest", latency(1.0)}}},
+          {"started_unix_s", live.started_unix}};
 }
 
 }  // namespace
@@ -45,6 +66,8 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
                      {"samples", pose.samples},
                      {"spread_deg", spread}});
   }
+  Json live = nullptr;
+  if (result.live) live = liveJson(*result.live);
   const bool bar = result.rig.scale_bar && s.scaleBar().count() > 0;
   return {{"format", "simgap/capture/1"},
           {"pairs", s.frames()},
@@ -68,6 +91,7 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
           {"shaft_correlation", result.lag ? Json(result.lag->correlation) : Json(nullptr)},
           {"geometry", {{"verdict", result.doubts.empty() ? "consistent" : "doubtful"}, {"findings", doubts}}},
           {"poses", poses},
+          {"live", live},
           {"poses_outside_shaft_log", result.poses_outside_log}};
 }
 

@@ -71,6 +71,20 @@ Table captureFigures(const Json& result) {
          fmt::format("{} ({:.2f})", correlation > Lag::kClearCorrelation ? fixedText(lag, 1) : "unclear",
                      correlation)});
   }
+  if (const Json live = result.value("live", Json(nullptr)); live.is_object()) {
+    const auto both = [&](const char* key) {
+      return fmt::format("{}, {}", live.at(key).at(0).get<std::size_t>(), live.at(key).at(1).get<std::size_t>());
+    };
+    const Json& latency = live.at("latency_ms");
+    table.rows.push_back({"pairs and poses a second",
+                          fixedText(live.at("pairs_per_s"), 1) + ", " + fixedText(live.at("poses_per_s"), 1)});
+    table.rows.push_back({"from image to angles, median, 95 %, most [ms]", fixedText(latency.at("median"), 1) + ", " +
+                                                                               fixedText(latency.at("p95"), 1) + ", " +
+                                                                               fixedText(latency.at("largest"), 1)});
+    table.rows.push_back({"frames of left and right camera", both("frames")});
+    table.rows.push_back({"dropped, as newer ones came", both("dropped")});
+    table.rows.push_back({"without one of the other camera", both("unpaired")});
+  }
   return table;
 }
 

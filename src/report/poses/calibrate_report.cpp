@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "calibrate_uncertainty.h"
@@ -8,6 +9,8 @@
 
 namespace simgap {
 namespace {
+
+constexpr std::size_t kMostNamed = 5;  // poses that did not come to rest, on a terminal
 
 const std::vector<double>& bestValues(const CalibrationResult& result) { return result.state.strategy.best.y; }
 
@@ -128,8 +131,12 @@ std::string terminalTable(const CalibrationResult& result) {
   const Json json = toJson(result);
   std::string text = alignedTable(calibrationErrors(json));
   for (const SetResult& set : result.sets) {
-    for (const std::string& line : invalidPoses(set.final, set.set, result.layout)) {
-      text += fmt::format("{} pose {}\n", set.name, line);
+    const std::vector<std::string> invalid = invalidPoses(set.final, set.set, result.layout);
+    for (std::size_t i = 0; i < std::min(invalid.size(), kMostNamed); ++i) {
+      text += fmt::format("{} pose {}\n", set.name, invalid[i]);
+    }
+    if (invalid.size() > kMostNamed) {
+      text += fmt::format("and {} more {} poses: see errors.csv\n", invalid.size() - kMostNamed, set.name);
     }
   }
   const std::size_t unknowns = result.parameters.size();

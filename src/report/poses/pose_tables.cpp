@@ -55,6 +55,7 @@ std::vector<std::string> invalidPoses(const Assessment& assessment, const PoseSe
 namespace {
 
 constexpr const char* kPaperAngles = "  as half angles (paper)";
+constexpr const char* kPosesAtRest = "  at rest";
 
 /// Degrees per joint, two decimals.
 std::vector<std::string> errorRow(std::string name, const Json& joints) {
@@ -90,7 +91,17 @@ Table calibrationErrors(const Json& result) {
     table.rows.push_back(
         errorRow(fmt::format("{} ({} of {} poses)", set, poses.at("compared").get<long>(), poses.at("of").get<long>()),
                  errors.at("initial"), errors.at("final")));
-    table.rows.push_back(errorRow(kPaperAngles, paper.at(set).at("initial"), paper.at(set).at("final")));
+    // Halved angles are another thing only where there is a spherical joint.
+    if (paper.at(set) != errors) {
+      table.rows.push_back(errorRow(kPaperAngles, paper.at(set).at("initial"), paper.at(set).at("final")));
+    }
+    if (poses.at("initial") == poses.at("of") && poses.at("final") == poses.at("of")) continue;
+    table.rows.push_back({kPosesAtRest});
+    for (std::size_t j = 0; j < errors.at("final").size(); ++j) {
+      for (const char* when : {"initial", "final"}) {
+        table.rows.back().push_back(fmt::format("{} of {}", poses.at(when).get<long>(), poses.at("of").get<long>()));
+      }
+    }
   }
   return table;
 }
@@ -100,8 +111,10 @@ Table validationErrors(const Json& result) {
   for (const auto& [joint, degrees] : result.at("mje_deg").items()) table.header.push_back(joint);
   const long valid = result.at("valid_poses");
   table.rows = {errorRow(fmt::format("mean joint error [deg], {} of {} poses", valid, result.at("poses").size()),
-                         result.at("mje_deg")),
-                errorRow(kPaperAngles, result.at("paper_mje_deg"))};
+                         result.at("mje_deg"))};
+  if (result.at("paper_mje_deg") != result.at("mje_deg")) {
+    table.rows.push_back(errorRow(kPaperAngles, result.at("paper_mje_deg")));
+  }
   return table;
 }
 
