@@ -1,15 +1,14 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <algorithm>
 
 #include "cli/inputs.h"
+#include "cli/live_capture.h"
 #include "simgap/capture/capture_run.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
 #include "simgap/core/interrupt.h"
-#include "simgap/core/interrupt_answer.h"
 #include "simgap/core/progress.h"
 #include "simgap/report/capture/capture_report.h"
 
@@ -90,66 +89,6 @@ LiveCameras openCameras(const Options& options) {
   return LiveCameras(options.live.substr(0, comma), options.live.substr(comma + 1), options.rate);
 }
 
-/// Says once in a while how fast and how late the angles come.
-class LiveDisplay {
- public:
-  explicit LiveDisplay(bool quiet) : quiet_(quiet), progress_("capture: live", 0, quiet) {}
-
-  void show(const LiveFigures& live, double seconds, double latency) {
-    const bool terminal = isatty(STDERR_FILENO) == 1;
-    worst_ = std::max(worst_, latency);
-    if (quiet_ || seconds < last_ + (terminal ? 0.5 : 5.0)) return;
-    const double span = seconds - last_;
-    const auto per_second = [span](std::size_t now, std::size_t then) {
-      return static_cast<double>(now - then) / span;
-    };
-    const std::string text =
-        fmt::format("{:.1f} pairs/s, {:.1f} poses/s, {:.1f} ms behind the image at most, {} dropped",
-                    per_second(live.pairs, pairs_), per_second(live.poses, poses_), 1e3 * worst_,
-                    live.counts.dropped[0] + live.counts.dropped[1]);
-    if (terminal) {
-      progress_.update(0, text);
-    } else {
-      printSentence("capture: " + text);
-    }
-    last_ = seconds;
-    pairs_ = live.pairs;
-    poses_ = live.poses;
-    worst_ = 0.0;
-  }
-
- private:
-  bool quiet_;
-  Progress progress_;
-  double last_ = 0.0, worst_ = 0.0;
-  std::size_t pairs_ = 0, poses_ = 0;
-};
-
-/// Until Ctrl-C, --duration-s, or the end of a camera.
-LiveFigures processLive(CaptureRun& run, LiveCameras& cameras, const Options& options) {
-  const auto since = [&](LiveClock::time_point moment) {
-    return std::chrono::duration<double>(moment - cameras.start()).count();
-  };
-  LiveFigures live;
-  live.started_unix = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count() -
-                      since(LiveClock::now());
-  LiveDisplay display(options.common.quiet);
-  while (!interruptRequested() && !(options.duration && since(LiveClock::now()) >= *options.duration)) {
-    const LiveCameras::Wait found = cameras.next();
-    if (found == LiveCameras::Wait::kEnd) break;
-    if (found == LiveCameras::Wait::kNothing) continue;
-    live.poses += run.add(cameras.left(), cameras.right(), live.pairs, since(cameras.taken()));
-    ++live.pairs;
-    live.latency.push_back(since(LiveClock::now()) - since(cameras.taken()));
-    live.counts = cameras.counts();
-    display.show(live, since(LiveClock::now()), live.latency.back());
-  }
-  interruptAnswered();
-  live.counts = cameras.counts();
-  live.seconds = since(LiveClock::now());
-  return live;
-}
-
 ExitCode runLive(const Options& options, Session& session, const StereoCameras& stereo, const TargetSet& targets,
                  const Rig& rig) {
   LiveCameras cameras = openCameras(options);
@@ -160,10 +99,9 @@ ExitCode runLive(const Options& options, Session& session, const StereoCameras& 
   }
   CaptureRunOptions run_options = options.run;
   run_options.overlays.insert(options.overlays.begin(), options.overlays.end());
-  session.begin(
-      options.common.seed.value_or(0));  // before the recording: a directory that is in use is no surprise then
+  session.begin(options.common.seed.value_or(0));  // a directory that is in use is found out before the recording
   CaptureRun capture(stereo, targets, rig, {{}, cameras.rate(), 0.0}, run_options);
-  LiveFigures live = processLive(capture, cameras, options);
+  LiveFigures live = followCameras(capture, cameras, options.duration, options.common.quiet);
   CaptureResult result = capture.finish({}, std::nullopt);
   result.live = std::move(live);
   return deliver(options, session, capture, result);
