@@ -15,6 +15,7 @@ find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d a
 find_package(PkgConfig REQUIRED)
 # find_package(Bullet) would give the single-precision libraries.
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
+pkg_check_modules(mpi REQUIRED ompi-c)
 pkg_check_modules(recordings REQUIRED IMPORTED_TARGET liblz4 libzstd sqlite3)
 pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
 find_path(RANDOM123_INCLUDE_DIR Random123/threefry.h REQUIRED)

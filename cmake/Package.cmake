@@ -35,7 +35,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-numpy, man-db, bash-completion")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "openmpi-bin, python3-numpy, man-db, bash-completion")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "calibrates and diagnoses simulations of tendon-driven robots
  From stereo images to joint angles, from logs to friction and motor parameters, from recorded poses to a calibrated arm,

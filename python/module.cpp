@@ -21,10 +21,10 @@
 #include "simgap/fit/actuators/friction_comparison.h"
 #include "simgap/fit/actuators/pam_fit.h"
 #include "simgap/fit/actuators/spring_fit.h"
-#include "simgap/fit/poses/replay.h"
 #include "simgap/measure/logs/log_table.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/model/arm/kinematics.h"
+#include "simgap/simulate/replay.h"
 
 namespace py = pybind11;
 

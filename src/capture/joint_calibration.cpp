@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 
 namespace simgap {
@@ -42,7 +43,7 @@ Eigen::Vector3d rotationSpread(const std::vector<TargetPose>& poses) {
     const Eigen::Vector3d w = logSo3(Eigen::Quaterniond(Eigen::Matrix3d(pose.rotation * mean.transpose())));
     covariance += w * w.transpose() / static_cast<double>(poses.size());
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  return symmetricEigen(covariance).values.cwiseMax(0.0).cwiseSqrt();
 }
 
 /// R c_child + t = c_parent for all frames: the normal equations over (c_child, c_parent).
@@ -134,30 +135,31 @@ FunctionalJoint calibrateJoint(const CaptureJoint& joint, const std::vector<Moti
 
   const CentreEquations equations(poses);
   const auto n = static_cast<double>(poses.size());
-  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(equations.matrix);
+  const SymmetricEigen normal = symmetricEigen(equations.matrix);
   // Along its axis a revolute joint has no centre: that direction is left out of the solution, and is the axis.
   const Eigen::Index first = revolute ? 1 : 0;
   Vector6 centre = Vector6::Zero();
   Matrix6 inverse = Matrix6::Zero();
   for (Eigen::Index k = first; k < 6; ++k) {
-    const Vector6 v = solver.eigenvectors().col(k);
-    const double eigenvalue = std::max(solver.eigenvalues()[k], 1e-12 * n);
+    const Vector6 v = normal.vectors.col(k);
+    const double eigenvalue = std::max(normal.values[k], 1e-12 * n);
     centre += v * v.dot(equations.right) / eigenvalue;
     inverse += v * v.transpose() / eigenvalue;
   }
-  result.condition = std::sqrt(std::max(0.0, solver.eigenvalues()[first]) / n);
+  result.condition = std::sqrt(std::max(0.0, normal.values[first]) / n);
   result.in_child = centre.head<3>();
   result.in_parent = centre.tail<3>();
   result.residual = residualOf(poses, centre);
   const double variance = result.residual * result.residual * n / (3.0 * n - 6.0);
-  result.centre_sd = std::sqrt(variance * std::max(inverse.topLeftCorner<3, 3>().eigenvalues().real().maxCoeff(),
-                                                   inverse.bottomRightCorner<3, 3>().eigenvalues().real().maxCoeff()));
+  result.centre_sd =
+      std::sqrt(variance * std::max(symmetricEigen(inverse.topLeftCorner<3, 3>()).values.maxCoeff(),
+                                    symmetricEigen(inverse.bottomRightCorner<3, 3>()).values.maxCoeff()));
   if (revolute) {
-    const Vector6 v = solver.eigenvectors().col(0);
+    const Vector6 v = normal.vectors.col(0);
     result.axis_in_child = v.head<3>().normalized();
     result.axis_in_parent = v.tail<3>().normalized();
     // The smallest singular value is what noise leaves of the axis; the next one is what the motion gives.
-    result.axis_sd = std::sqrt(std::max(0.0, solver.eigenvalues()[0]) / (n * n)) / std::max(result.condition, 1e-9);
+    result.axis_sd = std::sqrt(std::max(0.0, normal.values[0]) / (n * n)) / std::max(result.condition, 1e-9);
   }
   expectRange(result, options);
   return result;

@@ -49,8 +49,8 @@ void finishFit(Session& session, const CLI::App& app, FitSummary summary, const 
 struct RefitOptions {
   std::string command;  ///< "fit-friction"
   std::string model, log;
-  Bench bench;
   LogFileOptions table;
+  Bench bench = {};
 };
 /// \throws ConfigError: a model of another kind than the command fits; an option that only a law by name takes.
 ExitCode runRefit(const RefitOptions& options, Session& session, const CLI::App& app);

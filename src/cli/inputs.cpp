@@ -6,10 +6,10 @@
 #include <filesystem>
 
 #include "simgap/core/error.h"
-#include "simgap/fit/poses/replay.h"
 #include "simgap/measure/logs/bag.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/html/assets.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap {
 namespace {

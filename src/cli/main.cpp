@@ -15,6 +15,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/progress.h"
+#include "simgap/core/ranks.h"
 #include "simgap/core/text.h"
 #include "simgap/core/units.h"
 #include "simgap/version.h"
@@ -123,21 +124,30 @@ int run(const std::vector<std::string>& argv) {
   return static_cast<int>(ExitCode::kUsage);
 }
 
+/// Runs the program; on several ranks all of them, and the first one speaks. \param failure  a sentence, or empty
+int runOnRanks(int argc, char** argv, std::string& failure) try {
+  simgap::joinRanks();
+  return flushed(run({argv, argv + argc}));
+} catch (const simgap::Error& error) {
+  return fail(error.code(), failure = error.what());
+} catch (const std::bad_alloc&) {
+  return fail(ExitCode::kUsage, failure = "not enough memory: the input needs more than the system grants");
+} catch (const std::system_error& error) {  // a folder that may not be looked into, no more threads
+  return fail(ExitCode::kUsage, failure = std::string("the system refused: ") + error.what());
+} catch (const std::exception& error) {
+  failure = std::string("internal error (a bug in simgap, please report it): ") + error.what();
+  return fail(ExitCode::kInternal, failure);
+}
+
 }  // namespace
 
-int main(int argc, char** argv) try {
+int main(int argc, char** argv) {
   mallopt(M_MMAP_THRESHOLD, 1 << 18);  // the columns of a log go back to the system as soon as they are freed,
   mallopt(M_TRIM_THRESHOLD, 1 << 26);  // the small ones of chunks stay, or every chunk would fault its pages in anew
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' log; what matters of it is in its summaries
   simgap::installInterruptHandlers();
   ignoreWriteSignals();
-  return flushed(run({argv, argv + argc}));
-} catch (const simgap::Error& error) {
-  return fail(error.code(), error.what());
-} catch (const std::bad_alloc&) {
-  return fail(ExitCode::kUsage, "not enough memory: the input needs more than the system grants");
-} catch (const std::system_error& error) {  // a folder that may not be looked into, no more threads
-  return fail(ExitCode::kUsage, std::string("the system refused: ") + error.what());
-} catch (const std::exception& error) {
-  return fail(ExitCode::kInternal, std::string("internal error (a bug in simgap, please report it): ") + error.what());
+  std::string failure;
+  const int code = runOnRanks(argc, argv, failure);
+  return simgap::leaveRanks(code, failure);
 }

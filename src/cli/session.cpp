@@ -14,6 +14,7 @@
 #include "log.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/ranks.h"
 #include "simgap/core/text.h"
 #include "simgap/core/units.h"
 #include "simgap/report/html/result_page.h"
@@ -37,12 +38,14 @@ void printResult(std::string_view text) {
   if (!written) throw ConfigError(fmt::format("the standard output cannot be written: {}", std::strerror(errno)));
 }
 
-/// Of a file, or of standard input for "-", which can be read once.
+/// Of a file, or of standard input for "-", which can be read once; of the first rank.
 std::string contentOf(const std::filesystem::path& file) {
-  if (file != "-") return readFile(file);
-  std::string content = readFile("/dev/stdin");
-  if (content.empty()) throw ConfigError("-: found nothing on standard input, expected a file there");
-  return content;
+  return shareFromFirstRank([&] {
+    if (file != "-") return readFile(file);
+    std::string content = readFile("/dev/stdin");
+    if (content.empty()) throw ConfigError("-: found nothing on standard input, expected a file there");
+    return content;
+  });
 }
 
 std::string join(const std::vector<std::string>& words) {
@@ -144,12 +147,14 @@ std::string Session::take(const std::string& role, const std::filesystem::path& 
 }
 
 void Session::begin(std::uint64_t seed) {
+  if (!isFirstRank()) return void(directory_ = RunDirectory::unwritten(options_.output));
   directory_ = RunDirectory::create(options_.output.empty() ? RunDirectory::defaultPath(command_) : options_.output,
                                     options_.force);
   record(seed, nullptr);
 }
 
 void Session::resume(const std::filesystem::path& directory, std::uint64_t seed) {
+  if (!isFirstRank()) return void(directory_ = RunDirectory::unwritten(directory));
   directory_ = RunDirectory::open(directory);
   record(seed, readJson(directory_->file("run.json")));
 }
@@ -165,6 +170,7 @@ void Session::record(std::uint64_t seed, const Json& earlier) {
 }
 
 void Session::finish(const Json& result, const std::string& table, const std::string& status) {
+  if (!isFirstRank()) return;
   directory_->write("result.json", result);
   run_->end(status);
   const std::filesystem::path report = writeReport(*directory_, run_->json());
@@ -182,6 +188,7 @@ void Session::print(const std::string& text) {
 }
 
 void Session::abandon(const std::string& status) {
+  if (!isFirstRank()) return;
   ended_ = true;  // also when it cannot be recorded: the destructor would fail once more
   run_->write(*directory_, status);
 }

@@ -44,6 +44,8 @@ void installInterruptHandlers() {
 
 bool interruptRequested() noexcept { return requested.load(std::memory_order_relaxed); }
 
+void requestInterrupt() noexcept { requested.store(true, std::memory_order_relaxed); }
+
 void stopIfInterrupted() {
   if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
 }

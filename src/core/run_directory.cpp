@@ -162,6 +162,12 @@ RunDirectory RunDirectory::open(const fs::path& directory) {
   return result;
 }
 
+RunDirectory RunDirectory::unwritten(const fs::path& directory) {
+  RunDirectory result(directory, nullptr);
+  result.written_ = false;
+  return result;
+}
+
 fs::path RunDirectory::defaultPath(std::string_view command) {
   const std::string first = fmt::format("runs/{}-{}", command, utcTime(true));
   fs::path path = first;

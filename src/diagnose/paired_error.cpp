@@ -24,7 +24,7 @@ Interval percentiles(double value, std::vector<double>& draws) {
 
 }  // namespace
 
-Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::uint64_t seed) {
+Interval pairedGain(const GroupErrors& before, const GroupErrors& after, std::uint64_t seed) {
   constexpr int kDraws = 1000;
   constexpr Index kRun = 4;
   const Index n = before.sum.size();
@@ -155,7 +155,7 @@ double rankTest(const std::vector<double>& values) {
 
 }  // namespace
 
-double pairedP(const PieceErrors& before, const PieceErrors& after) {
+double pairedP(const GroupErrors& before, const GroupErrors& after) {
   if (before.sum.size() < 4) return 1.0;
   std::vector<double> differences, ratios;
   for (Index k = 0; k < before.sum.size(); ++k) {

@@ -11,8 +11,9 @@
 
 namespace simgap {
 
-/// Sums of squared errors over short pieces of a log, shape (pieces), and the rows in each.
-struct PieceErrors {
+/// Sums of squared errors over groups of rows (short pieces of a log, or its sessions), shape (groups), and the rows in
+/// each.
+struct GroupErrors {
   Eigen::ArrayXd sum;
   Eigen::ArrayXd rows;
   double mse() const { return sum.sum() / rows.sum(); }
@@ -20,7 +21,7 @@ struct PieceErrors {
 
 /// How much lower the error of `after` is than that of `before`, as a fraction, with a 95 % interval from a bootstrap
 /// of runs of neighbouring pieces (moving blocks: Kunsch 1989). A pure function of its arguments.
-Interval pairedGain(const PieceErrors& before, const PieceErrors& after, std::uint64_t seed);
+Interval pairedGain(const GroupErrors& before, const GroupErrors& after, std::uint64_t seed);
 
 /// The same of errors that are independent of each other, as those of poses are. \param before, after  shape (samples)
 Interval pairedGain(std::span<const double> before, std::span<const double> after, std::uint64_t seed);
@@ -39,6 +40,6 @@ Interval predictedGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after
 /// One-sided p-value of "after is no better than before", the correlation of neighbouring pieces (AR(1)) counted: the
 /// smallest of three tests, times three. The mean difference is what the error is made of, but a few pieces under large
 /// loads rule it; the mean log ratio counts every piece alike; signed ranks find what only some pieces show.
-double pairedP(const PieceErrors& before, const PieceErrors& after);
+double pairedP(const GroupErrors& before, const GroupErrors& after);
 
 }  // namespace simgap

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/statistics.h"
 
 namespace simgap {
@@ -77,12 +77,12 @@ Determined inverseNormal(const MatrixXd& r) {
   // R D = U S V^T with D the columns' lengths inverted, so (J^T J)^-1 = (R^T R)^-1 = D V S^-2 V^T D.
   VectorXd scale = r.colwise().norm();
   for (Index j = 0; j < n; ++j) scale[j] = scale[j] > 0.0 ? 1.0 / scale[j] : 0.0;
-  const Eigen::JacobiSVD<MatrixXd> svd(r * scale.asDiagonal(), Eigen::ComputeFullV);
+  const RightSingular svd = rightSingular(r * scale.asDiagonal());
   Determined result{MatrixXd::Zero(n, n), std::vector<bool>(n, true)};
   for (Index k = 0; k < n; ++k) {
-    const double s = k < svd.singularValues().size() ? svd.singularValues()[k] : 0.0;
-    const VectorXd v = svd.matrixV().col(k);
-    if (s > kSingular * svd.singularValues()[0]) {
+    const double s = k < svd.values.size() ? svd.values[k] : 0.0;
+    const VectorXd v = svd.vectors.col(k);
+    if (s > kSingular * svd.values[0]) {
       const VectorXd direction = scale.cwiseProduct(v) / s;
       result.matrix += direction * direction.transpose();
       continue;

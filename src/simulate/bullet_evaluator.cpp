@@ -16,7 +16,7 @@ struct BulletReplay {
 }  // namespace
 
 std::unique_ptr<Evaluator> makeBulletEvaluator(const PoseProtocol& protocol, int threads) {
-  return std::make_unique<ParallelEvaluator<BulletReplay>>(BulletReplay{protocol}, threads, 1);
+  return std::make_unique<ParallelEvaluator<BulletReplay>>(BulletReplay{protocol}, threads, PosesAtOnce{1, 1});
 }
 
 }  // namespace simgap

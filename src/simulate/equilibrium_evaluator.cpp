@@ -30,8 +30,8 @@ struct EquilibriumReplay {
 }  // namespace
 
 std::unique_ptr<Evaluator> makeEquilibriumEvaluator(int threads) {
-  constexpr std::size_t kPosesPerTask = 64;  // some 0.5 ms: far above what a task costs
-  return std::make_unique<ParallelEvaluator<EquilibriumReplay>>(EquilibriumReplay{}, threads, kPosesPerTask);
+  constexpr PosesAtOnce kAtOnce{64, 2048};  // some 0.5 ms and 15 ms: far above what a task and a message cost
+  return std::make_unique<ParallelEvaluator<EquilibriumReplay>>(EquilibriumReplay{}, threads, kAtOnce);
 }
 
 }  // namespace simgap

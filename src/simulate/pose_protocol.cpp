@@ -152,4 +152,34 @@ std::string_view toString(PoseStatus status) {
   return "skipped";
 }
 
+void pack(Bytes& bytes, const PoseOutcome& outcome) {
+  pack(bytes, outcome.status);
+  pack(bytes, outcome.joints.size());
+  for (const JointPosition& joint : outcome.joints) {
+    for (const double component : joint.rotation.coeffs()) pack(bytes, component);
+    pack(bytes, joint.angle);
+  }
+  pack(bytes, outcome.shafts);
+  pack(bytes, outcome.cord_expansion);
+  pack(bytes, outcome.worst);
+  pack(bytes, outcome.worst_value);
+  pack(bytes, outcome.duration);
+}
+
+void unpack(BytesReader& from, PoseOutcome& outcome) {
+  std::size_t joints = 0;
+  unpack(from, outcome.status);
+  unpack(from, joints);
+  outcome.joints.resize(joints);
+  for (JointPosition& joint : outcome.joints) {
+    for (double& component : joint.rotation.coeffs()) unpack(from, component);
+    unpack(from, joint.angle);
+  }
+  unpack(from, outcome.shafts);
+  unpack(from, outcome.cord_expansion);
+  unpack(from, outcome.worst);
+  unpack(from, outcome.worst_value);
+  unpack(from, outcome.duration);
+}
+
 }  // namespace simgap

@@ -3,10 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
-#include <zlib.h>
 
-#include <bit>
-#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -59,21 +56,6 @@ class TemporaryFile {
  private:
   std::filesystem::path path_;
 };
-
-std::string gzip(const std::string& text) {
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string packed(deflateBound(&stream, text.size()), '\0');
-  std::string input = text;
-  stream.next_in = reinterpret_cast<Bytef*>(input.data());
-  stream.avail_in = static_cast<uInt>(input.size());
-  stream.next_out = reinterpret_cast<Bytef*>(packed.data());
-  stream.avail_out = static_cast<uInt>(packed.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  packed.resize(stream.total_out);
-  deflateEnd(&stream);
-  return packed;
-}
 
 TEST(Csv, ReadsNumbersAndTextsByColumn) {
   const CsvTable table = parse("pose,elbow_rad,note\np0,1.5,good\np1,-2e-3,\n");
@@ -304,7 +286,7 @@ TEST(CsvSkipBadRows, LeavesAGoodTableAlone) {
 TEST(CsvLoad, ReadsPlainAndPackedFiles) {
   const std::string text = "a,b\n1,2\n3,4\n";
   const TemporaryFile plain("plain.csv", text);
-  const TemporaryFile packed("packed.csv.gz", gzip(text));
+  const TemporaryFile packed("packed.csv.gz", test::gzipped(text));
   EXPECT_THAT(CsvTable::load(plain.path()).quantity("b", ""), ElementsAre(2.0, 4.0));
   EXPECT_THAT(CsvTable::load(packed.path()).quantity("b", ""), ElementsAre(2.0, 4.0));
   EXPECT_EQ(CsvTable::load(plain.path()).name(), plain.path().string());
@@ -323,7 +305,7 @@ TEST(CsvLoad, RefusesTruncatedAndDamagedGzip) {
   std::mt19937 random(6);
   std::string text = "a,b\n";
   for (int i = 0; i < 1000; ++i) text += std::to_string(random()) + "," + std::to_string(random()) + "\n";
-  const std::string packed = gzip(text);
+  const std::string packed = test::gzipped(text);
   const auto sentence = [](const std::string& content) {
     const TemporaryFile file("broken.csv.gz", content);
     const std::string found = sentenceOf([&] { CsvTable::load(file.path()); });
@@ -338,72 +320,6 @@ TEST(CsvLoad, RefusesTruncatedAndDamagedGzip) {
   for (std::size_t i = damaged.size() / 2; i < damaged.size() / 2 + 64; ++i) damaged[i] = '\xFF';
   EXPECT_THAT(sentence(damaged),
               ::testing::ContainsRegex(":[0-9]+: the gzip data are damaged here, expected a valid stream"));
-}
-
-TEST(CsvRoundTrip, GivesBackEveryNumberBitByBit) {
-  std::mt19937 random(7);
-  std::uniform_int_distribution<std::uint64_t> bits;
-  std::vector<double> numbers = {0.0, -0.0, 0.1, 1.0 / 3.0, 5e-324, 2.2250738585072014e-308, 1.7976931348623157e308};
-  while (numbers.size() < 20000) {
-    const auto number = std::bit_cast<double>(bits(random));
-    if (std::isfinite(number)) numbers.push_back(number);
-  }
-  CsvWriter writer({"x", "negative"});
-  for (const double number : numbers) writer.add(number).add(-number).endRow();
-  const CsvTable table = parse(writer.text());
-  const std::vector<double> read = table.quantity("x", "");
-  const std::vector<double> negative = table.quantity("negative", "");
-  ASSERT_EQ(read.size(), numbers.size());
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    ASSERT_EQ(std::bit_cast<std::uint64_t>(read[i]), std::bit_cast<std::uint64_t>(numbers[i])) << numbers[i];
-    ASSERT_EQ(std::bit_cast<std::uint64_t>(negative[i]), std::bit_cast<std::uint64_t>(-numbers[i])) << numbers[i];
-  }
-}
-
-TEST(CsvRoundTrip, GivesBackEveryText) {
-  std::mt19937 random(8);
-  constexpr std::string_view kCharacters = "a5,\"\r\n .-\xC3\xA9";
-  std::uniform_int_distribution<std::size_t> character(0, kCharacters.size() - 1);
-  std::uniform_int_distribution<int> length(0, 6);
-  for (const std::size_t columns : {1u, 3u}) {
-    std::vector<std::string> header;
-    for (std::size_t c = 0; c < columns; ++c) header.push_back("column, \"" + std::to_string(c) + "\"");
-    std::vector<std::vector<std::string>> texts(columns);
-    CsvWriter writer(header);
-    for (int row = 0; row < 2000; ++row) {
-      for (std::vector<std::string>& column : texts) {
-        std::string text;
-        for (int left = length(random); left > 0; --left) text += kCharacters[character(random)];
-        writer.add(text);
-        column.push_back(text);
-      }
-      writer.endRow();
-    }
-    const CsvTable table = parse(writer.text());
-    for (std::size_t c = 0; c < columns; ++c) EXPECT_EQ(table.text(header[c]), texts[c]) << columns << " columns";
-  }
-}
-
-TEST(CsvWriter, QuotesOnlyWhatNeedsIt) {
-  CsvWriter writer({"a", "b, c"});
-  writer.add("plain").add(0.1).endRow().add("").add("say \"hi\"").endRow();
-  EXPECT_EQ(writer.text(), "a,\"b, c\"\nplain,0.1\n,\"say \"\"hi\"\"\"\n");
-}
-
-// A spreadsheet runs what such a cell holds.
-TEST(CsvWriter, DisarmsFormulasAndReadsThemBack) {
-  const std::vector<std::string> names = {"=1+1", "+cmd",   "-p1", "@sum",  "'=quoted",
-                                          "=a,b", "=\"x\"", "-",   "plain", "-5"};
-  CsvWriter writer({"=head", "name"});
-  for (const std::string& name : names) writer.add(-1.5).add(name).endRow();
-  EXPECT_EQ(writer.text().find(",="), std::string::npos);
-  EXPECT_NE(writer.text().find(",'=1+1\n"), std::string::npos);
-  EXPECT_NE(writer.text().find(",\"'=a,b\"\n"), std::string::npos);
-  EXPECT_NE(writer.text().find(",-5\n"), std::string::npos) << "a number is no formula";
-  const CsvTable table = parse(writer.text());
-  EXPECT_EQ(table.text("name"), names);
-  EXPECT_EQ(table.columns().front(), "=head");
-  EXPECT_EQ(table.quantity("=head", ""), std::vector<double>(names.size(), -1.5));
 }
 
 TEST(CsvQuantity, RefusesWhatIsAbsurd) {
@@ -422,19 +338,12 @@ TEST(CsvLoad, UnpacksNoMoreThanItMay) {
   EXPECT_EQ(unpackCsv(packed, "good.csv.gz", 6 << 20).size(), (5u << 20) + 3);
 }
 
-/// Seconds that `read` takes.
-double secondsOf(const std::function<void()>& read) {
-  const auto begin = std::chrono::steady_clock::now();
-  read();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-// The check of the header was quadratic: 50,000 columns took 19 s, 400,000 would have taken 20 min.
-TEST(CsvParse, ManyColumnsTakeLinearTime) {
+// The check of the header was quadratic: 50,000 columns took 19 s, these would outlast ctest's limit.
+TEST(CsvParse, ReadsManyColumns) {
   std::string text;
   for (int i = 0; i < 400'000; ++i) text += "column" + std::to_string(i) + ",";
   text.back() = '\n';
-  EXPECT_LT(secondsOf([&] { parse(text); }), 60.0);
+  EXPECT_EQ(parse(text).columns().size(), 400'000u);
   EXPECT_EQ(parseSentence("column1," + text), "log.csv:1: found the column column1 twice, expected it once");
 }
 

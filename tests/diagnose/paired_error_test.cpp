@@ -9,10 +9,10 @@
 namespace simgap::test {
 namespace {
 
-PieceErrors pieces(std::size_t count, double level, std::uint64_t seed, double memory = 0.0) {
+GroupErrors pieces(std::size_t count, double level, std::uint64_t seed, double memory = 0.0) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  PieceErrors errors{Eigen::ArrayXd(static_cast<Eigen::Index>(count)),
+  GroupErrors errors{Eigen::ArrayXd(static_cast<Eigen::Index>(count)),
                      Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(count), 100.0)};
   double state = 0.0;
   for (double& sum : errors.sum) {
@@ -23,8 +23,8 @@ PieceErrors pieces(std::size_t count, double level, std::uint64_t seed, double m
 }
 
 TEST(PairedError, FindsAGainAndItsSize) {
-  const PieceErrors before = pieces(200, 1.0, 1);
-  PieceErrors after = before;
+  const GroupErrors before = pieces(200, 1.0, 1);
+  GroupErrors after = before;
   after.sum *= 0.9;
   const Interval gain = pairedGain(before, after, 1);
   EXPECT_NEAR(gain.value, 0.1, 1e-12);
@@ -47,8 +47,8 @@ TEST(PairedGain, OfIndependentErrorsHoldsTheTrueGain) {
 }
 
 TEST(PairedError, FindsWhatOnlySomePiecesShow) {
-  const PieceErrors before = pieces(200, 1.0, 2);
-  PieceErrors after = before;
+  const GroupErrors before = pieces(200, 1.0, 2);
+  GroupErrors after = before;
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   for (Eigen::Index k = 0; k < 200; ++k) after.sum[k] *= k % 8 == 0 ? 0.6 : 1.0 + 0.0005 * normal(random);
@@ -60,7 +60,7 @@ TEST(PairedError, KeepsItsLevelUnderChance) {
   for (const double memory : {0.0, 0.5}) {
     int alarms = 0;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-      const PieceErrors before = pieces(120, 1.0, 2 * seed, memory), after = pieces(120, 1.0, 2 * seed + 1, memory);
+      const GroupErrors before = pieces(120, 1.0, 2 * seed, memory), after = pieces(120, 1.0, 2 * seed + 1, memory);
       alarms += pairedP(before, after) < 0.05 ? 1 : 0;
     }
     EXPECT_LE(alarms, 65) << memory;  // 50 expected at most; 2 standard deviations of a binomial are 14
@@ -70,8 +70,8 @@ TEST(PairedError, KeepsItsLevelUnderChance) {
 TEST(PairedError, IntervalsCoverTheTrueGain) {
   int covered = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    const PieceErrors before = pieces(150, 1.0, 10 + seed);
-    PieceErrors after = before;
+    const GroupErrors before = pieces(150, 1.0, 10 + seed);
+    GroupErrors after = before;
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal(0.92, 0.1);
     for (double& sum : after.sum) sum *= normal(random);
@@ -82,7 +82,7 @@ TEST(PairedError, IntervalsCoverTheTrueGain) {
 }
 
 struct Pair {
-  PieceErrors before, after;
+  GroupErrors before, after;
   double gain() const { return 1.0 - after.sum.sum() / before.sum.sum(); }
 };
 

@@ -10,6 +10,9 @@ void installInterruptHandlers();
 /// True once the user has asked to stop. Safe from any thread.
 bool interruptRequested() noexcept;
 
+/// As a signal would, where another process brings the wish.
+void requestInterrupt() noexcept;
+
 /// For work that cannot be taken up again. \throws InterruptedError once the user has asked to stop
 void stopIfInterrupted();
 

@@ -62,9 +62,14 @@ class RunDirectory {
   /// runs/<command>-<UTC time>; "-2", "-3" … is added when a run of the same second has taken the name.
   static std::filesystem::path defaultPath(std::string_view command);
 
+  /// A directory of that name in which nothing is written: that of a rank that is not the first.
+  static RunDirectory unwritten(const std::filesystem::path& directory);
+
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path file(std::string_view name) const { return path_ / name; }
-  void write(std::string_view name, std::string_view content) const { writeFileAtomically(file(name), content); }
+  void write(std::string_view name, std::string_view content) const {
+    if (written_) writeFileAtomically(file(name), content);
+  }
   /// Indented, with a final newline. A template, because every text would convert to Json and the call be ambiguous.
   template <std::same_as<Json> T>
   void write(std::string_view name, const T& json) const {
@@ -76,6 +81,7 @@ class RunDirectory {
       : path_(std::move(path)), lock_(std::move(lock)) {}
   std::filesystem::path path_;
   std::shared_ptr<const int> lock_;
+  bool written_ = true;
 };
 
 /// run.json (`simgap/run/1`): what ran, with what, on what, and how it ended.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "simgap/core/bytes.h"
 #include "simgap/core/yaml.h"
 #include "simgap/simulate/bullet_arm.h"
 
@@ -48,6 +49,10 @@ struct PoseOutcome {
   double worst_value = 0.0;
   double duration = 0.0;  ///< simulated time [s]
 };
+
+/// Between ranks.
+void pack(Bytes& bytes, const PoseOutcome& outcome);
+void unpack(BytesReader& from, PoseOutcome& outcome);
 
 /// Resets the arm and replays one pose.
 /// \param shafts  recorded shaft angles, shape (muscles) [rad]

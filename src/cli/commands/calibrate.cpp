@@ -8,6 +8,7 @@
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
+#include "simgap/core/ranks.h"
 #include "simgap/core/rotation.h"
 #include "simgap/core/text.h"
 #include "simgap/fit/poses/calibration_run.h"
@@ -105,6 +106,7 @@ CalibrationTask readTask(const Options& options, Session& session) {
 
 /// Copies the inputs into the result directory, so that --resume needs nothing else.
 void keepInputs(const Options& options, const Session& session, const CalibrationTask& task) {
+  if (!isFirstRank()) return;
   const RunDirectory& directory = session.directory();
   std::filesystem::create_directories(directory.file("inputs"));
   Json kept = {{"map", options.table.map}, {"skip_bad_rows", options.table.skip_bad_rows}};
@@ -130,19 +132,27 @@ std::string keptInput(const RunDirectory& directory, const std::string& name) {
                                 inputs.string()));
 }
 
+/// What keepInputs wrote, with the files' names looked at.
+Json keptInputs(const std::filesystem::path& resumed) {
+  const RunDirectory directory = RunDirectory::open(resumed);
+  Json kept = readJson(directory.file(kInputsFile));
+  for (const char* role : {"model", "poses", "validation"}) {
+    if (kept.contains(role)) kept[role] = keptInput(directory, kept.at(role).get<std::string>());
+  }
+  return kept;
+}
+
 /// The options with which an interrupted run goes on: the copies in its own directory.
 Options resumedOptions(const Options& given) {
-  const RunDirectory directory = RunDirectory::open(given.resume);
-  const auto path = [&](const std::string& name) { return directory.file(name).string(); };
-  const auto input = [&](const Json& name) { return keptInput(directory, name.get<std::string>()); };
+  const auto path = [&](const char* name) { return (given.resume / name).string(); };
   Options options = given;
   try {
-    const Json kept = readJson(directory.file(kInputsFile));
+    const Json kept = Json::parse(shareFromFirstRank([&] { return toText(keptInputs(given.resume)); }));
     kept.at("map").get_to(options.table.map);
     kept.at("skip_bad_rows").get_to(options.table.skip_bad_rows);
-    options.model = input(kept.at("model"));
-    options.poses = input(kept.at("poses"));
-    if (kept.contains("validation")) options.validation = input(kept.at("validation"));
+    kept.at("model").get_to(options.model);
+    kept.at("poses").get_to(options.poses);
+    if (kept.contains("validation")) kept.at("validation").get_to(options.validation);
   } catch (const DataError& error) {
     throw ConfigError(error.what());
   } catch (const Json::exception& error) {

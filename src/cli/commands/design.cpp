@@ -8,10 +8,10 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/fit/poses/posterior_search.h"
-#include "simgap/fit/poses/replay.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/poses/design_report.h"
 #include "simgap/simulate/arm_geometry.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap::commands {
 namespace {

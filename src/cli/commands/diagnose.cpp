@@ -10,9 +10,9 @@
 #include "simgap/core/progress.h"
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/holdout.h"
-#include "simgap/fit/poses/replay.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
 #include "simgap/simulate/arm_geometry.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap::commands {
 namespace {

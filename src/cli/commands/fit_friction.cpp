@@ -91,10 +91,10 @@ ExitCode runLaws(const Options& options, const Task& task, Session& session, con
   requireKnown({report.options.fixed, report.options.bounds}, parameterNames(laws, all, report.options));
   std::optional<FrictionData> training, test;
   if (holdout.any()) {
-    std::vector<bool> rows = heldOutRows(holdout, all.blocks, all.row);
-    test = selectRows(all, rows);
-    rows.flip();
+    std::vector<bool> rows = fittedRows(holdout, all.blocks, all.row);
     training = selectRows(all, rows);
+    rows.flip();
+    test = selectRows(all, rows);
   }
   report.data = training ? &*training : &all;
   std::vector<FrictionData> others;
@@ -122,7 +122,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   if (options.models.size() != 1 || !namesFile(options.models[0])) return runLaws(options, task, session, app);
   Bench bench = task.bench;
   if (options.bandwidth) bench.bandwidth = options.bandwidth;
-  return runRefit({"fit-friction", options.models[0], options.log, bench, options.table}, session, app);
+  return runRefit({"fit-friction", options.models[0], options.log, options.table, bench}, session, app);
 }
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {

@@ -15,7 +15,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   return [options, argv, &app] {
     Session session("fit-motor", options->common, argv);
     if (!options->model.empty()) {
-      return runRefit({"fit-motor", options->model, options->log, {}, options->table}, session, app);
+      return runRefit({"fit-motor", options->model, options->log, options->table}, session, app);
     }
     return runDriveFit("motor", *options, session, {});
   };

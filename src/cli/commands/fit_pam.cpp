@@ -20,7 +20,7 @@ const std::vector<std::string> kParameters = {"a", "b", "c", "k"};
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-pam", options.common, argv);
-  if (!options.model.empty()) return runRefit({"fit-pam", options.model, options.log, {}, options.table}, session, app);
+  if (!options.model.empty()) return runRefit({"fit-pam", options.model, options.log, options.table}, session, app);
   const ParameterChoices choices = options.fit.parameters();
   requireKnown(choices, kParameters);
 

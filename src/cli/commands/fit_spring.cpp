@@ -33,8 +33,7 @@ SpringLog readSigned(const CsvTable& table) {
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-spring", options.common, argv);
-  if (!options.model.empty())
-    return runRefit({"fit-spring", options.model, options.log, {}, options.table}, session, app);
+  if (!options.model.empty()) return runRefit({"fit-spring", options.model, options.log, options.table}, session, app);
   const ParameterChoices choices = options.fit.parameters();
   requireKnown(choices, springParameterNames());
 

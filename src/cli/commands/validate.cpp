@@ -6,9 +6,9 @@
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
-#include "simgap/fit/poses/replay.h"
 #include "simgap/report/poses/pose_report.h"
 #include "simgap/simulate/arm_geometry.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap::commands {
 namespace {

@@ -204,12 +204,12 @@ class Judge {
   /// By blocks or, as a short log has few of those, by pieces of them, whose neighbours are more alike.
   double heldOutP(std::size_t cause) const {
     constexpr Index kEnoughBlocks = 10;
-    const PieceErrors &before = errors_without_[cause], &after = found_.heldout.back();
+    const GroupErrors &before = errors_without_[cause], &after = found_.heldout.back();
     if (before.sum.size() >= kEnoughBlocks) return pairedP(before, after);
     return pairedP(heldOutPieces(without_[cause]), heldOutPieces(selection_.chosen));
   }
 
-  PieceErrors heldOutPieces(const Fitted& fitted) const {
+  GroupErrors heldOutPieces(const Fitted& fitted) const {
     constexpr double kPieces = 100.0;  // of the whole log at least
     const double seconds = static_cast<double>(log_.data.rows.rows()) * log_.data.rows.step;
     return search_.errors(fitted, split_.heldout, std::min(LogSearch::kPieceSeconds, seconds / kPieces));
@@ -237,7 +237,7 @@ class Judge {
   Selection& selection_;
   Findings found_;
   std::vector<Fitted> without_;              ///< shape (causes): the model without each of them
-  std::vector<PieceErrors> errors_without_;  ///< theirs, on the held-out blocks
+  std::vector<GroupErrors> errors_without_;  ///< theirs, on the held-out blocks
 };
 
 }  // namespace

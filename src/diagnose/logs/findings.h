@@ -14,7 +14,7 @@ namespace simgap {
 
 struct Findings {
   std::vector<Candidate> candidates;  ///< taken out, with the reason
-  std::vector<PieceErrors> heldout;   ///< errors of each step that is left, on the held-out blocks
+  std::vector<GroupErrors> heldout;   ///< errors of each step that is left, on the held-out blocks
   Fitted on_all_rows;                 ///< the model with the causes that are left
   LogFit fit;                         ///< it
   std::optional<Ceiling> left;        ///< what forests still explain; none where there is no cause

@@ -54,11 +54,11 @@ std::vector<Fold> foldsOf(const std::vector<Block>& heldout, const std::vector<B
   return sessions.size() < kFewestSessions ? single : sessions;
 }
 
-PieceErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::vector<Fold>& folds) {
-  PieceErrors errors{ArrayXd(std::ssize(folds)), ArrayXd(std::ssize(folds))};
+GroupErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::vector<Fold>& folds) {
+  GroupErrors errors{ArrayXd(std::ssize(folds)), ArrayXd(std::ssize(folds))};
   tbb::parallel_for(Index{0}, errors.sum.size(), [&](Index u) {
     const auto& [blocks, others] = folds[static_cast<std::size_t>(u)];
-    const PieceErrors own = search.errors(others.empty() ? fitted : search.refitted(fitted, others), blocks);
+    const GroupErrors own = search.errors(others.empty() ? fitted : search.refitted(fitted, others), blocks);
     errors.sum[u] = own.sum.sum();
     errors.rows[u] = own.rows.sum();
   });
@@ -67,10 +67,10 @@ PieceErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::v
 
 }  // namespace
 
-std::vector<PieceErrors> heldOutErrors(const LogSearch& search, const std::vector<Fitted>& models,
+std::vector<GroupErrors> heldOutErrors(const LogSearch& search, const std::vector<Fitted>& models,
                                        const std::vector<Block>& heldout, const std::vector<int>& session) {
   const std::vector<Fold> folds = foldsOf(heldout, search.training(), session);
-  std::vector<PieceErrors> errors;
+  std::vector<GroupErrors> errors;
   for (const Fitted& model : models) errors.push_back(errorsOf(search, model, folds));
   return errors;
 }

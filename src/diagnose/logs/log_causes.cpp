@@ -66,7 +66,7 @@ std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Tr
   return list;
 }
 
-std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceErrors>& heldout, const LogFit& baseline,
+std::vector<Cause> causesOf(const Selection& selection, const std::vector<GroupErrors>& heldout, const LogFit& baseline,
                             const LogFit& extended, std::size_t own, std::uint64_t seed) {
   std::vector<Cause> causes;
   for (std::size_t k = 0; k + 1 < heldout.size(); ++k) {

@@ -14,7 +14,7 @@ Eigen::VectorXd residualOf(const Fitted& fitted);
 
 /// \param heldout  errors of each step of the selection; \param own  number of effects the model had before; \param
 /// baseline, extended  fitted to all rows.
-std::vector<Cause> causesOf(const Selection& selection, const std::vector<PieceErrors>& heldout, const LogFit& baseline,
+std::vector<Cause> causesOf(const Selection& selection, const std::vector<GroupErrors>& heldout, const LogFit& baseline,
                             const LogFit& extended, std::size_t own, std::uint64_t seed);
 
 /// The smallest magnitude that would have been found: large enough against its own uncertainty (a z of 3 for the number

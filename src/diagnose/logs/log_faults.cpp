@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/statistics.h"
 #include "simgap/measure/logs/resolution.h"
 
@@ -146,7 +146,7 @@ void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
     if (!log.data.keep[static_cast<std::size_t>(i)]) x.row(i).setZero();
   }
   const Eigen::VectorXd scale = x.colwise().norm().transpose();
-  const Eigen::VectorXd c = x.colPivHouseholderQr().solve(rows.effort.matrix()).cwiseProduct(scale);
+  const Eigen::VectorXd c = solveLeastSquares(x, rows.effort.matrix()).cwiseProduct(scale);
   const double size = (rows.effort - rows.effort.mean()).matrix().norm();
   // Only a load that was measured, and that the effort mirrors as plainly as a plot would show it. A back-driven motor,
   // a damper or a piston under pressure has effort against its speed in all honesty.

@@ -123,11 +123,11 @@ std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks, double se
   return pieces;
 }
 
-PieceErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& blocks, double piece_seconds) const {
+GroupErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& blocks, double piece_seconds) const {
   Eigen::VectorXd residual;
   fitted.model->evaluate(fitted.theta, residual, nullptr);
   const std::vector<Block> parts = pieces(blocks, piece_seconds);
-  PieceErrors errors{Eigen::ArrayXd(static_cast<Index>(parts.size())),
+  GroupErrors errors{Eigen::ArrayXd(static_cast<Index>(parts.size())),
                      Eigen::ArrayXd(static_cast<Index>(parts.size()))};
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const auto part = residual.segment(static_cast<Index>(parts[k].begin), static_cast<Index>(parts[k].size()));
@@ -220,7 +220,7 @@ void LogSearch::validate(Fitted& fitted) const {
   const std::vector<Block> parts = pieces(training_);
   fitted.validation = {Eigen::ArrayXd(static_cast<Index>(parts.size())),
                        Eigen::ArrayXd(static_cast<Index>(parts.size()))};
-  std::vector<PieceErrors> unseen(kFolds);
+  std::vector<GroupErrors> unseen(kFolds);
   tbb::parallel_for(0, kFolds, [&](int f) {
     std::vector<Block> others;
     for (int g = 0; g < kFolds; ++g) {

@@ -25,7 +25,7 @@ struct Fitted {
   std::shared_ptr<const ActuatorRegression> model;
   std::vector<double> theta;  ///< shape (P)
   double mse = 0.0;           ///< on the training rows
-  PieceErrors validation;     ///< of rows predicted by refits to the other folds; empty until validate()
+  GroupErrors validation;     ///< of rows predicted by refits to the other folds; empty until validate()
 };
 
 /// One hypothesis on top of a model.
@@ -67,7 +67,7 @@ class LogSearch {
   Fitted without(const Fitted& fitted, std::size_t effect) const;
 
   /// Squared errors of a model on pieces of any blocks.
-  PieceErrors errors(const Fitted& fitted, const std::vector<Block>& blocks,
+  GroupErrors errors(const Fitted& fitted, const std::vector<Block>& blocks,
                      double piece_seconds = kPieceSeconds) const;
   /// The model refitted to some blocks, which moves `fitted` there; its covariance.
   Eigen::MatrixXd refit(Fitted& fitted, const std::vector<Block>& blocks) const;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
+#include "simgap/core/ranks.h"
 
 namespace simgap {
 namespace {
@@ -88,7 +90,8 @@ SelfTest runSelfTest(const ActuatorModel& subject, const PreparedLog& log, const
   const CounterRandom random(options.seed);
   const std::size_t runs = hidden.size() * static_cast<std::size_t>(options.self_tests);
   PreparedLog copy = log;
-  for (std::size_t k = 0; k < runs; ++k) {
+  const std::vector<const ActuatorEffect*>& own = fitted.model->effects();
+  const auto runOne = [&](std::size_t k) {
     if (progress) progress("self-test", static_cast<double>(k) / static_cast<double>(runs));
     const std::size_t h = k % hidden.size();
     const auto draw = static_cast<std::uint32_t>(k);
@@ -102,10 +105,14 @@ SelfTest runSelfTest(const ActuatorModel& subject, const PreparedLog& log, const
     }
     copy.data.rows.effort += resampled(log, residual, random, draw);
     const LogSearch search(subject.base, copy.data, training, options);
-    const std::vector<const ActuatorEffect*>& own = fitted.model->effects();
-    const std::string answer = answerOf(selectCauses(search, own, named, unnamed, options, {}), own.size());
-    const auto column = std::ranges::find(test.answers, answer) - test.answers.begin();
-    ++test.count[h][static_cast<std::size_t>(column)];
+    return answerOf(selectCauses(search, own, named, unnamed, options, {}), own.size());
+  };
+  std::vector<std::string> answers(runs);
+  computeOnRanks(std::span(answers), runOne, /*one_by_one=*/true);
+  stopIfInterrupted();
+  for (std::size_t k = 0; k < runs; ++k) {
+    const auto column = std::ranges::find(test.answers, answers[k]) - test.answers.begin();
+    ++test.count[k % hidden.size()][static_cast<std::size_t>(column)];
   }
   int right = 0;
   for (std::size_t h = 1; h < hidden.size(); ++h) {

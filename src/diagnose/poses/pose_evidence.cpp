@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/statistics.h"
 #include "simgap/model/arm/kinematics.h"
 
@@ -145,7 +146,7 @@ namespace {
 std::vector<double> variances(PosePosterior& posterior) {
   std::vector<double> all;
   for (std::size_t p = 0; p < posterior.poses().size(); ++p) {
-    const Eigen::MatrixXd root = posterior.whitening(p).inverse();
+    const Eigen::MatrixXd root = inverse(posterior.whitening(p));
     all.push_back((root * root.transpose()).trace() /
                   (kDegree * kDegree * static_cast<double>(posterior.model().joints.size())));
   }
@@ -163,7 +164,7 @@ PoseErrors::PoseErrors(const PoseProblem& problem, PoseFit& fit, std::span<const
   for (std::size_t p = 0; p < poses.size(); ++p) {
     if (!residuals[p].valid) variances_[p] = std::numeric_limits<double>::infinity();
     if (!residuals[p].valid) continue;
-    const Eigen::MatrixXd jacobian = there.posterior().whitening(p).inverse() * residuals[p].jacobian;
+    const Eigen::MatrixXd jacobian = inverse(there.posterior().whitening(p)) * residuals[p].jacobian;
     variances_[p] += curvature.matrixL().solve(jacobian.transpose()).squaredNorm() /
                      (kDegree * kDegree * static_cast<double>(there.posterior().model().joints.size()));
   }
@@ -224,7 +225,7 @@ PoseChannels channelsOf(PoseFit& fit) {
     const auto at = static_cast<std::size_t>(p);
     const Pose& pose = poses[at];
     channels.whitened.row(p) = residuals[at].error;
-    channels.errors.row(p) = fit.posterior().whitening(at).inverse() * residuals[at].error;
+    channels.errors.row(p) = inverse(fit.posterior().whitening(at)) * residuals[at].error;
     energy.setTime(pose.time);
     energy.setShafts(pose.shafts);
     energy.evaluate(pose.joints);
@@ -316,7 +317,7 @@ std::vector<Leftover> poseLeftovers(PoseFit& fit) {
     basis.col(0).setOnes();
     basis.col(1) = (x.array() - x.mean()) / spread;
     basis.col(2) = basis.col(1).array().square();
-    const Eigen::MatrixXd fitted = basis * basis.colPivHouseholderQr().solve(channels.whitened);
+    const Eigen::MatrixXd fitted = basis * solveLeastSquares(basis, channels.whitened);
     const double total = channels.whitened.squaredNorm();
     const double explained = fitted.squaredNorm() / total;
     const double by_chance = 3.0 / static_cast<double>(n);

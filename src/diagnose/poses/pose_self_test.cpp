@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/decompositions.h"
+#include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
+#include "simgap/core/ranks.h"
 
 namespace simgap {
 namespace {
@@ -29,7 +32,7 @@ PoseSet simulatePoses(const ArmModel& model, PoseFit& fit, std::uint64_t seed) {
     for (Eigen::Index i = 0; i < noise.size(); ++i) {
       noise[i] = random.normalPair({static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(i), 0, kNoisePurpose})[0];
     }
-    noise = fit.posterior().whitening(p).inverse() * noise;
+    noise = inverse(fit.posterior().whitening(p)) * noise;
     Eigen::Index d = 0;
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
       if (model.joints[j].type == JointType::kSpherical) {
@@ -101,24 +104,32 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
   PoseProblem truth = problem;
   truth.nominal = fit.model();
   const std::size_t total = test.hidden.size() * static_cast<std::size_t>(options.self_test);
-  std::size_t done = 0;
-  int right = 0;
-  for (std::size_t e = 0; e < test.hidden.size(); ++e) {
+  /// What one diagnosis calls a hidden cause; empty: there is no target to hide it in.
+  const auto runOne = [&](std::size_t i) -> std::string {
+    const std::size_t e = i / static_cast<std::size_t>(options.self_test);
+    const std::size_t n = i % static_cast<std::size_t>(options.self_test);
+    progress("self-test: " + test.hidden[e], static_cast<double>(i) / static_cast<double>(total));
     std::vector<const Detectable*> targets;
     for (const Detectable& d : detectable) {
       if (d.effect == test.hidden[e]) targets.push_back(&d);
     }
-    for (int n = 0; n < options.self_test; ++n) {
-      progress("self-test: " + test.hidden[e], static_cast<double>(done++) / static_cast<double>(total));
-      const std::uint64_t seed = options.seed + 1000 * e + static_cast<std::uint64_t>(n) + 1;
-      if (e > 0 && targets.empty()) continue;
-      ArmModel model = truth.nominal;
-      const std::string label = e > 0 ? hideOne(targets, hypotheses, fit, seed, model) : "";
-      const PoseSet set = simulatePoses(model, fit, seed);
-      const Diagnosis answer =
-          diagnosePoses(problem.nominal, set, problem.parameters, problem.noise, inner, [](const std::string&, double) {
-          }).diagnosis;
-      const std::string name = answerOf(answer, test.hidden[e], label);
+    const std::uint64_t seed = options.seed + 1000 * e + n + 1;
+    if (e > 0 && targets.empty()) return {};
+    ArmModel model = truth.nominal;
+    const std::string label = e > 0 ? hideOne(targets, hypotheses, fit, seed, model) : "";
+    const PoseSet set = simulatePoses(model, fit, seed);
+    const auto silent = [](const std::string&, double) {};
+    const PoseDiagnosis answer = diagnosePoses(problem.nominal, set, problem.parameters, problem.noise, inner, silent);
+    return answerOf(answer.diagnosis, test.hidden[e], label);
+  };
+  std::vector<std::string> names(total);
+  computeOnRanks(std::span(names), runOne, /*one_by_one=*/true);
+  stopIfInterrupted();
+  int right = 0;
+  for (std::size_t e = 0; e < test.hidden.size(); ++e) {
+    for (std::size_t n = 0; n < static_cast<std::size_t>(options.self_test); ++n) {
+      const std::string& name = names[e * static_cast<std::size_t>(options.self_test) + n];
+      if (name.empty()) continue;
       const auto column = std::ranges::find(test.answers, name) - test.answers.begin();
       if (column < std::ssize(test.answers)) ++test.count[e][static_cast<std::size_t>(column)];
       if (e == 0) test.false_alarm_rate += isQuiet(name) ? 0.0 : 1.0 / options.self_test;

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "drive_parameters.h"
-#include "drive_response.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/channel_checks.h"
 
@@ -18,25 +17,25 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Residuals of simulated against measured channels: row by row velocity and current, so that blocks of rows hold both;
-/// without the rows that are held out.
+/// on the rows that are fitted.
 class ResponseProblem {
  public:
-  ResponseProblem(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& held)
+  ResponseProblem(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& rows)
       : log_(log),
         options_(options),
-        held_(held),
+        fitted_(rows),
         velocity_(!log.velocity.empty()),
         current_(!log.current.empty() && !log.voltage.empty()),
         step_(meanStep(log)),
         typical_(kCount, 0.0) {
     parameters_ = driveParameters(options, step_);
     if (options.tie_constants) parameters_[kKt].fixed = true;
-    for (const Block& rows : splitRows(log.session, log.rows())) {
+    for (const Block& session : splitRows(log.session, log.rows())) {
       std::size_t kept = 0;
-      for (std::size_t i = rows.begin; i < rows.end; ++i) kept += counts(i) ? 1 : 0;
+      for (std::size_t i = session.begin; i < session.end; ++i) kept += counts(i) ? 1 : 0;
       if (kept == 0) continue;
       const std::size_t begin = chunks_.empty() ? 0 : chunks_.back().end;
-      sessions_.push_back(rows);
+      sessions_.push_back(session);
       chunks_.push_back({begin, begin + kept * channels()});
     }
   }
@@ -77,7 +76,7 @@ class ResponseProblem {
   std::size_t rows() const { return chunks_.empty() ? 0 : chunks_.back().end / channels(); }
 
  private:
-  bool counts(std::size_t row) const { return held_.empty() || !held_[row]; }
+  bool counts(std::size_t row) const { return fitted_.empty() || fitted_[row]; }
 
   void evaluate(std::span<const double> theta, const Block& chunk, Eigen::Ref<VectorXd> residual) const {
     const auto session =
@@ -97,7 +96,7 @@ class ResponseProblem {
 
   const MotorLog& log_;
   const DriveFitOptions& options_;
-  const std::vector<bool>& held_;
+  const std::vector<bool>& fitted_;
   bool velocity_, current_;
   double step_;
   std::vector<double> typical_;
@@ -105,12 +104,12 @@ class ResponseProblem {
   std::vector<Block> sessions_, chunks_;
 };
 
-double rms(const std::vector<double>& simulated, const std::vector<double>& measured, const std::vector<bool>& held,
-           bool of_held) {
+double rms(const std::vector<double>& simulated, const std::vector<double>& measured, const std::vector<bool>& rows,
+           bool of_fitted = true) {
   double sum = 0.0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < measured.size(); ++i) {
-    if (!held.empty() && held[i] != of_held) continue;
+    if (!rows.empty() && rows[i] != of_fitted) continue;
     sum += (simulated[i] - measured[i]) * (simulated[i] - measured[i]);
     ++count;
   }
@@ -258,13 +257,13 @@ void settleEstimates(Uncertainty& uncertainty, const DriveFitOptions& options,
 
 }  // namespace
 
-DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::vector<bool>& held) {
+DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::vector<bool>& rows) {
   checkMotorLog(log);
   DriveFitOptions options = given;
   DriveFit fit;
   const std::vector<std::string> missing = settleMissing(log, options, fit.warnings);
   fit.first_guess = driveFirstGuess(log, options);
-  ResponseProblem response(log, options, held);
+  ResponseProblem response(log, options, rows);
   const LeastSquaresProblem problem = response.problem(fit.first_guess);
   fit.rows = response.rows();
   const std::size_t free = problem.freeParameters().size();
@@ -289,9 +288,9 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   for (int round = 0; round < 2; ++round) {
     const DriveResponse r = measure(best.theta);
     if (response.hasVelocity())
-      response.velocityScale = std::max(rms(r.velocity, log.velocity, held, false), 1e-9 * response.velocityScale);
+      response.velocityScale = std::max(rms(r.velocity, log.velocity, rows), 1e-9 * response.velocityScale);
     if (response.hasCurrent())
-      response.currentScale = std::max(rms(r.current, log.current, held, false), 1e-9 * response.currentScale);
+      response.currentScale = std::max(rms(r.current, log.current, rows), 1e-9 * response.currentScale);
     best = minimise(problem, best.theta);
   }
   if (!best.converged) fit.warnings.push_back("the fit stopped early: " + best.message);
@@ -310,8 +309,8 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   const DriveResponse r = measure(fit.theta);
   const auto channel = [&](const char* name, const char* unit, const std::vector<double>& simulated,
                            const std::vector<double>& measured) {
-    DriveChannel c{name, unit, rms(simulated, measured, held, false), std::nullopt, spread(measured)};
-    if (!held.empty()) c.rms_heldout = rms(simulated, measured, held, true);
+    DriveChannel c{name, unit, rms(simulated, measured, rows), std::nullopt, spread(measured)};
+    if (!rows.empty()) c.rms_heldout = rms(simulated, measured, rows, false);
     fit.channels.push_back(c);
   };
   if (response.hasVelocity()) channel("velocity", "rad_s", r.velocity, log.velocity);

@@ -16,16 +16,14 @@ std::vector<std::string> driveParameterNames() {
 
 JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, const Holdout& holdout,
                            const std::optional<double>& block_s) {
-  constexpr std::size_t kFewestBlocks = 5;  // one of them is a fifth
   const double seconds = blockSeconds(block_s, log.time.back() - log.time.front());
   const std::vector<Block> blocks = splitBlocks(log.time, log.session, seconds);
-  if (holdout.any()) return {fitDrive(log, options, heldOutRows(holdout, blocks)), std::nullopt, holdout.words};
+  const JudgedRows rows = judgedRows(holdout, blocks);
+  if (!rows.then_all) return {fitDrive(log, options, rows.fitted), std::nullopt, rows.words};
 
   JudgedDriveFit result{fitDrive(log, options), std::nullopt,
                         fmt::format("20 % of blocks of {:.3g} s, before the final fit to all rows", seconds)};
-  if (blocks.size() >= kFewestBlocks) {
-    result.trained = fitDrive(log, options, heldOutRows({.fraction = 0.2, .rows = {}, .words = {}}, blocks));
-  }
+  if (std::ranges::count(rows.fitted, false) > 0) result.trained = fitDrive(log, options, rows.fitted);
   return result;
 }
 

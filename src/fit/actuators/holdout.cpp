@@ -61,33 +61,33 @@ Holdout readHoldout(const std::string& text, const CsvTable& table) {
   return holdout;
 }
 
-std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blocks, std::span<const std::size_t> row) {
-  std::vector<bool> held(row.size(), false);
+std::vector<bool> fittedRows(const Holdout& holdout, std::span<const Block> blocks, std::span<const std::size_t> row) {
+  std::vector<bool> fitted(row.size(), true);
   if (!holdout.rows.empty()) {
-    for (std::size_t i = 0; i < row.size(); ++i) held[i] = holdout.rows[row[i]];
+    for (std::size_t i = 0; i < row.size(); ++i) fitted[i] = !holdout.rows[row[i]];
   } else if (holdout.fraction) {
     // Spread evenly: block b is held out when the running share passes a whole number there.
     for (std::size_t b = 0; b < blocks.size(); ++b) {
       const double share = *holdout.fraction;
       const bool out =
           std::floor(static_cast<double>(b + 1) * share + 0.5) > std::floor(static_cast<double>(b) * share + 0.5);
-      for (std::size_t i = blocks[b].begin; out && i < blocks[b].end; ++i) held[i] = true;
+      for (std::size_t i = blocks[b].begin; out && i < blocks[b].end; ++i) fitted[i] = false;
     }
   }
-  const auto count = std::ranges::count(held, true);
-  if (holdout.any() && (count == 0 || count == static_cast<std::ptrdiff_t>(held.size()))) {
+  const auto held_out = std::ranges::count(fitted, false);
+  if (holdout.any() && (held_out == 0 || held_out == std::ssize(fitted))) {
     throw DataError(
         fmt::format("--holdout {} holds out {} of {} rows, expected some but not all (shorter blocks: "
                     "--block-s)",
-                    holdout.words, count, held.size()));
+                    holdout.words, held_out, fitted.size()));
   }
-  return held;
+  return fitted;
 }
 
-std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blocks) {
+std::vector<bool> fittedRows(const Holdout& holdout, std::span<const Block> blocks) {
   std::vector<std::size_t> row(blocks.empty() ? 0 : blocks.back().end);
   std::iota(row.begin(), row.end(), std::size_t{0});
-  return heldOutRows(holdout, blocks, row);
+  return fittedRows(holdout, blocks, row);
 }
 
 JudgedRows judgedRows(const Holdout& holdout, std::span<const Block> blocks) {
@@ -95,10 +95,7 @@ JudgedRows judgedRows(const Holdout& holdout, std::span<const Block> blocks) {
   Holdout judged_by = holdout;
   if (!holdout.any()) judged_by = {0.2, {}, "20 % of the blocks, before the final fit to all rows"};
   JudgedRows rows{std::vector<bool>(blocks.empty() ? 0 : blocks.back().end, true), judged_by.words, !holdout.any()};
-  if (blocks.size() >= kFewestBlocks || holdout.any()) {
-    rows.fitted = heldOutRows(judged_by, blocks);
-    rows.fitted.flip();
-  }
+  if (blocks.size() >= kFewestBlocks || holdout.any()) rows.fitted = fittedRows(judged_by, blocks);
   return rows;
 }
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/channel_checks.h"
@@ -62,7 +62,7 @@ class SpringProblem {
       x.row(k) << deflection[i], 1.0;
       f[k] = force[i];
     }
-    const Eigen::VectorXd line = x.colPivHouseholderQr().solve(f);
+    const Eigen::VectorXd line = solveLeastSquares(x, f);
     std::vector<double> theta = {std::max(line[0], 0.0), line[1], 0.0};
     if (options_.cord) theta.push_back(rest_length);
     fixValues(parameters, options_.fixed, theta);

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "simgap/core/error.h"
-#include "simgap/fit/poses/replay.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap {
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "simgap/core/error.h"
+#include "simgap/core/ranks.h"
 #include "simgap/fit/poses/posterior_search.h"
 
 namespace simgap {
@@ -47,9 +48,11 @@ void searchAndStore(Calibration& calibration, const RunDirectory& directory,
 
 bool restoreStored(Calibration& calibration, const RunDirectory& directory) {
   const std::filesystem::path file = directory.file(kStateFile);
-  if (!std::filesystem::exists(file)) return false;
+  const std::string stored =
+      shareFromFirstRank([&] { return std::filesystem::exists(file) ? toText(readJson(file)) : std::string(); });
+  if (stored.empty()) return false;
   try {
-    calibration.restore(calibrationStateFromJson(readJson(file)));
+    calibration.restore(calibrationStateFromJson(Json::parse(stored)));
   } catch (const DataError& error) {  // no measured data: a file of our own that somebody damaged
     throw ConfigError(error.what());
   }

@@ -104,7 +104,7 @@ void Calibration::runCmaEs(const AfterGeneration& after_generation) {
 void Calibration::searchPosterior(const AfterGeneration& after_generation) {
   const Stopwatch stopwatch(state_.wall);
   PosePosterior posterior(model_, poses_, space_, config_.noise);
-  const PosteriorSearchOptions options{config_.starts, threads_, config_.strategy.seed};
+  const PosteriorSearchOptions options{config_.starts, threads_, config_.strategy.seed, /*on_ranks=*/true};
   double best = std::numeric_limits<double>::infinity();
   const auto after_fit = [&](const PosteriorFit& fit) {
     state_.evaluations += fit.evaluations;

@@ -2,10 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "simgap/core/decompositions.h"
 
 namespace simgap {
 namespace {
@@ -95,10 +96,10 @@ std::vector<Combination> findCombinations(const Eigen::MatrixXd& recorded, const
   std::vector<Combination> combinations;
   const Eigen::VectorXd scale = unitScales(space);
   const Eigen::Index n = recorded.cols();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(anywhere, Eigen::ComputeFullV);
+  const RightSingular svd = rightSingular(anywhere);
   Eigen::Index rank = 0;
-  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > kNull * svd.singularValues()[0]) ++rank;
-  Eigen::MatrixXd null = svd.matrixV().rightCols(n - rank).transpose();
+  while (rank < svd.values.size() && svd.values[rank] > kNull * svd.values[0]) ++rank;
+  Eigen::MatrixXd null = svd.vectors.rightCols(n - rank).transpose();
   unknowable = null.colwise().squaredNorm();
   reduceRows(null);
   std::vector<bool> named(static_cast<std::size_t>(n), false);

@@ -16,10 +16,11 @@ using Residuals = std::function<const std::vector<PoseResidual>&(const Eigen::Ve
 class Sweep : public ceres::EvaluationCallback {
  public:
   Sweep(Eigen::VectorXd& z, Residuals residuals) : z_(z), residuals_(std::move(residuals)) {}
-  void PrepareForEvaluation(bool jacobians, bool new_point) override {
-    if (!new_point && (!jacobians || has_jacobians_)) return;
-    current_ = &residuals_(z_, jacobians);
-    has_jacobians_ = jacobians;
+  /// With derivatives always: where a step is taken, Ceres asks for them at a point that it knows already, and finding
+  /// the equilibria once more would cost as much as they do.
+  void PrepareForEvaluation(bool, bool new_point) override {
+    if (!new_point) return;
+    current_ = &residuals_(z_, /*jacobians=*/true);
     poses_ += static_cast<long>(current_->size());
   }
   const PoseResidual& pose(std::size_t p) const { return (*current_)[p]; }
@@ -29,7 +30,6 @@ class Sweep : public ceres::EvaluationCallback {
   Eigen::VectorXd& z_;  // Ceres writes each trial point here first
   Residuals residuals_;
   const std::vector<PoseResidual>* current_ = nullptr;
-  bool has_jacobians_ = false;
   long poses_ = 0;
 };
 
@@ -117,7 +117,8 @@ Descent descend(const PosePosterior& posterior, Residuals residuals, Eigen::Vect
   options.callbacks.push_back(&interruption);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  return {static_cast<int>(summary.iterations.size()), sweep.poses(), summary.IsSolutionUsable()};
+  const int steps = summary.iterations.empty() ? 0 : summary.iterations.back().iteration;
+  return {steps, sweep.poses(), summary.IsSolutionUsable()};
 }
 
 }  // namespace

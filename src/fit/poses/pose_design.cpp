@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 
@@ -98,7 +99,7 @@ PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const
   Eigen::MatrixXd targets(std::ssize(residuals) * dof, z.size());
   for (std::size_t c = 0; c < residuals.size(); ++c) {
     used.push_back(!residuals[c].valid);
-    targets.middleRows(static_cast<Eigen::Index>(c) * dof, dof) = there.whitening(c).inverse() * residuals[c].jacobian;
+    targets.middleRows(static_cast<Eigen::Index>(c) * dof, dof) = inverse(there.whitening(c)) * residuals[c].jacobian;
   }
   const GreedyDesign greedy(residuals, std::move(targets), options.criterion);
   for (std::size_t k = 0; k < options.poses; ++k) {

@@ -1,17 +1,25 @@
 #include "simgap/fit/poses/pose_posterior.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "simgap/core/decompositions.h"
 
 namespace simgap {
 namespace {
 
 // A measured spread of n repeats is worth n - 1 degrees of freedom, the stated capture noise this many.
 constexpr double kCaptureFreedom = 4.0;
-constexpr double kNearStop = 3.0;         // capture sd: a joint measured this near its stop may be held by it
-constexpr double kSmallestTorque = 1e-4;  // [N m], where neither stiffness nor friction would hold a joint
+constexpr std::size_t kPosesPerThread = 64;  // some 0.6 ms
+constexpr double kNearStop = 3.0;            // capture sd: a joint measured this near its stop may be held by it
+constexpr double kSmallestTorque = 1e-4;     // [N m], where neither stiffness nor friction would hold a joint
 
 std::vector<std::string> names(const ParameterSpace& space) {
   std::vector<std::string> names;
@@ -134,7 +142,7 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
     energy.evaluate(poses_[p].joints);
     stiffness_[p] = energy.hessian();
     // A torque tau moves the equilibrium by H^-1 tau: cov = C + H^-1 T H^-1 = L L^T, whitened by L^-1.
-    const Eigen::MatrixXd compliance = energy.hessian().inverse();
+    const Eigen::MatrixXd compliance = inverse(energy.hessian());
     const Eigen::MatrixXd covariance =
         Eigen::MatrixXd(capture.asDiagonal()) + compliance * friction.asDiagonal() * compliance.transpose();
     whitening_[p] = covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(n, n));
@@ -148,25 +156,39 @@ void PosePosterior::whitenLike(const PosePosterior& other) {
 
 const std::vector<PoseResidual>& PosePosterior::evaluate(const Eigen::VectorXd& z, bool jacobians) {
   setParameters(z);
-  for (std::size_t p = 0; p < poses_.size(); ++p) {
-    PoseResidual& residual = residuals_[p];
-    arm_.setTime(poses_[p].time);
-    // Most poses are near the measured one. Where no way leads down from there, the arm comes from its rest, as it did.
-    residual.valid = arm_.solveFrom(poses_[p].joints, poses_[p].shafts).stable || arm_.solve(poses_[p].shafts).stable;
-    if (!residual.valid) continue;
-    const std::vector<JointPosition>& observed = arm_.observe(poses_[p].shafts, poses_[p].shafts_before);
-    if (jacobians) {
-      arm_.linearise();
-      // dq/dtheta = -H^-1 d2V/dq dtheta, as the rig sees it; dtheta/dz from the scales.
-      arm_.observedSensitivities(static_parameters_, residual.jacobian);
-      for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
-    }
-    measureError(poses_[p], observed, residual, jacobians);
-    // L^-1 e and L^-1 J: independent errors of variance 1.
-    residual.error = whitening_[p] * residual.error;
-    if (jacobians) residual.jacobian = whitening_[p] * residual.jacobian;
+  if (poses_.size() < 2 * kPosesPerThread) {
+    for (std::size_t p = 0; p < poses_.size(); ++p) evaluatePose(arm_, p, z, jacobians);
+    return residuals_;
   }
+  tbb::enumerable_thread_specific<EquilibriumArm> arms(arm_);
+  const tbb::blocked_range<std::size_t> all(0, poses_.size(), kPosesPerThread);
+  const auto some = [&](const tbb::blocked_range<std::size_t>& range) {
+    EquilibriumArm& arm = arms.local();
+    for (std::size_t p = range.begin(); p < range.end(); ++p) evaluatePose(arm, p, z, jacobians);
+  };
+  // Isolated: a thread that waits here must not begin with another start of the same search.
+  tbb::this_task_arena::isolate([&] { tbb::parallel_for(all, some, tbb::simple_partitioner()); });
   return residuals_;
+}
+
+void PosePosterior::evaluatePose(EquilibriumArm& arm, std::size_t p, const Eigen::VectorXd& z, bool jacobian) {
+  const Pose& pose = poses_[p];
+  PoseResidual& residual = residuals_[p];
+  arm.setTime(pose.time);
+  // Most poses are near the measured one. Where no way leads down from there, the arm comes from its rest, as it did.
+  residual.valid = arm.solveFrom(pose.joints, pose.shafts).stable || arm.solve(pose.shafts).stable;
+  if (!residual.valid) return;
+  const std::vector<JointPosition>& observed = arm.observe(pose.shafts, pose.shafts_before);
+  if (jacobian) {
+    arm.linearise();
+    // dq/dtheta = -H^-1 d2V/dq dtheta, as the rig sees it; dtheta/dz from the scales.
+    arm.observedSensitivities(static_parameters_, residual.jacobian);
+    for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
+  }
+  measureError(pose, observed, residual, jacobian);
+  // L^-1 e and L^-1 J: independent errors of variance 1.
+  residual.error = whitening_[p] * residual.error;
+  if (jacobian) residual.jacobian = whitening_[p] * residual.jacobian;
 }
 
 void PosePosterior::measureError(const Pose& pose, const std::vector<JointPosition>& observed, PoseResidual& residual,

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "identifiability.h"
+#include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
@@ -57,9 +57,9 @@ Eigen::VectorXd posteriorGradient(const std::vector<PoseResidual>& poses, const 
 
 /// Inverse of a curvature; directions that nothing bounds get the variance 1 / kTinyCurvature.
 Eigen::MatrixXd invertCurvature(const Eigen::MatrixXd& curvature) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(curvature);
-  const Eigen::VectorXd bounded = eigen.eigenvalues().cwiseMax(kTinyCurvature);
-  return eigen.eigenvectors() * bounded.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetricEigen(curvature);
+  const Eigen::VectorXd bounded = eigen.values.cwiseMax(kTinyCurvature);
+  return eigen.vectors * bounded.cwiseInverse().asDiagonal() * eigen.vectors.transpose();
 }
 
 /// Of z, shape (parameters, parameters). \param jacobian  weighted, of all poses
@@ -97,7 +97,7 @@ PoseUncertainty assessUncertainty(PosePosterior& posterior, const Eigen::VectorX
   result.covariance = posteriorCovariance(jacobian, scaled);
   const Eigen::VectorXd gradient = posteriorGradient(residuals, scaled, z);
   result.from_optimum = std::sqrt(gradient.dot(result.covariance * gradient));
-  const Eigen::VectorXd singular = jacobian.bdcSvd().singularValues();
+  const Eigen::VectorXd singular = singularValues(jacobian);
   result.singular_values.assign(singular.begin(), singular.end());
 
   // What no pose could tell, from a cloud of commands; whitening does not matter for that.
@@ -139,7 +139,7 @@ PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorX
   const std::vector<Joint>& joints = posterior.model().joints;
   std::vector<std::vector<double>> mje(joints.size(), std::vector<double>(kDraws, 0.0));
   std::vector<Eigen::MatrixXd> unwhiten;
-  for (std::size_t p = 0; p < poses.size(); ++p) unwhiten.push_back(there.whitening(p).inverse());
+  for (std::size_t p = 0; p < poses.size(); ++p) unwhiten.push_back(inverse(there.whitening(p)));
   const CounterRandom random(0);
   for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
     const auto normal = [&](std::size_t place, Eigen::Index i) {

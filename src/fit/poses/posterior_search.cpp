@@ -11,18 +11,20 @@
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
+#include "simgap/core/ranks.h"
 
 namespace simgap {
 namespace {
 
 constexpr std::uint32_t kStartPurpose = 3;  // 1 and 2 are the evolution strategy's
 
+tbb::task_arena makeArena(int threads) { return tbb::task_arena(threads > 0 ? threads : tbb::task_arena::automatic); }
+
 /// Calls action(posterior, i) for i = 0 … count - 1, each thread with a posterior of its own.
 template <class Action>
 void inParallel(const PosePosterior& posterior, int threads, std::size_t count, const Action& action) {
   tbb::enumerable_thread_specific<PosePosterior> own(posterior);
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute([&] {
+  makeArena(threads).execute([&] {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       if (!interruptRequested()) action(own.local(), i);
     });
@@ -79,8 +81,9 @@ PosteriorFit descendFrom(PosePosterior& posterior, const PosePosterior& coarse, 
 /// and passed on in their order.
 class Descents {
  public:
-  Descents(PosePosterior& posterior, int threads, SearchJournal& journal, const AfterFit& after_fit)
-      : posterior_(posterior), threads_(threads), journal_(journal), after_fit_(after_fit) {}
+  Descents(PosePosterior& posterior, const PosteriorSearchOptions& options, SearchJournal& journal,
+           const AfterFit& after_fit)
+      : posterior_(posterior), options_(options), journal_(journal), after_fit_(after_fit) {}
 
   /// Makes `count` more by descend(posterior, i), i = 0 … count - 1. \returns false where the search ends
   template <class Descend>
@@ -102,16 +105,25 @@ class Descents {
  private:
   template <class Descend>
   void makeSome(std::size_t begin, std::size_t end, const Descend& descend) {
-    constexpr std::size_t kAtOnce = 8;  // what a kill can cost
-    std::vector<PosteriorFit> made(std::min(kAtOnce, end - begin));
-    inParallel(posterior_, threads_, made.size(),
-               [&](PosePosterior& own, std::size_t i) { made[i] = descend(own, begin + i); });
+    const std::size_t at_once = 8 * (options_.on_ranks ? rankCount() : 1);  // what a kill can cost
+    std::vector<PosteriorFit> made(std::min(at_once, end - begin));
+    if (options_.on_ranks) {
+      tbb::enumerable_thread_specific<PosePosterior> own(posterior_);
+      makeArena(options_.threads).execute([&] {
+        computeOnRanks(std::span(made), [&](std::size_t i) {
+          return interruptRequested() ? PosteriorFit() : descend(own.local(), begin + i);
+        });
+      });
+    } else {
+      inParallel(posterior_, options_.threads, made.size(),
+                 [&](PosePosterior& own, std::size_t i) { made[i] = descend(own, begin + i); });
+    }
     if (interruptRequested()) return;  // some are not finished
     std::move(made.begin(), made.end(), std::back_inserter(journal_.fits));
   }
 
   PosePosterior& posterior_;
-  int threads_;
+  const PosteriorSearchOptions& options_;
   SearchJournal& journal_;
   const AfterFit& after_fit_;
   std::size_t passed_on_ = 0;
@@ -188,7 +200,7 @@ std::vector<PosteriorFit> bestOf(std::vector<PosteriorFit> fits, int count) {
 
 std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const PosteriorSearchOptions& options,
                                           SearchJournal& journal, const AfterFit& after_fit) {
-  Descents descents(posterior, options.threads, journal, after_fit);
+  Descents descents(posterior, options, journal, after_fit);
   descendFromStarts(posterior, options, journal, descents);
   return descents.passedOn();
 }
@@ -200,7 +212,7 @@ std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const Poster
 
 void searchHybrid(PosePosterior& posterior, const PosteriorSearchOptions& options,
                   const EvolutionStrategyOptions& strategy, SearchJournal& journal, const AfterFit& after_fit) {
-  Descents descents(posterior, options.threads, journal, after_fit);
+  Descents descents(posterior, options, journal, after_fit);
   bool go_on = descendFromStarts(posterior, options, journal, descents);
   EvolutionStrategyOptions exploration = strategy;
   exploration.generations = kHybridGenerations;

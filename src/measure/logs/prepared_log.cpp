@@ -1,10 +1,10 @@
 #include "simgap/measure/logs/prepared_log.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "prepared_rows.h"
+#include "simgap/core/decompositions.h"
 #include "simgap/core/units.h"
 #include "simgap/measure/logs/motion.h"
 
@@ -50,7 +50,7 @@ double firstAngle(const FrictionData& friction) {
   for (Index i = 0; i < n; ++i) {
     if (!friction.keep[i]) x.row(i).setZero();
   }
-  const Eigen::VectorXd c = x.colPivHouseholderQr().solve(friction.effort.matrix());
+  const Eigen::VectorXd c = solveLeastSquares(x, friction.effort.matrix());
   return std::atan2(c[1], c[0]);
 }
 

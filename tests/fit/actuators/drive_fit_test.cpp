@@ -100,9 +100,9 @@ TEST(MotorFit, ALateVoltageIsFoundAndDoesNoHarm) {
 TEST(MotorFit, RowsThatAreHeldOutDoNotCount) {
   const MotorBenchLog log = simulateMotor({}, {.seconds = 3.0, .current_noise = 0.05, .velocity_noise = 1.0});
   const MotorLog read_log = read(log.csv());
-  std::vector<bool> held(read_log.rows(), false);
-  std::fill(held.begin(), held.begin() + 1500, true);
-  const DriveFit fit = fitDrive(read_log, {}, held);
+  std::vector<bool> fitted(read_log.rows(), true);
+  std::fill(fitted.begin(), fitted.begin() + 1500, false);
+  const DriveFit fit = fitDrive(read_log, {}, fitted);
   EXPECT_EQ(fit.rows, read_log.rows() - 1500);
   EXPECT_LE(fit.uncertainty.n_effective, static_cast<double>(fit.rows));
 }

@@ -29,12 +29,12 @@ TEST(HoldoutTest, RefusesWhatNoRowHasAndWhatIsNeitherFractionNorColumn) {
 TEST(HoldoutTest, AFractionIsSpreadEvenlyOverWholeBlocks) {
   std::vector<Block> blocks;
   for (std::size_t b = 0; b < 10; ++b) blocks.push_back({10 * b, 10 * b + 10});
-  const std::vector<bool> held = heldOutRows(readHoldout("0.2", table()), blocks);
-  ASSERT_EQ(held.size(), 100u);
+  const std::vector<bool> fitted = fittedRows(readHoldout("0.2", table()), blocks);
+  ASSERT_EQ(fitted.size(), 100u);
   std::vector<std::size_t> out;
   for (std::size_t b = 0; b < 10; ++b) {
-    const auto count = std::count(held.begin() + static_cast<std::ptrdiff_t>(10 * b),
-                                  held.begin() + static_cast<std::ptrdiff_t>(10 * b + 10), true);
+    const auto count = std::count(fitted.begin() + static_cast<std::ptrdiff_t>(10 * b),
+                                  fitted.begin() + static_cast<std::ptrdiff_t>(10 * b + 10), false);
     ASSERT_TRUE(count == 0 || count == 10) << "block " << b << " is torn: " << count;
     if (count == 10) out.push_back(b);
   }
@@ -43,8 +43,8 @@ TEST(HoldoutTest, AFractionIsSpreadEvenlyOverWholeBlocks) {
 
 TEST(HoldoutTest, SomeRowsMustStayOnEachSide) {
   const std::vector<Block> one{{0, 4}};
-  EXPECT_THROW(heldOutRows(readHoldout("0.2", table()), one), DataError);
-  EXPECT_THROW(heldOutRows(readHoldout("session=1,2,3", table()), one), DataError);
+  EXPECT_THROW(fittedRows(readHoldout("0.2", table()), one), DataError);
+  EXPECT_THROW(fittedRows(readHoldout("session=1,2,3", table()), one), DataError);
 }
 
 TEST(HoldoutTest, BlocksAreTwentySecondsOrATenthOfAShortLog) {

@@ -22,6 +22,7 @@
 #include "simgap/model/arm/arm.h"
 #include "simgap/optimize/least_squares.h"
 #include "simgap/optimize/uncertainty.h"
+#include "simgap/simulate/drive_response.h"
 
 namespace simgap {
 
@@ -47,12 +48,6 @@ struct DriveChannel {
   double spread = 0.0;  ///< standard deviation of the measurement
 };
 
-/// How late channels are against the velocity (the voltage against the current, where there is no velocity), in rows.
-struct DriveDelays {
-  double input = 0.0;    ///< of the voltage, or of the current where it drives
-  double current = 0.0;  ///< of the measured current, where the voltage drives
-};
-
 /// A delay that was fitted.
 struct FittedDelay {
   std::string channel;  ///< "voltage_V"
@@ -74,16 +69,9 @@ struct DriveFit {
   std::vector<std::string> warnings;  ///< what could not be found, and why; its estimates are NaN
 };
 
-/// \param held  shape (rows): left out of the fit, or empty.
+/// \param rows  shape (rows): that are fitted; empty for all.
 /// \throws DataError: channels that make the whole fit impossible, with what to record.
-DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& held = {});
-
-/// Response of a drive to a log's inputs, from the measured state at the start of each session.
-struct DriveResponse {
-  std::vector<double> current, velocity;  ///< shape (rows) [A], [rad/s] of the motor
-};
-DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox,
-                            const DriveDelays& delays = {});
+DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& rows = {});
 
 Motor motorOf(std::span<const double> theta);
 Gearbox gearboxOf(std::span<const double> theta, double ratio);

@@ -25,12 +25,12 @@ struct Holdout {
 /// \throws ConfigError for a text that is neither, DataError for values that no row has.
 Holdout readHoldout(const std::string& text, const CsvTable& table);
 
-/// The rows that are held out, shape (rows of `blocks`). A fraction is spread evenly over the blocks.
+/// False for the rows that are held out, shape (rows of `blocks`). A fraction is spread evenly over the blocks.
 /// \param row  row of the log of each of them.
-/// \throws DataError when that is none of them or all.
-std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blocks, std::span<const std::size_t> row);
+/// \throws DataError when none of them or all are held out.
+std::vector<bool> fittedRows(const Holdout& holdout, std::span<const Block> blocks, std::span<const std::size_t> row);
 /// The same where the blocks are of the whole log.
-std::vector<bool> heldOutRows(const Holdout& holdout, std::span<const Block> blocks);
+std::vector<bool> fittedRows(const Holdout& holdout, std::span<const Block> blocks);
 
 /// The rows that candidates are fitted to, and those that judge them.
 struct JudgedRows {
@@ -38,7 +38,7 @@ struct JudgedRows {
   std::string words;         ///< which rows judge
   bool then_all = false;     ///< the final fit has all rows
 };
-/// Without a holdout a fifth of five or more blocks judges. \throws DataError as heldOutRows.
+/// Without a holdout a fifth of five or more blocks judges. \throws DataError as fittedRows.
 JudgedRows judgedRows(const Holdout& holdout, std::span<const Block> blocks);
 
 /// Length of the blocks for a log of that duration [s]: what was asked for, else 20 s, in short logs a tenth of them.

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "simgap/core/run_directory.h"
-#include "simgap/fit/poses/pose_error.h"
 #include "simgap/fit/poses/pose_noise.h"
 #include "simgap/fit/poses/posterior_search.h"
 #include "simgap/model/arm/parameter_space.h"
 #include "simgap/optimize/cma_es.h"
 #include "simgap/optimize/evolution_strategy.h"
 #include "simgap/simulate/evaluator.h"
+#include "simgap/simulate/pose_error.h"
 
 namespace simgap {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "simgap/fit/poses/calibration_result.h"
-#include "simgap/fit/poses/replay.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap {
 

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "simgap/core/bytes.h"
 #include "simgap/fit/poses/pose_posterior.h"
 
 namespace simgap {
@@ -14,6 +15,20 @@ struct PosteriorFit {
   int iterations = 0;
   long evaluations = 0;  ///< poses solved
 };
+
+/// Between ranks.
+inline void pack(Bytes& bytes, const PosteriorFit& fit) {
+  pack(bytes, fit.z);
+  pack(bytes, fit.objective);
+  pack(bytes, fit.iterations);
+  pack(bytes, fit.evaluations);
+}
+inline void unpack(BytesReader& from, PosteriorFit& fit) {
+  unpack(from, fit.z);
+  unpack(from, fit.objective);
+  unpack(from, fit.iterations);
+  unpack(from, fit.evaluations);
+}
 
 /// Descends from z to the next local minimum, within the parameters' bounds. After an interrupt it is not there yet.
 /// \param tolerance  ends where a step changes the objective by less than this fraction

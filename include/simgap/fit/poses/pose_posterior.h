@@ -80,7 +80,7 @@ class PosePosterior {
   /// Takes over the whitening of another posterior of the same poses.
   void whitenLike(const PosePosterior& other);
   /// Residuals of all poses, shape (poses); equilibria are searched from the measured poses, and from the arm's rest
-  /// where that finds none.
+  /// where that finds none. Of many poses on several threads.
   const std::vector<PoseResidual>& evaluate(const Eigen::VectorXd& z, bool jacobians);
   /// The same for the torques at the measured poses, which should vanish: no equilibrium is searched. A torque counts
   /// by how far it would move the joints, in units of `sd` [rad]; whiten() again sets the stiffness for that.
@@ -90,6 +90,7 @@ class PosePosterior {
 
  private:
   void setParameters(const Eigen::VectorXd& z);
+  void evaluatePose(EquilibriumArm& arm, std::size_t p, const Eigen::VectorXd& z, bool jacobian);
   void measureError(const Pose& pose, const std::vector<JointPosition>& observed, PoseResidual& residual,
                     bool jacobian) const;
 

@@ -16,6 +16,7 @@ struct PosteriorSearchOptions {
       8;  ///< the model itself, then draws from the priors, each first brought near the poses by balanceTorques
   int threads = 0;  ///< 0: all
   std::uint64_t seed = 1;
+  bool on_ranks = false;  ///< share the descents among all ranks, which then have to search at the same time
 };
 
 /// What a search has found so far: one that is begun anew with it goes on to the same end, to the bit.

@@ -1,4 +1,4 @@
-#include "simgap/fit/poses/pose_error.h"
+#include "simgap/simulate/pose_error.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

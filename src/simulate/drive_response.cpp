@@ -1,4 +1,4 @@
-#include "drive_response.h"
+#include "simgap/simulate/drive_response.h"
 
 #include <algorithm>
 #include <array>

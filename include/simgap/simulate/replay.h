@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "simgap/core/csv.h"
-#include "simgap/fit/poses/pose_error.h"
 #include "simgap/model/arm/arm.h"
 #include "simgap/simulate/evaluator.h"
+#include "simgap/simulate/pose_error.h"
 
 namespace simgap {
 

@@ -1,4 +1,4 @@
-#include "simgap/fit/poses/replay.h"
+#include "simgap/simulate/replay.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "simgap/core/rotation.h"
-#include "simgap/fit/poses/replay.h"
+#include "simgap/simulate/replay.h"
 #include "support/files.h"
 #include "support/rig.h"
 

@@ -1,0 +1,139 @@
+// Runs on several ranks of mpirun: the same results as on one, whatever their number, and a state that resumes when one
+// of them dies. Skipped where there is no mpirun.
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "cli/cli_fixture.h"
+#include "simgap/core/run_directory.h"
+
+namespace simgap::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The processes below one, youngest generation last.
+std::vector<pid_t> descendants(pid_t of) {
+  std::vector<pid_t> found{of};
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const std::string file = "/proc/" + std::to_string(found[i]) + "/task/" + std::to_string(found[i]) + "/children";
+    std::ifstream children(file);
+    for (pid_t child = 0; children >> child;) found.push_back(child);
+  }
+  return {found.begin() + 1, found.end()};
+}
+
+/// The rank of a process that mpirun started; -1: it is none.
+int rankOf(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/environ");
+  for (std::string word; std::getline(file, word, '\0');) {
+    if (word.starts_with("OMPI_COMM_WORLD_RANK=")) return std::stoi(word.substr(word.find('=') + 1));
+  }
+  return -1;
+}
+
+class RanksTest : public CliTest {
+ protected:
+  void SetUp() override {
+    if (!fs::exists("/usr/bin/mpirun")) GTEST_SKIP() << "there is no /usr/bin/mpirun (Debian: openmpi-bin)";
+    ::setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
+    ::setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
+    put("config.yaml", quickConfig(4));
+  }
+
+  static Arguments onRanks(int ranks, const Arguments& arguments) {
+    Arguments all{"/usr/bin/mpirun", "--oversubscribe", "--bind-to", "none", "-n", std::to_string(ranks)};
+    const Arguments alone = command(arguments);
+    all.insert(all.end(), alone.begin(), alone.end());
+    return all;
+  }
+  ProcessResult simgapOn(int ranks, const Arguments& arguments) const {
+    return runProcess(onRanks(ranks, arguments), folder_.path());
+  }
+  void succeedOn(int ranks, const Arguments& arguments) const {
+    const ProcessResult result = simgapOn(ranks, arguments);
+    EXPECT_EQ(result.exit_code, 0) << testing::PrintToString(arguments) << "\n" << result.err;
+  }
+
+  /// Waits until the run has stored `generations` of them.
+  bool reaches(const std::string& directory, int generations) const {
+    for (int i = 0; i < 6000; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      if (!fs::exists(path(directory + "/state.json"))) continue;
+      if (Json::parse(text(directory + "/state.json")).at("generation") >= generations) return true;
+    }
+    return false;
+  }
+};
+
+class RanksOptimiserTest : public RanksTest, public testing::WithParamInterface<Arguments> {};
+
+TEST_P(RanksOptimiserTest, AnyNumberOfRanksEndsTheSame) {
+  const Arguments& more = GetParam();
+  succeed(calibrate("alone", more));
+  for (const int ranks : {1, 2, 3}) {
+    const std::string directory = "on" + std::to_string(ranks);
+    Arguments arguments = calibrate(directory, more);
+    arguments.insert(arguments.end(), {"--threads", std::to_string(ranks)});
+    succeedOn(ranks, arguments);
+    EXPECT_EQ(found(directory), found("alone")) << ranks << " ranks";
+    EXPECT_EQ(Json::parse(text(directory + "/run.json")).at("status"), "done");
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RanksOptimiserTest,
+                         testing::Values(Arguments{}, Arguments{"--optimizer", "cma-es", "--generations", "2"},
+                                         Arguments{"--optimizer", "lm", "--starts", "20"},
+                                         Arguments{"--optimizer", "hybrid", "--starts", "4", "--verify", "none"}));
+
+TEST_F(RanksTest, OnlyTheFirstRankSpeaks) {
+  const ProcessResult alone = simgap({"validate", "arm.yaml", "--poses", "poses.csv", "-q", "-o", "alone"});
+  const ProcessResult both = simgapOn(3, {"validate", "arm.yaml", "--poses", "poses.csv", "-q", "-o", "both"});
+  EXPECT_EQ(both.exit_code, alone.exit_code);
+  EXPECT_EQ(replaced(both.out, "both", "alone"), alone.out);
+  const ProcessResult refused = simgapOn(2, {"validate", "none.yaml", "--poses", "poses.csv"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(countOf(refused.err, "simgap: none.yaml: cannot be read"), 1u) << refused.err;
+}
+
+TEST_F(RanksTest, ARunThatLostARankGoesOnOnAnotherNumber) {
+  put("config.yaml", quickConfig(40));
+  succeed(calibrate("whole"));
+  Arguments arguments = onRanks(3, calibrate("killed", {"--threads", "1"}));
+  Process process(arguments, folder_.path());
+  ASSERT_TRUE(reaches("killed", 2));
+  bool killed = false;
+  for (const pid_t child : descendants(::getpid())) {
+    if (rankOf(child) == 2 && ::kill(child, SIGKILL) == 0) killed = true;
+  }
+  ASSERT_TRUE(killed);
+  const ProcessResult result = process.wait();
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.err, testing::HasSubstr("go on with: simgap calibrate --resume killed"));
+  EXPECT_NE(Json::parse(text("killed/run.json")).at("status"), "done");
+  EXPECT_LT(Json::parse(text("killed/state.json")).at("generation"), 40);
+  succeedOn(2, {"calibrate", "--resume", "killed", "-q"});
+  EXPECT_EQ(found("killed"), found("whole"));
+}
+
+TEST_F(RanksTest, AnInterruptedRunGoesOnWithoutRanks) {
+  put("config.yaml", quickConfig(40));
+  succeed(calibrate("whole"));
+  Process process(onRanks(2, calibrate("stopped")), folder_.path());
+  ASSERT_TRUE(reaches("stopped", 2));
+  for (const pid_t child : descendants(::getpid())) {
+    if (rankOf(child) == 0) ::kill(child, SIGINT);
+  }
+  const ProcessResult result = process.wait();
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_EQ(Json::parse(text("stopped/run.json")).at("status"), "interrupted");
+  succeed({"calibrate", "--resume", "stopped", "-q"});
+  EXPECT_EQ(found("stopped"), found("whole"));
+}
+
+}  // namespace
+}  // namespace simgap::test
