@@ -23,3 +23,18 @@ find_path(MUSTACHE_INCLUDE_DIR kainjow/mustache.hpp REQUIRED)
 find_file(CHART_JS chart.min.js PATHS /usr/share/javascript/chart.js REQUIRED)
 find_file(THREE_JS three.min.js PATHS /usr/share/javascript/three REQUIRED)
 find_file(ORBIT_CONTROLS_JS OrbitControls.js PATHS /usr/share/javascript/three/examples/js/controls REQUIRED)
+
+# The compiled half of the Python module, for Debian's python3: left out without pybind11, without tests, and where a
+# sanitizer would have to be loaded before Python is.
+set(python_rooms core optimize measure model simulate fit)
+if(SIMGAP_PYTHON AND SIMGAP_TESTS AND NOT SIMGAP_SANITIZE AND NOT SIMGAP_FUZZ)
+  set(PYBIND11_FINDPYTHON ON)
+  set(Python_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "")
+  find_package(Python 3 COMPONENTS Interpreter Development.Module)
+  if(Python_Development.Module_FOUND)
+    find_package(pybind11 CONFIG)
+  endif()
+endif()
+if(NOT pybind11_FOUND)
+  set(SIMGAP_PYTHON OFF)
+endif()

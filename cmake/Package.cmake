@@ -24,7 +24,7 @@ install(DIRECTORY ${shell_files}/share/ DESTINATION share)
 install(FILES LICENSE DESTINATION share/doc/simgap RENAME copyright)
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION share/doc/simgap)
 install(FILES python/simgap.py DESTINATION lib/python3/dist-packages)
-install(FILES python/example.py DESTINATION share/doc/simgap/examples)
+install(FILES python/example.py python/example_arrays.py DESTINATION share/doc/simgap/examples)
 install(DIRECTORY data configs DESTINATION share/doc/simgap/examples)
 
 # `cpack` makes a Debian package, whose dependencies are the libraries that the program and its modules were linked with.

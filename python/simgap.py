@@ -7,8 +7,15 @@
     arm = simgap.run("calibrate", "arm.yaml", poses="poses.csv", optimizer="lm")
     poses = simgap.equilibria(arm.path / "model.yaml", shafts)            # joint angles for commands
 
-The module calls the program `simgap` (SIMGAP, or the one on the PATH) and knows nothing that its files do not say
-(docs/formats.md), so that it fits every version of them.
+The functions above call the program `simgap` (SIMGAP, or the one on the PATH) and know nothing that its files do not
+say (docs/formats.md), so that they fit every version of them. Where the compiled module `_simgap` was built, too, there
+are arrays without files in between (help(simgap.Arm), help(simgap.fit_spring)):
+
+    arm = simgap.Arm("arm.yaml")
+    arm.rest(shafts)["joints"]["elbow"]                                   # shape (poses), of shafts (poses, muscles)
+    simgap.fit_spring({"deflection_m": x, "force_N": f})["values"]        # likewise fit_friction, fit_motor, fit_pam
+
+These judge nothing on rows held out, and write nothing: that is what `run` is for.
 """
 import csv
 import dataclasses
@@ -162,3 +169,17 @@ def equilibria(model, poses, evaluator="equilibrium"):
     bodies = list(frames(found).items())
     rotations = {name: _relative(before[:, 3:], at[:, 3:]) for (_, before), (name, at) in zip(bodies, bodies[1:])}
     return pose_names(found), rotations
+
+
+_COMPILED = ("Arm", "LibraryError", "fit_friction", "fit_motor", "fit_pam", "fit_spring")
+
+
+def __getattr__(name):
+    """What the compiled module has, loaded when it is first asked for."""
+    if name not in _COMPILED:
+        raise AttributeError(f"module 'simgap' has no attribute '{name}'")
+    try:
+        import _simgap
+    except ImportError as error:
+        raise ImportError(f"simgap.{name} needs the compiled module _simgap, built where python3-pybind11 is: {error}") from error
+    return getattr(_simgap, name)

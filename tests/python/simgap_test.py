@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The Python module on the program itself; skipped where python3-numpy is missing.
 
-    tests/python/simgap_test.py SIMGAP SOURCE
+    tests/python/simgap_test.py SIMGAP SOURCE [FOLDER OF _simgap]
 """
 import os
 import pathlib
@@ -18,7 +18,11 @@ except ImportError:
 SIMGAP, SOURCE = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 os.environ["SIMGAP"] = str(SIMGAP)
 sys.path.insert(0, str(SOURCE / "python"))
+sys.path += sys.argv[3:]
 import simgap  # noqa: E402
+
+ARM = SOURCE / "data/arm/arm.yaml"
+POSES = SOURCE / "data/arm/poses_validation.csv"
 
 
 class Module(unittest.TestCase):
@@ -66,6 +70,86 @@ class Module(unittest.TestCase):
                               env={**os.environ, "PYTHONPATH": str(SOURCE / "python")})
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, r"stiffness 1(49|50)\.\d ± 0\.\d N/m\n")
+
+
+@unittest.skipUnless(len(sys.argv) > 3, "_simgap was not built")
+class Compiled(unittest.TestCase):
+    def test_an_arm_says_what_its_file_says(self):
+        arm = simgap.Arm(str(ARM))
+        self.assertEqual(arm.bodies, ["torso", "humerus", "forearm"])
+        self.assertEqual(arm.joints, ["shoulder", "elbow"])
+        self.assertEqual(len(arm.muscles), 11)
+        poses, table = arm.read_poses(str(POSES)), simgap.read_table(POSES)
+        self.assertEqual(poses["names"], [str(name) for name in table["pose"]])
+        for m, muscle in enumerate(arm.muscles):
+            self.assertEqual(poses["shafts"][:, m].tolist(), table[f"shaft_{muscle}_rad"].tolist())
+        self.assertEqual(poses["joints"]["elbow"].tolist(), table["elbow_rad"].tolist())
+        self.assertEqual(poses["joints"]["shoulder"].shape, (len(poses["names"]), 4))
+
+    def test_equilibria_and_simulated_poses_are_those_of_validate(self):
+        arm = simgap.Arm(str(ARM))
+        shafts = arm.read_poses(str(POSES))["shafts"][:4]
+        few = {name: values[:4] for name, values in simgap.read_table(POSES).items()}
+        for evaluator in ("equilibrium", "bullet"):
+            found = arm.rest(shafts, evaluator=evaluator)
+            self.assertEqual(found["status"], ["steady"] * 4)
+            frames = simgap.frames(simgap.run("validate", ARM, poses=few, evaluator=evaluator))
+            for b, body in enumerate(arm.bodies):
+                numpy.testing.assert_allclose(found["origins"][:, b], frames[body][:, :3], atol=1e-9)
+                turned = numpy.abs(numpy.sum(found["rotations"][:, b] * frames[body][:, 3:], axis=1))
+                numpy.testing.assert_allclose(turned, 1.0, atol=1e-9)
+
+    def test_shafts_of_another_shape_or_without_numbers_are_refused(self):
+        arm = simgap.Arm(str(ARM))
+        shafts = arm.read_poses(str(POSES))["shafts"][:2].copy()
+        found = arm.rest(shafts[:0])
+        self.assertEqual(found["origins"].shape, (0, 3, 3))
+        with self.assertRaisesRegex(ValueError, "expected \\(poses, 11\\)"):
+            arm.rest(shafts[:, :3])
+        shafts[1, 2] = numpy.nan
+        with self.assertRaisesRegex(ValueError, "shaft of pose 1 that is no finite number"):
+            arm.rest(shafts)
+
+    def test_fits_are_those_of_the_program(self):
+        log = simgap.read_table(SOURCE / "data/logs/shock-cord.csv.gz")
+        run, fit = simgap.run("fit-spring", log), simgap.fit_spring(log, cord=True)
+        self.assertEqual(run.parameter("rest_length")["name"], "rest_length")  # the program has chosen the cord, too
+        names, values, deviations = run.parameters
+        self.assertEqual(fit["names"], names.tolist())
+        numpy.testing.assert_allclose(fit["values"], values, rtol=1e-9)
+        numpy.testing.assert_allclose(fit["sd"], deviations, rtol=1e-9)
+        numpy.testing.assert_allclose(numpy.sqrt(numpy.diag(fit["covariance"])), deviations, rtol=1e-6)
+
+        motor = simgap.read_table(SOURCE / "data/logs/motor.csv.gz")
+        run, fit = simgap.run("fit-motor", motor), simgap.fit_motor(motor)
+        for name in ("R", "K_T", "J_M"):
+            self.assertAlmostEqual(fit["values"][fit["names"].index(name)] / run.value(name), 1.0, places=9)
+
+        muscle = simgap.read_table(SOURCE / "data/logs/muscle.csv.gz")
+        run, fit = simgap.run("fit-pam", muscle), simgap.fit_pam(muscle)
+        self.assertAlmostEqual(fit["values"][fit["names"].index("k")] / run.value("k"), 1.0, places=9)
+
+        drive = {name: values[:4000] for name, values in simgap.read_table(SOURCE / "data/logs/none.csv.gz").items()}
+        run, fit = simgap.run("fit-friction", drive, model="classic"), simgap.fit_friction(drive, law="classic")
+        self.assertAlmostEqual(fit["values"][fit["names"].index("k_a")] / run.value("k_a"), 1.0, places=9)
+
+    def test_failures_carry_their_code_and_sentence(self):
+        with self.assertRaises(simgap.LibraryError) as caught:
+            simgap.fit_spring({"deflection_m": numpy.zeros(3)})
+        self.assertEqual(caught.exception.code, 3)
+        self.assertIn("force", str(caught.exception))
+        with self.assertRaises(simgap.LibraryError) as caught:
+            simgap.Arm("nowhere.yaml")
+        self.assertEqual(caught.exception.code, 2)
+        with self.assertRaisesRegex(ValueError, "force_N: found 2 rows, expected the 3 of deflection_m"):
+            simgap.fit_spring({"deflection_m": numpy.zeros(3), "force_N": numpy.zeros(2)})
+
+    def test_the_example_runs(self):
+        done = subprocess.run([sys.executable, SOURCE / "python/example_arrays.py"], cwd=SOURCE, capture_output=True, text=True,
+                              env={**os.environ, "PYTHONPATH": f"{SOURCE / 'python'}:{sys.argv[3]}"})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"the elbow bends from 36 to 4\d deg, its place moves \d+ mm\n")
+        self.assertRegex(done.stdout, r"4 of 4 came to rest, within \d\.\d deg\n(1[6-9]|20) of 20 intervals")
 
 
 if __name__ == "__main__":

@@ -148,9 +148,12 @@ class Interpolation {
     const std::vector<std::int64_t>& times = series_.time;
     while (next_ < times.size() && times[next_] < time) ++next_;
     if (next_ == times.size()) return std::numeric_limits<double>::quiet_NaN();
-    // Of messages with one stamp each has its row.
-    if (times[next_] == time)
-      return series_.value[next_ + 1 < times.size() && times[next_ + 1] == time ? next_++ : next_];
+    if (times[next_] == time) {
+      const std::size_t here = next_;
+      const bool twice = here + 1 < times.size() && times[here + 1] == time;
+      if (twice) ++next_;  // of messages with one stamp each has its row
+      return series_.value[here];
+    }
     if (next_ == 0) return std::numeric_limits<double>::quiet_NaN();
     const auto gap = static_cast<double>(times[next_] - times[next_ - 1]);
     if (gap > longest_) return std::numeric_limits<double>::quiet_NaN();
