@@ -26,7 +26,6 @@ find_file(ORBIT_CONTROLS_JS OrbitControls.js PATHS /usr/share/javascript/three/e
 
 # The compiled half of the Python module, for Debian's python3: left out without pybind11, without tests, and where a
 # sanitizer would have to be loaded before Python is.
-set(python_rooms core optimize measure model simulate fit)
 if(SIMGAP_PYTHON AND SIMGAP_TESTS AND NOT SIMGAP_SANITIZE AND NOT SIMGAP_FUZZ)
   set(PYBIND11_FINDPYTHON ON)
   set(Python_EXECUTABLE /usr/bin/python3 CACHE FILEPATH "")

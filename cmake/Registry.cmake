@@ -25,9 +25,6 @@ std::span<const ${arg_TYPE}* const> all() { return kAll; }
 }  // namespace simgap::${arg_NAMESPACE}
 ")
   target_sources(${target} PRIVATE ${output})
-  if(TARGET ${target}_python)
-    target_sources(${target}_python PRIVATE ${output})
-  endif()
   # Every entry has the same names in its unnamed namespace: never united.
   set_source_files_properties(${files} ${output} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "simgap/core/interrupt.h"
-#include "simgap/core/interrupt_answer.h"
 #include "simgap/core/progress.h"
 
 namespace simgap {

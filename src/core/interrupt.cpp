@@ -8,7 +8,6 @@
 #include <cstdint>
 
 #include "simgap/core/error.h"
-#include "simgap/core/interrupt_answer.h"
 
 namespace simgap {
 namespace {

@@ -19,7 +19,8 @@ namespace {
 void refuseUnknownMuscles(const CsvTable& table, const PoseLayout& layout) {
   for (const std::string& column : table.columns()) {
     if (!column.starts_with("shaft_")) continue;
-    const std::string muscle = splitUnit(column).stem.substr(6);
+    const std::string stem = splitUnit(column).stem;  // of shaft_rad, which names no muscle, it is shaft
+    const std::string muscle = (stem.starts_with("shaft_") ? stem : column).substr(6);
     if (std::find(layout.muscles.begin(), layout.muscles.end(), muscle) == layout.muscles.end()) {
       throw DataError(fmt::format("{}:1: column {}: the model has no muscle '{}'", table.name(), column, muscle));
     }

@@ -11,7 +11,7 @@ function(run)
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${PREFIX})
 foreach(file include/simgap/model/actuator/feed_forward.h include/simgap/model/actuator/pam.h lib/simgap/libsimgap_images.so
-    lib/simgap/libsimgap_cma_es.so lib/cmake/simgap/simgapConfig.cmake lib/cmake/simgap/simgapConfigVersion.cmake)
+    lib/simgap/libsimgap_cma_es.so lib/simgap/libsimgap_mpi.so lib/cmake/simgap/simgapConfig.cmake lib/cmake/simgap/simgapConfigVersion.cmake)
   if(NOT EXISTS ${PREFIX}/${file})
     message(FATAL_ERROR "${file} was not installed")
   endif()

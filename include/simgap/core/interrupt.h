@@ -13,6 +13,10 @@ bool interruptRequested() noexcept;
 /// As a signal would, where another process brings the wish.
 void requestInterrupt() noexcept;
 
+/// The wish to stop was followed, as it ends a recording, and what was gathered is now to be written whole; another one
+/// stops that, too.
+void interruptAnswered() noexcept;
+
 /// For work that cannot be taken up again. \throws InterruptedError once the user has asked to stop
 void stopIfInterrupted();
 

@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "simgap/core/bytes.h"
 #include "simgap/core/error.h"
@@ -57,9 +58,9 @@ struct RanksEnded : InterruptedError {
 };
 
 /// results[i] = compute(i) for all i, on all threads of all ranks; `compute` looks for interrupts itself.
-/// \param one_by_one  as RankedTasks: no two tasks of a rank at the same time
+/// \param one_by_one, digest  as RankedTasks
 template <class Result, class Compute>
-void computeOnRanks(std::span<Result> results, const Compute& compute, bool one_by_one = false) {
+void computeOnRanks(std::span<Result> results, const Compute& compute, bool one_by_one = false, Bytes digest = {}) {
   const auto one = [&](std::size_t i) { results[i] = compute(i); };
   if (rankCount() == 1 && one_by_one) {
     for (std::size_t i = 0; i < results.size(); ++i) one(i);
@@ -69,6 +70,7 @@ void computeOnRanks(std::span<Result> results, const Compute& compute, bool one_
   RankedTasks tasks;
   tasks.count = results.size();
   tasks.one_by_one = one_by_one;
+  tasks.digest = std::move(digest);
   tasks.compute = [&](std::size_t i) {
     Bytes bytes;
     pack(bytes, compute(i));

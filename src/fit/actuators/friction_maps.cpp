@@ -49,8 +49,14 @@ ErrorMap errorMap(const FittedRows& rows) {
   tbb::parallel_for(std::size_t{0}, map.error.size(), [&](std::size_t f) {
     std::vector<double>& mean = map.error[f];
     mean.assign(map.count.size(), 0.0);
+    const FrictionFit& fit = rows.laws.fits[f];
+    // Once for all chunks: to make it takes a look at every row.
+    const LeastSquaresProblem problem = makeFrictionProblem(*fit.law, data, rows.options);
     for (const Block& chunk : evenChunks(data.rows())) {
-      const ArrayXd predicted = predictEffort(rows.laws.fits[f], data, rows.options, chunk);
+      const auto begin = static_cast<Index>(chunk.begin), size = static_cast<Index>(chunk.size());
+      Eigen::VectorXd residual(size);
+      problem.evaluate(fit.theta, chunk, residual, nullptr);
+      const ArrayXd predicted = residual.array() + measured.segment(begin, size);
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
         mean[cells[i]] += std::abs(predicted[i - chunk.begin] - measured[i]);
       }

@@ -48,10 +48,10 @@ void searchAndStore(Calibration& calibration, const RunDirectory& directory,
 
 bool restoreStored(Calibration& calibration, const RunDirectory& directory) {
   const std::filesystem::path file = directory.file(kStateFile);
-  const std::string stored =
-      shareFromFirstRank([&] { return std::filesystem::exists(file) ? toText(readJson(file)) : std::string(); });
-  if (stored.empty()) return false;
   try {
+    const std::string stored =
+        shareFromFirstRank([&] { return std::filesystem::exists(file) ? toText(readJson(file)) : std::string(); });
+    if (stored.empty()) return false;
     calibration.restore(calibrationStateFromJson(Json::parse(stored)));
   } catch (const DataError& error) {  // no measured data: a file of our own that somebody damaged
     throw ConfigError(error.what());

@@ -86,11 +86,12 @@ class Descents {
       : posterior_(posterior), options_(options), journal_(journal), after_fit_(after_fit) {}
 
   /// Makes `count` more by descend(posterior, i), i = 0 … count - 1. \returns false where the search ends
+  /// \param from  what they begin from, the same on all ranks
   template <class Descend>
-  bool add(std::size_t count, const Descend& descend) {
+  bool add(std::size_t count, const std::vector<Eigen::VectorXd>& from, const Descend& descend) {
     const std::size_t first = passed_on_;
     while (passed_on_ < first + count) {
-      if (passed_on_ == journal_.fits.size()) makeSome(passed_on_ - first, count, descend);
+      if (passed_on_ == journal_.fits.size()) makeSome(passed_on_ - first, count, from, descend);
       if (interruptRequested()) return false;
       while (passed_on_ < std::min(first + count, journal_.fits.size())) {
         if (after_fit_(journal_.fits[passed_on_++])) return false;
@@ -104,15 +105,18 @@ class Descents {
 
  private:
   template <class Descend>
-  void makeSome(std::size_t begin, std::size_t end, const Descend& descend) {
+  void makeSome(std::size_t begin, std::size_t end, const std::vector<Eigen::VectorXd>& from, const Descend& descend) {
     const std::size_t at_once = 8 * (options_.on_ranks ? rankCount() : 1);  // what a kill can cost
     std::vector<PosteriorFit> made(std::min(at_once, end - begin));
     if (options_.on_ranks) {
       tbb::enumerable_thread_specific<PosePosterior> own(posterior_);
       makeArena(options_.threads).execute([&] {
-        computeOnRanks(std::span(made), [&](std::size_t i) {
+        const auto descendOne = [&](std::size_t i) {
           return interruptRequested() ? PosteriorFit() : descend(own.local(), begin + i);
-        });
+        };
+        Bytes digest;
+        pack(digest, from);
+        computeOnRanks(std::span(made), descendOne, /*one_by_one=*/false, std::move(digest));
       });
     } else {
       inParallel(posterior_, options_.threads, made.size(),
@@ -147,14 +151,14 @@ bool descendFromStarts(PosePosterior& posterior, const PosteriorSearchOptions& o
   }
   coarse.whiten(journal.whitened_at);
   posterior.whiten(journal.whitened_at);
-  const bool go_on = descents.add(1, [&](PosePosterior& own, std::size_t) {
+  const bool go_on = descents.add(1, {journal.whitened_at}, [&](PosePosterior& own, std::size_t) {
     PosteriorFit fit = descendPosterior(own, journal.whitened_at);
     if (std::isinf(fit.objective)) fit = descendPosterior(own, drawStart(own.parameters(), options.seed, 0));
     fit.evaluations += whitening_cost;
     return fit;
   });
   const auto others = static_cast<std::size_t>(std::max(0, options.starts - 1));
-  return go_on && descents.add(others, [&](PosePosterior& own, std::size_t i) {
+  return go_on && descents.add(others, {journal.whitened_at}, [&](PosePosterior& own, std::size_t i) {
     return descendFrom(own, coarse, drawStart(own.parameters(), options.seed, i + 1));
   });
 }
@@ -223,7 +227,7 @@ void searchHybrid(PosePosterior& posterior, const PosteriorSearchOptions& option
         explore(posterior, options.threads, bestOf(descents.passedOn(), strategy.mu), exploration);
     if (interruptRequested()) return;
     const long cost = static_cast<long>(kHybridGenerations) * strategy.lambda * std::ssize(posterior.poses());
-    go_on = descents.add(starts.size(), [&](PosePosterior& own, std::size_t i) {
+    go_on = descents.add(starts.size(), starts, [&](PosePosterior& own, std::size_t i) {
       PosteriorFit fit = descendPosterior(own, starts[i]);
       if (i == 0) fit.evaluations += cost;
       return fit;
