@@ -25,6 +25,16 @@ std::string namesOf(const std::vector<Cause>& causes) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+double timesTheNoise(const Diagnosis& d) {
+  return d.noise_floor > 0.0 ? std::sqrt(d.baseline.mse_heldout / d.noise_floor) : 0.0;
+}
+
+/// Whether something acts on the rig that no channel shows, such as a push: more than a rough model or an uneven noise.
+bool farAboveNoise(const Diagnosis& d) {
+  constexpr double kFar = 2.0;
+  return timesTheNoise(d) > kFar;
+}
+
 /// What is left over, and by which channel; empty when it is no structure.
 std::string leftText(const Diagnosis& d) {
   if (d.left_over_percent < 1.0) return {};
@@ -92,8 +102,9 @@ void conclude(Diagnosis& d) {
   if (d.verdict == DiagnosisVerdict::kNothingFound) {
     d.sentence = fmt::format(
         "Nothing found: no cause improves the model on data it has not seen; RMS {:.4g}, noise "
-        "floor {:.4g}.",
-        std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor));
+        "floor {:.4g}{}.",
+        std::sqrt(d.baseline.mse_heldout), std::sqrt(d.noise_floor),
+        farAboveNoise(d) ? ": what is left follows no logged channel" : "");
   } else if (d.verdict == DiagnosisVerdict::kUnexplained) {
     d.sentence = fmt::format("Unexplained: no cause of the catalogue was found. Left: {}.", left);
   } else {
@@ -127,6 +138,12 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
                        actuator_effects::find(d.causes[0].effect).separates);
   }
   if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
+  if (farAboveNoise(d)) {
+    return fmt::format(
+        "What is left is {:.1f} times the noise and follows no logged channel: log what else acts on the rig, and "
+        "record one motion twice; what differs between the two is not the drive's.",
+        timesTheNoise(d));
+  }
   return fmt::format(
       "Nothing is missing at this noise; smaller effects than those under `detectable` need about {:.0f} min "
       "of log for half of their size.",

@@ -1,0 +1,49 @@
+// What is said at the end where no cause was found.
+#include "diagnose/logs/log_conclusion.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace simgap {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Diagnosis withoutCauses(double rms, double noise) {
+  Diagnosis d;
+  d.baseline.mse_heldout = rms * rms;
+  d.noise_floor = noise * noise;
+  conclude(d);
+  return d;
+}
+
+PreparedLog minutesOfLog(double minutes) {
+  PreparedLog log;
+  log.data.rows.time = Eigen::ArrayXd::LinSpaced(10, 0.0, 60.0 * minutes);
+  return log;
+}
+
+TEST(LogConclusion, AtTheNoiseNothingIsMissing) {
+  const Diagnosis d = withoutCauses(0.253, 0.251);
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::kNothingFound);
+  EXPECT_THAT(d.sentence, HasSubstr("RMS 0.253, noise floor 0.251."));
+  EXPECT_THAT(nextExperiment(d, minutesOfLog(2.0)), HasSubstr("Nothing is missing at this noise"));
+}
+
+// A push from outside that no sensor saw: found nothing, but not everything is well.
+TEST(LogConclusion, FarAboveTheNoiseSomethingIsThatNoChannelShows) {
+  const Diagnosis d = withoutCauses(0.16, 0.04);
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::kNothingFound);
+  EXPECT_THAT(d.sentence, HasSubstr("what is left follows no logged channel"));
+  const std::string next = nextExperiment(d, minutesOfLog(2.0));
+  EXPECT_THAT(next, HasSubstr("4.0 times the noise"));
+  EXPECT_THAT(next, Not(HasSubstr("Nothing is missing")));
+}
+
+TEST(LogConclusion, AnUnknownNoiseIsNoYardstick) {
+  EXPECT_THAT(withoutCauses(0.16, 0.0).sentence, Not(HasSubstr("follows no logged channel")));
+}
+
+}  // namespace
+}  // namespace simgap
