@@ -20,7 +20,7 @@ TEST(Replay, JudgesEveryPoseAndSaysHowFarItIs) {
     for (const Pose& pose : test::analyticPoses()) set.poses.push_back(pose);
   }
   test::AnalyticEvaluator evaluator([](const ArmModel&, std::size_t pose, PoseOutcome& outcome) {
-    if (pose == 1) outcome.status = PoseStatus::kNotSteady;
+    if (pose == 1) outcome.status = PoseStatus::kNotSteady, outcome.worst = 1;
   });
   std::vector<std::size_t> done;
   const Assessment judged = replayAll(evaluator, arm, set, [&](std::size_t count) { done.push_back(count); });
