@@ -35,6 +35,12 @@ using Array = py::array_t<double>;
 using InputArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Columns = std::map<std::string, py::object>;
 
+/// What `compute` gives, while other threads of Python go on.
+auto unlocked(const auto& compute) {
+  const py::gil_scoped_release released;
+  return compute();
+}
+
 Array missing(std::vector<py::ssize_t> shape) {
   Array array(std::move(shape));
   std::fill_n(array.mutable_data(), array.size(), std::numeric_limits<double>::quiet_NaN());
@@ -130,11 +136,9 @@ py::dict rest(const ArmModel& model, const InputArray& shafts, const std::string
     throw py::value_error("found the evaluator " + evaluator + ", expected bullet or equilibrium");
   }
   const std::vector<Pose> poses = posesOf(model, shafts);
-  std::vector<PoseOutcome> outcomes;
-  {
-    const py::gil_scoped_release other_threads_go_on;
-    outcomes = makeEvaluator(evaluator, {})->evaluate({&model, 1}, poses, AfterInvalid::kGoOn);
-  }
+  const std::vector<PoseOutcome> outcomes = unlocked([&] {
+    return makeEvaluator(evaluator, {})->evaluate({&model, 1}, poses, AfterInvalid::kGoOn);
+  });
   std::vector<std::string> status;
   std::vector<const std::vector<JointPosition>*> positions;
   for (const PoseOutcome& outcome : outcomes) {
@@ -210,24 +214,18 @@ py::dict fitFrictionTo(const Columns& columns, const std::string& law, std::opti
   const std::vector<const FrictionLaw*> laws = lawsNamed(names);
   if (laws.size() != 1) throw py::value_error(law + ": found several laws, expected one");
   const CsvTable table = logOf(columns);
-  FrictionFit fit;
-  {
-    const py::gil_scoped_release other_threads_go_on;
+  FrictionFitOptions options;
+  options.folds = 0;
+  const FrictionFit fit = unlocked([&] {
     const FrictionData data = prepareFrictionData(readActuatorLog(table, {ratio.value_or(0.0)}), {}, {});
-    FrictionFitOptions options;
-    options.folds = 0;
-    fit = fitFriction(*laws[0], data, options);
-  }
+    return fitFriction(*laws[0], data, options);
+  });
   return estimates(fit.uncertainty, fit.mse);
 }
 
 py::dict fitMotorTo(const Columns& columns) {
   const CsvTable table = logOf(columns);
-  DriveFit fit;
-  {
-    const py::gil_scoped_release other_threads_go_on;
-    fit = fitDrive(readMotorLog(table), {});
-  }
+  const DriveFit fit = unlocked([&] { return fitDrive(readMotorLog(table), {}); });
   py::dict result = estimates(fit.uncertainty, std::numeric_limits<double>::quiet_NaN());
   result.attr("pop")("mse");  // of several channels, each with its own
   py::dict rms;
@@ -238,25 +236,17 @@ py::dict fitMotorTo(const Columns& columns) {
 
 py::dict fitSpringTo(const Columns& columns, bool cord) {
   const CsvTable table = logOf(columns);
-  SpringFit fit;
-  {
-    const py::gil_scoped_release other_threads_go_on;
-    SpringFitOptions options;
-    options.cord = cord;
-    fit = fitSpring(prepareSpringData(table), options);
-  }
+  SpringFitOptions options;
+  options.cord = cord;
+  const SpringFit fit = unlocked([&] { return fitSpring(prepareSpringData(table), options); });
   return estimates(fit.uncertainty, fit.mse);
 }
 
 py::dict fitPamTo(const Columns& columns, bool spring) {
   const CsvTable table = logOf(columns);
-  PamFit fit;
-  {
-    const py::gil_scoped_release other_threads_go_on;
-    PamFitOptions options;
-    options.spring = spring;
-    fit = fitPam(readPamLog(table), options);
-  }
+  PamFitOptions options;
+  options.spring = spring;
+  const PamFit fit = unlocked([&] { return fitPam(readPamLog(table), options); });
   return estimates(fit.uncertainty, fit.mse);
 }
 

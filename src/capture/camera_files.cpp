@@ -12,15 +12,10 @@ namespace {
 
 constexpr std::size_t kLargestCalibration = std::size_t{1} << 20U;  // [bytes]; such files have a few thousand
 
-/// YAML whose first line may be the directive of OpenCV, which YAML does not have.
-YamlNode parseCalibration(const CameraFile& file) {
-  return YamlNode::parse(file.text.starts_with("%YAML") ? "#" + file.text : file.text, file.name);
-}
-
 StereoCameras readOne(const CameraFile& file) {
   const std::size_t first = file.text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && file.text[first] == '<') return readStereoXml(file);
-  const YamlNode root = parseCalibration(file);
+  const YamlNode root = parseCameraYaml(file.text, file.name);
   if (root.isMap() && root.has("cam0")) return readCamchain(root, file.name);
   if (root.isMap() && root.has("camera_matrix") && root.has("distortion_coefficients")) {
     throw ConfigError(
@@ -34,12 +29,10 @@ StereoCameras readOne(const CameraFile& file) {
                     "XML), Kalibr's camchain (cam0, cam1), or two files of camera_info",
                     file.name));
   }
-  return readStereo(file.text, file.name);
+  return stereoFromYaml(root, file.name);
 }
 
 }  // namespace
-
-bool isStereoYaml(const std::string& text) { return text.starts_with("%YAML:1.0"); }
 
 StereoCameras readCameras(std::span<const CameraFile> files) {
   for (const CameraFile& file : files) {
@@ -49,7 +42,8 @@ StereoCameras readCameras(std::span<const CameraFile> files) {
   }
   if (files.size() == 1) return readOne(files[0]);
   if (files.size() != 2) throw ConfigError(fmt::format("found {} files of cameras, expected 1 or 2", files.size()));
-  return readCameraInfo({parseCalibration(files[0]), parseCalibration(files[1])}, {files[0].name, files[1].name});
+  return readCameraInfo({parseCameraYaml(files[0].text, files[0].name), parseCameraYaml(files[1].text, files[1].name)},
+                        {files[0].name, files[1].name});
 }
 
 }  // namespace simgap

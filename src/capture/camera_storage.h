@@ -35,6 +35,10 @@ class CameraStorage {
 
 /// \throws ConfigError as readStereo
 StereoCameras stereoFrom(const CameraStorage& storage, const std::string& file);
+/// The same of YAML that was read. \param root  by parseCameraYaml
+StereoCameras stereoFromYaml(const YamlNode& root, const std::string& file);
+/// YAML whose first line may be the directive of OpenCV, which YAML does not have.
+YamlNode parseCameraYaml(const std::string& text, const std::string& file);
 
 /// A matrix node of FileStorage YAML: rows, cols, data. \throws ConfigError
 cv::Mat matrixOf(const YamlNode& node);

@@ -6,22 +6,14 @@
 #include <string_view>
 
 #include "camera_storage.h"
+#include "simgap/capture/camera_files.h"
 #include "simgap/core/error.h"
 #include "simgap/core/yaml.h"
 
 namespace simgap {
 namespace {
 
-/// OpenCV's own reader trusts what it reads: it allocates what `rows` and `cols` say and calls itself for every
-/// bracket. What it writes is YAML but for the first line.
-YamlNode parseStorage(const std::string& text, const std::string& file) {
-  constexpr std::string_view kDirective = "%YAML:1.0";
-  if (!text.starts_with(kDirective)) {
-    throw ConfigError(
-        fmt::format("{}: found no OpenCV file storage, expected YAML that begins with {}", file, kDirective));
-  }
-  return YamlNode::parse("#" + text, file);  // a comment, so that lines keep their numbers
-}
+constexpr std::string_view kDirective = "%YAML:1.0";
 
 class YamlStorage : public CameraStorage {
  public:
@@ -134,7 +126,23 @@ Eigen::Matrix3d StereoCameras::essential() const {
 }
 
 StereoCameras readStereo(const std::string& text, const std::string& file) {
-  return stereoFrom(YamlStorage(parseStorage(text, file)), file);
+  if (!isStereoYaml(text)) {
+    throw ConfigError(
+        fmt::format("{}: found no OpenCV file storage, expected YAML that begins with {}", file, kDirective));
+  }
+  return stereoFromYaml(parseCameraYaml(text, file), file);
+}
+
+bool isStereoYaml(const std::string& text) { return text.starts_with(kDirective); }
+
+// OpenCV's own reader trusts what it reads: it allocates what `rows` and `cols` say and calls itself for every bracket.
+// What it writes is YAML but for the first line.
+YamlNode parseCameraYaml(const std::string& text, const std::string& file) {
+  return YamlNode::parse(text.starts_with("%YAML") ? "#" + text : text, file);  // a comment: lines keep their numbers
+}
+
+StereoCameras stereoFromYaml(const YamlNode& root, const std::string& file) {
+  return stereoFrom(YamlStorage(root), file);
 }
 
 StereoCameras stereoFrom(const CameraStorage& storage, const std::string& file) {

@@ -148,8 +148,7 @@ void StereoCapture::follow(std::size_t target) {
 }
 
 bool StereoCapture::accept(std::size_t target, const TrackedTarget& tracked) {
-  const double freedoms = 2.0 * tracked.images - 6.0;
-  const double own = tracked.refined.square_sum / freedoms;
+  const double own = tracked.refined.square_sum / tracked.freedoms();
   const double pooled = square_sum_ / freedoms_;
   if (own > kStrangerRatio * pooled) return false;
   TargetFrame& frame = frame_.targets[target];

@@ -21,7 +21,8 @@ struct TrackedTarget {
   std::vector<int> marker;           ///< of each observation below
   std::vector<PointCandidate> seen;  ///< what the pose was fitted to; a camera that does not see it has infinite spread
   RefinedPose refined;
-  int images = 0;  ///< of markers, in both cameras together
+  int images = 0;                                         ///< of markers, in both cameras together
+  double freedoms() const { return 2.0 * images - 6.0; }  ///< of the fit: two numbers an image, six of the pose
 };
 
 /// Two markers seen by both cameras leave one angle open; a third seen by one of them closes it. Blobs are assigned to

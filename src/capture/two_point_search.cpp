@@ -31,8 +31,6 @@ std::vector<Eigen::Vector3d> meet(const CameraRay& ray, const Eigen::Vector3d& c
   return {ray.origin + (along - half) * ray.direction, ray.origin + (along + half) * ray.direction};
 }
 
-double trackedFreedoms(const TrackedTarget& tracked) { return 2.0 * tracked.images - 6.0; }
-
 class TwoPointSearch {
  public:
   TwoPointSearch(const StereoCameras& cameras, const Triangulator& triangulator,
@@ -119,7 +117,7 @@ class TwoPointSearch {
 
   void judge(const std::optional<TrackedTarget>& found) {
     if (!found || found->images < kFewestUntracked) return;
-    if (found->refined.square_sum > kGoodFit * variance_ * trackedFreedoms(*found)) return;
+    if (found->refined.square_sum > kGoodFit * variance_ * found->freedoms()) return;
     const auto elsewhere = [&](const TrackedTarget& other) {
       double farthest = 0.0;
       for (const Eigen::Vector3d& m : markers_) {

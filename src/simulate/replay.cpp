@@ -46,17 +46,24 @@ Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet&
   return assess(model.poseLayout(), poses, outcomes, objective);
 }
 
-std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout) {
-  std::vector<std::string> sentences;
-  for (std::size_t m = 0; m < layout.muscles.size(); ++m) {
+std::vector<StretchedCord> cordsBeyondLinear(std::span<const PoseOutcome> outcomes, std::size_t muscles) {
+  std::vector<StretchedCord> cords;
+  for (std::size_t m = 0; m < muscles; ++m) {
     double largest = 0.0;
     for (const PoseOutcome& outcome : outcomes) {
       if (!outcome.cord_expansion.empty()) largest = std::max(largest, outcome.cord_expansion[m]);
     }
-    if (largest <= ShockCord::kLinearRange) continue;
+    if (largest > ShockCord::kLinearRange) cords.push_back({m, largest});
+  }
+  return cords;
+}
+
+std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout) {
+  std::vector<std::string> sentences;
+  for (const StretchedCord& cord : cordsBeyondLinear(outcomes, layout.muscles.size())) {
     sentences.push_back(
         fmt::format("{}: its cord is stretched by {:.0f} % of its rest length, it is linear only up to {:.0f} %",
-                    layout.muscles[m], 100.0 * largest, 100.0 * ShockCord::kLinearRange));
+                    layout.muscles[cord.muscle], 100.0 * cord.expansion, 100.0 * ShockCord::kLinearRange));
   }
   return sentences;
 }

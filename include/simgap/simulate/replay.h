@@ -28,6 +28,14 @@ Assessment replayAll(Evaluator& evaluator, const ArmModel& model, const PoseSet&
                      const std::function<void(std::size_t)>& progress = {},
                      PoseObjective objective = PoseObjective::kGeodesic);
 
+/// A cord that was stretched beyond the range in which it is linear (000 eq. 2).
+struct StretchedCord {
+  std::size_t muscle;
+  double expansion;  ///< (1) the largest, of its rest length
+};
+/// \param outcomes  those without cords count for nothing
+std::vector<StretchedCord> cordsBeyondLinear(std::span<const PoseOutcome> outcomes, std::size_t muscles);
+
 /// A sentence per muscle whose cord was stretched beyond the range in which it is linear (000 eq. 2).
 std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, const PoseLayout& layout);
 

@@ -306,13 +306,17 @@ double meanSquaredError(const FrictionFit& fit, const FrictionData& data, const 
   return residuals(problem, fit.theta).squaredNorm() / static_cast<double>(data.rows());
 }
 
-Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options,
-                             const Block& rows) {
-  LeastSquaresProblem problem = makeFrictionProblem(*fit.law, data, options);
+Eigen::ArrayXd predictEffort(const LeastSquaresProblem& problem, const FrictionFit& fit, const FrictionData& data,
+                             const FrictionFitOptions& options, const Block& rows) {
   const Eigen::ArrayXd& measured = options.predict_load ? data.load : data.effort;
   Eigen::VectorXd predicted(static_cast<Index>(rows.size()));
   problem.evaluate(fit.theta, rows, predicted, nullptr);
   return predicted.array() + measured.segment(static_cast<Index>(rows.begin), static_cast<Index>(rows.size()));
+}
+
+Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options,
+                             const Block& rows) {
+  return predictEffort(makeFrictionProblem(*fit.law, data, options), fit, data, options, rows);
 }
 
 std::size_t compareFits(std::vector<FrictionFit>& fits) {

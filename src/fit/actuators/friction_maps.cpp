@@ -50,13 +50,9 @@ ErrorMap errorMap(const FittedRows& rows) {
     std::vector<double>& mean = map.error[f];
     mean.assign(map.count.size(), 0.0);
     const FrictionFit& fit = rows.laws.fits[f];
-    // Once for all chunks: to make it takes a look at every row.
     const LeastSquaresProblem problem = makeFrictionProblem(*fit.law, data, rows.options);
     for (const Block& chunk : evenChunks(data.rows())) {
-      const auto begin = static_cast<Index>(chunk.begin), size = static_cast<Index>(chunk.size());
-      Eigen::VectorXd residual(size);
-      problem.evaluate(fit.theta, chunk, residual, nullptr);
-      const ArrayXd predicted = residual.array() + measured.segment(begin, size);
+      const ArrayXd predicted = predictEffort(problem, fit, data, rows.options, chunk);
       for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
         mean[cells[i]] += std::abs(predicted[i - chunk.begin] - measured[i]);
       }

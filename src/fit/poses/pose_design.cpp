@@ -9,6 +9,7 @@
 #include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap {
 namespace {
@@ -78,20 +79,11 @@ class GreedyDesign {
 /// Muscles that are beyond their linear range in the recorded poses already.
 std::string stretchedText(const PosePosterior& posterior, const Eigen::VectorXd& z) {
   const ArmModel model = posterior.modelAt(z);
-  EquilibriumArm arm(model);
-  std::vector<double> largest(model.muscles.size(), 0.0);
-  for (const Pose& pose : posterior.poses()) {
-    arm.setTime(pose.time);
-    if (!arm.solve(pose.shafts).stable) continue;
-    for (std::size_t m = 0; m < largest.size(); ++m) {
-      largest[m] = std::max(largest[m], arm.energy().expansion(m) / model.muscles[m].shock_cord.rest_length);
-    }
-  }
+  const auto outcomes = makeEquilibriumEvaluator(1)->evaluate({&model, 1}, posterior.poses(), AfterInvalid::kGoOn);
   std::string text;
-  for (std::size_t m = 0; m < largest.size(); ++m) {
-    if (largest[m] <= ShockCord::kLinearRange) continue;
+  for (const StretchedCord& cord : cordsBeyondLinear(outcomes, model.muscles.size())) {
     text += fmt::format("; the recorded poses stretch the cord of {} by {:.0f} %, it is linear up to {:.0f} %",
-                        model.muscles[m].name, 100.0 * largest[m], 100.0 * ShockCord::kLinearRange);
+                        model.muscles[cord.muscle].name, 100.0 * cord.expansion, 100.0 * ShockCord::kLinearRange);
   }
   return text;
 }

@@ -69,7 +69,11 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
 /// Mean squared error of a fit on other rows.
 double meanSquaredError(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options);
 
-/// What the model predicts for some rows, shape (rows.size()).
+/// What the model predicts for some rows, shape (rows.size()). \param problem  that makeFrictionProblem made of `data`:
+/// once for all blocks of rows, because that takes a look at every row.
+Eigen::ArrayXd predictEffort(const LeastSquaresProblem& problem, const FrictionFit& fit, const FrictionData& data,
+                             const FrictionFitOptions& options, const Block& rows);
+/// The same for rows that are asked for once.
 Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options,
                              const Block& rows);
 

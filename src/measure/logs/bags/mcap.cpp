@@ -187,12 +187,6 @@ class McapReader {
 
 }  // namespace
 
-std::string shortType(std::string_view type) {
-  const std::size_t middle = type.find("/msg/");
-  if (middle == std::string_view::npos) return std::string(type);
-  return fmt::format("{}/{}", type.substr(0, middle), type.substr(middle + 5));
-}
-
 std::vector<BagTopic> readMcap(std::string_view bytes, const std::string& file, const TakeMessage& take) {
   McapReader reader(bytes, take);
   try {

@@ -192,6 +192,12 @@ bool isPlain(std::string_view type) { return std::ranges::find(kPlainTypes, type
 
 }  // namespace
 
+std::string shortType(std::string_view type) {
+  const std::size_t middle = type.find("/msg/");
+  if (middle == std::string_view::npos) return std::string(type);
+  return fmt::format("{}/{}", type.substr(0, middle), type.substr(middle + 5));
+}
+
 bool isReadable(const BagTopic& topic) {
   if (topic.encoding == "json") return true;
   return (topic.encoding == "cdr" || topic.encoding == "ros1") && (topic.type == kJointState || isPlain(topic.type));
