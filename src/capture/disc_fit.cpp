@@ -242,7 +242,7 @@ DiscFit fitDiscs(const cv::Mat& image, const DiscShape& shape, const std::vector
   fit.fade = p[2];
   fit.misfit = problem.meanSquare(p);
   const Information full = matrix.selfadjointView<Eigen::Lower>();
-  const Information covariance = full.inverse();
+  const Information covariance = full.ldlt().solve(Information::Identity(full.rows(), full.cols()));
   for (std::size_t k = 0; k < start.size(); ++k) {
     const auto first = static_cast<Eigen::Index>(kShared + kPerDisc * k);
     fit.discs.push_back({p.segment<2>(first + 1), p[first + 3], p[first]});

@@ -80,8 +80,7 @@ class VideoSource : public ImageSource {
 
 const ImageModule& imageModule() {
   using Entry = const ImageModule* (*)();
-  static const ImageModule* const loaded =
-      reinterpret_cast<Entry>(moduleEntry("libsimgap_images.so", SIMGAP_IMAGE_MODULE, "simgapImageModule"))();
+  static const ImageModule* const loaded = reinterpret_cast<Entry>(moduleEntry("images", "simgapImageModule"))();
   return *loaded;
 }
 

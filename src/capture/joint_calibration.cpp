@@ -215,7 +215,7 @@ ArmJointCalibration calibrateArmJoints(const Rig& rig, const TargetSet& targets,
   }
   // The forearm turns about exactly the axis that the rig names.
   const Eigen::Vector3d axis = forearm * result.elbow.axis_in_child;
-  forearm = Eigen::Quaterniond::FromTwoVectors(axis, named_axis).toRotationMatrix() * forearm;
+  forearm = rotationBetween(axis.normalized(), named_axis).toRotationMatrix() * forearm;
 
   result.targets = targets;
   const auto target = [&](int index) -> MarkerTarget& { return result.targets.targets[index]; };

@@ -92,7 +92,7 @@ RefinedPose refinePose(const StereoCameras& cameras, const TargetPose& start, st
   }
   const Normal normal = normalEquations(cameras, refined.pose, body, seen, &refined.marker_px);
   refined.square_sum = normal.square_sum;
-  refined.cofactor = normal.matrix.inverse();
+  refined.cofactor = normal.matrix.ldlt().solve(Matrix6::Identity());
   return refined;
 }
 

@@ -1,11 +1,11 @@
 #include "simgap/capture/target_check.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "simgap/capture/rigid_fit.h"
+#include "simgap/core/decompositions.h"
 
 namespace simgap {
 namespace {
@@ -91,7 +91,7 @@ double flatnessOf(const Points& markers) {
   for (const auto& m : markers) {
     covariance += (m - mean) * (m - mean).transpose() / static_cast<double>(markers.size());
   }
-  return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[0]));
+  return std::sqrt(std::max(0.0, symmetricEigen(covariance).values[0]));
 }
 
 }  // namespace

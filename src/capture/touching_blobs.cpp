@@ -77,7 +77,8 @@ std::vector<std::vector<const BrightRegion*>> groupsOf(const std::vector<const B
 std::vector<Disc> startOf(const std::vector<const BrightRegion*>& group, const DiscShape& shape) {
   std::vector<Disc> discs;
   for (const BrightRegion* region : group) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(region->moments);
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes;
+    axes.computeDirect(region->moments);
     const double apart = std::sqrt(std::max(0.0, axes.eigenvalues()[1] - axes.eigenvalues()[0]));
     const Disc disc{region->blob.centre, shape.radius, shape.amplitude};
     discs.push_back(disc);

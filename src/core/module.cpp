@@ -21,12 +21,13 @@ bool isBelow(const fs::path& given_file, const fs::path& given_folder) {
 
 }  // namespace
 
-void* moduleEntry(const std::string& name, const std::string& built, const char* entry) {
+void* moduleEntry(const std::string& name, const char* entry) {
   std::error_code none;
   const fs::path program = fs::read_symlink("/proc/self/exe", none);
-  const fs::path installed = program.parent_path() / "../lib/simgap" / name;
-  const bool from_build = !fs::exists(installed, none) && isBelow(program, fs::path(built).parent_path());
-  const std::string file = from_build ? built : installed.string();
+  const std::string library = fmt::format("libsimgap_{}.so", name);
+  const fs::path installed = program.parent_path() / "../lib/simgap" / library;
+  const bool from_build = !fs::exists(installed, none) && isBelow(program, SIMGAP_BUILD_FOLDER);
+  const fs::path file = from_build ? fs::path(SIMGAP_BUILD_FOLDER) / library : installed;
   void* const handle = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const address = handle == nullptr ? nullptr : dlsym(handle, entry);
   if (address == nullptr) throw ConfigError(fmt::format("a part of the program cannot be loaded: {}", dlerror()));

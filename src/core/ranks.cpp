@@ -137,7 +137,7 @@ void joinRanks() {
   }
   using Module = RankChannel* (*)();
   RankTeam& us = team();
-  us.channel = reinterpret_cast<Module>(moduleEntry("libsimgap_mpi.so", SIMGAP_MPI_MODULE, "simgapMpiModule"))();
+  us.channel = reinterpret_cast<Module>(moduleEntry("mpi", "simgapMpiModule"))();
   us.rank = us.channel->rank();
   us.count = us.channel->count();
   if (us.rank > 0) fallSilent();

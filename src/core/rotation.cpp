@@ -35,6 +35,13 @@ Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations) {
   return mean.normalized();
 }
 
+Eigen::Quaterniond rotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  // (cos(a/2), sin(a/2) axis) is (1 + cos a, sin a axis) but for its length.
+  const double w = 1.0 + from.dot(to);
+  const Eigen::Vector3d axis = w > 1e-12 ? from.cross(to) : from.unitOrthogonal();
+  return Eigen::Quaterniond(w, axis.x(), axis.y(), axis.z()).normalized();
+}
+
 Eigen::Matrix3d cross(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;

@@ -29,8 +29,7 @@ std::vector<std::vector<double>> firstPopulation(std::size_t unknowns, const Cma
 void minimiseByCmaEs(const std::function<double(const std::vector<double>&)>& objective, std::size_t unknowns,
                      const CmaEsOptions& options, const std::function<bool(const CmaEsGeneration&)>& after_generation) {
   using Module = CmaEsEntry (*)();
-  static const CmaEsEntry evolve =
-      reinterpret_cast<Module>(moduleEntry("libsimgap_cma_es.so", SIMGAP_CMA_ES_MODULE, "simgapCmaEsModule"))();
+  static const CmaEsEntry evolve = reinterpret_cast<Module>(moduleEntry("cma_es", "simgapCmaEsModule"))();
   evolve(objective, firstPopulation(unknowns, options), options, after_generation);
 }
 

@@ -140,6 +140,19 @@ TEST(RotationVector, JacobiansAreTheDerivatives) {
   }
 }
 
+TEST(RotationBetween, TakesOneDirectionToTheOtherTheShortestWay) {
+  std::mt19937 random(13);
+  for (int i = 0; i < 20; ++i) {
+    const Vector3d from = randomDirection(random);
+    for (const Vector3d& to : {randomDirection(random), from, Vector3d(-from)}) {
+      const Quaterniond turn = rotationBetween(from, to);
+      EXPECT_NEAR(turn.norm(), 1.0, kRounding);
+      EXPECT_LT((turn * from - to).norm(), kRounding);
+      EXPECT_NEAR(logSo3(turn).norm(), std::atan2(from.cross(to).norm(), from.dot(to)), kRounding);
+    }
+  }
+}
+
 TEST(RotationVector, CrossIsTheMatrixOfTheProduct) {
   const Vector3d a(0.3, -2.0, 1.1), b(-0.7, 0.2, 5.0);
   EXPECT_LT((cross(a) * b - a.cross(b)).norm(), kRounding * a.norm() * b.norm());

@@ -37,6 +37,10 @@ double jointError(JointType type, const JointPosition& a, const JointPosition& b
 /// The rotation that minimises the sum of squared chordal distances (Markley et al. 2007), w >= 0.
 Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations);
 
+/// The shortest rotation that takes one direction to another; of opposite ones, about any axis across them.
+/// \param from, to  unit length
+Eigen::Quaterniond rotationBetween(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 /// \name The rotation group SO(3) by rotation vectors w (axis times angle [rad]); Sola, Deray & Atchuthan 2018.
 ///@{
 /// The matrix [v]x, so that cross(v) w = v x w.
