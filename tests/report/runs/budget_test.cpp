@@ -1,0 +1,71 @@
+#include "simgap/report/runs/budget.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "report/result_folder.h"
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+using ::testing::HasSubstr;
+
+const Json kResult = {{"format", "simgap/diagnose/1"},
+                      {"verdict", "cause-found"},
+                      {"mje_deg", {{"final", {{"elbow", 2.5}}}}},
+                      {"parameters",
+                       {{{"name", "muscles.biceps.spindle_radius_m"}, {"value", 0.006}, {"sd", 0.0003}},
+                        {{"name", "muscles.triceps.spindle_radius_m"}, {"value", 0.009}, {"sd", nullptr}}}},
+                      {"causes", {{{"effect", "channel-delay"}, {"gain_heldout_percent", 12.0}}}}};
+
+Json check(const std::string& limits) {
+  const test::ResultFolder folder(kResult);
+  return checkBudget(readBudget(YamlNode::parse("format: simgap/budget/1\nlimits:\n" + limits, "budget.yaml")),
+                     ResultFiles(folder.directory().path()));
+}
+
+TEST(Budget, HoldsAndBreaks) {
+  EXPECT_TRUE(holds(check("  - {value: mje_deg.final.elbow, upper: 3}\n")));
+  EXPECT_FALSE(holds(check("  - {value: mje_deg.final.elbow, upper: 2}\n")));
+  EXPECT_TRUE(holds(check("  - {parameter: '*.spindle_radius_m', lower: 0.005, upper: 0.01}\n")));
+  EXPECT_FALSE(holds(check("  - {parameter: '*.spindle_radius_m', upper: 0.007}\n")));
+  EXPECT_TRUE(holds(check("  - {parameter: 'muscles.b*_m', largest_sd_percent: 6}\n")));
+  EXPECT_TRUE(holds(check("  - verdict: [nothing-found, cause-found]\n")));
+  EXPECT_FALSE(holds(check("  - verdict: [nothing-found]\n")));
+  EXPECT_FALSE(holds(check("  - {cause: channel-*}\n")));
+  EXPECT_TRUE(holds(check("  - {cause: channel-delay, upper: 15}\n")));
+  EXPECT_TRUE(holds(check("  - {cause: payload}\n")));
+}
+
+TEST(Budget, WhatIsNotThereDoesNotHold) {
+  EXPECT_FALSE(holds(check("  - {value: mje_deg.final.shoulder, upper: 3}\n")));
+  EXPECT_FALSE(holds(check("  - {value: mje_deg, upper: 3}\n")));
+  EXPECT_FALSE(holds(check("  - {parameter: mass, upper: 3}\n")));
+  EXPECT_FALSE(holds(check("  - {parameter: 'muscles.triceps*', largest_sd_percent: 50}\n")));
+}
+
+TEST(Budget, SaysWhichLineIsBroken) {
+  const Json guard = check("  - {value: mje_deg.final.elbow, upper: 2}\n  - {cause: payload}\n");
+  EXPECT_THAT(guardText(guard), HasSubstr("1 of 2 limits hold"));
+  EXPECT_THAT(guardText(guard), HasSubstr("BROKEN"));
+  EXPECT_THAT(guardMarkdown(guard), HasSubstr("| mje_deg.final.elbow is at most 2 | 2.5 | **broken** |"));
+  EXPECT_THAT(guardJunit(guard), HasSubstr("failures=\"1\""));
+  EXPECT_THAT(guardJunit(guard), HasSubstr("<failure message=\"found 2.5\"/>"));
+}
+
+TEST(Budget, RefusesLinesWithoutMeaning) {
+  EXPECT_THROW(check("  - {value: mse}\n"), ConfigError);
+  EXPECT_THROW(check("  - {value: mse, lower: 2, upper: 1}\n"), ConfigError);
+  EXPECT_THROW(check("  - {upper: 1}\n"), ConfigError);
+  EXPECT_THROW(check("  - {value: mse, upper: 1, unknown: 2}\n"), ConfigError);
+}
+
+TEST(Budget, AHostilePatternTakesNoTime) {
+  std::string pattern;
+  for (int i = 0; i < 200; ++i) pattern += "*a";
+  EXPECT_FALSE(holds(check("  - {parameter: '" + pattern + "b', upper: 1}\n")));
+}
+
+}  // namespace
+}  // namespace simgap
