@@ -38,7 +38,7 @@ TEST(CompareRuns, NamesWhatChangedSinceWhenAndByHowMuch) {
   EXPECT_EQ(friction.at("change").at("since"), "d5");
   EXPECT_NEAR(friction.at("change").at("step").get<double>(), 1.0, 0.05);
   EXPECT_EQ(result.at("parameters")[1].at("verdict"), "same");
-  EXPECT_THAT(comparisonAnswer(result), HasSubstr("tau_c changed by +1 Nm since d5"));
+  EXPECT_THAT(comparisonAnswer(result), HasSubstr("tau_c changed by +1 N m since d5"));
 }
 
 TEST(CompareRuns, ScatterIsNoChange) {
