@@ -52,6 +52,7 @@ void BulletArm::build(const ArmModel& model) {
   world_->world.addMultiBody(&world_->body);
   world_->world.setGravity(toBullet(gravity_));
   world_->solver.setArm(&world_->body, joints_, world_->link_of_joint);
+  motion_.reset();
 }
 
 void BulletArm::setModel(const ArmModel& model) {
@@ -76,6 +77,7 @@ void BulletArm::setModel(const ArmModel& model) {
   } else {
     muscles_.clear();
     for (const Muscle& muscle : model.muscles) muscles_.emplace_back(muscle, options_.step);
+    motion_.reset();
   }
   reset();
 }
@@ -105,6 +107,7 @@ void BulletArm::setJointPositions(std::span<const JointPosition> joints) {
   }
   body.clearForcesAndTorques();
   world_->solver.reset();
+  forgetMotion();
   updateKinematics();
 }
 
@@ -171,19 +174,25 @@ JointPosition BulletArm::jointPosition(std::size_t joint) const {
 }
 
 std::vector<JointPosition> BulletArm::capturedPositions() const {
-  std::vector<JointPosition> joints;
-  for (std::size_t j = 0; j < joints_.size(); ++j) joints.push_back(jointPosition(j));
-  observation_.turnMarkers(joints);
+  std::vector<JointPosition> joints(joints_.size());
+  capturedPositions(joints);
   return joints;
+}
+
+void BulletArm::capturedPositions(std::vector<JointPosition>& joints) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j) joints[j] = jointPosition(j);
+  observation_.turnMarkers(joints);
 }
 
 double BulletArm::jointSpeed(std::size_t joint) const {
   return speed(joints_[joint], world_->body.getJointVelMultiDof(world_->link_of_joint[joint]));
 }
 
+bool BulletArm::jointIsFinite(std::size_t joint) const { return jointSpeed(joint) < kRunawaySpeed; }
+
 bool BulletArm::isFinite() const {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    if (!(jointSpeed(j) < kRunawaySpeed)) return false;
+    if (!jointIsFinite(j)) return false;
   }
   for (const MuscleState& muscle : muscles_) {
     if (!std::isfinite(muscle.state.shaft_angle) || !std::isfinite(muscle.force)) return false;

@@ -50,13 +50,29 @@ class BulletArm {
   /// Advances one physics step.
   void step();
 
+  /// \name Motion: what happens on the way to a rest (bullet_arm_motion.cpp)
+  ///@{
+  void setShafts(std::span<const double> shafts);  ///< places them, at rest and without current; shape (muscles) [rad]
+  void setVoltage(std::size_t muscle, double voltage);  ///< of stepMotion(), held until it is set again [V]
+  /// Advances one physics step by an integrator of second order. The voltages are setVoltage()'s: no controller acts.
+  void stepMotion();
+  /// As setJointVelocity().
+  Eigen::Vector3d jointVelocity(std::size_t joint) const;
+  double shaftVelocity(std::size_t muscle) const;  ///< [rad/s]
+  double voltage(std::size_t muscle) const;        ///< [V]
+  double cordLength(std::size_t muscle) const;     ///< L_S [m], as of the last step
+  double mechanicalEnergy();                       ///< of bodies, their weight and linear cords [J]
+  ///@}
+
   double time() const;  ///< [s] since reset
   JointPosition jointPosition(std::size_t joint) const;
-  std::vector<JointPosition> capturedPositions() const;  ///< of all joints, as markers show them
-  double jointSpeed(std::size_t joint) const;            ///< norm of its angular velocity [rad/s]
-  double shaftAngle(std::size_t muscle) const;           ///< [rad]
-  double shaftError(std::size_t muscle) const;           ///< reference - angle [rad]
-  bool isFinite() const;                                 ///< false once the simulation has blown up
+  std::vector<JointPosition> capturedPositions() const;              ///< of all joints, as markers show them
+  void capturedPositions(std::vector<JointPosition>& joints) const;  ///< the same, into shape (joints)
+  double jointSpeed(std::size_t joint) const;                        ///< norm of its angular velocity [rad/s]
+  double shaftAngle(std::size_t muscle) const;                       ///< [rad]
+  double shaftError(std::size_t muscle) const;                       ///< reference - angle [rad]
+  bool isFinite() const;                                             ///< false once the simulation has blown up
+  bool jointIsFinite(std::size_t joint) const;                       ///< the same of one joint
 
   /// \name Sensors (000 section VI)
   ///@{
@@ -74,6 +90,11 @@ class BulletArm {
   struct World;
   struct MuscleState;
   struct LinePath;
+  struct CordState;
+  struct Motion;
+  struct MotionDeleter {
+    void operator()(Motion* motion) const;
+  };
   void build(const ArmModel& model);
   void updateKinematics();
   void applyMuscles();
@@ -82,6 +103,11 @@ class BulletArm {
   LinePath linePath(const MuscleState& muscle, int index) const;
   void pull(const LinePath& path, double force);
   void applyJointTorques();
+  CordState cordState(const MuscleState& muscle, int index, double path_length, const DriveState& drive) const;
+  Motion& motion();
+  void forgetMotion();
+  void placePull(std::size_t index, const DriveState& middle);
+  void moveJoints(double step);
 
   BulletArmOptions options_;
   std::vector<Body> bodies_;
@@ -97,6 +123,7 @@ class BulletArm {
   std::vector<Eigen::Vector3d> spin_;   ///< angular velocity of each body in the world [rad/s]
   std::vector<Eigen::Vector3d> drift_;  ///< velocity of each body's origin in the world [m/s]
   std::unique_ptr<World> world_;
+  std::unique_ptr<Motion, MotionDeleter> motion_;  ///< made by the first step of a motion
   long steps_ = 0;
   int controller_steps_ = 1;  ///< physics steps per controller period
 };
