@@ -11,6 +11,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/units.h"
+#include "simgap/measure/joint_columns.h"
 
 namespace simgap {
 namespace {
@@ -33,21 +34,6 @@ bool holdsPosition(const CsvTable& table, const JointKind& kind, const std::stri
     const auto [stem, unit] = splitUnit(column);
     return table.has(column) || (!unit.empty() && table.hasQuantity(stem, unit));
   });
-}
-
-/// A table that holds a joint's position as another kind of joint has it belongs to a model of that kind.
-void refuseOtherJointTypes(const CsvTable& table, const PoseLayout& layout) {
-  for (const JointChannel& joint : layout.joints) {
-    const JointKind& expected = kindOf(joint.type);
-    if (holdsPosition(table, expected, joint.name)) continue;
-    for (const JointKind* kind : joint_kinds::all()) {
-      if (kind == &expected || !holdsPosition(table, *kind, joint.name)) continue;
-      throw DataError(
-          fmt::format("{}:1: joint {}: found {}, the position of a {} joint, expected {}: the model's type of it is {}",
-                      table.name(), joint.name, fmt::join(positionColumns(kind->type, joint.name), ", "), kind->name,
-                      fmt::join(positionColumns(expected.type, joint.name), ", "), expected.name));
-    }
-  }
 }
 
 void refuseTimeGoingBack(const CsvTable& table) {
@@ -111,6 +97,20 @@ Pose meanPose(const std::string& name, const std::vector<std::size_t>& rows, con
 }
 
 }  // namespace
+
+void refuseOtherJointTypes(const CsvTable& table, const PoseLayout& layout) {
+  for (const JointChannel& joint : layout.joints) {
+    const JointKind& expected = kindOf(joint.type);
+    if (holdsPosition(table, expected, joint.name)) continue;
+    for (const JointKind* kind : joint_kinds::all()) {
+      if (kind == &expected || !holdsPosition(table, *kind, joint.name)) continue;
+      throw DataError(
+          fmt::format("{}:1: joint {}: found {}, the position of a {} joint, expected {}: the model's type of it is {}",
+                      table.name(), joint.name, fmt::join(positionColumns(kind->type, joint.name), ", "), kind->name,
+                      fmt::join(positionColumns(expected.type, joint.name), ", "), expected.name));
+    }
+  }
+}
 
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   if (table.rows() == 0) throw DataError(fmt::format("{}: found no rows, expected at least one pose", table.name()));

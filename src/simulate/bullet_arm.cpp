@@ -52,6 +52,7 @@ void BulletArm::build(const ArmModel& model) {
   world_->world.addMultiBody(&world_->body);
   world_->world.setGravity(toBullet(gravity_));
   world_->solver.setArm(&world_->body, joints_, world_->link_of_joint);
+  motion_.reset();
 }
 
 void BulletArm::setModel(const ArmModel& model) {
@@ -76,9 +77,11 @@ void BulletArm::setModel(const ArmModel& model) {
   } else {
     muscles_.clear();
     for (const Muscle& muscle : model.muscles) muscles_.emplace_back(muscle, options_.step);
+    motion_.reset();
   }
   way_.clear();
   for (const Muscle& muscle : model.muscles) way_.push_back(muscle.straight() ? PathParts{} : partsOf(muscle));
+  if (passive_.size() != model.tendons.size()) motion_.reset();
   passive_.clear();
   for (const PassiveTendon& tendon : model.tendons) passive_.push_back({tendon.kind, tendon.p, partsOf(tendon)});
   reset();
@@ -94,6 +97,10 @@ void BulletArm::setShaftReferences(std::span<const double> references) {
   for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].reference = references[m];
 }
 
+void BulletArm::placeShafts(std::span<const double> angles) {
+  for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].state = {0.0, 0.0, angles[m]};
+}
+
 void BulletArm::setJointPositions(std::span<const JointPosition> joints) {
   btMultiBody& body = world_->body;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -105,6 +112,7 @@ void BulletArm::setJointPositions(std::span<const JointPosition> joints) {
   }
   body.clearForcesAndTorques();
   world_->solver.reset();
+  forgetMotion();
   updateKinematics();
 }
 
@@ -166,12 +174,11 @@ void BulletArm::applyJointSprings() {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
     if (joint.spring_stiffness <= 0.0) continue;
-    const JointPosition position = jointPosition(j);
+    const Eigen::Vector3d gradient = springGradient(joint, jointPosition(j));
     if (joint.hasAxis()) {
-      world_->body.addJointTorque(world_->link_of_joint[j],
-                                  -joint.spring_stiffness * (position.angle - joint.spring_rest));
+      world_->body.addJointTorque(world_->link_of_joint[j], -gradient.x());
     } else {
-      pushJoint(joint, joint.spring_stiffness * logSo3(position.rotation));
+      pushJoint(joint, gradient);
     }
   }
 }
@@ -193,19 +200,25 @@ JointPosition BulletArm::jointPosition(std::size_t joint) const {
 }
 
 std::vector<JointPosition> BulletArm::capturedPositions() const {
-  std::vector<JointPosition> joints;
-  for (std::size_t j = 0; j < joints_.size(); ++j) joints.push_back(jointPosition(j));
-  observation_.turnMarkers(joints);
+  std::vector<JointPosition> joints(joints_.size());
+  capturedPositions(joints);
   return joints;
+}
+
+void BulletArm::capturedPositions(std::vector<JointPosition>& joints) const {
+  for (std::size_t j = 0; j < joints_.size(); ++j) joints[j] = jointPosition(j);
+  observation_.turnMarkers(joints);
 }
 
 double BulletArm::jointSpeed(std::size_t joint) const {
   return speed(joints_[joint], world_->body.getJointVelMultiDof(world_->link_of_joint[joint]));
 }
 
+bool BulletArm::jointIsFinite(std::size_t joint) const { return jointSpeed(joint) < kRunawaySpeed; }
+
 bool BulletArm::isFinite() const {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    if (!(jointSpeed(j) < kRunawaySpeed)) return false;
+    if (!jointIsFinite(j)) return false;
   }
   for (const MuscleState& muscle : muscles_) {
     if (!std::isfinite(muscle.state.shaft_angle) || !std::isfinite(muscle.force)) return false;

@@ -69,6 +69,30 @@ BulletArm::PathState BulletArm::followPath(const PathParts& way) {
   return state;
 }
 
+BulletArm::CordState BulletArm::cordState(const MuscleState& muscle, int index, double path_length,
+                                          const DriveState& drive) const {
+  // The cord has what the kite line leaves of the path: L_S = L - (L_K0 - r phi) - dL(phi), and so
+  // dL_S/dt = dL/dt + (r - d dL/dphi) dphi/dt (000 eq. 12 with what effects add to the line).
+  Lengthening longer;
+  for (const ArmExtension& extension : extensions_) {
+    if (!extension.effect->line || !extension.on(index)) continue;
+    const Lengthening one = extension.effect->line(extension.p, {drive.shaft_angle, muscle.spindle_radius, pose_time_});
+    longer.length += one.length;
+    longer.by_shaft += one.by_shaft;
+  }
+  CordState cord{};
+  cord.winding_radius = muscle.spindle_radius - longer.by_shaft;
+  cord.winding_rate = cord.winding_radius * (drive.motor_velocity / muscle.drive.ratio());
+  cord.length = path_length - (muscle.kite_line_length - muscle.spindle_radius * drive.shaft_angle) - longer.length;
+  cord.expansion = cord.length - muscle.shock_cord.rest_length;
+  cord.elastic = muscle.shock_cord.stiffness * cord.expansion;
+  for (const ArmExtension& extension : extensions_) {
+    if (cord.expansion <= 0.0 || !extension.effect->cord || !extension.on(index)) continue;
+    cord.elastic += extension.effect->cord(extension.p, cord.expansion, muscle.shock_cord).force;
+  }
+  return cord;
+}
+
 void BulletArm::pullPath(const PathParts& way, double force) {
   for (const Touch& touch : touches_) applyForce(touch.body, touch.arm, -force * touch.slope);
   for (const PathWheel& wheel : way.wheels) {
@@ -103,32 +127,12 @@ void BulletArm::applyMuscle(MuscleState& muscle, int index) {
     rate = state.rate;
   }
 
-  // The cord has what the kite line leaves of the path: L_S = L - (L_K0 - r phi) - dL(phi), and so
-  // dL_S/dt = dL/dt + (r - d dL/dphi) dphi/dt (000 eq. 12 with what effects add to the line).
-  Lengthening longer;
-  for (const ArmExtension& extension : extensions_) {
-    if (!extension.effect->line || !extension.on(index)) continue;
-    const Lengthening one =
-        extension.effect->line(extension.p, {muscle.state.shaft_angle, muscle.spindle_radius, pose_time_});
-    longer.length += one.length;
-    longer.by_shaft += one.by_shaft;
-  }
-  const double winding_radius = muscle.spindle_radius - longer.by_shaft;
-  const double shaft_velocity = muscle.state.motor_velocity / muscle.drive.ratio();
-  const double cord_length =
-      path.length - (muscle.kite_line_length - muscle.spindle_radius * muscle.state.shaft_angle) - longer.length;
-  const double cord_rate = rate + winding_radius * shaft_velocity;
+  const CordState cord = cordState(muscle, index, path.length, muscle.state);
+  const double cord_rate = rate + cord.winding_rate;
 
-  // F = max(0, k x + D dx/dt) while taut (000 eq. 3-4), with what effects add to k x.
-  const ShockCord& cord = muscle.shock_cord;
-  muscle.expansion = cord_length - cord.rest_length;
-  muscle.force = cord.force(cord_length, cord_rate);
-  double more = 0.0;
-  for (const ArmExtension& extension : extensions_) {
-    if (muscle.expansion <= 0.0 || !extension.effect->cord || !extension.on(index)) continue;
-    more += extension.effect->cord(extension.p, muscle.expansion, cord).force;
-  }
-  if (more != 0.0) muscle.force = std::max(0.0, cord.stiffness * muscle.expansion + more + cord.damping * cord_rate);
+  // F = max(0, k x + D dx/dt) while taut (000 eq. 3-4).
+  muscle.expansion = cord.expansion;
+  muscle.force = cord.expansion > 0.0 ? std::max(0.0, cord.elastic + muscle.shock_cord.damping * cord_rate) : 0.0;
   if (muscle.force > 0.0) {
     if (straight) {
       pull(path, muscle.force);
@@ -142,7 +146,7 @@ void BulletArm::applyMuscle(MuscleState& muscle, int index) {
     muscle.voltage = std::clamp(options_.shaft_gain * (muscle.reference - muscle.state.shaft_angle),
                                 -muscle.supply_voltage, muscle.supply_voltage);
   }
-  muscle.drive.step(muscle.state, muscle.voltage, muscle.force * winding_radius);
+  muscle.drive.step(muscle.state, muscle.voltage, muscle.force * cord.winding_radius);
 }
 
 void BulletArm::applyMuscles() {

@@ -97,4 +97,13 @@ struct BulletArm::LinePath {
   std::optional<Touch> centre;  ///< of the joint that bends it
 };
 
+/// A cord at a length of its path and a state of its drive.
+struct BulletArm::CordState {
+  double length;          ///< L_S [m]
+  double expansion;       ///< over the rest length; <= 0: slack [m]
+  double elastic;         ///< k x, with what effects add to it while taut [N]
+  double winding_radius;  ///< what a turn of the spindle winds up, per radian [m]
+  double winding_rate;    ///< its part of dL_S/dt [m/s]
+};
+
 }  // namespace simgap

@@ -76,6 +76,11 @@ double speed(const Joint& joint, const btScalar* v) {
   return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
+Eigen::Vector3d springGradient(const Joint& joint, const JointPosition& position) {
+  if (joint.hasAxis()) return {joint.spring_stiffness * (position.angle - joint.spring_rest), 0.0, 0.0};
+  return joint.spring_stiffness * logSo3(position.rotation);
+}
+
 Eigen::Vector3d torqueInChild(const Joint& joint, const Eigen::Vector3d& torque) {
   return joint.child_orientation * (joint.hasAxis() ? Eigen::Vector3d(torque.x() * joint.axis) : torque);
 }

@@ -75,6 +75,14 @@ void JointConstraintSolver::solveMultiBodyGroup(btCollisionObject**, int, btPers
   body_->applyDeltaVeeMultiDof(response_.data(), 1.0);
 }
 
+void JointConstraintSolver::addFrictionAndLimits(const Eigen::MatrixXd& mobility, Eigen::VectorXd& velocity,
+                                                 double step_s) {
+  mobility_ = mobility;
+  velocity_ = velocity;
+  solveBlocks(step_s);
+  velocity = velocity_;
+}
+
 void JointConstraintSolver::assembleMobility() {
   const auto n = velocity_.size();
   for (Eigen::Index i = 0; i < n; ++i) {

@@ -41,6 +41,8 @@ class BulletArm {
   void reset();
   /// \param references  shape (muscles) [rad]
   void setShaftReferences(std::span<const double> references);
+  /// Places the shafts, at rest and without current. \param angles  shape (muscles) [rad]
+  void placeShafts(std::span<const double> angles);
   /// Places the joints, at rest; the shafts stay.
   void setJointPositions(std::span<const JointPosition> joints);
   /// Angular velocity of a joint's child relative to its parent, in the child's frame; revolute: (about the axis, -,
@@ -49,13 +51,29 @@ class BulletArm {
   /// Advances one physics step.
   void step();
 
+  /// \name Motion: what happens on the way to a rest (bullet_arm_motion.cpp)
+  ///@{
+  void setShafts(std::span<const double> shafts);  ///< places them, at rest and without current; shape (muscles) [rad]
+  void setVoltage(std::size_t muscle, double voltage);  ///< of stepMotion(), held until it is set again [V]
+  /// Advances one physics step by an integrator of second order. The voltages are setVoltage()'s: no controller acts.
+  void stepMotion();
+  /// As setJointVelocity().
+  Eigen::Vector3d jointVelocity(std::size_t joint) const;
+  double shaftVelocity(std::size_t muscle) const;  ///< [rad/s]
+  double voltage(std::size_t muscle) const;        ///< [V]
+  double cordLength(std::size_t muscle) const;     ///< L_S [m], as of the last step
+  double mechanicalEnergy();                       ///< of bodies, their weight and linear cords [J]
+  ///@}
+
   double time() const;  ///< [s] since reset
   JointPosition jointPosition(std::size_t joint) const;
-  std::vector<JointPosition> capturedPositions() const;  ///< of all joints, as markers show them
-  double jointSpeed(std::size_t joint) const;            ///< norm of its angular velocity [rad/s], prismatic [m/s]
-  double shaftAngle(std::size_t muscle) const;           ///< [rad]
-  double shaftError(std::size_t muscle) const;           ///< reference - angle [rad]
-  bool isFinite() const;                                 ///< false once the simulation has blown up
+  std::vector<JointPosition> capturedPositions() const;              ///< of all joints, as markers show them
+  void capturedPositions(std::vector<JointPosition>& joints) const;  ///< the same, into shape (joints)
+  double jointSpeed(std::size_t joint) const;   ///< norm of its angular velocity [rad/s], prismatic [m/s]
+  double shaftAngle(std::size_t muscle) const;  ///< [rad]
+  double shaftError(std::size_t muscle) const;  ///< reference - angle [rad]
+  bool isFinite() const;                        ///< false once the simulation has blown up
+  bool jointIsFinite(std::size_t joint) const;  ///< the same of one joint
 
   /// \name Sensors (000 section VI)
   ///@{
@@ -73,6 +91,11 @@ class BulletArm {
   struct World;
   struct MuscleState;
   struct LinePath;
+  struct CordState;
+  struct Motion;
+  struct MotionDeleter {
+    void operator()(Motion* motion) const;
+  };
   void build(const ArmModel& model);
   void updateKinematics();
   void applyMuscles();
@@ -90,6 +113,15 @@ class BulletArm {
   void applyJointTorques();
   void applyJointSprings();
   void pushJoint(const Joint& joint, const Eigen::Vector3d& gradient);
+  CordState cordState(const MuscleState& muscle, int index, double path_length, const DriveState& drive) const;
+  Motion& motion();
+  void forgetMotion();
+  double pathLength(std::size_t muscle);  ///< [m]
+  double followRow(const PathParts& way, Eigen::VectorXd& row);
+  void placePull(std::size_t index, const DriveState& middle);
+  void placePassive(std::size_t index);
+  void addJointGradient(std::size_t joint, const Eigen::Vector3d& gradient);
+  void moveJoints(double step);
 
   BulletArmOptions options_;
   std::vector<Body> bodies_;
@@ -114,6 +146,7 @@ class BulletArm {
   std::vector<Eigen::Vector3d> spin_;   ///< angular velocity of each body in the world [rad/s]
   std::vector<Eigen::Vector3d> drift_;  ///< velocity of each body's origin in the world [m/s]
   std::unique_ptr<World> world_;
+  std::unique_ptr<Motion, MotionDeleter> motion_;  ///< made by the first step of a motion
   long steps_ = 0;
   int controller_steps_ = 1;  ///< physics steps per controller period
 };

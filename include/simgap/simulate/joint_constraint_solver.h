@@ -38,6 +38,10 @@ class JointConstraintSolver : public btMultiBodyConstraintSolver {
                            const btContactSolverInfo& info, btIDebugDraw* debug_drawer,
                            btDispatcher* dispatcher) override;
 
+  /// Adds the impulses of friction and limits to a velocity that has everything else already.
+  /// \param mobility  W, shape (n, n)  \param[in,out] velocity  shape (n) [rad/s]
+  void addFrictionAndLimits(const Eigen::MatrixXd& mobility, Eigen::VectorXd& velocity, double step_s);
+
  private:
   /// A joint's coordinates and the impulses that act on it.
   struct Block {

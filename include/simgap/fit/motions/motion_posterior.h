@@ -1,0 +1,95 @@
+/// \file
+/// What recorded motions, poses and hand measurements together say of an arm: the negative log posterior
+///
+///     1/2 sum_w rho(|e_w|^2) + 1/2 sum_p rho(d_p^2) + 1/2 |z|^2
+///
+/// e_w: whitened residual of a window of a motion (motion_residuals.h), p: poses as in PosePosterior, rho: as there.
+/// z: the parameters in standard deviations of their prior, static and dynamic together, and behind them the delay of
+/// the capture's clock. Derivatives are forward differences of whole rollouts, all parameters x motions in parallel.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "simgap/fit/motions/motion_residuals.h"
+#include "simgap/fit/poses/pose_posterior.h"
+
+namespace simgap {
+
+using RowMajorF = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Residuals and derivatives of everything at one z.
+struct MotionEvaluation {
+  bool valid = false;
+  double objective = 0.0;                   ///< infinite when not valid
+  std::vector<Eigen::VectorXd> residuals;   ///< shape (motions) of (numbers)
+  std::vector<PoseResidual> poses;          ///< shape (poses)
+};
+
+class MotionPosterior {
+ public:
+  struct Options {
+    MotionOptions motion;
+    KnownNoise noise;
+    MotionDiscrepancy discrepancy;
+    double capture_delay_sd = 0.05;  ///< prior of the capture's clock [s]
+  };
+  /// \param motions, poses  must outlive it; poses may be empty
+  MotionPosterior(const ArmModel& model, std::span<const RecordedMotion> motions, std::span<const Pose> poses,
+                  const ParameterSpace& space, const PoseNoise& pose_noise, const Options& options);
+
+  Eigen::Index size() const { return scaled_.size() + 1; }  ///< of z
+  const ScaledParameters& parameters() const { return scaled_; }
+  bool hasPrior(Eigen::Index i) const { return i == scaled_.size() || scaled_.hasPrior(i); }
+  double lower(Eigen::Index i) const;  ///< of z: the parameter's, at most 6 standard deviations away
+  double upper(Eigen::Index i) const;
+  double captureDelay(const Eigen::VectorXd& z) const { return options_.capture_delay_sd * z[z.size() - 1]; }  ///< [s]
+  ArmModel modelAt(const Eigen::VectorXd& z) const;
+  const ArmModel& model() const { return model_; }
+  const Options& options() const { return options_; }
+  const std::vector<MotionResiduals>& motions() const { return motions_; }
+  const MotionNoise& noise() const { return noise_; }
+
+  /// Plays all motions with the model at z, in parallel.
+  std::vector<PlayedMotion> play(const Eigen::VectorXd& z) const;
+  MotionEvaluation evaluate(const Eigen::VectorXd& z) const;
+  /// The objective alone, of many z at once: models x motions in parallel. Infinite where a motion cannot be played.
+  std::vector<double> objectives(std::span<const Eigen::VectorXd> z) const;
+
+  /// d residuals / d z of every motion, shape (motions) of (numbers, size()), by rollouts with each parameter moved by
+  /// its step; and of the poses, which go into `at.poses`.
+  /// \param steps  shape (size()), in z  \param progress  called with the number of rollouts done, of size() x motions
+  std::vector<RowMajorF> jacobian(const Eigen::VectorXd& z, const Eigen::VectorXd& steps, MotionEvaluation& at,
+                                  const std::function<void(std::size_t done)>& progress = {}) const;
+
+  double objectiveOf(const MotionEvaluation& evaluation, const Eigen::VectorXd& z) const;
+  /// Gradient and Gauss-Newton curvature with the prior's.
+  struct NormalEquations {
+    Eigen::MatrixXd curvature;
+    Eigen::VectorXd gradient;
+  };
+  NormalEquations normalEquations(const Eigen::VectorXd& z, const MotionEvaluation& at,
+                                  std::span<const RowMajorF> jacobians) const;
+  /// Robust weight of every number of a motion.
+  Eigen::VectorXd weights(std::size_t motion, const Eigen::VectorXd& residuals) const;
+
+ private:
+  struct Workers;
+  void playOne(const ArmModel& model, double delay, std::size_t motion, PlayedMotion& played) const;
+  std::vector<PoseResidual> evaluatePoses(const Eigen::VectorXd& z, bool jacobians) const;
+
+  ArmModel model_;
+  ParameterSpace space_;
+  ScaledParameters scaled_;
+  Options options_;
+  MotionNoise noise_;
+  std::vector<MotionResiduals> motions_;
+  mutable std::optional<PosePosterior> poses_;
+  std::shared_ptr<Workers> workers_;
+};
+
+}  // namespace simgap

@@ -1,0 +1,68 @@
+/// \file
+/// The most probable parameters of recorded motions by Levenberg-Marquardt on rollouts.
+///
+/// Derivatives by differences cost one rollout per parameter and motion, a step only one per motion. So they are kept
+/// from step to step and corrected by what each step taught (Broyden 1965), J += (dr - J dz) dz^T / |dz|^2, and made
+/// anew when that no longer helps; the end is where steps with fresh derivatives gain nothing.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "simgap/core/run_directory.h"
+#include "simgap/fit/motions/motion_posterior.h"
+
+namespace simgap {
+
+/// One round: derivatives made anew and the steps taken with them; a row of history.csv.
+struct MotionRound {
+  int round = 0;                       ///< from 1
+  double before = 0.0, after = 0.0;    ///< negative log posterior
+  int steps = 0;                       ///< accepted
+  long rollouts = 0;                   ///< motions played since the start
+  double expected = 0.0;               ///< gain that the last derivatives still promise
+};
+
+/// From where a search goes on, to the bit: it is stored after every round.
+struct MotionSearchState {
+  Eigen::VectorXd z;
+  Eigen::VectorXd steps;   ///< of the differences, in z
+  double damping = 1e-3;
+  std::vector<MotionRound> history;
+  bool converged = false;
+  double wall = 0.0;  ///< [s] in all sessions
+};
+Json toJson(const MotionSearchState& state);
+/// \throws ConfigError when it is no such state of so many parameters
+MotionSearchState motionSearchStateFromJson(const Json& json, Eigen::Index parameters);
+
+/// The state every search begins with.
+MotionSearchState beginSearch(const MotionPosterior& posterior);
+
+/// What was found, with its curvature.
+struct MotionFit {
+  Eigen::VectorXd z;
+  double objective = 0.0;
+  Eigen::MatrixXd covariance;           ///< of z
+  std::vector<RowMajorF> jacobians;     ///< shape (motions), of whitened residuals
+  double from_optimum = 0.0;            ///< length of the Newton step left [sd]
+};
+
+/// What to show while it searches.
+struct MotionSearchNews {
+  std::size_t rollouts;  ///< in this round
+  std::size_t of;
+};
+
+/// Searches to the end, or for `max_rounds`. \param after_round  to store the state
+/// \throws NumericsError: the motions cannot be played with the parameters it begins with; InterruptedError
+MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& state, int max_rounds,
+                        const std::function<void(const MotionSearchNews&)>& news,
+                        const std::function<void(const MotionSearchState&)>& after_round);
+
+/// Derivatives and covariance at z, without a search. \param steps  of the differences
+MotionFit fitAt(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                const std::function<void(const MotionSearchNews&)>& news);
+
+}  // namespace simgap

@@ -1,0 +1,72 @@
+/// \file
+/// Recorded motions of an arm: the commands of its muscles over time and what was measured meanwhile
+/// (docs/formats.md, "Motion sets").
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/core/csv.h"
+#include "simgap/core/rotation.h"
+#include "simgap/core/yaml.h"
+#include "simgap/measure/pose_set.h"
+
+namespace simgap {
+
+/// What a muscle is told.
+enum class CommandKind {
+  kSetpoint,  ///< of its shaft [rad]
+  kVoltage,   ///< of its motor [V]
+  kForce,     ///< of its line [N]
+};
+std::string_view toString(CommandKind kind);
+
+/// One muscle over the rows of a muscles file. A channel that was not measured is empty.
+struct MuscleRecord {
+  CommandKind kind = CommandKind::kSetpoint;
+  std::vector<double> commands;  ///< shape (rows), in the kind's unit
+  std::vector<double> shafts;    ///< shape (rows) [rad]
+  std::vector<double> currents;  ///< shape (rows) [A]
+  std::vector<double> forces;    ///< shape (rows) [N]
+};
+
+/// A measured state, at rest.
+struct MotionStart {
+  std::vector<JointPosition> joints;  ///< shape (joints)
+  std::vector<double> shafts;         ///< shape (muscles) [rad]
+};
+
+/// One motion. Muscles and joints have clocks of their own.
+struct RecordedMotion {
+  std::string name;
+  bool interpolated = false;                        ///< commands are straight between rows; else held until the next
+  std::vector<double> times;                        ///< shape (rows) [s], rising
+  std::vector<MuscleRecord> muscles;                ///< shape (muscles of the layout)
+  std::vector<double> joint_times;                  ///< shape (frames) [s], rising
+  std::vector<std::vector<JointPosition>> joints;   ///< shape (frames, joints of the layout)
+  std::optional<MotionStart> start;                 ///< empty: at rest under the first commands
+  double weight = 1.0;                              ///< in a fit, > 0
+  std::filesystem::path muscles_file, joints_file;  ///< as they were read
+
+  double duration() const { return times.back() - times.front(); }  ///< [s]
+};
+
+struct MotionSet {
+  std::string file;
+  std::vector<RecordedMotion> motions;
+};
+
+/// Reads the table of a file that a motion set names.
+using TableReader = std::function<CsvTable(const std::filesystem::path& file)>;
+
+/// Reads a motion set, `simgap/motions/1`; its files stand beside it.
+/// \throws ConfigError: the set itself; DataError: a muscle without a command or a column of a muscle that the model
+///         does not have, times that do not rise, clocks that do not overlap, a motion that is said to start at rest
+///         and moves, joints of another kind, and all that CsvTable refuses.
+MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file, const PoseLayout& layout,
+                        const TableReader& table);
+
+}  // namespace simgap

@@ -1,0 +1,42 @@
+/// \file
+/// What makes a motor's voltage of a command, at the ticks of a muscle's controller (000 section VII: 500 Hz).
+/// One file per kind in src/simulate/controllers.
+#pragma once
+
+#include <memory>
+
+#include "simgap/model/arm/arm.h"
+#include "simgap/simulate/motion_commands.h"
+
+namespace simgap {
+
+/// What a controller is told of its muscle at a tick (000 section VI).
+struct MuscleSensors {
+  double shaft = 0.0;           ///< [rad]
+  double shaft_velocity = 0.0;  ///< [rad/s]
+  double force = 0.0;           ///< [N]
+  double current = 0.0;         ///< [A]
+  double cord_expansion = 0.0;  ///< L_S - L_SR [m]
+};
+
+struct ControllerOptions {
+  double rate = 500.0;       ///< [Hz]
+  double shaft_gain = 50.0;  ///< K_p [V/rad]
+  bool operator==(const ControllerOptions&) const = default;
+};
+
+/// One muscle's controller.
+class MuscleController {
+ public:
+  virtual ~MuscleController() = default;
+  /// Forgets what came before.
+  virtual void reset() = 0;
+  /// The voltage until the next tick, before the supply limits it [V]. \param command  [rad], [V] or [N]
+  virtual double voltage(double command, const MuscleSensors& sensors) = 0;
+};
+
+/// \param rate  of its ticks [Hz]
+std::unique_ptr<MuscleController> makeController(CommandKind kind, const Muscle& muscle,
+                                                 const ControllerOptions& options);
+
+}  // namespace simgap

@@ -1,0 +1,215 @@
+#include "simgap/fit/motions/motion_posterior.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include "simgap/core/interrupt.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kFarthest = 6.0;  // prior sd: an effect that the model lacks drives parameters to nonsense otherwise
+
+}  // namespace
+
+/// What each thread plays motions with.
+struct MotionPosterior::Workers {
+  struct Worker {
+    std::optional<BulletArm> arm;
+    PlayedMotion played;
+    ArmModel model;
+  };
+  tbb::enumerable_thread_specific<Worker> own;
+};
+
+MotionPosterior::MotionPosterior(const ArmModel& model, std::span<const RecordedMotion> motions,
+                                 std::span<const Pose> poses, const ParameterSpace& space, const PoseNoise& pose_noise,
+                                 const Options& options)
+    : model_(model),
+      space_(space),
+      scaled_(space),
+      options_(options),
+      noise_(estimateNoise(motions, model.poseLayout(), options.noise)),
+      workers_(std::make_shared<Workers>()) {
+  const PoseLayout layout = model.poseLayout();
+  for (const RecordedMotion& motion : motions) motions_.emplace_back(motion, layout, noise_, options.discrepancy);
+  if (!poses.empty()) poses_.emplace(model, poses, space, pose_noise);
+}
+
+double MotionPosterior::lower(Eigen::Index i) const {
+  if (i == scaled_.size()) return -kFarthest;
+  return std::max(scaled_.lower(i), scaled_.hasPrior(i) ? -kFarthest : -kInfinity);
+}
+
+double MotionPosterior::upper(Eigen::Index i) const {
+  if (i == scaled_.size()) return kFarthest;
+  return std::min(scaled_.upper(i), scaled_.hasPrior(i) ? kFarthest : kInfinity);
+}
+
+ArmModel MotionPosterior::modelAt(const Eigen::VectorXd& z) const {
+  ArmModel model = model_;
+  space_.apply(scaled_.values(z.head(scaled_.size())), model);
+  return model;
+}
+
+/// With the calling thread's arm.
+void MotionPosterior::playOne(const ArmModel& model, double delay, std::size_t motion, PlayedMotion& played) const {
+  Workers::Worker& worker = workers_->own.local();
+  if (worker.arm) {
+    worker.arm->setModel(model);
+  } else {
+    worker.arm.emplace(model, options_.motion.arm);
+  }
+  const RecordedMotion& recorded = motions_[motion].motion();
+  playMotion(*worker.arm, recorded, options_.motion, restPose(model, recorded), delay, played);
+}
+
+std::vector<PlayedMotion> MotionPosterior::play(const Eigen::VectorXd& z) const {
+  const ArmModel model = modelAt(z);
+  std::vector<PlayedMotion> played(motions_.size());
+  tbb::parallel_for(std::size_t{0}, motions_.size(), [&](std::size_t m) {
+    if (!interruptRequested()) playOne(model, captureDelay(z), m, played[m]);
+  });
+  return played;
+}
+
+std::vector<PoseResidual> MotionPosterior::evaluatePoses(const Eigen::VectorXd& z, bool jacobians) const {
+  if (!poses_) return {};
+  return poses_->evaluate(z.head(scaled_.size()), jacobians);
+}
+
+MotionEvaluation MotionPosterior::evaluate(const Eigen::VectorXd& z) const {
+  MotionEvaluation evaluation;
+  const std::vector<PlayedMotion> played = play(z);
+  evaluation.valid = std::ranges::all_of(played, &PlayedMotion::valid);
+  for (std::size_t m = 0; m < motions_.size(); ++m) {
+    evaluation.residuals.emplace_back(Eigen::VectorXd::Zero(motions_[m].size()));
+    if (played[m].valid) motions_[m].evaluate(played[m], evaluation.residuals.back());
+  }
+  evaluation.poses = evaluatePoses(z, false);
+  evaluation.valid = evaluation.valid && std::ranges::all_of(evaluation.poses, &PoseResidual::valid);
+  evaluation.objective = objectiveOf(evaluation, z);
+  return evaluation;
+}
+
+std::vector<double> MotionPosterior::objectives(std::span<const Eigen::VectorXd> z) const {
+  std::vector<double> losses(z.size() * motions_.size(), kInfinity), objectives(z.size());
+  std::vector<ArmModel> models;
+  for (const Eigen::VectorXd& one : z) models.push_back(modelAt(one));
+  tbb::parallel_for(std::size_t{0}, losses.size(), [&](std::size_t task) {
+    if (interruptRequested()) return;
+    const std::size_t k = task / motions_.size(), m = task % motions_.size();
+    PlayedMotion& played = workers_->own.local().played;
+    playOne(models[k], captureDelay(z[k]), m, played);
+    if (!played.valid) return;
+    Eigen::VectorXd residuals(motions_[m].size());
+    motions_[m].evaluate(played, residuals);
+    losses[task] = 0.0;
+    for (const ResidualBlock& block : motions_[m].blocks()) {
+      losses[task] += robustLoss(residuals.segment(block.first, block.size).squaredNorm());
+    }
+    losses[task] *= motions_[m].motion().weight;
+  });
+  for (std::size_t k = 0; k < z.size(); ++k) {
+    double sum = 0.0;
+    for (std::size_t m = 0; m < motions_.size(); ++m) sum += losses[k * motions_.size() + m];
+    for (Eigen::Index i = 0; i < z[k].size(); ++i) sum += hasPrior(i) ? z[k][i] * z[k][i] : 0.0;
+    for (const PoseResidual& pose : evaluatePoses(z[k], false)) {
+      sum += pose.valid ? robustLoss(pose.error.squaredNorm()) : kInfinity;
+    }
+    objectives[k] = 0.5 * sum;
+  }
+  return objectives;
+}
+
+double MotionPosterior::objectiveOf(const MotionEvaluation& evaluation, const Eigen::VectorXd& z) const {
+  if (!evaluation.valid) return kInfinity;
+  double sum = 0.0;
+  for (std::size_t m = 0; m < motions_.size(); ++m) {
+    double of_motion = 0.0;
+    for (const ResidualBlock& block : motions_[m].blocks()) {
+      of_motion += robustLoss(evaluation.residuals[m].segment(block.first, block.size).squaredNorm());
+    }
+    sum += motions_[m].motion().weight * of_motion;
+  }
+  for (const PoseResidual& pose : evaluation.poses) sum += robustLoss(pose.error.squaredNorm());
+  for (Eigen::Index i = 0; i < z.size(); ++i) sum += hasPrior(i) ? z[i] * z[i] : 0.0;
+  return 0.5 * sum;
+}
+
+std::vector<RowMajorF> MotionPosterior::jacobian(const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                                                 MotionEvaluation& at,
+                                                 const std::function<void(std::size_t)>& progress) const {
+  const auto parameters = static_cast<std::size_t>(size());
+  std::vector<RowMajorF> jacobians;
+  for (const MotionResiduals& motion : motions_) {
+    jacobians.emplace_back(RowMajorF::Zero(motion.size(), static_cast<Eigen::Index>(parameters)));
+  }
+  std::atomic<std::size_t> done{0};
+  tbb::parallel_for(std::size_t{0}, parameters * motions_.size(), [&](std::size_t task) {
+    if (interruptRequested()) return;
+    const auto i = static_cast<Eigen::Index>(task / motions_.size());
+    const std::size_t m = task % motions_.size();
+    // Towards 0 where the other way would leave the bounds.
+    const double step = z[i] + steps[i] <= upper(i) ? steps[i] : -steps[i];
+    Eigen::VectorXd moved = z;
+    moved[i] += step;
+    Workers::Worker& worker = workers_->own.local();
+    worker.model = modelAt(moved);
+    playOne(worker.model, captureDelay(moved), m, worker.played);
+    ++done;
+    if (!worker.played.valid) return;  // nothing is known of that parameter in that motion
+    Eigen::VectorXd residuals(motions_[m].size());
+    motions_[m].evaluate(worker.played, residuals);
+    jacobians[m].col(i) = ((residuals - at.residuals[m]) / step).cast<float>();
+    if (progress && tbb::this_task_arena::current_thread_index() == 0) progress(done);
+  });
+  at.poses = evaluatePoses(z, true);
+  return jacobians;
+}
+
+Eigen::VectorXd MotionPosterior::weights(std::size_t motion, const Eigen::VectorXd& residuals) const {
+  Eigen::VectorXd weights(residuals.size());
+  for (const ResidualBlock& block : motions_[motion].blocks()) {
+    const double weight = robustWeight(residuals.segment(block.first, block.size).squaredNorm());
+    weights.segment(block.first, block.size).setConstant(motions_[motion].motion().weight * weight);
+  }
+  return weights;
+}
+
+MotionPosterior::NormalEquations MotionPosterior::normalEquations(const Eigen::VectorXd& z, const MotionEvaluation& at,
+                                                                  std::span<const RowMajorF> jacobians) const {
+  const Eigen::Index n = size();
+  NormalEquations normal{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+  for (std::size_t m = 0; m < motions_.size(); ++m) {
+    const Eigen::VectorXd root = weights(m, at.residuals[m]).cwiseSqrt();
+    constexpr Eigen::Index kRows = 512;  // at a time: in double precision
+    for (Eigen::Index row = 0; row < root.size(); row += kRows) {
+      const Eigen::Index rows = std::min(kRows, root.size() - row);
+      const auto w = root.segment(row, rows);
+      const Eigen::MatrixXd weighted = w.asDiagonal() * jacobians[m].middleRows(row, rows).cast<double>();
+      normal.curvature.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
+      normal.gradient += weighted.transpose() * w.cwiseProduct(at.residuals[m].segment(row, rows));
+    }
+  }
+  for (const PoseResidual& pose : at.poses) {
+    const double weight = robustWeight(pose.error.squaredNorm());
+    normal.curvature.topLeftCorner(n - 1, n - 1).selfadjointView<Eigen::Lower>().rankUpdate(pose.jacobian.transpose(),
+                                                                                            weight);
+    normal.gradient.head(n - 1) += weight * pose.jacobian.transpose() * pose.error;
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!hasPrior(i)) continue;
+    normal.curvature(i, i) += 1.0;
+    normal.gradient[i] += z[i];
+  }
+  normal.curvature.triangularView<Eigen::StrictlyUpper>() = normal.curvature.transpose();
+  return normal;
+}
+
+}  // namespace simgap

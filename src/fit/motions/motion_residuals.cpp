@@ -1,0 +1,68 @@
+#include "simgap/fit/motions/motion_residuals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/joint_kind.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kWindow = 0.05;       // [s]
+constexpr double kCorrelation = 0.3;   // [s], of the discrepancy
+
+}  // namespace
+
+MotionResiduals::MotionResiduals(const RecordedMotion& motion, const PoseLayout& layout, const MotionNoise& noise,
+                                 const MotionDiscrepancy& discrepancy)
+    : motion_(&motion) {
+  using enum ResidualBlock::Group;
+  for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    types_.push_back(layout.joints[j].type);
+    addBlocks(kJoint, j, motion.joint_times, kindOf(types_.back()).degrees_of_freedom, noise.joints[j],
+              discrepancy.joints);
+  }
+  for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
+    const MuscleRecord& muscle = motion.muscles[m];
+    if (!muscle.shafts.empty()) addBlocks(kShaft, m, motion.times, 1, noise.shafts, discrepancy.shafts);
+    if (!muscle.currents.empty()) addBlocks(kCurrent, m, motion.times, 1, noise.currents, discrepancy.currents);
+  }
+}
+
+void MotionResiduals::addBlocks(ResidualBlock::Group group, std::size_t item, const std::vector<double>& times,
+                                Eigen::Index size, double noise, double discrepancy) {
+  const double lasting = discrepancy * discrepancy * kCorrelation / kWindow;
+  for (std::size_t begin = 0; begin < times.size();) {
+    std::size_t end = begin + 1;
+    while (end < times.size() && times[end] < times[begin] + kWindow * (1.0 - 1e-6)) ++end;
+    const double sd = std::sqrt(noise * noise / static_cast<double>(end - begin) + lasting);
+    blocks_.push_back({group, item, 0.5 * (times[begin] + times[end - 1]), size_, size, begin, end, sd});
+    size_ += size;
+    begin = end;
+  }
+}
+
+void MotionResiduals::evaluate(const PlayedMotion& played, Eigen::Ref<Eigen::VectorXd> residuals) const {
+  const std::size_t joints = types_.size(), muscles = motion_->muscles.size();
+  for (const ResidualBlock& block : blocks_) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t i = block.begin; i < block.end; ++i) {
+      switch (block.group) {
+        case ResidualBlock::Group::kJoint:
+          sum += kindOf(types_[block.item]).difference(motion_->joints[i][block.item],
+                                                       played.joints[i * joints + block.item]);
+          break;
+        case ResidualBlock::Group::kShaft:
+          sum[0] += played.shafts[i * muscles + block.item] - motion_->muscles[block.item].shafts[i];
+          break;
+        case ResidualBlock::Group::kCurrent:
+          sum[0] += played.currents[i * muscles + block.item] - motion_->muscles[block.item].currents[i];
+          break;
+      }
+    }
+    const double samples = static_cast<double>(block.end - block.begin);
+    residuals.segment(block.first, block.size) = sum.head(block.size) / (samples * block.sd);
+  }
+}
+
+}  // namespace simgap

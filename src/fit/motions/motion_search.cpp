@@ -1,0 +1,232 @@
+#include "simgap/fit/motions/motion_search.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+
+#include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kFirstStep = 0.1;                      // of differences, in prior standard deviations
+constexpr double kSmallestStep = 0.02, kLargestStep = 0.3;
+constexpr int kMostSteps = 6;        // with one set of derivatives
+constexpr double kEnough = 0.05;     // of the gain promised: below it the derivatives are too old
+constexpr double kLittle = 1e-3;     // of the objective: a round that gains less was the last
+constexpr double kCertain = 0.5;     // [negative log posterior] as well
+constexpr double kMostDamping = 1e6;
+
+/// The derivatives at hand, and where they stand.
+struct Linearisation {
+  Eigen::VectorXd z;
+  MotionEvaluation at;
+  std::vector<RowMajorF> jacobians;
+};
+
+/// J += (dr - J dz) dz^T / |dz|^2
+void learnFromStep(Linearisation& here, const Eigen::VectorXd& step, const MotionEvaluation& there) {
+  const Eigen::VectorXf direction = (step / step.squaredNorm()).cast<float>();
+  for (std::size_t m = 0; m < here.jacobians.size(); ++m) {
+    RowMajorF& jacobian = here.jacobians[m];
+    const Eigen::VectorXf surprise =
+        (there.residuals[m] - here.at.residuals[m]).cast<float>() - jacobian * step.cast<float>();
+    jacobian.noalias() += surprise * direction.transpose();
+  }
+}
+
+/// Marquardt's step within the bounds: what would leave them is held there, and the rest solved again.
+Eigen::VectorXd dampedStep(const MotionPosterior& posterior, const MotionPosterior::NormalEquations& normal,
+                           const Eigen::VectorXd& z, double damping) {
+  Eigen::MatrixXd curvature = normal.curvature;
+  curvature.diagonal() *= 1.0 + damping;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(z.size());  // of those that are held
+  std::vector<Eigen::Index> free(static_cast<std::size_t>(z.size()));
+  std::iota(free.begin(), free.end(), 0);
+  while (true) {
+    const Eigen::VectorXd rest = normal.gradient + curvature * step;
+    const Eigen::VectorXd solved = -curvature(free, free).llt().solve(rest(free));
+    std::vector<Eigen::Index> still_free;
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      const Eigen::Index i = free[k];
+      const double to = std::clamp(z[i] + solved[static_cast<Eigen::Index>(k)],
+                                   posterior.lower(i), posterior.upper(i));
+      if (to == z[i] + solved[static_cast<Eigen::Index>(k)]) {
+        still_free.push_back(i);
+      } else {
+        step[i] = to - z[i];
+      }
+    }
+    if (still_free.size() == free.size()) {
+      step(free) = solved;
+      return step;
+    }
+    free = std::move(still_free);
+  }
+}
+
+/// What the quadratic model promises of a step.
+double promised(const MotionPosterior::NormalEquations& normal, const Eigen::VectorXd& step) {
+  return -(normal.gradient.dot(step) + 0.5 * step.dot(normal.curvature * step));
+}
+
+/// Length of the Newton step that the bounds allow, in standard deviations.
+double distanceFromOptimum(const MotionPosterior& posterior, const MotionPosterior::NormalEquations& normal,
+                           const Eigen::VectorXd& z) {
+  return std::sqrt(std::max(0.0, 2.0 * promised(normal, dampedStep(posterior, normal, z, 0.0))));
+}
+
+Eigen::MatrixXd covarianceOf(const MotionPosterior::NormalEquations& normal) {
+  const Eigen::Index n = normal.gradient.size();
+  return normal.curvature.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
+}
+
+/// Differences over about a standard deviation of what will be known: shorter ones drown in stick and slip, longer
+/// ones are bent.
+Eigen::VectorXd differenceSteps(const Eigen::MatrixXd& covariance) {
+  return covariance.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseMax(kSmallestStep).cwiseMin(kLargestStep);
+}
+
+Linearisation linearise(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                        const std::function<void(const MotionSearchNews&)>& news) {
+  Linearisation here{z, posterior.evaluate(z), {}};
+  if (interruptRequested()) throw InterruptedError("interrupted");
+  if (!here.at.valid) throw NumericsError("the motions cannot be played with these parameters");
+  const std::size_t of = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
+  here.jacobians = posterior.jacobian(z, steps, here.at, [&](std::size_t done) {
+    if (news) news({done, of});
+  });
+  if (interruptRequested()) throw InterruptedError("interrupted");
+  return here;
+}
+
+MotionFit fitOf(const MotionPosterior& posterior, Linearisation here) {
+  const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
+  return {here.z, here.at.objective, covarianceOf(normal), std::move(here.jacobians),
+          distanceFromOptimum(posterior, normal, here.z)};
+}
+
+/// Steps with one set of derivatives. \returns how many were accepted
+int descend(const MotionPosterior& posterior, Linearisation& here, double& damping, long& rollouts) {
+  int accepted = 0;
+  for (int i = 0; i < kMostSteps && damping < kMostDamping; ++i) {
+    const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
+    const Eigen::VectorXd step = dampedStep(posterior, normal, here.z, damping);
+    const double promise = promised(normal, step);
+    if (!(promise > kCertain * 0.1)) break;
+    const MotionEvaluation there = posterior.evaluate(here.z + step);
+    rollouts += std::ssize(posterior.motions());
+    if (interruptRequested()) throw InterruptedError("interrupted");
+    const double gain = here.at.objective - there.objective;
+    if (there.valid) learnFromStep(here, step, there);
+    if (gain > 0.0) {
+      ++accepted;
+      std::vector<PoseResidual> poses = std::move(here.at.poses);  // with their derivatives, which are kept as well
+      here.z += step;
+      here.at = there;
+      for (std::size_t p = 0; p < poses.size(); ++p) here.at.poses[p].jacobian = std::move(poses[p].jacobian);
+    }
+    damping = gain > 0.5 * promise ? std::max(1e-6, 0.2 * damping) : gain > 0.0 ? damping : 5.0 * damping;
+    if (gain > 0.0 && gain < kEnough * promise) break;
+    if (gain > 0.0 && gain < kLittle * here.at.objective) break;
+  }
+  return accepted;
+}
+
+}  // namespace
+
+MotionSearchState beginSearch(const MotionPosterior& posterior) {
+  MotionSearchState state;
+  state.z = Eigen::VectorXd::Zero(posterior.size());
+  state.steps = Eigen::VectorXd::Constant(posterior.size(), kFirstStep);
+  return state;
+}
+
+MotionFit fitAt(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                const std::function<void(const MotionSearchNews&)>& news) {
+  return fitOf(posterior, linearise(posterior, z, steps, news));
+}
+
+MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& state, int max_rounds,
+                        const std::function<void(const MotionSearchNews&)>& news,
+                        const std::function<void(const MotionSearchState&)>& after_round) {
+  using Clock = std::chrono::steady_clock;
+  while (true) {
+    const auto start = Clock::now();
+    Linearisation here = linearise(posterior, state.z, state.steps, news);
+    const int rounds = static_cast<int>(state.history.size());
+    if (state.converged || rounds == max_rounds) return fitOf(posterior, std::move(here));
+    MotionRound round{rounds + 1, here.at.objective, here.at.objective, 0, 0, 0.0};
+    round.rollouts = (rounds == 0 ? 0 : state.history.back().rollouts) +
+                     (posterior.size() + 1) * std::ssize(posterior.motions());
+    Linearisation trial = here;
+    round.steps = descend(posterior, trial, state.damping, round.rollouts);
+    round.after = trial.at.objective;
+    state.converged = round.before - round.after < std::max(kCertain, kLittle * round.after);
+    MotionFit fit = fitOf(posterior, std::move(here));
+    round.expected = 0.5 * fit.from_optimum * fit.from_optimum;
+    if (!state.converged) {  // else the fresh derivatives stay those of what is kept
+      state.z = trial.z;
+      state.steps = differenceSteps(fit.covariance);
+    }
+    state.history.push_back(round);
+    state.wall += std::chrono::duration<double>(Clock::now() - start).count();
+    after_round(state);
+    if (state.converged) return fit;
+  }
+}
+
+namespace {
+
+Json numbers(const Eigen::VectorXd& x) { return std::vector<double>(x.begin(), x.end()); }
+Eigen::VectorXd vectorOf(const Json& json) {
+  const auto values = json.get<std::vector<double>>();
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
+}
+
+}  // namespace
+
+Json toJson(const MotionSearchState& state) {
+  Json history = Json::array();
+  for (const MotionRound& r : state.history) {
+    history.push_back({{"round", r.round},
+                       {"before", r.before},
+                       {"after", r.after},
+                       {"steps", r.steps},
+                       {"rollouts", r.rollouts},
+                       {"expected", r.expected}});
+  }
+  return {{"format", "simgap/motion-search-state/1"},
+          {"z", numbers(state.z)},
+          {"steps", numbers(state.steps)},
+          {"damping", state.damping},
+          {"history", history},
+          {"converged", state.converged},
+          {"wall_s", state.wall}};
+}
+
+MotionSearchState motionSearchStateFromJson(const Json& json, Eigen::Index parameters) try {
+  MotionSearchState state;
+  state.z = vectorOf(json.at("z"));
+  state.steps = vectorOf(json.at("steps"));
+  json.at("damping").get_to(state.damping);
+  json.at("converged").get_to(state.converged);
+  json.at("wall_s").get_to(state.wall);
+  for (const Json& r : json.at("history")) {
+    state.history.push_back({r.at("round").get<int>(), r.at("before").get<double>(), r.at("after").get<double>(),
+                             r.at("steps").get<int>(), r.at("rollouts").get<long>(), r.at("expected").get<double>()});
+  }
+  if (state.z.size() != parameters || state.steps.size() != parameters) {
+    throw ConfigError(fmt::format("the stored state is not one of {} parameters", parameters));
+  }
+  return state;
+} catch (const Json::exception& error) {
+  throw ConfigError(std::string("the stored state is not a simgap/motion-search-state/1: ") + error.what());
+}
+
+}  // namespace simgap

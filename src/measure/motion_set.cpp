@@ -1,0 +1,250 @@
+#include "simgap/measure/motion_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
+#include "simgap/measure/joint_columns.h"
+
+namespace simgap {
+namespace {
+
+struct CommandColumn {
+  CommandKind kind;
+  std::string_view stem;  ///< before the muscle's name
+  std::string_view unit;
+};
+constexpr std::array<CommandColumn, 3> kCommandColumns = {{{CommandKind::kSetpoint, "setpoint_", "rad"},
+                                                           {CommandKind::kVoltage, "voltage_", "V"},
+                                                           {CommandKind::kForce, "force_", "N"}}};
+constexpr std::array<std::string_view, 6> kMuscleStems = {"setpoint_", "voltage_", "force_",
+                                                          "shaft_",    "current_", "measured_force_"};
+
+/// A column of a muscle that the model does not have belongs to another arm, or is misspelt.
+void refuseForeignMuscles(const CsvTable& table, const PoseLayout& layout) {
+  for (const std::string& column : table.columns()) {
+    for (const std::string_view stem : kMuscleStems) {
+      if (!column.starts_with(stem)) continue;
+      const std::string named = splitUnit(column).stem;
+      const std::string muscle = (named.starts_with(stem) ? named : column).substr(stem.size());
+      if (std::ranges::find(layout.muscles, muscle) != layout.muscles.end()) continue;
+      const std::string nearest = nearestName(muscle, layout.muscles);
+      throw DataError(fmt::format("{}:1: column {}: the model has no muscle '{}'{}", table.name(), column, muscle,
+                                  nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", nearest)));
+    }
+  }
+}
+
+/// Rising times. \throws DataError
+std::vector<double> readTimes(const CsvTable& table) {
+  if (table.rows() < 2) {
+    throw DataError(fmt::format("{}: found {} rows, expected at least 2", table.name(), table.rows()));
+  }
+  std::vector<double> times = table.quantity("time", "s");
+  for (std::size_t row = 1; row < times.size(); ++row) {
+    if (times[row] > times[row - 1]) continue;
+    table.fail(row,
+               fmt::format("time {}: found {} s behind {} s, expected rising times",
+                           times[row] < times[row - 1] ? "goes back" : "stands still", times[row], times[row - 1]));
+  }
+  return times;
+}
+
+MuscleRecord readMuscle(const CsvTable& table, const std::string& muscle) {
+  MuscleRecord record;
+  const CommandColumn* command = nullptr;
+  for (const CommandColumn& column : kCommandColumns) {
+    const std::string stem = std::string(column.stem) + muscle;
+    if (!table.offersQuantity(stem, column.unit)) continue;
+    if (command) {
+      throw DataError(fmt::format("{}:1: muscle {}: found both {}{} and {}, expected one kind of command", table.name(),
+                                  muscle, command->stem, muscle, stem));
+    }
+    command = &column;
+    record.kind = column.kind;
+    record.commands = table.quantity(stem, column.unit);
+  }
+  if (!command) {
+    throw DataError(
+        fmt::format("{}:1: muscle {}: found no command, expected one of setpoint_{}_rad, voltage_{}_V, "
+                    "force_{}_N",
+                    table.name(), muscle, muscle, muscle, muscle));
+  }
+  const auto measured = [&](const std::string& stem, std::string_view unit) {
+    return table.offersQuantity(stem, unit) ? table.quantity(stem, unit) : std::vector<double>();
+  };
+  record.shafts = measured("shaft_" + muscle, "rad");
+  record.currents = measured("current_" + muscle, "A");
+  record.forces = measured("measured_force_" + muscle, "N");
+  return record;
+}
+
+void readMuscles(const CsvTable& table, const PoseLayout& layout, RecordedMotion& motion) {
+  refuseForeignMuscles(table, layout);
+  motion.times = readTimes(table);
+  for (const std::string& muscle : layout.muscles) motion.muscles.push_back(readMuscle(table, muscle));
+}
+
+void readJoints(const CsvTable& table, const PoseLayout& layout, RecordedMotion& motion) {
+  refuseOtherJointTypes(table, layout);
+  motion.joint_times = readTimes(table);
+  motion.joints.assign(motion.joint_times.size(), {});
+  for (const JointChannel& joint : layout.joints) {
+    const std::vector<JointPosition> positions = kindOf(joint.type).read(table, joint.name);
+    for (std::size_t f = 0; f < positions.size(); ++f) motion.joints[f].push_back(positions[f]);
+  }
+}
+
+void refuseClocksApart(const RecordedMotion& motion) {
+  if (motion.joint_times.front() <= motion.times.back() && motion.joint_times.back() >= motion.times.front()) return;
+  throw DataError(fmt::format(
+      "{}: found times from {} to {} s, expected some between {} and {} s, the times of {}: the clocks do not overlap",
+      motion.joints_file.string(), motion.joint_times.front(), motion.joint_times.back(), motion.times.front(),
+      motion.times.back(), motion.muscles_file.string()));
+}
+
+/// When the first command changes; the end, if none does [s].
+double firstChange(const RecordedMotion& motion) {
+  std::size_t first = motion.times.size() - 1;
+  for (const MuscleRecord& muscle : motion.muscles) {
+    for (std::size_t row = 1; row < first; ++row) {
+      if (muscle.commands[row] != muscle.commands.front()) first = row;
+    }
+  }
+  // Straight commands begin to change behind the row before.
+  return motion.interpolated && first + 1 < motion.times.size() ? motion.times[first - 1] : motion.times[first];
+}
+
+/// Speed of a joint over its first frames by a straight line, with its standard error [rad/s].
+struct Drift {
+  double speed = 0.0, error = 0.0;
+};
+Drift driftOf(const RecordedMotion& motion, std::size_t joint, JointType type, std::size_t frames) {
+  const auto n = static_cast<double>(frames);
+  double mean_time = 0.0;
+  for (std::size_t f = 0; f < frames; ++f) mean_time += motion.joint_times[f] / n;
+  std::vector<Eigen::Vector3d> way;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), slope = Eigen::Vector3d::Zero();
+  double spread = 0.0;
+  for (std::size_t f = 0; f < frames; ++f) {
+    way.push_back(kindOf(type).difference(motion.joints[0][joint], motion.joints[f][joint]));
+    mean += way.back() / n;
+    const double dt = motion.joint_times[f] - mean_time;
+    slope += dt * way.back();
+    spread += dt * dt;
+  }
+  slope /= spread;
+  double squares = 0.0;
+  for (std::size_t f = 0; f < frames; ++f) {
+    squares += (way[f] - mean - slope * (motion.joint_times[f] - mean_time)).squaredNorm();
+  }
+  const double freedom = (n - 2.0) * kindOf(type).degrees_of_freedom;
+  return {slope.norm(), std::sqrt(kindOf(type).degrees_of_freedom * squares / freedom / spread)};
+}
+
+/// A motion that is said to start at rest: while the commands stand still, no joint may move far beyond its noise.
+void refuseMovingStart(const RecordedMotion& motion, const PoseLayout& layout) {
+  constexpr double kWindow = 0.25;          // [s]
+  constexpr std::size_t kFewest = 6;        // frames that tell a speed
+  constexpr double kFast = 10.0 * kDegree;  // [rad/s]
+  constexpr double kCertain = 5.0;          // standard errors
+  const double end = std::min(firstChange(motion), motion.times.front() + kWindow);
+  std::size_t frames = 0;
+  while (frames < motion.joint_times.size() && motion.joint_times[frames] <= end) ++frames;
+  if (frames < kFewest) return;
+  for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    const Drift drift = driftOf(motion, j, layout.joints[j].type, frames);
+    if (drift.speed < kFast || drift.speed < kCertain * drift.error) continue;
+    throw DataError(
+        fmt::format("{}: motion {} starts moving: found {} at {:.0f} deg/s in its first {:.2f} s, before any "
+                    "command changes; expected an arm at rest (or start: with its state)",
+                    motion.joints_file.string(), motion.name, layout.joints[j].name, toDegrees(drift.speed),
+                    motion.joint_times[frames - 1] - motion.joint_times[0]));
+  }
+}
+
+/// `joints: {shoulder: [w, x, y, z], elbow_rad: 0.7}`, `shafts: {biceps_rad: 3.1, …}`.
+MotionStart readStart(const YamlNode& node, const PoseLayout& layout) {
+  constexpr double kUnitLengthTolerance = 1e-3;
+  MotionStart start;
+  const YamlNode joints = node.at("joints");
+  for (const JointChannel& joint : layout.joints) {
+    JointPosition position;
+    if (kindOf(joint.type).has_axis) {
+      position.angle = joints.quantity(joint.name, "rad");
+    } else {
+      const YamlNode rotation = joints.at(joint.name);
+      const std::vector<YamlNode> q = rotation.items();
+      if (q.size() != 4) rotation.fail(fmt::format("found {} numbers, expected a quaternion [w, x, y, z]", q.size()));
+      position.rotation = Eigen::Quaterniond(q[0].number(), q[1].number(), q[2].number(), q[3].number());
+      if (std::abs(position.rotation.norm() - 1.0) > kUnitLengthTolerance) {
+        rotation.fail(fmt::format("found a quaternion of length {:.6g}, expected 1", position.rotation.norm()));
+      }
+      position.rotation.normalize();
+    }
+    start.joints.push_back(position);
+  }
+  const YamlNode shafts = node.at("shafts");
+  for (const std::string& muscle : layout.muscles) start.shafts.push_back(shafts.quantity(muscle, "rad"));
+  return start;
+}
+
+RecordedMotion readMotion(const YamlNode& node, const std::filesystem::path& folder, const PoseLayout& layout) {
+  RecordedMotion motion;
+  motion.name = node.at("name").text();
+  if (motion.name.empty()) node.at("name").fail("found an empty text, expected a name");
+  motion.muscles_file = folder / node.at("muscles").text();
+  motion.joints_file = folder / node.at("joints").text();
+  if (const auto hold = node.find("hold")) motion.interpolated = hold->oneOf({"step", "linear"}) == "linear";
+  if (const auto weight = node.find("weight")) motion.weight = weight->number(kPositive);
+  if (const auto start = node.find("start"); start && start->isScalar()) {
+    start->oneOf({"rest"});
+  } else if (start) {
+    motion.start = readStart(*start, layout);
+  }
+  return motion;
+}
+
+}  // namespace
+
+std::string_view toString(CommandKind kind) {
+  switch (kind) {
+    case CommandKind::kSetpoint:
+      return "setpoint";
+    case CommandKind::kVoltage:
+      return "voltage";
+    case CommandKind::kForce:
+      break;
+  }
+  return "force";
+}
+
+MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file, const PoseLayout& layout,
+                        const TableReader& table) {
+  root.at("format").oneOf({"simgap/motions/1"});
+  const YamlNode list = root.at("motions");
+  MotionSet set{file.string(), {}};
+  std::set<std::string> names;
+  for (const YamlNode& node : list.items()) {
+    set.motions.push_back(readMotion(node, file.parent_path(), layout));
+    if (!names.insert(set.motions.back().name).second) {
+      node.at("name").fail(fmt::format("'{}' stands twice, expected a name for each motion", set.motions.back().name));
+    }
+  }
+  root.expectAllRead();
+  if (set.motions.empty()) list.fail("found no motion, expected at least one");
+  for (RecordedMotion& motion : set.motions) {
+    readMuscles(table(motion.muscles_file), layout, motion);
+    readJoints(table(motion.joints_file), layout, motion);
+    refuseClocksApart(motion);
+    if (!motion.start) refuseMovingStart(motion, layout);
+  }
+  return set;
+}
+
+}  // namespace simgap

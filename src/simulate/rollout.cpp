@@ -1,0 +1,200 @@
+#include "simgap/simulate/rollout.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace simgap {
+namespace {
+
+BulletArmOptions armOptions(const RolloutOptions& options) {
+  BulletArmOptions arm;
+  arm.step = options.step;
+  arm.controller_rate = options.controllers.rate;
+  arm.shaft_gain = options.controllers.shaft_gain;
+  return arm;
+}
+
+JointPosition between(JointType type, const JointPosition& a, const JointPosition& b, double part) {
+  JointPosition position;
+  position.angle = a.angle + part * (b.angle - a.angle);
+  if (type == JointType::kSpherical) position.rotation = a.rotation.slerp(part, b.rotation);
+  return position;
+}
+
+}  // namespace
+
+/// All that a track holds of one moment.
+struct Rollout::Sample {
+  std::vector<JointPosition> joints;
+  std::vector<Eigen::Vector3d> joint_velocities;
+  Eigen::VectorXd shafts, shaft_velocities, cord_lengths, forces, currents, voltages;
+
+  Sample(std::size_t joint_count, std::size_t muscles) : joints(joint_count), joint_velocities(joint_count) {
+    for (Eigen::VectorXd* values : {&shafts, &shaft_velocities, &cord_lengths, &forces, &currents, &voltages}) {
+      values->resize(static_cast<Eigen::Index>(muscles));
+    }
+  }
+};
+
+void RolloutOptions::validate() const { armOptions(*this).validate(); }
+
+void MotionTrack::resize(std::size_t rows, std::size_t joints_of_arm, std::size_t muscles) {
+  joint_count = joints_of_arm;
+  times.resize(rows);
+  joints.resize(rows * joint_count);
+  joint_velocities.resize(rows * joint_count);
+  for (Eigen::MatrixXd* values : {&shafts, &shaft_velocities, &cord_lengths, &forces, &currents, &voltages}) {
+    values->resize(static_cast<Eigen::Index>(muscles), static_cast<Eigen::Index>(rows));
+  }
+}
+
+Rollout::Rollout(const ArmModel& model, const RolloutOptions& options)
+    : options_(options), arm_(model, armOptions(options)), muscles_(model.muscles) {
+  for (const Joint& joint : model.joints) types_.push_back(joint.type);
+  commands_.resize(muscles_.size());
+  before_ = std::make_unique<Sample>(types_.size(), muscles_.size());
+  now_ = std::make_unique<Sample>(types_.size(), muscles_.size());
+  tick_ = static_cast<int>(std::lround(1.0 / (options.controllers.rate * options.step)));
+}
+
+Rollout::~Rollout() = default;
+Rollout::Rollout(Rollout&&) noexcept = default;
+Rollout& Rollout::operator=(Rollout&&) noexcept = default;
+
+void Rollout::setModel(const ArmModel& model) {
+  assert(model.muscles.size() == muscles_.size() && model.joints.size() == types_.size());
+  arm_.setModel(model);
+  muscles_ = model.muscles;
+  controllers_.clear();  // a controller may be made for its muscle
+}
+
+void Rollout::prepare(std::span<const CommandKind> kinds) {
+  assert(kinds.size() == muscles_.size());
+  if (controllers_.empty() || !std::ranges::equal(kinds, kinds_)) {
+    kinds_.assign(kinds.begin(), kinds.end());
+    controllers_.clear();
+    for (std::size_t m = 0; m < muscles_.size(); ++m) {
+      controllers_.push_back(makeController(kinds_[m], muscles_[m], options_.controllers));
+    }
+  }
+  for (const auto& controller : controllers_) controller->reset();
+}
+
+void Rollout::begin(std::span<const CommandKind> kinds, const MotionStart& start) {
+  prepare(kinds);
+  arm_.reset();
+  if (!start.joints.empty()) arm_.setJointPositions(start.joints);
+  if (!start.shafts.empty()) arm_.setShafts(start.shafts);
+  for (std::size_t j = 0; j < start.joint_velocities.size(); ++j) arm_.setJointVelocity(j, start.joint_velocities[j]);
+  // A whole number of controller periods, so that a tick falls on start.time.
+  const long ticks = std::lround(std::ceil(start.settle * options_.controllers.rate - 1e-9));
+  steps_ = -ticks * tick_;
+  origin_ = start.time;
+}
+
+double Rollout::time() const { return origin_ + static_cast<double>(steps_) * options_.step; }
+
+void Rollout::control(std::span<const double> commands) {
+  for (std::size_t m = 0; m < muscles_.size(); ++m) {
+    MuscleSensors sensors;
+    sensors.shaft = arm_.shaftAngle(m);
+    sensors.shaft_velocity = arm_.shaftVelocity(m);
+    sensors.force = arm_.force(m);
+    sensors.current = arm_.current(m);
+    sensors.cord_expansion = arm_.cordLength(m) - muscles_[m].shock_cord.rest_length;
+    arm_.setVoltage(m, controllers_[m]->voltage(commands[m], sensors));
+  }
+}
+
+bool Rollout::step(std::span<const double> commands) {
+  if (steps_ % tick_ == 0) control(commands);
+  arm_.stepMotion();
+  ++steps_;
+  return arm_.isFinite();
+}
+
+MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& start, std::span<const double> times,
+                           MotionTrack& track) {
+  assert(times.empty() || times.front() >= start.time);
+  if (track.times.size() != times.size() || track.joint_count != types_.size() ||
+      track.shafts.rows() != std::ssize(muscles_)) {
+    track.resize(times.size(), types_.size(), muscles_.size());
+  }
+  std::ranges::copy(times, track.times.begin());
+  begin(commands.kinds, start);
+  std::size_t command_row = 0, row = 0;
+  commands.at(start.time, command_row, commands_);
+  while (steps_ < 0) {
+    if (!step(commands_)) return stopped();
+  }
+  take(*now_);
+  for (; row < times.size() && times[row] <= start.time; ++row) write(1.0, track, row);
+  while (row < times.size()) {
+    if (steps_ % tick_ == 0) commands.at(time(), command_row, commands_);
+    const double from = time(), to = from + options_.step;
+    const bool wanted = times[row] <= to;
+    if (wanted) take(*before_);
+    if (!step(commands_)) {
+      MotionOutcome outcome = stopped();
+      outcome.rows = row;
+      return outcome;
+    }
+    if (!wanted) continue;
+    take(*now_);
+    for (; row < times.size() && times[row] <= to; ++row) write((times[row] - from) / options_.step, track, row);
+  }
+  return {true, time(), -1, -1, row};
+}
+
+void Rollout::take(Sample& sample) {
+  arm_.capturedPositions(sample.joints);
+  for (std::size_t j = 0; j < types_.size(); ++j) sample.joint_velocities[j] = arm_.jointVelocity(j);
+  for (std::size_t m = 0; m < muscles_.size(); ++m) {
+    const auto i = static_cast<Eigen::Index>(m);
+    sample.shafts[i] = arm_.shaftAngle(m);
+    sample.shaft_velocities[i] = arm_.shaftVelocity(m);
+    sample.cord_lengths[i] = arm_.cordLength(m);
+    sample.forces[i] = arm_.force(m);
+    sample.currents[i] = arm_.current(m);
+    sample.voltages[i] = arm_.voltage(m);
+  }
+}
+
+void Rollout::write(double part, MotionTrack& track, std::size_t row) const {
+  const auto column = static_cast<Eigen::Index>(row);
+  for (std::size_t j = 0; j < types_.size(); ++j) {
+    const std::size_t at = row * types_.size() + j;
+    track.joints[at] = part >= 1.0 ? now_->joints[j] : between(types_[j], before_->joints[j], now_->joints[j], part);
+    track.joint_velocities[at] =
+        part >= 1.0 ? now_->joint_velocities[j]
+                    : Eigen::Vector3d(before_->joint_velocities[j] +
+                                      part * (now_->joint_velocities[j] - before_->joint_velocities[j]));
+  }
+  const auto blend = [&](Eigen::MatrixXd& out, const Eigen::VectorXd& before, const Eigen::VectorXd& now) {
+    if (part >= 1.0) {
+      out.col(column) = now;
+    } else {
+      out.col(column) = before + part * (now - before);
+    }
+  };
+  blend(track.shafts, before_->shafts, now_->shafts);
+  blend(track.shaft_velocities, before_->shaft_velocities, now_->shaft_velocities);
+  blend(track.cord_lengths, before_->cord_lengths, now_->cord_lengths);
+  blend(track.forces, before_->forces, now_->forces);
+  blend(track.currents, before_->currents, now_->currents);
+  track.voltages.col(column) = now_->voltages;
+}
+
+MotionOutcome Rollout::stopped() const {
+  MotionOutcome outcome{false, time(), -1, -1, 0};
+  for (std::size_t j = 0; j < types_.size() && outcome.joint < 0; ++j) {
+    if (!arm_.jointIsFinite(j)) outcome.joint = static_cast<int>(j);
+  }
+  for (std::size_t m = 0; m < muscles_.size() && outcome.joint < 0 && outcome.muscle < 0; ++m) {
+    if (!std::isfinite(arm_.shaftAngle(m)) || !std::isfinite(arm_.force(m))) outcome.muscle = static_cast<int>(m);
+  }
+  return outcome;
+}
+
+}  // namespace simgap
