@@ -24,6 +24,7 @@ double meanSquare(const ErrorSeries& series, std::size_t begin, std::size_t end)
 /// A simulation that is late by L has the error -L dx/dt: L by least squares, from what is not constant in the error.
 double lagOf(const ErrorSeries& series) {
   constexpr double kTooSlow = 1e-3;  // root mean square velocity: noise alone would tell the lag [per second]
+  constexpr double kTooLate = 0.25;  // no delay, but another movement [s]
   Eigen::Vector3d mean = Eigen::Vector3d::Zero(), mean_velocity = Eigen::Vector3d::Zero();
   const auto n = static_cast<double>(series.times.size());
   for (std::size_t i = 0; i < series.times.size(); ++i) {
@@ -36,7 +37,8 @@ double lagOf(const ErrorSeries& series) {
     product += velocity.dot(series.errors[i] - mean);
     square += velocity.squaredNorm();
   }
-  return square > kTooSlow * kTooSlow * n ? -product / square : kUnknown;
+  const double lag = -product / square;
+  return square > kTooSlow * kTooSlow * n && std::abs(lag) < kTooLate ? lag : kUnknown;
 }
 
 ErrorSeries jointSeries(const RecordedMotion& motion, const PlayedMotion& played, std::size_t joint, JointType type,
