@@ -20,7 +20,8 @@ include_directories(${CMAKE_BINARY_DIR}/generated)
 function(simgap_embed_assets target)
   set(config ${CMAKE_SOURCE_DIR}/configs/calibrate_arm.yaml)
   set(libraries ${CHART_JS} ${THREE_JS} ${ORBIT_CONTROLS_JS})
-  set(assets chart_js=${CHART_JS} three_js=${THREE_JS} orbit_controls_js=${ORBIT_CONTROLS_JS} calibrate_arm_yaml=${config})
+  set(assets chart_js=${CHART_JS} three_js=${THREE_JS} orbit_controls_js=${ORBIT_CONTROLS_JS} calibrate_arm_yaml=${config}
+    calibrate_motions_yaml=${CMAKE_SOURCE_DIR}/configs/calibrate_motions.yaml)
   file(GLOB templates CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/report/html/templates/*)
   foreach(file ${templates})
     get_filename_component(name ${file} NAME)
@@ -30,7 +31,7 @@ function(simgap_embed_assets target)
   set(output ${CMAKE_BINARY_DIR}/generated/assets.cpp)
   add_custom_command(OUTPUT ${output}
     COMMAND ${CMAKE_COMMAND} "-DASSETS=${assets}" -DOUTPUT=${output} -P ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake
-    DEPENDS ${templates} ${config} ${libraries} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
+    DEPENDS ${templates} ${config} ${CMAKE_SOURCE_DIR}/configs/calibrate_motions.yaml ${libraries} ${CMAKE_SOURCE_DIR}/cmake/EmbedAssets.cmake VERBATIM)
   target_sources(${target} PRIVATE ${output})
   set_source_files_properties(${output} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

@@ -11,7 +11,7 @@ import sys
 
 ROOMS = ["core", "optimize", "capture", "measure", "model", "simulate", "fit", "diagnose", "report", "cli"]
 # Families inside a room that know nothing of each other.
-APART = [("fit/poses", "fit/actuators"), ("diagnose/poses", "diagnose/logs"), ("model/arm", "model/friction"),
+APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("diagnose/poses", "diagnose/logs"), ("model/arm", "model/friction"),
         ("report/poses", "report/actuators"), ("report/capture", "report/actuators"),
         ("report/diagnosis", "report/actuators")]
 # Images become joint angles without a model, and nothing that models or fits sees an image.

@@ -51,6 +51,18 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
   return readPosesFor(model, table);
 }
 
+MotionSet readMotions(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
+                      bool skip_bad_rows) {
+  CsvOptions csv;
+  csv.skip_bad_rows = skip_bad_rows;
+  return readMotionsFor(model, YamlNode::parse(session.read(role, file).content, file), file,
+                        [&](const std::filesystem::path& path) {
+                          CsvTable table = CsvTable::parse(session.take(role + " table", path), path.string(), csv);
+                          warnOfSkippedRows(table);
+                          return table;
+                        });
+}
+
 LogTable readLog(Session& session, const std::string& role, const std::string& file, const LogFileOptions& options,
                  const std::vector<std::string>& sessions) {
   std::string content = session.take(role, file);

@@ -15,6 +15,7 @@
 #include "simgap/measure/logs/log_table.h"
 #include "simgap/model/actuator/fitted_model.h"
 #include "simgap/model/arm/arm.h"
+#include "simgap/simulate/motion_player.h"
 
 namespace simgap {
 
@@ -25,6 +26,11 @@ CalibrationConfig readConfig(Session& session, const std::string& file, const Ar
 /// Recorded poses for that model; warns of rows that were left out. \throws ConfigError, DataError as readPosesFor.
 PoseSet readPoses(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
                   const CsvOptions& csv);
+
+/// Recorded motions for that model, with the tables that the set names. \throws ConfigError, DataError as
+/// readMotionsFor.
+MotionSet readMotions(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
+                      bool skip_bad_rows);
 
 /// A log without the rows that nothing can be taken from; rows that the user lets pass are counted in a warning.
 /// \param sessions  only these. \throws DataError as readLogTable and, for a recording, readBag; ConfigError: --topic

@@ -38,8 +38,7 @@ std::vector<std::vector<double>> components(const RecordedMotion& motion, std::s
 
 }  // namespace
 
-MotionNoise estimateNoise(std::span<const RecordedMotion> motions, const PoseLayout& layout,
-                          const KnownNoise& known) {
+MotionNoise estimateNoise(std::span<const RecordedMotion> motions, const PoseLayout& layout, const KnownNoise& known) {
   MotionNoise noise;
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
     std::vector<double> sizes;

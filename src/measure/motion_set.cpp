@@ -14,14 +14,14 @@
 namespace simgap {
 namespace {
 
-struct CommandColumn {
-  CommandKind kind;
+struct CommandChannel {
   std::string_view stem;  ///< before the muscle's name
   std::string_view unit;
+  std::vector<double> MuscleRecord::*commands;
 };
-constexpr std::array<CommandColumn, 3> kCommandColumns = {{{CommandKind::kSetpoint, "setpoint_", "rad"},
-                                                           {CommandKind::kVoltage, "voltage_", "V"},
-                                                           {CommandKind::kForce, "force_", "N"}}};
+constexpr std::array<CommandChannel, 3> kCommandChannels = {{{"setpoint_", "rad", &MuscleRecord::setpoints},
+                                                             {"voltage_", "V", &MuscleRecord::voltages},
+                                                             {"force_", "N", &MuscleRecord::force_commands}}};
 constexpr std::array<std::string_view, 6> kMuscleStems = {"setpoint_", "voltage_", "force_",
                                                           "shaft_",    "current_", "measured_force_"};
 
@@ -57,17 +57,16 @@ std::vector<double> readTimes(const CsvTable& table) {
 
 MuscleRecord readMuscle(const CsvTable& table, const std::string& muscle) {
   MuscleRecord record;
-  const CommandColumn* command = nullptr;
-  for (const CommandColumn& column : kCommandColumns) {
-    const std::string stem = std::string(column.stem) + muscle;
-    if (!table.offersQuantity(stem, column.unit)) continue;
+  const CommandChannel* command = nullptr;
+  for (const CommandChannel& channel : kCommandChannels) {
+    const std::string stem = std::string(channel.stem) + muscle;
+    if (!table.offersQuantity(stem, channel.unit)) continue;
     if (command) {
       throw DataError(fmt::format("{}:1: muscle {}: found both {}{} and {}, expected one kind of command", table.name(),
                                   muscle, command->stem, muscle, stem));
     }
-    command = &column;
-    record.kind = column.kind;
-    record.commands = table.quantity(stem, column.unit);
+    command = &channel;
+    record.*channel.commands = table.quantity(stem, channel.unit);
   }
   if (!command) {
     throw DataError(
@@ -106,18 +105,6 @@ void refuseClocksApart(const RecordedMotion& motion) {
       "{}: found times from {} to {} s, expected some between {} and {} s, the times of {}: the clocks do not overlap",
       motion.joints_file.string(), motion.joint_times.front(), motion.joint_times.back(), motion.times.front(),
       motion.times.back(), motion.muscles_file.string()));
-}
-
-/// When the first command changes; the end, if none does [s].
-double firstChange(const RecordedMotion& motion) {
-  std::size_t first = motion.times.size() - 1;
-  for (const MuscleRecord& muscle : motion.muscles) {
-    for (std::size_t row = 1; row < first; ++row) {
-      if (muscle.commands[row] != muscle.commands.front()) first = row;
-    }
-  }
-  // Straight commands begin to change behind the row before.
-  return motion.interpolated && first + 1 < motion.times.size() ? motion.times[first - 1] : motion.times[first];
 }
 
 /// Speed of a joint over its first frames by a straight line, with its standard error [rad/s].
@@ -169,9 +156,9 @@ void refuseMovingStart(const RecordedMotion& motion, const PoseLayout& layout) {
 }
 
 /// `joints: {shoulder: [w, x, y, z], elbow_rad: 0.7}`, `shafts: {biceps_rad: 3.1, …}`.
-MotionStart readStart(const YamlNode& node, const PoseLayout& layout) {
+RecordedStart readStart(const YamlNode& node, const PoseLayout& layout) {
   constexpr double kUnitLengthTolerance = 1e-3;
-  MotionStart start;
+  RecordedStart start;
   const YamlNode joints = node.at("joints");
   for (const JointChannel& joint : layout.joints) {
     JointPosition position;
@@ -212,16 +199,15 @@ RecordedMotion readMotion(const YamlNode& node, const std::filesystem::path& fol
 
 }  // namespace
 
-std::string_view toString(CommandKind kind) {
-  switch (kind) {
-    case CommandKind::kSetpoint:
-      return "setpoint";
-    case CommandKind::kVoltage:
-      return "voltage";
-    case CommandKind::kForce:
-      break;
+double firstChange(const RecordedMotion& motion) {
+  std::size_t first = motion.times.size() - 1;
+  for (const MuscleRecord& muscle : motion.muscles) {
+    for (std::size_t row = 1; row < first; ++row) {
+      if (muscle.commands()[row] != muscle.commands().front()) first = row;
+    }
   }
-  return "force";
+  // Straight commands begin to change behind the row before.
+  return motion.interpolated && first + 1 < motion.times.size() ? motion.times[first - 1] : motion.times[first];
 }
 
 MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file, const PoseLayout& layout,

@@ -97,10 +97,6 @@ void BulletArm::setShaftReferences(std::span<const double> references) {
   for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].reference = references[m];
 }
 
-void BulletArm::placeShafts(std::span<const double> angles) {
-  for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].state = {0.0, 0.0, angles[m]};
-}
-
 void BulletArm::setJointPositions(std::span<const JointPosition> joints) {
   btMultiBody& body = world_->body;
   for (std::size_t j = 0; j < joints_.size(); ++j) {

@@ -4,178 +4,201 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
 namespace simgap {
 namespace {
 
-/// The way from one position to another, a part of it.
-JointPosition between(const JointPosition& a, const JointPosition& b, double part) {
-  return {a.rotation.slerp(part, b.rotation), a.angle + part * (b.angle - a.angle)};
+CommandKind commandKind(const MuscleRecord& muscle) {
+  if (!muscle.setpoints.empty()) return CommandKind::kSetpoint;
+  return muscle.voltages.empty() ? CommandKind::kForce : CommandKind::kVoltage;
 }
 
-/// The commands of a motion at a time that only rises.
-class CommandTrack {
- public:
-  explicit CommandTrack(const RecordedMotion& motion) : motion_(motion), now_(motion.muscles.size()) {}
-
-  /// Shape (muscles). Before the first row the first commands, behind the last one the last.
-  std::span<const double> at(double time) {
-    const std::vector<double>& times = motion_.times;
-    while (row_ + 1 < times.size() && times[row_ + 1] <= time + kTick) ++row_;
-    const bool straight = motion_.interpolated && row_ + 1 < times.size() && time > times[row_];
-    const double part = straight ? (time - times[row_]) / (times[row_ + 1] - times[row_]) : 0.0;
-    for (std::size_t m = 0; m < now_.size(); ++m) {
-      const std::vector<double>& commands = motion_.muscles[m].commands;
-      now_[m] = straight ? commands[row_] + part * (commands[row_ + 1] - commands[row_]) : commands[row_];
-    }
-    return now_;
+MotionCommands commandsOf(const RecordedMotion& motion) {
+  MotionCommands commands;
+  commands.times = motion.times;
+  commands.linear = motion.interpolated;
+  commands.values.resize(std::ssize(motion.muscles), std::ssize(motion.times));
+  for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
+    const std::vector<double>& values = motion.muscles[m].commands();
+    commands.kinds.push_back(commandKind(motion.muscles[m]));
+    commands.values.row(static_cast<Eigen::Index>(m)) =
+        Eigen::Map<const Eigen::RowVectorXd>(values.data(), std::ssize(values));
   }
-
- private:
-  static constexpr double kTick = 1e-9;  // [s]: a row at the time of a step counts for that step
-  const RecordedMotion& motion_;
-  std::vector<double> now_;
-  std::size_t row_ = 0;
-};
-
-/// Measures between the states before and after a step in which a measurement falls.
-class Recorder {
- public:
-  Recorder(const BulletArm& arm, const RecordedMotion& motion, double capture_delay, PlayedMotion& played)
-      : arm_(arm), motion_(motion), capture_delay_(capture_delay), played_(played) {
-    played_.joints.resize(motion.joint_times.size() * arm.joints());
-    played_.shafts.resize(motion.times.size() * arm.muscles());
-    played_.currents.resize(motion.times.size() * arm.muscles());
-    drives_.resize(2 * arm.muscles());
-    drives_before_.resize(2 * arm.muscles());
-  }
-
-  /// Whether anything is left to be measured.
-  bool more() const { return frame_ < motion_.joint_times.size() || row_ < motion_.times.size(); }
-
-  /// Whether anything is measured up to `time`.
-  bool due(double time) const {
-    return (frame_ < motion_.joint_times.size() && motion_.joint_times[frame_] + capture_delay_ <= time) ||
-           (row_ < motion_.times.size() && motion_.times[row_] <= time);
-  }
-  /// Before a step in which something is due.
-  void notePrevious() {
-    before_ = arm_.capturedPositions();
-    takeDrives(drives_before_);
-  }
-  /// Everything due up to `time`, where the arm is now. \param step  since notePrevious() [s]
-  void record(double time, double step) {
-    joints_ = arm_.capturedPositions();
-    takeDrives(drives_);
-    const auto part = [&](double at) { return std::clamp(1.0 - (time - at) / step, 0.0, 1.0); };
-    while (frame_ < motion_.joint_times.size() && motion_.joint_times[frame_] + capture_delay_ <= time) {
-      const double way = part(motion_.joint_times[frame_] + capture_delay_);
-      for (std::size_t j = 0; j < joints_.size(); ++j) {
-        played_.joints[frame_ * joints_.size() + j] = between(before_[j], joints_[j], way);
-      }
-      ++frame_;
-    }
-    const std::size_t muscles = arm_.muscles();
-    while (row_ < motion_.times.size() && motion_.times[row_] <= time) {
-      const double way = part(motion_.times[row_]);
-      for (std::size_t m = 0; m < muscles; ++m) {
-        const auto mixed = [&](std::size_t i) { return drives_before_[i] + way * (drives_[i] - drives_before_[i]); };
-        played_.shafts[row_ * muscles + m] = mixed(m);
-        played_.currents[row_ * muscles + m] = mixed(muscles + m);
-      }
-      ++row_;
-    }
-  }
-
- private:
-  void takeDrives(std::vector<double>& drives) const {
-    for (std::size_t m = 0; m < arm_.muscles(); ++m) {
-      drives[m] = arm_.shaftAngle(m);
-      drives[arm_.muscles() + m] = arm_.current(m);
-    }
-  }
-
-  const BulletArm& arm_;
-  const RecordedMotion& motion_;
-  double capture_delay_;
-  PlayedMotion& played_;
-  std::vector<JointPosition> joints_, before_;
-  std::vector<double> drives_, drives_before_;
-  std::size_t frame_ = 0, row_ = 0;
-};
-
-bool fail(const BulletArm& arm, double time, PlayedMotion& played) {
-  played.failed_at = time;
-  played.worst = 0;
-  for (std::size_t j = 1; j < arm.joints(); ++j) {
-    const double worst = arm.jointSpeed(static_cast<std::size_t>(played.worst));
-    if (!(arm.jointSpeed(j) <= worst)) played.worst = static_cast<int>(j);
-  }
-  return false;
+  return commands;
 }
 
-/// Brings the arm to where the motion begins. \returns false when it blew up
-bool begin(BulletArm& arm, const RecordedMotion& motion, const MotionOptions& options,
-           std::span<const JointPosition> rest, CommandTrack& commands, PlayedMotion& played) {
+void refuseImpossibleCommands(const ArmModel& model, const RecordedMotion& motion) {
+  for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
+    const MuscleRecord& muscle = motion.muscles[m];
+    const double supply = model.muscles[m].motor.supply_voltage;
+    const auto fail = [&](const char* stem, std::size_t row, const std::string& problem) {
+      throw DataError(fmt::format("{}: {}{} at {} s: {}", motion.muscles_file.string(), stem, model.muscles[m].name,
+                                  motion.times[row], problem));
+    };
+    for (std::size_t row = 0; row < muscle.voltages.size(); ++row) {
+      if (std::abs(muscle.voltages[row]) <= supply) continue;
+      fail("voltage_", row,
+           fmt::format("found {} V, expected at most the supply of {} V", muscle.voltages[row], supply));
+    }
+    for (std::size_t row = 0; row < muscle.force_commands.size(); ++row) {
+      if (muscle.force_commands[row] >= 0.0) continue;
+      fail("force_", row, fmt::format("found {} N, expected >= 0: a line only pulls", muscle.force_commands[row]));
+    }
+  }
+}
+
+/// The moments at which a motion is to be looked at, rising: those of its rows, and of its frames on the rows' clock,
+/// with the place of each among them.
+struct Moments {
+  std::vector<double> times;
+  std::vector<std::size_t> of_row, of_frame;
+};
+Moments momentsOf(const RecordedMotion& motion, double capture_delay) {
+  Moments moments;
   const double first = motion.times.front();
-  arm.setShaftReferences(commands.at(first));
-  arm.placeShafts(motion.start ? std::span<const double>(motion.start->shafts) : commands.at(first));
-  arm.setJointPositions(motion.start ? std::span<const JointPosition>(motion.start->joints) : rest);
-  if (motion.start) return true;
-  const long steps = std::lround(options.settle / options.arm.step);
-  for (long i = 0; i < steps; ++i) {
-    arm.step();
-    if (!arm.isFinite()) return fail(arm, first + static_cast<double>(i - steps) * options.arm.step, played);
+  std::size_t row = 0, frame = 0;
+  const std::size_t rows = motion.times.size(), frames = motion.joint_times.size();
+  while (row < rows || frame < frames) {
+    // A frame before the first row sees the arm at rest.
+    const double frame_time = frame < frames ? std::max(first, motion.joint_times[frame] + capture_delay) : kInfinity;
+    const bool is_row = row < rows && motion.times[row] <= frame_time;
+    (is_row ? moments.of_row : moments.of_frame).push_back(moments.times.size());
+    moments.times.push_back(is_row ? motion.times[row++] : frame_time);
+    if (!is_row) ++frame;
   }
-  return true;
+  return moments;
 }
 
 }  // namespace
 
-void playMotion(BulletArm& arm, const RecordedMotion& motion, const MotionOptions& options,
-                std::span<const JointPosition> rest, double capture_delay, PlayedMotion& played) {
-  played.valid = false;
-  arm.reset();
-  CommandTrack commands(motion);
-  if (!begin(arm, motion, options, rest, commands, played)) return;
-  Recorder recorder(arm, motion, capture_delay, played);
-  const double step = options.arm.step;
-  const double first = motion.times.front();
-  recorder.notePrevious();
-  recorder.record(first, step);
-  for (long i = 0; recorder.more(); ++i) {
-    const double now = first + static_cast<double>(i + 1) * step;
-    const bool due = recorder.due(now);
-    if (due) recorder.notePrevious();
-    arm.setShaftReferences(commands.at(now - step));
-    arm.step();
-    if (!arm.isFinite()) {
-      fail(arm, now, played);
-      return;
-    }
-    if (due) recorder.record(now, step);
+MotionOptions MotionOptions::read(const YamlNode& node) {
+  MotionOptions options;
+  options.rollout.step = node.findQuantity("step", "s", kPositive).value_or(options.rollout.step);
+  ControllerOptions& controllers = options.rollout.controllers;
+  controllers.rate = node.findQuantity("controller_rate", "Hz", kPositive).value_or(controllers.rate);
+  if (const auto gain = node.find("shaft_gain_V_rad")) controllers.shaft_gain = gain->number(kPositive);
+  options.settle = node.findQuantity("settle", "s", kNonNegative).value_or(options.settle);
+  try {
+    options.rollout.validate();
+  } catch (const ConfigError& error) {
+    node.fail(error.what());
   }
-  played.valid = true;
+  return options;
 }
 
-std::vector<JointPosition> restPose(const ArmModel& model, const RecordedMotion& motion) {
-  if (motion.start) return motion.start->joints;
-  std::vector<double> shafts;
-  for (const MuscleRecord& muscle : motion.muscles) {
-    if (muscle.kind != CommandKind::kSetpoint) return motion.joints.front();
-    shafts.push_back(muscle.commands.front());
+std::string MotionOptions::toYaml(const std::string& indent) const {
+  return fmt::format("{0}step_s: {1}\n{0}controller_rate_Hz: {2}\n{0}shaft_gain_V_rad: {3}\n{0}settle_s: {4}\n", indent,
+                     rollout.step, rollout.controllers.rate, rollout.controllers.shaft_gain, settle);
+}
+
+MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std::filesystem::path& file,
+                         const TableReader& table) {
+  MotionSet set = readMotionSet(root, file, model.poseLayout(), table);
+  for (const RecordedMotion& motion : set.motions) refuseImpossibleCommands(model, motion);
+  return set;
+}
+
+namespace {
+
+/// Mean of the joints while the first commands last; empty where too few frames were taken then.
+std::vector<JointPosition> measuredRest(const RecordedMotion& motion, const std::vector<Joint>& joints) {
+  constexpr std::size_t kFewest = 5;
+  const double end = firstChange(motion);
+  std::size_t frames = 0;
+  while (frames < motion.joint_times.size() && motion.joint_times[frames] < end) ++frames;
+  if (frames < kFewest) return {};
+  std::vector<JointPosition> rest;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    std::vector<JointPosition> seen;
+    for (std::size_t f = 0; f < frames; ++f) seen.push_back(motion.joints[f][j]);
+    rest.push_back(kindOf(joints[j].type).mean(seen));
   }
-  EquilibriumArm arm(model);
-  return arm.solveFrom(motion.joints.front(), shafts).stable ? arm.joints() : motion.joints.front();
+  return rest;
+}
+
+/// Where friction holds a shaft beside its set-point is history, but its current tells: i = K_p (ref - phi) / R. [rad]
+double measuredShaft(const RecordedMotion& motion, std::size_t muscle, const Motor& motor, double shaft_gain) {
+  const MuscleRecord& record = motion.muscles[muscle];
+  const double end = firstChange(motion);
+  std::size_t rows = 1;
+  while (rows < motion.times.size() && motion.times[rows] < end) ++rows;
+  const auto mean = [rows](const std::vector<double>& channel) {
+    return std::accumulate(channel.begin(), channel.begin() + static_cast<std::ptrdiff_t>(rows), 0.0) /
+           static_cast<double>(rows);
+  };
+  if (!record.setpoints.empty() && !record.currents.empty()) {
+    return record.setpoints.front() - motor.resistance * mean(record.currents) / shaft_gain;
+  }
+  if (!record.shafts.empty()) return mean(record.shafts);
+  return record.setpoints.empty() ? 0.0 : record.setpoints.front();
+}
+
+}  // namespace
+
+MotionPlayer::MotionPlayer(const ArmModel& model, const MotionOptions& options)
+    : model_(model), options_(options), rollout_(model, options.rollout) {}
+
+void MotionPlayer::setModel(const ArmModel& model) {
+  model_ = model;
+  rollout_.setModel(model);
+}
+
+MotionStart MotionPlayer::startOf(const RecordedMotion& motion) const {
+  MotionStart start;
+  start.time = motion.times.front();
+  if (motion.start) {
+    start.joints = motion.start->joints;
+    start.shafts = motion.start->shafts;
+    return start;
+  }
+  start.settle = options_.settle;
+  for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
+    const double gain = options_.rollout.controllers.shaft_gain;
+    start.shafts.push_back(measuredShaft(motion, m, model_.muscles[m].motor, gain));
+  }
+  start.joints = measuredRest(motion, model_.joints);
+  if (start.joints.empty()) {
+    EquilibriumArm arm(model_);
+    start.joints = arm.solveFrom(motion.joints.front(), start.shafts).stable ? arm.joints() : motion.joints.front();
+  }
+  return start;
+}
+
+void MotionPlayer::play(const RecordedMotion& motion, double capture_delay, PlayedMotion& played) {
+  const MotionStart start = startOf(motion);
+  const Moments moments = momentsOf(motion, capture_delay);
+  played.outcome = rollout_.run(commandsOf(motion), start, moments.times, track_);
+  played.valid = played.outcome.finished;
+  if (!played.valid) return;
+  const std::size_t joints = model_.joints.size();
+  played.joints.resize(moments.of_frame.size() * joints);
+  for (std::size_t f = 0; f < moments.of_frame.size(); ++f) {
+    std::ranges::copy(track_.jointsAt(moments.of_frame[f]), played.joints.begin() + std::ssize(motion.joints[0]) * f);
+  }
+  const auto rows = std::ssize(moments.of_row);
+  played.shafts.resize(track_.shafts.rows(), rows);
+  played.currents.resize(track_.shafts.rows(), rows);
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    const auto at = static_cast<Eigen::Index>(moments.of_row[static_cast<std::size_t>(row)]);
+    played.shafts.col(row) = track_.shafts.col(at);
+    played.currents.col(row) = track_.currents.col(at);
+  }
 }
 
 std::string describeFailure(const PlayedMotion& played, const PoseLayout& layout, const MotionOptions& options) {
+  const MotionOutcome& outcome = played.outcome;
+  const std::string what = outcome.joint >= 0    ? layout.joints[static_cast<std::size_t>(outcome.joint)].name
+                           : outcome.muscle >= 0 ? layout.muscles[static_cast<std::size_t>(outcome.muscle)]
+                                                 : "the arm";
   return fmt::format(
-      "the simulation blew up {:.2f} s after the start ({} fastest); a smaller step than {:g} s may hold",
-      played.failed_at, layout.joints[static_cast<std::size_t>(std::max(0, played.worst))].name, options.arm.step);
+      "the simulation blew up at {:.2f} s: {}; a step below {:g} s may hold it (step_s of motions: in "
+      "--config)",
+      outcome.time, what, options.rollout.step);
 }
 
 }  // namespace simgap

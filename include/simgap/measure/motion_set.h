@@ -16,25 +16,23 @@
 
 namespace simgap {
 
-/// What a muscle is told.
-enum class CommandKind {
-  kSetpoint,  ///< of its shaft [rad]
-  kVoltage,   ///< of its motor [V]
-  kForce,     ///< of its line [N]
-};
-std::string_view toString(CommandKind kind);
-
-/// One muscle over the rows of a muscles file. A channel that was not measured is empty.
+/// One muscle over the rows of a muscles file: what it was told, of one kind, and what was measured. A channel that is
+/// not there is empty.
 struct MuscleRecord {
-  CommandKind kind = CommandKind::kSetpoint;
-  std::vector<double> commands;  ///< shape (rows), in the kind's unit
-  std::vector<double> shafts;    ///< shape (rows) [rad]
-  std::vector<double> currents;  ///< shape (rows) [A]
-  std::vector<double> forces;    ///< shape (rows) [N]
+  std::vector<double> setpoints;       ///< commands, shape (rows): of the shaft [rad]
+  std::vector<double> voltages;        ///< commands, shape (rows): of the motor [V]
+  std::vector<double> force_commands;  ///< commands, shape (rows): of the line [N]
+  std::vector<double> shafts;          ///< shape (rows) [rad]
+  std::vector<double> currents;        ///< shape (rows) [A]
+  std::vector<double> forces;          ///< shape (rows) [N]
+
+  const std::vector<double>& commands() const {
+    return !setpoints.empty() ? setpoints : !voltages.empty() ? voltages : force_commands;
+  }
 };
 
 /// A measured state, at rest.
-struct MotionStart {
+struct RecordedStart {
   std::vector<JointPosition> joints;  ///< shape (joints)
   std::vector<double> shafts;         ///< shape (muscles) [rad]
 };
@@ -47,7 +45,7 @@ struct RecordedMotion {
   std::vector<MuscleRecord> muscles;                ///< shape (muscles of the layout)
   std::vector<double> joint_times;                  ///< shape (frames) [s], rising
   std::vector<std::vector<JointPosition>> joints;   ///< shape (frames, joints of the layout)
-  std::optional<MotionStart> start;                 ///< empty: at rest under the first commands
+  std::optional<RecordedStart> start;               ///< empty: at rest under the first commands
   double weight = 1.0;                              ///< in a fit, > 0
   std::filesystem::path muscles_file, joints_file;  ///< as they were read
 
@@ -58,6 +56,9 @@ struct MotionSet {
   std::string file;
   std::vector<RecordedMotion> motions;
 };
+
+/// When the first command changes; the end, if none does [s].
+double firstChange(const RecordedMotion& motion);
 
 /// Reads the table of a file that a motion set names.
 using TableReader = std::function<CsvTable(const std::filesystem::path& file)>;

@@ -41,8 +41,6 @@ class BulletArm {
   void reset();
   /// \param references  shape (muscles) [rad]
   void setShaftReferences(std::span<const double> references);
-  /// Places the shafts, at rest and without current. \param angles  shape (muscles) [rad]
-  void placeShafts(std::span<const double> angles);
   /// Places the joints, at rest; the shafts stay.
   void setJointPositions(std::span<const JointPosition> joints);
   /// Angular velocity of a joint's child relative to its parent, in the child's frame; revolute: (about the axis, -,

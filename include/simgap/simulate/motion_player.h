@@ -7,38 +7,53 @@
 #include <vector>
 
 #include "simgap/measure/motion_set.h"
-#include "simgap/simulate/bullet_arm.h"
+#include "simgap/simulate/rollout.h"
 
 namespace simgap {
 
 struct MotionOptions {
-  BulletArmOptions arm{.step = 0.001};
-  double settle = 1.5;  ///< [s] under the first commands before a motion begins; 0 where its start was measured
+  RolloutOptions rollout{.step = 0.002, .controllers = {}};
+  double settle = 1.0;  ///< [s] at rest under the first commands before a motion begins, where no start was measured
+
+  /// Reads the `motions:` block's keys of it; keys that are missing keep their value. \throws ConfigError
+  static MotionOptions read(const YamlNode& node);
+  std::string toYaml(const std::string& indent) const;  ///< the block's lines
 };
 
 /// What the arm did, at the times at which the real one was measured.
 struct PlayedMotion {
   bool valid = false;
-  double failed_at = 0.0;             ///< [s] on the motion's clock, where it blew up
-  int worst = -1;                     ///< the joint that was fastest then
+  MotionOutcome outcome;
   std::vector<JointPosition> joints;  ///< shape (frames, joints), as markers show them
-  std::vector<double> shafts;         ///< shape (rows, muscles) [rad]
-  std::vector<double> currents;       ///< shape (rows, muscles) [A]
+  Eigen::MatrixXd shafts;             ///< shape (muscles, rows) [rad]
+  Eigen::MatrixXd currents;           ///< shape (muscles, rows) [A]
 };
 
-/// Resets the arm to rest under the motion's first commands (the equilibrium at those shafts, then `settle`), or to its
-/// measured start, and plays its commands.
-/// \param rest  where the arm comes to rest under the first commands: restPose(); unused with a measured start
-/// \param capture_delay  the frame at time t on the capture's clock was taken at t + capture_delay [s]
-/// \param[out] played  memory is taken on first use only
-void playMotion(BulletArm& arm, const RecordedMotion& motion, const MotionOptions& options,
-                std::span<const JointPosition> rest, double capture_delay, PlayedMotion& played);
+/// Checked against a model. \throws DataError: a voltage beyond the supply, a force that pushes
+MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std::filesystem::path& file,
+                         const TableReader& table);
 
-/// The equilibrium under a motion's first commands, where settling begins; the first measured pose, where there is
-/// none or the commands are no shaft angles.
-std::vector<JointPosition> restPose(const ArmModel& model, const RecordedMotion& motion);
+/// Plays recorded motions, one at a time; a worker keeps one.
+class MotionPlayer {
+ public:
+  MotionPlayer(const ArmModel& model, const MotionOptions& options);
+  /// Another model of as many joints and muscles.
+  void setModel(const ArmModel& model);
+  /// Begins at rest under the first commands: near where joints and shafts were measured then, which dry friction may
+  /// hold beside their equilibrium, and after `settle` of simulated time; or in the measured start.
+  /// \param capture_delay  the frame at time t on the capture's clock was taken at t + capture_delay [s]
+  void play(const RecordedMotion& motion, double capture_delay, PlayedMotion& played);
 
-/// "the arm blew up after 1.20 s: shoulder; …": why a motion could not be played.
+ private:
+  MotionStart startOf(const RecordedMotion& motion) const;
+
+  ArmModel model_;
+  MotionOptions options_;
+  Rollout rollout_;
+  MotionTrack track_;
+};
+
+/// "the simulation blew up 1.20 s after the start: shoulder; …": why a motion could not be played.
 std::string describeFailure(const PlayedMotion& played, const PoseLayout& layout, const MotionOptions& options);
 
 }  // namespace simgap

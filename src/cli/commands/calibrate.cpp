@@ -6,6 +6,7 @@
 #include <set>
 
 #include "cli/inputs.h"
+#include "cli/motion_commands.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/core/ranks.h"
@@ -20,7 +21,7 @@ namespace {
 struct Options {
   CommonOptions common;
   TableOptions table;
-  std::string model, poses, validation, config;
+  std::string model, poses, validation, motions, validation_motions, config;
   std::filesystem::path resume;
   std::optional<int> generations, mu, lambda;
   std::optional<double> target_fitness;
@@ -251,11 +252,39 @@ void refuseWithResume(const CLI::App& app) {
   }
 }
 
+/// With --motions, or of a directory that was begun so.
+ExitCode runMotions(const Options& options, const CLI::App& app, const std::vector<std::string>& argv) {
+  for (const char* other :
+       {"--validation", "--evaluator", "--objective", "--verify", "--starts", "--map", "--early-acquisition"}) {
+    if (app.count(other) == 0) continue;
+    throw ConfigError(fmt::format("found {} with --motions{}", other,
+                                  other == std::string("--validation") ? ", expected --validation-motions" : ""));
+  }
+  MotionCalibrateOptions moving;
+  moving.common = options.common;
+  moving.skip_bad_rows = options.table.skip_bad_rows;
+  moving.model = options.model;
+  moving.motions = options.motions;
+  moving.validation_motions = options.validation_motions;
+  moving.poses = options.poses;
+  moving.config = options.config;
+  moving.resume = options.resume;
+  moving.optimizer = options.optimizer;
+  moving.generations = options.generations;
+  moving.mu = options.mu;
+  moving.lambda = options.lambda;
+  moving.target_fitness = options.target_fitness;
+  return calibrateMotions(moving, argv);
+}
+
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("MODEL", options->model, "arm model (YAML)");
   app.add_option("--poses", options->poses, "recorded poses the search sees (CSV)");
   app.add_option("--validation", options->validation, "recorded poses it never sees, to judge the result (CSV)");
+  app.add_option("--motions", options->motions,
+                 "recorded motions the search sees (YAML): static and dynamic parameters; --poses may join them");
+  app.add_option("--validation-motions", options->validation_motions, "recorded motions it never sees (YAML)");
   app.add_option("--config", options->config, "what is searched and how (YAML; default: the paper's parameters)");
   app.add_option("--generations", options->generations, "of es and cma-es, instead of the config's");
   app.add_option("--mu", options->mu, "parents, of es and hybrid");
@@ -284,6 +313,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   options->common.add(app);
   return [options, argv, &app] {
     if (!options->resume.empty()) refuseWithResume(app);
+    const bool moves = !options->motions.empty() || holdsMotionCalibration(options->resume);
+    if (moves) return runMotions(*options, app, argv);
+    if (!options->validation_motions.empty()) throw ConfigError("found --validation-motions without --motions");
     return run(*options, argv);
   };
 }
@@ -296,6 +328,9 @@ const Command calibrate{"calibrate", "close the gap: search the model's paramete
                         "    --poses data/arm/poses_calibration.csv \\\n"
                         "    --validation data/arm/poses_validation.csv -o runs/arm\n"
                         "  simgap calibrate --resume runs/arm\n"
+                        "  simgap calibrate data/motions/arm.yaml \\\n"
+                        "    --motions data/motions/open-none/calibration/motions.yaml \\\n"
+                        "    --validation-motions data/motions/open-none/validation/motions.yaml -o runs/moving\n"
                         "  simgap calibrate data/arm/arm.yaml \\\n"
                         "    --poses data/arm/poses_calibration.csv \\\n"
                         "    --validation data/arm/poses_validation.csv \\\n"

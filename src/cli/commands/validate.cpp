@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cli/inputs.h"
+#include "cli/motion_commands.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/report/poses/pose_report.h"
@@ -16,9 +17,9 @@ namespace {
 struct Options {
   CommonOptions common;
   TableOptions table;
-  std::string model, poses, config;
+  std::string model, poses, motions, config;
   std::string evaluator = "bullet";
-  std::optional<double> max_mje;  ///< [deg]
+  std::optional<double> max_mje, max_rms;  ///< [deg]
 };
 
 ValidationResult judge(const Options& options, const ArmModel& model, const PoseSet& set,
@@ -67,28 +68,48 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   return std::ranges::all_of(result.criteria, &Criterion::pass) ? ExitCode::kDone : ExitCode::kCriterionFailed;
 }
 
+/// Poses or motions: each has options of its own.
+ExitCode runEither(const Options& options, const CLI::App& app, const std::vector<std::string>& argv) {
+  const bool moves = !options.motions.empty();
+  if (options.poses.empty() != moves) throw ConfigError("validate needs either --poses or --motions (see --help)");
+  for (const char* other : moves ? std::vector{"--evaluator", "--max-mje", "--map"} : std::vector{"--max-rms"}) {
+    if (app.count(other) == 0) continue;
+    throw ConfigError(fmt::format("found {} with {}, expected it with {}", other, moves ? "--motions" : "--poses",
+                                  moves ? "--poses" : "--motions"));
+  }
+  if (!moves) return run(options, argv);
+  return validateMotions(
+      {options.common, options.table.skip_bad_rows, options.model, options.motions, options.config, options.max_rms},
+      argv);
+}
+
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("MODEL", options->model, "arm model (YAML)")->required();
-  app.add_option("--poses", options->poses, "recorded poses (CSV)")->required();
+  app.add_option("--poses", options->poses, "recorded poses (CSV)");
+  app.add_option("--motions", options->motions, "recorded motions instead (YAML): errors over time");
   app.add_option("--config", options->config, "calibration config whose protocol is used (default: the paper's)");
+  app.add_option("--max-rms", options->max_rms, "of motions: exit 1 when a joint's rms exceeds this, per axis [deg]")
+      ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--evaluator", options->evaluator, "bullet: simulate; equilibrium: minimise the potential energy")
       ->check(CLI::IsMember({"bullet", "equilibrium"}));
   app.add_option("--max-mje", options->max_mje, "exit 1 when a joint's mean error exceeds this [deg]")
       ->check(CLI::PositiveNumber & finiteNumber());
   options->table.add(app);
   options->common.add(app);
-  return [options, argv] { return run(*options, argv); };
+  return [options, argv, &app] { return runEither(*options, app, argv); };
 }
 
 }  // namespace
 
 extern const Command validate;
-const Command validate{"validate", "mean joint errors of a model on recorded poses",
+const Command validate{"validate", "errors of a model on recorded poses, or over recorded motions",
                        "  simgap calibrate data/arm/arm.yaml \\\n"
                        "    --poses data/arm/poses_calibration.csv --optimizer lm -o runs/arm\n"
                        "  simgap validate runs/arm/model.yaml \\\n"
-                       "    --poses data/arm/poses_validation.csv --max-mje 5 -o runs/validation",
+                       "    --poses data/arm/poses_validation.csv --max-mje 5 -o runs/validation\n"
+                       "  simgap validate data/motions/arm.yaml \\\n"
+                       "    --motions data/motions/open-none/validation/motions.yaml -o runs/motions",
                        define};
 
 }  // namespace simgap::commands

@@ -20,7 +20,7 @@ constexpr double kFarthest = 6.0;  // prior sd: an effect that the model lacks d
 /// What each thread plays motions with.
 struct MotionPosterior::Workers {
   struct Worker {
-    std::optional<BulletArm> arm;
+    std::optional<MotionPlayer> player;
     PlayedMotion played;
     ArmModel model;
   };
@@ -28,17 +28,21 @@ struct MotionPosterior::Workers {
 };
 
 MotionPosterior::MotionPosterior(const ArmModel& model, std::span<const RecordedMotion> motions,
-                                 std::span<const Pose> poses, const ParameterSpace& space, const PoseNoise& pose_noise,
-                                 const Options& options)
+                                 std::span<const Pose> poses, const std::vector<ParameterSpace::Choice>& parameters,
+                                 const PoseNoise& pose_noise, const Options& options)
     : model_(model),
-      space_(space),
-      scaled_(space),
+      space_(model, parameters),
+      scaled_(space_),
       options_(options),
       noise_(estimateNoise(motions, model.poseLayout(), options.noise)),
       workers_(std::make_shared<Workers>()) {
   const PoseLayout layout = model.poseLayout();
   for (const RecordedMotion& motion : motions) motions_.emplace_back(motion, layout, noise_, options.discrepancy);
-  if (!poses.empty()) poses_.emplace(model, poses, space, pose_noise);
+  if (poses.empty()) return;
+  std::vector<ParameterSpace::Choice> apart = parameters;
+  for (ParameterSpace::Choice& choice : apart) choice.together = false;
+  poses_.emplace(model, poses, ParameterSpace(model, apart), pose_noise);
+  owners_ = space_.owners();
 }
 
 double MotionPosterior::lower(Eigen::Index i) const {
@@ -57,16 +61,15 @@ ArmModel MotionPosterior::modelAt(const Eigen::VectorXd& z) const {
   return model;
 }
 
-/// With the calling thread's arm.
+/// With the calling thread's player.
 void MotionPosterior::playOne(const ArmModel& model, double delay, std::size_t motion, PlayedMotion& played) const {
-  Workers::Worker& worker = workers_->own.local();
-  if (worker.arm) {
-    worker.arm->setModel(model);
+  std::optional<MotionPlayer>& player = workers_->own.local().player;
+  if (player) {
+    player->setModel(model);
   } else {
-    worker.arm.emplace(model, options_.motion.arm);
+    player.emplace(model, options_.motion);
   }
-  const RecordedMotion& recorded = motions_[motion].motion();
-  playMotion(*worker.arm, recorded, options_.motion, restPose(model, recorded), delay, played);
+  player->play(motions_[motion].motion(), delay, played);
 }
 
 std::vector<PlayedMotion> MotionPosterior::play(const Eigen::VectorXd& z) const {
@@ -80,7 +83,19 @@ std::vector<PlayedMotion> MotionPosterior::play(const Eigen::VectorXd& z) const 
 
 std::vector<PoseResidual> MotionPosterior::evaluatePoses(const Eigen::VectorXd& z, bool jacobians) const {
   if (!poses_) return {};
-  return poses_->evaluate(z.head(scaled_.size()), jacobians);
+  Eigen::VectorXd apart(std::ssize(owners_));
+  for (std::size_t i = 0; i < owners_.size(); ++i) {
+    apart[static_cast<Eigen::Index>(i)] = z[static_cast<Eigen::Index>(owners_[i])];
+  }
+  std::vector<PoseResidual> poses = poses_->evaluate(apart, jacobians);
+  for (PoseResidual& pose : poses) {
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(pose.jacobian.rows(), scaled_.size());
+    for (std::size_t i = 0; i < owners_.size(); ++i) {
+      jacobian.col(static_cast<Eigen::Index>(owners_[i])) += pose.jacobian.col(static_cast<Eigen::Index>(i));
+    }
+    pose.jacobian = std::move(jacobian);
+  }
+  return poses;
 }
 
 MotionEvaluation MotionPosterior::evaluate(const Eigen::VectorXd& z) const {
@@ -199,8 +214,9 @@ MotionPosterior::NormalEquations MotionPosterior::normalEquations(const Eigen::V
   }
   for (const PoseResidual& pose : at.poses) {
     const double weight = robustWeight(pose.error.squaredNorm());
-    normal.curvature.topLeftCorner(n - 1, n - 1).selfadjointView<Eigen::Lower>().rankUpdate(pose.jacobian.transpose(),
-                                                                                            weight);
+    normal.curvature.topLeftCorner(n - 1, n - 1)
+        .selfadjointView<Eigen::Lower>()
+        .rankUpdate(pose.jacobian.transpose(), weight);
     normal.gradient.head(n - 1) += weight * pose.jacobian.transpose() * pose.error;
   }
   for (Eigen::Index i = 0; i < n; ++i) {

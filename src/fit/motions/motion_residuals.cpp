@@ -8,15 +8,15 @@
 namespace simgap {
 namespace {
 
-constexpr double kWindow = 0.05;       // [s]
-constexpr double kCorrelation = 0.3;   // [s], of the discrepancy
+constexpr double kWindow = 0.05;      // [s]
+constexpr double kCorrelation = 0.3;  // [s], of the discrepancy
 
 }  // namespace
 
 MotionResiduals::MotionResiduals(const RecordedMotion& motion, const PoseLayout& layout, const MotionNoise& noise,
                                  const MotionDiscrepancy& discrepancy)
     : motion_(&motion) {
-  using enum ResidualBlock::Group;
+  using enum ChannelGroup;
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
     types_.push_back(layout.joints[j].type);
     addBlocks(kJoint, j, motion.joint_times, kindOf(types_.back()).degrees_of_freedom, noise.joints[j],
@@ -29,7 +29,7 @@ MotionResiduals::MotionResiduals(const RecordedMotion& motion, const PoseLayout&
   }
 }
 
-void MotionResiduals::addBlocks(ResidualBlock::Group group, std::size_t item, const std::vector<double>& times,
+void MotionResiduals::addBlocks(ChannelGroup group, std::size_t item, const std::vector<double>& times,
                                 Eigen::Index size, double noise, double discrepancy) {
   const double lasting = discrepancy * discrepancy * kCorrelation / kWindow;
   for (std::size_t begin = 0; begin < times.size();) {
@@ -43,20 +43,21 @@ void MotionResiduals::addBlocks(ResidualBlock::Group group, std::size_t item, co
 }
 
 void MotionResiduals::evaluate(const PlayedMotion& played, Eigen::Ref<Eigen::VectorXd> residuals) const {
-  const std::size_t joints = types_.size(), muscles = motion_->muscles.size();
+  const std::size_t joints = types_.size();
   for (const ResidualBlock& block : blocks_) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const auto muscle = static_cast<Eigen::Index>(block.item);
     for (std::size_t i = block.begin; i < block.end; ++i) {
       switch (block.group) {
-        case ResidualBlock::Group::kJoint:
-          sum += kindOf(types_[block.item]).difference(motion_->joints[i][block.item],
-                                                       played.joints[i * joints + block.item]);
+        case ChannelGroup::kJoint:
+          sum += kindOf(types_[block.item])
+                     .difference(motion_->joints[i][block.item], played.joints[i * joints + block.item]);
           break;
-        case ResidualBlock::Group::kShaft:
-          sum[0] += played.shafts[i * muscles + block.item] - motion_->muscles[block.item].shafts[i];
+        case ChannelGroup::kShaft:
+          sum[0] += played.shafts(muscle, static_cast<Eigen::Index>(i)) - motion_->muscles[block.item].shafts[i];
           break;
-        case ResidualBlock::Group::kCurrent:
-          sum[0] += played.currents[i * muscles + block.item] - motion_->muscles[block.item].currents[i];
+        case ChannelGroup::kCurrent:
+          sum[0] += played.currents(muscle, static_cast<Eigen::Index>(i)) - motion_->muscles[block.item].currents[i];
           break;
       }
     }

@@ -14,12 +14,12 @@
 namespace simgap {
 namespace {
 
-constexpr double kFirstStep = 0.1;                      // of differences, in prior standard deviations
+constexpr double kFirstStep = 0.1;  // of differences, in prior standard deviations
 constexpr double kSmallestStep = 0.02, kLargestStep = 0.3;
-constexpr int kMostSteps = 6;        // with one set of derivatives
-constexpr double kEnough = 0.05;     // of the gain promised: below it the derivatives are too old
-constexpr double kLittle = 1e-3;     // of the objective: a round that gains less was the last
-constexpr double kCertain = 0.5;     // [negative log posterior] as well
+constexpr int kMostSteps = 6;     // with one set of derivatives
+constexpr double kEnough = 0.05;  // of the gain promised: below it the derivatives are too old
+constexpr double kLittle = 1e-3;  // of the objective: a round that gains less was the last
+constexpr double kCertain = 0.5;  // [negative log posterior] as well
 constexpr double kMostDamping = 1e6;
 
 /// The derivatives at hand, and where they stand.
@@ -54,8 +54,7 @@ Eigen::VectorXd dampedStep(const MotionPosterior& posterior, const MotionPosteri
     std::vector<Eigen::Index> still_free;
     for (std::size_t k = 0; k < free.size(); ++k) {
       const Eigen::Index i = free[k];
-      const double to = std::clamp(z[i] + solved[static_cast<Eigen::Index>(k)],
-                                   posterior.lower(i), posterior.upper(i));
+      const double to = std::clamp(z[i] + solved[static_cast<Eigen::Index>(k)], posterior.lower(i), posterior.upper(i));
       if (to == z[i] + solved[static_cast<Eigen::Index>(k)]) {
         still_free.push_back(i);
       } else {
@@ -162,8 +161,8 @@ MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& sta
     const int rounds = static_cast<int>(state.history.size());
     if (state.converged || rounds == max_rounds) return fitOf(posterior, std::move(here));
     MotionRound round{rounds + 1, here.at.objective, here.at.objective, 0, 0, 0.0};
-    round.rollouts = (rounds == 0 ? 0 : state.history.back().rollouts) +
-                     (posterior.size() + 1) * std::ssize(posterior.motions());
+    round.rollouts =
+        (rounds == 0 ? 0 : state.history.back().rollouts) + (posterior.size() + 1) * std::ssize(posterior.motions());
     Linearisation trial = here;
     round.steps = descend(posterior, trial, state.damping, round.rollouts);
     round.after = trial.at.objective;

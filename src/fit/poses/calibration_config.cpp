@@ -1,11 +1,10 @@
 #include <fmt/format.h>
 
+#include "calibration_yaml.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/poses/calibration.h"
 
 namespace simgap {
-namespace {
-
 EvolutionStrategyOptions readStrategy(const YamlNode& node) {
   constexpr long kMany = 1'000'000;
   EvolutionStrategyOptions options;
@@ -44,10 +43,9 @@ std::string choiceYaml(const ParameterSpace::Choice& choice) {
   append("upper", choice.upper);
   append("prior_sd", choice.prior_sd);
   append("prior_sd_percent", choice.prior_sd_percent);
+  if (choice.together) text += ", together: true";
   return text + "}\n";
 }
-
-}  // namespace
 
 CalibrationConfig CalibrationConfig::read(const YamlNode& root) {
   CalibrationConfig config;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <optional>
 #include <set>
 
 #include "simgap/core/error.h"
@@ -209,6 +211,9 @@ std::vector<ParameterSpace::Choice> ParameterSpace::readChoices(const YamlNode& 
     }
     if (const auto sd = node.find("prior_sd")) choice.prior_sd = sd->number(kPositive);
     if (const auto percent = node.find("prior_sd_percent")) choice.prior_sd_percent = percent->number(kPositive);
+    if (const auto together = node.find("together")) choice.together = together->boolean();
+    if (choice.together && !choice.prior_sd_percent)
+      node.fail("found together without prior_sd_percent, expected both");
     if (choice.prior_sd && choice.prior_sd_percent) node.fail("found both prior_sd and prior_sd_percent, expected one");
     choices.push_back(std::move(choice));
   }
@@ -219,6 +224,7 @@ std::vector<ParameterSpace::Choice> ParameterSpace::readChoices(const YamlNode& 
 ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>& choices) {
   ArmModel copy = model;
   std::vector<bool> used(choices.size());
+  std::vector<std::optional<std::size_t>> shared(choices.size());  // the parameter of a choice that is one together
   std::size_t position = 0;
   traverse(copy, [&](const ParameterPath& path, const ParameterKind& kind, double& value) {
     const std::string name = path.str();
@@ -233,8 +239,19 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
       chosen = &choices[c];
     }
     if (chosen) {
-      parameters_.push_back(makeParameter(name, kind, value, *chosen));
-      positions_.push_back(position);
+      std::optional<std::size_t>& one = shared[static_cast<std::size_t>(chosen - choices.data())];
+      if (!chosen->together || !one) {
+        one = parameters_.size();
+        parameters_.push_back(makeParameter(chosen->together ? chosen->pattern : name, kind, value, *chosen));
+      }
+      const double initial = parameters_[*one].initial;
+      numbers_.push_back({position, *one, value == initial ? 1.0 : value / initial});
+      if (!std::isfinite(numbers_.back().ratio)) {
+        throw ConfigError(
+            fmt::format("parameters: pattern '{}': {} is {} and the first that matches is 0: they cannot "
+                        "change in proportion, expected together: false",
+                        chosen->pattern, name, value));
+      }
     }
     ++position;
   });
@@ -245,11 +262,20 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
   }
 }
 
+std::vector<std::size_t> ParameterSpace::owners() const {
+  std::vector<std::size_t> owners;
+  for (const Number& number : numbers_) owners.push_back(number.parameter);
+  return owners;
+}
+
 void ParameterSpace::apply(std::span<const double> values, ArmModel& model) const {
   std::size_t position = 0;
   std::size_t next = 0;
   traverse(model, [&](const ParameterPath&, const ParameterKind&, double& value) {
-    if (next < positions_.size() && positions_[next] == position) value = values[next++];
+    if (next < numbers_.size() && numbers_[next].position == position) {
+      const Number& number = numbers_[next++];
+      value = number.ratio * values[number.parameter];
+    }
     ++position;
   });
 }

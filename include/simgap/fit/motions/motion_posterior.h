@@ -25,9 +25,9 @@ using RowMajorF = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 /// Residuals and derivatives of everything at one z.
 struct MotionEvaluation {
   bool valid = false;
-  double objective = 0.0;                   ///< infinite when not valid
-  std::vector<Eigen::VectorXd> residuals;   ///< shape (motions) of (numbers)
-  std::vector<PoseResidual> poses;          ///< shape (poses)
+  double objective = 0.0;                  ///< infinite when not valid
+  std::vector<Eigen::VectorXd> residuals;  ///< shape (motions) of (numbers)
+  std::vector<PoseResidual> poses;         ///< shape (poses)
 };
 
 class MotionPosterior {
@@ -40,9 +40,11 @@ class MotionPosterior {
   };
   /// \param motions, poses  must outlive it; poses may be empty
   MotionPosterior(const ArmModel& model, std::span<const RecordedMotion> motions, std::span<const Pose> poses,
-                  const ParameterSpace& space, const PoseNoise& pose_noise, const Options& options);
+                  const std::vector<ParameterSpace::Choice>& parameters, const PoseNoise& pose_noise,
+                  const Options& options);
 
   Eigen::Index size() const { return scaled_.size() + 1; }  ///< of z
+  const ParameterSpace& space() const { return space_; }
   const ScaledParameters& parameters() const { return scaled_; }
   bool hasPrior(Eigen::Index i) const { return i == scaled_.size() || scaled_.hasPrior(i); }
   double lower(Eigen::Index i) const;  ///< of z: the parameter's, at most 6 standard deviations away
@@ -88,7 +90,8 @@ class MotionPosterior {
   Options options_;
   MotionNoise noise_;
   std::vector<MotionResiduals> motions_;
-  mutable std::optional<PosePosterior> poses_;
+  mutable std::optional<PosePosterior> poses_;  ///< each number that the parameters choose is one of its own there
+  std::vector<std::size_t> owners_;             ///< the parameter it belongs to
   std::shared_ptr<Workers> workers_;
 };
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "simgap/measure/motion_noise.h"
-#include "simgap/simulate/motion_player.h"
+#include "simgap/simulate/motion_error.h"
 
 namespace simgap {
 
@@ -28,14 +28,13 @@ struct MotionDiscrepancy {
 
 /// Where each residual of a motion comes from.
 struct ResidualBlock {
-  enum class Group { kJoint, kShaft, kCurrent };
-  Group group;
-  std::size_t item;     ///< joint or muscle
-  double time;          ///< of the window's middle, on the channel's clock [s]
-  Eigen::Index first;   ///< of its numbers
-  Eigen::Index size;    ///< 1, or 3 of a ball
+  ChannelGroup group;
+  std::size_t item;        ///< joint or muscle
+  double time;             ///< of the window's middle, on the channel's clock [s]
+  Eigen::Index first;      ///< of its numbers
+  Eigen::Index size;       ///< 1, or 3 of a ball
   std::size_t begin, end;  ///< samples averaged
-  double sd;            ///< of each of its numbers [rad or A]
+  double sd;               ///< of each of its numbers [rad or A]
 };
 
 /// The residuals of one motion.
@@ -52,7 +51,7 @@ class MotionResiduals {
   void evaluate(const PlayedMotion& played, Eigen::Ref<Eigen::VectorXd> residuals) const;
 
  private:
-  void addBlocks(ResidualBlock::Group group, std::size_t item, const std::vector<double>& times, Eigen::Index size,
+  void addBlocks(ChannelGroup group, std::size_t item, const std::vector<double>& times, Eigen::Index size,
                  double noise, double discrepancy);
 
   const RecordedMotion* motion_;

@@ -17,17 +17,17 @@ namespace simgap {
 
 /// One round: derivatives made anew and the steps taken with them; a row of history.csv.
 struct MotionRound {
-  int round = 0;                       ///< from 1
-  double before = 0.0, after = 0.0;    ///< negative log posterior
-  int steps = 0;                       ///< accepted
-  long rollouts = 0;                   ///< motions played since the start
-  double expected = 0.0;               ///< gain that the last derivatives still promise
+  int round = 0;                     ///< from 1
+  double before = 0.0, after = 0.0;  ///< negative log posterior
+  int steps = 0;                     ///< accepted
+  long rollouts = 0;                 ///< motions played since the start
+  double expected = 0.0;             ///< gain that the last derivatives still promise
 };
 
 /// From where a search goes on, to the bit: it is stored after every round.
 struct MotionSearchState {
   Eigen::VectorXd z;
-  Eigen::VectorXd steps;   ///< of the differences, in z
+  Eigen::VectorXd steps;  ///< of the differences, in z
   double damping = 1e-3;
   std::vector<MotionRound> history;
   bool converged = false;
@@ -44,9 +44,9 @@ MotionSearchState beginSearch(const MotionPosterior& posterior);
 struct MotionFit {
   Eigen::VectorXd z;
   double objective = 0.0;
-  Eigen::MatrixXd covariance;           ///< of z
-  std::vector<RowMajorF> jacobians;     ///< shape (motions), of whitened residuals
-  double from_optimum = 0.0;            ///< length of the Newton step left [sd]
+  Eigen::MatrixXd covariance;        ///< of z
+  std::vector<RowMajorF> jacobians;  ///< shape (motions), of whitened residuals
+  double from_optimum = 0.0;         ///< length of the Newton step left [sd]
 };
 
 /// What to show while it searches.

@@ -56,8 +56,9 @@ class ParameterSpace {
     std::optional<double> lower, upper;
     std::optional<double> prior_sd;          ///< in the parameter's unit
     std::optional<double> prior_sd_percent;  ///< of the initial value
+    bool together = false;  ///< all that match are one parameter and change in proportion; its name is the pattern
   };
-  /// Reads the list; `{pattern, step, lower?, upper?, prior_sd?, prior_sd_percent?}`.
+  /// Reads the list; `{pattern, step, lower?, upper?, prior_sd?, prior_sd_percent?, together?}`.
   static std::vector<Choice> readChoices(const YamlNode& list);
 
   /// \throws ConfigError: a pattern that matches nothing, a parameter matched twice, lower > upper, an initial value
@@ -66,13 +67,20 @@ class ParameterSpace {
 
   const std::vector<SearchParameter>& parameters() const { return parameters_; }
   std::size_t size() const { return parameters_.size(); }
+  /// The parameter that each chosen number belongs to, in the order of visitParameters; 0, 1, 2 … without `together`.
+  std::vector<std::size_t> owners() const;
 
   /// Writes `values`, shape (size()), into the model the space was made from, or a copy of it.
   void apply(std::span<const double> values, ArmModel& model) const;
 
  private:
+  struct Number {
+    std::size_t position;   ///< among all visited numbers, ascending
+    std::size_t parameter;  ///< index
+    double ratio;           ///< to the parameter's value
+  };
   std::vector<SearchParameter> parameters_;
-  std::vector<std::size_t> positions_;  ///< position of each parameter among all visited numbers, ascending
+  std::vector<Number> numbers_;
 };
 
 }  // namespace simgap

@@ -1,0 +1,203 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <filesystem>
+
+#include "cli/inputs.h"
+#include "cli/motion_commands.h"
+#include "simgap/core/error.h"
+#include "simgap/core/progress.h"
+#include "simgap/core/text.h"
+#include "simgap/report/html/assets.h"
+#include "simgap/report/motions/motion_report.h"
+
+namespace simgap {
+namespace {
+
+constexpr const char* kKeptFile = "inputs/motions.json";
+constexpr const char* kMotionState = "state.json";
+
+MotionCalibrationConfig readMotionConfig(Session& session, const MotionCalibrateOptions& options) {
+  const bool built_in = options.config.empty();
+  const std::string name = built_in ? "configs/calibrate_motions.yaml" : options.config;
+  const std::string text =
+      built_in ? std::string(assets::calibrate_motions_yaml()) : session.read("config", options.config).content;
+  MotionCalibrationConfig config = MotionCalibrationConfig::read(YamlNode::parse(text, name));
+  if (options.optimizer) {
+    if (options.optimizer == "hybrid") {
+      throw ConfigError("found --optimizer hybrid with --motions, expected lm, es or cma-es");
+    }
+    config.optimizer = *options.optimizer;
+  }
+  const bool evolves = config.optimizer != "lm";
+  if (!evolves && (options.generations || options.mu || options.lambda)) {
+    throw ConfigError("found --generations, --mu or --lambda with --optimizer lm, expected them with es or cma-es");
+  }
+  if (options.generations) config.strategy.generations = *options.generations;
+  if (options.mu) config.strategy.mu = *options.mu;
+  if (options.lambda) config.strategy.lambda = *options.lambda;
+  if (options.target_fitness) config.strategy.target_fitness = *options.target_fitness;
+  if (options.common.seed) config.strategy.seed = *options.common.seed;
+  if (config.optimizer == "cma-es") config.strategy.mu = std::min(config.strategy.mu, config.strategy.lambda);
+  config.strategy.validate();
+  return config;
+}
+
+MotionCalibrationTask readMotionTask(Session& session, const MotionCalibrateOptions& options) {
+  if (options.model.empty()) throw ConfigError("calibrate needs MODEL and --motions (see simgap calibrate --help)");
+  MotionCalibrationTask task;
+  task.model = readArmFile(session, "model", options.model);
+  task.config = readMotionConfig(session, options);
+  try {
+    ParameterSpace(task.model, task.config.parameters);
+  } catch (const ConfigError& error) {
+    const bool built_in = options.config.empty();
+    throw ConfigError(
+        fmt::format("{}: {}{}", built_in ? "configs/calibrate_motions.yaml" : options.config, error.what(),
+                    built_in ? " (these parameters are the built-in ones; --config FILE gives others)" : ""));
+  }
+  task.motions = readMotions(session, "motions", options.motions, task.model, options.skip_bad_rows);
+  if (!options.validation_motions.empty()) {
+    if (std::filesystem::weakly_canonical(options.validation_motions) ==
+        std::filesystem::weakly_canonical(options.motions)) {
+      throw ConfigError(
+          fmt::format("--validation-motions {}: found the motions of --motions, expected others: what a "
+                      "search has seen validates nothing",
+                      options.validation_motions));
+    }
+    task.validation = readMotions(session, "validation", options.validation_motions, task.model, options.skip_bad_rows);
+  }
+  if (!options.poses.empty()) {
+    CsvOptions csv;
+    csv.skip_bad_rows = options.skip_bad_rows;
+    task.poses = readPoses(session, "poses", options.poses, task.model, csv);
+  }
+  return task;
+}
+
+std::string sumOf(const Input& input) { return input.sha256.empty() ? sha256(input.content) : input.sha256; }
+
+/// What --resume needs: the files where they stand, with the sums by which a change is noticed.
+void keepMotionInputs(const MotionCalibrateOptions& options, const Session& session,
+                      const MotionCalibrationTask& task) {
+  std::filesystem::create_directories(session.directory().file("inputs"));
+  Json sums = Json::object();
+  for (const Input& input : session.inputs()) sums[std::filesystem::absolute(input.file).string()] = sumOf(input);
+  const auto absolute = [](const std::string& file) {
+    return file.empty() ? file : std::filesystem::absolute(file).string();
+  };
+  session.directory().write("config.resolved.yaml", task.config.toYaml());
+  session.directory().write(kKeptFile, Json{{"model", absolute(options.model)},
+                                            {"motions", absolute(options.motions)},
+                                            {"validation_motions", absolute(options.validation_motions)},
+                                            {"poses", absolute(options.poses)},
+                                            {"skip_bad_rows", options.skip_bad_rows},
+                                            {"sha256", sums}});
+}
+
+MotionCalibrateOptions resumedMotionOptions(const MotionCalibrateOptions& given) {
+  MotionCalibrateOptions options = given;
+  const std::filesystem::path file = given.resume / kKeptFile;
+  try {
+    const Json kept = readJson(file);
+    kept.at("model").get_to(options.model);
+    kept.at("motions").get_to(options.motions);
+    kept.at("validation_motions").get_to(options.validation_motions);
+    kept.at("poses").get_to(options.poses);
+    kept.at("skip_bad_rows").get_to(options.skip_bad_rows);
+  } catch (const Json::exception& error) {
+    throw ConfigError(fmt::format("{}: is no calibration that can be resumed: {}", file.string(), error.what()));
+  } catch (const DataError& error) {
+    throw ConfigError(error.what());
+  }
+  options.config = (given.resume / "config.resolved.yaml").string();
+  return options;
+}
+
+/// A run resumed with other inputs would be no continuation.
+void refuseChangedInputs(const std::filesystem::path& directory, const Session& session) {
+  const Json kept = readJson(directory / kKeptFile);
+  for (const Input& input : session.inputs()) {
+    const std::string file = std::filesystem::absolute(input.file).string();
+    const Json& sums = kept.at("sha256");
+    if (!sums.contains(file) || sums.at(file) == sumOf(input)) continue;
+    throw ConfigError(fmt::format("{}: has changed since the run began, expected it as it was", file));
+  }
+}
+
+std::string motionPlan(const MotionCalibrationTask& task, const MotionPosterior& posterior) {
+  double seconds = 0.0;
+  for (const RecordedMotion& motion : task.motions.motions) seconds += motion.duration();
+  return fmt::format(
+      "would search {} parameters on {} motions of {:.1f} s in all by {}: about {} rollouts a round, at "
+      "most {} rounds\nnothing was written\n",
+      posterior.size(), task.motions.motions.size(), seconds, task.config.optimizer,
+      posterior.size() * std::ssize(task.motions.motions), task.config.rounds);
+}
+
+MotionFit searchAndStoreMotions(MotionCalibration& calibration, const MotionCalibrationTask& task, Session& session) {
+  const bool descends = task.config.optimizer == "lm";
+  const std::size_t per_round = static_cast<std::size_t>(calibration.posterior().size()) * task.motions.motions.size();
+  const std::size_t total = descends ? per_round * static_cast<std::size_t>(task.config.rounds + 1)
+                                     : static_cast<std::size_t>(task.config.strategy.generations);
+  Progress progress(descends ? "calibrate: rollout" : "calibrate: generation", total, session.options().quiet);
+  std::string detail;
+  const auto rounds = [&] { return calibration.state().descent.history.size(); };
+  const auto news = [&](const MotionSearchNews& now) {
+    progress.update(descends ? rounds() * per_round + now.rollouts : now.rollouts, detail);
+  };
+  try {
+    return calibration.run(news, [&](const MotionCalibrationState& state) {
+      session.directory().write(kMotionState, toJson(state));
+      if (descends) {
+        detail = fmt::format("round {}: log posterior {:.1f}", rounds(), -state.descent.history.back().after);
+      } else {
+        detail = fmt::format("log posterior {:.1f}", -state.evolution.strategy.best.fitness);
+        progress.update(static_cast<std::size_t>(state.evolution.strategy.generation), detail);
+      }
+    });
+  } catch (const NumericsError& error) {
+    session.abandon(std::string("failed: ") + error.what());
+    throw;
+  } catch (const InterruptedError&) {
+    throw InterruptedError(fmt::format("interrupted after {} rounds; go on with: simgap calibrate --resume {}",
+                                       descends ? rounds() : calibration.state().evolution.history.size(),
+                                       shellWord(session.directory().path().string())));
+  }
+}
+
+}  // namespace
+
+bool holdsMotionCalibration(const std::filesystem::path& directory) {
+  return std::filesystem::exists(directory / kKeptFile);
+}
+
+ExitCode calibrateMotions(const MotionCalibrateOptions& given, const std::vector<std::string>& argv) {
+  const bool resuming = !given.resume.empty();
+  const MotionCalibrateOptions options = resuming ? resumedMotionOptions(given) : given;
+  Session session("calibrate", options.common, argv);
+  const MotionCalibrationTask task = readMotionTask(session, options);
+  MotionCalibration calibration(task);
+  if (options.common.dry_run) {
+    session.print(motionPlan(task, calibration.posterior()));
+    return ExitCode::kDone;
+  }
+  if (resuming) {
+    refuseChangedInputs(options.resume, session);
+    session.resume(options.resume, task.config.strategy.seed);
+    if (std::filesystem::exists(session.directory().file(kMotionState))) {
+      calibration.restore(readJson(session.directory().file(kMotionState)));
+    }
+  } else {
+    session.begin(task.config.strategy.seed);
+    keepMotionInputs(options, session, task);
+  }
+  const MotionCalibrationResult result =
+      judgeMotions(task, calibration, searchAndStoreMotions(calibration, task, session));
+  writeMotionCalibration(result, session.directory());
+  session.finish(toJson(result), terminalTable(result), result.failure.empty() ? "done" : "failed: " + result.failure);
+  if (!result.failure.empty()) throw NumericsError(result.failure);
+  return ExitCode::kDone;
+}
+
+}  // namespace simgap

@@ -1,0 +1,226 @@
+// What a calibration on motions found: errors before and after, what is known of the parameters, what to expect.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/random.h"
+#include "simgap/fit/motions/motion_calibration.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kHalved = 0.5, kUntouched = 0.95;  // of the prior's standard deviation, as for poses
+constexpr double kAlike = 0.95;                     // correlation of what can hardly be told apart
+constexpr int kDraws = 400;
+constexpr std::uint32_t kMotionPurpose = 8;
+
+double misfitOf(const MotionPosterior& posterior, const MotionEvaluation& at) {
+  double squares = 0.0, numbers = 0.0;
+  for (std::size_t m = 0; m < at.residuals.size(); ++m) {
+    const double weight = posterior.motions()[m].motion().weight;
+    squares += posterior.weights(m, at.residuals[m]).dot(at.residuals[m].cwiseAbs2()) / weight;
+    numbers += static_cast<double>(at.residuals[m].size());
+  }
+  return std::sqrt(squares / numbers);
+}
+
+Verdict verdictOf(double sd, bool has_prior) {
+  if (!has_prior) return std::isfinite(sd) ? Verdict::kIdentifiable : Verdict::kNotIdentifiable;
+  return sd <= kHalved ? Verdict::kIdentifiable : sd <= kUntouched ? Verdict::kWeak : Verdict::kNotIdentifiable;
+}
+
+std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, const MotionFit& fit, double misfit) {
+  std::vector<MotionParameter> parameters;
+  const ScaledParameters& scaled = posterior.parameters();
+  for (Eigen::Index i = 0; i < scaled.size(); ++i) {
+    const SearchParameter& p = posterior.space().parameters()[static_cast<std::size_t>(i)];
+    // The prior bounds what is known, however badly the model fits.
+    const double sd = std::sqrt(fit.covariance(i, i));
+    const double wide = scaled.hasPrior(i) ? std::min(1.0, sd * std::max(1.0, misfit)) : sd * std::max(1.0, misfit);
+    const double slope = scaled.slope(i, fit.z[i]);
+    parameters.push_back({p.name, p.unit, p.initial, scaled.value(i, fit.z[i]),
+                          scaled.hasPrior(i) ? scaled.slope(i, 0.0) : kInfinity, slope * wide, p.lower, p.upper,
+                          fit.z[i], verdictOf(wide, scaled.hasPrior(i))});
+  }
+  const Eigen::Index last = scaled.size();
+  const double unit = posterior.options().capture_delay_sd;
+  const double sd = std::min(1.0, std::sqrt(fit.covariance(last, last)) * std::max(1.0, misfit));
+  parameters.push_back({"capture_delay_s", "s", 0.0, posterior.captureDelay(fit.z), unit, unit * sd,
+                        unit * posterior.lower(last), unit * posterior.upper(last), fit.z[last], verdictOf(sd, true)});
+  return parameters;
+}
+
+/// Pairs of which these motions tell little but a combination.
+std::vector<std::string> alikePairs(const std::vector<MotionParameter>& parameters, const Eigen::MatrixXd& covariance) {
+  std::vector<std::string> words;
+  for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double r = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
+      if (std::abs(r) < kAlike) continue;
+      words.push_back(fmt::format("{} and {}: these motions tell little but their {} (correlation {:.3f})",
+                                  parameters[static_cast<std::size_t>(j)].name,
+                                  parameters[static_cast<std::size_t>(i)].name, r < 0.0 ? "sum" : "difference", r));
+    }
+  }
+  return words;
+}
+
+/// Mean squares of one motion's channel groups: joints, shafts, currents.
+struct Squares {
+  std::vector<double> joints;
+  double shafts = 0.0, currents = 0.0;
+};
+
+Squares squaresOf(const MotionRms& rms) {
+  Squares squares;
+  for (const double joint : rms.joints) squares.joints.push_back(joint * joint);
+  squares.shafts = rms.shafts * rms.shafts;
+  squares.currents = rms.currents * rms.currents;
+  return squares;
+}
+
+/// What the uncertainty of the parameters adds to a motion's mean squares: the mean of diag(J S J^T).
+Squares parameterPart(const MotionResiduals& motion, const RowMajorF& jacobian, const Eigen::MatrixXd& covariance,
+                      std::size_t joints) {
+  Squares part{std::vector<double>(joints, 0.0), 0.0, 0.0};
+  std::vector<double> counts(joints + 2, 0.0);
+  const Eigen::MatrixXf spread = covariance.cast<float>();
+  const RowMajorF spread_rows = jacobian * spread;
+  for (const ResidualBlock& block : motion.blocks()) {
+    const bool joint = block.group == ChannelGroup::kJoint;
+    const bool shaft = block.group == ChannelGroup::kShaft;
+    double& sum = joint ? part.joints[block.item] : shaft ? part.shafts : part.currents;
+    double& count = counts[joint ? block.item : shaft ? joints : joints + 1];
+    for (Eigen::Index row = block.first; row < block.first + block.size; ++row) {
+      sum += block.sd * block.sd * static_cast<double>(spread_rows.row(row).dot(jacobian.row(row)));
+      count += 1.0;
+    }
+  }
+  for (std::size_t j = 0; j < joints; ++j) part.joints[j] /= std::max(1.0, counts[j]);
+  part.shafts /= std::max(1.0, counts[joints]);
+  part.currents /= std::max(1.0, counts[joints + 1]);
+  return part;
+}
+
+/// Motions drawn anew: each as far off as one of those that were fitted, and twice what the uncertainty of the
+/// parameters makes of it: the fit has taken it away there, elsewhere it adds.
+std::vector<Squares> expectedSquares(const MotionPosterior& posterior, const MotionFit& fit, double misfit,
+                                     const MotionSetResult& fitted, const PoseLayout& layout) {
+  std::vector<Squares> expected;
+  const double wide = std::max(1.0, misfit * misfit);
+  for (std::size_t m = 0; m < fitted.set.motions.size(); ++m) {
+    Squares squares = squaresOf(motionRms({&fitted.set.motions[m], 1}, {&fitted.after[m], 1}, layout));
+    const Squares part = parameterPart(posterior.motions()[m], fit.jacobians[m], fit.covariance, layout.joints.size());
+    for (std::size_t j = 0; j < squares.joints.size(); ++j) squares.joints[j] += 2.0 * wide * part.joints[j];
+    squares.shafts += 2.0 * wide * part.shafts;
+    squares.currents += 2.0 * wide * part.currents;
+    expected.push_back(std::move(squares));
+  }
+  return expected;
+}
+
+double quantile(std::vector<double> values, double part) {
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+/// Root mean squares of as many motions as the set has, drawn with replacement.
+void predict(const std::vector<Squares>& expected, MotionSetResult& set) {
+  const std::size_t joints = expected.front().joints.size();
+  std::vector<std::vector<double>> draws(joints + 2);
+  const CounterRandom random(0);
+  const auto n = static_cast<double>(set.set.motions.size());
+  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
+    std::vector<double> sums(joints + 2, 0.0);
+    for (std::uint32_t k = 0; k < set.set.motions.size(); ++k) {
+      const double u = random.uniform({draw, k, 0, kMotionPurpose});
+      const Squares& one = expected[static_cast<std::size_t>(u * static_cast<double>(expected.size()))];
+      for (std::size_t j = 0; j < joints; ++j) sums[j] += one.joints[j] / n;
+      sums[joints] += one.shafts / n;
+      sums[joints + 1] += one.currents / n;
+    }
+    for (std::size_t c = 0; c < sums.size(); ++c) draws[c].push_back(std::sqrt(sums[c]));
+  }
+  const auto at = [&](double part) {
+    MotionRms rms{{}, quantile(draws[joints], part), quantile(draws[joints + 1], part)};
+    for (std::size_t j = 0; j < joints; ++j) rms.joints.push_back(quantile(draws[j], part));
+    return rms;
+  };
+  set.predicted = at(0.5);
+  set.lower = at(0.05);
+  set.upper = at(0.95);
+}
+
+MotionSetResult playSet(const char* name, const MotionSet& set, const MotionCalibrationTask& task, const ArmModel& best,
+                        double delay) {
+  const PoseLayout layout = task.model.poseLayout();
+  const MotionOptions& options = task.config.motions.motion;
+  MotionSetResult result{
+      name, set, playAll(task.model, set.motions, options), playAll(best, set.motions, options, delay), {}, {}};
+  result.initial = motionRms(set.motions, result.before, layout);
+  result.final = motionRms(set.motions, result.after, layout);
+  return result;
+}
+
+/// Joints in units of their noise, as one number; infinite where a motion cannot be played.
+double jointError(const MotionRms& rms, const MotionNoise& noise) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < rms.joints.size(); ++j) sum += rms.joints[j] / noise.joints[j];
+  return std::isfinite(sum) ? sum : kInfinity;
+}
+
+std::string failureOf(const MotionSetResult& set, const MotionCalibrationResult& result) {
+  const MotionOptions& options = result.config.motions.motion;
+  for (std::size_t m = 0; m < set.after.size(); ++m) {
+    if (set.after[m].valid || !set.before[m].valid) continue;
+    return fmt::format("the result is worse than the start, which model.yaml keeps: {} motion {}: {}", set.name,
+                       set.set.motions[m].name, describeFailure(set.after[m], result.layout, options));
+  }
+  if (!(jointError(set.final, result.noise) > jointError(set.initial, result.noise))) return {};
+  std::string change;
+  for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+    change += fmt::format("{}{} from {:.2f} to {:.2f} deg", j ? ", " : "", result.layout.joints[j].name,
+                          toDegrees(set.initial.joints[j]), toDegrees(set.final.joints[j]));
+  }
+  return fmt::format(
+      "the result is worse than the start, which model.yaml keeps: on the {} motions {}; see whether "
+      "motions and model belong together (simgap validate MODEL --motions)",
+      set.name, change);
+}
+
+}  // namespace
+
+MotionCalibrationResult judgeMotions(const MotionCalibrationTask& task, const MotionCalibration& calibration,
+                                     MotionFit fit) {
+  const MotionPosterior& posterior = calibration.posterior();
+  const ArmModel best = posterior.modelAt(fit.z);
+  MotionCalibrationResult result{.layout = task.model.poseLayout(),
+                                 .sets = {},
+                                 .parameters = {},
+                                 .words = {},
+                                 .noise = posterior.noise(),
+                                 .fit = {},
+                                 .state = calibration.state(),
+                                 .config = task.config,
+                                 .failure = {},
+                                 .model = best};
+  const double delay = posterior.captureDelay(fit.z);
+  result.sets.push_back(playSet("calibration", task.motions, task, best, delay));
+  if (task.validation) result.sets.push_back(playSet("validation", *task.validation, task, best, delay));
+  result.misfit = misfitOf(posterior, posterior.evaluate(fit.z));
+  result.objective_before = posterior.evaluate(Eigen::VectorXd::Zero(posterior.size())).objective;
+  result.parameters = parametersOf(posterior, fit, result.misfit);
+  result.words = alikePairs(result.parameters, fit.covariance);
+  if (result.sets.size() > 1) {
+    predict(expectedSquares(posterior, fit, result.misfit, result.sets[0], result.layout), result.sets[1]);
+  }
+  for (const MotionSetResult& set : result.sets) {
+    if (result.failure.empty()) result.failure = failureOf(set, result);
+  }
+  if (!result.failure.empty()) result.model = task.model;
+  result.fit = std::move(fit);
+  return result;
+}
+
+}  // namespace simgap

@@ -1,0 +1,26 @@
+/// \file
+/// A one-joint arm that moves, as it is believed to be and as it really is, with motions that the independent simulator
+/// recorded of it.
+#pragma once
+
+#include "reality/arm_motion.h"
+#include "support/files.h"
+
+namespace simgap::test {
+
+/// A forearm on a hinge between two muscles.
+reality::MovingArm movingForearm();
+/// The same with other lines, friction and damping than it is believed to have.
+reality::MovingArm trueForearm();
+
+/// Steps of co-contraction and a sine, set by `draw`.
+reality::Setpoints forearmSetpoints(int draw);
+
+/// A motion set of `count` motions of the true forearm in `folder`/NAME.yaml, drawn from `first` on.
+void putMotions(const TemporaryFolder& folder, const std::string& name, int first, int count,
+                const reality::MotionRigOptions& options = {});
+
+/// The parameters in which the two forearms differ.
+std::string forearmConfig();
+
+}  // namespace simgap::test
