@@ -70,6 +70,8 @@ CaptureJoint readJoint(const YamlNode& node, const TargetSet& targets) {
   CaptureJoint joint;
   joint.name = node.at("name").text();
   joint.type = readJointType(node.at("type"));
+  if (joint.type == JointType::kPrismatic)
+    node.at("type").fail("a capture finds no slides yet, expected revolute or spherical");
   joint.parent = targetByName(node.at("parent"), targets);
   joint.child = targetByName(node.at("child"), targets);
   if (kindOf(joint.type).has_axis) {

@@ -14,13 +14,23 @@ void add(CsvWriter& csv, const Eigen::Vector3d& v) { csv.add(v.x()).add(v.y()).a
 const char* shapeName(Part::Shape shape) {
   switch (shape) {
     case Part::Shape::kCylinder:
+    case Part::Shape::kCapsule:
       return "cylinder";
     case Part::Shape::kBox:
       return "box";
     case Part::Shape::kSphere:
+    case Part::Shape::kEllipsoid:
+    case Part::Shape::kInertia:
       break;
   }
   return "sphere";
+}
+
+/// Of the ball that stands for a part: an ellipsoid's mean semi-axis, and of a stated inertia a mark.
+double drawnRadius(const Part& part) {
+  constexpr double kMark = 0.005;  // [m]
+  if (part.shape == Part::Shape::kEllipsoid) return part.size.mean();
+  return part.shape == Part::Shape::kInertia ? kMark : part.radius;
 }
 
 /// As wide as the thickest bone that meets there, so that the ball can be seen.
@@ -39,7 +49,7 @@ std::string partsCsv(const ArmModel& model) {
   for (const Body& body : model.bodies) {
     for (const Part& part : body.parts) {
       csv.add(body.name).add(part.name.empty() ? body.name : part.name).add(shapeName(part.shape));
-      csv.add(part.radius).add(part.length);
+      csv.add(drawnRadius(part)).add(part.length);
       add(csv, part.size);
       add(csv, part.position);
       add(csv, part.axis);

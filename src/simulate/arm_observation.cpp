@@ -44,7 +44,9 @@ Eigen::Vector3d ArmObservation::markerTurn(int body) const {
 
 void ArmObservation::turnMarkers(std::vector<JointPosition>& joints) const {
   for (std::size_t j = 0; markers_ && j < joints_.size(); ++j) {
-    joints[j] = markedPosition(joints_[j], joints[j], markerTurn(joints_[j].parent), markerTurn(joints_[j].child));
+    joints[j] =
+        markedPosition(joints_[j], joints[j], joints_[j].parent_orientation.conjugate() * markerTurn(joints_[j].parent),
+                       joints_[j].child_orientation.conjugate() * markerTurn(joints_[j].child));
   }
 }
 
@@ -106,8 +108,11 @@ void ArmObservation::chain(EquilibriumArm& arm, std::span<const StaticParameter>
     const Joint& joint = joints_[j];
     const int d = arm.energy().firstDof(static_cast<int>(j));
     const bool ball = joint.type == JointType::kSpherical;
-    const Eigen::Vector3d parent_turn = markerTurn(joint.parent);
-    const Eigen::Vector3d child_turn = markerTurn(joint.child);
+    if (joint.slides()) continue;
+    const Eigen::Matrix3d to_parent = joint.parent_orientation.conjugate().toRotationMatrix();
+    const Eigen::Matrix3d to_child = joint.child_orientation.conjugate().toRotationMatrix();
+    const Eigen::Vector3d parent_turn = to_parent * markerTurn(joint.parent);
+    const Eigen::Vector3d child_turn = to_child * markerTurn(joint.child);
     const Eigen::Quaterniond bone =
         ball ? bones_[j].rotation : Eigen::Quaterniond(Eigen::AngleAxisd(bones_[j].angle, joint.axis));
     const Eigen::Matrix3d marker_from_child = expSo3(child_turn).toRotationMatrix().transpose();
@@ -124,9 +129,9 @@ void ArmObservation::chain(EquilibriumArm& arm, std::span<const StaticParameter>
         columns(d, c) += slope.dot(turn);
       }
     };
-    const Eigen::Matrix3d by_child = rightJacobian(child_turn);
+    const Eigen::Matrix3d by_child = rightJacobian(child_turn) * to_child;
     const Eigen::Matrix3d by_parent =
-        -(bone * expSo3(child_turn)).toRotationMatrix().transpose() * rightJacobian(-parent_turn);
+        -(bone * expSo3(child_turn)).toRotationMatrix().transpose() * rightJacobian(-parent_turn) * to_parent;
     for (const auto& [index, extension] : extensions_) {
       if (!extension.effect->marker_turn) continue;
       if (extension.target == joint.child) columnsOf(index, [&](auto c, int i) { addTurn(c, by_child.col(i)); });

@@ -77,6 +77,10 @@ void BulletArm::setModel(const ArmModel& model) {
     muscles_.clear();
     for (const Muscle& muscle : model.muscles) muscles_.emplace_back(muscle, options_.step);
   }
+  way_.clear();
+  for (const Muscle& muscle : model.muscles) way_.push_back(muscle.straight() ? PathParts{} : partsOf(muscle));
+  passive_.clear();
+  for (const PassiveTendon& tendon : model.tendons) passive_.push_back({tendon.kind, tendon.p, partsOf(tendon)});
   reset();
 }
 
@@ -122,11 +126,14 @@ void BulletArm::updateKinematics() {
     child.rotation = parent.rotation * childInParent(joint, position);
     const Eigen::Vector3d relative_spin = relativeSpin(joint, world_->links[joint.child], velocity);
     spin_[joint.child] = spin_[joint.parent] + child.rotation * relative_spin;
-    const Eigen::Vector3d to_joint = parent.rotation * joint.parent_position;
+    const Eigen::Vector3d to_joint = parent.rotation * pivotInParent(joint, position);
     const Eigen::Vector3d from_joint = child.rotation * joint.child_position;
     child.origin = parent.origin + to_joint - from_joint;
     drift_[joint.child] =
         drift_[joint.parent] + spin_[joint.parent].cross(to_joint) - spin_[joint.child].cross(from_joint);
+    if (joint.slides()) {
+      drift_[joint.child] += parent.rotation * (joint.parent_orientation * joint.axis) * velocity[0];
+    }
   }
 }
 
@@ -142,18 +149,37 @@ void BulletArm::applyJointTorques() {
   for (const auto& [effect, target, p] : extensions_) {
     if (!effect->joint_torque) continue;
     const Joint& joint = joints_[target];
-    const JointTerm term = effect->joint_torque(p, joint.type, jointPosition(static_cast<std::size_t>(target)));
-    const Eigen::Vector3d torque = frames_[joint.child].rotation * torqueInChild(joint, term.gradient);
-    const int child = world_->links[joint.child].index;
-    const int parent = world_->links[joint.parent].index;
-    world_->body.addLinkTorque(child, toBullet(-torque));
-    if (parent >= 0) world_->body.addLinkTorque(parent, toBullet(torque));
+    pushJoint(joint, effect->joint_torque(p, joint.type, jointPosition(static_cast<std::size_t>(target))).gradient);
+  }
+}
+
+/// Minus a gradient in the joint's coordinates, on the child and, the other way, on its parent.
+void BulletArm::pushJoint(const Joint& joint, const Eigen::Vector3d& gradient) {
+  const Eigen::Vector3d torque = frames_[joint.child].rotation * torqueInChild(joint, gradient);
+  const int child = world_->links[joint.child].index;
+  const int parent = world_->links[joint.parent].index;
+  world_->body.addLinkTorque(child, toBullet(-torque));
+  if (parent >= 0) world_->body.addLinkTorque(parent, toBullet(torque));
+}
+
+void BulletArm::applyJointSprings() {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = joints_[j];
+    if (joint.spring_stiffness <= 0.0) continue;
+    const JointPosition position = jointPosition(j);
+    if (joint.hasAxis()) {
+      world_->body.addJointTorque(world_->link_of_joint[j],
+                                  -joint.spring_stiffness * (position.angle - joint.spring_rest));
+    } else {
+      pushJoint(joint, joint.spring_stiffness * logSo3(position.rotation));
+    }
   }
 }
 
 void BulletArm::step() {
   applyMuscles();
   if (!extensions_.empty()) applyJointTorques();
+  applyJointSprings();
   world_->world.stepSimulation(options_.step, 0);
   updateKinematics();
   ++steps_;

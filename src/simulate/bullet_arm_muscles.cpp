@@ -39,20 +39,69 @@ BulletArm::LinePath BulletArm::linePath(const MuscleState& muscle, int index) co
 
 /// Virtual work: a line under the force F pulls at each point x_a with -F dL/dx_a.
 void BulletArm::pull(const LinePath& path, double force) {
-  for (const LinePath::Touch& end : path.ends) applyForce(end.body, end.arm, -force * end.slope);
+  for (const Touch& end : path.ends) applyForce(end.body, end.arm, -force * end.slope);
   if (path.centre) applyForce(path.centre->body, path.centre->arm, -force * path.centre->slope);
 }
 
-void BulletArm::applyMuscle(MuscleState& muscle, int index) {
-  const LinePath path = linePath(muscle, index);
+/// A line over a surface pulls on it where it meets and leaves it, along its free ends.
+BulletArm::PathState BulletArm::followPath(const PathParts& way) {
+  touches_.clear();
+  PathState state{0.0, 0.0};
+  Stretch stretch;
+  for (const PathStretch& part : way.stretches) {
+    placeStretch(bodies_, part, frames_, stretch);
+    state.length += part.weight * stretch.length;
+    for (std::size_t a = 0; a < 2; ++a) {
+      const int body = part.ends[a].body;
+      const Eigen::Vector3d slope = part.weight * stretch.slope[a];
+      touches_.push_back({body, frames_[body].rotation * part.ends[a].point, slope});
+      if (stretch.wrapped) touches_.push_back({part.body, stretch.touch[a] - frames_[part.body].origin, -slope});
+    }
+  }
+  for (const Touch& touch : touches_) {
+    state.rate += touch.slope.dot(Eigen::Vector3d(drift_[touch.body] + spin_[touch.body].cross(touch.arm)));
+  }
+  for (const PathWheel& wheel : way.wheels) {
+    const int link = world_->link_of_joint[wheel.joint];
+    state.length += wheel.weight * wheel.radius * world_->body.getJointPos(link);
+    state.rate += wheel.weight * wheel.radius * world_->body.getJointVel(link);
+  }
+  return state;
+}
 
-  // dL/dt = sum_a dL/dx_a . v_a with v_a = v_body + w_body x r_a.
+void BulletArm::pullPath(const PathParts& way, double force) {
+  for (const Touch& touch : touches_) applyForce(touch.body, touch.arm, -force * touch.slope);
+  for (const PathWheel& wheel : way.wheels) {
+    world_->body.addJointTorque(world_->link_of_joint[wheel.joint], -force * wheel.weight * wheel.radius);
+  }
+}
+
+void BulletArm::applyTendons() {
+  for (const Passive& tendon : passive_) {
+    const PathState state = followPath(tendon.way);
+    const double force = tendon.kind->force(tendon.p, state.length, state.rate);
+    if (force != 0.0) pullPath(tendon.way, force);
+  }
+}
+
+void BulletArm::applyMuscle(MuscleState& muscle, int index) {
+  const PathParts& way = way_[static_cast<std::size_t>(index)];
+  const bool straight = way.stretches.empty() && way.wheels.empty();
+  LinePath path;
   double rate = 0.0;
-  const auto addRate = [&](const LinePath::Touch& touch) {
-    rate += touch.slope.dot(Eigen::Vector3d(drift_[touch.body] + spin_[touch.body].cross(touch.arm)));
-  };
-  for (const LinePath::Touch& end : path.ends) addRate(end);
-  if (path.centre) addRate(*path.centre);
+  if (straight) {
+    path = linePath(muscle, index);
+    // dL/dt = sum_a dL/dx_a . v_a with v_a = v_body + w_body x r_a.
+    const auto addRate = [&](const Touch& touch) {
+      rate += touch.slope.dot(Eigen::Vector3d(drift_[touch.body] + spin_[touch.body].cross(touch.arm)));
+    };
+    for (const Touch& end : path.ends) addRate(end);
+    if (path.centre) addRate(*path.centre);
+  } else {
+    const PathState state = followPath(way);
+    path.length = state.length;
+    rate = state.rate;
+  }
 
   // The cord has what the kite line leaves of the path: L_S = L - (L_K0 - r phi) - dL(phi), and so
   // dL_S/dt = dL/dt + (r - d dL/dphi) dphi/dt (000 eq. 12 with what effects add to the line).
@@ -80,7 +129,13 @@ void BulletArm::applyMuscle(MuscleState& muscle, int index) {
     more += extension.effect->cord(extension.p, muscle.expansion, cord).force;
   }
   if (more != 0.0) muscle.force = std::max(0.0, cord.stiffness * muscle.expansion + more + cord.damping * cord_rate);
-  if (muscle.force > 0.0) pull(path, muscle.force);
+  if (muscle.force > 0.0) {
+    if (straight) {
+      pull(path, muscle.force);
+    } else {
+      pullPath(way, muscle.force);
+    }
+  }
 
   // The controller's voltage drives the shaft against the force at the winding radius.
   if (steps_ % controller_steps_ == 0) {
@@ -92,6 +147,7 @@ void BulletArm::applyMuscle(MuscleState& muscle, int index) {
 
 void BulletArm::applyMuscles() {
   for (std::size_t m = 0; m < muscles_.size(); ++m) applyMuscle(muscles_[m], static_cast<int>(m));
+  applyTendons();
 }
 
 double BulletArm::shaftAngle(std::size_t muscle) const { return muscles_[muscle].state.shaft_angle; }

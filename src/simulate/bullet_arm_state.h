@@ -83,13 +83,15 @@ struct BulletArm::MuscleState {
   double expansion = 0.0;  ///< of the cord, [m]
 };
 
+/// Where a line touches a body.
+struct BulletArm::Touch {
+  int body;
+  Eigen::Vector3d arm;    ///< from the body's origin, in the world [m]
+  Eigen::Vector3d slope;  ///< of the length by the point
+};
+
 /// Where a muscle's line runs, and how its length changes as the points that it touches move.
 struct BulletArm::LinePath {
-  struct Touch {
-    int body;
-    Eigen::Vector3d arm;    ///< from the body's origin, in the world [m]
-    Eigen::Vector3d slope;  ///< of the length by the point
-  };
   double length;  ///< [m]
   std::array<Touch, 2> ends;
   std::optional<Touch> centre;  ///< of the joint that bends it

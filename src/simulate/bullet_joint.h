@@ -28,7 +28,7 @@ JointPosition positionOf(const Joint& joint, const BulletLink& child, const btSc
 Eigen::Vector3d bulletVelocity(const Joint& joint, const BulletLink& child, const Eigen::Vector3d& velocity);
 /// Of the child against its parent, in the child's frame [rad/s].
 Eigen::Vector3d relativeSpin(const Joint& joint, const BulletLink& child, const btScalar* velocity);
-double speed(const Joint& joint, const btScalar* velocity);  ///< >= 0 [rad/s]
+double speed(const Joint& joint, const btScalar* velocity);  ///< >= 0 [rad/s], prismatic [m/s]
 ///@}
 
 /// A torque in the joint's own coordinates, as a vector in the child's frame [N m].

@@ -36,6 +36,7 @@ void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
   for (std::size_t j = 0; j < joints.size(); ++j) {
     joints[j].angle = std::clamp(joints[j].angle, model.joints[j].lower_limit, model.joints[j].upper_limit);
   }
+  coupleJoints(model, joints);
 }
 
 }  // namespace
@@ -51,11 +52,24 @@ EquilibriumArm::EquilibriumArm(const ArmModel& model)
   reduced_.resize(n, n);
   inverse_.resize(n, n);
   step_.resize(n);
+  push_.resize(n);
+  findCouplings();
+}
+
+void EquilibriumArm::findCouplings() {
+  couplings_.clear();
+  const ArmModel& model = energy_.model();
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (!joint.follows()) continue;
+    couplings_.push_back({energy_.firstDof(static_cast<int>(j)), energy_.firstDof(joint.leader), joint.coupling_ratio});
+  }
 }
 
 void EquilibriumArm::setModel(const ArmModel& model) {
   energy_.setModel(model);
   observation_.setModel(model);
+  findCouplings();
   rest_known_ = false;
 }
 
@@ -109,14 +123,20 @@ EquilibriumSolution EquilibriumArm::descend(int max_iterations) {
 
 double EquilibriumArm::findHeld() {
   const ArmModel& model = energy_.model();
-  const auto push = [&](int d) { return energy_.gradient()[d] - torque_[d]; };
+  push_ = energy_.gradient() - torque_;
+  for (const Coupling& c : couplings_) {
+    push_[c.leader] += c.ratio * push_[c.follower];
+    push_[c.follower] = 0.0;
+  }
+  const auto push = [&](int d) { return push_[d]; };
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = model.joints[j];
-    if (joint.type != JointType::kRevolute) continue;
+    if (!joint.hasAxis() || joint.follows()) continue;
     const int d = energy_.firstDof(static_cast<int>(j));
     held_[d] = (joints_[j].angle <= joint.lower_limit + kStopTolerance && push(d) > 0.0) ||
                (joints_[j].angle >= joint.upper_limit - kStopTolerance && push(d) < 0.0);
   }
+  for (const Coupling& c : couplings_) held_[c.follower] = held_[c.leader];
   double torque = 0.0;
   for (int d = 0; d < energy_.degreesOfFreedom(); ++d) torque = std::max(torque, held_[d] ? 0.0 : std::abs(push(d)));
   return torque;
@@ -137,6 +157,7 @@ bool EquilibriumArm::solveReduced() {
   const int n = energy_.degreesOfFreedom();
   reduced_ = energy_.hessian();
   step_ = torque_ - energy_.gradient();
+  foldCouplings();
   for (int d = 0; d < n; ++d) {
     if (!bound_[d]) continue;
     if (given_[d] != 0.0) step_ -= given_[d] * reduced_.col(d);
@@ -150,6 +171,7 @@ bool EquilibriumArm::solveReduced() {
   factor_.compute(reduced_);
   if (factor_.info() == Eigen::Success) {
     factor_.solveInPlace(step_);
+    for (const Coupling& c : couplings_) step_[c.follower] = c.ratio * step_[c.leader];
     return true;
   }
   // Down all the same: Cholesky with an added multiple of the identity (Nocedal & Wright 2006, algorithm 3.3).
@@ -164,7 +186,21 @@ bool EquilibriumArm::solveReduced() {
     factor_.compute(reduced_);
   }
   factor_.solveInPlace(step_);
+  for (const Coupling& c : couplings_) step_[c.follower] = c.ratio * step_[c.leader];
   return false;
+}
+
+/// Followers go with their leaders, q = offset + ratio q_leader: T^T H T and T^T g with the followers' rows left empty.
+void EquilibriumArm::foldCouplings() {
+  for (const Coupling& c : couplings_) {
+    reduced_.row(c.leader) += c.ratio * reduced_.row(c.follower);
+    reduced_.col(c.leader) += c.ratio * reduced_.col(c.follower);
+    step_[c.leader] += c.ratio * step_[c.follower];
+    reduced_.row(c.follower).setZero();
+    reduced_.col(c.follower).setZero();
+    reduced_(c.follower, c.follower) = 1.0;
+    step_[c.follower] = 0.0;
+  }
 }
 
 /// Lets the joint that the step carries farthest beyond its limit go just there. The face of the box that it reaches
@@ -176,7 +212,7 @@ bool EquilibriumArm::stopAtLimit() {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = model.joints[j];
     const int d = energy_.firstDof(static_cast<int>(j));
-    if (joint.type != JointType::kRevolute || bound_[d]) continue;
+    if (!joint.hasAxis() || joint.follows() || bound_[d]) continue;
     const double to_lower = joint.lower_limit - joints_[j].angle;
     const double to_upper = joint.upper_limit - joints_[j].angle;
     const double beyond = std::max(to_lower - step_[d], step_[d] - to_upper);
@@ -201,6 +237,7 @@ void EquilibriumArm::applyStep(double scale) {
           std::clamp(joints_[j].angle + scale * step_[d], model.joints[j].lower_limit, model.joints[j].upper_limit);
     }
   }
+  if (!couplings_.empty()) coupleJoints(model, joints_);
 }
 
 EquilibriumSolution EquilibriumArm::solve(std::span<const double> shafts) {
@@ -290,6 +327,10 @@ void EquilibriumArm::linearise() {
   solveReduced();
   inverse_.setIdentity();
   factor_.solveInPlace(inverse_);
+  for (const Coupling& c : couplings_) {  // T (T^T H T)^-1 T^T
+    inverse_.row(c.follower) = c.ratio * inverse_.row(c.leader);
+    inverse_.col(c.follower) = c.ratio * inverse_.col(c.leader);
+  }
 }
 
 void EquilibriumArm::applyInverseHessian(Eigen::Ref<Eigen::MatrixXd> columns) {

@@ -40,12 +40,17 @@ void JointConstraintSolver::setArm(btMultiBody* body, const std::vector<Joint>& 
   unit_impulse_.assign(6 + n, 0.0);
   response_.assign(6 + n, 0.0);
   blocks_.clear();
+  couplings_.clear();
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const Joint& joint = joints[j];
     const int first = body->getLink(links[j]).m_dofOffset;
     blocks_.push_back(
         {first, joint.degreesOfFreedom(), links[j], joint.coulomb_friction, joint.lower_limit, joint.upper_limit});
     viscous_.segment(first, joint.degreesOfFreedom()).setConstant(joint.viscous_friction);
+    if (!joint.follows()) continue;
+    const int leader = links[joint.leader];
+    couplings_.push_back(
+        {first, body->getLink(leader).m_dofOffset, links[j], leader, joint.coupling_ratio, joint.coupling_offset});
   }
 }
 
@@ -55,6 +60,7 @@ void JointConstraintSolver::reset() {
     block.limit = 0.0;
     block.shift = 0.0;
   }
+  for (Coupling& coupling : couplings_) coupling.impulse = 0.0;
 }
 
 void JointConstraintSolver::solveMultiBodyGroup(btCollisionObject**, int, btPersistentManifold**, int,
@@ -99,6 +105,7 @@ void JointConstraintSolver::solveBlocks(double step_s) {
     impulse[0] += block.limit;
     applyImpulse(block, impulse);
   }
+  for (const Coupling& coupling : couplings_) applyImpulse(coupling, coupling.impulse);
   constexpr int kMaxSweeps = 100;
   constexpr double kTolerance = 1e-11;  // [rad/s], velocity that a sweep still changes
   for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
@@ -107,6 +114,7 @@ void JointConstraintSolver::solveBlocks(double step_s) {
       if (block.coulomb > 0.0) change = std::max(change, solveFriction(block, step_s));
       if (block.size == 1) change = std::max(change, solveLimit(block, step_s));
     }
+    for (Coupling& coupling : couplings_) change = std::max(change, solveCoupling(coupling, step_s));
     if (!(change > kTolerance)) return;
   }
 }
@@ -137,6 +145,21 @@ double JointConstraintSolver::solveLimit(Block& block, double step_s) {
   const double change = impulse - block.limit;
   block.limit = impulse;
   return applyImpulse(block, Eigen::Vector3d(change, 0.0, 0.0));
+}
+
+double JointConstraintSolver::solveCoupling(Coupling& c, double step_s) {
+  const double apart = body_->getJointPos(c.link) - c.offset - c.ratio * body_->getJointPos(c.leader_link);
+  const double w = mobility_(c.first, c.first) - 2.0 * c.ratio * mobility_(c.first, c.leader) +
+                   c.ratio * c.ratio * mobility_(c.leader, c.leader);
+  const double change = -(velocity_[c.first] - c.ratio * velocity_[c.leader] + apart / step_s) / w;
+  c.impulse += change;
+  return applyImpulse(c, change);
+}
+
+double JointConstraintSolver::applyImpulse(const Coupling& c, double impulse) {
+  column_ = impulse * (mobility_.col(c.first) - c.ratio * mobility_.col(c.leader));
+  velocity_ += column_;
+  return column_.lpNorm<Eigen::Infinity>();
 }
 
 double JointConstraintSolver::applyImpulse(const Block& block, const Eigen::Vector3d& impulse) {

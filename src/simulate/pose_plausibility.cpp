@@ -114,6 +114,15 @@ Readings compareReadings(const ArmModel& model, const PoseSet& set) {
   return mean;
 }
 
+/// Errors of poses are angles, in degrees all the way to the pages.
+void refuseSlides(const ArmModel& model, const PoseSet& set) {
+  const auto slide = std::ranges::find_if(model.joints, &Joint::slides);
+  if (slide == model.joints.end()) return;
+  throw ConfigError(
+      fmt::format("{}: joint '{}' is prismatic: poses are compared by angles, expected revolute and spherical joints",
+                  set.file, slide->name));
+}
+
 double largestShaft(const PoseSet& set) {
   double largest = 0.0;
   for (const Pose& pose : set.poses) {
@@ -152,6 +161,7 @@ void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
 }  // namespace
 
 void refuseImplausiblePoses(const ArmModel& model, const PoseSet& set) {
+  refuseSlides(model, set);
   refuseShaftsOutOfReach(model, set);
   refuseAnglesOutOfReach(model, set);
   refuseOtherReadings(model, set);

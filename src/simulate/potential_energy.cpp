@@ -48,6 +48,16 @@ PotentialEnergy::PotentialEnergy(const ArmModel& model) {
     line.last = static_cast<int>(levers_.size());
     muscles_.push_back(line);
   }
+  muscles_.resize(model.muscles.size() + model.tendons.size());
+  model_ = model;
+  for (int m = 0; m < std::ssize(muscles_); ++m) {
+    const Line& line = muscles_[m];
+    const bool slides = std::any_of(levers_.begin() + line.first, levers_.begin() + line.last,
+                                    [&](const Lever& lever) { return model.joints[lever.joint].slides(); });
+    if (m >= muscleCount() || !model.muscles[m].straight() || slides) makePath(m);
+  }
+  axes_.resize(3, dofs_);
+  positions_.resize(links_.size());
   moments_.resize(links_.size());
   blocks_.resize(links_.size() * links_.size());
   gradient_.resize(dofs_);
@@ -56,19 +66,25 @@ PotentialEnergy::PotentialEnergy(const ArmModel& model) {
 }
 
 void PotentialEnergy::setModel(const ArmModel& model) {
-  assert(model.muscles.size() == muscles_.size() && model.joints.size() == links_.size());
+  assert(model.muscles.size() + model.tendons.size() == muscles_.size() && model.joints.size() == links_.size());
   model_ = model;
   if (!model.extensions.empty() || !extensions_.empty()) prepareExtensions();
   for (std::size_t j = 0; j < links_.size(); ++j) {
     const MassProperties mass = massProperties(model_.bodies[model_.joints[j].child]);
     links_[j].mass = mass.mass;
     links_[j].centre_of_mass = mass.centre_of_mass;
+    const Joint& joint = model_.joints[j];
+    links_[j].turned = joint.child_orientation.coeffs() != Eigen::Quaterniond::Identity().coeffs();
+    links_[j].axis_in_child = joint.child_orientation * joint.axis;
   }
+  springs_ = std::any_of(model_.joints.begin(), model_.joints.end(),
+                         [](const Joint& joint) { return joint.spring_stiffness > 0.0; });
+  for (LongPath& path : paths_) refreshPath(path);
 }
 
 void PotentialEnergy::setShafts(std::span<const double> shafts) {
-  assert(shafts.size() == muscles_.size());
-  for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].shaft = shafts[m];
+  assert(shafts.size() == model_.muscles.size());
+  for (std::size_t m = 0; m < shafts.size(); ++m) muscles_[m].shaft = shafts[m];
 }
 
 bool PotentialEnergy::carries(int joint, int other) const {
@@ -82,8 +98,16 @@ void PotentialEnergy::evaluate(std::span<const JointPosition> joints) {
   for (Eigen::Vector3d& moment : moments_) moment.setZero();
   for (Eigen::Matrix3d& block : blocks_) block.setZero();
   addGravity();
-  for (std::size_t m = 0; m < muscles_.size(); ++m) addMuscle(m);
+  for (std::size_t m = 0; m < model_.muscles.size(); ++m) {
+    if (muscles_[m].path < 0) addMuscle(m);
+  }
   project();
+  if (!paths_.empty()) placeAxes();
+  for (LongPath& path : paths_) addPath(path, joints);
+  if (!paths_.empty()) {  // the same to the last bit on both sides
+    hessian_.triangularView<Eigen::StrictlyLower>() = hessian_.transpose().triangularView<Eigen::StrictlyLower>();
+  }
+  if (springs_) addJointSprings(joints);
   if (!extensions_.empty()) addJointTerms(joints);
 }
 
@@ -93,11 +117,13 @@ void PotentialEnergy::place(std::span<const JointPosition> joints) {
     const Joint& joint = model_.joints[j];
     Link& link = links_[j];
     const int above = parent_joint_[j];
-    link.pivot = pointInWorld(above, joint.parent_position);
+    link.pivot = pointInWorld(above, joint.slides() ? pivotInParent(joint, joints[j]) : joint.parent_position);
     link.rotation = childInParent(joint, joints[j]);
     if (above >= 0) link.rotation = links_[above].rotation * link.rotation;
     link.origin = link.pivot - link.rotation * joint.child_position;
-    link.axis = link.rotation * joint.axis;
+    link.axis = link.rotation * link.axis_in_child;
+    link.basis = link.rotation;
+    if (link.turned) link.basis = link.rotation * joint.child_orientation.toRotationMatrix();
     link.subtree_mass = link.mass;
     link.moment = link.mass * pointInWorld(static_cast<int>(j), link.centre_of_mass);
   }
@@ -114,12 +140,22 @@ void PotentialEnergy::addGravity() {
   for (int j = 0; j < std::ssize(links_); ++j) {
     const Link& link = links_[j];
     if (parent_joint_[j] < 0) energy_ -= g.dot(link.moment);
+    if (model_.joints[j].slides()) {
+      // All masses below shift by v: dV/dv = -m g; under a joint that turns, d2V/dw_i dv = m [g]x.
+      moments_[j] -= link.subtree_mass * g;
+      for (int i = parent_joint_[j]; i >= 0; i = parent_joint_[i]) {
+        if (!model_.joints[i].slides()) block(i, j) += link.subtree_mass * cross(g);
+      }
+      continue;
+    }
     // The force m g on all masses below j: sum m (x - c_j) takes the place of r.
     const Eigen::Vector3d arm = link.moment - link.subtree_mass * link.pivot;
     moments_[j] -= arm.cross(g);
     const Eigen::Matrix3d second = g.dot(arm) * Eigen::Matrix3d::Identity() - arm * g.transpose();
     block(j, j) += 0.5 * (second + second.transpose());
-    for (int i = parent_joint_[j]; i >= 0; i = parent_joint_[i]) block(i, j) += second;
+    for (int i = parent_joint_[j]; i >= 0; i = parent_joint_[i]) {
+      if (!model_.joints[i].slides()) block(i, j) += second;
+    }
   }
 }
 
@@ -193,13 +229,13 @@ void PotentialEnergy::addMuscle(std::size_t m) {
 }
 
 /// Gradient and Hessian of the degrees of freedom from those of the joints' rotations in the world: w_j = R_j q_j for a
-/// ball, w_j = a_j q_j for a hinge with axis a_j.
+/// ball, w_j = a_j q_j for a hinge or a slide with axis a_j.
 void PotentialEnergy::project() {
   for (int j = 0; j < std::ssize(links_); ++j) {
     const bool ball = model_.joints[j].type == JointType::kSpherical;
     const int d = first_dof_[j];
     if (ball) {
-      gradient_.segment<3>(d) = links_[j].rotation.transpose() * moments_[j];
+      gradient_.segment<3>(d) = links_[j].basis.transpose() * moments_[j];
     } else {
       gradient_[d] = links_[j].axis.dot(moments_[j]);
     }
@@ -207,16 +243,16 @@ void PotentialEnergy::project() {
       const bool upper_ball = model_.joints[i].type == JointType::kSpherical;
       const int c = first_dof_[i];
       if (ball) {
-        const Eigen::Matrix3d columns = block(i, j) * links_[j].rotation;
+        const Eigen::Matrix3d columns = block(i, j) * links_[j].basis;
         if (upper_ball) {
-          hessian_.block<3, 3>(c, d) = links_[i].rotation.transpose() * columns;
+          hessian_.block<3, 3>(c, d) = links_[i].basis.transpose() * columns;
         } else {
           hessian_.block<1, 3>(c, d) = links_[i].axis.transpose() * columns;
         }
       } else {
         const Eigen::Vector3d column = block(i, j) * links_[j].axis;
         if (upper_ball) {
-          hessian_.block<3, 1>(c, d) = links_[i].rotation.transpose() * column;
+          hessian_.block<3, 1>(c, d) = links_[i].basis.transpose() * column;
         } else {
           hessian_(c, d) = links_[i].axis.dot(column);
         }

@@ -6,6 +6,7 @@
 /// A body's weight is the same with the force -m g and neither k nor F/L.
 #include <algorithm>
 #include <cassert>
+#include <cstdlib>
 
 #include "simgap/core/error.h"
 #include "simgap/model/arm/parameter_space.h"
@@ -28,14 +29,25 @@ void PotentialEnergy::addProjected(int joint, const Eigen::Vector3d& derivative,
                                    Eigen::Ref<Eigen::VectorXd> column) const {
   const int d = first_dof_[joint];
   if (model_.joints[joint].type == JointType::kSpherical) {
-    column.segment<3>(d) += links_[joint].rotation.transpose() * derivative;
+    column.segment<3>(d) += links_[joint].basis.transpose() * derivative;
   } else {
     column[d] += links_[joint].axis.dot(derivative);
   }
 }
 
+/// Moment of all weights below a joint about its pivot, per gravity along `direction`; of a slide their sum.
+Eigen::Vector3d PotentialEnergy::liftArm(int joint, const Eigen::Vector3d& direction) const {
+  const Link& link = links_[joint];
+  if (model_.joints[joint].slides()) return link.subtree_mass * direction;
+  return (link.moment - link.subtree_mass * link.pivot).cross(direction);
+}
+
 void PotentialEnergy::addForce(std::size_t m, double factor, Eigen::Ref<Eigen::VectorXd> column) const {
   const Line& line = muscles_[m];
+  if (line.path >= 0) {
+    column += factor * paths_[line.path].by_dof;
+    return;
+  }
   if (line.bend >= 0) {
     const Bend& bend = bends_[line.bend];
     for (int j = 0; j < std::ssize(links_); ++j) addProjected(j, factor * bend.moment[j], column);
@@ -46,7 +58,7 @@ void PotentialEnergy::addForce(std::size_t m, double factor, Eigen::Ref<Eigen::V
 
 void PotentialEnergy::differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns) const {
   columns.setZero();
-  for (std::size_t m = 0; m < muscles_.size(); ++m) {
+  for (std::size_t m = 0; m < model_.muscles.size(); ++m) {
     const Line& line = muscles_[m];
     if (line.force == 0.0) continue;
     // dF/dphi = k dx/dphi = k (r - d dL/dphi).
@@ -66,8 +78,7 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
       Eigen::Vector3d change = Eigen::Vector3d::Unit(p.component);
       for (const Applied& applied : applied_) change = (applied.gravity.by_gravity * change).eval();
       for (int j = 0; j < std::ssize(links_); ++j) {
-        const Eigen::Vector3d arm = links_[j].moment - links_[j].subtree_mass * links_[j].pivot;
-        addProjected(j, -arm.cross(change), column);
+        addProjected(j, -liftArm(j, change), column);
       }
       return;
     }
@@ -81,6 +92,14 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
     case Kind::kPartMass:
     case Kind::kPartPosition:
       return differentiateByMass(p, column);
+    case Kind::kSurfaceRadius:
+    case Kind::kSurfacePosition:
+      return differentiateBySurface(p, column);
+    case Kind::kTendonParameter:
+      return differentiateByTendon(p, column);
+    case Kind::kSpringStiffness:
+    case Kind::kSpringRest:
+      return differentiateBySpring(p, column);
     default:
       return differentiateByMuscle(p, column);
   }
@@ -99,6 +118,8 @@ Eigen::Vector3d PotentialEnergy::shiftTerm(const Line& line, const Lever& lever,
 void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {
   const auto m = static_cast<std::size_t>(p.item);
   const Line& line = muscles_[m];
+  const bool of_path = p.kind == Kind::kAttachment || p.kind == Kind::kWheelRadius;
+  if (line.path >= 0 && of_path) return differentiatePathByStation(paths_[line.path], p, column);
   if (line.force == 0.0) return;
   // The numbers of the line change F alone: dF = k dx + x dk with x = L - L_K0 + r phi - dL - L_SR.
   switch (p.kind) {
@@ -135,6 +156,10 @@ void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref
 void PotentialEnergy::addWeight(int joint, const Eigen::Vector3d& point, double mass, const Eigen::Vector3d& direction,
                                 double mass_change, double way, Eigen::Ref<Eigen::VectorXd> column) const {
   for (int j = joint; j >= 0; j = parent_joint_[j]) {
+    if (model_.joints[j].slides()) {
+      addProjected(j, -mass_change * model_.gravity, column);
+      continue;
+    }
     const Eigen::Vector3d move = mass_change * (point - links_[j].pivot) + mass * way * direction;
     addProjected(j, -move.cross(model_.gravity), column);
   }
@@ -154,10 +179,15 @@ void PotentialEnergy::differentiateByJointShift(int joint, const Eigen::Vector3d
   // Everything below the joint shifts by s. The arm about a pivot changes when the point moves and the pivot does not.
   const auto changesArm = [&](int j) { return carries(j, joint) && !(pivot_moves && j == joint); };
   for (int j = joint; j >= 0; j = parent_joint_[j]) {
-    if (changesArm(j)) addProjected(j, -links_[joint].subtree_mass * shift.cross(model_.gravity), column);
+    if (changesArm(j) && !model_.joints[j].slides())
+      addProjected(j, -links_[joint].subtree_mass * shift.cross(model_.gravity), column);
   }
   for (std::size_t m = 0; m < muscles_.size(); ++m) {
     const Line& line = muscles_[m];
+    if (line.path >= 0) {
+      differentiatePathByJointShift(paths_[line.path], joint, shift, pivot_moves, column);
+      continue;
+    }
     if (line.force == 0.0) continue;
     if (line.bend >= 0) {
       const Bend& bend = bends_[line.bend];
@@ -182,9 +212,10 @@ void PotentialEnergy::differentiateByJointShift(int joint, const Eigen::Vector3d
 namespace {
 
 constexpr std::pair<std::string_view, Kind> kMuscleMembers[] = {
-    {"attachments.0.point_m", Kind::kAttachment},   {"attachments.1.point_m", Kind::kAttachment},
-    {"kite_line_length_m", Kind::kKiteLine},        {"shock_cord.rest_length_m", Kind::kRestLength},
-    {"shock_cord.stiffness_N_m", Kind::kStiffness}, {"spindle_radius_m", Kind::kSpindleRadius},
+    {"kite_line_length_m", Kind::kKiteLine},
+    {"shock_cord.rest_length_m", Kind::kRestLength},
+    {"shock_cord.stiffness_N_m", Kind::kStiffness},
+    {"spindle_radius_m", Kind::kSpindleRadius},
 };
 
 template <class Items>
@@ -203,6 +234,13 @@ int extensionIndex(const ArmModel& model, std::string_view label) {
   return static_cast<int>(found - model.extensions.begin());
 }
 
+/// \param member  "attachments.2.point_m" or "attachments.2.radius_m"; of a line over joints alone 0 is the first wheel
+void findStation(std::string_view member, const TendonPath& path, StaticParameter& parameter) {
+  if (!member.starts_with("attachments.")) return;
+  parameter.kind = member.ends_with(".radius_m") ? Kind::kWheelRadius : Kind::kAttachment;
+  parameter.part = std::atoi(std::string(member.substr(member.find('.') + 1)).c_str()) + (path.jointsOnly() ? 1 : 0);
+}
+
 StaticParameter staticParameter(const ArmModel& model, const ParameterPath& path) {
   StaticParameter parameter{Kind::kNone, 0, 0, std::max(0, path.component)};
   if (path.group == "gravity_m_s2") {
@@ -217,16 +255,32 @@ StaticParameter staticParameter(const ArmModel& model, const ParameterPath& path
     for (const auto& [member, kind] : kMuscleMembers) {
       if (path.member == member) parameter.kind = kind;
     }
-    parameter.part = path.member == "attachments.1.point_m" ? 1 : 0;
+    findStation(path.member, model.muscles[parameter.item], parameter);
+  } else if (path.group == "tendons") {
+    const int tendon = indexOf(model.tendons, path.item);
+    parameter.item = static_cast<int>(model.muscles.size()) + tendon;
+    const auto& known = model.tendons[tendon].kind->parameters;
+    const auto found = std::ranges::find(known, path.member, &TendonParameter::key);
+    if (found != known.end()) {
+      parameter.kind = Kind::kTendonParameter;
+      parameter.component = static_cast<int>(found - known.begin());
+    }
+    findStation(path.member, model.tendons[tendon], parameter);
   } else if (path.group == "joints") {
     parameter.item = indexOf(model.joints, path.item);
     if (path.member == "parent_position_m") parameter.kind = Kind::kParentPosition;
     if (path.member == "child_position_m") parameter.kind = Kind::kChildPosition;
+    if (path.member.starts_with("spring.stiffness")) parameter.kind = Kind::kSpringStiffness;
+    if (path.member.starts_with("spring.rest")) parameter.kind = Kind::kSpringRest;
   } else if (path.group == "bodies") {
     parameter.item = indexOf(model.bodies, path.item);
     const auto dot = path.member.rfind('.');
-    parameter.part = indexOf(model.bodies[parameter.item].parts, path.member.substr(0, dot));
+    const Body& body = model.bodies[parameter.item];
+    parameter.part = indexOf(body.parts, path.member.substr(0, dot));
     parameter.kind = path.member.ends_with(".mass_kg") ? Kind::kPartMass : Kind::kPartPosition;
+    if (parameter.part >= 0) return parameter;
+    parameter.part = indexOf(body.surfaces, path.member.substr(0, dot));
+    parameter.kind = path.member.ends_with(".radius_m") ? Kind::kSurfaceRadius : Kind::kSurfacePosition;
   }
   return parameter;
 }

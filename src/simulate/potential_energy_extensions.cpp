@@ -49,7 +49,7 @@ void PotentialEnergy::prepareExtensions() {
                         std::vector<Eigen::Vector3d>(links_.size())});
     }
     if (!effect->path && !effect->line && !effect->cord) continue;
-    for (int m = 0; m < std::ssize(muscles_); ++m) muscles_[m].extended |= extensions_[e].on(m);
+    for (int m = 0; m < muscleCount(); ++m) muscles_[m].extended |= extensions_[e].on(m);
   }
 }
 
@@ -175,7 +175,7 @@ void PotentialEnergy::differentiateByExtension(int extension, int k, Eigen::Ref<
   if (effect->gravity) {
     const Eigen::Vector3d change = applied_[e].gravity.by_parameter.col(k);
     for (int j = 0; j < std::ssize(links_); ++j) {
-      addProjected(j, -(links_[j].moment - links_[j].subtree_mass * links_[j].pivot).cross(change), column);
+      addProjected(j, -liftArm(j, change), column);
     }
   }
   if (effect->joint_shift) {
@@ -194,7 +194,7 @@ void PotentialEnergy::differentiateByExtension(int extension, int k, Eigen::Ref<
     const int n = model_.joints[target].degreesOfFreedom();
     column.segment(first_dof_[target], n) += joint_terms_[e].by_parameter.col(k).head(n);
   }
-  for (int m = 0; m < std::ssize(muscles_); ++m) {
+  for (int m = 0; m < muscleCount(); ++m) {
     const Line& line = muscles_[m];
     if (line.force == 0.0 || !extensions_[e].on(m)) continue;
     const auto muscle = static_cast<std::size_t>(m);

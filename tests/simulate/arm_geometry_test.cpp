@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 /// A post with a hinge about x at 1 m; a rod hangs from it; a cord from the post's top to the rod's end.
 ArmModel hinge() {
   ArmModel model;
-  model.bodies = {{"post", true, {}}, {"rod", false, {}}};
+  model.bodies = {{"post", true, {}, {}}, {"rod", false, {}, {}}};
   Part bone;
   bone.name = "bone";
   bone.radius = 0.02;

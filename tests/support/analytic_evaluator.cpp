@@ -20,14 +20,14 @@ ArmModel analyticArm() {
   ArmModel model;
   model.name = "analytic";
   model.bodies.resize(3);
-  model.bodies[0] = {"torso", true, {}};
+  model.bodies[0] = {"torso", true, {}, {}};
   for (int i = 1; i < 3; ++i) {
     Part part;
     part.name = "bone";
     part.radius = 0.01;
     part.length = 0.2;
     part.mass = 1.0;
-    model.bodies[i] = {i == 1 ? "upper" : "fore", false, {part}};
+    model.bodies[i] = {i == 1 ? "upper" : "fore", false, {part}, {}};
     Joint joint;
     joint.name = i == 1 ? "shoulder" : "elbow";
     joint.type = i == 1 ? JointType::kSpherical : JointType::kRevolute;

@@ -39,7 +39,7 @@ Part box(double mass, const Vector3d& position, const Vector3d& size) {
 ArmModel torso() {
   ArmModel model;
   model.name = "test";
-  model.bodies.push_back({"torso", true, {}});
+  model.bodies.push_back({"torso", true, {}, {}});
   model.motor_defaults = {0.8, 0.0003, 0.011, 0.011, 2e-6, 1e-6, 0.002, 12.0};
   model.gearbox_defaults = {72.0, 0.72, 1e-5, 0.002, 0.03};
   return model;
@@ -48,7 +48,7 @@ ArmModel torso() {
 Joint& addLink(ArmModel& model, int parent, JointType type, const Vector3d& parent_position,
                const std::vector<Part>& parts) {
   const int child = static_cast<int>(model.bodies.size());
-  model.bodies.push_back({"link" + std::to_string(child), false, parts});
+  model.bodies.push_back({"link" + std::to_string(child), false, parts, {}});
   Joint joint;
   joint.name = "joint" + std::to_string(child);
   joint.type = type;
@@ -143,7 +143,7 @@ Matrix3d inertiaOf(const Part& part) {
     case Part::Shape::kBox:
       return Vector3d(square.y() + square.z(), square.x() + square.z(), square.x() + square.y()).asDiagonal() *
              Matrix3d::Identity() * (part.mass / 12.0);
-    case Part::Shape::kCylinder:
+    default:  // other shapes have tests of their own
       break;
   }
   const Matrix3d from_z = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), part.axis).toRotationMatrix();

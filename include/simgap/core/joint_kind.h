@@ -18,7 +18,8 @@ struct JointKind {
   JointType type;
   const char* name;                           ///< in files: "revolute"
   int degrees_of_freedom;                     ///< numbers that a measured position holds, too
-  bool has_axis;                              ///< turns about an axis of its own, between limits
+  bool has_axis;                              ///< one coordinate about or along an axis of its own, between limits
+  std::string_view unit;                      ///< of its coordinates: "rad", "m"
   double printed_error;                       ///< multiple of the error that 001 eq. 4 prints
   std::span<const std::string_view> columns;  ///< of a position in a table, behind the joint's name: "_rad"
 
@@ -26,10 +27,10 @@ struct JointKind {
   std::vector<JointPosition> (*read)(const CsvTable& table, const std::string& joint);
   /// The same position as the cells of those columns.
   std::vector<double> (*cells)(const JointPosition& position);
-  /// How far a position is from the zero pose, signed where the joint has an axis [rad].
+  /// How far a position is from the zero pose, signed where the joint has an axis [its unit].
   double (*angle)(const JointPosition& position);
   /// The way from one position to another as a rotation vector in the parent's frame, or along the first coordinate
-  /// where the joint has an axis [rad].
+  /// where the joint has an axis [its unit].
   Eigen::Vector3d (*difference)(const JointPosition& from, const JointPosition& to);
   JointPosition (*mean)(std::span<const JointPosition> repeats);
 };

@@ -10,7 +10,7 @@
 
 namespace simgap {
 
-enum class JointType { kSpherical, kRevolute };
+enum class JointType { kSpherical, kRevolute, kPrismatic };
 
 /// A joint of a tree by name, as measured data knows it.
 struct JointChannel {
@@ -18,10 +18,11 @@ struct JointChannel {
   JointType type;
 };
 
-/// Position of one joint: a rotation (spherical) or an angle (revolute). Only the member of its type has a meaning.
+/// Position of one joint: a rotation (spherical), an angle (revolute) or a way (prismatic). Only the member of its type
+/// has a meaning.
 struct JointPosition {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< child frame relative to parent frame
-  double angle = 0.0;                                            ///< [rad] about the joint's axis
+  double angle = 0.0;                                            ///< [rad] about the joint's axis, or [m] along it
 };
 
 /// Geodesic angle between two rotations, 2 arccos|Q . Q'|, in [0, pi] [rad]; accurate near 0 and blind to the sign of a
@@ -31,7 +32,7 @@ double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 /// From one angle of a hinge to another, the shorter way, in [-pi, pi] [rad]: whole turns count as none.
 double hingeTurn(double from, double to);
 
-/// Error of a joint, in [0, pi] [rad]: geodesic angle, or size of a hinge's turn.
+/// Error of a joint, in [0, pi] [rad]: geodesic angle, or size of a hinge's turn; of a slide its distance [m].
 double jointError(JointType type, const JointPosition& a, const JointPosition& b);
 
 /// The rotation that minimises the sum of squared chordal distances (Markley et al. 2007), w >= 0.

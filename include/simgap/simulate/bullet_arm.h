@@ -9,6 +9,7 @@
 
 #include "simgap/model/arm/arm.h"
 #include "simgap/model/arm/kinematics.h"
+#include "simgap/model/arm/tendon_path.h"
 #include "simgap/simulate/arm_observation.h"
 #include "simgap/simulate/drive.h"
 
@@ -51,7 +52,7 @@ class BulletArm {
   double time() const;  ///< [s] since reset
   JointPosition jointPosition(std::size_t joint) const;
   std::vector<JointPosition> capturedPositions() const;  ///< of all joints, as markers show them
-  double jointSpeed(std::size_t joint) const;            ///< norm of its angular velocity [rad/s]
+  double jointSpeed(std::size_t joint) const;            ///< norm of its angular velocity [rad/s], prismatic [m/s]
   double shaftAngle(std::size_t muscle) const;           ///< [rad]
   double shaftError(std::size_t muscle) const;           ///< reference - angle [rad]
   bool isFinite() const;                                 ///< false once the simulation has blown up
@@ -79,7 +80,16 @@ class BulletArm {
   void applyForce(int body, const Eigen::Vector3d& from_origin, const Eigen::Vector3d& force);
   LinePath linePath(const MuscleState& muscle, int index) const;
   void pull(const LinePath& path, double force);
+  /// Length and rate of a line of any number of points; what it touches is left in touches_.
+  struct PathState {
+    double length, rate;
+  };
+  PathState followPath(const PathParts& way);
+  void pullPath(const PathParts& way, double force);
+  void applyTendons();
   void applyJointTorques();
+  void applyJointSprings();
+  void pushJoint(const Joint& joint, const Eigen::Vector3d& gradient);
 
   BulletArmOptions options_;
   std::vector<Body> bodies_;
@@ -88,6 +98,15 @@ class BulletArm {
   std::vector<JointPosition> start_;
   std::vector<MuscleState> muscles_;
   std::vector<ArmExtension> extensions_;
+  struct Touch;
+  struct Passive {
+    const TendonKind* kind;
+    TendonParameters p;
+    PathParts way;
+  };
+  std::vector<PathParts> way_;             ///< shape (muscles), empty: straight
+  std::vector<Passive> passive_;           ///< lines without motors
+  std::vector<Touch> touches_;             ///< of the line that followPath() was last called for
   std::vector<std::vector<int>> crossed_;  ///< per extension with a path: the joints its muscle crosses
   ArmObservation observation_;
   double pose_time_ = 0.0;

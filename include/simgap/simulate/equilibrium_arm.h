@@ -21,7 +21,8 @@ struct EquilibriumSolution {
   double torque = 0.0;  ///< largest component of the gradient that no joint stop holds, at the last evaluation [N m]
 };
 
-/// Damped Newton on SO(3)^n x R^m with joint limits as an active set. Memory is taken in the constructor only.
+/// Damped Newton on SO(3)^n x R^m with joint limits as an active set; joints that follow others are eliminated. Memory
+/// is taken in the constructor only.
 class EquilibriumArm {
  public:
   explicit EquilibriumArm(const ArmModel& model);
@@ -68,6 +69,13 @@ class EquilibriumArm {
   ///@}
 
  private:
+  /// A joint that follows another, by degrees of freedom.
+  struct Coupling {
+    int follower, leader;
+    double ratio;
+  };
+  void findCouplings();
+  void foldCouplings();
   EquilibriumSolution descend(int max_iterations);
   void evaluate() { energy_.evaluate(joints_); }
   double findHeld();
@@ -88,7 +96,8 @@ class EquilibriumArm {
   Eigen::VectorXd torque_;   ///< that friction holds, 0 in an equilibrium
   Eigen::MatrixXd reduced_, inverse_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
-  Eigen::VectorXd step_;
+  Eigen::VectorXd step_, push_;
+  std::vector<Coupling> couplings_;
 };
 
 /// All different equilibria found downhill of many starts (a fixed pattern over the joints' ranges), the given one

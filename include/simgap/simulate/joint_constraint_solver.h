@@ -10,6 +10,7 @@
 ///     v = W (p + sum of impulses),  W = (M + dt C)^-1     viscous impulse -C v dt at the new velocity (000 eq. 1)
 ///     |friction impulse of a joint| <= tau_max dt;  opposes v where it slips, holds v = 0 where it can
 ///     limit impulse >= 0,  v >= (limit - q) / dt
+///     a joint that follows: v - ratio v_leader = -(q - offset - ratio q_leader) / dt
 ///
 /// 000 takes the viscous impulse at the old velocity; at the new one it is stable for any inertia and step.
 #pragma once
@@ -41,7 +42,7 @@ class JointConstraintSolver : public btMultiBodyConstraintSolver {
   /// A joint's coordinates and the impulses that act on it.
   struct Block {
     int first;  ///< of its coordinates
-    int size;   ///< 3 spherical, 1 revolute
+    int size;   ///< 3 spherical, else 1
     int link;
     double coulomb;                                      ///< tau_max [N m]
     double lower, upper;                                 ///< [rad]
@@ -50,16 +51,27 @@ class JointConstraintSolver : public btMultiBodyConstraintSolver {
     double shift = 0.0;                                  ///< of the last slip, see frictionImpulse
   };
 
+  /// A joint that follows another, and the impulse that makes it.
+  struct Coupling {
+    int first, leader;      ///< coordinates of both
+    int link, leader_link;  ///< of the multibody
+    double ratio, offset;
+    double impulse = 0.0;  ///< [N m s]
+  };
+
   void assembleMobility();
   void addViscousFriction(double step_s);
   void solveBlocks(double step_s);
   /// \returns the largest change of a velocity [rad/s]
   double solveFriction(Block& block, double step_s);
   double solveLimit(Block& block, double step_s);
+  double solveCoupling(Coupling& coupling, double step_s);
   double applyImpulse(const Block& block, const Eigen::Vector3d& impulse);
+  double applyImpulse(const Coupling& coupling, double impulse);
 
   btMultiBody* body_ = nullptr;
   std::vector<Block> blocks_;
+  std::vector<Coupling> couplings_;
   Eigen::VectorXd viscous_;                      ///< shape (n) [N m s]
   Eigen::MatrixXd mobility_;                     ///< W, shape (n, n)
   Eigen::VectorXd velocity_;                     ///< v, shape (n) [rad/s]

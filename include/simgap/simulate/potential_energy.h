@@ -12,6 +12,10 @@
 /// symmetrised for i = j. Everything else follows from these two lines by the chain rule, as a 3-vector per joint and a
 /// 3 x 3 block per pair of joints, projected on the joints' axes at the end.
 ///
+/// A slide moves everything below it along its axis. Lines of more than two points, over surfaces, wheels and slides
+/// are worked out by degree of freedom (potential_energy_paths.cpp), as are springs of joints; lines without motors add
+/// their own energies V(L).
+///
 /// A model's extensions add to it (arm_effect.h): lines lengthen, cords stiffen, muscles bend, joints are pushed.
 #pragma once
 
@@ -22,6 +26,7 @@
 #include <vector>
 
 #include "simgap/model/arm/arm_effect.h"
+#include "simgap/model/arm/tendon_path.h"
 
 namespace simgap {
 
@@ -33,17 +38,23 @@ struct StaticParameter {
     kPartPosition,
     kParentPosition,  ///< of a joint
     kChildPosition,   ///< of a joint
-    kAttachment,      ///< `part` 0 or 1
+    kAttachment,      ///< of a line, `part` its place in the file's list
+    kWheelRadius,     ///< likewise
     kKiteLine,
     kRestLength,
     kStiffness,
     kSpindleRadius,
-    kExtension,  ///< parameter `component` of extension `item`
-    kNone,       ///< dynamics only: moves no equilibrium
+    kSurfaceRadius,    ///< of a body, `part` its surface
+    kSurfacePosition,  ///< likewise
+    kTendonParameter,  ///< `component` of a line without a motor
+    kSpringStiffness,  ///< of a joint
+    kSpringRest,       ///< likewise
+    kExtension,        ///< parameter `component` of extension `item`
+    kNone,             ///< dynamics only: moves no equilibrium
   };
   Kind kind = Kind::kNone;
-  int item = 0;       ///< muscle, joint or body
-  int part = 0;       ///< part of a body, attachment of a muscle
+  int item = 0;       ///< line (muscles, then tendons), joint or body
+  int part = 0;       ///< part or surface of a body, place of a line's list
   int component = 0;  ///< x, y, z
 };
 
@@ -68,6 +79,10 @@ class PotentialEnergy {
   double energy() const { return energy_; }                      ///< [J]
   const Eigen::VectorXd& gradient() const { return gradient_; }  ///< shape (dof) [N m]; minus it is the torque
   const Eigen::MatrixXd& hessian() const { return hessian_; }    ///< shape (dof, dof) [N m/rad]
+  /// Lengths of lines (muscles, then tendons) [m], and how they change with the joints.
+  double length(std::size_t line) const { return muscles_[line].length; }
+  /// \param[out] moment_arms  dL/dq, shape (dof) [m/rad]
+  void momentArms(std::size_t line, Eigen::Ref<Eigen::VectorXd> moment_arms) const;
   double expansion(std::size_t muscle) const { return muscles_[muscle].expansion; }  ///< of its cord, < 0: slack [m]
   double tension(std::size_t muscle) const { return muscles_[muscle].force; }        ///< [N]
 
@@ -81,7 +96,10 @@ class PotentialEnergy {
   struct Link {  ///< the child of a joint
     Eigen::Matrix3d rotation;
     Eigen::Vector3d origin, pivot;
-    Eigen::Vector3d axis;  ///< revolute: in the world; a spherical joint's axes are the columns of `rotation`
+    Eigen::Vector3d axis;   ///< of a joint with one, in the world
+    Eigen::Matrix3d basis;  ///< of a ball: its axes in the world as columns
+    Eigen::Vector3d axis_in_child;
+    bool turned;  ///< the joint's frame on the child differs from the child's
     double mass, subtree_mass;
     Eigen::Vector3d centre_of_mass;  ///< in its own frame
     Eigen::Vector3d moment;          ///< sum of m x over the subtree
@@ -100,6 +118,7 @@ class PotentialEnergy {
     double stiffness = 0.0;  ///< d force / d expansion
     bool extended = false;
     int bend = -1;                                         ///< of bends_, while the line touches its joint
+    int path = -1;                                         ///< of paths_, for more than a straight line of rotations
     Eigen::Vector3d direction = Eigen::Vector3d::UnitX();  ///< u, from attachment 0 to 1
   };
 
@@ -113,6 +132,29 @@ class PotentialEnergy {
     std::vector<Eigen::Vector3d> moment;  ///< shape (joints): dL/dw
     Eigen::Matrix3d curvature(int a, int b) const;
   };
+  /// A degree of freedom that moves a point against the frame of its stretch: +1 from the point's side, -1 from the
+  /// frame's.
+  struct Mover {
+    int dof, joint;
+    double sign;
+  };
+  /// What is between two points, in the frame of the surface or, without one, of the first point's body.
+  struct PlacedStretch {
+    PathStretch part;
+    std::array<int, 2> carrier;                ///< joint that carries each point, -1: fixed
+    int frame;                                 ///< joint that carries the frame
+    std::array<std::vector<Mover>, 2> movers;  ///< of each point, from the point to the frame
+    std::array<Eigen::Matrix3Xd, 2> columns;   ///< way of each point by its movers
+    Stretch now;
+  };
+  struct LongPath {
+    int line;
+    std::vector<PlacedStretch> stretches;
+    std::vector<PathWheel> wheels;
+    std::vector<int> dofs;   ///< that change its length
+    Eigen::VectorXd by_dof;  ///< dL/dq, shape (dof)
+    bool slack = true;
+  };
   /// What of an extension has to be known beyond its parameters.
   struct Applied {
     GravityTerm gravity{};
@@ -124,6 +166,28 @@ class PotentialEnergy {
   void addGravity();
   void addMuscle(std::size_t muscle);
   void setForce(std::size_t muscle);  ///< from the line's length
+  const TendonPath& pathOf(int line) const;
+  int muscleCount() const { return static_cast<int>(model_.muscles.size()); }
+  void makePath(int line);
+  void refreshPath(LongPath& path);
+  std::vector<Mover> moversBetween(int carrier, int frame) const;
+  void placeAxes();
+  void placePath(LongPath& path, std::span<const JointPosition> joints);
+  void addPath(LongPath& path, std::span<const JointPosition> joints);
+  void addCurvature(const PlacedStretch& stretch, double force);
+  void addJointSprings(std::span<const JointPosition> joints);
+  Eigen::Vector3d wayBy(const Mover& mover, const Eigen::Vector3d& from_pivot) const;
+  /// A stretch whose points, frame and pivots shift.
+  template <class PivotShift>
+  void addStretchShift(const LongPath& path, const PlacedStretch& stretch, const std::array<Eigen::Vector3d, 2>& points,
+                       const Eigen::Vector3d& frame, const PivotShift& pivot, Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiatePathByStation(const LongPath& path, const StaticParameter& parameter,
+                                  Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiatePathByJointShift(const LongPath& path, int joint, const Eigen::Vector3d& shift, bool pivot_moves,
+                                     Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiateBySurface(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiateByTendon(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiateBySpring(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
   void prepareExtensions();
   void addJointTerms(std::span<const JointPosition> joints);
   bool bendLine(Line& line, std::size_t muscle, const std::array<Eigen::Vector3d, 2>& ends);
@@ -149,6 +213,7 @@ class PotentialEnergy {
   void differentiateBy(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateByMuscle(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateByMass(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
+  Eigen::Vector3d liftArm(int joint, const Eigen::Vector3d& direction) const;
   void addWeight(int joint, const Eigen::Vector3d& point, double mass, const Eigen::Vector3d& direction,
                  double mass_change, double way, Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateByExtension(int extension, int parameter, Eigen::Ref<Eigen::VectorXd> column) const;
@@ -166,7 +231,11 @@ class PotentialEnergy {
   std::vector<int> joint_of_body_;  ///< shape (bodies), -1: fixed
   std::vector<int> parent_joint_;   ///< shape (joints), -1: hangs on a fixed body
   std::vector<Link> links_;         ///< shape (joints)
-  std::vector<Line> muscles_;
+  std::vector<Line> muscles_;       ///< and behind them lines without motors
+  std::vector<LongPath> paths_;
+  Eigen::Matrix3Xd axes_;                 ///< shape (3, dof), in the world; for paths
+  std::vector<JointPosition> positions_;  ///< of the last evaluation; for wheels and springs
+  bool springs_ = false;
   std::vector<Lever> levers_;
   std::vector<Eigen::Vector3d> moments_;  ///< shape (joints), gradient in the world
   std::vector<Eigen::Matrix3d> blocks_;   ///< shape (joints, joints), Hessian in the world, the upper triangle

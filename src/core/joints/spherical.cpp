@@ -51,6 +51,7 @@ const JointKind spherical{.type = JointType::kSpherical,
                           .name = "spherical",
                           .degrees_of_freedom = 3,
                           .has_axis = false,
+                          .unit = "rad",
                           .printed_error = 0.5,  // arccos(Q . Q') is half the angle between the rotations
                           .columns = kColumns,
                           .read = read,

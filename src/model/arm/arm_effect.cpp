@@ -180,6 +180,7 @@ void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model) {
 JointPosition markedPosition(const Joint& joint, const JointPosition& position, const Eigen::Vector3d& parent_turn,
                              const Eigen::Vector3d& child_turn) {
   JointPosition marked = position;
+  if (joint.slides()) return marked;
   if (joint.type == JointType::kSpherical) {
     marked.rotation = (expSo3(-parent_turn) * position.rotation * expSo3(child_turn)).normalized();
   } else {

@@ -1,10 +1,24 @@
 #include "simgap/model/arm/kinematics.h"
 
+#include <algorithm>
+
 namespace simgap {
 
 Eigen::Matrix3d childInParent(const Joint& joint, const JointPosition& position) {
-  if (joint.type == JointType::kSpherical) return position.rotation.toRotationMatrix();
-  return Eigen::AngleAxisd(position.angle, joint.axis).toRotationMatrix();
+  const bool in_own_frames = joint.parent_orientation.w() != 1.0 || joint.child_orientation.w() != 1.0;
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  if (joint.type == JointType::kSpherical) {
+    rotation = position.rotation.toRotationMatrix();
+  } else if (joint.type == JointType::kRevolute) {
+    rotation = Eigen::AngleAxisd(position.angle, joint.axis).toRotationMatrix();
+  }
+  if (!in_own_frames) return rotation;
+  return joint.parent_orientation * rotation * joint.child_orientation.conjugate();
+}
+
+Eigen::Vector3d pivotInParent(const Joint& joint, const JointPosition& position) {
+  if (!joint.slides()) return joint.parent_position;
+  return joint.parent_position + joint.parent_orientation * (position.angle * joint.axis);
 }
 
 std::vector<BodyInWorld> bodiesInWorld(const ArmModel& model, std::span<const JointPosition> joints) {
@@ -14,7 +28,7 @@ std::vector<BodyInWorld> bodiesInWorld(const ArmModel& model, std::span<const Jo
     const BodyInWorld& parent = bodies[joint.parent];
     BodyInWorld& child = bodies[joint.child];
     child.rotation = parent.rotation * childInParent(joint, joints[j]);
-    child.origin = parent * joint.parent_position - child.rotation * joint.child_position;
+    child.origin = parent * pivotInParent(joint, joints[j]) - child.rotation * joint.child_position;
   }
   return bodies;
 }
@@ -23,9 +37,18 @@ std::vector<JointPosition> startPosition(const ArmModel& model) {
   constexpr double kStartAngle = 0.3;  // [rad]
   std::vector<JointPosition> start(model.joints.size());
   for (std::size_t j = 0; j < start.size(); ++j) {
-    start[j].angle = std::clamp(kStartAngle, model.joints[j].lower_limit, model.joints[j].upper_limit);
+    const Joint& joint = model.joints[j];
+    start[j].angle = std::clamp(joint.slides() ? 0.0 : kStartAngle, joint.lower_limit, joint.upper_limit);
   }
+  coupleJoints(model, start);
   return start;
+}
+
+void coupleJoints(const ArmModel& model, std::span<JointPosition> joints) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (joint.follows()) joints[j].angle = joint.coupling_offset + joint.coupling_ratio * joints[joint.leader].angle;
+  }
 }
 
 double muscleLength(const Muscle& muscle, std::span<const BodyInWorld> bodies) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "simgap/model/arm/arm_effect.h"
+#include "simgap/model/arm/tendon_path.h"
 
 namespace simgap {
 namespace {
@@ -28,6 +29,11 @@ std::vector<Eigen::Vector3d> bentLine(const Eigen::Vector3d& from, const Eigen::
 std::vector<Eigen::Vector3d> muscleLine(const ArmModel& model, std::size_t m, const std::vector<BodyInWorld>& bodies) {
   const Muscle& muscle = model.muscles[m];
   std::vector<Eigen::Vector3d> points;
+  if (!muscle.straight()) {  // branches one after the other
+    for (const auto& branch : tendonPoints(model, muscle, bodies))
+      points.insert(points.end(), branch.begin(), branch.end());
+    return points;
+  }
   for (const Attachment& a : muscle.attachments) points.push_back(bodies[a.body] * a.point);
   for (const ArmExtension& extension : resolveExtensions(model)) {
     if (extension.effect->path == nullptr || !extension.on(static_cast<int>(m))) continue;

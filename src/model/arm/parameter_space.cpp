@@ -29,10 +29,29 @@ class ItemVisitor {
   const Visit& visit_;
 };
 
+/// Points and wheels by their places in the file's list.
+template <class Visit>
+void visitLongPath(TendonPath& path, const ItemVisitor<Visit>& visit) {
+  const bool ends = !path.jointsOnly();
+  if (ends) visit("attachments.0.point_m", "m", path.attachments[0].point);
+  for (std::size_t k = 0; k < path.between.size(); ++k) {
+    Station& station = path.between[k];
+    const std::string stem = "attachments." + std::to_string(k + (ends ? 1 : 0));
+    if (station.kind == Station::Kind::kPoint) visit(stem + ".point_m", "m", station.at.point);
+    if (station.kind == Station::Kind::kJoint) visit(stem + ".radius_m", "m", kAnyNumber, station.radius);
+  }
+  const std::string last = "attachments." + std::to_string(path.between.size() + 1) + ".point_m";
+  if (ends) visit(last, "m", path.attachments[1].point);
+}
+
 template <class Visit>
 void visitMuscle(Muscle& muscle, const ItemVisitor<Visit>& visit) {
-  visit("attachments.0.point_m", "m", muscle.attachments[0].point);
-  visit("attachments.1.point_m", "m", muscle.attachments[1].point);
+  if (muscle.straight()) {
+    visit("attachments.0.point_m", "m", muscle.attachments[0].point);
+    visit("attachments.1.point_m", "m", muscle.attachments[1].point);
+  } else {
+    visitLongPath(muscle, visit);
+  }
   visit("kite_line_length_m", "m", kAnyNumber, muscle.kite_line_length);
   visit("shock_cord.rest_length_m", "m", kPositive, muscle.shock_cord.rest_length);
   visit("shock_cord.stiffness_N_m", "N_m", kPositive, muscle.shock_cord.stiffness);
@@ -50,6 +69,20 @@ void visitMuscle(Muscle& muscle, const ItemVisitor<Visit>& visit) {
   visit("gearbox.coulomb_friction_Nm", "Nm", kNonNegative, muscle.gearbox.coulomb_friction);
 }
 
+template <class Visit>
+void visitTendon(PassiveTendon& tendon, const ItemVisitor<Visit>& visit) {
+  if (tendon.straight()) {
+    visit("attachments.0.point_m", "m", tendon.attachments[0].point);
+    visit("attachments.1.point_m", "m", tendon.attachments[1].point);
+  } else {
+    visitLongPath(tendon, visit);
+  }
+  for (std::size_t i = 0; i < tendon.kind->parameters.size(); ++i) {
+    const TendonParameter& parameter = tendon.kind->parameters[i];
+    visit(parameter.key, parameter.unit, parameter.range, tendon.p[i]);
+  }
+}
+
 /// The traversal itself, inlined with its visitor so that `apply` costs no calls and no strings.
 template <class Visit>
 void traverse(ArmModel& model, const Visit& visit) {
@@ -62,15 +95,33 @@ void traverse(ArmModel& model, const Visit& visit) {
       item(mass, "kg", kPositive, part.mass);
       item(position, "m", part.position);
     }
+    for (Surface& surface : body.surfaces) {
+      const std::string radius = surface.name + ".radius_m";
+      const std::string position = surface.name + ".position_m";
+      item(radius, "m", kPositive, surface.radius);
+      item(position, "m", surface.position);
+    }
   }
   for (Joint& joint : model.joints) {
     const ItemVisitor<Visit> item("joints", joint.name, visit);
     item("parent_position_m", "m", joint.parent_position);
     item("child_position_m", "m", joint.child_position);
-    item("coulomb_friction_Nm", "Nm", kNonNegative, joint.coulomb_friction);
-    item("viscous_friction_Nms", "Nms", kNonNegative, joint.viscous_friction);
+    const bool slides = joint.slides();
+    item(slides ? "coulomb_friction_N" : "coulomb_friction_Nm", slides ? "N" : "Nm", kNonNegative,
+         joint.coulomb_friction);
+    item(slides ? "viscous_friction_Ns_m" : "viscous_friction_Nms", slides ? "Ns_m" : "Nms", kNonNegative,
+         joint.viscous_friction);
+    if (joint.spring_stiffness <= 0.0) continue;
+    item(slides ? "spring.stiffness_N_m" : "spring.stiffness_Nm_rad", slides ? "N_m" : "Nm_rad", kPositive,
+         joint.spring_stiffness);
+    if (joint.hasAxis())
+      item(slides ? "spring.rest_m" : "spring.rest_rad", slides ? "m" : "rad", kAnyNumber, joint.spring_rest);
   }
   for (Muscle& muscle : model.muscles) visitMuscle(muscle, ItemVisitor<Visit>("muscles", muscle.name, visit));
+  for (PassiveTendon& tendon : model.tendons) {
+    const ItemVisitor<Visit> item("tendons", tendon.name, visit);
+    visitTendon(tendon, item);
+  }
   for (Extension& extension : model.extensions) {
     const std::string label = extensionLabel(extension);
     const ItemVisitor<Visit> item("extensions", label, visit);
@@ -116,12 +167,28 @@ std::string ParameterPath::str() const {
 
 void visitParameters(ArmModel& model, const ParameterVisitor& visit) { traverse(model, visit); }
 
+namespace {
+
+/// `*` stands for any text within a part.
+bool matchesPart(std::string_view wanted, std::string_view part) {
+  const auto star = wanted.find('*');
+  if (star == std::string_view::npos) return wanted == part;
+  if (!part.starts_with(wanted.substr(0, star))) return false;
+  for (std::size_t taken = star; taken <= part.size(); ++taken) {
+    if (matchesPart(wanted.substr(star + 1), part.substr(taken))) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 bool matchesPattern(std::string_view pattern, std::string_view path) {
   while (!pattern.empty()) {
     if (path.empty()) return false;
     const auto [wanted, pattern_rest] = splitFirst(pattern);
     const auto [part, path_rest] = splitFirst(path);
-    if (wanted != "*" && wanted != part) return false;
+    if (wanted == "*" && !pattern_rest.empty() && matchesPattern(pattern, path_rest)) return true;
+    if (!matchesPart(wanted, part)) return false;
     pattern = pattern_rest;
     path = path_rest;
   }

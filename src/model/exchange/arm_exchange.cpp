@@ -36,6 +36,13 @@ Eigen::Vector3d tidyAxis(Eigen::Vector3d axis) {
   return axis.normalized();
 }
 
+Eigen::Isometry3d drawnPose(const Joint& joint) {
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  frame.linear() = (joint.parent_orientation * joint.child_orientation.conjugate()).toRotationMatrix();
+  frame.translation() = joint.parent_position - frame.linear() * joint.child_position;
+  return frame;
+}
+
 Part statedPart(const std::string& name, const MassProperties& mass) {
   Part part;
   part.name = name;
@@ -103,13 +110,6 @@ Muscle placeholderMuscle(double length) {
       .ratio = 72.0, .efficiency = 0.72, .inertia = 1.0e-5, .viscous_friction = 0.002, .coulomb_friction = 0.03};
   return muscle;
 }
-
-void setSide(Station& station, const Attachment& side) {
-  station.sided = true;
-  station.at.point = side.point;
-}
-
-Attachment sideOf(const Station& station) { return station.at; }
 
 ArmModel checkedArm(ArmModel model, const std::filesystem::path& file) {
   checkMasses(model, file);

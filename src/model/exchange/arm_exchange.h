@@ -15,6 +15,9 @@ Eigen::Quaterniond tidyRotation(const Eigen::Matrix3d& rotation);
 /// A unit vector, exactly along an axis where it is that but for rounding.
 Eigen::Vector3d tidyAxis(Eigen::Vector3d axis);
 
+/// The child in the parent at position 0 of the joint.
+Eigen::Isometry3d drawnPose(const Joint& joint);
+
 /// Mass properties in a body's frame as a part of it.
 Part statedPart(const std::string& name, const MassProperties& mass);
 std::string freePartName(const Body& body, const std::string& wanted);
@@ -36,9 +39,5 @@ Muscle placeholderMuscle(double length);
 /// The arm as it reads back from its own file, so that what is wrong with it is found now.
 /// \throws DataError "FILE: the robot in it: …"
 ArmModel checkedArm(ArmModel model, const std::filesystem::path& file);
-
-/// The side on which a line passes a surface. \param side  a point, possibly of another body than the surface's
-void setSide(Station& station, const Attachment& side);
-Attachment sideOf(const Station& station);
 
 }  // namespace simgap

@@ -138,11 +138,51 @@ class MjcfArm {
     return branches;
   }
 
-  Station surfaceStation(const MjcfPathElement& element) {
+  /// Whether a surface stays where it is in the parent's frame, whatever the position of the joint.
+  static bool isUnmoved(const Surface& surface, const Joint& joint) {
+    constexpr double kSame = 1e-9;  // [m], and of unit vectors
+    const bool cylinder = surface.shape == Surface::Shape::kCylinder;
+    const Eigen::Vector3d axis = joint.child_orientation * joint.axis;
+    const Eigen::Vector3d way = surface.position - joint.child_position;
+    const bool along = cylinder && surface.axis.cross(axis).norm() < kSame;
+    if (joint.slides()) return along;
+    if (joint.type == JointType::kSpherical) return !cylinder && way.norm() < kSame;
+    return way.cross(axis).norm() < kSame && (along || !cylinder);
+  }
+
+  /// Carries a surface to the body of its side point where joints between both leave it where it is: a wheel about the
+  /// joint's own axis. \returns whether it got there
+  bool carryTo(int target, Surface& surface, int& body) const {
+    Surface moved = surface;
+    int at = body;
+    while (at != target) {
+      const auto joint = std::ranges::find(arm_.joints, at, &Joint::child);
+      if (joint == arm_.joints.end() || !isUnmoved(moved, *joint)) return false;
+      const Eigen::Isometry3d frame = drawnPose(*joint);
+      moved.position = frame * moved.position;
+      moved.axis = tidyAxis(frame.linear() * moved.axis);
+      at = joint->parent;
+    }
+    surface = moved;
+    body = at;
+    return true;
+  }
+
+  /// The side point in the frame of the surface's body.
+  Eigen::Vector3d sidePoint(const MjcfPathElement& element, const std::string& place, Surface& surface, int& body) {
+    const Attachment side = siteOf(element.side);
+    if (side.body == body || carryTo(side.body, surface, body)) return side.point;
+    xml_.add(fmt::format("sidesite '{}' on another body than '{}'", abridged(element.side), abridged(element.name)),
+             "moves with the surface, from where it is in the drawn pose", true, place);
+    const std::vector<BodyInWorld> drawn = bodiesInWorld(arm_, std::vector<JointPosition>(arm_.joints.size()));
+    const BodyInWorld& carrier = drawn[body];
+    return carrier.rotation.transpose() * (drawn[side.body] * side.point - carrier.origin);
+  }
+
+  Station surfaceStation(const MjcfPathElement& element, const std::string& place) {
     const MjcfSurface& from = robot_.surfaces.at(element.name);
     const Home home = homeOf(from.body);
     const Eigen::Isometry3d frame = home.frame * from.frame;
-    std::vector<Surface>& surfaces = arm_.bodies[home.body].surfaces;
     Surface surface;
     surface.name = element.name;
     std::ranges::replace_if(
@@ -151,13 +191,15 @@ class MjcfArm {
     surface.radius = from.radius;
     surface.position = frame.translation();
     if (from.cylinder) surface.axis = tidyAxis(frame.linear().col(2));
-    const auto known = std::ranges::find(surfaces, surface.name, &Surface::name);
     Station station;
     station.kind = Station::Kind::kSurface;
     station.at.body = home.body;
+    station.sided = !element.side.empty();
+    if (station.sided) station.at.point = sidePoint(element, place, surface, station.at.body);
+    std::vector<Surface>& surfaces = arm_.bodies[station.at.body].surfaces;
+    const auto known = std::ranges::find(surfaces, surface.name, &Surface::name);
     station.surface = static_cast<int>(known - surfaces.begin());
     if (known == surfaces.end()) surfaces.push_back(surface);
-    if (!element.side.empty()) setSide(station, siteOf(element.side));
     return station;
   }
 
@@ -183,7 +225,7 @@ class MjcfArm {
       for (const MjcfPathElement& element : elements) {
         Station point;
         if (element.kind == Kind::kSite) point.at = siteOf(element.name);
-        path.between.push_back(element.kind == Kind::kSite ? point : surfaceStation(element));
+        path.between.push_back(element.kind == Kind::kSite ? point : surfaceStation(element, tendon.place));
       }
     }
     path.attachments = {path.between.front().at, path.between.back().at};

@@ -26,7 +26,7 @@ class MjcfWriter {
   explicit MjcfWriter(const ArmModel& model) : model_(model), sites_(model.bodies.size()) {}
 
   ExportedArm write() {
-    placeBodies();
+    nameWhatIsSoft();
     for (const Muscle& muscle : model_.muscles) writeMuscle(muscle);
     for (const PassiveTendon& tendon : model_.tendons) writePassive(tendon);
     nameWhatIsLost();
@@ -73,15 +73,7 @@ class MjcfWriter {
     return joints;
   }
 
-  /// Child in parent when both joints' frames coincide (position 0).
-  static Eigen::Isometry3d drawn(const Joint& joint) {
-    Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-    frame.linear() = (joint.parent_orientation * joint.child_orientation.conjugate()).toRotationMatrix();
-    frame.translation() = joint.parent_position - frame.linear() * joint.child_position;
-    return frame;
-  }
-
-  void placeBodies() {
+  void nameWhatIsSoft() {
     for (const Joint& joint : model_.joints) {
       if (joint.type == JointType::kSpherical &&
           joint.child_orientation.coeffs() != Eigen::Quaterniond::Identity().coeffs()) {
@@ -109,11 +101,11 @@ class MjcfWriter {
     for (const int parent : parents) {
       for (const int first : jointsOf(parent)) {
         Link link{model_.joints[first].child, {first}};
-        Eigen::Isometry3d frame = offset * drawn(model_.joints[first]);
+        Eigen::Isometry3d frame = offset * drawnPose(model_.joints[first]);
         while (bare(link.body) && jointsOf(link.body).size() == 1) {
           link.joints.push_back(jointsOf(link.body)[0]);
           const Joint& next = model_.joints[link.joints.back()];
-          frame = frame * drawn(next);
+          frame = frame * drawnPose(next);
           link.body = next.child;
         }
         text += body(link, frame, indent);
@@ -129,7 +121,7 @@ class MjcfWriter {
     // Joints of the bodies that were passed over, in this body's frame.
     std::vector<Eigen::Isometry3d> in_link(link.joints.size(), Eigen::Isometry3d::Identity());
     for (std::size_t i = link.joints.size(); i-- > 1;) {
-      in_link[i - 1] = in_link[i] * drawn(model_.joints[link.joints[i]]).inverse();
+      in_link[i - 1] = in_link[i] * drawnPose(model_.joints[link.joints[i]]).inverse();
     }
     for (std::size_t i = 0; i < link.joints.size(); ++i)
       text += joint(model_.joints[link.joints[i]], in_link[i], inner);
@@ -227,7 +219,7 @@ class MjcfWriter {
         const Body& body = model_.bodies[station.at.body];
         text += fmt::format("      <geom geom=\"{}\"", xmlText(surfaceName(body, body.surfaces[station.surface])));
         if (station.sided) {
-          text += fmt::format(" sidesite=\"{}\"", site(sideOf(station), fmt::format("{}/side {}", name, ++count)));
+          text += fmt::format(" sidesite=\"{}\"", site(station.at, fmt::format("{}/side {}", name, ++count)));
         }
         text += "/>\n";
       }

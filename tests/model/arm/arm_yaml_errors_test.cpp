@@ -42,7 +42,8 @@ TEST(ArmYamlErrors, TheSmallArmItselfHasNone) { EXPECT_EQ(errorOf(kSmallArm), "n
 TEST(ArmYamlErrors, NamesKeysThatAreMissingOrUnknown) {
   expectErrors({
       {"format: simgap/arm/1\n", "", "1: found only name, ", "expected the key 'format'"},
-      {"format: simgap/arm/1", "format: simgap/arm/2", "1: format: found 'simgap/arm/2', expected one of simgap/arm/1"},
+      {"format: simgap/arm/1", "format: simgap/arm/3",
+       "1: format: found 'simgap/arm/3', expected one of simgap/arm/1, simgap/arm/2"},
       {"name: small\n", "", "1: ", "expected the key 'name'"},
       {"gravity_m_s2: [0, 0, -9.81]\n", "", "1: ", "gravity_m_s2"},
       {"name: small\n", "name: small\ncolour: red\n", "3: colour: found an unknown key"},

@@ -14,7 +14,7 @@ constexpr double kQuarter = std::numbers::pi / 2;
 // Upper arm of 0.3 m on a ball joint at (0, 0, 1), forearm on a hinge about x at its end; a palm beside the forearm.
 ArmModel arm() {
   ArmModel model;
-  model.bodies = {{"torso", true, {}}, {"upper", false, {}}, {"fore", false, {}}, {"palm", false, {}}};
+  model.bodies = {{"torso", true, {}, {}}, {"upper", false, {}, {}}, {"fore", false, {}, {}}, {"palm", false, {}, {}}};
   Joint shoulder{"shoulder", JointType::kSpherical, 0, 1, {0, 0, 1}, {0, 0, 0.1}};
   Joint elbow{"elbow", JointType::kRevolute, 1, 2, {0, 0, -0.2}, {0, 0, 0}, Vector3d::UnitX()};
   Joint wrist{"wrist", JointType::kRevolute, 1, 3, {0.05, 0, 0}, {0, 0, 0}, Vector3d::UnitZ()};

@@ -42,15 +42,19 @@ std::map<std::string, double> numbersOf(ArmModel model) {
   return numbers;
 }
 
-TEST(MatchesPattern, ComparesWholeParts) {
+TEST(MatchesPattern, ComparesPartsByGlob) {
   EXPECT_TRUE(matchesPattern("muscles.biceps.spindle_radius_m", "muscles.biceps.spindle_radius_m"));
   EXPECT_TRUE(matchesPattern("muscles.*.spindle_radius_m", "muscles.biceps.spindle_radius_m"));
   EXPECT_TRUE(matchesPattern("muscles.*.attachments", "muscles.biceps.attachments.0.point_m.x"));
   EXPECT_TRUE(matchesPattern("*.*.*.*.*.x", "muscles.biceps.attachments.0.point_m.x"));
   EXPECT_FALSE(matchesPattern("muscles.*.spindle", "muscles.biceps.spindle_radius_m"));
-  EXPECT_FALSE(matchesPattern("muscles.bi*.spindle_radius_m", "muscles.biceps.spindle_radius_m"));
+  EXPECT_TRUE(matchesPattern("muscles.bi*.spindle_radius_m", "muscles.biceps.spindle_radius_m"));
+  EXPECT_TRUE(matchesPattern("muscles.b*ps", "muscles.biceps.spindle_radius_m"));
+  EXPECT_FALSE(matchesPattern("muscles.b*t", "muscles.biceps.spindle_radius_m"));
   EXPECT_FALSE(matchesPattern("muscles.*", "joints.elbow"));
-  EXPECT_FALSE(matchesPattern("*.spindle_radius_m", "muscles.biceps.spindle_radius_m"));
+  EXPECT_TRUE(matchesPattern("*.spindle_radius_m", "muscles.biceps.spindle_radius_m"));
+  EXPECT_TRUE(matchesPattern("*.stiffness_N_m", "muscles.biceps.shock_cord.stiffness_N_m"));
+  EXPECT_FALSE(matchesPattern("*.stiffness_N", "muscles.biceps.shock_cord.stiffness_N_m"));
   EXPECT_FALSE(matchesPattern("muscles.biceps.spindle_radius_m.x", "muscles.biceps.spindle_radius_m"));
   EXPECT_FALSE(matchesPattern("muscles..spindle_radius_m", "muscles.biceps.spindle_radius_m"));
 }

@@ -165,7 +165,7 @@ void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model);
 std::vector<int> jointsCrossed(const ArmModel& model, const Muscle& muscle);
 
 /// What the capture sees of a simulated position when markers are turned against their bones: R_parent^-1 q R_child; of
-/// a revolute joint the part of that about its axis.
+/// a revolute joint the part of that about its axis. The turns are vectors in the joint's frames on both bodies.
 JointPosition markedPosition(const Joint& joint, const JointPosition& position, const Eigen::Vector3d& parent_turn,
                              const Eigen::Vector3d& child_turn);
 

@@ -1,5 +1,5 @@
 /// \file
-/// Arm models as files: `format: simgap/arm/1`.
+/// Arm models as files: `format: simgap/arm/1` and `simgap/arm/2`.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ namespace simgap {
 /// \throws ConfigError with file, line and path.
 ArmModel readArm(const YamlNode& root);
 
-/// The file that reads back as exactly the same model.
+/// The file that reads back as exactly the same model; of the first format where that can hold it.
 std::string writeArm(const ArmModel& model);
 
 }  // namespace simgap

@@ -17,7 +17,7 @@ namespace simgap {
 
 /// Where a number stands in the model, as in its file with names for indices; joined only when somebody reads it.
 struct ParameterPath {
-  std::string_view group;   ///< "muscles", "joints", "bodies", "extensions" or "gravity_m_s2"
+  std::string_view group;   ///< "muscles", "tendons", "joints", "bodies", "extensions" or "gravity_m_s2"
   std::string_view item;    ///< name of the muscle, joint or body; of an extension "effect:target"
   std::string_view member;  ///< "shock_cord.stiffness_N_m"
   int component = -1;       ///< 0, 1, 2 for x, y, z of a vector
@@ -34,7 +34,8 @@ struct ParameterKind {
 using ParameterVisitor = std::function<void(const ParameterPath& path, const ParameterKind& kind, double& value)>;
 void visitParameters(ArmModel& model, const ParameterVisitor& visit);
 
-/// True when the pattern's dot-separated parts match the first parts of the path; `*` stands for one whole part.
+/// True when the pattern's dot-separated parts match the first parts of the path; `*` stands for any
+/// text within a part (`muscles.l_*.spindle_radius_m`), alone for one part or several (`*.spindle_radius_m`).
 bool matchesPattern(std::string_view pattern, std::string_view path);
 
 /// One parameter that is searched. Its name is its path, its bounds the configuration's, or what the model file may

@@ -71,6 +71,8 @@ bool path(const EffectParameters& p, const Eigen::Vector3d& from, const Eigen::V
 }
 
 std::string expected(const EffectParameters& p, const ArmModel& model, int target) {
+  if (!model.muscles[target].straight()) return "a muscle of two points: surfaces of others stand in its attachments";
+  if (std::ranges::any_of(model.joints, &Joint::slides)) return "an arm without prismatic joints";
   const std::size_t crossed = jointsCrossed(model, model.muscles[target]).size();
   if (p[1] == std::floor(p[1]) && p[1] <= static_cast<double>(crossed)) return "";
   return "joint to be a whole number of the " + std::to_string(crossed) + " the muscle crosses";

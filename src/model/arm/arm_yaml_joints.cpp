@@ -1,0 +1,295 @@
+// Joints of an arm file, and the tree that they make.
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "arm_yaml_parts.h"
+#include "simgap/core/joint_kind.h"
+
+namespace simgap::arm_yaml {
+namespace {
+
+/// A joint of the file: one that moves, or a weld.
+struct Entry {
+  Joint joint;
+  bool fixed = false;
+  std::string leader;  ///< empty: none
+  YamlNode node;
+};
+
+int bodyIndex(const YamlNode& node, const std::vector<Body>& bodies) {
+  const std::string name = node.text();
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i].name == name) return static_cast<int>(i);
+  }
+  node.fail(fmt::format("found '{}', expected the name of a body", name));
+}
+
+void readLimits(const YamlNode& node, Joint& joint) {
+  const std::string unit(jointUnit(joint, "rad"));
+  joint.axis = readAxis(node.at("axis"));
+  joint.lower_limit = node.findQuantity("lower_limit", unit).value_or(-Joint::kUnlimited);
+  joint.upper_limit = node.findQuantity("upper_limit", unit).value_or(Joint::kUnlimited);
+  if (joint.lower_limit > joint.upper_limit) {
+    node.fail(
+        fmt::format("lower_limit_{} {} is above upper_limit_{} {}", unit, joint.lower_limit, unit, joint.upper_limit));
+  }
+}
+
+/// What `simgap/arm/2` adds to a joint that moves.
+void readSpringAndLeader(Entry& entry) {
+  Joint& joint = entry.joint;
+  if (const auto spring = entry.node.find("spring")) {
+    joint.spring_stiffness = spring->quantity("stiffness", jointUnit(joint, "Nm_rad"), kPositive);
+    if (joint.hasAxis()) joint.spring_rest = spring->findQuantity("rest", jointUnit(joint, "rad")).value_or(0.0);
+  }
+  if (const auto follows = entry.node.find("follows")) {
+    if (!joint.hasAxis()) follows->fail("a spherical joint follows no other: expected a revolute or prismatic one");
+    entry.leader = follows->at("joint").text();
+    joint.coupling_ratio = follows->at("ratio").number();
+    joint.coupling_offset = follows->findQuantity("offset", jointUnit(joint, "rad")).value_or(0.0);
+    if (joint.coupling_ratio == 0.0) follows->at("ratio").fail("found 0, expected another number: 0 holds the joint");
+  }
+}
+
+Entry readJoint(const YamlNode& node, const std::vector<Body>& bodies, std::set<std::string>& names,
+                bool second_version) {
+  Entry entry{{}, false, "", node};
+  Joint& joint = entry.joint;
+  joint.name = readName(node, names);
+  if (second_version && node.at("type").isScalar() && node.at("type").text() == "fixed") {
+    entry.fixed = true;
+  } else {
+    joint.type = readJointType(node.at("type"));
+    if (!second_version && joint.slides()) node.at("type").fail("a prismatic joint needs 'format: simgap/arm/2'");
+  }
+  joint.parent = bodyIndex(node.at("parent"), bodies);
+  joint.child = bodyIndex(node.at("child"), bodies);
+  joint.parent_position = node.vectorQuantity("parent_position", "m");
+  joint.child_position = node.vectorQuantity("child_position", "m");
+  if (second_version) {
+    joint.parent_orientation = readOrientation(node, "parent_");
+    joint.child_orientation = readOrientation(node, "child_");
+  }
+  if (entry.fixed) return entry;
+  if (joint.hasAxis()) readLimits(node, joint);
+  joint.coulomb_friction = node.findQuantity("coulomb_friction", jointUnit(joint, "Nm"), kNonNegative).value_or(0.0);
+  joint.viscous_friction = node.findQuantity("viscous_friction", jointUnit(joint, "Nms"), kNonNegative).value_or(0.0);
+  if (second_version) readSpringAndLeader(entry);
+  return entry;
+}
+
+/// Orders the joints from the fixed bodies outwards and refuses anything that is not a forest rooted in fixed bodies.
+std::vector<Entry> sortedTree(const std::vector<Entry>& entries, const std::vector<Body>& bodies,
+                              const YamlNode& joints) {
+  std::vector<Entry> sorted;
+  std::vector<bool> reached(bodies.size());
+  std::vector<int> parents(bodies.size(), 0);
+  for (std::size_t i = 0; i < bodies.size(); ++i) reached[i] = bodies[i].fixed;
+  for (const auto& [joint, fixed, leader, node] : entries) {
+    if (bodies[joint.child].fixed) {
+      joints.fail(fmt::format("joint '{}' moves the fixed body '{}'", joint.name, bodies[joint.child].name));
+    }
+    if (++parents[joint.child] > 1) {
+      joints.fail(fmt::format("body '{}' is the child of two joints, expected one: closed loops are not modelled",
+                              bodies[joint.child].name));
+    }
+  }
+  std::vector<Entry> waiting = entries;
+  for (bool progress = true; progress && !waiting.empty();) {
+    progress = false;
+    std::vector<Entry> still;
+    for (Entry& entry : waiting) {
+      if (!reached[entry.joint.parent]) {
+        still.push_back(std::move(entry));
+        continue;
+      }
+      reached[entry.joint.child] = true;
+      sorted.push_back(std::move(entry));
+      progress = true;
+    }
+    waiting = std::move(still);
+  }
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!reached[i]) {
+      joints.fail(fmt::format(
+          "body '{}' is not connected to a fixed body by joints: a base that floats is not modelled", bodies[i].name));
+    }
+  }
+  return sorted;
+}
+
+/// Everything of a body becomes part of another, where it stands still.
+void weld(const Body& body, const Place& place, Body& onto) {
+  const auto freeName = [&](const std::string& wanted, const auto& items) {
+    const auto taken = [&](const std::string& name) {
+      return std::any_of(items.begin(), items.end(), [&](const auto& item) { return item.name == name; });
+    };
+    std::string name = wanted;
+    while (taken(name)) name = body.name + "_" + name;
+    return name;
+  };
+  const Eigen::Quaterniond turn(place.pose.linear());
+  for (Part part : body.parts) {
+    part.name = freeName(part.name, onto.parts);
+    part.position = place.pose * part.position;
+    part.axis = turn * part.axis;
+    part.orientation = turn * part.orientation;
+    part.inertia = place.pose.linear() * part.inertia * place.pose.linear().transpose();
+    onto.parts.push_back(part);
+  }
+  for (Surface surface : body.surfaces) {
+    surface.name = freeName(surface.name, onto.surfaces);
+    surface.position = place.pose * surface.position;
+    surface.axis = turn * surface.axis;
+    onto.surfaces.push_back(surface);
+  }
+}
+
+Places placesOf(const std::vector<Body>& bodies) {
+  Places places;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Place& place = places[bodies[b].name];
+    place.body = static_cast<int>(b);
+    for (const Surface& surface : bodies[b].surfaces) place.surfaces.push_back(surface.name);
+  }
+  return places;
+}
+
+/// Welds the children of fixed joints to their parents, and numbers bodies anew. `entries` in the order of the tree.
+void weldFixed(std::vector<Entry>& entries, std::vector<Body>& bodies, Places& places) {
+  std::vector<bool> gone(bodies.size());
+  const std::vector<Body> before = bodies;
+  for (auto& [joint, fixed, leader, node] : entries) {
+    const Place& parent = places.at(before[joint.parent].name);
+    joint.parent_position = parent.pose * joint.parent_position;
+    joint.parent_orientation = Eigen::Quaterniond(parent.pose.linear()) * joint.parent_orientation;
+    joint.parent = parent.body;
+    if (!fixed) continue;
+    Place& child = places.at(before[joint.child].name);
+    const Eigen::Quaterniond turn = joint.parent_orientation * joint.child_orientation.conjugate();
+    child.pose = Eigen::Translation3d(joint.parent_position) * turn * Eigen::Translation3d(-joint.child_position);
+    child.body = joint.parent;
+    child.first_surface = static_cast<int>(bodies[joint.parent].surfaces.size());
+    weld(before[joint.child], child, bodies[joint.parent]);
+    gone[joint.child] = true;
+  }
+  std::erase_if(entries, [](const Entry& entry) { return entry.fixed; });
+  std::vector<int> number(bodies.size(), 0);
+  std::vector<Body> left;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    number[b] = static_cast<int>(left.size());
+    if (!gone[b]) left.push_back(bodies[b]);
+  }
+  bodies = std::move(left);
+  for (auto& [name, place] : places) place.body = number[place.body];
+  for (Entry& entry : entries) {
+    entry.joint.parent = number[entry.joint.parent];
+    entry.joint.child = number[entry.joint.child];
+  }
+}
+
+/// Finds the leaders by name; limits of a joint that follows become limits of its leader.
+void couple(const std::vector<Entry>& entries, std::vector<Joint>& joints) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const std::string& name = entries[j].leader;
+    if (name.empty()) continue;
+    const YamlNode node = entries[j].node.at("follows");
+    const auto found =
+        std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == name; });
+    if (found == joints.end()) node.at("joint").fail(fmt::format("found '{}', expected the name of a joint", name));
+    if (!found->hasAxis())
+      node.at("joint").fail(fmt::format("'{}' is spherical, expected a joint with one axis", name));
+    const auto leader = static_cast<std::size_t>(found - joints.begin());
+    if (leader == j || !entries[leader].leader.empty()) {
+      node.at("joint").fail(fmt::format("'{}' follows another joint itself, expected one that moves freely", name));
+    }
+    Joint& joint = joints[j];
+    joint.leader = static_cast<int>(leader);
+    for (const double limit : {joint.lower_limit, joint.upper_limit}) {
+      if (std::abs(limit) >= Joint::kUnlimited) continue;
+      const double of_leader = (limit - joint.coupling_offset) / joint.coupling_ratio;
+      const bool lower = (limit == joint.lower_limit) == (joint.coupling_ratio > 0.0);
+      if (lower) found->lower_limit = std::max(found->lower_limit, of_leader);
+      if (!lower) found->upper_limit = std::min(found->upper_limit, of_leader);
+    }
+    if (found->lower_limit > found->upper_limit) {
+      node.fail(fmt::format("the limits of '{}' and of '{}', which it follows, leave no position", joint.name, name));
+    }
+  }
+}
+
+}  // namespace
+
+std::string readName(const YamlNode& node, std::set<std::string>& taken) {
+  const YamlNode at = node.at("name");
+  std::string name = at.text();
+  if (name.empty() || name.find_first_of(".*,") != std::string::npos) {
+    at.fail(fmt::format("found '{}', expected a name without '.', '*' or ','", name));
+  }
+  if (!taken.insert(name).second) at.fail(fmt::format("the name '{}' is taken", name));
+  return name;
+}
+
+Eigen::Vector3d readAxis(const YamlNode& node) {
+  const Eigen::Vector3d axis = node.vector3();
+  if (axis.norm() < 1e-9) node.fail("found a zero vector, expected an axis");
+  // What is of unit length but for rounding stays as it is: a written model reads back bit by bit.
+  return std::abs(axis.norm() - 1.0) < 1e-12 ? axis : axis.normalized();
+}
+
+Eigen::Quaterniond readOrientation(const YamlNode& node, const std::string& stem) {
+  const auto given = node.find(stem + "orientation");
+  if (node.hasQuantity(stem + "rpy", "rad")) {
+    if (given) given->fail(fmt::format("found {0}rpy beside {0}orientation, expected one of them", stem));
+    const Eigen::Vector3d rpy = node.vectorQuantity(stem + "rpy", "rad");
+    return Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+           Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX());
+  }
+  if (!given) return Eigen::Quaterniond::Identity();
+  const std::vector<YamlNode> cells = given->items();
+  if (cells.size() != 4) given->fail(fmt::format("found {} numbers, expected a quaternion [w, x, y, z]", cells.size()));
+  const Eigen::Quaterniond q(cells[0].number(), cells[1].number(), cells[2].number(), cells[3].number());
+  if (std::abs(q.norm() - 1.0) > 1e-3) {
+    given->fail(fmt::format("found a quaternion of length {:.6g}, expected 1 within 0.001", q.norm()));
+  }
+  return std::abs(q.norm() - 1.0) < 1e-12 ? q : q.normalized();
+}
+
+std::string_view jointUnit(const Joint& joint, std::string_view unit) {
+  if (!joint.slides()) return unit;
+  if (unit == "rad") return "m";
+  if (unit == "Nm") return "N";
+  if (unit == "Nms") return "Ns_m";
+  return "N_m";  // Nm_rad
+}
+
+Places readBodiesAndJoints(const YamlNode& root, ArmModel& model, bool second_version) {
+  std::set<std::string> names;
+  const std::vector<YamlNode> body_nodes = root.at("bodies").items();
+  for (const YamlNode& body : body_nodes) model.bodies.push_back(readBodyEntry(body, names, second_version));
+  const YamlNode joints = root.at("joints");
+  std::set<std::string> joint_names;
+  std::vector<Entry> entries;
+  for (const YamlNode& joint : joints.items()) {
+    entries.push_back(readJoint(joint, model.bodies, joint_names, second_version));
+  }
+  if (entries.empty()) joints.fail("found no joint, expected at least one");
+  entries = sortedTree(entries, model.bodies, joints);
+  Places places = placesOf(model.bodies);
+  if (std::any_of(entries.begin(), entries.end(), [](const Entry& entry) { return entry.fixed; })) {
+    weldFixed(entries, model.bodies, places);
+  }
+  if (entries.empty()) joints.fail("found fixed joints only, expected one that moves");
+  for (const Entry& entry : entries) model.joints.push_back(entry.joint);
+  couple(entries, model.joints);
+  for (const YamlNode& node : body_nodes) {
+    const Body& body = model.bodies[places.at(node.at("name").text()).body];
+    if (!body.fixed && body.parts.empty()) node.fail("a body that moves needs 'parts' (mass > 0)");
+  }
+  return places;
+}
+
+}  // namespace simgap::arm_yaml

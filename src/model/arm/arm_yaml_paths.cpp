@@ -1,0 +1,192 @@
+// Ways of lines in an arm file, and the lines without a motor.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "arm_yaml_parts.h"
+
+namespace simgap::arm_yaml {
+namespace {
+
+using Kind = Station::Kind;
+
+const Place& readPlace(const YamlNode& node, const Places& places) {
+  const auto found = places.find(node.text());
+  if (found == places.end()) node.fail(fmt::format("found '{}', expected the name of a body", node.text()));
+  return found->second;
+}
+
+Attachment readPoint(const YamlNode& node, const Places& places) {
+  const Place& place = readPlace(node.at("body"), places);
+  const Eigen::Vector3d point = node.vectorQuantity("point", "m");
+  return {place.body, place.pose.isApprox(Eigen::Isometry3d::Identity(), 0.0) ? point : place.pose * point};
+}
+
+double distanceFromMiddle(const Surface& surface, const Eigen::Vector3d& point) {
+  Eigen::Vector3d way = point - surface.position;
+  if (surface.shape == Surface::Shape::kCylinder) way -= surface.axis * surface.axis.dot(way);
+  return way.norm();
+}
+
+Station readSurfaceStation(const YamlNode& node, const ArmModel& model, const Places& places) {
+  Station station;
+  station.kind = Kind::kSurface;
+  const Place& place = readPlace(node.at("body"), places);
+  const std::string name = node.at("over").text();
+  const auto found = std::ranges::find(place.surfaces, name);
+  if (found == place.surfaces.end()) {
+    node.at("over").fail(fmt::format("found '{}', expected the name of a surface of the body, one of [{}]", name,
+                                     fmt::join(place.surfaces, ", ")));
+  }
+  station.at.body = place.body;
+  station.surface = place.first_surface + static_cast<int>(found - place.surfaces.begin());
+  station.sided = node.hasQuantity("side", "m");
+  if (!station.sided) return station;
+  station.at.point = place.pose * node.vectorQuantity("side", "m");
+  const Surface& surface = model.bodies[place.body].surfaces[station.surface];
+  const double distance = distanceFromMiddle(surface, station.at.point);
+  if (distance <= surface.radius) {
+    node.fail(
+        fmt::format("side_m: found a point {:.4g} m from the middle of '{}', inside its radius {:.4g} m; expected "
+                    "one outside: lines that run inside of a surface are not modelled",
+                    distance, name, surface.radius));
+  }
+  return station;
+}
+
+Station readStation(const YamlNode& node, const ArmModel& model, const Places& places) {
+  Station station;
+  if (node.isMap() && node.has("over")) return readSurfaceStation(node, model, places);
+  if (node.isMap() && node.has("pulley")) {
+    station.kind = Kind::kPulley;
+    station.divisor = node.at("pulley").number(kPositive);
+    return station;
+  }
+  if (node.isMap() && node.has("joint")) {
+    station.kind = Kind::kJoint;
+    const std::string name = node.at("joint").text();
+    const auto found = std::ranges::find(model.joints, name, &Joint::name);
+    if (found == model.joints.end())
+      node.at("joint").fail(fmt::format("found '{}', expected the name of a joint", name));
+    if (!found->hasAxis())
+      node.at("joint").fail(fmt::format("'{}' is spherical, expected a joint with one axis", name));
+    station.joint = static_cast<int>(found - model.joints.begin());
+    station.radius = found->slides() ? node.at("ratio").number() : node.quantity("radius", "m");
+    if (station.radius == 0.0) node.fail("found a wheel of radius 0, expected another number");
+    return station;
+  }
+  station.at = readPoint(node, places);
+  return station;
+}
+
+/// Points stand at both ends of every branch and on both sides of every surface; wheels may stand anywhere.
+void checkOrder(const std::vector<Station>& stations, const std::vector<YamlNode>& nodes) {
+  const Station* before = nullptr;
+  const auto describe = [](const Station* station) {
+    return station == nullptr ? "the end" : station->kind == Kind::kSurface ? "a surface" : "a pulley";
+  };
+  for (std::size_t k = 0; k <= stations.size(); ++k) {
+    const Station* now = k < stations.size() ? &stations[k] : nullptr;
+    if (now && now->kind == Kind::kJoint) continue;
+    const bool point = now && now->kind == Kind::kPoint;
+    const bool point_before = before && before->kind == Kind::kPoint;
+    if (!point && !point_before) {
+      nodes[std::min(k, stations.size() - 1)].fail(
+          fmt::format("found {} next to {}, expected a point {{body, point_m}} between them", describe(now),
+                      before ? describe(before) : "the beginning"));
+    }
+    before = now;
+  }
+}
+
+/// What no pose of the arm can mend: points inside of the surface next to them, two points in one place.
+void checkPoints(const std::vector<Station>& stations, const std::vector<YamlNode>& nodes, const ArmModel& model) {
+  for (std::size_t k = 0; k + 1 < stations.size(); ++k) {
+    const Station &now = stations[k], &next = stations[k + 1];
+    if (now.kind == Kind::kPoint && next.kind == Kind::kPoint && now.at == next.at) {
+      nodes[k + 1].fail("found the same point as the one before it, expected another: a line needs a length");
+    }
+    const bool leaves = now.kind == Kind::kSurface;
+    if (!leaves && next.kind != Kind::kSurface) continue;
+    const Station &over = leaves ? now : next, &point = leaves ? next : now;
+    const Surface& surface = model.bodies[over.at.body].surfaces[over.surface];
+    if (point.kind != Kind::kPoint || point.at.body != over.at.body) continue;
+    const double distance = distanceFromMiddle(surface, point.at.point);
+    if (distance > surface.radius) continue;
+    nodes[leaves ? k + 1 : k].fail(
+        fmt::format("found a point {:.4g} m from the middle of '{}', inside its radius {:.4g} m, "
+                    "expected one outside",
+                    distance, surface.name, surface.radius));
+  }
+}
+
+TendonPath readLongPath(const YamlNode& list, const std::vector<YamlNode>& nodes, const ArmModel& model,
+                        const Places& places) {
+  std::vector<Station> stations;
+  for (const YamlNode& node : nodes) stations.push_back(readStation(node, model, places));
+  TendonPath path;
+  if (std::ranges::all_of(stations, [](const Station& s) { return s.kind == Kind::kJoint; })) {
+    if (stations.empty()) list.fail("found no attachment, expected at least two points, or joints");
+    const auto base = std::ranges::find(model.bodies, true, &Body::fixed);
+    path.attachments = {Attachment{static_cast<int>(base - model.bodies.begin())}, path.attachments[0]};
+    path.attachments[1] = path.attachments[0];
+    path.between = stations;
+    return path;
+  }
+  if (stations.front().kind != Kind::kPoint || stations.back().kind != Kind::kPoint || stations.size() < 2) {
+    list.fail(
+        fmt::format("found {} attachments, expected at least 2, the first and the last one a point {{body, "
+                    "point_m}}",
+                    stations.size()));
+  }
+  checkOrder(stations, nodes);
+  checkPoints(stations, nodes, model);
+  path.attachments = {stations.front().at, stations.back().at};
+  path.between.assign(stations.begin() + 1, stations.end() - 1);
+  const int body = stations.front().at.body;
+  if (std::ranges::all_of(stations, [&](const Station& s) {
+        return s.kind == Kind::kPulley || (s.kind != Kind::kJoint && s.at.body == body);
+      })) {
+    list.fail("all of the line is on one body, expected at least two bodies");
+  }
+  return path;
+}
+
+}  // namespace
+
+TendonPath readPath(const YamlNode& list, const ArmModel& model, const Places& places, bool second_version) {
+  const std::vector<YamlNode> nodes = list.items();
+  const bool plain = std::ranges::all_of(nodes, [](const YamlNode& node) {
+    return !node.isMap() || !(node.has("over") || node.has("pulley") || node.has("joint"));
+  });
+  if (second_version && !(plain && nodes.size() == 2)) return readLongPath(list, nodes, model, places);
+  if (nodes.size() != 2) {
+    list.fail(fmt::format("found {} attachments, expected 2{}", nodes.size(),
+                          nodes.size() > 2 ? " ('format: simgap/arm/2' takes any number)" : ""));
+  }
+  TendonPath path;
+  for (std::size_t i = 0; i < 2; ++i) path.attachments[i] = readPoint(nodes[i], places);
+  if (path.attachments[0].body == path.attachments[1].body) {
+    list.fail("both ends are on the same body, expected two bodies");
+  }
+  return path;
+}
+
+PassiveTendon readTendon(const YamlNode& node, const ArmModel& model, const Places& places,
+                         std::set<std::string>& names) {
+  PassiveTendon tendon;
+  tendon.name = readName(node, names);
+  std::vector<std::string> known;
+  for (const TendonKind* kind : tendon_kinds::all()) known.emplace_back(kind->name);
+  const std::string name = node.at("kind").oneOf(known);
+  tendon.kind = *std::ranges::find(tendon_kinds::all(), name, &TendonKind::name);
+  static_cast<TendonPath&>(tendon) = readPath(node.at("attachments"), model, places, true);
+  for (std::size_t i = 0; i < tendon.kind->parameters.size(); ++i) {
+    const TendonParameter& parameter = tendon.kind->parameters[i];
+    tendon.p[i] = node.quantity(parameter.name, parameter.unit, parameter.range);
+  }
+  return tendon;
+}
+
+}  // namespace simgap::arm_yaml

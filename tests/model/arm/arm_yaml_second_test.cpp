@@ -1,0 +1,120 @@
+// simgap/arm/2: what it reads back, what is welded, and what it refuses.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "simgap/model/arm/arm_yaml.h"
+#include "simgap/model/arm/kinematics.h"
+#include "simgap/model/arm/tendon_path.h"
+#include "support/arms.h"
+#include "support/files.h"
+#include "support/many_kinds.h"
+
+namespace simgap {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+ArmModel read(const std::string& text) { return readArm(YamlNode::parse(text, "a.yaml")); }
+
+TEST(SecondArmFormat, ReadsBackWhatItWrites) {
+  const ArmModel model = read(test::kManyKinds);
+  const std::string text = writeArm(model);
+  EXPECT_THAT(text, StartsWith("format: simgap/arm/2\n"));
+  const ArmModel again = read(text);
+  EXPECT_EQ(again.bodies, model.bodies);
+  EXPECT_EQ(again.joints, model.joints);
+  EXPECT_EQ(writeArm(again), text);
+  const std::vector<JointPosition> start = startPosition(model);
+  const std::vector<BodyInWorld> bodies = bodiesInWorld(model, start);
+  for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+    EXPECT_EQ(tendonLength(again, again.muscles[m], bodiesInWorld(again, start), start),
+              tendonLength(model, model.muscles[m], bodies, start));
+  }
+}
+
+TEST(SecondArmFormat, AnArmThatNeedsNothingOfItIsWrittenAsTheFirst) {
+  const ArmModel model = test::exampleArm();
+  EXPECT_THAT(writeArm(model), StartsWith("format: simgap/arm/1\n"));
+  const std::string second = test::replaced(writeArm(model), "simgap/arm/1", "simgap/arm/2");
+  EXPECT_EQ(writeArm(read(second)), writeArm(model));
+}
+
+TEST(SecondArmFormat, FixedJointsAreWelded) {
+  const ArmModel model = read(test::kManyKinds);
+  ASSERT_EQ(model.bodies.size(), 5u);
+  ASSERT_EQ(model.joints.size(), 4u);
+  const Body& tip = model.bodies[4];
+  ASSERT_EQ(tip.parts.size(), 2u);
+  EXPECT_EQ(tip.parts[1].name, "drop");
+  EXPECT_LT((tip.parts[1].position - Eigen::Vector3d(0.0, 0.002, -0.05)).norm(), 1e-15);
+  // The spring's last point: 0.01 up in the nail's frame, which is turned by 0.5 rad about x.
+  const Attachment& end = model.tendons[1].attachments[1];
+  EXPECT_EQ(end.body, 4);
+  EXPECT_LT((end.point - Eigen::Vector3d(0.0, 0.002 - 0.01 * std::sin(0.5), -0.05 + 0.01 * std::cos(0.5))).norm(),
+            1e-15);
+}
+
+TEST(SecondArmFormat, CapsulesAndEllipsoidsWeighWhatTheBooksSay) {
+  Body body;
+  Part part;
+  part.shape = Part::Shape::kCapsule, part.mass = 2.0, part.radius = 0.03, part.length = 1e-12;
+  body.parts = {part};
+  EXPECT_LT((massProperties(body).inertia - 0.4 * 2.0 * 9e-4 * Eigen::Matrix3d::Identity()).norm(), 1e-12);  // a ball
+  part.length = 1e4, part.mass = 1e4;  // a thin rod
+  body.parts = {part};
+  EXPECT_NEAR(massProperties(body).inertia(0, 0), 1e4 * 1e8 / 12.0, 1e-4 * 1e12 / 12.0);
+  part.shape = Part::Shape::kEllipsoid, part.size = {0.1, 0.2, 0.3}, part.mass = 1.0;
+  part.orientation = Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitZ());  // x along y
+  body.parts = {part};
+  const Eigen::Vector3d moments = 0.2 * Eigen::Vector3d(0.01 + 0.09, 0.04 + 0.09, 0.01 + 0.04);
+  EXPECT_LT((massProperties(body).inertia.diagonal() - moments).norm(), 1e-12);
+}
+
+TEST(SecondArmFormat, LimitsOfFollowersAreLimitsOfTheirLeaders) {
+  const std::string limited =
+      test::replaced(test::kManyKinds, "axis: [1, 0, 0], follows", "axis: [1, 0, 0], upper_limit_rad: 0.7, follows");
+  EXPECT_NEAR(read(limited).joints[2].upper_limit, 1.0, 1e-12);
+}
+
+struct Refused {
+  const char* what;
+  const char* with;
+  const char* sentence;
+};
+
+class RefusedSecondArm : public testing::TestWithParam<Refused> {};
+
+TEST_P(RefusedSecondArm, InOneSentence) {
+  const auto [what, with, sentence] = GetParam();
+  const std::string text = test::replaced(test::kManyKinds, what, with);
+  ASSERT_NE(text, test::kManyKinds);
+  EXPECT_THAT(test::errorOf([&] { read(text); }), AllOf(StartsWith("2: a.yaml:"), HasSubstr(sentence)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, RefusedSecondArm,
+    testing::Values(
+        Refused{"simgap/arm/2", "simgap/arm/1", "found 'capsule', expected one of"},
+        Refused{"{over: ball, body: base}", "{over: bell, body: base}", "found 'bell', expected the name of a surface"},
+        Refused{"{over: ball, body: base}", "{over: ball, body: moon}", "found 'moon', expected the name of a body"},
+        Refused{"      - {body: upper, point_m: [-0.01, 0.03, -0.05]}\n", "      - {pulley: 2}\n",
+                "found a pulley next to a surface, expected a point"},
+        Refused{"{pulley: 2}", "{pulley: 0}", "expected a number > 0"},
+        Refused{"side_m: [0, 0.05, -0.2]", "side_m: [0, 0.005, -0.2]", "inside its radius 0.015 m"},
+        Refused{"point_m: [0, 0.03, -0.16]", "point_m: [0, 0.001, -0.2]", "inside its radius 0.015 m"},
+        Refused{"point_m: [0, 0.03, -0.16]", "point_m: [-0.01, 0.03, -0.05]", "the same point as the one before it"},
+        Refused{"joint: follower, radius", "joint: ball, radius",
+                "'ball' is spherical, expected a joint with one axis"},
+        Refused{"kind: spring", "kind: sprung", "found 'sprung', expected one of constant-force, ligament, spring"},
+        Refused{"follows: {joint: hinge", "follows: {joint: follower", "follows another joint itself"},
+        Refused{"ratio: 0.6", "ratio: 0", "found 0, expected another number"},
+        Refused{"inertia_kg_m2: [2e-5, 2e-5, 1e-5]", "inertia_kg_m2: [9e-5, 2e-5, 1e-5]", "none above the sum"},
+        Refused{"parent_orientation: [0.96, 0.28, 0, 0]", "parent_orientation: [0.96, 0.5, 0, 0]", "length 1.08"},
+        Refused{"lower_limit_m: -0.2", "lower_limit_rad: -0.2", "lower_limit_rad: unit 'rad' is of another kind"},
+        Refused{"parent: tip, child: nail", "parent: tip, child: lower", "closed loops are not modelled"},
+        Refused{"type: prismatic, parent: base", "type: prismatic, parent: tip",
+                "a base that floats is not modelled"}));
+
+}  // namespace
+}  // namespace simgap
