@@ -14,8 +14,6 @@
 namespace simgap {
 namespace {
 
-using Kind = MjcfPathElement::Kind;
-
 /// Where a body of the file is in the arm: joints make bodies, what is welded belongs to its parent.
 struct Home {
   int body = 0;
@@ -126,8 +124,8 @@ class MjcfArm {
   std::vector<std::pair<double, std::vector<MjcfPathElement>>> branchesOf(const MjcfTendon& tendon) const {
     std::vector<std::pair<double, std::vector<MjcfPathElement>>> branches;
     for (const MjcfPathElement& element : tendon.path) {
-      if (element.kind == Kind::kPulley || branches.empty()) branches.push_back({element.divisor, {}});
-      if (element.kind != Kind::kPulley) branches.back().second.push_back(element);
+      if (element.kind == MjcfPathElement::Kind::kPulley || branches.empty()) branches.push_back({element.divisor, {}});
+      if (element.kind != MjcfPathElement::Kind::kPulley) branches.back().second.push_back(element);
     }
     const auto full = std::ranges::find(branches, 1.0, [](const auto& branch) { return branch.first; });
     if (full == branches.end()) {
@@ -224,8 +222,9 @@ class MjcfArm {
       }
       for (const MjcfPathElement& element : elements) {
         Station point;
-        if (element.kind == Kind::kSite) point.at = siteOf(element.name);
-        path.between.push_back(element.kind == Kind::kSite ? point : surfaceStation(element, tendon.place));
+        if (element.kind == MjcfPathElement::Kind::kSite) point.at = siteOf(element.name);
+        path.between.push_back(element.kind == MjcfPathElement::Kind::kSite ? point
+                                                                            : surfaceStation(element, tendon.place));
       }
     }
     path.attachments = {path.between.front().at, path.between.back().at};

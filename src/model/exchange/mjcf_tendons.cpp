@@ -41,15 +41,14 @@ MjcfPathElement pathElement(const MjcfNode& node, const MjcfRobot& robot) {
 
 /// Two points at least, a point before and behind every surface, and branches of two points or more.
 void checkPath(const MjcfNode& node, const std::vector<MjcfPathElement>& path) {
-  using Kind = MjcfPathElement::Kind;
   int points = 0;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    const auto is_site = [&](std::size_t k) { return k < path.size() && path[k].kind == Kind::kSite; };
-    if (path[i].kind == Kind::kSurface && !(i > 0 && is_site(i - 1) && is_site(i + 1))) {
+    const auto is_site = [&](std::size_t k) { return k < path.size() && path[k].kind == MjcfPathElement::Kind::kSite; };
+    if (path[i].kind == MjcfPathElement::Kind::kSurface && !(i > 0 && is_site(i - 1) && is_site(i + 1))) {
       node.fail(fmt::format("found the geom '{}' without a site before and behind it", path[i].name));
     }
-    if (path[i].kind == Kind::kSite) ++points;
-    const bool ends = i + 1 == path.size() || path[i + 1].kind == Kind::kPulley;
+    if (path[i].kind == MjcfPathElement::Kind::kSite) ++points;
+    const bool ends = i + 1 == path.size() || path[i + 1].kind == MjcfPathElement::Kind::kPulley;
     if (ends && points < 2) {
       node.fail(fmt::format("found a path of {} sites, expected at least two{}", points,
                             points == 0 ? "" : " in each branch"));
