@@ -26,7 +26,7 @@ using Joints = std::vector<JointPosition>;
 std::vector<Json> askMujoco(const Json& request) {
   const TemporaryFolder folder;
   const ProcessResult result = runProcess(
-      {"node", sourceFile("tests/oracle/mujoco.mjs").string(), folder.put("request.json", request.dump()).string()},
+      {"/usr/bin/env", "node", sourceFile("tests/oracle/mujoco.mjs").string(), folder.put("request.json", request.dump()).string()},
       folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err << result.out;
   std::vector<Json> answers;
@@ -37,7 +37,7 @@ std::vector<Json> askMujoco(const Json& request) {
 
 bool mujocoIsThere() {
   if (!std::filesystem::exists(sourceFile("tests/oracle/node_modules/mujoco-js"))) return false;
-  return runProcess({"node", sourceFile("tests/oracle/mujoco.mjs").string()}, "/").exit_code == 0;
+  return runProcess({"/usr/bin/env", "node", sourceFile("tests/oracle/mujoco.mjs").string()}, "/").exit_code == 0;
 }
 
 #define SIMGAP_NEEDS_MUJOCO() \

@@ -165,7 +165,7 @@ TEST(MjcfReader, NamesWhatItLeavesOutWithItsLine) {
 TEST(MjcfReader, RefusesWithOneSentence) {
   const std::string hinge = std::string("<joint name='h'/>\n") + kBall;
   EXPECT_EQ(refusal("<mujoco>"),
-            "robot.xml:1: found no XML that can be read (XML_ERROR_PARSING), expected a robot in XML");
+            "robot.xml:1: found no XML that can be read (XML_ERROR_MISMATCHED_ELEMENT), expected a robot in XML");
   EXPECT_THAT(refusal(robot("", "<freejoint/>\n")), HasSubstr("robot.xml:4: freejoint: found a floating base"));
   EXPECT_THAT(refusal(robot("", hinge, "<equality><weld body1='b'/></equality>")), HasSubstr("found a closed loop"));
   EXPECT_THAT(refusal(robot("", "<joint range='0 nan'/>\n")),
