@@ -11,13 +11,14 @@ import sys
 
 ROOMS = ["core", "optimize", "capture", "measure", "model", "simulate", "fit", "diagnose", "report", "cli"]
 # Families inside a room that know nothing of each other.
-APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("diagnose/poses", "diagnose/logs"), ("model/arm", "model/friction"),
+APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("diagnose/poses", "diagnose/logs"),
+        ("model/arm", "model/friction"), ("model/exchange", "model/friction"), ("model/exchange", "model/actuator"),
         ("report/poses", "report/actuators"), ("report/capture", "report/actuators"),
         ("report/diagnosis", "report/actuators")]
 # Images become joint angles without a model, and nothing that models or fits sees an image.
 APART += [("capture", room) for room in ("optimize", "measure", "model", "simulate", "fit", "diagnose")]
 # What a room's families share never includes one of them.
-SHARED = {"diagnose": ["poses", "logs"], "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
+SHARED = {"model/arm": ["../exchange"], "diagnose": ["poses", "logs"], "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?:simgap/)?([\w/]+)/\w+\.h[">]')
 
 

@@ -187,6 +187,11 @@ void Session::print(const std::string& text) {
   printResult(printable(wrapped(text), /*keep_lines=*/true));
 }
 
+void Session::printJson(const Json& result) {
+  activity_.reset();
+  printResult(toText(result));
+}
+
 void Session::abandon(const std::string& status) {
   if (!isFirstRank()) return;
   ended_ = true;  // also when it cannot be recorded: the destructor would fail once more

@@ -15,6 +15,7 @@
 #include "simgap/measure/pose_set.h"
 #include "simgap/model/actuator/fitted_model.h"
 #include "simgap/model/arm/arm_yaml.h"
+#include "simgap/model/exchange/exchange.h"
 
 namespace simgap::test {
 namespace {
@@ -70,6 +71,12 @@ void readBoardCorners(std::string bytes) { readCorners(CsvTable::parse(std::move
 void readArmModel(std::string bytes) { readArm(yaml(bytes)); }
 void readFitted(std::string bytes) { readFittedModel(yaml(bytes)); }
 void readBenchOf(std::string bytes) { readBench(yaml(bytes)); }
+/// No file is there to include.
+void readMjcfRobot(std::string bytes) {
+  readMjcf(bytes, "input.xml",
+           [](const std::filesystem::path& file) -> std::string { throw DataError(file.string() + ": is not there"); });
+}
+void readUrdfRobot(std::string bytes) { readUrdf(bytes, "input.urdf"); }
 void readTargetSet(std::string bytes) { readTargets(yaml(bytes)); }
 /// A file of both cameras, or the same camera_info for each.
 void readCamerasOf(std::string bytes) {
@@ -95,7 +102,7 @@ constexpr std::array kReaders = {
     Reader{"log", readLog},           Reader{"corners", readBoardCorners}, Reader{"arm", readArmModel},
     Reader{"fitted", readFitted},     Reader{"bench", readBenchOf},        Reader{"targets", readTargetSet},
     Reader{"rig", readStereoRig},     Reader{"cameras", readCamerasOf},    Reader{"mcap", readRecording},
-    Reader{"rosbag2", readRecording},
+    Reader{"rosbag2", readRecording}, Reader{"mjcf", readMjcfRobot},       Reader{"urdf", readUrdfRobot},
 };
 
 }  // namespace

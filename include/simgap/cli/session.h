@@ -82,6 +82,8 @@ class Session {
   void finish(const Json& result, const std::string& table, const std::string& status = "done");
   /// A text on stdout instead of a result: what a dry run would do.
   void print(const std::string& text);
+  /// A result that stands in no directory.
+  void printJson(const Json& result);
   /// Records how a run ended that has no result.
   void abandon(const std::string& status);
 

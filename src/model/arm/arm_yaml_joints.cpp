@@ -266,6 +266,15 @@ std::string_view jointUnit(const Joint& joint, std::string_view unit) {
   return "N_m";  // Nm_rad
 }
 
+/// Between two joints in one place stands a body without mass; what hangs on it has some.
+static bool carriesMass(const ArmModel& model, const Body& body) {
+  const int index = static_cast<int>(&body - model.bodies.data());
+  return std::any_of(model.joints.begin(), model.joints.end(), [&](const Joint& joint) {
+    const Body& child = model.bodies[joint.child];
+    return joint.parent == index && (!child.parts.empty() || carriesMass(model, child));
+  });
+}
+
 Places readBodiesAndJoints(const YamlNode& root, ArmModel& model, bool second_version) {
   std::set<std::string> names;
   const std::vector<YamlNode> body_nodes = root.at("bodies").items();
@@ -287,7 +296,8 @@ Places readBodiesAndJoints(const YamlNode& root, ArmModel& model, bool second_ve
   couple(entries, model.joints);
   for (const YamlNode& node : body_nodes) {
     const Body& body = model.bodies[places.at(node.at("name").text()).body];
-    if (!body.fixed && body.parts.empty()) node.fail("a body that moves needs 'parts' (mass > 0)");
+    if (body.fixed || !body.parts.empty() || (second_version && carriesMass(model, body))) continue;
+    node.fail("a body that moves needs 'parts' (mass > 0), or a body with parts that hangs on it");
   }
   return places;
 }

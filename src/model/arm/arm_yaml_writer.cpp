@@ -140,7 +140,7 @@ std::string tendon(const PassiveTendon& t, const ArmModel& model) {
 bool needsSecondVersion(const ArmModel& model) {
   const auto newShape = [](const Part& p) { return p.shape > Part::Shape::kBox || hasOrientation(p); };
   return !model.tendons.empty() || std::ranges::any_of(model.bodies, [&](const Body& b) {
-    return !b.surfaces.empty() || std::ranges::any_of(b.parts, newShape);
+    return !b.surfaces.empty() || (b.parts.empty() && !b.fixed) || std::ranges::any_of(b.parts, newShape);
   }) || std::ranges::any_of(model.joints, [&](const Joint& j) {
     return j.slides() || !springAndLeader(j, model).empty();
   }) || !std::ranges::all_of(model.muscles, &Muscle::straight);

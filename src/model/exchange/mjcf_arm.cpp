@@ -1,0 +1,367 @@
+// What an MJCF file says becomes an arm.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "arm_exchange.h"
+#include "mjcf_robot.h"
+#include "simgap/core/error.h"
+#include "simgap/core/text.h"
+#include "simgap/model/arm/kinematics.h"
+#include "simgap/model/arm/tendon_path.h"
+
+namespace simgap {
+namespace {
+
+/// Where a body of the file is in the arm: joints make bodies, what is welded belongs to its parent.
+struct Home {
+  int body = 0;
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  ///< of the file's body in that of the arm
+};
+
+class MjcfArm {
+ public:
+  MjcfArm(MjcfFile& file, const MjcfRobot& robot) : xml_(file.xml()), robot_(robot) {}
+
+  ArmModel build() {
+    arm_.name = robot_.name;
+    arm_.gravity = robot_.gravity;
+    arm_.bodies.push_back({.name = "world", .fixed = true, .parts = {}, .surfaces = {}});
+    for (const MjcfBody& body : robot_.bodies) names_.insert(body.name);
+    for (const MjcfBody& body : robot_.bodies) addBody(body);
+    if (arm_.joints.empty()) throw DataError("found no joint in the robot, expected at least one");
+    for (const MjcfCoupling& coupling : robot_.couplings) couple(coupling);
+    std::set<std::string> taken;
+    for (const MjcfTendon& tendon : robot_.tendons) addTendon(tendon, taken);
+    for (const MjcfActuator& actuator : robot_.actuators) checkActuator(actuator);
+    return std::move(arm_);
+  }
+
+ private:
+  Home homeOf(int body) const { return body < 0 ? Home{} : homes_[body]; }
+
+  void addBody(const MjcfBody& body) {
+    const Home parent = homeOf(body.parent);
+    Home home{parent.body, parent.frame * body.frame};
+    if (body.joints.empty()) {
+      const std::string& carrier = arm_.bodies[parent.body].name;
+      xml_.add(fmt::format("body '{}'", abridged(body.name)), fmt::format("welded: a part of '{}'", abridged(carrier)),
+               false, body.place);
+    }
+    for (std::size_t i = 0; i < body.joints.size(); ++i) {
+      const bool last = i + 1 == body.joints.size();
+      Body link;
+      link.name = last ? body.name : freeName(fmt::format("{}_{}", body.name, i + 1), names_);
+      home = {static_cast<int>(arm_.bodies.size()), Eigen::Isometry3d::Identity()};
+      arm_.bodies.push_back(link);
+      addJoint(body, body.joints[i], i == 0 ? parent : Home{home.body - 1, Eigen::Isometry3d::Identity()},
+               i == 0 ? body.frame : Eigen::Isometry3d::Identity(), home.body);
+    }
+    if (body.joints.size() > 1) {
+      xml_.add(fmt::format("body '{}' of {} joints", abridged(body.name), body.joints.size()),
+               "a body per joint, the last of which has the mass", false, body.place);
+    }
+    homes_.push_back(home);
+    Body& carrier = arm_.bodies[home.body];
+    if (!carrier.fixed && body.mass.mass > 0.0) {
+      carrier.parts.push_back(statedPart(freePartName(carrier, body.name), inFrame(body.mass, home.frame)));
+    }
+  }
+
+  void addJoint(const MjcfBody& body, const MjcfJoint& from, const Home& parent, const Eigen::Isometry3d& frame,
+                int child) {
+    Joint joint;
+    joint.name = from.name;
+    joint.type = from.type == MjcfJoint::Type::kBall    ? JointType::kSpherical
+                 : from.type == MjcfJoint::Type::kSlide ? JointType::kPrismatic
+                                                        : JointType::kRevolute;
+    const Eigen::Isometry3d in_parent = parent.frame * frame;
+    joint.parent = parent.body;
+    joint.child = child;
+    joint.parent_position = in_parent * from.position;
+    joint.parent_orientation = tidyRotation(in_parent.linear());
+    joint.child_position = from.position;
+    if (joint.hasAxis()) joint.axis = from.axis;
+    joint.viscous_friction = from.damping;
+    joint.coulomb_friction = from.friction_loss;
+    joint.spring_stiffness = from.stiffness;
+    joint.spring_rest = from.spring_reference;
+    if (from.range && joint.hasAxis()) {
+      joint.lower_limit = (*from.range)[0];
+      joint.upper_limit = (*from.range)[1];
+    } else if (from.range) {
+      xml_.add("joint range of a ball", "left out: a ball has no limits here", true, body.place);
+    }
+    arm_.joints.push_back(joint);
+  }
+
+  int jointOf(const std::string& name, const std::string& place) const {
+    const auto found = std::ranges::find(arm_.joints, name, &Joint::name);
+    if (found == arm_.joints.end() || !found->hasAxis()) {
+      throw DataError(fmt::format("{}: found '{}', expected the name of a hinge or slide", place, abridged(name)));
+    }
+    return static_cast<int>(found - arm_.joints.begin());
+  }
+
+  void couple(const MjcfCoupling& coupling) {
+    const int one = jointOf(coupling.joint, coupling.place);
+    Joint& joint = arm_.joints[one];
+    if (coupling.of.empty()) {  // held in one place
+      joint.lower_limit = joint.upper_limit = coupling.offset;
+      return;
+    }
+    tieJoints(arm_, one, jointOf(coupling.of, coupling.place), coupling.ratio, coupling.offset, coupling.place);
+  }
+
+  Attachment siteOf(const std::string& name) const {
+    const MjcfSite& site = robot_.sites.at(name);
+    const Home home = homeOf(site.body);
+    return {home.body, home.frame * site.point};
+  }
+
+  /// Branches of a path, each with its divisor, one that counts in full first: the first of ours always does.
+  std::vector<std::pair<double, std::vector<MjcfPathElement>>> branchesOf(const MjcfTendon& tendon) const {
+    std::vector<std::pair<double, std::vector<MjcfPathElement>>> branches;
+    for (const MjcfPathElement& element : tendon.path) {
+      if (element.kind == MjcfPathElement::Kind::kPulley || branches.empty()) branches.push_back({element.divisor, {}});
+      if (element.kind != MjcfPathElement::Kind::kPulley) branches.back().second.push_back(element);
+    }
+    const auto full = std::ranges::find(branches, 1.0, [](const auto& branch) { return branch.first; });
+    if (full == branches.end()) {
+      throw DataError(
+          fmt::format("{}: found a tendon all of whose branches have a divisor, expected one without", tendon.place));
+    }
+    std::rotate(branches.begin(), full, full + 1);
+    return branches;
+  }
+
+  /// Whether a surface stays where it is in the parent's frame, whatever the position of the joint.
+  static bool isUnmoved(const Surface& surface, const Joint& joint) {
+    constexpr double kSame = 1e-9;  // [m], and of unit vectors
+    const bool cylinder = surface.shape == Surface::Shape::kCylinder;
+    const Eigen::Vector3d axis = joint.child_orientation * joint.axis;
+    const Eigen::Vector3d way = surface.position - joint.child_position;
+    const bool along = cylinder && surface.axis.cross(axis).norm() < kSame;
+    if (joint.slides()) return along;
+    if (joint.type == JointType::kSpherical) return !cylinder && way.norm() < kSame;
+    return way.cross(axis).norm() < kSame && (along || !cylinder);
+  }
+
+  /// Carries a surface to the body of its side point where joints between both leave it where it is: a wheel about the
+  /// joint's own axis. \returns whether it got there
+  bool carryTo(int target, Surface& surface, int& body) const {
+    Surface moved = surface;
+    int at = body;
+    while (at != target) {
+      const auto joint = std::ranges::find(arm_.joints, at, &Joint::child);
+      if (joint == arm_.joints.end() || !isUnmoved(moved, *joint)) return false;
+      const Eigen::Isometry3d frame = drawnPose(*joint);
+      moved.position = frame * moved.position;
+      moved.axis = tidyAxis(frame.linear() * moved.axis);
+      at = joint->parent;
+    }
+    surface = moved;
+    body = at;
+    return true;
+  }
+
+  /// The side point in the frame of the surface's body.
+  Eigen::Vector3d sidePoint(const MjcfPathElement& element, const std::string& place, Surface& surface, int& body) {
+    const Attachment side = siteOf(element.side);
+    if (side.body == body || carryTo(side.body, surface, body)) return side.point;
+    xml_.add(fmt::format("sidesite '{}' on another body than '{}'", abridged(element.side), abridged(element.name)),
+             "moves with the surface, from where it is in the drawn pose", true, place);
+    const std::vector<BodyInWorld> drawn = bodiesInWorld(arm_, std::vector<JointPosition>(arm_.joints.size()));
+    const BodyInWorld& carrier = drawn[body];
+    return carrier.rotation.transpose() * (drawn[side.body] * side.point - carrier.origin);
+  }
+
+  Station surfaceStation(const MjcfPathElement& element, const std::string& place) {
+    const MjcfSurface& from = robot_.surfaces.at(element.name);
+    const Home home = homeOf(from.body);
+    const Eigen::Isometry3d frame = home.frame * from.frame;
+    Surface surface;
+    surface.name = element.name;
+    std::ranges::replace_if(
+        surface.name, [](char c) { return c == '.' || c == '*' || c == ','; }, '_');
+    surface.shape = from.cylinder ? Surface::Shape::kCylinder : Surface::Shape::kSphere;
+    surface.radius = from.radius;
+    surface.position = frame.translation();
+    if (from.cylinder) surface.axis = tidyAxis(frame.linear().col(2));
+    Station station;
+    station.kind = Station::Kind::kSurface;
+    station.at.body = home.body;
+    station.sided = !element.side.empty();
+    if (station.sided) station.at.point = sidePoint(element, place, surface, station.at.body);
+    std::vector<Surface>& surfaces = arm_.bodies[station.at.body].surfaces;
+    const auto known = std::ranges::find(surfaces, surface.name, &Surface::name);
+    station.surface = static_cast<int>(known - surfaces.begin());
+    if (known == surfaces.end()) surfaces.push_back(surface);
+    return station;
+  }
+
+  TendonPath pathOf(const MjcfTendon& tendon) {
+    TendonPath path;
+    if (!tendon.joints.empty()) {
+      for (const auto& [name, coefficient] : tendon.joints) {
+        Station wheel;
+        wheel.kind = Station::Kind::kJoint;
+        wheel.joint = jointOf(name, tendon.place);
+        wheel.radius = coefficient;
+        path.between.push_back(wheel);
+      }
+      return path;
+    }
+    for (const auto& [divisor, elements] : branchesOf(tendon)) {
+      if (!path.between.empty()) {
+        Station pulley;
+        pulley.kind = Station::Kind::kPulley;
+        pulley.divisor = divisor;
+        path.between.push_back(pulley);
+      }
+      for (const MjcfPathElement& element : elements) {
+        Station point;
+        if (element.kind == MjcfPathElement::Kind::kSite) point.at = siteOf(element.name);
+        path.between.push_back(element.kind == MjcfPathElement::Kind::kSite ? point
+                                                                            : surfaceStation(element, tendon.place));
+      }
+    }
+    path.attachments = {path.between.front().at, path.between.back().at};
+    path.between.pop_back();
+    path.between.erase(path.between.begin());
+    return path;
+  }
+
+  /// MuJoCo's length of a fixed tendon less ours, whose joints count from the drawn pose [m].
+  double offsetOf(const MjcfTendon& tendon) const {
+    double offset = 0.0;
+    for (const MjcfBody& body : robot_.bodies) {
+      for (const MjcfJoint& joint : body.joints) {
+        for (const auto& [name, coefficient] : tendon.joints) {
+          if (name == joint.name) offset += coefficient * joint.reference;
+        }
+      }
+    }
+    return offset;
+  }
+
+  void addTendon(const MjcfTendon& tendon, std::set<std::string>& taken) {
+    const TendonPath path = pathOf(tendon);
+    const std::vector<JointPosition> drawn(arm_.joints.size());
+    const double length = tendonLength(arm_, path, bodiesInWorld(arm_, drawn), drawn);
+    const double offset = offsetOf(tendon);
+    int pulling = 0;
+    for (const MjcfActuator& actuator : robot_.actuators) {
+      if (actuator.tendon != tendon.name) continue;
+      if (++pulling > 1) {
+        xml_.add(fmt::format("{} '{}'", actuator.tag, abridged(actuator.name)),
+                 "left out: another one pulls the same tendon", true, actuator.place);
+      } else {
+        addMuscle(tendon, path, actuator, length, offset, taken);
+      }
+    }
+    if (tendon.range) {
+      xml_.add("tendon range", "left out: no limit of a line's length", true, tendon.place);
+    }
+    if (tendon.friction_loss > 0.0) {
+      xml_.add("tendon frictionloss", "left out: a line runs without friction", true, tendon.place);
+    }
+    if (tendon.stiffness > 0.0 || pulling == 0) addPassive(tendon, path, length, offset, taken);
+  }
+
+  void addPassive(const MjcfTendon& tendon, const TendonPath& path, double length, double offset,
+                  std::set<std::string>& taken) {
+    PassiveTendon passive;
+    static_cast<TendonPath&>(passive) = path;
+    passive.name = freeName(tendon.name, taken);
+    if (tendon.stiffness == 0.0) {
+      passive.kind = tendonKind("constant-force");
+      xml_.add("tendon that nothing pulls", "a line under 0 N", false, tendon.place);
+      if (tendon.damping > 0.0) {
+        xml_.add("tendon damping", "left out of a line without stiffness (motions only)", true, tendon.place);
+      }
+    } else {
+      const std::array<double, 2> rest =
+          tendon.spring_length ? std::array{(*tendon.spring_length)[0] - offset, (*tendon.spring_length)[1] - offset}
+                               : std::array{length, length};
+      const bool only_pulls = rest[0] < rest[1];
+      if (only_pulls && tendon.spring_length && (*tendon.spring_length)[0] > 0.0) {
+        xml_.add("tendon springlength", "pulls beyond the longer one; that it pushes below the shorter is left out",
+                 true, tendon.place);
+      }
+      passive.kind = tendonKind(only_pulls && rest[1] > 0.0 ? "ligament" : "spring");
+      passive.p = {rest[1], tendon.stiffness, tendon.damping};
+    }
+    arm_.tendons.push_back(passive);
+  }
+
+  void addMuscle(const MjcfTendon& tendon, const TendonPath& path, const MjcfActuator& actuator, double length,
+                 double offset, std::set<std::string>& taken) {
+    Muscle muscle = placeholderMuscle(length);
+    static_cast<TendonPath&>(muscle) = path;
+    muscle.name = freeName(tendon.name, taken);
+    arm_.motor_defaults = muscle.motor;
+    arm_.gearbox_defaults = muscle.gearbox;
+    const double stiffness = -actuator.gear * actuator.gear * actuator.bias[1];
+    if (!actuator.affine || stiffness <= 0.0) {
+      xml_.add(fmt::format("{} (actuator of a tendon)", actuator.tag),
+               "a motorised muscle whose cord, spindle, motor and gearbox are placeholders: enter yours", true,
+               actuator.place);
+    } else {
+      setServo(muscle, actuator, stiffness, offset);
+    }
+    arm_.muscles.push_back(muscle);
+  }
+
+  /// A servo that holds a tendon's length, force = gain u + bias0 + bias1 L: a cord behind a shaft.
+  void setServo(Muscle& muscle, const MjcfActuator& actuator, double stiffness, double offset) {
+    muscle.shock_cord.stiffness = stiffness;
+    muscle.shock_cord.damping = std::max(0.0, -actuator.gear * actuator.gear * actuator.bias[2]);
+    muscle.kite_line_length = actuator.gear * actuator.bias[0] / stiffness - offset - muscle.shock_cord.rest_length;
+    const double shortens = -actuator.gear * actuator.gain / stiffness;  // [m] per unit of control
+    if (shortens > 0.0) {
+      muscle.spindle_radius = shortens;
+      xml_.add(fmt::format("{} (actuator of a tendon)", actuator.tag),
+               "a muscle whose shaft is the control; its motor and gearbox are placeholders", false, actuator.place);
+    } else {
+      xml_.add(fmt::format("{} (actuator of a tendon)", actuator.tag),
+               fmt::format("a muscle whose shaft is {:.6g} of the control; its motor and gearbox are placeholders",
+                           shortens / muscle.spindle_radius),
+               true, actuator.place);
+    }
+    if (!actuator.force_range || (*actuator.force_range)[1] > 0.0) {
+      xml_.add(fmt::format("{} that pushes", actuator.tag), "a line only pulls here", true, actuator.place);
+    } else if ((*actuator.force_range)[0] > -1e6) {
+      xml_.add("actuator forcerange", "left out: no limit of a line's force", true, actuator.place);
+    }
+  }
+
+  void checkActuator(const MjcfActuator& actuator) const {
+    if (actuator.tendon.empty()) {
+      xml_.add(fmt::format("{} (actuator of a joint)", actuator.tag), "left out: only lines pull here", true,
+               actuator.place);
+    } else if (std::ranges::find(robot_.tendons, actuator.tendon, &MjcfTendon::name) == robot_.tendons.end()) {
+      throw DataError(fmt::format("{}: {}: tendon: found '{}', expected the name of a tendon", actuator.place,
+                                  actuator.tag, abridged(actuator.tendon)));
+    }
+  }
+
+  XmlRobot& xml_;
+  const MjcfRobot& robot_;
+  ArmModel arm_;
+  std::vector<Home> homes_;
+  std::set<std::string> names_ = {"world"};
+};
+
+}  // namespace
+
+ImportedArm readMjcf(const std::string& text, const std::filesystem::path& path, const FileReader& read) {
+  MjcfFile file(text, path, read);
+  const MjcfRobot robot = readMjcfRobot(file);
+  ArmModel model = MjcfArm(file, robot).build();
+  std::vector<ExchangeRemark> remarks = file.finish();
+  return {checkedArm(std::move(model), path), std::move(remarks)};
+}
+
+}  // namespace simgap

@@ -1,0 +1,275 @@
+// <worldbody>: bodies, joints, sites, and the mass of geoms.
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "mjcf_robot.h"
+#include "simgap/core/text.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::size_t kMostBodies = 1000;
+constexpr int kDeepest = 500;             ///< bodies and frames within each other, over all includes
+constexpr double kWaterDensity = 1000.0;  ///< [kg/m^3] MuJoCo's default
+
+/// Sizes of a geom as MuJoCo stores them: radius and half lengths.
+struct Geom {
+  std::string type;
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+};
+
+Eigen::Isometry3d alongSegment(const MjcfNode& node, const std::vector<double>& ends, double& half_length) {
+  if (ends.size() != 6) node.fail(fmt::format("fromto: found {} numbers, expected 6", ends.size()));
+  const Eigen::Vector3d from(ends[0], ends[1], ends[2]), to(ends[3], ends[4], ends[5]);
+  half_length = 0.5 * (to - from).norm();
+  if (half_length < 1e-10) node.fail("fromto: found two equal points, expected a segment");
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  frame.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), to - from).toRotationMatrix();
+  frame.translation() = 0.5 * (from + to);
+  return frame;
+}
+
+Geom readGeom(const MjcfNode& node) {
+  Geom geom;
+  geom.type = node.has("type") ? node.text("type") : node.has("mesh") ? "mesh" : "sphere";
+  const std::vector<double> size = node.numbers("size");
+  for (std::size_t i = 0; i < std::min<std::size_t>(size.size(), 3); ++i) {
+    geom.size[i] = size[i];
+  }
+  if (!node.has("fromto")) {
+    geom.frame = node.frame();
+  } else {
+    double half = 0.0;
+    geom.frame = alongSegment(node, node.numbers("fromto"), half);
+    if (geom.type == "box" || geom.type == "ellipsoid") {
+      geom.size = {geom.size.x(), geom.size.x(), half};
+    } else {
+      geom.size[1] = half;
+    }
+  }
+  const std::map<std::string, int> sizes = {
+      {"sphere", 1}, {"capsule", 2}, {"cylinder", 2}, {"ellipsoid", 3}, {"box", 3}};
+  if (const auto needed = sizes.find(geom.type); needed != sizes.end()) {
+    for (int i = 0; i < needed->second; ++i) {
+      if (geom.size[i] <= 0.0) node.fail(fmt::format("size: found {} of a {}, expected > 0", geom.size[i], geom.type));
+    }
+  } else if (geom.type != "plane" && geom.type != "hfield" && geom.type != "mesh" && geom.type != "sdf") {
+    node.fail(fmt::format("type: found '{}', expected one of MuJoCo's", abridged(geom.type)));
+  }
+  return geom;
+}
+
+/// Volume of the shape [m^3], and its inertia per mass [m^2], about its centre along its axes.
+std::pair<double, Eigen::Vector3d> solid(const Geom& geom) {
+  const double r = geom.size.x(), length = 2.0 * geom.size.y();
+  const Eigen::Vector3d squares = geom.size.cwiseAbs2();
+  const Eigen::Vector3d others(squares.y() + squares.z(), squares.x() + squares.z(), squares.x() + squares.y());
+  const double pi = std::numbers::pi;
+  if (geom.type == "sphere") return {4.0 / 3.0 * pi * r * r * r, Eigen::Vector3d::Constant(0.4 * r * r)};
+  if (geom.type == "box") return {8.0 * geom.size.prod(), others / 3.0};
+  if (geom.type == "ellipsoid") return {4.0 / 3.0 * pi * geom.size.prod(), others / 5.0};
+  const double across = (3.0 * r * r + length * length) / 12.0, along = 0.5 * r * r;
+  if (geom.type == "cylinder") return {pi * r * r * length, {across, across, along}};
+  // Capsule: a cylinder and two halves of a sphere at its ends.
+  const double caps = 4.0 * r / (4.0 * r + 3.0 * length);  // of the mass
+  const double sphere = 0.4 * r * r;
+  const double far = sphere + length * (3.0 * r + 2.0 * length) / 8.0;
+  const double both = (1.0 - caps) * across + caps * far;
+  return {pi * r * r * (length + 4.0 / 3.0 * r), {both, both, (1.0 - caps) * along + caps * sphere}};
+}
+
+class Bodies {
+ public:
+  Bodies(MjcfFile& file, MjcfRobot& robot) : file_(file), robot_(robot) {}
+
+  void readWorld(const MjcfNode& world) { readContent(world, -1, Eigen::Isometry3d::Identity()); }
+
+ private:
+  /// What stands in a body, or in a <frame> of it. \param offset  of the frame in the body
+  void readContent(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
+    if (++depth_ > kDeepest) node.fail(fmt::format("found bodies nested deeper than {}", kDeepest));
+    for (const MjcfNode& child : node.children()) {
+      const std::string tag = child.tag();
+      if (tag == "body") {
+        readBody(child, body, offset);
+      } else if (tag == "frame") {
+        child.find("name");
+        readContent(child, body, offset * child.frame());
+      } else if (tag == "joint" || tag == "freejoint") {
+        readJoint(child, body, offset);
+      } else if (tag == "geom") {
+        readMass(child, body, offset);
+      } else if (tag == "site") {
+        readSite(child, body, offset);
+      } else if (tag == "inertial") {
+        if (body >= 0) readInertial(child, body, offset);
+      } else if (tag == "light" || tag == "camera") {
+        child.remarkAll(tag, "looks: left out", false);
+      } else {
+        child.remarkAll(tag, "not understood, left out with all that stands in it");
+      }
+    }
+    --depth_;
+  }
+
+  void readBody(const MjcfNode& node, int parent, const Eigen::Isometry3d& offset) {
+    if (robot_.bodies.size() >= kMostBodies) node.fail(fmt::format("found more than {} bodies", kMostBodies));
+    const int index = static_cast<int>(robot_.bodies.size());
+    MjcfBody& body = robot_.bodies.emplace_back();
+    body.name = freeName(node.has("name") ? node.text("name") : fmt::format("body_{}", index + 1), body_names_);
+    body.parent = parent;
+    body.frame = offset * node.frame();
+    body.place = file_.xml().place(node.xml());
+    if (node.flag("mocap", false)) node.remark("mocap", "a body that moves by data stands still here");
+    if (node.number("gravcomp", 0.0) != 0.0) node.remark("gravcomp", "left out: gravity acts on every body");
+    given_inertia_.push_back(false);
+    readContent(node, index, Eigen::Isometry3d::Identity());
+  }
+
+  void readJoint(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
+    if (body < 0) node.fail("found a joint of the world, expected it in a body");
+    const std::string type = node.tag() == "freejoint" ? "free" : node.has("type") ? node.text("type") : "hinge";
+    if (type == "free") node.fail("found a floating base, expected bodies that hang on the world by joints");
+    MjcfJoint joint;
+    if (type == "ball") {
+      joint.type = MjcfJoint::Type::kBall;
+    } else if (type == "slide") {
+      joint.type = MjcfJoint::Type::kSlide;
+    } else if (type != "hinge") {
+      node.fail(fmt::format("type: found '{}', expected hinge, ball or slide", abridged(type)));
+    }
+    const std::string automatic = fmt::format("{}_joint", robot_.bodies[body].name);
+    joint.name = freeName(node.has("name") ? node.text("name") : automatic, joint_names_);
+    joint.position = offset * node.vector3("pos", Eigen::Vector3d::Zero());
+    const Eigen::Vector3d axis = node.vector3("axis", Eigen::Vector3d::UnitZ());
+    if (axis.norm() < 1e-10) node.fail("axis: found a zero vector, expected an axis");
+    joint.axis = offset.linear() * axis.normalized();
+    readJointLaw(node, joint);
+    robot_.bodies[body].joints.push_back(joint);
+  }
+
+  void readJointLaw(const MjcfNode& node, MjcfJoint& joint) {
+    const double unit = joint.type == MjcfJoint::Type::kSlide ? 1.0 : node.angleUnit();
+    const bool ball = joint.type == MjcfJoint::Type::kBall;
+    joint.reference = ball ? 0.0 : unit * node.number("ref", 0.0);
+    if (joint.reference != 0.0) {
+      node.remark("ref", "positions count from the drawn pose: MuJoCo's position less ref");
+    }
+    const std::vector<double> range = node.numbers("range");
+    if (node.isLimited("limited", "range")) {
+      if (range.size() != 2) node.fail(fmt::format("range: found {} numbers, expected two", range.size()));
+      joint.range = {unit * range[0] - joint.reference, unit * range[1] - joint.reference};
+      if (range[0] > range[1]) node.fail(fmt::format("range: found {} above {}", range[0], range[1]));
+    }
+    joint.stiffness = node.nonNegative("stiffness", 0.0);
+    joint.spring_reference = ball ? 0.0 : unit * node.number("springref", 0.0) - joint.reference;
+    joint.damping = node.nonNegative("damping", 0.0);
+    joint.friction_loss = node.nonNegative("frictionloss", 0.0);
+    if (node.number("armature", 0.0) != 0.0) {
+      node.remark("armature", "left out: a joint has no rotor (motions only, not where the robot rests)");
+    }
+    if (node.has("springdamper")) node.remark("springdamper", "not understood, left out");
+    if (node.has("actuatorfrcrange")) node.remark("actuatorfrcrange", "left out: no limit of a joint's torque");
+  }
+
+  void readMass(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
+    Geom geom = readGeom(node);
+    geom.frame = offset * geom.frame;
+    if (node.has("name") && (geom.type == "sphere" || geom.type == "cylinder")) {
+      robot_.surfaces[node.text("name")] = {body, geom.frame, geom.type == "cylinder", geom.size.x()};
+    }
+    const std::vector<double>& groups = file_.compiler().inertia_groups;
+    const double group = node.number("group", 0.0);
+    const double density = node.nonNegative("density", kWaterDensity);
+    const double stated = node.nonNegative("mass", -0.0);
+    if (body < 0 || geom.type == "plane" || geom.type == "hfield") return;
+    if (group < groups[0] || group > groups[1] || file_.compiler().inertia_from_geom == "false") return;
+    if (geom.type == "mesh" || geom.type == "sdf") {
+      return node.remarkAll(geom.type + " geom", "left out: meshes are not read; its mass needs <inertial>");
+    }
+    if (node.has("shellinertia") && node.flag("shellinertia", false)) {
+      node.remark("shellinertia", "the shape is taken as solid");
+    }
+    const auto [volume, per_mass] = solid(geom);
+    MassProperties mass;
+    mass.mass = node.has("mass") ? stated : density * volume;
+    mass.inertia = (mass.mass * per_mass).asDiagonal();
+    MjcfBody& owner = robot_.bodies[body];
+    if (given_inertia_[body]) return;
+    owner.mass = addMass(owner.mass, inFrame(mass, geom.frame));
+  }
+
+  /// <inertial> replaces what geoms would give, before or behind it.
+  void readInertial(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
+    MassProperties mass;
+    mass.mass = node.nonNegative("mass", 0.0);
+    const std::vector<double> full = node.numbers("fullinertia");
+    if (!full.empty() && full.size() != 6)
+      node.fail(fmt::format("fullinertia: found {} numbers, expected 6", full.size()));
+    if (!full.empty()) {
+      mass.inertia << full[0], full[3], full[4], full[3], full[1], full[5], full[4], full[5], full[2];
+    } else {
+      mass.inertia = node.vector3("diaginertia", Eigen::Vector3d::Zero()).asDiagonal();
+    }
+    if (file_.compiler().inertia_from_geom == "true") {
+      return node.remarkAll("inertial", "left out: compiler inertiafromgeom", false);
+    }
+    given_inertia_[body] = true;
+    robot_.bodies[body].mass = inFrame(mass, offset * node.frame());
+  }
+
+  void readSite(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
+    for (const char* looks : {"type", "size"}) node.find(looks);
+    const bool segment = node.has("fromto");
+    double half = 0.0;
+    const Eigen::Isometry3d frame = segment ? alongSegment(node, node.numbers("fromto"), half) : node.frame();
+    if (node.has("name")) robot_.sites[node.text("name")] = {body, offset * frame.translation()};
+  }
+
+  MjcfFile& file_;
+  MjcfRobot& robot_;
+  std::set<std::string> body_names_ = {"world"}, joint_names_;
+  std::vector<bool> given_inertia_;
+  int depth_ = 0;
+};
+
+}  // namespace
+
+MassProperties inFrame(const MassProperties& mass, const Eigen::Isometry3d& frame) {
+  return {mass.mass, frame * mass.centre_of_mass, frame.linear() * mass.inertia * frame.linear().transpose()};
+}
+
+MassProperties addMass(const MassProperties& a, const MassProperties& b) {
+  MassProperties sum;
+  sum.mass = a.mass + b.mass;
+  if (sum.mass <= 0.0) return a;
+  sum.centre_of_mass = (a.mass * a.centre_of_mass + b.mass * b.centre_of_mass) / sum.mass;
+  for (const MassProperties* part : {&a, &b}) {
+    const Eigen::Vector3d way = part->centre_of_mass - sum.centre_of_mass;
+    sum.inertia +=
+        part->inertia + part->mass * (way.squaredNorm() * Eigen::Matrix3d::Identity() - way * way.transpose());
+  }
+  return sum;
+}
+
+void readMjcfBodies(MjcfFile& file, MjcfRobot& robot) {
+  Bodies bodies(file, robot);
+  for (const MjcfNode& world : file.sections("worldbody")) bodies.readWorld(world);
+  const MjcfFile::Compiler& compiler = file.compiler();
+  double total = 0.0;
+  for (MjcfBody& body : robot.bodies) {
+    body.mass.mass = std::max(body.mass.mass, compiler.least_mass);
+    body.mass.inertia.diagonal() = body.mass.inertia.diagonal().cwiseMax(compiler.least_inertia);
+    total += body.mass.mass;
+  }
+  if (compiler.total_mass > 0.0 && total > 0.0) {
+    for (MjcfBody& body : robot.bodies) {
+      body.mass.mass *= compiler.total_mass / total;
+      body.mass.inertia *= compiler.total_mass / total;
+    }
+  }
+}
+
+}  // namespace simgap

@@ -1,0 +1,112 @@
+/// \file
+/// What an MJCF file says, in SI units and radians and with its defaults and frames worked out, before it is an arm.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mjcf_file.h"
+#include "simgap/model/arm/arm.h"
+
+namespace simgap {
+
+struct MjcfJoint {
+  enum class Type { kHinge, kBall, kSlide };
+  std::string name;
+  Type type = Type::kHinge;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m] in the body's frame
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< in the body's frame, unit length
+  std::optional<std::array<double, 2>> range;          ///< [rad], [m], counted from the drawn pose
+  double reference = 0.0;                              ///< MuJoCo's position in the drawn pose
+  double stiffness = 0.0;                              ///< [N m/rad], [N/m]
+  double spring_reference = 0.0;                       ///< [rad], [m], counted from the drawn pose
+  double damping = 0.0;
+  double friction_loss = 0.0;
+};
+
+struct MjcfBody {
+  std::string name;
+  int parent = -1;                                          ///< -1: the world
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  ///< in the parent's
+  std::vector<MjcfJoint> joints;
+  MassProperties mass;
+  std::string place;  ///< "finger.xml:12"
+};
+
+/// A point or a wrapping surface on a body; surfaces' frames have their axis along z.
+struct MjcfSite {
+  int body = -1;  ///< -1: the world
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();
+};
+struct MjcfSurface {
+  int body = -1;
+  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
+  bool cylinder = false;
+  double radius = 0.0;
+};
+
+struct MjcfPathElement {
+  enum class Kind { kSite, kSurface, kPulley };
+  Kind kind = Kind::kSite;
+  std::string name;  ///< of the site or geom
+  std::string side;  ///< site; may be empty
+  double divisor = 1.0;
+};
+
+struct MjcfTendon {
+  std::string name;
+  std::vector<MjcfPathElement> path;                   ///< of a spatial one
+  std::vector<std::pair<std::string, double>> joints;  ///< of a fixed one: joint, coefficient
+  double stiffness = 0.0;                              ///< [N/m]
+  double damping = 0.0;                                ///< [N s/m]
+  double friction_loss = 0.0;                          ///< [N]
+  std::optional<std::array<double, 2>> spring_length;  ///< [m]; empty: the length in the drawn pose
+  std::optional<std::array<double, 2>> range;          ///< [m]
+  std::string place;
+};
+
+struct MjcfCoupling {
+  std::string joint, of;  ///< joint = offset + ratio * of, from the drawn pose
+  double offset = 0.0, ratio = 0.0;
+  std::string place;
+};
+
+/// force = gain ctrl + bias[0] + bias[1] length + bias[2] rate, times gear
+struct MjcfActuator {
+  std::string name, tag;
+  std::string tendon, joint;
+  double gear = 1.0;
+  double gain = 1.0;
+  std::array<double, 3> bias = {0.0, 0.0, 0.0};
+  bool affine = true;  ///< the equation holds; else a muscle or another law
+  std::optional<std::array<double, 2>> force_range;
+  std::string place;
+};
+
+struct MjcfRobot {
+  std::string name;
+  Eigen::Vector3d gravity = {0.0, 0.0, -9.81};
+  std::vector<MjcfBody> bodies;  ///< parents before children
+  std::map<std::string, MjcfSite> sites;
+  std::map<std::string, MjcfSurface> surfaces;
+  std::vector<MjcfTendon> tendons;
+  std::vector<MjcfCoupling> couplings;
+  std::vector<MjcfActuator> actuators;
+};
+
+/// \throws DataError as readMjcf
+MjcfRobot readMjcfRobot(MjcfFile& file);
+
+/// \name Its parts
+///@{
+void readMjcfBodies(MjcfFile& file, MjcfRobot& robot);
+void readMjcfTendons(MjcfFile& file, MjcfRobot& robot);
+void readMjcfActuators(MjcfFile& file, MjcfRobot& robot);
+/// Adds one body's mass to what is known of it, both in the same frame.
+MassProperties addMass(const MassProperties& a, const MassProperties& b);
+/// Mass properties of a shape in another frame.
+MassProperties inFrame(const MassProperties& mass, const Eigen::Isometry3d& frame);
+///@}
+
+}  // namespace simgap

@@ -1,0 +1,297 @@
+// An arm as an MJCF model. Its motorised muscles become actuators with an affine law,
+//
+//   force = k (L_K0 + L_SR) - k r u - k L - D dL/dt,   never above 0
+//
+// in which u is the shaft's angle [rad]: what pulls in MuJoCo has a negative force (000 eq. 3-4, 12).
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "arm_exchange.h"
+#include "remark_list.h"
+#include "simgap/model/arm/kinematics.h"
+#include "simgap/model/exchange/exchange.h"
+#include "xml_text.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kStrongest = 1e6;     ///< [N] where a force needs an end
+constexpr double kTinyMass = 1e-6;     ///< [kg] of a body that MuJoCo wants one of
+constexpr double kTinyInertia = 1e-9;  ///< [kg m^2]
+
+class MjcfWriter {
+ public:
+  explicit MjcfWriter(const ArmModel& model) : model_(model), sites_(model.bodies.size()) {}
+
+  ExportedArm write() {
+    nameWhatIsSoft();
+    for (const Muscle& muscle : model_.muscles) writeMuscle(muscle);
+    for (const PassiveTendon& tendon : model_.tendons) writePassive(tendon);
+    nameWhatIsLost();
+    std::string text = fmt::format("<mujoco model=\"{}\">\n", xmlText(model_.name));
+    text += "  <compiler angle=\"radian\" autolimits=\"true\" boundinertia=\"1e-12\"/>\n";
+    text += fmt::format("  <option gravity=\"{}\" timestep=\"0.001\" integrator=\"implicitfast\"/>\n",
+                        xmlNumbers(model_.gravity));
+    text += "  <worldbody>\n";
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+      if (model_.bodies[b].fixed) text += content(static_cast<int>(b), Eigen::Isometry3d::Identity(), "    ");
+    }
+    text += children(worldBodies(), Eigen::Isometry3d::Identity(), "    ");
+    text += "  </worldbody>\n";
+    if (!tendons_.empty()) text += "  <tendon>\n" + tendons_ + "  </tendon>\n";
+    if (const std::string tied = couplings(); !tied.empty()) text += "  <equality>\n" + tied + "  </equality>\n";
+    if (!actuators_.empty()) text += "  <actuator>\n" + actuators_ + "  </actuator>\n";
+    return {text + "</mujoco>\n", remarks_.take()};
+  }
+
+ private:
+  struct Site {
+    std::string name;
+    Eigen::Vector3d point;
+  };
+  /// A body of MuJoCo: the last of a chain of massless ones, with all their joints.
+  struct Link {
+    int body;
+    std::vector<int> joints;
+  };
+
+  std::vector<int> worldBodies() const {
+    std::vector<int> fixed;
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+      if (model_.bodies[b].fixed) fixed.push_back(static_cast<int>(b));
+    }
+    return fixed;
+  }
+
+  std::vector<int> jointsOf(int body) const {
+    std::vector<int> joints;
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      if (model_.joints[j].parent == body) joints.push_back(static_cast<int>(j));
+    }
+    return joints;
+  }
+
+  void nameWhatIsSoft() {
+    for (const Joint& joint : model_.joints) {
+      if (joint.type == JointType::kSpherical &&
+          joint.child_orientation.coeffs() != Eigen::Quaterniond::Identity().coeffs()) {
+        remarks_.add(fmt::format("ball '{}' in a frame of its own", joint.name),
+                     "its position is written in the child's frame");
+      }
+      if (joint.lower_limit > -Joint::kUnlimited || joint.upper_limit < Joint::kUnlimited) {
+        remarks_.add("joint limits", "MuJoCo's are soft: a stop gives way a little (solreflimit, solimplimit)");
+      }
+      if (joint.coulomb_friction > 0.0) {
+        remarks_.add("joint friction", "frictionloss: MuJoCo's is soft, a robot that it holds creeps");
+      }
+      if (joint.follows()) remarks_.add("coupled joints", "an equality constraint, which gives way a little");
+    }
+  }
+
+  bool bare(int body) const {
+    const Body& b = model_.bodies[body];
+    return massProperties(b).mass <= 0.0 && b.surfaces.empty() && b.parts.empty() && sites_[body].empty();
+  }
+
+  /// The bodies that hang on those of `parents`, whose frame is `offset` in the one that is written.
+  std::string children(const std::vector<int>& parents, const Eigen::Isometry3d& offset, const std::string& indent) {
+    std::string text;
+    for (const int parent : parents) {
+      for (const int first : jointsOf(parent)) {
+        Link link{model_.joints[first].child, {first}};
+        Eigen::Isometry3d frame = offset * drawnPose(model_.joints[first]);
+        while (bare(link.body) && jointsOf(link.body).size() == 1) {
+          link.joints.push_back(jointsOf(link.body)[0]);
+          const Joint& next = model_.joints[link.joints.back()];
+          frame = frame * drawnPose(next);
+          link.body = next.child;
+        }
+        text += body(link, frame, indent);
+      }
+    }
+    return text;
+  }
+
+  std::string body(const Link& link, const Eigen::Isometry3d& frame, const std::string& indent) {
+    const std::string inner = indent + "  ";
+    std::string text =
+        fmt::format("{}<body name=\"{}\"{}>\n", indent, xmlText(model_.bodies[link.body].name), mjcfFrame(frame));
+    // Joints of the bodies that were passed over, in this body's frame.
+    std::vector<Eigen::Isometry3d> in_link(link.joints.size(), Eigen::Isometry3d::Identity());
+    for (std::size_t i = link.joints.size(); i-- > 1;) {
+      in_link[i - 1] = in_link[i] * drawnPose(model_.joints[link.joints[i]]).inverse();
+    }
+    for (std::size_t i = 0; i < link.joints.size(); ++i)
+      text += joint(model_.joints[link.joints[i]], in_link[i], inner);
+    text += inertial(link.body, inner);
+    text += content(link.body, Eigen::Isometry3d::Identity(), inner);
+    text += children({link.body}, Eigen::Isometry3d::Identity(), inner);
+    return text + indent + "</body>\n";
+  }
+
+  static std::string joint(const Joint& j, const Eigen::Isometry3d& frame, const std::string& indent) {
+    const char* const type = j.type == JointType::kSpherical ? "ball" : j.slides() ? "slide" : "hinge";
+    std::string text = fmt::format("{}<joint name=\"{}\" type=\"{}\" pos=\"{}\"", indent, xmlText(j.name), type,
+                                   xmlNumbers(frame * j.child_position));
+    if (j.hasAxis()) text += fmt::format(" axis=\"{}\"", xmlNumbers(frame.linear() * (j.child_orientation * j.axis)));
+    const bool lower = j.lower_limit > -Joint::kUnlimited, upper = j.upper_limit < Joint::kUnlimited;
+    if (j.hasAxis() && (lower || upper)) {
+      text += fmt::format(" range=\"{} {}\"", lower ? j.lower_limit : -1e3, upper ? j.upper_limit : 1e3);
+    }
+    if (j.viscous_friction > 0.0) text += fmt::format(" damping=\"{}\"", j.viscous_friction);
+    if (j.coulomb_friction > 0.0) text += fmt::format(" frictionloss=\"{}\"", j.coulomb_friction);
+    if (j.spring_stiffness > 0.0) text += fmt::format(" stiffness=\"{}\"", j.spring_stiffness);
+    if (j.spring_stiffness > 0.0 && j.hasAxis()) text += fmt::format(" springref=\"{}\"", j.spring_rest);
+    return text + "/>\n";
+  }
+
+  std::string inertial(int index, const std::string& indent) {
+    const Body& body = model_.bodies[index];
+    MassProperties mass = massProperties(body);
+    if (mass.mass <= 0.0) {
+      remarks_.add(fmt::format("body '{}' without mass", body.name),
+                   fmt::format("{} kg: MuJoCo wants some of every body that moves", kTinyMass));
+      mass = {kTinyMass, Eigen::Vector3d::Zero(), kTinyInertia * Eigen::Matrix3d::Identity()};
+    }
+    const Eigen::Matrix3d& i = mass.inertia;
+    return fmt::format("{}<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{} {} {} {} {} {}\"/>\n", indent,
+                       xmlNumbers(mass.centre_of_mass), mass.mass, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2),
+                       i(1, 2));
+  }
+
+  /// Shapes to look at, surfaces to wrap over, points of lines. None of them collides or weighs anything.
+  std::string content(int index, const Eigen::Isometry3d& frame, const std::string& indent) const {
+    const Body& body = model_.bodies[index];
+    std::string text;
+    for (const Part& part : body.parts) text += mjcfGeom(part, indent);
+    for (const Surface& surface : body.surfaces) {
+      text += fmt::format(
+          "{}<geom name=\"{}\" type=\"{}\" pos=\"{}\"{} contype=\"0\" conaffinity=\"0\" mass=\"0\" "
+          "rgba=\".5 .5 .9 .4\"",
+          indent, xmlText(surfaceName(body, surface)), surface.shape == Surface::Shape::kSphere ? "sphere" : "cylinder",
+          xmlNumbers(frame * surface.position), surface.shape == Surface::Shape::kSphere ? "" : alongZ(surface.axis));
+      text += surface.shape == Surface::Shape::kSphere
+                  ? fmt::format(" size=\"{}\"/>\n", surface.radius)
+                  : fmt::format(" size=\"{} {}\"/>\n", surface.radius, surface.radius);
+    }
+    for (const Site& site : sites_[index]) {
+      text += fmt::format("{}<site name=\"{}\" pos=\"{}\"/>\n", indent, xmlText(site.name), xmlNumbers(site.point));
+    }
+    return text;
+  }
+
+  static std::string surfaceName(const Body& body, const Surface& surface) { return body.name + "/" + surface.name; }
+
+  std::string site(const Attachment& at, const std::string& name) {
+    sites_[at.body].push_back({name, at.point});
+    return xmlText(name);
+  }
+
+  /// The path as <spatial> or <fixed>. \returns whether MuJoCo has such a path
+  bool writePath(const TendonPath& path, const std::string& name, const std::string& attributes) {
+    if (path.jointsOnly()) {
+      tendons_ += fmt::format("    <fixed name=\"{}\"{}>\n", xmlText(name), attributes);
+      for (const Station& station : path.between) {
+        tendons_ += fmt::format("      <joint joint=\"{}\" coef=\"{}\"/>\n", xmlText(model_.joints[station.joint].name),
+                                station.radius);
+      }
+      tendons_ += "    </fixed>\n";
+      return true;
+    }
+    if (std::ranges::find(path.between, Station::Kind::kJoint, &Station::kind) != path.between.end()) {
+      remarks_.add(fmt::format("'{}'", name), "left out: MuJoCo has no line over points and wheels at once");
+      return false;
+    }
+    std::string text;
+    int count = 0;
+    const auto point = [&](const Attachment& at) {
+      text += fmt::format("      <site site=\"{}\"/>\n", site(at, fmt::format("{}/{}", name, ++count)));
+    };
+    point(path.attachments[0]);
+    for (const Station& station : path.between) {
+      if (station.kind == Station::Kind::kPoint) {
+        point(station.at);
+      } else if (station.kind == Station::Kind::kPulley) {
+        text += fmt::format("      <pulley divisor=\"{}\"/>\n", station.divisor);
+      } else {
+        const Body& body = model_.bodies[station.at.body];
+        text += fmt::format("      <geom geom=\"{}\"", xmlText(surfaceName(body, body.surfaces[station.surface])));
+        if (station.sided) {
+          text += fmt::format(" sidesite=\"{}\"", site(station.at, fmt::format("{}/side {}", name, ++count)));
+        }
+        text += "/>\n";
+      }
+    }
+    point(path.attachments[1]);
+    tendons_ += fmt::format("    <spatial name=\"{}\"{}>\n{}    </spatial>\n", xmlText(name), attributes, text);
+    return true;
+  }
+
+  void writeActuator(const std::string& name, double gain, const std::array<double, 3>& bias, bool only_pulls) {
+    actuators_ += fmt::format(
+        "    <general name=\"{}\" tendon=\"{}\" gainprm=\"{}\" biastype=\"affine\" "
+        "biasprm=\"{} {} {}\"",
+        xmlText(name), xmlText(name), gain, bias[0], bias[1], bias[2]);
+    if (only_pulls) actuators_ += fmt::format(" forcerange=\"{} 0\"", -kStrongest);
+    actuators_ += "/>\n";
+  }
+
+  void writeMuscle(const Muscle& muscle) {
+    if (!writePath(muscle, muscle.name, "")) return;
+    const ShockCord& cord = muscle.shock_cord;
+    writeActuator(muscle.name, -cord.stiffness * muscle.spindle_radius,
+                  {cord.stiffness * (muscle.kite_line_length + cord.rest_length), -cord.stiffness, -cord.damping},
+                  true);
+  }
+
+  void writePassive(const PassiveTendon& tendon) {
+    const std::string_view kind = tendon.kind->name;
+    const auto& p = tendon.p;
+    const bool elastic = kind == "ligament" || kind == "spring";
+    if (!elastic && kind != "constant-force") {
+      remarks_.add(fmt::format("'{}' ({})", tendon.name, kind), "left out: MJCF has no such line");
+    } else if (elastic && p[0] >= 0.0) {
+      const std::string rest = kind == "spring" ? fmt::format("{}", p[0]) : fmt::format("0 {}", p[0]);
+      writePath(tendon, tendon.name,
+                fmt::format(" stiffness=\"{}\" springlength=\"{}\" damping=\"{}\"", p[1], rest, p[2]));
+      if (kind == "ligament" && p[2] > 0.0) {
+        remarks_.add("a ligament's damping", "acts in MuJoCo while it is slack, too (motions only)");
+      }
+    } else if (writePath(tendon, tendon.name, "")) {
+      if (elastic) writeActuator(tendon.name, 0.0, {p[1] * p[0], -p[1], -p[2]}, false);
+      if (!elastic && p[0] != 0.0) writeActuator(tendon.name, 0.0, {-p[0], 0.0, 0.0}, false);
+    }
+  }
+
+  std::string couplings() const {
+    std::string text;
+    for (const Joint& joint : model_.joints) {
+      if (!joint.follows()) continue;
+      text += fmt::format("    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{} {} 0 0 0\"/>\n", xmlText(joint.name),
+                          xmlText(model_.joints[joint.leader].name), joint.coupling_offset, joint.coupling_ratio);
+    }
+    return text;
+  }
+
+  void nameWhatIsLost() {
+    for (const Extension& extension : model_.extensions) {
+      remarks_.add(fmt::format("extension '{}'", extension.effect), "left out: MJCF has no such effect");
+    }
+    if (model_.muscles.empty()) return;
+    remarks_.add("motors and gearboxes", "left out: the control of an actuator is the angle of its shaft [rad]", false);
+    remarks_.add("where a line ends and its cord begins", "left out: both lengths are one", false);
+  }
+
+  const ArmModel& model_;
+  std::vector<std::vector<Site>> sites_;  ///< by body
+  std::string tendons_, actuators_;
+  RemarkList remarks_;
+};
+
+}  // namespace
+
+ExportedArm writeMjcf(const ArmModel& model) { return MjcfWriter(model).write(); }
+
+}  // namespace simgap

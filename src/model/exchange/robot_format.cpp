@@ -1,0 +1,55 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "simgap/core/error.h"
+#include "simgap/core/text.h"
+#include "simgap/model/exchange/exchange.h"
+
+namespace simgap {
+namespace {
+
+/// The name of the first element; empty without one.
+std::string rootElement(const std::string& text) {
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
+    if (text.compare(at, 4, "<!--") == 0) {
+      at = text.find("-->", at);
+      if (at == std::string::npos) return {};
+      continue;
+    }
+    if (at + 1 < text.size() && (text[at + 1] == '?' || text[at + 1] == '!')) continue;
+    return text.substr(at + 1, std::min(text.find_first_of(" \t\r\n/>", at), at + 100) - at - 1);
+  }
+  return {};
+}
+
+}  // namespace
+
+RobotFormat robotFormatOf(const std::string& text, const std::filesystem::path& file) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first == std::string::npos || text[first] != '<') return RobotFormat::kArm;
+  const std::string root = rootElement(text);
+  if (root == "mujoco" || root == "mujocoinclude") return RobotFormat::kMjcf;
+  if (root == "robot") return RobotFormat::kUrdf;
+  const std::string name = file.filename().string();
+  if (root == "sdf") {
+    throw DataError(fmt::format("{}: found SDF, expected MJCF or URDF", name));
+  }
+  throw DataError(fmt::format("{}: found <{}> as its outermost element, expected <mujoco> (MJCF) or <robot> (URDF)",
+                              name, abridged(root)));
+}
+
+RobotFormat robotFormatOf(const std::filesystem::path& file) {
+  const std::string extension = file.extension().string();
+  if (extension == ".yaml" || extension == ".yml") return RobotFormat::kArm;
+  if (extension == ".xml" || extension == ".mjcf") return RobotFormat::kMjcf;
+  if (extension == ".urdf") return RobotFormat::kUrdf;
+  throw ConfigError(fmt::format("{}: found the ending '{}', expected .yaml (arm), .xml (MJCF) or .urdf", file.string(),
+                                abridged(extension)));
+}
+
+std::string_view nameOf(RobotFormat format) {
+  return format == RobotFormat::kArm ? "arm" : format == RobotFormat::kMjcf ? "MJCF" : "URDF";
+}
+
+}  // namespace simgap

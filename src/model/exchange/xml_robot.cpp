@@ -1,0 +1,155 @@
+#include "xml_robot.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "simgap/core/error.h"
+#include "simgap/core/text.h"
+#include "simgap/core/units.h"
+
+namespace simgap {
+namespace {
+
+int countElements(const XmlElement& element) {
+  int count = 1;
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    count += countElements(*child);
+    if (count > kMostRobotElements) break;
+  }
+  return count;
+}
+
+}  // namespace
+
+const XmlElement& XmlRobot::parse(const std::string& text, const std::filesystem::path& file,
+                                  const std::vector<std::string>& roots) {
+  const std::string name = file.filename().string();
+  if (text.size() > kLargestRobotFile) {
+    throw DataError(fmt::format("{}: found {} bytes, expected at most {}", name, text.size(), kLargestRobotFile));
+  }
+  Document& document = documents_.emplace_back();
+  document.name = name;
+  if (document.xml.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
+    throw DataError(fmt::format("{}:{}: found no XML that can be read ({}), expected a robot in XML", name,
+                                std::max(1, document.xml.ErrorLineNum()), document.xml.ErrorName()));
+  }
+  const XmlElement* const root = document.xml.RootElement();
+  if (root == nullptr) throw DataError(fmt::format("{}: found no element, expected <{}>", name, roots.front()));
+  document.xml.SetUserData(&document);
+  // What a DOCTYPE declares (entities, defaults of attributes) is never expanded: a robot in it would be another.
+  for (const auto* node = document.xml.FirstChild(); node; node = node->NextSibling()) {
+    if (node->ToUnknown() == nullptr) continue;
+    throw DataError(fmt::format("{}:{}: found a document type, expected none in a robot", name, node->GetLineNum()));
+  }
+  if (std::ranges::find(roots, root->Name()) == roots.end()) {
+    fail(*root, fmt::format("found it as the outermost element, expected <{}>", fmt::join(roots, "> or <")));
+  }
+  if (countElements(*root) > kMostRobotElements) {
+    throw DataError(fmt::format("{}: found more than {} elements, expected a robot", name, kMostRobotElements));
+  }
+  understand(*root);
+  return *root;
+}
+
+std::string XmlRobot::place(const XmlElement& element) const {
+  const auto* const document = static_cast<const Document*>(element.GetDocument()->GetUserData());
+  return fmt::format("{}:{}", document->name, element.GetLineNum());
+}
+
+void XmlRobot::fail(const XmlElement& element, const std::string& sentence) const {
+  throw DataError(fmt::format("{}: {}: {}", place(element), abridged(element.Name()), sentence));
+}
+
+const char* XmlRobot::find(const XmlElement& element, const char* attribute) {
+  const tinyxml2::XMLAttribute* const found = element.FindAttribute(attribute);
+  if (found == nullptr) return nullptr;
+  understood_.insert(found);
+  return found->Value();
+}
+
+void XmlRobot::cover(const XmlElement& element) {
+  understood_.insert(&element);
+  for (const auto* a = element.FirstAttribute(); a; a = a->Next()) understood_.insert(a);
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) cover(*child);
+}
+
+void XmlRobot::add(const std::string& what, const std::string& done, bool matters, const std::string& place) {
+  const auto [entry, fresh] = index_.try_emplace(what + '\n' + done, remarks_.size());
+  if (fresh) remarks_.push_back({what, done, matters, {}});
+  std::vector<std::string>& places = remarks_[entry->second].places;
+  if (!place.empty() && (places.empty() || places.back() != place)) places.push_back(place);
+}
+
+void XmlRobot::remark(const XmlElement& element, const std::string& what, const std::string& done, bool matters) {
+  cover(element);
+  add(what, done, matters, place(element));
+}
+
+void XmlRobot::remarkAttribute(const XmlElement& element, const char* attribute, const std::string& done,
+                               bool matters) {
+  find(element, attribute);
+  add(fmt::format("{} {}", abridged(element.Name()), attribute), done, matters, place(element));
+}
+
+void XmlRobot::remarkUnread(const XmlElement& element, const std::map<std::string, std::string>& ignored) {
+  const auto say = [&](const std::string& key, const std::string& what) {
+    const auto reason = ignored.find(key);
+    const bool matters = reason == ignored.end();
+    add(what, matters ? "not understood, left out" : reason->second, matters, place(element));
+  };
+  const std::string name = abridged(element.Name());
+  if (!understood_.contains(&element)) return say(element.Name(), name);
+  for (const auto* a = element.FirstAttribute(); a; a = a->Next()) {
+    if (!understood_.contains(a)) say(fmt::format("@{}", a->Name()), fmt::format("{} {}", name, abridged(a->Name())));
+  }
+  for (const auto* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
+    remarkUnread(*child, ignored);
+  }
+}
+
+std::vector<ExchangeRemark> XmlRobot::finish(const std::map<std::string, std::string>& ignored) {
+  for (const Document& document : documents_) remarkUnread(*document.xml.RootElement(), ignored);
+  std::ranges::stable_sort(remarks_, {}, [](const ExchangeRemark& remark) { return !remark.matters; });
+  return remarks_;
+}
+
+std::vector<double> XmlRobot::numbers(const XmlElement& element, const char* attribute, const char* text) const {
+  std::istringstream words(text);
+  std::vector<double> values;
+  for (std::string word; words >> word;) {
+    const std::optional<double> value = parseNumber(word);
+    if (!value || std::abs(*value) > kLargestRobotNumber) {
+      fail(element, fmt::format("{}: found '{}', expected a finite number", attribute, abridged(word)));
+    }
+    values.push_back(*value);
+  }
+  return values;
+}
+
+double XmlRobot::number(const XmlElement& element, const char* attribute, const char* text) const {
+  const std::vector<double> values = numbers(element, attribute, text);
+  if (values.size() != 1) fail(element, fmt::format("{}: found {} numbers, expected one", attribute, values.size()));
+  return values[0];
+}
+
+Eigen::Vector3d XmlRobot::vector3(const XmlElement& element, const char* attribute, const char* text) const {
+  const std::vector<double> values = numbers(element, attribute, text);
+  if (values.size() != 3) fail(element, fmt::format("{}: found {} numbers, expected three", attribute, values.size()));
+  return {values[0], values[1], values[2]};
+}
+
+std::string freeName(std::string wanted, std::set<std::string>& taken) {
+  for (char& c : wanted) {
+    if (c == '.' || c == '*' || c == ',' || static_cast<unsigned char>(c) < 0x20) c = '_';
+  }
+  if (wanted.empty()) wanted = "unnamed";
+  std::string name = wanted;
+  for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", wanted, i);
+  return name;
+}
+
+}  // namespace simgap

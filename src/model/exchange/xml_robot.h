@@ -1,0 +1,76 @@
+/// \file
+/// XML of a robot, read so that nothing is lost in silence: what no reader has asked for becomes a remark.
+#pragma once
+
+#include <tinyxml2.h>
+
+#include <Eigen/Geometry>
+#include <list>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "simgap/model/exchange/exchange.h"
+
+namespace simgap {
+
+/// No robot file may hold more bytes, elements nested deeper, or more of them.
+inline constexpr std::size_t kLargestRobotFile = std::size_t{64} << 20U;
+inline constexpr int kMostRobotElements = 200000;
+/// No number of a robot file is larger.
+inline constexpr double kLargestRobotNumber = 1e12;
+
+using XmlElement = tinyxml2::XMLElement;
+
+/// The documents of a robot, and which of their elements and attributes have been understood.
+class XmlRobot {
+ public:
+  /// \throws DataError: no XML, too much of it, or another root element
+  const XmlElement& parse(const std::string& text, const std::filesystem::path& file,
+                          const std::vector<std::string>& roots);
+
+  std::string place(const XmlElement& element) const;  ///< "finger.xml:12"
+  [[noreturn]] void fail(const XmlElement& element, const std::string& sentence) const;
+
+  /// An attribute's text; it counts as understood.
+  const char* find(const XmlElement& element, const char* attribute);
+  /// The element counts as understood, not so its attributes and children.
+  void understand(const XmlElement& element) { understood_.insert(&element); }
+  /// The element with all that is in it is left out, or taken in another way.
+  void remark(const XmlElement& element, const std::string& what, const std::string& done, bool matters = true);
+  /// The same for one attribute.
+  void remarkAttribute(const XmlElement& element, const char* attribute, const std::string& done, bool matters = true);
+  /// Without a place in the file. What was said already gets one more place only.
+  void add(const std::string& what, const std::string& done, bool matters, const std::string& place = {});
+
+  /// Remarks so far, and one for everything that nobody has asked for. \param ignored  attributes and elements that
+  /// change neither rest nor motion: reason by name
+  std::vector<ExchangeRemark> finish(const std::map<std::string, std::string>& ignored);
+
+  /// \name Attributes with a meaning. \throws DataError: other numbers, or another number of them
+  ///@{
+  std::vector<double> numbers(const XmlElement& element, const char* attribute, const char* text) const;
+  double number(const XmlElement& element, const char* attribute, const char* text) const;
+  Eigen::Vector3d vector3(const XmlElement& element, const char* attribute, const char* text) const;
+  ///@}
+
+ private:
+  struct Document {
+    std::string name;
+    tinyxml2::XMLDocument xml;
+  };
+  void cover(const XmlElement& element);
+  void remarkUnread(const XmlElement& element, const std::map<std::string, std::string>& ignored);
+
+  std::list<Document> documents_;
+  std::set<const void*> understood_;
+  std::vector<ExchangeRemark> remarks_;
+  std::map<std::string, std::size_t> index_;  ///< of a remark, by its text
+};
+
+/// A name that our files can hold: '.', '*' and ',' become '_'; free among `taken`, to which it is added.
+std::string freeName(std::string wanted, std::set<std::string>& taken);
+
+}  // namespace simgap

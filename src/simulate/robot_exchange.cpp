@@ -1,0 +1,96 @@
+#include "simgap/simulate/robot_exchange.h"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "simgap/core/error.h"
+#include "simgap/core/text.h"
+#include "simgap/model/arm/arm_yaml.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kSameWay = 1e-6;   ///< [m] what rounding and two searches for one rest leave
+constexpr double kSameTurn = 1e-5;  ///< [rad]
+
+ImportedArm readRobot(const RobotFile& from, RobotFormat format, const FileReader& read) {
+  if (format == RobotFormat::kMjcf) return readMjcf(from.text, from.file, read);
+  if (format == RobotFormat::kUrdf) return readUrdf(from.text, from.file);
+  return {readArm(YamlNode::parse(from.text, from.file.string())), {}};
+}
+
+ExportedArm writeRobot(const ArmModel& model, RobotFormat format) {
+  if (format == RobotFormat::kMjcf) return writeMjcf(model);
+  if (format == RobotFormat::kUrdf) return writeUrdf(model);
+  return {writeArm(model), {}};
+}
+
+/// The same bodies and joints with the muscles of a file, which stands first: its lines keep their numbers.
+ArmModel withMuscles(ArmModel model, const RobotFile& muscles) {
+  model.muscles.clear();
+  model.tendons.clear();
+  model.extensions.clear();
+  model.motor_defaults = {};
+  model.gearbox_defaults = {};
+  std::istringstream lines(writeArm(model));
+  std::string skeleton;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("muscles:", 0) != 0) skeleton += line + "\n";
+  }
+  return readArm(YamlNode::parse(muscles.text + "\n" + skeleton, muscles.file.string()));
+}
+
+/// What a reader of the file has to know, above it.
+std::string comments(const RobotExchange& exchange) {
+  std::string text =
+      fmt::format("# from {} ({})\n", printable(exchange.from.filename().string()), nameOf(exchange.from_format));
+  for (const ExchangeRemark& remark : exchange.read) {
+    if (remark.matters) text += fmt::format("# {}: {}\n", printable(remark.what), printable(remark.done));
+  }
+  return text;
+}
+
+void checkSame(const RobotExchange& exchange) {
+  const ExchangeReplay& replay = exchange.replay;
+  const auto refuse = [&](const std::string& what) {
+    throw NumericsError(fmt::format("{}: read back, {}; nothing was written", exchange.to.string(), what));
+  };
+  if (!(replay.way < kSameWay) || !(replay.turn < kSameTurn)) {
+    refuse(fmt::format("a body stands {:.3g} m and {:.3g} rad elsewhere at the same position of the joints", replay.way,
+                       replay.turn));
+  }
+  if (replay.restless > 0) {
+    refuse(fmt::format("{} of {} poses do not come to rest", replay.restless, replay.restless + replay.rests));
+  }
+  if (!(replay.rest_way < kSameWay) || !(replay.rest_turn < kSameTurn)) {
+    refuse(fmt::format("a body rests {:.3g} m and {:.3g} rad elsewhere at the same shafts", replay.rest_way,
+                       replay.rest_turn));
+  }
+}
+
+}  // namespace
+
+RobotExchange exchangeRobot(const RobotFile& from, const RobotFile& muscles, const std::filesystem::path& to,
+                            const FileReader& read) {
+  RobotExchange exchange;
+  exchange.from = from.file;
+  exchange.to = to;
+  exchange.to_format = robotFormatOf(to);
+  exchange.from_format = robotFormatOf(from.text, from.file);
+  ImportedArm imported = readRobot(from, exchange.from_format, read);
+  exchange.read = std::move(imported.remarks);
+  exchange.model = muscles.text.empty() ? std::move(imported.model) : withMuscles(std::move(imported.model), muscles);
+  ExportedArm exported = writeRobot(exchange.model, exchange.to_format);
+  exchange.written = std::move(exported.remarks);
+  const FileReader none = [](const std::filesystem::path& file) -> std::string {
+    throw DataError(file.string() + ": found a file to include, expected none");
+  };
+  const ArmModel back = readRobot({exported.text, to}, exchange.to_format, none).model;
+  exchange.replay = replayExchange(exchange.model, back, exchange.to_format == RobotFormat::kUrdf);
+  checkSame(exchange);
+  exchange.text = exchange.to_format == RobotFormat::kArm ? comments(exchange) + exported.text : exported.text;
+  return exchange;
+}
+
+}  // namespace simgap

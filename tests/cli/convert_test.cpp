@@ -1,0 +1,78 @@
+// `simgap convert`: files in, files out, sentences and exit codes.
+#include <nlohmann/json.hpp>
+
+#include "cli_fixture.h"
+
+namespace simgap::test {
+namespace {
+
+using testing::HasSubstr;
+using Convert = CliTest;
+
+constexpr const char* kPendulum =
+    "<mujoco model='pendulum'>\n<worldbody>\n<site name='top' pos='0.1 0 0'/>\n<body name='rod'>\n"
+    "<joint name='pivot' axis='0 1 0' armature='0.01'/>\n<geom type='capsule' fromto='0 0 0 0 0 -0.5' size='0.02'/>\n"
+    "<site name='low' pos='0.02 0 -0.3'/>\n</body>\n</worldbody>\n"
+    "<tendon><spatial name='line'><site site='top'/><site site='low'/></spatial></tendon>\n"
+    "<actuator><position tendon='line' kp='500' forcerange='-1000 0'/></actuator>\n</mujoco>\n";
+
+TEST_F(Convert, AnArmGoesIntoMjcfAndBackAndRestsTheSame) {
+  const Json there = Json::parse(succeed({"convert", "arm.yaml", "arm.xml", "--json"}));
+  EXPECT_EQ(there["format"], "simgap/convert/1");
+  EXPECT_EQ(there["robot"]["muscles"], 11);
+  EXPECT_LT(there["read_back"]["largest_turn_at_rest_deg"].get<double>(), 1e-3);
+  EXPECT_GE(there["read_back"]["rests"].get<int>(), 10);
+  succeed({"convert", "arm.xml", "again.yaml"});
+  EXPECT_THAT(text("again.yaml"), HasSubstr("# from arm.xml (MJCF)"));
+  // The arm that went there and back is an arm for every command.
+  const ProcessResult judged = simgap({"validate", "again.yaml", "--poses", "poses.csv", "-q", "-o", "v"});
+  EXPECT_EQ(judged.exit_code, 0) << judged.err;
+}
+
+TEST_F(Convert, NamesWhatItLeavesOutAndWritesNoDirectory) {
+  put("pendulum.xml", kPendulum);
+  const std::string said = unwrapped(succeed({"convert", "pendulum.xml", "pendulum.yaml"}));
+  EXPECT_THAT(said, HasSubstr("joint armature: left out"));
+  EXPECT_THAT(said, HasSubstr("pendulum.xml:5"));
+  EXPECT_TRUE(std::filesystem::exists(path("pendulum.yaml")));
+  EXPECT_FALSE(std::filesystem::exists(path("runs")));
+  succeed({"convert", "pendulum.xml", "pendulum.urdf"});
+  EXPECT_THAT(unwrapped(succeed({"convert", "pendulum.urdf", "bare.yaml"})), HasSubstr("0 muscles"));
+}
+
+TEST_F(Convert, TakesMusclesFromAFileOfOurs) {
+  put("pendulum.xml", kPendulum);
+  succeed({"convert", "pendulum.xml", "pendulum.urdf"});
+  const std::string arm = text("arm.yaml");
+  put("muscles.yaml",
+      arm.substr(arm.find("motor_defaults:"), arm.find("muscles:") - arm.find("motor_defaults:")) +
+          "muscles:\n  - name: pull\n    attachments: [{body: world, point_m: [0.1, 0, 0]}, {body: rod, "
+          "point_m: [0.02, 0, -0.3]}]\n    kite_line_length_m: 0.2\n    shock_cord: {rest_length_m: 0.08, "
+          "stiffness_N_m: 900, damping_Ns_m: 15}\n    spindle_radius_m: 0.006\n");
+  const Json result =
+      Json::parse(succeed({"convert", "pendulum.urdf", "robot.yaml", "--muscles", "muscles.yaml", "--json"}));
+  EXPECT_EQ(result["robot"]["muscles"], 1);
+  put("wrong.yaml", replaced(text("muscles.yaml"), "body: rod", "body: bar"));
+  expectRefused({"convert", "pendulum.urdf", "other.yaml", "--muscles", "wrong.yaml"}, 2,
+                "expected the name of a body");
+}
+
+TEST_F(Convert, RefusesWithOneSentence) {
+  put("pendulum.xml", kPendulum);
+  put("floating.xml", replaced(kPendulum, "<joint name='pivot' axis='0 1 0' armature='0.01'/>", "<freejoint/>"));
+  put("model.sdf", "<?xml version='1.0'?>\n<sdf version='1.9'/>\n");
+  put("broken.xml", "<mujoco><worldbody>");
+  expectRefused({"convert", "floating.xml", "a.yaml"}, 3, "floating.xml:5: freejoint: found a floating base");
+  expectRefused({"convert", "model.sdf", "a.yaml"}, 3, "found SDF, expected MJCF or URDF");
+  expectRefused({"convert", "broken.xml", "a.yaml"}, 3, "found no XML that can be read");
+  expectRefused({"convert", "pendulum.xml", "a.obj"}, 2, "found the ending '.obj'");
+  expectRefused({"convert", "nothing.xml", "a.yaml"}, 2, "cannot be read");
+  put("there.yaml", "mine");
+  expectRefused({"convert", "pendulum.xml", "there.yaml"}, 2, "there.yaml: exists; --force replaces it");
+  EXPECT_EQ(text("there.yaml"), "mine");
+  succeed({"convert", "pendulum.xml", "there.yaml", "--force"});
+  EXPECT_THAT(text("there.yaml"), HasSubstr("format: simgap/arm/"));
+}
+
+}  // namespace
+}  // namespace simgap::test

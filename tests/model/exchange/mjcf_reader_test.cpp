@@ -1,0 +1,211 @@
+// MJCF by hand: what each construct means is worked out here, not by the reader.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "simgap/core/error.h"
+#include "simgap/model/arm/kinematics.h"
+#include "simgap/model/arm/tendon_path.h"
+#include "simgap/model/exchange/exchange.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+using testing::HasSubstr;
+
+const FileReader kNoFiles = [](const std::filesystem::path& file) -> std::string {
+  throw DataError(file.string() + " was asked for");
+};
+
+ImportedArm readText(const std::string& text) { return readMjcf(text, "robot.xml", kNoFiles); }
+
+/// A robot of one body on a hinge, with `more` in its worldbody and behind it.
+std::string robot(const std::string& head, const std::string& body, const std::string& tail = "") {
+  return "<mujoco>\n" + head + "<worldbody>\n<body name='b'>\n" + body + "</body>\n</worldbody>\n" + tail +
+         "</mujoco>\n";
+}
+
+constexpr const char* kBall = "<geom size='0.1' mass='2'/>\n";
+
+std::string refusal(const std::string& text) {
+  try {
+    readText(text);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return "nothing was refused";
+}
+
+bool hasRemark(const std::vector<ExchangeRemark>& remarks, const std::string& what, bool matters,
+               const std::string& place) {
+  return std::ranges::any_of(remarks, [&](const ExchangeRemark& r) {
+    return r.what == what && r.matters == matters && std::ranges::find(r.places, place) != r.places.end();
+  });
+}
+
+TEST(MjcfReader, ReadsAHingeInDegreesWithDefaultsOfItsClass) {
+  const ArmModel arm = readText(robot("<default><joint damping='0.5'/><default class='c'><joint range='-90 45'/>"
+                                      "</default></default>\n",
+                                      std::string("<joint name='h' class='c' axis='0 2 0' stiffness='3' springref='30' "
+                                                  "frictionloss='0.1'/>\n") +
+                                          kBall))
+                           .model;
+  ASSERT_EQ(arm.joints.size(), 1U);
+  const Joint& joint = arm.joints[0];
+  EXPECT_EQ(joint.type, JointType::kRevolute);
+  EXPECT_EQ(joint.axis, Eigen::Vector3d::UnitY());
+  EXPECT_DOUBLE_EQ(joint.lower_limit, -std::numbers::pi / 2.0);
+  EXPECT_DOUBLE_EQ(joint.upper_limit, std::numbers::pi / 4.0);
+  EXPECT_DOUBLE_EQ(joint.viscous_friction, 0.5);
+  EXPECT_DOUBLE_EQ(joint.coulomb_friction, 0.1);
+  EXPECT_DOUBLE_EQ(joint.spring_stiffness, 3.0);
+  EXPECT_DOUBLE_EQ(joint.spring_rest, std::numbers::pi / 6.0);
+}
+
+TEST(MjcfReader, CountsPositionsFromTheDrawnPose) {
+  const ImportedArm read =
+      readText(robot("<compiler angle='radian'/>", std::string("<joint name='h' ref='0.5' range='0 1'/>\n") + kBall));
+  EXPECT_DOUBLE_EQ(read.model.joints[0].lower_limit, -0.5);
+  EXPECT_DOUBLE_EQ(read.model.joints[0].upper_limit, 0.5);
+  EXPECT_TRUE(hasRemark(read.remarks, "joint ref", true, "robot.xml:4"));
+}
+
+TEST(MjcfReader, TurnsFramesByEveryNotation) {
+  // 90 degrees about z in each of them; small letters of eulerseq turn with the body, capitals do not.
+  const Eigen::Vector3d expected(0.0, 1.0, 0.0);
+  for (const std::string frame :
+       {"quat='1 0 0 1'", "axisangle='0 0 3 90'", "euler='0 0 90'", "xyaxes='0 2 0 -1 1 0'"}) {
+    const ArmModel arm = readText("<mujoco><worldbody><body pos='1 2 3' " + frame + "><joint name='h'/>" + kBall +
+                                  "</body></worldbody></mujoco>")
+                             .model;
+    const std::vector<BodyInWorld> bodies = bodiesInWorld(arm, std::vector<JointPosition>(1));
+    EXPECT_NEAR((bodies[1].rotation * Eigen::Vector3d::UnitX() - expected).norm(), 0.0, 1e-12) << frame;
+    EXPECT_NEAR((bodies[1].origin - Eigen::Vector3d(1, 2, 3)).norm(), 0.0, 1e-12) << frame;
+  }
+  const auto turned = [](const std::string& sequence) {
+    const ArmModel arm =
+        readText("<mujoco><compiler eulerseq='" + sequence + "'/><worldbody><body euler='90 90 0'><joint/>" + kBall +
+                 "</body></worldbody></mujoco>")
+            .model;
+    return Eigen::Vector3d(bodiesInWorld(arm, std::vector<JointPosition>(1))[1].rotation * Eigen::Vector3d::UnitZ());
+  };
+  EXPECT_NEAR((turned("xyz") - Eigen::Vector3d::UnitX()).norm(), 0.0, 1e-12);  // Rx Ry z = Rx x
+  EXPECT_NEAR((turned("XYZ") + Eigen::Vector3d::UnitY()).norm(), 0.0, 1e-12);  // Ry Rx z = Ry (-y)
+}
+
+TEST(MjcfReader, AddsTheMassOfGeomsAndOfWeldedBodies) {
+  const ArmModel arm = readText(robot("",
+                                      "<joint/>\n<geom type='box' size='0.1 0.2 0.3' mass='3'/>\n"
+                                      "<body pos='0 0 1'><geom size='0.1' mass='1'/></body>\n"))
+                           .model;
+  ASSERT_EQ(arm.bodies.size(), 2U);
+  const MassProperties mass = massProperties(arm.bodies[1]);
+  EXPECT_DOUBLE_EQ(mass.mass, 4.0);
+  EXPECT_NEAR(mass.centre_of_mass.z(), 0.25, 1e-15);
+  // Box 3/3 (0.2^2 + 0.3^2), ball 2/5 0.1^2, both moved: 3 * 0.25^2 + 1 * 0.75^2.
+  EXPECT_NEAR(mass.inertia(0, 0), 0.13 + 0.004 + 0.1875 + 0.5625, 1e-12);
+}
+
+TEST(MjcfReader, PrefersStatedInertia) {
+  const ArmModel arm = readText(robot("",
+                                      "<joint/>\n<geom size='1'/>\n<inertial mass='2' pos='0.1 0 0' quat='1 0 0 1' "
+                                      "diaginertia='1 2 2.5'/>\n<geom size='2'/>\n"))
+                           .model;
+  const MassProperties mass = massProperties(arm.bodies[1]);
+  EXPECT_DOUBLE_EQ(mass.mass, 2.0);
+  EXPECT_NEAR((mass.inertia.diagonal() - Eigen::Vector3d(2, 1, 2.5)).norm(), 0.0, 1e-12);
+}
+
+TEST(MjcfReader, MakesABodyOfEveryJoint) {
+  const ArmModel arm =
+      readText(
+          robot("", std::string("<joint name='yaw'/>\n<joint name='pitch' axis='0 1 0' pos='0 0 0.2'/>\n") + kBall))
+          .model;
+  ASSERT_EQ(arm.bodies.size(), 3U);
+  EXPECT_EQ(arm.bodies[2].name, "b");
+  EXPECT_EQ(massProperties(arm.bodies[1]).mass, 0.0);
+  std::vector<JointPosition> joints(2);
+  joints[0].angle = std::numbers::pi / 2.0;
+  joints[1].angle = std::numbers::pi / 2.0;
+  // The origin, 0.2 below the second joint, swings to -x of the body that yaw has turned: -y.
+  const std::vector<BodyInWorld> bodies = bodiesInWorld(arm, joints);
+  EXPECT_NEAR((bodies[2].origin - Eigen::Vector3d(0.0, -0.2, 0.2)).norm(), 0.0, 1e-12);
+}
+
+TEST(MjcfReader, ReadsPathsWithBranchesTheFullOneFirst) {
+  const ArmModel arm = readText(std::string("<mujoco><worldbody><site name='up' pos='0.3 0 0.4'/><site name='near' "
+                                            "pos='0.3 0 0.1'/><body><joint/><site name='in' pos='0.3 0 0'/>") +
+                                kBall +
+                                "</body></worldbody><tendon><spatial name='t' stiffness='10'><pulley divisor='2'/>"
+                                "<site site='in'/><site site='up'/><pulley divisor='1'/><site site='in'/>"
+                                "<site site='near'/></spatial></tendon></mujoco>")
+                           .model;
+  ASSERT_EQ(arm.tendons.size(), 1U);
+  const std::vector<JointPosition> drawn(1);
+  EXPECT_NEAR(tendonLength(arm, arm.tendons[0], bodiesInWorld(arm, drawn), drawn), 0.1 + 0.5 * 0.4, 1e-12);
+  EXPECT_NEAR(arm.tendons[0].p[0], 0.3, 1e-12) << "a spring without a length rests in the drawn pose";
+}
+
+TEST(MjcfReader, NamesWhatItLeavesOutWithItsLine) {
+  const ImportedArm read = readText(robot(
+      "<option wind='1 0 0'/>\n",
+      std::string("<joint armature='0.1' magic='2'/>\n") + kBall + "<joint name='j2'/>\n<composite type='rope'/>\n",
+      "<actuator><motor joint='j2'/></actuator>\n<keyframe/>\n"));
+  EXPECT_TRUE(hasRemark(read.remarks, "option wind", true, "robot.xml:2"));
+  EXPECT_TRUE(hasRemark(read.remarks, "joint armature", true, "robot.xml:5"));
+  EXPECT_TRUE(hasRemark(read.remarks, "joint magic", true, "robot.xml:5"));
+  EXPECT_TRUE(hasRemark(read.remarks, "composite", true, "robot.xml:8"));
+  EXPECT_TRUE(hasRemark(read.remarks, "motor (actuator of a joint)", true, "robot.xml:11"));
+  EXPECT_TRUE(hasRemark(read.remarks, "keyframe", false, "robot.xml:12"));
+}
+
+TEST(MjcfReader, RefusesWithOneSentence) {
+  const std::string hinge = std::string("<joint name='h'/>\n") + kBall;
+  EXPECT_EQ(refusal("<mujoco>"),
+            "robot.xml:1: found no XML that can be read (XML_ERROR_MISMATCHED_ELEMENT), expected a robot in XML");
+  EXPECT_THAT(refusal(robot("", "<freejoint/>\n")), HasSubstr("robot.xml:4: freejoint: found a floating base"));
+  EXPECT_THAT(refusal(robot("", hinge, "<equality><weld body1='b'/></equality>")), HasSubstr("found a closed loop"));
+  EXPECT_THAT(refusal(robot("", "<joint range='0 nan'/>\n")),
+              HasSubstr("range: found 'nan', expected a finite number"));
+  EXPECT_THAT(refusal(robot("", "<joint range='2 1'/>\n")), HasSubstr("range: found 2 above 1"));
+  EXPECT_THAT(refusal(robot("", "<joint class='none'/>\n")), HasSubstr("class: found 'none'"));
+  EXPECT_THAT(refusal(robot("", "<joint/>\n<geom size='-1'/>\n")), HasSubstr("size: found -1 of a sphere"));
+  EXPECT_THAT(refusal(robot("", "<joint/>\n")), HasSubstr("body 'b' moves without any mass"));
+  EXPECT_THAT(refusal(robot("", hinge, "<tendon><spatial><site site='x'/></spatial></tendon>")),
+              HasSubstr("found 'x', expected the name of a site"));
+  EXPECT_THAT(refusal(robot("", hinge + "<site name='x'/>", "<tendon><spatial><site site='x'/></spatial></tendon>")),
+              HasSubstr("found a path of 1 sites, expected at least two"));
+  EXPECT_THAT(refusal("<!DOCTYPE m [<!ENTITY a 'b'>]>\n" + robot("", hinge)), HasSubstr("found a document type"));
+  EXPECT_THAT(refusal(std::string(20000, '<')), HasSubstr("found no XML"));
+  std::string deep;
+  for (int i = 0; i < 5000; ++i) deep += "<body>";
+  EXPECT_THAT(refusal("<mujoco><worldbody>" + deep), HasSubstr("found no XML that can be read"));
+}
+
+TEST(MjcfReader, ReadsIncludesOfItsOwnFolderOnly) {
+  std::vector<std::string> asked;
+  const FileReader read = [&](const std::filesystem::path& file) -> std::string {
+    asked.push_back(file.string());
+    if (asked.size() > 3) throw DataError("endless");
+    return std::string("<mujocoinclude><body name='b'><joint/>") + kBall + "</body></mujocoinclude>";
+  };
+  const auto include = [](const std::string& file) {
+    return "<mujoco><worldbody><include file='" + file + "'/></worldbody></mujoco>";
+  };
+  EXPECT_EQ(readMjcf(include("parts/b.xml"), "models/robot.xml", read).model.bodies[1].name, "b");
+  EXPECT_EQ(asked, std::vector<std::string>{"models/parts/b.xml"});
+  for (const std::string file : {"../b.xml", "/etc/passwd", "parts/../../b.xml"}) {
+    EXPECT_THROW(readMjcf(include(file), "models/robot.xml", read), DataError) << file;
+  }
+  EXPECT_EQ(asked.size(), 1U);
+  const FileReader itself = [&](const std::filesystem::path&) {
+    return "<mujocoinclude><include file='b.xml'/></mujocoinclude>";
+  };
+  EXPECT_THROW(readMjcf(include("b.xml"), "robot.xml", itself), DataError);
+}
+
+}  // namespace
+}  // namespace simgap::test

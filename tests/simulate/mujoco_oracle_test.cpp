@@ -1,0 +1,271 @@
+// MuJoCo itself (tests/oracle, npm's mujoco-js) judges robots that came from MJCF or go there: lengths of tendons,
+// their moment arms, places of bodies, masses, and where a robot comes to rest.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "simgap/core/random.h"
+#include "simgap/core/run_directory.h"
+#include "simgap/model/arm/arm_yaml.h"
+#include "simgap/model/arm/kinematics.h"
+#include "simgap/model/arm/tendon_path.h"
+#include "simgap/model/exchange/exchange.h"
+#include "simgap/simulate/equilibrium_arm.h"
+#include "support/files.h"
+#include "support/process.h"
+
+namespace simgap::test {
+namespace {
+
+using Joints = std::vector<JointPosition>;
+
+/// Answers of MuJoCo, one per line.
+std::vector<Json> askMujoco(const Json& request) {
+  const TemporaryFolder folder;
+  const ProcessResult result = runProcess(
+      {"/usr/bin/env", "node", sourceFile("tests/oracle/mujoco.mjs").string(), folder.put("request.json", request.dump()).string()},
+      folder.path());
+  EXPECT_EQ(result.exit_code, 0) << result.err << result.out;
+  std::vector<Json> answers;
+  std::istringstream lines(result.out);
+  for (std::string line; std::getline(lines, line);) answers.push_back(Json::parse(line));
+  return answers;
+}
+
+bool mujocoIsThere() {
+  if (!std::filesystem::exists(sourceFile("tests/oracle/node_modules/mujoco-js"))) return false;
+  return runProcess({"/usr/bin/env", "node", sourceFile("tests/oracle/mujoco.mjs").string()}, "/").exit_code == 0;
+}
+
+#define SIMGAP_NEEDS_MUJOCO() \
+  if (!mujocoIsThere()) GTEST_SKIP() << "no MuJoCo to compare with: scripts/install_oracle (needs node and npm)"
+
+ImportedArm importFile(const std::filesystem::path& file) {
+  return readMjcf(readText(file), file, [](const std::filesystem::path& included) { return readText(included); });
+}
+
+/// MuJoCo's numbers of a position: quaternions w first.
+std::vector<double> qposOf(const ArmModel& arm, const Joints& joints) {
+  std::vector<double> qpos;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Eigen::Quaterniond& q = joints[j].rotation;
+    if (arm.joints[j].hasAxis()) {
+      qpos.push_back(joints[j].angle);
+    } else {
+      qpos.insert(qpos.end(), {q.w(), q.x(), q.y(), q.z()});
+    }
+  }
+  return qpos;
+}
+
+Joints positionOf(const ArmModel& arm, const Json& qpos) {
+  Joints joints(arm.joints.size());
+  std::size_t k = 0;
+  const auto next = [&] { return qpos.at(k++).get<double>(); };
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (arm.joints[j].hasAxis()) {
+      joints[j].angle = next();
+    } else {
+      const double w = next(), x = next(), y = next(), z = next();
+      joints[j].rotation = Eigen::Quaterniond(w, x, y, z).normalized();
+    }
+  }
+  return joints;
+}
+
+Joints randomPosition(const ArmModel& arm, std::uint32_t individual) {
+  const CounterRandom random(19);
+  Joints joints(arm.joints.size());
+  for (std::uint32_t j = 0; j < joints.size(); ++j) {
+    const Joint& joint = arm.joints[j];
+    const auto uniform = [&](std::uint32_t k) { return random.uniform({0, individual, j, k}); };
+    const double lower = std::max(joint.lower_limit, -1.5), upper = std::min(joint.upper_limit, 1.5);
+    joints[j].angle = lower + (upper - lower) * uniform(0);
+    joints[j].rotation = expSo3(0.8 * Eigen::Vector3d(uniform(1) - 0.5, uniform(2) - 0.5, uniform(3) - 0.5));
+  }
+  return joints;
+}
+
+/// The lines of an arm in the order of the file's tendons.
+std::vector<std::pair<std::string, const TendonPath*>> linesOf(const ArmModel& arm) {
+  std::vector<std::pair<std::string, const TendonPath*>> lines;
+  for (const Muscle& muscle : arm.muscles) lines.emplace_back(muscle.name, &muscle);
+  for (const PassiveTendon& tendon : arm.tendons) lines.emplace_back(tendon.name, &tendon);
+  return lines;
+}
+
+double lengthAt(const ArmModel& arm, const TendonPath& path, const Joints& joints) {
+  return tendonLength(arm, path, bodiesInWorld(arm, joints), joints);
+}
+
+/// d length / d dof, MuJoCo's dofs: a ball turns in its child's frame.
+std::vector<double> momentArms(const ArmModel& arm, const TendonPath& path, const Joints& joints) {
+  constexpr double kStep = 1e-6;
+  std::vector<double> arms;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    for (int k = 0; k < arm.joints[j].degreesOfFreedom(); ++k) {
+      Joints ahead = joints, behind = joints;
+      ahead[j].angle += kStep;
+      behind[j].angle -= kStep;
+      if (!arm.joints[j].hasAxis()) {
+        ahead[j].rotation = joints[j].rotation * expSo3(kStep * Eigen::Vector3d::Unit(k));
+        behind[j].rotation = joints[j].rotation * expSo3(-kStep * Eigen::Vector3d::Unit(k));
+      }
+      arms.push_back((lengthAt(arm, path, ahead) - lengthAt(arm, path, behind)) / (2.0 * kStep));
+    }
+  }
+  return arms;
+}
+
+/// Where MuJoCo and the arm disagree most over random positions.
+struct Disagreement {
+  double length = 0.0, arm = 0.0, place = 0.0, mass = 0.0;
+  std::size_t compared = 0;
+};
+
+Disagreement disagreement(const ArmModel& arm, const std::string& xml, const std::filesystem::path& folder,
+                          int positions) {
+  Json request = {{"xml", xml}, {"folder", folder.string()}, {"positions", Json::array()}};
+  std::vector<Joints> all;
+  for (int i = 0; i < positions; ++i) {
+    all.push_back(randomPosition(arm, static_cast<std::uint32_t>(i)));
+    request["positions"].push_back(qposOf(arm, all.back()));
+  }
+  const std::vector<Json> answers = askMujoco(request);
+  Disagreement worst;
+  if (answers.size() != all.size() + 1) return worst;
+  const std::vector<std::string> tendons = answers[0]["tendons"], bodies = answers[0]["bodies"];
+  for (std::size_t j = 0; j < arm.joints.size(); ++j) EXPECT_EQ(answers[0]["joints"][j]["name"], arm.joints[j].name);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Json& answer = answers[i + 1];
+    for (const auto& [name, path] : linesOf(arm)) {
+      const auto at = static_cast<std::size_t>(std::ranges::find(tendons, name) - tendons.begin());
+      EXPECT_LT(at, tendons.size()) << name;
+      if (at == tendons.size()) continue;
+      worst.length =
+          std::max(worst.length, std::abs(lengthAt(arm, *path, all[i]) - answer["length"][at].get<double>()));
+      const std::vector<double> arms = momentArms(arm, *path, all[i]);
+      for (std::size_t d = 0; d < arms.size(); ++d) {
+        worst.arm = std::max(worst.arm, std::abs(arms[d] - answer["arm"][at][d].get<double>()));
+      }
+      ++worst.compared;
+    }
+    const std::vector<BodyInWorld> placed = bodiesInWorld(arm, all[i]);
+    for (std::size_t b = 0; b < arm.bodies.size(); ++b) {
+      const auto at = static_cast<std::size_t>(std::ranges::find(bodies, arm.bodies[b].name) - bodies.begin());
+      if (arm.bodies[b].fixed || at == bodies.size()) continue;
+      const Json& p = answer["position"][at];
+      worst.place = std::max(worst.place, (placed[b].origin - Eigen::Vector3d(p[0], p[1], p[2])).norm());
+      const double mass = massProperties(arm.bodies[b]).mass - answers[0]["mass"][at].get<double>();
+      worst.mass = std::max(worst.mass, std::abs(mass));
+    }
+  }
+  return worst;
+}
+
+void expectAgreement(const std::filesystem::path& file, int positions) {
+  const ImportedArm imported = importFile(file);
+  const std::string xml = readText(file);
+  for (const bool exported : {false, true}) {
+    SCOPED_TRACE(exported ? "as exported again" : "as imported");
+    const Disagreement found = exported
+                                   ? disagreement(imported.model, writeMjcf(imported.model).text, "", positions / 10)
+                                   : disagreement(imported.model, xml, file.parent_path(), positions);
+    EXPECT_GT(found.compared, 0U);
+    EXPECT_LT(found.length, 1e-6);  // [m]
+    EXPECT_LT(found.arm, 1e-6);     // [m]; differences of lengths leave 1e-9
+    EXPECT_LT(found.place, 1e-9);
+    EXPECT_LT(found.mass, 1e-9);
+  }
+}
+
+TEST(MujocoOracle, AgreesOnAFingerWithPulleyAndWraps) {
+  SIMGAP_NEEDS_MUJOCO();
+  expectAgreement(sourceFile("tests/oracle/finger.xml"), 1000);
+}
+
+TEST(MujocoOracle, AgreesOnAChainOfSlideBallAndHinge) {
+  SIMGAP_NEEDS_MUJOCO();
+  expectAgreement(sourceFile("tests/oracle/mixed_chain.xml"), 1000);
+}
+
+/// Models of others, which are no part of this repository.
+void expectAgreementOnModel(const std::string& name) {
+  const char* const given = std::getenv("SIMGAP_REAL_DATA");
+  const std::filesystem::path real =
+      given != nullptr ? std::filesystem::path(given) : sourceFile("../shared/data/real");
+  const std::filesystem::path file = real / "../models" / name;
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no " << file << " (SIMGAP_REAL_DATA)";
+  expectAgreement(file, 1000);
+}
+
+TEST(MujocoOracle, AgreesOnArm26) {
+  SIMGAP_NEEDS_MUJOCO();
+  expectAgreementOnModel("arm26.xml");
+}
+
+TEST(MujocoOracle, AgreesOnTheTendonFinger) {
+  SIMGAP_NEEDS_MUJOCO();
+  expectAgreementOnModel("finger_v0.xml");
+}
+
+double largestTurn(const ArmModel& arm, const Joints& a, const Joints& b) {
+  const std::vector<BodyInWorld> one = bodiesInWorld(arm, a), other = bodiesInWorld(arm, b);
+  double turn = 0.0;
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    turn = std::max(turn, geodesicAngle(Eigen::Quaterniond(one[k].rotation), Eigen::Quaterniond(other[k].rotation)));
+  }
+  return toDegrees(turn);
+}
+
+TEST(MujocoOracle, AnImportedChainRestsWhereItDoesThere) {
+  SIMGAP_NEEDS_MUJOCO();
+  const std::filesystem::path file = sourceFile("tests/oracle/mixed_chain.xml");
+  const ArmModel arm = importFile(file).model;
+  const std::vector<Json> answers = askMujoco({{"xml", readText(file)}, {"settle", {{"seconds", 60}}}});
+  ASSERT_EQ(answers.size(), 2U);
+  ASSERT_LT(answers[1]["speed"].get<double>(), 1e-6);
+  EquilibriumArm solver(arm);
+  ASSERT_TRUE(solver.solveFrom(Joints(arm.joints.size()), {}).stable);
+  const Joints rest = positionOf(arm, answers[1]["qpos"]);
+  EXPECT_LT(largestTurn(arm, solver.joints(), rest), 0.05);
+  EXPECT_NEAR(solver.joints()[0].angle, rest[0].angle, 1e-5);  // [m]
+}
+
+TEST(MujocoOracle, TheSampleArmRestsThereWhereItDoesHere) {
+  SIMGAP_NEEDS_MUJOCO();
+  ArmModel arm = readArm(YamlNode::parse(readText(sourceFile("data/arm/arm.yaml")), "arm.yaml"));
+  for (Joint& joint : arm.joints) joint.coulomb_friction = 0.0;  // an equilibrium is where no friction is needed
+  EquilibriumArm solver(arm);
+  const CounterRandom random(7);
+  std::vector<Joints> rests;
+  Json controls = Json::array(), starts = Json::array();
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    std::vector<double> shafts;
+    for (std::uint32_t m = 0; m < arm.muscles.size(); ++m) shafts.push_back(4.0 * random.uniform({0, i, m, 0}));
+    const EquilibriumSolution found = solver.solve(shafts);
+    const double elbow = solver.joints()[1].angle;
+    // MuJoCo's stops give way; poses at one are another comparison.
+    if (!found.stable || elbow < 0.05 || elbow > 2.3) continue;
+    rests.push_back(solver.joints());
+    Joints start = solver.joints();
+    start[0].rotation = start[0].rotation * expSo3({0.03, -0.02, 0.04});
+    start[1].angle += 0.03;
+    starts.push_back(qposOf(arm, start));
+    controls.push_back(shafts);
+  }
+  ASSERT_GE(rests.size(), 6U);
+  const std::vector<Json> answers = askMujoco(
+      {{"xml", writeMjcf(arm).text}, {"settle", {{"seconds", 40}, {"controls", controls}, {"starts", starts}}}});
+  ASSERT_EQ(answers.size(), rests.size() + 1);
+  for (std::size_t i = 0; i < rests.size(); ++i) {
+    EXPECT_LT(answers[i + 1]["speed"].get<double>(), 1e-6);
+    EXPECT_LT(largestTurn(arm, rests[i], positionOf(arm, answers[i + 1]["qpos"])), 0.05) << "pose " << i;
+  }
+}
+
+}  // namespace
+}  // namespace simgap::test
