@@ -1,6 +1,7 @@
 #include "simgap/simulate/motion_commands.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -60,15 +61,9 @@ void expectKnownMuscles(const CsvTable& table, const ArmModel& model) {
 }
 
 void expectPossible(const CsvTable& table, const Muscle& muscle, CommandKind kind, const std::vector<double>& values) {
-  const double supply = muscle.motor.supply_voltage;
   for (std::size_t i = 0; i < values.size(); ++i) {
-    if (kind == CommandKind::kVoltage && std::abs(values[i]) > supply) {
-      table.fail(
-          i, fmt::format("{}: {:g} V is beyond the supply of {:g} V", stemOf(kind, muscle.name), values[i], supply));
-    }
-    if (kind == CommandKind::kForce && values[i] < 0.0) {
-      table.fail(i, fmt::format("{}: {:g} N, expected >= 0: a line only pulls", stemOf(kind, muscle.name), values[i]));
-    }
+    const std::string problem = problemOf(muscle, kind, values[i]);
+    if (!problem.empty()) table.fail(i, fmt::format("{}: {}", stemOf(kind, muscle.name), problem));
   }
 }
 
@@ -84,6 +79,15 @@ CommandColumn columnOf(CommandKind kind) {
       break;
   }
   return {"force", "N"};
+}
+
+std::string problemOf(const Muscle& muscle, CommandKind kind, double value) {
+  const double supply = muscle.motor.supply_voltage;
+  if (kind == CommandKind::kVoltage && std::abs(value) > supply) {
+    return fmt::format("{:g} V is beyond the supply of {:g} V", value, supply);
+  }
+  if (kind == CommandKind::kForce && value < 0.0) return fmt::format("{:g} N, expected >= 0: a line only pulls", value);
+  return "";
 }
 
 void MotionCommands::at(double time, std::size_t& row, std::span<double> out) const {

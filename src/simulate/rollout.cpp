@@ -15,6 +15,15 @@ BulletArmOptions armOptions(const RolloutOptions& options) {
   return arm;
 }
 
+/// No line winds a motor so fast that its current is this many times that of its stall; a simulation that blows up on a
+/// joint's stop passes it, though the joint never runs away.
+constexpr double kMostStallCurrents = 50.0;
+
+bool driveIsSound(const BulletArm& arm, const Motor& motor, std::size_t muscle) {
+  return std::abs(arm.current(muscle)) * motor.resistance < kMostStallCurrents * motor.supply_voltage &&
+         std::isfinite(arm.shaftAngle(muscle)) && std::isfinite(arm.force(muscle));
+}
+
 JointPosition between(JointType type, const JointPosition& a, const JointPosition& b, double part) {
   JointPosition position;
   position.angle = a.angle + part * (b.angle - a.angle);
@@ -111,6 +120,9 @@ bool Rollout::step(std::span<const double> commands) {
   if (steps_ % tick_ == 0) control(commands);
   arm_.stepMotion();
   ++steps_;
+  for (std::size_t m = 0; m < muscles_.size(); ++m) {
+    if (!driveIsSound(arm_, muscles_[m].motor, m)) return false;
+  }
   return arm_.isFinite();
 }
 
@@ -192,7 +204,7 @@ MotionOutcome Rollout::stopped() const {
     if (!arm_.jointIsFinite(j)) outcome.joint = static_cast<int>(j);
   }
   for (std::size_t m = 0; m < muscles_.size() && outcome.joint < 0 && outcome.muscle < 0; ++m) {
-    if (!std::isfinite(arm_.shaftAngle(m)) || !std::isfinite(arm_.force(m))) outcome.muscle = static_cast<int>(m);
+    if (!driveIsSound(arm_, muscles_[m].motor, m)) outcome.muscle = static_cast<int>(m);
   }
   return outcome;
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,6 +23,9 @@ struct CommandColumn {
   std::string_view stem, unit;  ///< "setpoint", "rad": the column is setpoint_<muscle>_rad
 };
 CommandColumn columnOf(CommandKind kind);
+
+/// What a muscle cannot be told: a voltage beyond its supply, a force that pushes; empty when it can.
+std::string problemOf(const Muscle& muscle, CommandKind kind, double value);
 
 /// Commands of all muscles at rising times. Before the first row its values hold, behind the last row its own.
 struct MotionCommands {

@@ -3,8 +3,10 @@
 /// One file per kind in src/simulate/controllers.
 #pragma once
 
+#include <array>
 #include <memory>
 
+#include "simgap/core/yaml.h"
 #include "simgap/model/arm/arm.h"
 #include "simgap/simulate/motion_commands.h"
 
@@ -22,7 +24,13 @@ struct MuscleSensors {
 struct ControllerOptions {
   double rate = 500.0;       ///< [Hz]
   double shaft_gain = 50.0;  ///< K_p [V/rad]
+  /// Poles of the force controller's feedback and of its observer, as rates of decay, each different [1/s].
+  std::array<double, 3> force_rates = {60.0, 80.0, 1500.0};
+  std::array<double, 4> observer_rates = {200.0, 250.0, 300.0, 2000.0};
   bool operator==(const ControllerOptions&) const = default;
+  /// Reads a `controllers:` section; what is missing keeps its value. \throws ConfigError
+  static ControllerOptions read(const YamlNode& node);
+  std::string toYaml() const;
 };
 
 /// One muscle's controller.

@@ -81,7 +81,8 @@ std::map<StateKey, Json> pathsJson(const CsvTable& table, const std::vector<std:
 
 }  // namespace
 
-std::optional<PageScene> armScene(const ResultFiles& files, std::vector<ScenePose> poses) {
+std::optional<PageScene> armScene(const ResultFiles& files, std::vector<ScenePose> poses,
+                                  const std::optional<SceneMotion>& motion) {
   if (poses.empty() || !files.has("arm_bodies.csv")) return std::nullopt;
   const CsvTable body_table = files.table("arm_bodies.csv");
   const std::vector<std::string> bodies = distinctOf(body_table, "body");
@@ -104,21 +105,24 @@ std::optional<PageScene> armScene(const ResultFiles& files, std::vector<ScenePos
     };
     show("measured", "");
     for (const auto& [state, text] : pose.states) show(state, text);
-    list.push_back({{"name", pose.set + " pose " + pose.pose}, {"states", shown}});
+    list.push_back({{"name", motion ? pose.pose : pose.set + " pose " + pose.pose}, {"states", shown}});
   }
-  PageScene scene{"The arm in its poses", "", {}};
-  scene.note =
-      "Solid: simulated; ghost: measured. A muscle's colour and thickness grow with its tension. Drag or use the arrow "
-      "keys to turn; click, then scroll to come nearer.";
+  PageScene scene{motion ? "The movement" : "The arm in its poses", "", {}};
+  scene.note = !motion || motion->measured ? "Solid: simulated; ghost: measured. " : "";
+  scene.note +=
+      "A muscle's colour and thickness grow with its tension. Drag or use the arrow keys to turn; click, then scroll "
+      "to "
+      "come nearer.";
   if (count > poses.size()) scene.note += fmt::format(" The {} worst of {} poses.", poses.size(), count);
-  scene.scene = {{"slider", "pose, worst first"},
+  scene.scene = {{"slider", motion ? "time" : "pose, worst first"},
                  {"states", states},
-                 {"ghost", "measured"},
+                 {"ghost", !motion || motion->measured ? Json("measured") : Json(nullptr)},
                  {"bodies", bodies},
                  {"parts", partsJson(files.table("arm_parts.csv"), bodies)},
                  {"muscles", muscles},
                  {"most_tension", tensions.empty() ? 0.0 : std::ranges::max(tensions)},
                  {"poses", list}};
+  if (motion) scene.scene["duration_s"] = motion->duration;
   return scene;
 }
 

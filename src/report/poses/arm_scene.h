@@ -23,7 +23,14 @@ inline constexpr std::size_t kMostScenePoses = 100;
 /// The same for arms of many muscles: poses times muscles.
 inline constexpr std::size_t kMostPaths = 1500;
 
+/// Poses that follow each other in time.
+struct SceneMotion {
+  double duration;  ///< [s]
+  bool measured;    ///< shown as a ghost
+};
+
 /// Nothing when the directory has no geometry or no pose.
-std::optional<PageScene> armScene(const ResultFiles& files, std::vector<ScenePose> poses);
+std::optional<PageScene> armScene(const ResultFiles& files, std::vector<ScenePose> poses,
+                                  const std::optional<SceneMotion>& motion = {});
 
 }  // namespace simgap

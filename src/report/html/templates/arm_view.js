@@ -83,8 +83,12 @@ class ArmView {
   addControls() {
     const controls = this.figure.querySelector('.controls'), {poses, states} = this.data;
     this.slider = element('input', {type: 'range', min: 0, max: poses.length - 1, value: 0, step: 1, 'aria-label': this.data.slider});
-    this.slider.addEventListener('input', () => { this.pose = +this.slider.value; this.show(); });
+    this.slider.addEventListener('input', () => { this.stop(); this.pose = +this.slider.value; this.show(); });
     controls.append(element('label', {class: 'group'}, this.data.slider, this.slider));
+    if (this.data.duration_s > 0) {
+      this.playButton = this.button('play', () => this.playing ? this.stop() : this.play());
+      controls.append(this.playButton);
+    }
     this.stateButtons = states.length < 2 ? [] : states.map(state => this.button(state, () => { this.state = state; this.show(); }));
     if (states.length > 1) controls.append(element('span', {class: 'group', role: 'group', 'aria-label': 'model'}, ...this.stateButtons));
     if (this.data.ghost) {
@@ -100,6 +104,28 @@ class ArmView {
     const made = element('button', {type: 'button'}, text);
     made.addEventListener('click', action);
     return made;
+  }
+
+  /** A movement in its own time, from where the slider stands, or from the start. */
+  play() {
+    const last = this.data.poses.length - 1, first = this.pose < last ? this.pose : 0;
+    const begin = performance.now() - 1000 * this.data.duration_s * first / last;
+    const frame = now => {
+      this.pose = Math.min(last, Math.max(0, Math.floor((now - begin) / 1000 / this.data.duration_s * last)));
+      this.slider.value = this.pose;
+      this.show();
+      if (this.pose < last) this.playing = requestAnimationFrame(frame);
+      else this.stop();
+    };
+    this.playing = requestAnimationFrame(frame);
+    this.playButton.textContent = 'stop';
+  }
+
+  stop() {
+    if (!this.playing) return;
+    cancelAnimationFrame(this.playing);
+    this.playing = 0;
+    this.playButton.textContent = 'play';
   }
 
   // --------------------------------------------------------------------------------------------- drawing

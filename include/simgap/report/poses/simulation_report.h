@@ -1,0 +1,44 @@
+/// \file
+/// The result of `simulate` as JSON (docs/formats.md), files and a table for the terminal.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "simgap/core/run_directory.h"
+#include "simgap/report/table.h"
+#include "simgap/simulate/simulation.h"
+
+namespace simgap {
+
+/// A recorded movement of the joints, and the simulated one at the same times.
+struct MeasuredMotion {
+  std::string file;
+  std::vector<double> times;          ///< shape (rows) [s]
+  std::vector<JointPosition> joints;  ///< shape (rows, joints)
+  MotionTrack simulated;
+};
+/// Rows of a table of joints between two times. \throws DataError: none of them, or what CsvTable refuses
+MeasuredMotion readMeasuredJoints(const CsvTable& table, const ArmModel& model, double start, double end);
+
+struct SimulationResult {
+  const ArmModel& model;
+  const MotionCommands& commands;
+  const SimulationOptions& options;
+  const Simulation& simulation;
+  std::string start;  ///< "rest", "zero" or a file
+  std::optional<MeasuredMotion> measured = {};
+  std::vector<std::string> notes = {};
+};
+
+Json toJson(const SimulationResult& result);
+std::string terminalTable(const SimulationResult& result);
+/// motion.csv, muscles.csv, joints.csv, the scene's arm_*.csv, and measured.csv where a movement was given.
+void writeSimulation(const SimulationResult& result, std::uint64_t seed, const RunDirectory& directory);
+
+/// Per joint and per muscle, from the JSON.
+Table jointMotionTable(const Json& result);
+Table muscleMotionTable(const Json& result);
+
+}  // namespace simgap

@@ -1,0 +1,36 @@
+/// \file
+/// An arm as another program's internal model: a line of JSON with commands in, a line of JSON with sensors out
+/// (docs/formats.md, "An arm served").
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/simulate/rollout.h"
+
+namespace simgap {
+
+class ServedArm {
+ public:
+  /// \throws ConfigError as RolloutOptions::validate
+  ServedArm(const ArmModel& model, const RolloutOptions& options);
+  /// The answer to a line; a line that cannot be understood is answered by `{"error": …}` and changes nothing. What
+  /// comes out depends on the lines since the last reset alone, to the last bit.
+  std::string answer(std::string_view line);
+  double time() const { return rollout_.time(); }  ///< [s] since the last reset
+
+ private:
+  struct Request;
+  Request read(std::string_view line) const;
+  std::string state() const;
+
+  ArmModel model_;
+  RolloutOptions options_;
+  Rollout rollout_;
+  std::vector<CommandKind> kinds_;  ///< shape (muscles)
+  std::vector<double> commands_;    ///< shape (muscles)
+  bool blown_up_ = false;
+};
+
+}  // namespace simgap

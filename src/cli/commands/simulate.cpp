@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <ctime>
+#include <iostream>
+
+#include "cli/inputs.h"
+#include "simgap/cli/command.h"
+#include "simgap/report/poses/simulation_report.h"
+#include "simgap/simulate/motion_inputs.h"
+#include "simgap/simulate/served_arm.h"
+
+namespace simgap::commands {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  TableOptions table;
+  std::string model, commands, config, measured;
+  std::string hold = "step", start = "rest", start_pose;
+  std::optional<double> rate, step, duration;
+  bool serve = false;
+};
+
+SimulationOptions settingsOf(Session& session, const Options& options) {
+  SimulationOptions settings;
+  if (!options.config.empty()) {
+    settings = SimulationOptions::read(YamlNode::parse(session.read("config", options.config).content, options.config));
+  }
+  settings.rate = options.rate.value_or(settings.rate);
+  settings.rollout.step = options.step.value_or(settings.rollout.step);
+  settings.rollout.validate();
+  return settings;
+}
+
+MotionCommands readMotionCommands(Session& session, const Options& options, const ArmModel& model, double rate) {
+  const std::string& text = session.read("commands", options.commands).content;
+  if (!options.commands.ends_with(".yaml") && !options.commands.ends_with(".yml")) {
+    return readCommands(CsvTable::parse(text, options.commands, options.table.csv()), model, options.hold == "linear");
+  }
+  return readSchedule(YamlNode::parse(text, options.commands), model, rate, [&](const std::string& file) {
+    const auto path = std::filesystem::path(options.commands).parent_path() / file;
+    return readPoses(session, "poses", path.string(), model, {});
+  });
+}
+
+MotionStart readStart(Session& session, const Options& options, const ArmModel& model, const MotionCommands& commands,
+                      double settle) {
+  const double time = commands.times.front();
+  if (options.start == "rest") return restUnder(model, commands, time, settle);
+  MotionStart start;
+  if (options.start != "zero") {
+    const CsvTable table =
+        CsvTable::parse(session.read("start", options.start).content, options.start, options.table.csv());
+    start = readMotionStart(table, model, options.start_pose);
+  }
+  start.time = time;
+  return start;
+}
+
+/// A line in, a line out, until there are no more; how long a cycle took goes to stderr.
+ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
+  ServedArm arm(model, options);
+  std::string line;
+  long cycles = 0;
+  double busy = 0.0, simulated = 0.0;
+  while (std::getline(std::cin, line)) {
+    const std::clock_t begin = std::clock();
+    const double before = arm.time();
+    const std::string answer = arm.answer(line);
+    busy += static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    simulated += std::max(0.0, arm.time() - before);
+    ++cycles;
+    if (!(std::cout << answer << '\n' << std::flush)) throw ConfigError("the standard output cannot be written");
+  }
+  if (cycles > 0) {
+    spdlog::info("{} lines, {:.1f} us of one core each, {:.0f} times as fast as real time", cycles,
+                 1e6 * busy / static_cast<double>(cycles), simulated / std::max(busy, 1e-6));
+  }
+  return ExitCode::kDone;
+}
+
+ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+  Session session("simulate", options.common, argv);
+  const ArmModel model = readArmFile(session, "model", options.model);
+  const SimulationOptions settings = settingsOf(session, options);
+  if (options.serve) return serve(model, settings.rollout);
+  if (options.commands.empty()) throw ConfigError("found neither --commands nor --serve, expected one of them");
+  const MotionCommands commands = readMotionCommands(session, options, model, settings.rollout.controllers.rate);
+  const MotionStart start = readStart(session, options, model, commands, settings.settle);
+  const double end = motionEnd(commands, options.commands, options.duration);
+  std::optional<MeasuredMotion> measured;
+  if (!options.measured.empty()) {
+    const CsvTable table =
+        CsvTable::parse(session.read("measured", options.measured).content, options.measured, options.table.csv());
+    measured = readMeasuredJoints(table, model, start.time, end);
+  }
+  if (options.common.dry_run) {
+    session.print(fmt::format("would play {:g} s of {} on {}; nothing was written\n", end - start.time,
+                              options.commands, model.name));
+    return ExitCode::kDone;
+  }
+  const std::uint64_t seed = options.common.seed.value_or(0);
+  session.begin(seed);
+  session.directory().write("config.resolved.yaml", settings.toYaml());
+  const Simulation simulation = simulateMotion(model, commands, start, end, settings);
+  if (measured) measured->simulated = playAt(model, commands, start, measured->times, settings);
+  const SimulationResult result{model,
+                                commands,
+                                settings,
+                                simulation,
+                                options.start,
+                                std::move(measured),
+                                notesOn(model, simulation, settings.rollout.step)};
+  for (const std::string& note : result.notes) spdlog::warn("{}", note);
+  writeSimulation(result, seed, session.directory());
+  session.finish(toJson(result), terminalTable(result));
+  return ExitCode::kDone;
+}
+
+std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
+  auto options = std::make_shared<Options>();
+  app.add_option("MODEL", options->model, "arm model (YAML)")->required();
+  app.add_option("--commands", options->commands,
+                 "per muscle over time: setpoint_<m>_rad, voltage_<m>_V or force_<m>_N (CSV), or a schedule (YAML)");
+  app.add_flag("--serve", options->serve, "answer lines of JSON on stdin (commands) by lines on stdout (sensors)");
+  app.add_option("--config", options->config, "step, controllers and sensors (YAML)");
+  app.add_option("--hold", options->hold, "between the rows of the commands: step or linear")
+      ->check(CLI::IsMember({"step", "linear"}));
+  app.add_option("--start", options->start,
+                 "rest: under the first commands; zero: shafts 0; or a state or pose set (CSV), taken at rest");
+  app.add_option("--start-pose", options->start_pose, "the pose of --start (default: its first row)");
+  app.add_option("--duration-s", options->duration, "how long to play (default: to the last command) [s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--rate", options->rate, "rows of motion.csv per second (default 100) [Hz]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--step-s", options->step, "physics step (default 0.001) [s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--measured", options->measured, "a recorded movement (joints.csv), shown as a ghost");
+  options->table.add(app);
+  options->common.add(app);
+  return [options, argv] { return run(*options, argv); };
+}
+
+}  // namespace
+
+extern const Command simulate;
+const Command simulate{"simulate", "plays an arm with commands over time",
+                       "  simgap simulate data/elbow-movement/arm.yaml \\\n"
+                       "    --commands data/elbow-movement/schedule.yaml -o runs/elbow",
+                       define};
+
+}  // namespace simgap::commands

@@ -1,0 +1,236 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
+#include "simgap/report/poses/simulation_report.h"
+#include "simgap/simulate/arm_geometry.h"
+
+namespace simgap {
+namespace {
+
+/// Frames that the page's view in three dimensions shows.
+std::vector<std::size_t> sceneRows(const MotionTrack& track, std::size_t muscles) {
+  constexpr std::size_t kMostFrames = 100, kMostLines = 1500;
+  const std::size_t most = std::clamp<std::size_t>(kMostLines / std::max<std::size_t>(muscles, 1), 2, kMostFrames);
+  const std::size_t frames = std::min(most, track.times.size());
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < frames; ++i) {
+    rows.push_back(frames < 2 ? 0 : i * (track.times.size() - 1) / (frames - 1));
+  }
+  return rows;
+}
+
+std::size_t nearestRow(const std::vector<double>& times, double time) {
+  const auto after = std::ranges::lower_bound(times, time);
+  if (after == times.end()) return times.size() - 1;
+  const auto row = static_cast<std::size_t>(after - times.begin());
+  return row > 0 && time - times[row - 1] < times[row] - time ? row - 1 : row;
+}
+
+void writeScene(const SimulationResult& result, const RunDirectory& directory) {
+  const ArmModel& model = result.model;
+  const MotionTrack& track = result.simulation.motion;
+  PoseSet set;
+  std::vector<PoseOutcome> outcomes;
+  for (const std::size_t row : sceneRows(track, model.muscles.size())) {
+    Pose pose;
+    pose.name = fmt::format("{:.2f} s", track.times[row]);
+    PoseOutcome outcome;
+    outcome.status = PoseStatus::kSteady;
+    outcome.joints.assign(track.jointsAt(row).begin(), track.jointsAt(row).end());
+    for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+      const double length = track.cord_lengths(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(row));
+      outcome.cord_expansion.push_back(length / model.muscles[m].shock_cord.rest_length - 1.0);
+    }
+    pose.joints = outcome.joints;
+    if (result.measured) {
+      const std::size_t nearest = nearestRow(result.measured->times, track.times[row]);
+      const auto joints =
+          std::span(result.measured->joints).subspan(nearest * model.joints.size(), model.joints.size());
+      pose.joints.assign(joints.begin(), joints.end());
+    }
+    set.poses.push_back(std::move(pose));
+    outcomes.push_back(std::move(outcome));
+  }
+  const ReplayedSet replay{"motion", "simulated", model, set, outcomes};
+  writeArmGeometry({&replay, 1}, directory);
+}
+
+/// Root mean square over the rows of the way between two movements of a joint. [rad]
+double rms(const ArmModel& model, const MeasuredMotion& measured, std::size_t joint) {
+  const std::size_t joints = model.joints.size();
+  double sum = 0.0;
+  for (std::size_t row = 0; row < measured.times.size(); ++row) {
+    const double error = jointError(model.joints[joint].type, measured.joints[row * joints + joint],
+                                    measured.simulated.joints[row * joints + joint]);
+    sum += error * error;
+  }
+  return std::sqrt(sum / static_cast<double>(measured.times.size()));
+}
+
+Json jointsJson(const SimulationResult& result) {
+  const MotionTrack& track = result.simulation.motion;
+  Json joints = Json::object();
+  for (std::size_t j = 0; j < result.model.joints.size(); ++j) {
+    const Joint& joint = result.model.joints[j];
+    const JointKind& kind = kindOf(joint.type);
+    double lowest = INFINITY, highest = -INFINITY, fastest = 0.0;
+    for (std::size_t row = 0; row < track.times.size(); ++row) {
+      const double angle = toDegrees(kind.angle(track.jointsAt(row)[j]));
+      lowest = std::min(lowest, angle);
+      highest = std::max(highest, angle);
+      fastest = std::max(fastest, track.joint_velocities[row * track.joint_count + j].norm());
+    }
+    Json entry = {
+        {"first_deg", toDegrees(kind.angle(track.jointsAt(0)[j]))},
+        {"last_deg", toDegrees(kind.angle(track.jointsAt(track.times.size() - 1)[j]))},
+        {"lowest_deg", lowest},
+        {"highest_deg", highest},
+        {"fastest_rad_s", fastest},
+        {"half_step_deg",
+         numberOrNull(result.simulation.check.finished ? toDegrees(result.simulation.check.joint_change[j]) : NAN)}};
+    if (result.measured) entry["measured_rms_deg"] = toDegrees(rms(result.model, *result.measured, j));
+    joints[joint.name] = entry;
+  }
+  return joints;
+}
+
+Json musclesJson(const SimulationResult& result) {
+  const MotionTrack& track = result.simulation.motion;
+  Json muscles = Json::object();
+  for (std::size_t m = 0; m < result.model.muscles.size(); ++m) {
+    const auto i = static_cast<Eigen::Index>(m);
+    const Eigen::Index last = track.shafts.cols() - 1;
+    muscles[result.model.muscles[m].name] = {{"command", std::string(columnOf(result.commands.kinds[m]).stem)},
+                                             {"last_shaft_rad", track.shafts(i, last)},
+                                             {"highest_tension_N", track.forces.row(i).maxCoeff()},
+                                             {"last_tension_N", track.forces(i, last)},
+                                             {"highest_current_A", track.currents.row(i).cwiseAbs().maxCoeff()},
+                                             {"highest_voltage_V", track.voltages.row(i).cwiseAbs().maxCoeff()}};
+  }
+  return muscles;
+}
+
+std::string measuredCsv(const SimulationResult& result) {
+  const MeasuredMotion& measured = *result.measured;
+  std::vector<std::string> header{"time_s"};
+  for (const Joint& joint : result.model.joints) {
+    for (const char* suffix : {"_measured_deg", "_simulated_deg", "_error_deg"}) header.push_back(joint.name + suffix);
+  }
+  CsvWriter csv(header);
+  for (std::size_t row = 0; row < measured.times.size(); ++row) {
+    csv.add(measured.times[row]);
+    for (std::size_t j = 0; j < result.model.joints.size(); ++j) {
+      const JointType type = result.model.joints[j].type;
+      const JointPosition& real = measured.joints[row * result.model.joints.size() + j];
+      const JointPosition& played = measured.simulated.jointsAt(row)[j];
+      csv.add(toDegrees(kindOf(type).angle(real))).add(toDegrees(kindOf(type).angle(played)));
+      csv.add(toDegrees(jointError(type, real, played)));
+    }
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+}  // namespace
+
+MeasuredMotion readMeasuredJoints(const CsvTable& table, const ArmModel& model, double start, double end) {
+  const std::vector<double> times = table.quantity("time", "s");
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] <= times[i - 1]) {
+      table.fail(i, fmt::format("time_s: {:g} after {:g}, expected times that rise", times[i], times[i - 1]));
+    }
+  }
+  std::vector<std::vector<JointPosition>> columns;
+  for (const Joint& joint : model.joints) columns.push_back(kindOf(joint.type).read(table, joint.name));
+  MeasuredMotion measured{table.name(), {}, {}, {}};
+  for (std::size_t row = 0; row < times.size(); ++row) {
+    if (times[row] < start || times[row] > end) continue;
+    measured.times.push_back(times[row]);
+    for (const auto& column : columns) measured.joints.push_back(column[row]);
+  }
+  if (measured.times.empty()) {
+    throw DataError(fmt::format("{}: no row between {:g} and {:g} s, expected a clock that overlaps the commands'",
+                                table.name(), start, end));
+  }
+  return measured;
+}
+
+Json toJson(const SimulationResult& result) {
+  const Simulation& simulation = result.simulation;
+  return {
+      {"format", "simgap/simulate/1"},
+      {"arm", result.model.name},
+      {"start", result.start},
+      {"start_s", simulation.start},
+      {"end_s", simulation.end},
+      {"step_s", result.options.rollout.step},
+      {"controller_rate_Hz", result.options.rollout.controllers.rate},
+      {"rows", simulation.motion.times.size()},
+      {"real_time_factor", simulation.realTimeFactor()},
+      {"half_step",
+       {{"finished", simulation.check.finished},
+        {"energy_percent", numberOrNull(simulation.check.finished ? 100.0 * simulation.check.energy_change : NAN)}}},
+      {"joints", jointsJson(result)},
+      {"muscles", musclesJson(result)},
+      {"measured", result.measured ? Json(result.measured->file) : Json(nullptr)},
+      {"notes", result.notes}};
+}
+
+Table jointMotionTable(const Json& result) {
+  const bool measured = !result.at("measured").is_null();
+  Table table{
+      "Joints",
+      {"joint", "first [deg]", "last [deg]", "lowest [deg]", "highest [deg]", "fastest [rad/s]", "half the step [deg]"},
+      {}};
+  if (measured) table.header.emplace_back("rms to measured [deg]");
+  for (const auto& [name, joint] : result.at("joints").items()) {
+    std::vector<std::string> row{name};
+    for (const char* key : {"first_deg", "last_deg", "lowest_deg", "highest_deg", "fastest_rad_s"}) {
+      row.push_back(numberText(joint.at(key), "{:.2f}"));
+    }
+    row.push_back(numberText(joint.at("half_step_deg"), "{:.4f}"));
+    if (measured) row.push_back(numberText(joint.at("measured_rms_deg"), "{:.3f}"));
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+Table muscleMotionTable(const Json& result) {
+  Table table{
+      "Muscles",
+      {"muscle", "command", "last shaft [rad]", "highest tension [N]", "last [N]", "current [A]", "voltage [V]"},
+      {}};
+  for (const auto& [name, muscle] : result.at("muscles").items()) {
+    std::vector<std::string> row{name, muscle.at("command").get<std::string>()};
+    for (const char* key :
+         {"last_shaft_rad", "highest_tension_N", "last_tension_N", "highest_current_A", "highest_voltage_V"}) {
+      row.push_back(numberText(muscle.at(key), "{:.2f}"));
+    }
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
+std::string terminalTable(const SimulationResult& result) {
+  const Json json = toJson(result);
+  std::string text = fmt::format("{} s of {}, {:.0f} times as fast as real time on one core\n\n",
+                                 numberText(result.simulation.end - result.simulation.start, "{:g}"), result.model.name,
+                                 result.simulation.realTimeFactor());
+  return text + alignedTable(jointMotionTable(json)) + "\n" + alignedTable(muscleMotionTable(json));
+}
+
+void writeSimulation(const SimulationResult& result, std::uint64_t seed, const RunDirectory& directory) {
+  const Simulation& simulation = result.simulation;
+  directory.write("motion.csv", motionCsv(result.model, simulation.motion));
+  directory.write("muscles.csv",
+                  musclesCsv(result.model, result.commands, simulation.muscles, result.options.sensors, seed));
+  directory.write("joints.csv", jointsCsv(result.model, simulation.joints, result.options.sensors, seed));
+  if (result.measured) directory.write("measured.csv", measuredCsv(result));
+  writeScene(result, directory);
+}
+
+}  // namespace simgap

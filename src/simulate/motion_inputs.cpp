@@ -1,0 +1,35 @@
+#include "simgap/simulate/motion_inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
+
+namespace simgap {
+
+MotionStart readMotionStart(const CsvTable& table, const ArmModel& model, const std::string& pose) {
+  if (table.rows() == 0) throw DataError(table.name() + ": no rows, expected a state");
+  std::size_t row = 0;
+  if (!pose.empty()) {
+    const std::vector<std::string> names = table.text("pose");
+    const auto found = std::ranges::find(names, pose);
+    if (found == names.end()) throw DataError(fmt::format("{}: no pose '{}'", table.name(), pose));
+    row = static_cast<std::size_t>(found - names.begin());
+  }
+  MotionStart start;
+  for (const Joint& joint : model.joints) start.joints.push_back(kindOf(joint.type).read(table, joint.name)[row]);
+  for (const Muscle& muscle : model.muscles) {
+    start.shafts.push_back(table.quantity("shaft_" + muscle.name, "rad")[row]);
+  }
+  return start;
+}
+
+double motionEnd(const MotionCommands& commands, const std::string& file, const std::optional<double>& duration) {
+  if (duration) return commands.times.front() + *duration;
+  if (commands.end() > commands.times.front()) return commands.end();
+  throw DataError(file + ": one row of commands, expected --duration-s with it: how long they are held");
+}
+
+}  // namespace simgap

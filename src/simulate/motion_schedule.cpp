@@ -1,0 +1,172 @@
+#include "simgap/simulate/motion_schedule.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace simgap {
+namespace {
+
+/// A stretch of one muscle's command: from..to linearly within `duration`, and a sine about it.
+struct Segment {
+  double begin = 0.0, duration = 0.0;  ///< [s]
+  double from = 0.0, to = 0.0;
+  double amplitude = 0.0, frequency = 0.0, phase = 0.0;
+  double at(double time) const {
+    const double since = time - begin;
+    const double part = duration > 0.0 ? std::clamp(since / duration, 0.0, 1.0) : 1.0;
+    const double value = from + part * (to - from);
+    return since < duration ? value + amplitude * std::sin(2.0 * std::numbers::pi * frequency * since + phase) : value;
+  }
+};
+
+/// One muscle's command over time.
+struct Line {
+  CommandKind kind = CommandKind::kSetpoint;
+  std::vector<Segment> segments;
+  double end() const { return segments.empty() ? 0.0 : segments.back().begin + segments.back().duration; }
+  double last() const { return segments.empty() ? 0.0 : segments.back().to; }
+  double at(double time) const {
+    auto after = std::ranges::upper_bound(segments, time + 1e-9, {}, &Segment::begin);
+    return after == segments.begin() ? (segments.empty() ? 0.0 : segments.front().from) : std::prev(after)->at(time);
+  }
+};
+
+CommandKind readKind(const YamlNode& node) {
+  const std::string name = node.oneOf({"setpoint", "voltage", "force"});
+  if (name == "setpoint") return CommandKind::kSetpoint;
+  return name == "voltage" ? CommandKind::kVoltage : CommandKind::kForce;
+}
+
+/// The part of a segment that all of its kinds have.
+Segment beginSegment(const YamlNode& node, const Line& line) {
+  Segment segment;
+  segment.begin = node.findQuantity("at", "s", kNonNegative).value_or(line.end());
+  if (segment.begin < line.end() - 1e-9) {
+    node.fail(fmt::format("found at_s: {:g} before the end of the segment above, {:g} s, expected times that rise",
+                          segment.begin, line.end()));
+  }
+  segment.duration = node.findQuantity("for", "s", kNonNegative).value_or(0.0);
+  segment.from = segment.to = line.last();
+  return segment;
+}
+
+Segment readSegment(const YamlNode& node, const Line& line) {
+  const std::string_view unit = columnOf(line.kind).unit;
+  Segment segment = beginSegment(node, line);
+  if (const auto value = node.findQuantity("hold", unit)) {
+    segment.from = segment.to = *value;
+  } else if (const auto step = node.findQuantity("step", unit)) {
+    segment.from = segment.to = line.last() + *step;
+  } else if (const auto ramp = node.findQuantity("ramp", unit)) {
+    segment.to = *ramp;
+  } else if (const auto sine = node.findQuantity("sine", unit)) {
+    segment.amplitude = *sine;
+    segment.frequency = node.quantity("frequency", "Hz", kPositive);
+    segment.phase = node.findQuantity("phase", "rad").value_or(0.0);
+  } else {
+    node.fail(fmt::format("found none of hold_{0}, step_{0}, ramp_{0} and sine_{0}, expected one", unit));
+  }
+  return segment;
+}
+
+int muscleIndex(const ArmModel& model, const std::string& name) {
+  const auto found = std::ranges::find(model.muscles, name, &Muscle::name);
+  return found == model.muscles.end() ? -1 : static_cast<int>(found - model.muscles.begin());
+}
+
+std::string muscleNames(const ArmModel& model) {
+  std::vector<std::string> names;
+  for (const Muscle& muscle : model.muscles) names.push_back(muscle.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// `all:` segments lead every muscle: to a pose, or hold a value.
+void readAll(const YamlNode& node, const PoseSet* poses, std::vector<Line>& lines) {
+  for (const YamlNode& item : node.items()) {
+    const auto name = item.find("pose");
+    if (!name) {
+      for (Line& line : lines) line.segments.push_back(readSegment(item, line));
+      continue;
+    }
+    if (poses == nullptr) name->fail("found a pose, expected `poses: FILE` beside `all`, which has it");
+    const auto pose = std::ranges::find(poses->poses, name->text(), &Pose::name);
+    if (pose == poses->poses.end()) name->fail(fmt::format("{} has no pose '{}'", poses->file, name->text()));
+    for (std::size_t m = 0; m < lines.size(); ++m) {
+      if (lines[m].kind != CommandKind::kSetpoint)
+        name->fail("a pose is made of set-points, expected command: setpoint");
+      Segment segment = beginSegment(item, lines[m]);
+      segment.to = pose->shafts[m];
+      if (segment.duration == 0.0) segment.from = segment.to;
+      lines[m].segments.push_back(segment);
+    }
+  }
+}
+
+void readMuscles(const YamlNode& node, const ArmModel& model, std::vector<Line>& lines) {
+  for (const std::string& name : node.keys()) {
+    const YamlNode entry = node.at(name);
+    const int m = muscleIndex(model, name);
+    if (m < 0) entry.fail(fmt::format("{} has no such muscle, expected one of {}", model.name, muscleNames(model)));
+    Line& line = lines[m];
+    if (const auto kind = entry.find("command")) {
+      const CommandKind own = readKind(*kind);
+      if (own != line.kind && !line.segments.empty()) kind->fail("differs from what `all` commands");
+      line.kind = own;
+    }
+    for (const YamlNode& item : entry.at("segments").items()) line.segments.push_back(readSegment(item, line));
+  }
+}
+
+MotionCommands sampled(const YamlNode& root, const ArmModel& model, const std::vector<Line>& lines, double duration,
+                       double rate) {
+  MotionCommands commands;
+  const auto rows = static_cast<Eigen::Index>(std::lround(duration * rate)) + 1;
+  commands.values.resize(std::ssize(lines), rows);
+  for (Eigen::Index row = 0; row < rows; ++row) commands.times.push_back(static_cast<double>(row) / rate);
+  for (std::size_t m = 0; m < lines.size(); ++m) {
+    commands.kinds.push_back(lines[m].kind);
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      const double value = lines[m].at(commands.times[static_cast<std::size_t>(row)]);
+      commands.values(static_cast<Eigen::Index>(m), row) = value;
+      const std::string problem = problemOf(model.muscles[m], lines[m].kind, value);
+      if (!problem.empty()) {
+        root.fail(fmt::format("{} at {:g} s: {}", model.muscles[m].name, commands.times[static_cast<std::size_t>(row)],
+                              problem));
+      }
+    }
+  }
+  return commands;
+}
+
+}  // namespace
+
+MotionCommands readSchedule(const YamlNode& root, const ArmModel& model, double rate,
+                            const std::function<PoseSet(const std::string& file)>& poses) {
+  const YamlNode format = root.at("format");
+  if (format.text() != "simgap/schedule/1") format.fail("found " + format.text() + ", expected simgap/schedule/1");
+  std::vector<Line> lines(model.muscles.size());
+  if (const auto kind = root.find("command")) {
+    const CommandKind all = readKind(*kind);
+    for (Line& line : lines) line.kind = all;
+  }
+  std::optional<PoseSet> set;
+  if (const auto file = root.find("poses")) set = poses(file->text());
+  if (const auto all = root.find("all")) readAll(*all, set ? &*set : nullptr, lines);
+  if (const auto muscles = root.find("muscles")) readMuscles(*muscles, model, lines);
+  double end = 0.0;
+  for (std::size_t m = 0; m < lines.size(); ++m) {
+    if (lines[m].segments.empty()) root.fail(fmt::format("no command for muscle {}", model.muscles[m].name));
+    end = std::max(end, lines[m].end());
+  }
+  const double duration = root.findQuantity("duration", "s", kPositive).value_or(end);
+  root.expectAllRead();
+  if (!(duration > 0.0)) root.fail("found no time that passes, expected duration_s or segments with for_s");
+  return sampled(root, model, lines, duration, rate);
+}
+
+}  // namespace simgap

@@ -1,0 +1,160 @@
+#include "simgap/simulate/served_arm.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
+#include "simgap/core/run_directory.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kLongestAdvance = 60.0;  // [s]
+
+double numberIn(const Json& json, const std::string& what) {
+  if (!json.is_number()) throw DataError(fmt::format("{}: found {}, expected a number", what, json.dump()));
+  return json.get<double>();
+}
+
+CommandKind kindOfKey(const std::string& muscle, const std::string& key) {
+  for (const CommandKind kind : {CommandKind::kSetpoint, CommandKind::kVoltage, CommandKind::kForce}) {
+    if (key == fmt::format("{}_{}", columnOf(kind).stem, columnOf(kind).unit)) return kind;
+  }
+  throw DataError(fmt::format("{}: found {}, expected setpoint_rad, voltage_V or force_N", muscle, key));
+}
+
+}  // namespace
+
+/// A line understood; nothing of the arm has changed yet.
+struct ServedArm::Request {
+  bool reset = false;
+  long steps = 0;
+  std::vector<CommandKind> kinds;
+  std::vector<double> commands;
+};
+
+ServedArm::ServedArm(const ArmModel& model, const RolloutOptions& options)
+    : model_(model),
+      options_(options),
+      rollout_(model, options),
+      kinds_(model.muscles.size(), CommandKind::kSetpoint),
+      commands_(model.muscles.size(), 0.0) {
+  rollout_.begin(kinds_, {});
+}
+
+ServedArm::Request ServedArm::read(std::string_view line) const {
+  Json json;
+  try {
+    json = Json::parse(line);
+  } catch (const Json::exception&) {
+    throw DataError("found no JSON, expected an object on one line");
+  }
+  if (!json.is_object()) throw DataError("found no object, expected one on one line");
+  Request request{false, std::lround(1.0 / (options_.controllers.rate * options_.step)), kinds_, commands_};
+  if (json.contains("reset")) {
+    if (!json["reset"].is_boolean()) throw DataError("reset: expected true or false");
+    request.reset = json["reset"].get<bool>();
+    if (request.reset) request.steps = 0;
+  }
+  if (request.reset) {
+    request.kinds.assign(kinds_.size(), CommandKind::kSetpoint);
+    request.commands.assign(commands_.size(), 0.0);
+  } else if (blown_up_) {
+    throw DataError("the simulation has blown up, expected \"reset\": true");
+  }
+  for (const auto& [key, value] : json.items()) {
+    if (key == "advance_s") {
+      const double steps = numberIn(value, key) / options_.step;
+      if (!(steps >= 0.0 && steps * options_.step <= kLongestAdvance) || std::abs(steps - std::round(steps)) > 1e-6) {
+        throw DataError(fmt::format("advance_s: found {}, expected a whole number of steps of {:g} s, at most {:g} s",
+                                    value.dump(), options_.step, kLongestAdvance));
+      }
+      request.steps = std::lround(steps);
+    } else if (key == "commands") {
+      if (!value.is_object()) throw DataError("commands: expected an object of muscles");
+      for (const auto& [name, command] : value.items()) {
+        const auto muscle = std::ranges::find(model_.muscles, name, &Muscle::name);
+        if (muscle == model_.muscles.end()) throw DataError(fmt::format("commands: no muscle '{}'", name));
+        if (!command.is_object() || command.size() != 1) {
+          throw DataError(fmt::format("{}: expected one of setpoint_rad, voltage_V and force_N", name));
+        }
+        const auto m = static_cast<std::size_t>(muscle - model_.muscles.begin());
+        request.kinds[m] = kindOfKey(name, command.begin().key());
+        request.commands[m] = numberIn(command.begin().value(), name);
+        const std::string problem = problemOf(*muscle, request.kinds[m], request.commands[m]);
+        if (!problem.empty()) throw DataError(fmt::format("{}: {}", name, problem));
+        if (!request.reset && rollout_.time() > 0.0 && request.kinds[m] != kinds_[m]) {
+          throw DataError(fmt::format("{}: commanded by {} since the last reset, expected the same", name,
+                                      columnOf(kinds_[m]).stem));
+        }
+      }
+    } else if (key != "reset") {
+      throw DataError(fmt::format("found {}, expected commands, advance_s and reset", key));
+    }
+  }
+  return request;
+}
+
+std::string ServedArm::answer(std::string_view line) {
+  try {
+    Request request = read(line);
+    if (request.reset || request.kinds != kinds_) {
+      rollout_.begin(request.kinds, {});
+      blown_up_ = false;
+    }
+    kinds_ = std::move(request.kinds);
+    commands_ = std::move(request.commands);
+    for (long i = 0; i < request.steps; ++i) {
+      if (rollout_.step(commands_)) continue;
+      blown_up_ = true;
+      throw NumericsError(fmt::format("the simulation blew up at {:g} s; a smaller --step-s than {:g} may hold",
+                                      rollout_.time(), options_.step));
+    }
+    return state();
+  } catch (const Error& error) {
+    return Json{{"error", error.what()}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+}
+
+std::string ServedArm::state() const {
+  const BulletArm& arm = rollout_.arm();
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, R"({{"time_s":{})", rollout_.time());
+  const auto list = [&](const char* name, std::size_t count, const auto& item_name, const auto& item) {
+    fmt::format_to(out, R"(,"{}":{{)", name);
+    for (std::size_t i = 0; i < count; ++i) {
+      fmt::format_to(out, "{}{}:", i > 0 ? "," : "", Json(item_name(i)).dump());
+      item(i);
+    }
+    text.push_back('}');
+  };
+  const auto joint_name = [&](std::size_t j) { return model_.joints[j].name; };
+  const auto muscle_name = [&](std::size_t m) { return model_.muscles[m].name; };
+  const auto add = [&](const std::vector<double>& values) {
+    if (values.size() == 1) {
+      fmt::format_to(out, "{}", values[0]);
+    } else {
+      fmt::format_to(out, "[{}]", fmt::join(values, ","));
+    }
+  };
+  list("joints", model_.joints.size(), joint_name,
+       [&](std::size_t j) { add(kindOf(model_.joints[j].type).cells(arm.jointPosition(j))); });
+  list("joint_velocities_rad_s", model_.joints.size(), joint_name, [&](std::size_t j) {
+    const Eigen::Vector3d v = arm.jointVelocity(j);
+    add(model_.joints[j].degreesOfFreedom() == 1 ? std::vector<double>{v.x()}
+                                                 : std::vector<double>{v.x(), v.y(), v.z()});
+  });
+  list("shaft_rad", model_.muscles.size(), muscle_name, [&](std::size_t m) { add({arm.shaftAngle(m)}); });
+  list("force_N", model_.muscles.size(), muscle_name, [&](std::size_t m) { add({arm.force(m)}); });
+  list("current_A", model_.muscles.size(), muscle_name, [&](std::size_t m) { add({arm.current(m)}); });
+  text.push_back('}');
+  return fmt::to_string(text);
+}
+
+}  // namespace simgap

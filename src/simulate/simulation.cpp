@@ -1,0 +1,210 @@
+#include "simgap/simulate/simulation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
+#include "simgap/simulate/equilibrium_arm.h"
+
+namespace simgap {
+namespace {
+
+std::vector<double> lattice(double start, double end, double rate) { return sensorTimes({.rate = rate}, start, end); }
+
+std::string whoFailed(const ArmModel& model, const MotionOutcome& outcome) {
+  if (outcome.joint >= 0) return "joint " + model.joints[outcome.joint].name;
+  return outcome.muscle >= 0 ? "muscle " + model.muscles[outcome.muscle].name : "the arm";
+}
+
+/// The largest step, halving by halving, at which a motion comes to its end; 0 when none is found.
+double stepThatHolds(const ArmModel& model, const MotionCommands& commands, const MotionStart& start, double end,
+                     RolloutOptions options) {
+  constexpr double kSmallest = 2e-5;  // [s]
+  const std::vector<double> times = {end};
+  MotionTrack track;
+  for (options.step *= 0.5; options.step >= kSmallest; options.step *= 0.5) {
+    if (Rollout(model, options).run(commands, start, times, track).finished) return options.step;
+  }
+  return 0.0;
+}
+
+[[noreturn]] void failBlownUp(const ArmModel& model, const MotionCommands& commands, const MotionStart& start,
+                              double end, const RolloutOptions& options, const MotionOutcome& outcome) {
+  const double step = stepThatHolds(model, commands, start, end, options);
+  throw NumericsError(
+      fmt::format("the simulation blew up at {:.3f} s of the commands' clock: {} ran away at a step of {:g} s; {}",
+                  outcome.time, whoFailed(model, outcome), options.step,
+                  step > 0.0 ? fmt::format("a step of {:g} s holds", step)
+                             : "no step down to 2e-05 s holds: look for a mass, inertia or stiffness that no arm has"));
+}
+
+MotionTrack play(const ArmModel& model, const MotionCommands& commands, const MotionStart& start,
+                 std::span<const double> times, const RolloutOptions& options, MotionOutcome& outcome) {
+  MotionTrack track;
+  Rollout rollout(model, options);
+  outcome = rollout.run(commands, start, times, track);
+  return track;
+}
+
+/// Of bodies, weight and cords at every row. [J]
+std::vector<double> energies(const ArmModel& model, const MotionTrack& track) {
+  BulletArm arm(model, {});
+  std::vector<double> energy;
+  std::vector<double> shafts(model.muscles.size());
+  for (std::size_t row = 0; row < track.times.size(); ++row) {
+    arm.setJointPositions(track.jointsAt(row));
+    for (std::size_t j = 0; j < model.joints.size(); ++j) {
+      arm.setJointVelocity(j, track.joint_velocities[row * track.joint_count + j]);
+    }
+    Eigen::Map<Eigen::VectorXd>(shafts.data(), std::ssize(shafts)) = track.shafts.col(static_cast<Eigen::Index>(row));
+    arm.setShafts(shafts);
+    energy.push_back(arm.mechanicalEnergy());
+  }
+  return energy;
+}
+
+StepCheck halve(const ArmModel& model, const MotionCommands& commands, const MotionStart& start,
+                const MotionTrack& track, RolloutOptions options) {
+  options.step *= 0.5;
+  MotionOutcome outcome;
+  const MotionTrack fine = play(model, commands, start, track.times, options, outcome);
+  StepCheck check{outcome.finished, std::vector<double>(model.joints.size(), 0.0), 0.0};
+  if (!outcome.finished) return check;
+  for (std::size_t i = 0; i < track.joints.size(); ++i) {
+    double& change = check.joint_change[i % track.joint_count];
+    change = std::max(change, jointError(model.joints[i % track.joint_count].type, track.joints[i], fine.joints[i]));
+  }
+  const std::vector<double> coarse_energy = energies(model, track), fine_energy = energies(model, fine);
+  const auto [lowest, highest] = std::ranges::minmax(fine_energy);
+  for (std::size_t row = 0; row < fine_energy.size(); ++row) {
+    if (!(highest > lowest)) break;
+    check.energy_change =
+        std::max(check.energy_change, std::abs(coarse_energy[row] - fine_energy[row]) / (highest - lowest));
+  }
+  return check;
+}
+
+void addJointHeader(const Joint& joint, std::vector<std::string>& velocities) {
+  if (joint.type == JointType::kSpherical) {
+    for (const char* axis : {"x", "y", "z"})
+      velocities.push_back(fmt::format("{}_velocity_{}_rad_s", joint.name, axis));
+  } else {
+    velocities.push_back(joint.name + "_velocity_rad_s");
+  }
+}
+
+}  // namespace
+
+SimulationOptions SimulationOptions::read(const YamlNode& root) {
+  const YamlNode format = root.at("format");
+  if (format.text() != "simgap/simulation/1") format.fail("found " + format.text() + ", expected simgap/simulation/1");
+  SimulationOptions options;
+  options.rollout.step = root.findQuantity("step", "s", kPositive).value_or(options.rollout.step);
+  options.rate = root.findQuantity("rate", "Hz", kPositive).value_or(options.rate);
+  options.settle = root.findQuantity("settle", "s", kNonNegative).value_or(options.settle);
+  if (const auto node = root.find("controllers")) options.rollout.controllers = ControllerOptions::read(*node);
+  if (const auto node = root.find("sensors")) options.sensors = SensorOptions::read(*node);
+  root.expectAllRead();
+  return options;
+}
+
+std::string SimulationOptions::toYaml() const {
+  return fmt::format("format: simgap/simulation/1\nstep_s: {}\nrate_Hz: {}\nsettle_s: {}\n{}{}", rollout.step, rate,
+                     settle, rollout.controllers.toYaml(), sensors.toYaml());
+}
+
+MotionStart restUnder(const ArmModel& model, const MotionCommands& commands, double time, double settle) {
+  MotionStart start;
+  start.time = time;
+  start.settle = settle;
+  start.shafts.resize(model.muscles.size());
+  std::size_t row = 0;
+  commands.at(time, row, start.shafts);
+  for (std::size_t m = 0; m < start.shafts.size(); ++m) {
+    if (commands.kinds[m] != CommandKind::kSetpoint) start.shafts[m] = 0.0;
+  }
+  EquilibriumArm equilibrium(model);
+  if (equilibrium.solve(start.shafts).stable) start.joints = equilibrium.joints();
+  return start;
+}
+
+Simulation simulateMotion(const ArmModel& model, const MotionCommands& commands, const MotionStart& start, double end,
+                          const SimulationOptions& options) {
+  options.rollout.validate();
+  Simulation simulation;
+  simulation.start = start.time;
+  simulation.end = end;
+  simulation.simulated = end - start.time + start.settle;
+  MotionOutcome outcome;
+  const std::clock_t begin = std::clock();
+  simulation.motion = play(model, commands, start, lattice(start.time, end, options.rate), options.rollout, outcome);
+  simulation.processor = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  if (!outcome.finished) failBlownUp(model, commands, start, end, options.rollout, outcome);
+  simulation.muscles = playAt(model, commands, start, sensorTimes(options.sensors.muscles, start.time, end), options);
+  simulation.joints = playAt(model, commands, start, sensorTimes(options.sensors.joints, start.time, end), options);
+  simulation.check = halve(model, commands, start, simulation.motion, options.rollout);
+  return simulation;
+}
+
+MotionTrack playAt(const ArmModel& model, const MotionCommands& commands, const MotionStart& start,
+                   std::span<const double> times, const SimulationOptions& options) {
+  MotionOutcome outcome;
+  MotionTrack track = play(model, commands, start, times, options.rollout, outcome);
+  if (!outcome.finished) failBlownUp(model, commands, start, times.back(), options.rollout, outcome);
+  return track;
+}
+
+std::vector<std::string> notesOn(const ArmModel& model, const Simulation& simulation, double step) {
+  constexpr double kMostChange = 0.1 * kDegree, kMostEnergy = 0.01;
+  const StepCheck& check = simulation.check;
+  if (!check.finished)
+    return {fmt::format("the simulation blows up at half the step of {:g} s: it cannot be relied on", step)};
+  const auto worst = std::ranges::max_element(check.joint_change);
+  const bool moved = worst != check.joint_change.end() && *worst > kMostChange;
+  if (!moved && check.energy_change <= kMostEnergy) return {};
+  return {
+      fmt::format("the step of {:g} s is too large: at half of it {} moves by {:.2f} deg and the energy by {:.2g} % "
+                  "of its range; try --step-s {:g}",
+                  step, model.joints[static_cast<std::size_t>(worst - check.joint_change.begin())].name,
+                  toDegrees(*worst), 100.0 * check.energy_change, 0.5 * step)};
+}
+
+std::string motionCsv(const ArmModel& model, const MotionTrack& track) {
+  std::vector<std::string> header{"time_s"}, velocities;
+  for (const Joint& joint : model.joints) {
+    for (const std::string& column : positionColumns(joint.type, joint.name)) header.push_back(column);
+    addJointHeader(joint, velocities);
+  }
+  header.insert(header.end(), velocities.begin(), velocities.end());
+  const std::array<std::tuple<const char*, const char*, const Eigen::MatrixXd*>, 5> channels = {
+      {{"shaft", "rad", &track.shafts},
+       {"cord_length", "m", &track.cord_lengths},
+       {"tension", "N", &track.forces},
+       {"current", "A", &track.currents},
+       {"voltage", "V", &track.voltages}}};
+  for (const auto& [stem, unit, values] : channels) {
+    for (const Muscle& muscle : model.muscles) header.push_back(fmt::format("{}_{}_{}", stem, muscle.name, unit));
+  }
+  CsvWriter csv(header);
+  for (std::size_t row = 0; row < track.times.size(); ++row) {
+    csv.add(track.times[row]);
+    for (std::size_t j = 0; j < model.joints.size(); ++j) {
+      for (const double cell : kindOf(model.joints[j].type).cells(track.jointsAt(row)[j])) csv.add(cell);
+    }
+    for (std::size_t j = 0; j < model.joints.size(); ++j) {
+      const Eigen::Vector3d& velocity = track.joint_velocities[row * track.joint_count + j];
+      for (int k = 0; k < model.joints[j].degreesOfFreedom(); ++k) csv.add(velocity[k]);
+    }
+    for (const auto& [stem, unit, values] : channels) {
+      for (Eigen::Index m = 0; m < values->rows(); ++m) csv.add((*values)(m, static_cast<Eigen::Index>(row)));
+    }
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+}  // namespace simgap

@@ -1,0 +1,130 @@
+// simgap simulate: commands in, a movement and its sensors out; what is refused; an arm served.
+#include <cmath>
+
+#include "cli/cli_fixture.h"
+#include "simgap/core/csv.h"
+#include "simgap/core/run_directory.h"
+
+namespace simgap::test {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+
+class SimulateTest : public CliTest {
+ protected:
+  SimulateTest() {
+    put("rig.yaml", readText(sourceFile("data/elbow-movement/arm.yaml")));
+    put("schedule.yaml", readText(sourceFile("data/elbow-movement/schedule.yaml")));
+    put("force.yaml", readText(sourceFile("data/elbow-movement/force_schedule.yaml")));
+    put("sensors.yaml", readText(sourceFile("data/elbow-movement/sensors.yaml")));
+    put("commands.csv",
+        "time_s,setpoint_biceps_rad,setpoint_brachialis_rad,setpoint_triceps_rad\n0,0,0,1\n0.2,9,7,-2\n1,9,7,-2\n");
+  }
+  Arguments simulate(const std::string& commands, const Arguments& more = {}) const {
+    Arguments all{"simulate", "rig.yaml", "--commands", commands, "-q", "-o", "run"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  CsvTable table(const std::string& name) const { return CsvTable::load(path(name)); }
+  Json result() const { return readJson(path("run/result.json")); }
+};
+
+TEST_F(SimulateTest, LeavesTheMovementAndWhatARigWouldLog) {
+  succeed(simulate("commands.csv", {"--config", "sensors.yaml", "--seed", "3"}));
+  const CsvTable motion = table("run/motion.csv");
+  EXPECT_EQ(motion.rows(), 101U);
+  EXPECT_GT(motion.quantity("elbow", "rad").back(), 0.8);
+  const std::vector<double> angle = table("run/joints.csv").quantity("elbow", "rad");
+  EXPECT_EQ(angle.size(), 61U);
+  EXPECT_DOUBLE_EQ(table("run/joints.csv").quantity("time", "s")[0], 0.02);  // the capture's own clock
+  // Noise is as large as it was asked for, about the movement itself.
+  const std::vector<double> shaft = table("run/muscles.csv").quantity("shaft_biceps", "rad");
+  const std::vector<double> truth = motion.quantity("shaft_biceps", "rad");
+  double sum = 0.0;
+  for (std::size_t i = 0; i < shaft.size(); ++i) sum += (shaft[i] - truth[i]) * (shaft[i] - truth[i]);
+  const double expected = std::hypot(0.3, 0.35 / std::sqrt(12.0)) * M_PI / 180.0;
+  EXPECT_NEAR(std::sqrt(sum / static_cast<double>(shaft.size())) / expected, 1.0, 0.3);
+  EXPECT_LT(result().at("joints").at("elbow").at("half_step_deg").get<double>(), 0.05);
+}
+
+TEST_F(SimulateTest, RepeatsToTheLastByteAndPlaysItsOwnLog) {
+  succeed(simulate("commands.csv", {"--config", "sensors.yaml"}));
+  const std::string motion = text("run/motion.csv"), joints = text("run/joints.csv");
+  succeed(simulate("commands.csv", {"--config", "sensors.yaml", "--force", "--threads", "1"}));
+  EXPECT_EQ(text("run/motion.csv"), motion);
+  EXPECT_EQ(text("run/joints.csv"), joints);
+  // muscles.csv is a file of commands, joints.csv what was measured: without noise nothing is left between them.
+  succeed(simulate("commands.csv", {"--force"}));
+  put("log.csv", text("run/muscles.csv"));
+  put("seen.csv", text("run/joints.csv"));
+  succeed(simulate("log.csv", {"--measured", "seen.csv", "--force"}));
+  EXPECT_LT(result().at("joints").at("elbow").at("measured_rms_deg").get<double>(), 1e-6);
+}
+
+TEST_F(SimulateTest, PlaysSchedulesOfShaftsAndForces) {
+  succeed(simulate("schedule.yaml"));
+  EXPECT_NEAR(result().at("muscles").at("biceps").at("last_shaft_rad").get<double>(), 6.0, 0.05);
+  succeed(simulate("force.yaml", {"--force"}));
+  EXPECT_NEAR(result().at("muscles").at("brachialis").at("last_tension_N").get<double>(), 22.0, 1.0);
+}
+
+TEST_F(SimulateTest, RefusesCommandsThatNoMuscleCanFollow) {
+  const std::string head = "time_s,setpoint_biceps_rad,setpoint_brachialis_rad,voltage_triceps_V\n";
+  put("supply.csv", head + "0,0,0,0\n0.5,0,0,13\n");
+  expectRefused(simulate("supply.csv"), 3, "supply.csv:3: voltage_triceps: 13 V is beyond the supply of 12 V");
+  put("back.csv", head + "0,0,0,0\n0.5,0,0,1\n0.4,0,0,1\n");
+  expectRefused(simulate("back.csv"), 3, "back.csv:4: time_s: 0.4 after 0.5, expected times that rise");
+  put("missing.csv", "time_s,setpoint_biceps_rad,setpoint_brachialis_rad\n0,0,0\n1,0,0\n");
+  expectRefused(simulate("missing.csv"), 3, "no command for muscle triceps");
+  put("unknown.csv",
+      "time_s,setpoint_biceps_rad,setpoint_brachialis_rad,setpoint_triceps_rad,setpoint_soleus_rad\n"
+      "0,0,0,0,0\n1,0,0,0,0\n");
+  expectRefused(simulate("unknown.csv"), 3, "column setpoint_soleus_rad: elbow-rig has no such muscle");
+  put("push.csv", "time_s,setpoint_biceps_rad,setpoint_brachialis_rad,force_triceps_N\n0,0,0,0\n1,0,0,-4\n");
+  expectRefused(simulate("push.csv"), 3, "-4 N, expected >= 0: a line only pulls");
+  put("one.csv", head + "0,0,0,0\n");
+  expectRefused(simulate("one.csv"), 3, "one row of commands, expected --duration-s");
+  put("late.csv", "time_s,elbow_rad\n100,0.3\n101,0.3\n");
+  expectRefused(simulate("commands.csv", {"--measured", "late.csv"}), 3, "expected a clock that overlaps");
+  expectRefused(simulate("commands.csv", {"--step-s", "0.0015"}), 2, "divided by a whole number");
+}
+
+TEST_F(SimulateTest, SaysWhenAMotionBlewUpAndWhichStepHolds) {
+  // A line of steel on a forearm of half a kilogram: far too stiff for 2 ms.
+  put("rig.yaml", std::regex_replace(text("rig.yaml"), std::regex("stiffness_N_m: 9.0"), "stiffness_N_m: 1.0e9"));
+  const ProcessResult result = simgap(simulate("commands.csv", {"--start", "zero", "--step-s", "0.002"}));
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_THAT(result.err, HasSubstr("the simulation blew up at "));
+  EXPECT_THAT(result.err, AnyOf(HasSubstr("joint elbow"), HasSubstr("muscle ")));
+  EXPECT_THAT(result.err, HasSubstr("a step of "));
+}
+
+TEST_F(SimulateTest, ServesAnArmLineByLine) {
+  put("lines",
+      "{\"commands\": {\"biceps\": {\"setpoint_rad\": 5}}, \"advance_s\": 0.5}\n"
+      "no json\n"
+      "{\"commands\": {\"soleus\": {\"setpoint_rad\": 5}}}\n"
+      "{\"commands\": {\"biceps\": {\"voltage_V\": 50}}}\n"
+      "{\"advance_s\": 0.0001}\n"
+      "{\"advance_s\": 0.5}\n"
+      "{\"reset\": true, \"commands\": {\"biceps\": {\"setpoint_rad\": 5}}, \"advance_s\": 0.5}\n");
+  const ProcessResult served =
+      runProcess({"/bin/sh", "-c", std::string(SIMGAP_BINARY) + " simulate rig.yaml --serve < lines"}, path(""));
+  EXPECT_EQ(served.exit_code, 0) << served.err;
+  std::vector<Json> answers;
+  std::istringstream lines(served.out);
+  for (std::string line; std::getline(lines, line);) answers.push_back(Json::parse(line));
+  ASSERT_EQ(answers.size(), 7U);
+  EXPECT_NEAR(answers[0].at("shaft_rad").at("biceps").get<double>(), 5.0, 0.1);
+  EXPECT_THAT(answers[1].at("error").get<std::string>(), HasSubstr("found no JSON"));
+  EXPECT_THAT(answers[2].at("error").get<std::string>(), HasSubstr("no muscle 'soleus'"));
+  EXPECT_THAT(answers[3].at("error").get<std::string>(), HasSubstr("beyond the supply of 12 V"));
+  EXPECT_THAT(answers[4].at("error").get<std::string>(), HasSubstr("whole number of steps"));
+  EXPECT_EQ(answers[5].at("time_s"), 1.0);
+  EXPECT_EQ(answers[6].dump(), answers[0].dump());  // after a reset the same again, to the last bit
+  EXPECT_THAT(served.err, HasSubstr("times as fast as real time"));
+}
+
+}  // namespace
+}  // namespace simgap::test
