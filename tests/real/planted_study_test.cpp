@@ -1,6 +1,7 @@
 // Known effects planted into measured logs: does `simgap diagnose` name them beside what it finds without them, and
 // nothing else? And drivers that cannot be right (channels with random phases): does it leave them alone?
-//   SIMGAP_REAL_LOGS=emps,ur10e-1   only these logs (asserts nothing: the targets are of all of them)
+//   SIMGAP_REAL_LOGS=emps,ur10e-1      only these logs (asserts nothing: the targets are of all of them)
+//   SIMGAP_REAL_EFFECTS=channel-delay  only these effects (the same)
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,11 +20,12 @@ namespace {
 #define SKIP_WITHOUT_LOGS() \
   if (!realFolder()) GTEST_SKIP() << "no measured logs: set SIMGAP_REAL_DATA to their folder"
 
-bool wanted(const std::string& log) {
-  const char* only = std::getenv("SIMGAP_REAL_LOGS");
-  return only == nullptr || ("," + std::string(only) + ",").find("," + log + ",") != std::string::npos;
+bool isIn(const char* list, const std::string& name) {
+  const char* only = std::getenv(list);
+  return only == nullptr || ("," + std::string(only) + ",").find("," + name + ",") != std::string::npos;
 }
-bool all() { return std::getenv("SIMGAP_REAL_LOGS") == nullptr; }
+bool wanted(const std::string& log) { return isIn("SIMGAP_REAL_LOGS", log); }
+bool all() { return std::getenv("SIMGAP_REAL_LOGS") == nullptr && std::getenv("SIMGAP_REAL_EFFECTS") == nullptr; }
 
 std::set<std::string> namesOf(const RealAnswer& answer) {
   std::set<std::string> names;
@@ -80,7 +82,7 @@ TEST(PlantedEffects, JoinWhatIsFoundWithoutThem) {
     std::uint64_t seed = 0;
     for (const std::string& effect : plan.effects) {
       ++seed;
-      if (without.names(effect)) continue;
+      if (without.names(effect) || !isIn("SIMGAP_REAL_EFFECTS", effect)) continue;
       std::mt19937_64 random(seed + 100 * plan.log.size());
       const double gain = 0.15 * std::pow(4.0, std::uniform_real_distribution<>()(random));
       const Planted planted = plant(plan, table, effect, baselineError(without), gain, seed);

@@ -195,6 +195,8 @@ class Judge {
       return fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
                          selection_.unnamed->hypothesis.target);
     }
+    std::string not_late = doubtOfDelay(search_, full, without_[cause], effect);
+    if (!not_late.empty()) return not_late;
     const PlaceboTest placebos = testPlacebos(search_, full, without_[cause], effect, options_.seed);
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",

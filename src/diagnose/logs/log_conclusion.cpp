@@ -38,6 +38,10 @@ bool farAboveNoise(const Diagnosis& d) {
 /// What is left over, and by which channel; empty when it is no structure.
 std::string leftText(const Diagnosis& d) {
   if (d.left_over_percent < 1.0) return {};
+  if (d.causes.empty() && d.unexplained.empty()) {
+    return fmt::format("{:.0f} % of the squared error, {:.1f} times the noise, which follows no logged channel",
+                       d.left_over_percent, timesTheNoise(d));
+  }
   const std::string channel = d.unexplained.empty() ? "the logged channels" : d.unexplained[0].channel;
   const std::string shape =
       d.unexplained.empty() || d.unexplained[0].shape.empty() ? "" : fmt::format(" ({})", d.unexplained[0].shape);
@@ -137,13 +141,13 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
     return fmt::format("To confirm {} independently: record {}.", d.causes[0].effect,
                        actuator_effects::find(d.causes[0].effect).separates);
   }
-  if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
   if (farAboveNoise(d)) {
     return fmt::format(
         "What is left is {:.1f} times the noise and follows no logged channel: log what else acts on the rig, and "
         "record one motion twice; what differs between the two is not the drive's.",
         timesTheNoise(d));
   }
+  if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
   return fmt::format(
       "Nothing is missing at this noise; smaller effects than those under `detectable` need about {:.0f} min "
       "of log for half of their size.",

@@ -84,6 +84,17 @@ void takeOutRows(const ActuatorModel& subject, const LogSearch& search, Prepared
   for (const DataFault& fault : takeOutSpikes(log, residualOf(first))) d.faults.push_back(fault);
 }
 
+/// Something acts that no channel shows, such as a push or a wind: most rows are farther off than their neighbours
+/// differ from each other, and by far. A few bursts or outliers are not most rows, and the noise has no part in it.
+bool actsUnseen(const PreparedLog& log, const Eigen::VectorXd& residual, double noise_floor) {
+  constexpr double kFar = 2.0;
+  std::vector<double> sizes;
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    if (log.data.keep[static_cast<std::size_t>(i)]) sizes.push_back(residual[i]);
+  }
+  return noise_floor > 0.0 && robustDeviation(std::move(sizes)) > kFar * std::sqrt(noise_floor);
+}
+
 /// What is left with the causes, against noise and against anything that the channels could explain.
 /// \param before, after  residuals, shape (rows). \param known  what forests explain of `after`, where it is known
 void measureLeft(const Selection& selection, const PreparedLog& log, const Eigen::VectorXd& before,
@@ -98,6 +109,9 @@ void measureLeft(const Selection& selection, const PreparedLog& log, const Eigen
   d.explained_percent = 100.0 * explained;
   d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
   sayWhatIsLeft(selection, log, left, d);
+  if (d.causes.empty() && d.unexplained.empty() && actsUnseen(log, after, d.noise_floor)) {
+    d.left_over_percent = 100.0 * (1.0 - d.noise_floor / std::max(d.extended.mse_heldout, d.noise_floor));
+  }
 }
 
 }  // namespace

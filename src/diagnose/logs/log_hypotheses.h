@@ -73,6 +73,7 @@ class LogSearch {
   Eigen::MatrixXd refit(Fitted& fitted, const std::vector<Block>& blocks) const;
 
   const std::vector<Block>& training() const { return training_; }
+  double step() const { return data_.rows.step; }  ///< [s] from row to row
   std::vector<Block> pieces(const std::vector<Block>& blocks, double seconds = kPieceSeconds) const;
 
  private:

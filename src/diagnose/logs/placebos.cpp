@@ -1,5 +1,6 @@
 #include "placebos.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Cholesky>
@@ -82,6 +83,62 @@ bool isAllShape(const ActuatorEffect& effect) {
   return effect.columns.empty() && std::ranges::all_of(effect.parameters, is_shape);
 }
 
+constexpr double kNeighbours = 5.0;  ///< times the delay: rows whose errors are averaged, at least as many rows
+/// Of the gain of single rows. Noise that remembers itself for some rows is averaged less than the spike that a delay
+/// of one row leaves at each reversal: four times less at most.
+constexpr double kHolds = 0.25;
+constexpr double kOpposite = 0.5;
+
+/// Squared errors of two models on the rows that both count: of single rows, and of means over neighbours.
+struct CommonErrors {
+  double before = 0.0, after = 0.0, slow_before = 0.0, slow_after = 0.0;
+
+  double gain() const { return 1.0 - after / std::max(before, 1e-300); }
+  double slowGain() const { return 1.0 - slow_after / std::max(slow_before, 1e-300); }
+};
+
+/// \param window  rows that are averaged; of what is left at the end of a run half of them is enough.
+CommonErrors compare(const LogSearch& search, const VectorXd& before, const VectorXd& after, int window) {
+  CommonErrors errors;
+  int together = 0;
+  double sum_before = 0.0, sum_after = 0.0;
+  const auto average = [&] {
+    if (2 * together >= window) {
+      errors.slow_before += sum_before * sum_before / together;
+      errors.slow_after += sum_after * sum_after / together;
+    }
+    together = 0, sum_before = 0.0, sum_after = 0.0;
+  };
+  for (const Block& block : search.training()) {
+    for (std::size_t k = block.begin; k < block.end; ++k) {
+      const double b = before[static_cast<Index>(k)], a = after[static_cast<Index>(k)];
+      if (b == 0.0 || a == 0.0) {
+        average();
+        continue;
+      }
+      errors.before += b * b, errors.after += a * a;
+      sum_before += b, sum_after += a;
+      if (++together == window) average();
+    }
+    average();
+  }
+  return errors;
+}
+
+VectorXd residualAt(const Fitted& fitted, std::span<const double> theta) {
+  VectorXd residual;
+  fitted.model->evaluate(theta, residual, nullptr);
+  return residual;
+}
+
+/// The parameters with the effect's own times a factor.
+std::vector<double> scaled(const Fitted& full, std::size_t effect, double factor) {
+  std::vector<double> theta = full.theta;
+  const std::size_t first = full.model->firstParameter(effect);
+  for (std::size_t k = 0; k < full.model->effects()[effect]->parameters.size(); ++k) theta[first + k] *= factor;
+  return theta;
+}
+
 }  // namespace
 
 VectorXd phaseRandomised(const VectorXd& values, std::uint32_t draw, std::uint64_t seed) {
@@ -147,6 +204,27 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   const auto reach = std::ranges::count_if(gains, [&](double gain) { return gain >= test.gain; });
   test.p = (1.0 + static_cast<double>(reach)) / (1.0 + kPlacebos);
   return test;
+}
+
+std::string doubtOfDelay(const LogSearch& search, const Fitted& full, const Fitted& rest, std::size_t effect) {
+  const std::vector<double> opposite = scaled(full, effect, -1.0);
+  const double delay = full.model->delay(full.theta);
+  if (delay == full.model->delay(opposite)) return {};
+  const double rows_late = std::abs(delay) / search.step();
+  const int window = static_cast<int>(std::ceil(kNeighbours * std::max(1.0, rows_late)));
+  const VectorXd before = residualAt(rest, rest.theta);
+  const CommonErrors errors = compare(search, before, residualAt(full, full.theta), window);
+  if (errors.slowGain() < kHolds * errors.gain()) {
+    return fmt::format(
+        "averaged over {} rows it explains {:.1f} %, of single rows {:.1f} %: noise that a controller "
+        "feeds back looks like that",
+        window, 100.0 * errors.slowGain(), 100.0 * errors.gain());
+  }
+  const VectorXd turned = residualAt(full, full.model->solveCoefficients(opposite, search.training()));
+  const double other = compare(search, before, turned, window).gain();
+  if (other <= kOpposite * errors.gain()) return {};
+  return fmt::format("the opposite delay explains {:.1f} %, too (this one {:.1f} %)", 100.0 * other,
+                     100.0 * errors.gain());
 }
 
 }  // namespace simgap

@@ -4,6 +4,8 @@
 /// repetitive residual lets placebos explain, a cause has to beat.
 #pragma once
 
+#include <string>
+
 #include "log_hypotheses.h"
 
 namespace simgap {
@@ -18,6 +20,14 @@ struct PlaceboTest {
 /// \param effect  index of it in `full`. A pure function of its arguments.
 PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitted& rest, std::size_t effect,
                          std::uint64_t seed);
+
+/// Why a delay is one of the noise and not of the motion; empty when it is none of the noise, and for effects that
+/// delay nothing. A controller that feeds a noisy velocity back writes that noise into its effort with the opposite
+/// sign: a model that reads the velocity a row too early or too late does not meet it again, and fits better though
+/// nothing is late. So does a shift by a part of a row, which averages two rows. Neither is left once the errors of
+/// neighbouring rows are averaged, while a true delay stays; and the opposite delay is as good. Arguments as of
+/// testPlacebos.
+std::string doubtOfDelay(const LogSearch& search, const Fitted& full, const Fitted& rest, std::size_t effect);
 
 /// A signal with the spectrum of `values` and phases drawn at random (surrogate data: Theiler et al. 1992), and the
 /// same mean. \param draw  which of the surrogates: the same phases for every signal of one draw.

@@ -207,6 +207,10 @@ Eigen::ArrayXd ActuatorRegression::predict(std::span<const double> theta) const 
   return predict(theta, delay);
 }
 
+double ActuatorRegression::delay(std::span<const double> theta) const {
+  return terms(theta.subspan(linear_), data_->rows.effort).shared.delay;
+}
+
 ArrayXd ActuatorRegression::predict(std::span<const double> theta, double& delay) const {
   ArrayXd effort = rightHandSide(theta, data_->rows.effort, delay);
   if (!implicit_) return effort;

@@ -41,6 +41,17 @@ TEST(LogConclusion, FarAboveTheNoiseSomethingIsThatNoChannelShows) {
   EXPECT_THAT(next, Not(HasSubstr("Nothing is missing")));
 }
 
+TEST(LogConclusion, WhatIsLeftThroughoutAndFollowsNoChannelIsUnexplained) {
+  Diagnosis d;
+  d.baseline.mse_heldout = 0.16 * 0.16;
+  d.noise_floor = 0.04 * 0.04;
+  d.left_over_percent = 94.0;
+  conclude(d);
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained);
+  EXPECT_THAT(d.sentence, HasSubstr("Left: 94 % of the squared error, 4.0 times the noise, which follows no logged"));
+  EXPECT_THAT(nextExperiment(d, minutesOfLog(2.0)), HasSubstr("log what else acts on the rig"));
+}
+
 TEST(LogConclusion, AnUnknownNoiseIsNoYardstick) {
   EXPECT_THAT(withoutCauses(0.16, 0.0).sentence, Not(HasSubstr("follows no logged channel")));
 }

@@ -1,12 +1,56 @@
 // Surrogates keep the colour of a signal and lose its place.
 #include "diagnose/logs/placebos.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
+
+#include "diagnose/logs/held_out.h"
+#include "simgap/measure/logs/prepared_log.h"
 
 namespace simgap {
 namespace {
+
+constexpr double kRate = 100.0;  // rows per second
+
+/// A drive against a known torque. Its velocity is measured with noise, of which the controller makes current.
+/// \param fed_back  current per speed of the noise, \param late  rows by which the current is logged late.
+PreparedLog noisyDrive(double fed_back, int late) {
+  constexpr int kRows = 6000;
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  std::vector<double> speed, torque, current;
+  for (int i = 0; i < kRows; ++i) {
+    const double t = i / kRate, w = 6.0 * std::sin(2.1 * t) + 3.0 * std::sin(3.7 * t + 1.0);
+    const double seen = 0.4 * noise(random), load = 0.5 * std::sin(0.9 * t);
+    torque.push_back(load);
+    current.push_back(load + 0.2 * (w > 0.0 ? 1.0 : -1.0) + 0.1 * w - fed_back * seen + 0.02 * noise(random));
+    speed.push_back(w + seen);
+  }
+  std::string csv = "time_s,motor_velocity_rad_s,external_torque_Nm,motor_current_A\n";
+  for (int i = late; i < kRows; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", i / kRate, speed[k], torque[k],
+                       current[k - static_cast<std::size_t>(late)]);
+  }
+  return prepareActuatorData(CsvTable::parse(csv, "log.csv"), {}, {}, {});
+}
+
+struct DelayFit {
+  double gain = 0.0;  ///< on the rows it was fitted to
+  double delay = 0.0;
+  std::string doubt;
+};
+
+DelayFit fitDelay(const PreparedLog& log) {
+  const LogDiagnosisOptions options;
+  const LogSearch search(friction::find("coulomb"), log.data, splitLog(log, options).training, options);
+  const Fitted rest = search.fit({}, nullptr);
+  const Trial trial = search.tryAll(rest, {{&actuator_effects::find("channel-delay"), {}, {}}})[0];
+  return {trial.gain_training, trial.fitted.theta.back(), doubtOfDelay(search, trial.fitted, rest, 0)};
+}
 
 Eigen::VectorXd slowSignal(Eigen::Index n) {
   Eigen::VectorXd x(n);
@@ -44,6 +88,30 @@ TEST(Placebos, BelongToNoMotion) {
 
 TEST(Placebos, TakeAnyLength) {
   for (const Eigen::Index n : {2, 7, 101, 997}) EXPECT_TRUE(phaseRandomised(slowSignal(n), 0, 1).allFinite()) << n;
+}
+
+TEST(Placebos, NoiseThatAControllerFeedsBackIsNoDelay) {
+  const DelayFit fed_back = fitDelay(noisyDrive(0.3, 0));
+  EXPECT_GT(fed_back.gain, 0.1);  // it fits better: that is the trap
+  EXPECT_NE(fed_back.doubt, "") << "dt = " << fed_back.delay;
+}
+
+TEST(Placebos, ALateCurrentIsADelayWithAndWithoutSuchNoise) {
+  for (const double fed_back : {0.0, 0.3}) {
+    const DelayFit late = fitDelay(noisyDrive(fed_back, 4));
+    // The noise that comes back bends the delay away from where it would be met.
+    EXPECT_NEAR(late.delay, 4.0 / kRate, (fed_back > 0.0 ? 2.0 : 0.6) / kRate) << fed_back;
+    EXPECT_EQ(late.doubt, "") << fed_back;
+  }
+}
+
+TEST(Placebos, WhatDelaysNothingIsNotDoubtedAsADelay) {
+  const PreparedLog log = noisyDrive(0.0, 0);
+  const LogDiagnosisOptions options;
+  const LogSearch search(friction::find("coulomb"), log.data, splitLog(log, options).training, options);
+  const Fitted rest = search.fit({}, nullptr);
+  const Fitted full = search.fit({&actuator_effects::find("viscous-asymmetry")}, &rest);
+  EXPECT_EQ(doubtOfDelay(search, full, rest, 0), "");
 }
 
 }  // namespace

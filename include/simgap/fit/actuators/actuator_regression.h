@@ -54,6 +54,8 @@ class ActuatorRegression : public RowModel {
 
   /// What the model predicts, shape (rows), also in rows that do not count.
   Eigen::ArrayXd predict(std::span<const double> theta) const;
+  /// By how much the effort is logged later than the motion [s].
+  double delay(std::span<const double> theta) const;
 
  private:
   struct Evaluation {

@@ -33,11 +33,36 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return list;
 }
 
-}  // namespace
+constexpr EffectParameter kElastic[] = {{"play", "rad", 0.0, 20.0, 0.0, 0.0},
+                                        {"x_c", "rad", 1e-6, 20.0, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
-extern const ActuatorEffect backlash;
-const ActuatorEffect backlash = {
+void applyElastic(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
+  if (p[0] <= 0.0) return;
+  const double free = 0.5 * p[0], contact = p[1], most = free + contact;
+  double u = 0.0;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double d = rows.direction[i];
+    if (i == 0 || rows.session[k] != rows.session[k - 1]) u = d * most;
+    u = std::clamp(u + d * rows.travel[i], -most, most);
+    terms.dry[i] *= d * std::copysign(std::clamp((std::abs(u) - free) / contact, 0.0, 1.0), u);
+  }
+}
+
+std::vector<std::vector<double>> startsElastic(const ActuatorRows& rows, const Eigen::ArrayXd& residual) {
+  std::vector<std::vector<double>> list;
+  for (const std::vector<double>& p : starts(rows, residual)) {
+    for (const double share : {0.3, 1.0}) list.push_back({p[0], share * p[0]});
+  }
+  return list;
+}
+
+/// With less play than spring it is what presliding-hysteresis says more simply.
+bool mostlyPlay(std::span<const double> p, const ActuatorRows& /*rows*/) { return p[0] > p[1]; }
+
+constexpr ActuatorEffect kUsual = {
     .name = "backlash",
+    .form = "hard",
     .kind = ActuatorKind::kGearbox,
     .cause = "after a reversal the motor turns freely through the play of the teeth",
     .equation = "tau_ext = tau_fr = 0 for |travel since the reversal| < play",
@@ -51,5 +76,22 @@ const ActuatorEffect backlash = {
     .apply = apply,
     .starts = starts,
 };
+
+constexpr ActuatorEffect kElasticContact = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "elastic";
+  effect.equation = "tau_fr sign(u) clamp((|u| - play / 2) / x_c, 0, 1), u: travel held within play / 2 + x_c";
+  effect.parameters = kElastic;
+  effect.apply = applyElastic;
+  effect.starts = startsElastic;
+  effect.counts = mostlyPlay;
+  return effect;
+}();
+constexpr const ActuatorEffect* kForms[] = {&kElasticContact};
+
+}  // namespace
+
+extern const ActuatorEffect backlash;
+const ActuatorEffect backlash = withForms(kUsual, kForms);
 
 }  // namespace simgap::actuator_effects

@@ -334,7 +334,9 @@ PageVerdict verdictOf(const ResultFiles& files) {
     shown.cause = "These data cannot tell some causes apart: record what is asked for below.";
   } else if (verdict == "unexplained") {
     shown.level = PageVerdict::Level::kDoubtful;
-    shown.cause = "What is left depends on what was logged, and no known cause explains it.";
+    const bool seen = !result.value("left_over", Json::object()).value("channels", Json::array()).empty();
+    shown.cause = seen ? "What is left depends on what was logged, and no known cause explains it."
+                       : "What is left is far above the noise, and neither a known cause nor a channel explains it.";
   } else if (verdict == "nothing-found") {
     shown.cause = "No known cause makes the model better on data never used.";
   } else {
