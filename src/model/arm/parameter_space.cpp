@@ -210,6 +210,7 @@ std::vector<ParameterSpace::Choice> ParameterSpace::readChoices(const YamlNode& 
     if (const auto sd = node.find("prior_sd")) choice.prior_sd = sd->number(kPositive);
     if (const auto percent = node.find("prior_sd_percent")) choice.prior_sd_percent = percent->number(kPositive);
     if (choice.prior_sd && choice.prior_sd_percent) node.fail("found both prior_sd and prior_sd_percent, expected one");
+    if (const auto only = node.find("only")) choice.only = only->text();
     choices.push_back(std::move(choice));
   }
   if (choices.empty()) list.fail("found no parameter, expected at least one pattern");
@@ -232,7 +233,7 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
       }
       chosen = &choices[c];
     }
-    if (chosen) {
+    if (chosen && matchesPattern(chosen->only, name)) {
       parameters_.push_back(makeParameter(name, kind, value, *chosen));
       positions_.push_back(position);
     }
@@ -242,6 +243,10 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
     if (!used[c]) {
       throw ConfigError(fmt::format("parameters: pattern '{}' matches nothing in the model", choices[c].pattern));
     }
+  }
+  if (parameters_.empty() && !choices.empty()) {
+    throw ConfigError(fmt::format("only '{}': found no such number among those of parameters, expected at least one",
+                                  choices.front().only));
   }
 }
 
