@@ -107,7 +107,7 @@ void ArmObservation::chain(EquilibriumArm& arm, std::span<const StaticParameter>
   for (std::size_t j = 0; markers_ && j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
     const int d = arm.energy().firstDof(static_cast<int>(j));
-    const bool ball = joint.type == JointType::kSpherical;
+    const bool ball = !joint.hasAxis();
     if (joint.slides()) continue;
     const Eigen::Matrix3d to_parent = joint.parent_orientation.conjugate().toRotationMatrix();
     const Eigen::Matrix3d to_child = joint.child_orientation.conjugate().toRotationMatrix();

@@ -24,7 +24,7 @@ BulletLink addLink(btMultiBody& body, int index, const Joint& joint, const MassP
   if (joint.slides()) {
     body.setupPrismatic(index, mass.mass, inertia, parent.index, child_from_parent, axis, parent_to_pivot,
                         pivot_to_child, true);
-  } else if (joint.type == JointType::kSpherical) {
+  } else if (!joint.hasAxis()) {
     body.setupSpherical(index, mass.mass, inertia, parent.index, child_from_parent, parent_to_pivot, pivot_to_child,
                         true);
   } else {
@@ -51,7 +51,7 @@ std::array<btScalar, 4> bulletPosition(const Joint& joint, const BulletLink& chi
 
 JointPosition positionOf(const Joint& joint, const BulletLink& child, const btScalar* q) {
   JointPosition position;
-  if (joint.type == JointType::kSpherical) {
+  if (!joint.hasAxis()) {
     const Eigen::Quaterniond frame = linkFromJoint(joint, child);
     position.rotation = frame.conjugate() * Eigen::Quaterniond(q[3], q[0], q[1], q[2]) * frame;
   } else {

@@ -123,12 +123,13 @@ EquilibriumSolution EquilibriumArm::descend(int max_iterations) {
 
 double EquilibriumArm::findHeld() {
   const ArmModel& model = energy_.model();
-  push_ = energy_.gradient() - torque_;
+  if (!couplings_.empty()) push_ = energy_.gradient() - torque_;
   for (const Coupling& c : couplings_) {
     push_[c.leader] += c.ratio * push_[c.follower];
     push_[c.follower] = 0.0;
   }
-  const auto push = [&](int d) { return push_[d]; };
+  const bool coupled = !couplings_.empty();
+  const auto push = [&](int d) { return coupled ? push_[d] : energy_.gradient()[d] - torque_[d]; };
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = model.joints[j];
     if (!joint.hasAxis() || joint.follows()) continue;
@@ -230,7 +231,7 @@ void EquilibriumArm::applyStep(double scale) {
   const ArmModel& model = energy_.model();
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const int d = energy_.firstDof(static_cast<int>(j));
-    if (model.joints[j].type == JointType::kSpherical) {
+    if (!model.joints[j].hasAxis()) {
       joints_[j].rotation = (joints_[j].rotation * exponential(scale * step_.segment<3>(d))).normalized();
     } else {
       joints_[j].angle =

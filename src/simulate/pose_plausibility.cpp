@@ -62,7 +62,7 @@ double beyond(const Joint& joint, double angle) {
 void refuseAnglesOutOfReach(const ArmModel& model, const PoseSet& set) {
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
-    if (joint.type != JointType::kRevolute) continue;
+    if (!joint.hasAxis()) continue;
     const auto reached = [&](double factor) {
       return std::ranges::all_of(
           set.poses, [&](const Pose& pose) { return beyond(joint, factor * pose.joints[j].angle) < kBeyondLimit; });
@@ -136,7 +136,7 @@ bool clearlyWrong(double as_is, double other) { return as_is > kContradicted && 
 void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
   const Readings readings = compareReadings(model, set);
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    if (model.joints[j].type != JointType::kSpherical) continue;
+    if (model.joints[j].hasAxis()) continue;
     if (!clearlyWrong(readings.as_is[j], readings.order_xyzw[j])) continue;
     const std::string& name = model.joints[j].name;
     throw DataError(fmt::format(

@@ -117,12 +117,12 @@ void PotentialEnergy::place(std::span<const JointPosition> joints) {
     const Joint& joint = model_.joints[j];
     Link& link = links_[j];
     const int above = parent_joint_[j];
-    link.pivot = pointInWorld(above, joint.slides() ? pivotInParent(joint, joints[j]) : joint.parent_position);
+    link.pivot = pointInWorld(above, joint.parent_position);
+    if (joint.slides()) link.pivot = pointInWorld(above, pivotInParent(joint, joints[j]));
     link.rotation = childInParent(joint, joints[j]);
     if (above >= 0) link.rotation = links_[above].rotation * link.rotation;
     link.origin = link.pivot - link.rotation * joint.child_position;
     link.axis = link.rotation * link.axis_in_child;
-    link.basis = link.rotation;
     if (link.turned) link.basis = link.rotation * joint.child_orientation.toRotationMatrix();
     link.subtree_mass = link.mass;
     link.moment = link.mass * pointInWorld(static_cast<int>(j), link.centre_of_mass);
@@ -231,28 +231,31 @@ void PotentialEnergy::addMuscle(std::size_t m) {
 /// Gradient and Hessian of the degrees of freedom from those of the joints' rotations in the world: w_j = R_j q_j for a
 /// ball, w_j = a_j q_j for a hinge or a slide with axis a_j.
 void PotentialEnergy::project() {
+  const auto basis = [](const Link& link) -> const Eigen::Matrix3d& {
+    return link.turned ? link.basis : link.rotation;
+  };
   for (int j = 0; j < std::ssize(links_); ++j) {
-    const bool ball = model_.joints[j].type == JointType::kSpherical;
+    const bool ball = !model_.joints[j].hasAxis();
     const int d = first_dof_[j];
     if (ball) {
-      gradient_.segment<3>(d) = links_[j].basis.transpose() * moments_[j];
+      gradient_.segment<3>(d) = basis(links_[j]).transpose() * moments_[j];
     } else {
       gradient_[d] = links_[j].axis.dot(moments_[j]);
     }
     for (int i = 0; i <= j; ++i) {
-      const bool upper_ball = model_.joints[i].type == JointType::kSpherical;
+      const bool upper_ball = !model_.joints[i].hasAxis();
       const int c = first_dof_[i];
       if (ball) {
-        const Eigen::Matrix3d columns = block(i, j) * links_[j].basis;
+        const Eigen::Matrix3d columns = block(i, j) * basis(links_[j]);
         if (upper_ball) {
-          hessian_.block<3, 3>(c, d) = links_[i].basis.transpose() * columns;
+          hessian_.block<3, 3>(c, d) = basis(links_[i]).transpose() * columns;
         } else {
           hessian_.block<1, 3>(c, d) = links_[i].axis.transpose() * columns;
         }
       } else {
         const Eigen::Vector3d column = block(i, j) * links_[j].axis;
         if (upper_ball) {
-          hessian_.block<3, 1>(c, d) = links_[i].basis.transpose() * column;
+          hessian_.block<3, 1>(c, d) = basis(links_[i]).transpose() * column;
         } else {
           hessian_(c, d) = links_[i].axis.dot(column);
         }

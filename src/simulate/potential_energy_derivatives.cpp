@@ -28,8 +28,9 @@ void PotentialEnergy::differentiate(std::span<const StaticParameter> parameters,
 void PotentialEnergy::addProjected(int joint, const Eigen::Vector3d& derivative,
                                    Eigen::Ref<Eigen::VectorXd> column) const {
   const int d = first_dof_[joint];
-  if (model_.joints[joint].type == JointType::kSpherical) {
-    column.segment<3>(d) += links_[joint].basis.transpose() * derivative;
+  if (!model_.joints[joint].hasAxis()) {
+    const Link& link = links_[joint];
+    column.segment<3>(d) += (link.turned ? link.basis : link.rotation).transpose() * derivative;
   } else {
     column[d] += links_[joint].axis.dot(derivative);
   }

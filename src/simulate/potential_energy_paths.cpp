@@ -85,7 +85,7 @@ void PotentialEnergy::placeAxes() {
     if (model_.joints[j].hasAxis()) {
       axes_.col(d) = links_[j].axis;
     } else {
-      axes_.middleCols<3>(d) = links_[j].basis;
+      axes_.middleCols<3>(d) = links_[j].turned ? links_[j].basis : links_[j].rotation;
     }
   }
 }
@@ -201,7 +201,14 @@ void PotentialEnergy::addJointSprings(std::span<const JointPosition> joints) {
 
 void PotentialEnergy::momentArms(std::size_t line, Eigen::Ref<Eigen::VectorXd> moment_arms) const {
   moment_arms.setZero();
-  addForce(line, 1.0, moment_arms);
+  const Line& of = muscles_[line];
+  if (of.path >= 0 || of.bend >= 0) return addForce(line, 1.0, moment_arms);
+  for (int b = of.first; b < of.last; ++b) {  // of a slack line evaluate() works out none
+    const Lever& lever = levers_[b];
+    const Eigen::Vector3d end = pointInWorld(of.joint[lever.end], model_.muscles[line].attachments[lever.end].point);
+    const double sign = lever.end == 1 ? 1.0 : -1.0;
+    addProjected(lever.joint, sign * (end - links_[lever.joint].pivot).cross(of.direction), moment_arms);
+  }
 }
 
 template <class PivotShift>

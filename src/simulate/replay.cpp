@@ -98,7 +98,9 @@ std::string helpFor(PoseStatus status, const std::string& evaluator) {
     case PoseStatus::kAcquisitionError:
       return "a longer protocol.acquisition_s in --config may help" + statics;
     case PoseStatus::kNotSteady:
-      return "a longer protocol.settle_s in --config, or damping of joints and cords in the model, may help" + statics;
+      return "a longer --settle-s (protocol.settle_s in --config), or damping of joints and cords in the model, may "
+             "help" +
+             statics;
     case PoseStatus::kNotFinite:
       return "a smaller protocol.step_s in --config may help" + statics;
     default:

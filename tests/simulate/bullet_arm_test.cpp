@@ -31,7 +31,8 @@ TEST(MassProperties, FollowTheParallelAxisTheorem) {
   Body body{"body",
             false,
             {test::cylinder(3.0, {0, 0, 0}, Vector3d::UnitX(), 0.02, 0.3),
-             test::box(1.0, {0.0, 0.08, -0.04}, {0.06, 0.06, 0.06})}};
+             test::box(1.0, {0.0, 0.08, -0.04}, {0.06, 0.06, 0.06})},
+            {}};
   const MassProperties found = massProperties(body);
   EXPECT_DOUBLE_EQ(found.mass, 4.0);
   EXPECT_LT((found.centre_of_mass - Vector3d(0.0, 0.02, -0.01)).norm(), 1e-16);

@@ -142,47 +142,59 @@ TEST_P(ArmsOfManyKinds, MomentArmsAreDerivativesOfTheLengthThatThePathHas) {
       const Eigen::VectorXd w = 1e-6 * Eigen::VectorXd::Unit(n, i);
       const double slope =
           (lengthAt(line, displaced(c_, energy_, w)) - lengthAt(line, displaced(c_, energy_, -w))) / 2e-6;
-      // A muscle that is slack has no moment arms worked out.
-      if (arms.norm() > 0.0) EXPECT_NEAR(arms[i], slope, 1e-8) << "line " << line << ", " << i;
+      EXPECT_NEAR(arms[i], slope, 1e-8) << "line " << line << ", " << i;
     }
   }
 }
 
-TEST_P(ArmsOfManyKinds, SensitivitiesOfTheRestAgreeWithDifferencesOfRests) {
-  EquilibriumArm arm(c_.model);
-  const std::vector<JointPosition> start = startPosition(c_.model);
-  ASSERT_TRUE(arm.solveFrom(start, c_.shafts, 400).stable);
-  arm.linearise();
-  const std::vector<JointPosition> rest = arm.joints();
-  EXPECT_NEAR(rest[3].angle, 0.1 + 0.6 * rest[2].angle, 1e-15);
-  const std::vector<std::string> names = {"muscles.routed.kite_line_length_m", "tendons.spring.rest_length_m",
-                                          "bodies.upper.elbow_roll.radius_m", "joints.slide.spring.rest_m",
-                                          "muscles.branched.attachments.6.point_m.y"};
-  Eigen::MatrixXd columns(arm.energy().degreesOfFreedom(), names.size());
-  arm.sensitivities(staticParameters(c_.model, names), columns);
-  for (std::size_t p = 0; p < names.size(); ++p) {
-    const auto restAt = [&](double change) {
-      ArmModel changed = c_.model;
-      visitParameters(changed, [&](const ParameterPath& path, const ParameterKind&, double& value) {
-        if (path.str() == names[p]) value += change;
-      });
-      EquilibriumArm other(changed);
-      EXPECT_TRUE(other.solveFrom(rest, c_.shafts, 400).stable);
-      return other.joints();
-    };
-    const double h = 1e-5;
-    const std::vector<JointPosition> up = restAt(h), down = restAt(-h);
-    for (std::size_t j = 0; j < rest.size(); ++j) {
-      const int d = arm.energy().firstDof(static_cast<int>(j));
-      if (c_.model.joints[j].hasAxis()) {
-        EXPECT_NEAR(columns(d, static_cast<Eigen::Index>(p)), (up[j].angle - down[j].angle) / (2.0 * h), 2e-3)
-            << names[p];
-      } else {
-        const Eigen::Vector3d turn = logSo3(down[j].rotation.conjugate() * up[j].rotation) / (2.0 * h);
-        EXPECT_LT((columns.block<3, 1>(d, static_cast<Eigen::Index>(p)) - turn).norm(), 2e-3) << names[p];
-      }
+/// How the joints differ, by degree of freedom.
+Eigen::VectorXd difference(const ArmModel& model, const PotentialEnergy& energy, const std::vector<JointPosition>& from,
+                           const std::vector<JointPosition>& to) {
+  Eigen::VectorXd way(energy.degreesOfFreedom());
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    const int d = energy.firstDof(static_cast<int>(j));
+    if (model.joints[j].hasAxis()) {
+      way[d] = to[j].angle - from[j].angle;
+    } else {
+      way.segment<3>(d) = logSo3(from[j].rotation.conjugate() * to[j].rotation);
     }
   }
+  return way;
+}
+
+TEST(ArmOfManyKinds, SensitivitiesOfTheRestAgreeWithDifferencesOfRests) {
+  const std::vector<std::string> names = {"muscles.routed.kite_line_length_m", "tendons.spring.rest_length_m",
+                                          "bodies.upper.elbow_roll.radius_m", "joints.slide.spring.rest_m",
+                                          "muscles.branched.attachments.7.point_m.y"};
+  int rested = 0;
+  for (int seed = 1; seed <= 12; ++seed) {
+    const Drawn c = drawn(seed);
+    EquilibriumArm arm(c.model);
+    // Where an end enters a surface the line jumps to straight, as MuJoCo has it: some of these arms rest on that edge.
+    if (!arm.solveFrom(startPosition(c.model), c.shafts, 400).stable) continue;
+    ++rested;
+    arm.linearise();
+    const std::vector<JointPosition> rest = arm.joints();
+    EXPECT_NEAR(rest[3].angle, c.model.joints[3].coupling_offset + 0.6 * rest[2].angle, 1e-15);
+    Eigen::MatrixXd columns(arm.energy().degreesOfFreedom(), names.size());
+    arm.sensitivities(staticParameters(c.model, names), columns);
+    for (std::size_t p = 0; p < names.size(); ++p) {
+      const auto restAt = [&](double change) {
+        ArmModel changed = c.model;
+        visitParameters(changed, [&](const ParameterPath& path, const ParameterKind&, double& value) {
+          if (path.str() == names[p]) value += change;
+        });
+        EquilibriumArm other(changed);
+        EXPECT_TRUE(other.solveFrom(rest, c.shafts, 400).stable);
+        return other.joints();
+      };
+      const double h = 1e-5;
+      const Eigen::VectorXd slope = difference(c.model, arm.energy(), restAt(-h), restAt(h)) / (2.0 * h);
+      EXPECT_LT((columns.col(static_cast<Eigen::Index>(p)) - slope).lpNorm<Eigen::Infinity>(), 2e-3)
+          << names[p] << " of arm " << seed;
+    }
+  }
+  EXPECT_GE(rested, 5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, ArmsOfManyKinds, testing::Range(1, 13));

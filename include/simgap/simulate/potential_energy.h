@@ -97,7 +97,7 @@ class PotentialEnergy {
     Eigen::Matrix3d rotation;
     Eigen::Vector3d origin, pivot;
     Eigen::Vector3d axis;   ///< of a joint with one, in the world
-    Eigen::Matrix3d basis;  ///< of a ball: its axes in the world as columns
+    Eigen::Matrix3d basis;  ///< of a ball that is `turned`: its axes in the world
     Eigen::Vector3d axis_in_child;
     bool turned;  ///< the joint's frame on the child differs from the child's
     double mass, subtree_mass;

@@ -28,6 +28,8 @@ struct Options {
   std::optional<bool> early_acquisition;
   std::optional<std::string> evaluator, optimizer, objective, verify;
   std::optional<int> starts;
+  std::optional<double> settle;  ///< [s]
+  std::string only;
 };
 
 constexpr const char* kInputsFile = "inputs/inputs.json";
@@ -62,6 +64,10 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
   }
   if (options.verify) config.verify = *options.verify;
   if (options.starts) config.starts = *options.starts;
+  if (options.settle) config.protocol.settle = *options.settle;
+  for (ParameterSpace::Choice& choice : config.parameters) {
+    if (!options.only.empty()) choice.only = options.only;
+  }
   if (config.usesPosterior()) {
     if (options.evaluator == "bullet") {
       throw ConfigError(
@@ -308,6 +314,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--verify", options->verify, "who judges the model found with equilibria (default: bullet)")
       ->check(CLI::IsMember({"bullet", "none"}));
   app.add_option("--starts", options->starts, "of lm and hybrid (default: 8)")->check(CLI::Range(1, 10000));
+  app.add_option("--only", options->only, "of the config's parameters those that match, 'muscles.m_*' (default: all)");
+  app.add_option("--settle-s", options->settle,
+                 "longest time that joints may take to come to rest (default: the config's) [s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--resume", options->resume, "go on with an interrupted run in this directory; needs nothing else");
   options->table.add(app);
   options->common.add(app);

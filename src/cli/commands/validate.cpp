@@ -20,6 +20,7 @@ struct Options {
   std::string model, poses, motions, config;
   std::string evaluator = "bullet";
   std::optional<double> max_mje, max_rms;  ///< [deg]
+  std::optional<double> settle;            ///< [s]
 };
 
 ValidationResult judge(const Options& options, const ArmModel& model, const PoseSet& set,
@@ -46,7 +47,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("validate", options.common, argv);
   const ArmModel model = readArmFile(session, "model", options.model);
   const PoseSet set = readPoses(session, "poses", options.poses, model, options.table.csv());
-  const PoseProtocol protocol = options.config.empty() ? PoseProtocol{} : readConfig(session, options.config).protocol;
+  PoseProtocol protocol = options.config.empty() ? PoseProtocol{} : readConfig(session, options.config).protocol;
+  if (options.settle) protocol.settle = *options.settle;
   if (options.common.dry_run) {
     session.print(fmt::format("would replay {} poses of {} on {}; nothing was written\n", set.poses.size(), set.file,
                               model.name));
@@ -93,6 +95,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--evaluator", options->evaluator, "bullet: simulate; equilibrium: minimise the potential energy")
       ->check(CLI::IsMember({"bullet", "equilibrium"}));
+  app.add_option("--settle-s", options->settle,
+                 "longest time that joints may take to come to rest (default: the config's) [s]")
+      ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--max-mje", options->max_mje, "exit 1 when a joint's mean error exceeds this [deg]")
       ->check(CLI::PositiveNumber & finiteNumber());
   options->table.add(app);

@@ -232,7 +232,7 @@ PoseChannels channelsOf(PoseFit& fit) {
     Eigen::Index c = 0;
     channels.values(p, c++) = std::isnan(pose.time) ? static_cast<double>(p) : pose.time;
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
-      channels.values(p, c++) = model.joints[j].type == JointType::kRevolute
+      channels.values(p, c++) = model.joints[j].hasAxis()
                                     ? pose.joints[j].angle
                                     : geodesicAngle(pose.joints[j].rotation, Eigen::Quaterniond::Identity());
     }

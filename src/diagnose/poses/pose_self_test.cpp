@@ -35,7 +35,7 @@ PoseSet simulatePoses(const ArmModel& model, PoseFit& fit, std::uint64_t seed) {
     noise = inverse(fit.posterior().whitening(p)) * noise;
     Eigen::Index d = 0;
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
-      if (model.joints[j].type == JointType::kSpherical) {
+      if (!model.joints[j].hasAxis()) {
         pose.joints[j].rotation = (pose.joints[j].rotation * expSo3(noise.segment<3>(d))).normalized();
       } else {
         pose.joints[j].angle += noise[d];

@@ -44,6 +44,7 @@ std::string choiceYaml(const ParameterSpace::Choice& choice) {
   append("prior_sd", choice.prior_sd);
   append("prior_sd_percent", choice.prior_sd_percent);
   if (choice.together) text += ", together: true";
+  if (!choice.only.empty()) text += ", only: " + yamlText(choice.only);
   return text + "}\n";
 }
 

@@ -196,7 +196,7 @@ void PosePosterior::measureError(const Pose& pose, const std::vector<JointPositi
   for (std::size_t j = 0; j < model_.joints.size(); ++j) {
     const int d = arm_.energy().firstDof(static_cast<int>(j));
     const JointPosition& simulated = observed[j];
-    if (model_.joints[j].type == JointType::kRevolute) {
+    if (model_.joints[j].hasAxis()) {
       residual.error[d] = simulated.angle - pose.joints[j].angle;
       continue;
     }
@@ -229,8 +229,8 @@ const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::Vec
           joint.coulomb_friction * joint.coulomb_friction / (components + 2) + kSmallestTorque * kSmallestTorque;
       const double angle = poses_[p].joints[j].angle;
       const double near = kNearStop * noise_.capture_sd;
-      if (joint.type == JointType::kRevolute && ((angle < joint.lower_limit + near && residual.error[d] > 0.0) ||
-                                                 (angle > joint.upper_limit - near && residual.error[d] < 0.0))) {
+      if (joint.hasAxis() && ((angle < joint.lower_limit + near && residual.error[d] > 0.0) ||
+                              (angle > joint.upper_limit - near && residual.error[d] < 0.0))) {
         residual.error[d] = 0.0;  // the stop holds it
         residual.jacobian.row(d).setZero();
       }

@@ -181,7 +181,7 @@ JointPosition markedPosition(const Joint& joint, const JointPosition& position, 
                              const Eigen::Vector3d& child_turn) {
   JointPosition marked = position;
   if (joint.slides()) return marked;
-  if (joint.type == JointType::kSpherical) {
+  if (!joint.hasAxis()) {
     marked.rotation = (expSo3(-parent_turn) * position.rotation * expSo3(child_turn)).normalized();
   } else {
     const Eigen::Quaterniond q(Eigen::AngleAxisd(position.angle, joint.axis));

@@ -135,15 +135,18 @@ void weld(const Body& body, const Place& place, Body& onto) {
   for (Part part : body.parts) {
     part.name = freeName(part.name, onto.parts);
     part.position = place.pose * part.position;
-    part.axis = turn * part.axis;
-    part.orientation = turn * part.orientation;
+    // What a shape has no use for stays as it is: a written model reads back as the same.
+    if (part.shape == Part::Shape::kCylinder || part.shape == Part::Shape::kCapsule) part.axis = turn * part.axis;
+    if (part.shape == Part::Shape::kBox || part.shape == Part::Shape::kEllipsoid) {
+      part.orientation = turn * part.orientation;
+    }
     part.inertia = place.pose.linear() * part.inertia * place.pose.linear().transpose();
     onto.parts.push_back(part);
   }
   for (Surface surface : body.surfaces) {
     surface.name = freeName(surface.name, onto.surfaces);
     surface.position = place.pose * surface.position;
-    surface.axis = turn * surface.axis;
+    if (surface.shape == Surface::Shape::kCylinder) surface.axis = turn * surface.axis;
     onto.surfaces.push_back(surface);
   }
 }

@@ -4,16 +4,19 @@
 
 namespace simgap {
 
+namespace {
+
+Eigen::Matrix3d turnedBy(const Joint& joint, const JointPosition& position) {
+  if (joint.type == JointType::kSpherical) return position.rotation.toRotationMatrix();
+  if (joint.type == JointType::kRevolute) return Eigen::AngleAxisd(position.angle, joint.axis).toRotationMatrix();
+  return Eigen::Matrix3d::Identity();
+}
+
+}  // namespace
+
 Eigen::Matrix3d childInParent(const Joint& joint, const JointPosition& position) {
-  const bool in_own_frames = joint.parent_orientation.w() != 1.0 || joint.child_orientation.w() != 1.0;
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  if (joint.type == JointType::kSpherical) {
-    rotation = position.rotation.toRotationMatrix();
-  } else if (joint.type == JointType::kRevolute) {
-    rotation = Eigen::AngleAxisd(position.angle, joint.axis).toRotationMatrix();
-  }
-  if (!in_own_frames) return rotation;
-  return joint.parent_orientation * rotation * joint.child_orientation.conjugate();
+  if (joint.parent_orientation.w() == 1.0 && joint.child_orientation.w() == 1.0) return turnedBy(joint, position);
+  return joint.parent_orientation * turnedBy(joint, position) * joint.child_orientation.conjugate();
 }
 
 Eigen::Vector3d pivotInParent(const Joint& joint, const JointPosition& position) {

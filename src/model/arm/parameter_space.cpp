@@ -215,6 +215,7 @@ std::vector<ParameterSpace::Choice> ParameterSpace::readChoices(const YamlNode& 
     if (choice.together && !choice.prior_sd_percent)
       node.fail("found together without prior_sd_percent, expected both");
     if (choice.prior_sd && choice.prior_sd_percent) node.fail("found both prior_sd and prior_sd_percent, expected one");
+    if (const auto only = node.find("only")) choice.only = only->text();
     choices.push_back(std::move(choice));
   }
   if (choices.empty()) list.fail("found no parameter, expected at least one pattern");
@@ -238,7 +239,7 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
       }
       chosen = &choices[c];
     }
-    if (chosen) {
+    if (chosen && matchesPattern(chosen->only, name)) {
       std::optional<std::size_t>& one = shared[static_cast<std::size_t>(chosen - choices.data())];
       if (!chosen->together || !one) {
         one = parameters_.size();
@@ -259,6 +260,10 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
     if (!used[c]) {
       throw ConfigError(fmt::format("parameters: pattern '{}' matches nothing in the model", choices[c].pattern));
     }
+  }
+  if (parameters_.empty() && !choices.empty()) {
+    throw ConfigError(fmt::format("only '{}': found no such number among those of parameters, expected at least one",
+                                  choices.front().only));
   }
 }
 

@@ -57,8 +57,9 @@ class ParameterSpace {
     std::optional<double> prior_sd;          ///< in the parameter's unit
     std::optional<double> prior_sd_percent;  ///< of the initial value
     bool together = false;  ///< all that match are one parameter and change in proportion; its name is the pattern
+    std::string only = {};  ///< of what matches, what matches this too; empty: all
   };
-  /// Reads the list; `{pattern, step, lower?, upper?, prior_sd?, prior_sd_percent?, together?}`.
+  /// Reads the list; `{pattern, step, lower?, upper?, prior_sd?, prior_sd_percent?, together?, only?}`.
   static std::vector<Choice> readChoices(const YamlNode& list);
 
   /// \throws ConfigError: a pattern that matches nothing, a parameter matched twice, lower > upper, an initial value

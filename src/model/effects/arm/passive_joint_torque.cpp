@@ -57,7 +57,7 @@ JointTerm torque(const EffectParameters& p, JointType type, const JointPosition&
 
 std::string expected(const EffectParameters& p, const ArmModel& model, int target) {
   if (model.joints[target].slides()) return "a joint that turns";
-  if (model.joints[target].type == JointType::kSpherical && p[2] != 1.0) return "side 1 for a spherical joint";
+  if (!model.joints[target].hasAxis() && p[2] != 1.0) return "side 1 for a spherical joint";
   return p[2] == 0.0 || std::abs(p[2]) == 1.0 ? "" : "side -1, 0 or 1";
 }
 
