@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli_fixture.h"
+#include "simgap/core/run_directory.h"
 
 namespace simgap::test {
 namespace {

@@ -41,6 +41,6 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 extern const Command convert;
 const Command convert{"convert", "a robot from or into MuJoCo's MJCF or URDF, and what is lost on the way",
-                      "  simgap convert data/arm/arm.yaml runs/arm.xml --force", define};
+                      "  simgap convert data/arm/arm.yaml arm.xml --force", define};
 
 }  // namespace simgap::commands

@@ -246,10 +246,16 @@ class MjcfArm {
     return offset;
   }
 
+  template <typename Position>
+  double lengthAt(const TendonPath& path, const Position& position) const {
+    std::vector<JointPosition> joints;
+    for (const Joint& joint : arm_.joints) joints.push_back({Eigen::Quaterniond::Identity(), position(joint)});
+    return tendonLength(arm_, path, bodiesInWorld(arm_, joints), joints);
+  }
+
   void addTendon(const MjcfTendon& tendon, std::set<std::string>& taken) {
     const TendonPath path = pathOf(tendon);
-    const std::vector<JointPosition> drawn(arm_.joints.size());
-    const double length = tendonLength(arm_, path, bodiesInWorld(arm_, drawn), drawn);
+    const double length = lengthAt(path, [](const Joint&) { return 0.0; });
     const double offset = offsetOf(tendon);
     int pulling = 0;
     for (const MjcfActuator& actuator : robot_.actuators) {
@@ -267,11 +273,10 @@ class MjcfArm {
     if (tendon.friction_loss > 0.0) {
       xml_.add("tendon frictionloss", "left out: a line runs without friction", true, tendon.place);
     }
-    if (tendon.stiffness > 0.0 || pulling == 0) addPassive(tendon, path, length, offset, taken);
+    if (tendon.stiffness > 0.0 || pulling == 0) addPassive(tendon, path, offset, taken);
   }
 
-  void addPassive(const MjcfTendon& tendon, const TendonPath& path, double length, double offset,
-                  std::set<std::string>& taken) {
+  void addPassive(const MjcfTendon& tendon, const TendonPath& path, double offset, std::set<std::string>& taken) {
     PassiveTendon passive;
     static_cast<TendonPath&>(passive) = path;
     passive.name = freeName(tendon.name, taken);
@@ -282,6 +287,8 @@ class MjcfArm {
         xml_.add("tendon damping", "left out of a line without stiffness (motions only)", true, tendon.place);
       }
     } else {
+      // Without a springlength it rests where the springs of all joints do (MuJoCo's qpos_spring).
+      const double length = lengthAt(path, [](const Joint& joint) { return joint.spring_rest; });
       const std::array<double, 2> rest =
           tendon.spring_length ? std::array{(*tendon.spring_length)[0] - offset, (*tendon.spring_length)[1] - offset}
                                : std::array{length, length};

@@ -146,7 +146,7 @@ TEST(MjcfReader, ReadsPathsWithBranchesTheFullOneFirst) {
   ASSERT_EQ(arm.tendons.size(), 1U);
   const std::vector<JointPosition> drawn(1);
   EXPECT_NEAR(tendonLength(arm, arm.tendons[0], bodiesInWorld(arm, drawn), drawn), 0.1 + 0.5 * 0.4, 1e-12);
-  EXPECT_NEAR(arm.tendons[0].p[0], 0.3, 1e-12) << "a spring without a length rests in the drawn pose";
+  EXPECT_NEAR(arm.tendons[0].p[0], 0.3, 1e-12) << "a spring without a length rests where the joint springs do";
 }
 
 TEST(MjcfReader, NamesWhatItLeavesOutWithItsLine) {
