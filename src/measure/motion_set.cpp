@@ -200,14 +200,14 @@ RecordedMotion readMotion(const YamlNode& node, const std::filesystem::path& fol
 }  // namespace
 
 double firstChange(const RecordedMotion& motion) {
-  std::size_t first = motion.times.size() - 1;
+  std::size_t first = motion.times.size();
   for (const MuscleRecord& muscle : motion.muscles) {
     for (std::size_t row = 1; row < first; ++row) {
       if (muscle.commands()[row] != muscle.commands().front()) first = row;
     }
   }
-  // Straight commands begin to change behind the row before.
-  return motion.interpolated && first + 1 < motion.times.size() ? motion.times[first - 1] : motion.times[first];
+  if (first == motion.times.size()) return motion.times.back();
+  return motion.times[motion.interpolated ? first - 1 : first];  // straight ones begin to change behind the row before
 }
 
 MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file, const PoseLayout& layout,

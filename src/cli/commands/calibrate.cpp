@@ -340,7 +340,7 @@ const Command calibrate{"calibrate", "close the gap: search the model's paramete
                         "  simgap calibrate --resume runs/arm\n"
                         "  simgap calibrate data/motions/arm.yaml \\\n"
                         "    --motions data/motions/open-none/calibration/motions.yaml \\\n"
-                        "    --validation-motions data/motions/open-none/validation/motions.yaml -o runs/moving\n"
+                        "    --validation-motions data/motions/open-none/validation/motions.yaml --dry-run\n"
                         "  simgap calibrate data/arm/arm.yaml \\\n"
                         "    --poses data/arm/poses_calibration.csv \\\n"
                         "    --validation data/arm/poses_validation.csv \\\n"

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 
 #include "simgap/core/random.h"
 #include "simgap/fit/motions/motion_calibration.h"
@@ -25,19 +28,41 @@ double misfitOf(const MotionPosterior& posterior, const MotionEvaluation& at) {
   return std::sqrt(squares / numbers);
 }
 
+/// How much wider than Laplace's the standard deviations are when residuals that last are counted as they are: the sum
+/// over seconds of all motions of the scores' outer products between two inverse curvatures (White 1980, with blocks).
+Eigen::VectorXd widening(const MotionPosterior& posterior, const MotionEvaluation& at, const MotionFit& fit) {
+  constexpr double kBlock = 1.0;  // [s]
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(fit.z.size());
+  for (std::size_t m = 0; m < at.residuals.size(); ++m) {
+    const Eigen::VectorXd pull = posterior.weights(m, at.residuals[m]).cwiseProduct(at.residuals[m]);
+    std::map<long, Eigen::VectorXd> scores;
+    for (const ResidualBlock& block : posterior.motions()[m].blocks()) {
+      Eigen::VectorXd& score = scores[std::lround(std::floor(block.time / kBlock))];
+      if (score.size() == 0) score = Eigen::VectorXd::Zero(fit.z.size());
+      for (Eigen::Index row = block.first; row < block.first + block.size; ++row) {
+        score += pull[row] * fit.jacobians[m].row(row).transpose().cast<double>();
+      }
+    }
+    for (const auto& [second, score] : scores) variance += (fit.covariance * score).cwiseAbs2();
+  }
+  return (variance.cwiseQuotient(fit.covariance.diagonal())).cwiseSqrt().cwiseMax(1.0);
+}
+
 Verdict verdictOf(double sd, bool has_prior) {
   if (!has_prior) return std::isfinite(sd) ? Verdict::kIdentifiable : Verdict::kNotIdentifiable;
   return sd <= kHalved ? Verdict::kIdentifiable : sd <= kUntouched ? Verdict::kWeak : Verdict::kNotIdentifiable;
 }
 
-std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, const MotionFit& fit, double misfit) {
+/// \param wider  shape (size of z)
+std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, const MotionFit& fit,
+                                          const Eigen::VectorXd& wider) {
   std::vector<MotionParameter> parameters;
   const ScaledParameters& scaled = posterior.parameters();
   for (Eigen::Index i = 0; i < scaled.size(); ++i) {
     const SearchParameter& p = posterior.space().parameters()[static_cast<std::size_t>(i)];
     // The prior bounds what is known, however badly the model fits.
     const double sd = std::sqrt(fit.covariance(i, i));
-    const double wide = scaled.hasPrior(i) ? std::min(1.0, sd * std::max(1.0, misfit)) : sd * std::max(1.0, misfit);
+    const double wide = scaled.hasPrior(i) ? std::min(1.0, sd * wider[i]) : sd * wider[i];
     const double slope = scaled.slope(i, fit.z[i]);
     parameters.push_back({p.name, p.unit, p.initial, scaled.value(i, fit.z[i]),
                           scaled.hasPrior(i) ? scaled.slope(i, 0.0) : kInfinity, slope * wide, p.lower, p.upper,
@@ -45,23 +70,31 @@ std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, cons
   }
   const Eigen::Index last = scaled.size();
   const double unit = posterior.options().capture_delay_sd;
-  const double sd = std::min(1.0, std::sqrt(fit.covariance(last, last)) * std::max(1.0, misfit));
+  const double sd = std::min(1.0, std::sqrt(fit.covariance(last, last)) * wider[last]);
   parameters.push_back({"capture_delay_s", "s", 0.0, posterior.captureDelay(fit.z), unit, unit * sd,
                         unit * posterior.lower(last), unit * posterior.upper(last), fit.z[last], verdictOf(sd, true)});
   return parameters;
 }
 
-/// Pairs of which these motions tell little but a combination.
+/// Of each parameter the one it is least told apart from, each pair once.
 std::vector<std::string> alikePairs(const std::vector<MotionParameter>& parameters, const Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd root = covariance.diagonal().cwiseSqrt();
+  std::set<std::pair<Eigen::Index, Eigen::Index>> told;
   std::vector<std::string> words;
   for (Eigen::Index i = 0; i < covariance.rows(); ++i) {
-    for (Eigen::Index j = 0; j < i; ++j) {
-      const double r = covariance(i, j) / std::sqrt(covariance(i, i) * covariance(j, j));
-      if (std::abs(r) < kAlike) continue;
-      words.push_back(fmt::format("{} and {}: these motions tell little but their {} (correlation {:.3f})",
-                                  parameters[static_cast<std::size_t>(j)].name,
-                                  parameters[static_cast<std::size_t>(i)].name, r < 0.0 ? "sum" : "difference", r));
+    Eigen::Index other = -1;
+    double strongest = kAlike;
+    for (Eigen::Index j = 0; j < covariance.rows(); ++j) {
+      const double r = std::abs(covariance(i, j) / (root[i] * root[j]));
+      if (i == j || r < strongest) continue;
+      strongest = r;
+      other = j;
     }
+    if (other < 0 || !told.insert(std::minmax(i, other)).second) continue;
+    words.push_back(
+        fmt::format("{} and {}: these motions tell little but their {} (correlation {:.3f})",
+                    parameters[static_cast<std::size_t>(i)].name, parameters[static_cast<std::size_t>(other)].name,
+                    covariance(i, other) < 0.0 ? "sum" : "difference", covariance(i, other) / (root[i] * root[other])));
   }
   return words;
 }
@@ -208,9 +241,10 @@ MotionCalibrationResult judgeMotions(const MotionCalibrationTask& task, const Mo
   const double delay = posterior.captureDelay(fit.z);
   result.sets.push_back(playSet("calibration", task.motions, task, best, delay));
   if (task.validation) result.sets.push_back(playSet("validation", *task.validation, task, best, delay));
-  result.misfit = misfitOf(posterior, posterior.evaluate(fit.z));
+  const MotionEvaluation at = posterior.evaluate(fit.z);
+  result.misfit = misfitOf(posterior, at);
   result.objective_before = posterior.evaluate(Eigen::VectorXd::Zero(posterior.size())).objective;
-  result.parameters = parametersOf(posterior, fit, result.misfit);
+  result.parameters = parametersOf(posterior, fit, std::max(1.0, result.misfit) * widening(posterior, at, fit));
   result.words = alikePairs(result.parameters, fit.covariance);
   if (result.sets.size() > 1) {
     predict(expectedSquares(posterior, fit, result.misfit, result.sets[0], result.layout), result.sets[1]);

@@ -15,7 +15,7 @@ namespace simgap {
 namespace {
 
 constexpr double kFirstStep = 0.1;  // of differences, in prior standard deviations
-constexpr double kSmallestStep = 0.02, kLargestStep = 0.3;
+constexpr double kSmallestStep = 0.005, kLargestStep = 0.3;
 constexpr int kMostSteps = 6;     // with one set of derivatives
 constexpr double kEnough = 0.05;  // of the gain promised: below it the derivatives are too old
 constexpr double kLittle = 1e-3;  // of the objective: a round that gains less was the last
