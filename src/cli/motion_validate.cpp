@@ -33,7 +33,7 @@ std::string motionFailures(const MotionValidationResult& result, const MotionOpt
 
 ExitCode validateMotions(const MotionValidateOptions& options, const std::vector<std::string>& argv) {
   Session session("validate", options.common, argv);
-  const ArmModel model = readArmFile(session, "model", options.model);
+  const ArmModel model = readTurningArm(session, "model", options.model);
   const MotionCalibrationConfig config = motionOptionsOf(session, options.config);
   const MotionOptions& played_by = config.motions.motion;
   const MotionSet set = readMotions(session, "motions", options.motions, model, options.skip_bad_rows);
