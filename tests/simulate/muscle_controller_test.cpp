@@ -21,7 +21,7 @@ std::vector<double> timesTo(double end, double interval) {
 // One cord between fixed points: nothing moves but the drive.
 ArmModel bench() {
   ArmModel model = test::torso();
-  model.bodies.push_back({"post", true, {}});
+  model.bodies.push_back({"post", true, {}, {}});
   test::addLink(model, 0, JointType::kRevolute, {0.0, 0.0, 0.0}, {test::sphere(0.1, {0.0, 0.0, -0.1})});
   test::addMuscle(model, {0, {0.0, 0.0, 0.0}}, {1, {0.0, 0.0, 0.3}}, 0.3);
   return model;
