@@ -53,6 +53,7 @@ struct BulletArm::Motion {
   std::vector<Pull> pulls;  ///< shape (muscles + lines without motors)
   Eigen::MatrixXd mobility;
   Eigen::VectorXd viscous, v, change, next, middle, tau, bias, scratch;
+  Eigen::VectorXd pushed;  ///< what friction, limits and couplings added to v in the step before
 
   Motion(const std::vector<Body>& bodies, const std::vector<Joint>& joints, const std::vector<BulletLink>& links,
          std::size_t lines) {
@@ -65,7 +66,7 @@ struct BulletArm::Motion {
       viscous.segment(first, joint.degreesOfFreedom()).setConstant(joint.viscous_friction);
       first += joint.degreesOfFreedom();
     }
-    v = change = next = middle = tau = bias = scratch = Eigen::VectorXd::Zero(n);
+    v = change = next = middle = tau = bias = scratch = pushed = Eigen::VectorXd::Zero(n);
     pulls.resize(lines);
     for (Pull& pull : pulls) pull.row = Eigen::VectorXd::Zero(n);
   }
@@ -79,7 +80,9 @@ BulletArm::Motion& BulletArm::motion() {
 }
 
 void BulletArm::forgetMotion() {
-  if (motion_) motion_->change.setZero();
+  if (!motion_) return;
+  motion_->change.setZero();
+  motion_->pushed.setZero();
 }
 
 void BulletArm::setShafts(std::span<const double> shafts) {
@@ -149,7 +152,7 @@ void BulletArm::placePassive(std::size_t index) {
   const double length = followRow(tendon.way, pull.row), rate = pull.row.dot(motion_->v);
   pull.force = tendon.kind->force(tendon.p, length, rate);
   pull.damping = tendon.kind->force(tendon.p, length, rate + 1.0) - pull.force;
-  pull.taut = pull.force > 0.0;
+  pull.taut = pull.force != 0.0;  // a spring pushes, too
 }
 
 /// Minus a gradient in a joint's coordinates, as torque or force of its own.
@@ -189,9 +192,11 @@ void BulletArm::moveJoints(double step) {
 
   constexpr int kMostIterations = 8;
   constexpr double kTolerance = 1e-12;
-  m.next = m.v + m.change;  // as in the step before
+  m.next = m.v + m.change - m.pushed;  // as in the step before
   for (int i = 0; i < kMostIterations; ++i) {
-    m.middle = 0.5 * (m.v + m.next);
+    // h belongs to the velocity that constraints leave: without them an arm that leans on a limit would feel a
+    // Coriolis torque of second order in dt at rest. They push as in the step before.
+    m.middle = 0.5 * (m.v + m.next + m.pushed);
     m.dynamics.bias(m.middle, gravity_, m.bias);
     m.scratch = step * (m.tau - m.bias);
     m.middle = m.next;
@@ -199,7 +204,9 @@ void BulletArm::moveJoints(double step) {
     for (Eigen::Index j = 0; j < m.scratch.size(); ++j) m.next += m.scratch[j] * m.mobility.col(j);
     if (!((m.next - m.middle).lpNorm<Eigen::Infinity>() > kTolerance * (1.0 + m.next.lpNorm<Eigen::Infinity>()))) break;
   }
+  m.middle = m.next;
   world_->solver.addFrictionAndLimits(m.mobility, m.next, step);
+  m.pushed = m.next - m.middle;
 }
 
 void BulletArm::stepMotion() {
