@@ -25,9 +25,9 @@ using Joints = std::vector<JointPosition>;
 /// Answers of MuJoCo, one per line.
 std::vector<Json> askMujoco(const Json& request) {
   const TemporaryFolder folder;
-  const ProcessResult result = runProcess(
-      {"/usr/bin/env", "node", sourceFile("tests/oracle/mujoco.mjs").string(), folder.put("request.json", request.dump()).string()},
-      folder.path());
+  const ProcessResult result = runProcess({"/usr/bin/env", "node", sourceFile("tests/oracle/mujoco.mjs").string(),
+                                           folder.put("request.json", request.dump()).string()},
+                                          folder.path());
   EXPECT_EQ(result.exit_code, 0) << result.err << result.out;
   std::vector<Json> answers;
   std::istringstream lines(result.out);

@@ -298,7 +298,8 @@ Eigen::Quaterniond MjcfNode::orientation() const {
     return Eigen::Quaterniond(columns);
   }
   if (has("zaxis")) {
-    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis(vector3("zaxis", Eigen::Vector3d::Zero()), "zaxis"));
+    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
+                                              axis(vector3("zaxis", Eigen::Vector3d::Zero()), "zaxis"));
   }
   return Eigen::Quaterniond::Identity();
 }

@@ -117,8 +117,10 @@ class UrdfArm {
     if (mass.mass < 0.0) xml_.fail(*weight, fmt::format("value: found {}, expected >= 0", mass.mass));
     if (const XmlElement* const i = child(element, "inertia")) {
       const auto entry = [&](const char* name) { return number(*i, name, 0.0); };
+      // Read before the matrix is filled: Eigen allows no exception in between.
+      const double xx = entry("ixx"), yy = entry("iyy"), zz = entry("izz");
       const double xy = entry("ixy"), xz = entry("ixz"), yz = entry("iyz");
-      mass.inertia << entry("ixx"), xy, xz, xy, entry("iyy"), yz, xz, yz, entry("izz");
+      mass.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
     }
     mass.centre_of_mass = frame.translation();
     mass.inertia = (frame.linear() * mass.inertia * frame.linear().transpose()).eval();
