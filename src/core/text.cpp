@@ -72,6 +72,26 @@ std::string abridged(std::string_view text, std::size_t most) {
   return std::string(text.substr(0, head)) + "…" + std::string(text.substr(tail));
 }
 
+bool matchesGlob(std::string_view pattern, std::string_view text) {
+  // Only the last `*` is ever tried again.
+  std::size_t p = 0, t = 0, star = std::string_view::npos, behind_star = 0;
+  while (t < text.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      behind_star = t;
+    } else if (p < pattern.size() && pattern[p] == text[t]) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      t = ++behind_star;
+    } else {
+      return false;
+    }
+  }
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
+}
+
 std::size_t textWidth(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(text, beginsCharacter));
 }

@@ -112,7 +112,7 @@ double BulletArm::followRow(const PathParts& way, Eigen::VectorXd& row) {
 
 double BulletArm::pathLength(std::size_t muscle) {
   const PathParts& way = way_[muscle];
-  const bool straight = way.stretches.empty() && way.wheels.empty();
+  const bool straight = way.empty();
   return straight ? linePath(muscles_[muscle], static_cast<int>(muscle)).length : followPath(way).length;
 }
 
@@ -121,7 +121,7 @@ void BulletArm::placePull(std::size_t index, const DriveState& middle) {
   MuscleState& muscle = muscles_[index];
   const PathParts& way = way_[index];
   double length = 0.0;
-  if (way.stretches.empty() && way.wheels.empty()) {
+  if (way.empty()) {
     const LinePath path = linePath(muscle, static_cast<int>(index));
     length = path.length;
     pull.row.setZero();

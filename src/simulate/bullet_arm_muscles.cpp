@@ -110,7 +110,7 @@ void BulletArm::applyTendons() {
 
 void BulletArm::applyMuscle(MuscleState& muscle, int index) {
   const PathParts& way = way_[static_cast<std::size_t>(index)];
-  const bool straight = way.stretches.empty() && way.wheels.empty();
+  const bool straight = way.empty();
   LinePath path;
   double rate = 0.0;
   if (straight) {

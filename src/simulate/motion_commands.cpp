@@ -20,13 +20,6 @@ std::string stemOf(CommandKind kind, const std::string& muscle) {
   return fmt::format("{}_{}", columnOf(kind).stem, muscle);
 }
 
-void expectRising(const CsvTable& table, const std::vector<double>& times) {
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    if (times[i] > times[i - 1]) continue;
-    table.fail(i, fmt::format("time_s: {:g} after {:g}, expected times that rise", times[i], times[i - 1]));
-  }
-}
-
 CommandKind kindOfCommand(const CsvTable& table, const std::string& muscle) {
   std::optional<CommandKind> found;
   for (const CommandKind kind : kKinds) {
@@ -105,13 +98,21 @@ void MotionCommands::at(double time, std::size_t& row, std::span<double> out) co
   }
 }
 
+std::vector<double> readRisingTimes(const CsvTable& table) {
+  std::vector<double> times = table.quantity("time", "s");
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] > times[i - 1]) continue;
+    table.fail(i, fmt::format("time_s: {:g} after {:g}, expected times that rise", times[i], times[i - 1]));
+  }
+  return times;
+}
+
 MotionCommands readCommands(const CsvTable& table, const ArmModel& model, bool linear) {
   if (table.rows() == 0) throw DataError(table.name() + ": no rows, expected commands over time");
   expectKnownMuscles(table, model);
   MotionCommands commands;
   commands.linear = linear;
-  commands.times = table.quantity("time", "s");
-  expectRising(table, commands.times);
+  commands.times = readRisingTimes(table);
   commands.values.resize(std::ssize(model.muscles), std::ssize(commands.times));
   for (std::size_t m = 0; m < model.muscles.size(); ++m) {
     const Muscle& muscle = model.muscles[m];

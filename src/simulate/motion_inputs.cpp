@@ -26,6 +26,23 @@ MotionStart readMotionStart(const CsvTable& table, const ArmModel& model, const 
   return start;
 }
 
+MeasuredMotion readMeasuredJoints(const CsvTable& table, const ArmModel& model, double start, double end) {
+  const std::vector<double> times = readRisingTimes(table);
+  std::vector<std::vector<JointPosition>> columns;
+  for (const Joint& joint : model.joints) columns.push_back(kindOf(joint.type).read(table, joint.name));
+  MeasuredMotion measured{table.name(), {}, {}, {}};
+  for (std::size_t row = 0; row < times.size(); ++row) {
+    if (times[row] < start || times[row] > end) continue;
+    measured.times.push_back(times[row]);
+    for (const auto& column : columns) measured.joints.push_back(column[row]);
+  }
+  if (measured.times.empty()) {
+    throw DataError(fmt::format("{}: no row between {:g} and {:g} s, expected a clock that overlaps the commands'",
+                                table.name(), start, end));
+  }
+  return measured;
+}
+
 double motionEnd(const MotionCommands& commands, const std::string& file, const std::optional<double>& duration) {
   if (duration) return commands.times.front() + *duration;
   if (commands.end() > commands.times.front()) return commands.end();

@@ -34,20 +34,13 @@ MotionCommands commandsOf(const RecordedMotion& motion) {
 
 void refuseImpossibleCommands(const ArmModel& model, const RecordedMotion& motion) {
   for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
-    const MuscleRecord& muscle = motion.muscles[m];
-    const double supply = model.muscles[m].motor.supply_voltage;
-    const auto fail = [&](const char* stem, std::size_t row, const std::string& problem) {
-      throw DataError(fmt::format("{}: {}{} at {} s: {}", motion.muscles_file.string(), stem, model.muscles[m].name,
-                                  motion.times[row], problem));
-    };
-    for (std::size_t row = 0; row < muscle.voltages.size(); ++row) {
-      if (std::abs(muscle.voltages[row]) <= supply) continue;
-      fail("voltage_", row,
-           fmt::format("found {} V, expected at most the supply of {} V", muscle.voltages[row], supply));
-    }
-    for (std::size_t row = 0; row < muscle.force_commands.size(); ++row) {
-      if (muscle.force_commands[row] >= 0.0) continue;
-      fail("force_", row, fmt::format("found {} N, expected >= 0: a line only pulls", muscle.force_commands[row]));
+    const CommandKind kind = commandKind(motion.muscles[m]);
+    const std::vector<double>& values = motion.muscles[m].commands();
+    for (std::size_t row = 0; row < values.size(); ++row) {
+      const std::string problem = problemOf(model.muscles[m], kind, values[row]);
+      if (problem.empty()) continue;
+      throw DataError(fmt::format("{}: {}_{} at {} s: {}", motion.muscles_file.string(), columnOf(kind).stem,
+                                  model.muscles[m].name, motion.times[row], problem));
     }
   }
 }

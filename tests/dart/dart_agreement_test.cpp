@@ -13,6 +13,7 @@
 #include "simgap/simulate/rollout.h"
 #include "support/arms.h"
 #include "support/statics.h"
+#include "support/step_study.h"
 
 namespace simgap {
 namespace {
@@ -193,18 +194,9 @@ std::vector<double> largestDifferences(std::uint64_t seed, const std::vector<dou
     truth.push_back(dart.jointsAt(y));
   }
 
-  std::vector<double> largest;
-  for (const double step : steps) {
-    RolloutOptions options;
-    options.step = step;
-    MotionTrack track;
-    EXPECT_TRUE(Rollout(model, options).run(commands, start, times, track).finished);
-    largest.push_back(0.0);
-    for (std::size_t row = 0; row < times.size(); ++row) {
-      largest.back() = std::max(largest.back(), test::largestError(model, track.jointsAt(row), truth[row]));
-    }
-  }
-  return largest;
+  return test::largestPerStep(model, commands, start, times, steps, [&](const MotionTrack& track, std::size_t row) {
+    return test::largestError(model, track.jointsAt(row), truth[row]);
+  });
 }
 
 TEST(DartAgreement, RandomArmsMoveAlike) {
@@ -215,19 +207,8 @@ TEST(DartAgreement, RandomArmsMoveAlike) {
 
 // The study behind docs/simulation.md.
 TEST(SlowDartAgreement, FiftyRandomArms) {
-  const std::vector<double> steps = {0.001, 0.0005, 0.00025, 0.000125};
-  std::vector<std::vector<double>> differences(steps.size());
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    const std::vector<double> largest = largestDifferences(seed, steps);
-    for (std::size_t s = 0; s < steps.size(); ++s) differences[s].push_back(toDegrees(largest[s]));
-  }
-  for (std::size_t s = 0; s < steps.size(); ++s) {
-    std::ranges::sort(differences[s]);
-    std::printf("step %g s: median %.4f deg, 90 %% %.4f deg, largest %.4f deg, within 0.05 deg: %ld of 50\n", steps[s],
-                differences[s][25], differences[s][45], differences[s][49],
-                std::ranges::count_if(differences[s], [](double d) { return d <= 0.05; }));
-  }
-  EXPECT_LE(differences[1].back(), 0.05);
+  const std::vector<double> largest = test::studySteps({0.001, 0.0005, 0.00025, 0.000125}, largestDifferences);
+  EXPECT_LE(largest[1], 0.05);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "simgap/simulate/rollout.h"
 #include "support/arms.h"
 #include "support/statics.h"
+#include "support/step_study.h"
 
 namespace simgap {
 namespace {
@@ -55,19 +56,9 @@ std::vector<double> largestDifferences(std::uint64_t seed, const std::vector<dou
   commands.values = Eigen::Map<const Eigen::VectorXd>(references.data(), std::ssize(references));
   std::vector<double> times;
   for (std::size_t i = 0; i < truth.size(); ++i) times.push_back(kInterval * static_cast<double>(i));
-  std::vector<double> largest;
-  for (const double step : steps) {
-    RolloutOptions options;
-    options.step = step;
-    MotionTrack track;
-    EXPECT_TRUE(Rollout(model, options).run(commands, {}, times, track).finished);
-    largest.push_back(0.0);
-    for (std::size_t row = 0; row < times.size(); ++row) {
-      const reality::Configuration joints = test::configurationOf(arm, track.jointsAt(row));
-      largest.back() = std::max(largest.back(), test::largestAngle(arm, joints, truth[row]));
-    }
-  }
-  return largest;
+  return test::largestPerStep(model, commands, {}, times, steps, [&](const MotionTrack& track, std::size_t row) {
+    return test::largestAngle(arm, test::configurationOf(arm, track.jointsAt(row)), truth[row]);
+  });
 }
 
 TEST(MotionAgreement, TwoSecondsOfRandomArmsAgreeWithBodiesAndReactions) {
@@ -78,19 +69,8 @@ TEST(MotionAgreement, TwoSecondsOfRandomArmsAgreeWithBodiesAndReactions) {
 
 // The study behind docs/simulation.md: what a step costs.
 TEST(SlowMotionAgreement, FiftyRandomArms) {
-  const std::vector<double> steps = {0.001, 0.0005, 0.00025, 0.000125};
-  std::vector<std::vector<double>> differences(steps.size());
-  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
-    const std::vector<double> largest = largestDifferences(seed, steps);
-    for (std::size_t s = 0; s < steps.size(); ++s) differences[s].push_back(toDegrees(largest[s]));
-  }
-  for (std::size_t s = 0; s < steps.size(); ++s) {
-    std::ranges::sort(differences[s]);
-    std::printf("step %g s: median %.4f deg, 90 %% %.4f deg, largest %.4f deg, within 0.05 deg: %ld of 50\n", steps[s],
-                differences[s][25], differences[s][45], differences[s][49],
-                std::ranges::count_if(differences[s], [](double d) { return d <= 0.05; }));
-  }
-  EXPECT_LE(differences[0].back(), 0.05);
+  const std::vector<double> largest = test::studySteps({0.001, 0.0005, 0.00025, 0.000125}, largestDifferences);
+  EXPECT_LE(largest[0], 0.05);
 }
 
 }  // namespace

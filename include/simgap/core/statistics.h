@@ -32,6 +32,9 @@ double correlation(std::span<const double> a, std::span<const double> b);
 /// as 1.
 double studentQuantile(double degrees_of_freedom);
 
+/// 97.5 % quantile of a standard normal: half the width of a 95 % interval in standard deviations.
+inline constexpr double kNormalQuantile = 1.959963984540054;
+
 /// P(x > z) of a standard normal x.
 double normalTail(double z);
 

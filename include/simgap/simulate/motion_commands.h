@@ -40,6 +40,9 @@ struct MotionCommands {
   double end() const { return times.back(); }  ///< [s]
 };
 
+/// `time_s` of a table. \throws DataError: times that do not rise, and all that CsvTable refuses
+std::vector<double> readRisingTimes(const CsvTable& table);
+
 /// Reads `time_s` and per muscle setpoint_<m>_rad, voltage_<m>_V or force_<m>_N. Columns of sensors are left
 /// alone.
 /// \throws DataError: no rows, times that do not rise, a muscle without a command or with two, a command for a muscle

@@ -1,5 +1,5 @@
 // A hinge: an angle about an axis that is fixed in both bodies.
-#include "simgap/core/joint_kind.h"
+#include "one_axis.h"
 
 namespace simgap::joint_kinds {
 namespace {
@@ -7,24 +7,11 @@ namespace {
 constexpr std::string_view kColumns[] = {"_rad"};
 
 std::vector<JointPosition> read(const CsvTable& table, const std::string& joint) {
-  std::vector<JointPosition> positions(table.rows());
-  const std::vector<double> angles = table.quantity(joint, "rad");
-  for (std::size_t row = 0; row < angles.size(); ++row) positions[row].angle = angles[row];
-  return positions;
+  return readCoordinate(table, joint, "rad");
 }
-
-std::vector<double> cells(const JointPosition& position) { return {position.angle}; }
-
-double angle(const JointPosition& position) { return position.angle; }
 
 Eigen::Vector3d difference(const JointPosition& from, const JointPosition& to) {
   return {hingeTurn(from.angle, to.angle), 0.0, 0.0};
-}
-
-JointPosition mean(std::span<const JointPosition> repeats) {
-  JointPosition mean;
-  for (const JointPosition& repeat : repeats) mean.angle += repeat.angle / static_cast<double>(repeats.size());
-  return mean;
 }
 
 }  // namespace
@@ -38,9 +25,9 @@ const JointKind revolute{.type = JointType::kRevolute,
                          .printed_error = 1.0,
                          .columns = kColumns,
                          .read = read,
-                         .cells = cells,
-                         .angle = angle,
+                         .cells = coordinateCells,
+                         .angle = coordinate,
                          .difference = difference,
-                         .mean = mean};
+                         .mean = meanCoordinate};
 
 }  // namespace simgap::joint_kinds

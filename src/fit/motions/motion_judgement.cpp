@@ -13,8 +13,7 @@
 namespace simgap {
 namespace {
 
-constexpr double kHalved = 0.5, kUntouched = 0.95;  // of the prior's standard deviation, as for poses
-constexpr double kAlike = 0.95;                     // correlation of what can hardly be told apart
+constexpr double kAlike = 0.95;  // correlation of what can hardly be told apart
 constexpr int kDraws = 400;
 constexpr std::uint32_t kMotionPurpose = 8;
 
@@ -50,7 +49,7 @@ Eigen::VectorXd widening(const MotionPosterior& posterior, const MotionEvaluatio
 
 Verdict verdictOf(double sd, bool has_prior) {
   if (!has_prior) return std::isfinite(sd) ? Verdict::kIdentifiable : Verdict::kNotIdentifiable;
-  return sd <= kHalved ? Verdict::kIdentifiable : sd <= kUntouched ? Verdict::kWeak : Verdict::kNotIdentifiable;
+  return verdictOfShare(sd);
 }
 
 /// \param wider  shape (size of z)

@@ -16,8 +16,6 @@
 namespace simgap {
 namespace {
 
-constexpr double kHalved = 0.5;          // of the prior's standard deviation: identifiable
-constexpr double kUntouched = 0.95;      // not identifiable
 constexpr double kTinyCurvature = 1e-9;  // in prior units: nothing bounds such a direction
 constexpr std::size_t kCloud = 200;      // commands that stand for any pose of the arm
 constexpr int kDraws = 400;
@@ -71,6 +69,12 @@ Eigen::MatrixXd posteriorCovariance(const Eigen::MatrixXd& jacobian, const Scale
 
 }  // namespace
 
+Verdict verdictOfShare(double of_prior) {
+  constexpr double kUntouched = 0.95;
+  if (of_prior <= kHalvedPrior) return Verdict::kIdentifiable;
+  return of_prior > kUntouched ? Verdict::kNotIdentifiable : Verdict::kWeak;
+}
+
 std::string_view toString(Verdict verdict) {
   switch (verdict) {
     case Verdict::kIdentifiable:
@@ -118,13 +122,9 @@ PoseUncertainty assessUncertainty(PosePosterior& posterior, const Eigen::VectorX
     const double sd_z = std::sqrt(result.covariance(i, i));
     const bool bounded = scaled.hasPrior(i) || sd_z < 0.1 / std::sqrt(kTinyCurvature);
     ParameterUncertainty parameter{scaled.hasPrior(i) ? slope : std::numeric_limits<double>::infinity(),
-                                   bounded ? slope * sd_z : std::numeric_limits<double>::infinity(), Verdict::kWeak};
-    const double of_prior = scaled.hasPrior(i) ? sd_z : 0.0;
-    if (!bounded || of_prior > kUntouched || std::sqrt(unknowable[i]) > kHalved) {
-      parameter.verdict = Verdict::kNotIdentifiable;
-    } else if (of_prior <= kHalved) {
-      parameter.verdict = Verdict::kIdentifiable;
-    }
+                                   bounded ? slope * sd_z : std::numeric_limits<double>::infinity(),
+                                   verdictOfShare(scaled.hasPrior(i) ? sd_z : 0.0)};
+    if (!bounded || std::sqrt(unknowable[i]) > kHalvedPrior) parameter.verdict = Verdict::kNotIdentifiable;
     result.parameters.push_back(parameter);
   }
   return result;

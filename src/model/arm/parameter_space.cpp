@@ -7,6 +7,7 @@
 #include <set>
 
 #include "simgap/core/error.h"
+#include "simgap/core/text.h"
 #include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
@@ -169,28 +170,13 @@ std::string ParameterPath::str() const {
 
 void visitParameters(ArmModel& model, const ParameterVisitor& visit) { traverse(model, visit); }
 
-namespace {
-
-/// `*` stands for any text within a part.
-bool matchesPart(std::string_view wanted, std::string_view part) {
-  const auto star = wanted.find('*');
-  if (star == std::string_view::npos) return wanted == part;
-  if (!part.starts_with(wanted.substr(0, star))) return false;
-  for (std::size_t taken = star; taken <= part.size(); ++taken) {
-    if (matchesPart(wanted.substr(star + 1), part.substr(taken))) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
 bool matchesPattern(std::string_view pattern, std::string_view path) {
   while (!pattern.empty()) {
     if (path.empty()) return false;
     const auto [wanted, pattern_rest] = splitFirst(pattern);
     const auto [part, path_rest] = splitFirst(path);
     if (wanted == "*" && !pattern_rest.empty() && matchesPattern(pattern, path_rest)) return true;
-    if (!matchesPart(wanted, part)) return false;
+    if (!matchesGlob(wanted, part)) return false;
     pattern = pattern_rest;
     path = path_rest;
   }

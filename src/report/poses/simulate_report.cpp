@@ -137,28 +137,6 @@ std::string measuredCsv(const SimulationResult& result) {
 
 }  // namespace
 
-MeasuredMotion readMeasuredJoints(const CsvTable& table, const ArmModel& model, double start, double end) {
-  const std::vector<double> times = table.quantity("time", "s");
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    if (times[i] <= times[i - 1]) {
-      table.fail(i, fmt::format("time_s: {:g} after {:g}, expected times that rise", times[i], times[i - 1]));
-    }
-  }
-  std::vector<std::vector<JointPosition>> columns;
-  for (const Joint& joint : model.joints) columns.push_back(kindOf(joint.type).read(table, joint.name));
-  MeasuredMotion measured{table.name(), {}, {}, {}};
-  for (std::size_t row = 0; row < times.size(); ++row) {
-    if (times[row] < start || times[row] > end) continue;
-    measured.times.push_back(times[row]);
-    for (const auto& column : columns) measured.joints.push_back(column[row]);
-  }
-  if (measured.times.empty()) {
-    throw DataError(fmt::format("{}: no row between {:g} and {:g} s, expected a clock that overlaps the commands'",
-                                table.name(), start, end));
-  }
-  return measured;
-}
-
 Json toJson(const SimulationResult& result) {
   const Simulation& simulation = result.simulation;
   return {

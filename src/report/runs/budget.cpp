@@ -12,27 +12,6 @@
 namespace simgap {
 namespace {
 
-/// True when `*` in the pattern stands for any text, dots included. Only the last `*` is ever tried again: quadratic at
-/// worst.
-bool matches(std::string_view pattern, std::string_view text) {
-  std::size_t p = 0, t = 0, star = std::string_view::npos, behind_star = 0;
-  while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*') {
-      star = p++;
-      behind_star = t;
-    } else if (p < pattern.size() && pattern[p] == text[t]) {
-      ++p;
-      ++t;
-    } else if (star != std::string_view::npos) {
-      p = star + 1;
-      t = ++behind_star;
-    } else {
-      return false;
-    }
-  }
-  return pattern.find_first_not_of('*', p) == std::string_view::npos;
-}
-
 std::string boundsText(const BudgetLimit& limit) {
   const bool lower = std::isfinite(limit.lower), upper = std::isfinite(limit.upper);
   if (lower && upper) return fmt::format("between {:g} and {:g}", limit.lower, limit.upper);
@@ -105,7 +84,7 @@ Finding checkParameter(const BudgetLimit& limit, const Json& result) {
   std::size_t met = 0, outsiders = 0;
   for (const Json& p : result.value("parameters", Json::array())) {
     const std::string name = p.value("name", "");
-    if (!matches(limit.subject, name)) continue;
+    if (!matchesGlob(limit.subject, name)) continue;
     ++met;
     const double value = numberOf(p.value("value", Json(nullptr))), sd = numberOf(p.value("sd", Json(nullptr)));
     const bool within = limit.lower <= value && value <= limit.upper;
@@ -133,7 +112,7 @@ Finding checkCause(const BudgetLimit& limit, const Json& result) {
   Finding finding{true, ""};
   for (const Json& cause : result.at("causes")) {
     const std::string name = cause.value("effect", "");
-    if (!matches(limit.subject, name)) continue;
+    if (!matchesGlob(limit.subject, name)) continue;
     const double gain = numberOf(cause.value("gain_heldout_percent", Json(nullptr)));
     finding.found += fmt::format("{}{}, {:.3g} %", finding.found.empty() ? "" : "; ", name, gain);
     if (!(gain <= limit.upper)) finding.holds = false;

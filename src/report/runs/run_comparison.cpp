@@ -8,6 +8,7 @@
 
 #include "simgap/core/csv.h"
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 #include "simgap/report/table.h"
 
 namespace simgap {
@@ -63,7 +64,7 @@ Json parameterJson(const Shared& shared, const PooledEstimate& pooled, const std
 }
 
 Json changeJson(const ChangePoint& change, const Json& values) {
-  const double half = 1.959963984540054 * change.step.sd;
+  const double half = kNormalQuantile * change.step.sd;
   return {{"since", values[change.first].at("run")},
           {"earliest", values[change.earliest].at("run")},
           {"latest", values[change.latest].at("run")},

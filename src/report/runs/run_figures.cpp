@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 #include "simgap/report/html/result_files.h"
 #include "simgap/report/runs/run_comparison.h"
 #include "simgap/report/table.h"
@@ -13,8 +14,6 @@ namespace {
 
 /// What a command calls its errors; whatever stands below them is a number with a dotted name.
 constexpr const char* kErrors[] = {"mje_deg", "motion_rms", "mse", "mse_heldout", "baseline", "extended", "left_over"};
-/// Half the width of a normal's 95 % interval in standard deviations.
-constexpr double kHalfWidth = 1.959963984540054;
 
 void flatten(const std::string& name, const Json& value, std::vector<std::pair<std::string, double>>& errors) {
   if (value.is_number()) {
@@ -44,7 +43,8 @@ RunCause readCause(const Json& cause, std::vector<RunParameter>& parameters) {
         fmt::format("{}{} {}", read.magnitude.empty() ? "" : ", ", name, numberText(p.at("value"), "{:.4g}"));
     const Json interval = p.value("ci95", Json::array());
     if (interval.size() != 2) continue;
-    add(read.name + "." + name, p, (numberOf(interval[1]) - numberOf(interval[0])) / (2.0 * kHalfWidth), parameters);
+    add(read.name + "." + name, p, (numberOf(interval[1]) - numberOf(interval[0])) / (2.0 * kNormalQuantile),
+        parameters);
   }
   return read;
 }

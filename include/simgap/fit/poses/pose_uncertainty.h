@@ -18,6 +18,10 @@ enum class Verdict {
                      ///< known
 };
 std::string_view toString(Verdict verdict);
+/// A posterior standard deviation that is this share of the prior's, or less, makes a parameter identifiable.
+inline constexpr double kHalvedPrior = 0.5;
+/// By a posterior standard deviation as a share of the prior's; 0 for a parameter without one.
+Verdict verdictOfShare(double of_prior);
 
 struct ParameterUncertainty {
   double prior_sd;  ///< of the hand measurement, in the parameter's unit; infinite without one

@@ -64,6 +64,7 @@ struct PathWheel {
 struct PathParts {
   std::vector<PathStretch> stretches;
   std::vector<PathWheel> wheels;
+  bool empty() const { return stretches.empty() && wheels.empty(); }  ///< of a straight muscle
 };
 PathParts partsOf(const TendonPath& path);
 

@@ -8,19 +8,10 @@
 
 #include "simgap/core/run_directory.h"
 #include "simgap/report/table.h"
+#include "simgap/simulate/motion_inputs.h"
 #include "simgap/simulate/simulation.h"
 
 namespace simgap {
-
-/// A recorded movement of the joints, and the simulated one at the same times.
-struct MeasuredMotion {
-  std::string file;
-  std::vector<double> times;          ///< shape (rows) [s]
-  std::vector<JointPosition> joints;  ///< shape (rows, joints)
-  MotionTrack simulated;
-};
-/// Rows of a table of joints between two times. \throws DataError: none of them, or what CsvTable refuses
-MeasuredMotion readMeasuredJoints(const CsvTable& table, const ArmModel& model, double start, double end);
 
 struct SimulationResult {
   const ArmModel& model;

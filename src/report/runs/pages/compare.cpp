@@ -1,20 +1,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/statistics.h"
 #include "simgap/report/html/result_page.h"
 #include "simgap/report/runs/run_comparison.h"
 
 namespace simgap::pages {
 namespace {
 
-constexpr double kHalfWidth = 1.959963984540054;  // standard deviations of a 95 % interval
-
 /// A parameter's value in every run over the common one.
 Chart valuesChart(const Json& parameter) {
   const std::string unit = unitTitle(parameter.at("unit").get<std::string>());
   std::vector<IntervalRow> rows;
   for (const Json& run : parameter.at("runs")) {
-    const double value = numberOf(run.at("value")), half = kHalfWidth * numberOf(run.at("sd"));
+    const double value = numberOf(run.at("value")), half = kNormalQuantile * numberOf(run.at("sd"));
     rows.push_back({cellText(run.at("run")), value, value - half, value + half});
   }
   rows.push_back({"common", numberOf(parameter.at("common")), numberOf(parameter.at("common_ci95")[0]),
