@@ -1,6 +1,7 @@
 # A registry is written from one or more folders: every file NAME.cpp in it must define
-#     namespace simgap::<NAMESPACE> { extern const <TYPE> NAME; }
-# and the generated file defines   std::span<const TYPE* const> simgap::<NAMESPACE>::all().
+#     namespace simgap::<NAMESPACE>::NAME { extern const <TYPE> entry; }
+# (a namespace of its own: several entries are compiled as one, whatever their helpers are called), and the generated file
+# defines   std::span<const TYPE* const> simgap::<NAMESPACE>::all().
 # Adding an entry is adding one file; the linker cannot drop it, because the generated table names it.
 function(simgap_registry target)
   cmake_parse_arguments(arg "" "TYPE;HEADER;NAMESPACE" "FOLDER" ${ARGN})
@@ -10,8 +11,8 @@ function(simgap_registry target)
   set(entries "")
   foreach(file ${files})
     get_filename_component(name ${file} NAME_WE)
-    string(APPEND declarations "extern const ${arg_TYPE} ${name};\n")
-    string(APPEND entries "    &${name},\n")
+    string(APPEND declarations "namespace ${name} { extern const ${arg_TYPE} entry; }\n")
+    string(APPEND entries "    &${name}::entry,\n")
   endforeach()
   list(LENGTH files count)
   set(output ${CMAKE_BINARY_DIR}/registry/${arg_NAMESPACE}.cpp)
@@ -25,6 +26,4 @@ std::span<const ${arg_TYPE}* const> all() { return kAll; }
 }  // namespace simgap::${arg_NAMESPACE}
 ")
   target_sources(${target} PRIVATE ${output})
-  # Every entry has the same names in its unnamed namespace: never united.
-  set_source_files_properties(${files} ${output} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()

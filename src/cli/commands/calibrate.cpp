@@ -15,7 +15,7 @@
 #include "simgap/fit/poses/calibration_run.h"
 #include "simgap/report/poses/pose_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::calibrate {
 namespace {
 
 struct Options {
@@ -332,19 +332,19 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command calibrate;
-const Command calibrate{"calibrate", "close the gap: search the model's parameters on recorded poses",
-                        "  simgap calibrate data/arm/arm.yaml \\\n"
-                        "    --poses data/arm/poses_calibration.csv \\\n"
-                        "    --validation data/arm/poses_validation.csv -o runs/arm\n"
-                        "  simgap calibrate --resume runs/arm\n"
-                        "  simgap calibrate data/motions/arm.yaml --dry-run \\\n"
-                        "    --motions data/motions/open-none/calibration/motions.yaml \\\n"
-                        "    --validation-motions data/motions/open-none/validation/motions.yaml\n"
-                        "  simgap calibrate data/arm/arm.yaml \\\n"
-                        "    --poses data/arm/poses_calibration.csv \\\n"
-                        "    --validation data/arm/poses_validation.csv \\\n"
-                        "    --optimizer es --evaluator equilibrium -o runs/arm-es",
-                        define};
+extern const Command entry;
+const Command entry{"calibrate", "close the gap: search the model's parameters on recorded poses",
+                    "  simgap calibrate data/arm/arm.yaml \\\n"
+                    "    --poses data/arm/poses_calibration.csv \\\n"
+                    "    --validation data/arm/poses_validation.csv -o runs/arm\n"
+                    "  simgap calibrate --resume runs/arm\n"
+                    "  simgap calibrate data/motions/arm.yaml --dry-run \\\n"
+                    "    --motions data/motions/open-none/calibration/motions.yaml \\\n"
+                    "    --validation-motions data/motions/open-none/validation/motions.yaml\n"
+                    "  simgap calibrate data/arm/arm.yaml \\\n"
+                    "    --poses data/arm/poses_calibration.csv \\\n"
+                    "    --validation data/arm/poses_validation.csv \\\n"
+                    "    --optimizer es --evaluator equilibrium -o runs/arm-es",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::calibrate

@@ -9,7 +9,7 @@
 #include "simgap/core/progress.h"
 #include "simgap/report/capture/camera_calibration_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::calibrate_cameras {
 namespace {
 
 struct Options {
@@ -174,12 +174,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command calibrate_cameras;
-const Command calibrate_cameras{"calibrate-cameras", "stereo cameras from views of a board, judged on views held out",
-                                "  simgap calibrate-cameras data/boards/left data/boards/right \\\n"
-                                "    --board chessboard:9x6:0.025 \\\n"
-                                "    --scale-bar data/boards/bar-left data/boards/bar-right 0.300 \\\n"
-                                "    -o runs/cameras",
-                                define};
+extern const Command entry;
+const Command entry{"calibrate-cameras", "stereo cameras from views of a board, judged on views held out",
+                    "  simgap calibrate-cameras data/boards/left data/boards/right \\\n"
+                    "    --board chessboard:9x6:0.025 \\\n"
+                    "    --scale-bar data/boards/bar-left data/boards/bar-right 0.300 \\\n"
+                    "    -o runs/cameras",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::calibrate_cameras

@@ -5,7 +5,7 @@
 #include "simgap/cli/session.h"
 #include "simgap/report/capture/capture_rig_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::calibrate_joints {
 namespace {
 
 struct Options {
@@ -75,14 +75,14 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command calibrate_joints;
-const Command calibrate_joints{"calibrate-joints", "from a motion: shoulder centre, elbow axis, markers in bone frames",
-                               "  simgap capture data/capture/rig.yaml --left data/capture/left \\\n"
-                               "    --right data/capture/right --rate 60 -o runs/motion\n"
-                               "  simgap calibrate-joints data/capture/rig.yaml \\\n"
-                               "    --frames runs/motion/frames.csv --zero 0:10 -o runs/joints\n"
-                               "  simgap capture runs/joints/rig.yaml --left data/capture/left \\\n"
-                               "    --right data/capture/right --rate 60 -o runs/capture",
-                               define};
+extern const Command entry;
+const Command entry{"calibrate-joints", "from a motion: shoulder centre, elbow axis, markers in bone frames",
+                    "  simgap capture data/capture/rig.yaml --left data/capture/left \\\n"
+                    "    --right data/capture/right --rate 60 -o runs/motion\n"
+                    "  simgap calibrate-joints data/capture/rig.yaml \\\n"
+                    "    --frames runs/motion/frames.csv --zero 0:10 -o runs/joints\n"
+                    "  simgap capture runs/joints/rig.yaml --left data/capture/left \\\n"
+                    "    --right data/capture/right --rate 60 -o runs/capture",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::calibrate_joints

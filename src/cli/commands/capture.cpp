@@ -12,7 +12,7 @@
 #include "simgap/core/progress.h"
 #include "simgap/report/capture/capture_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::capture {
 namespace {
 
 struct Options {
@@ -184,11 +184,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command capture;
-const Command capture{"capture", "stereo images of marker targets to joint angles and the poses calibrate reads",
-                      "  simgap capture data/capture/rig.yaml --left data/capture/left \\\n"
-                      "    --right data/capture/right --timestamps data/capture/timestamps.csv \\\n"
-                      "    --shafts data/capture/shafts.csv --overlay 0 -o runs/capture",
-                      define};
+extern const Command entry;
+const Command entry{"capture", "stereo images of marker targets to joint angles and the poses calibrate reads",
+                    "  simgap capture data/capture/rig.yaml --left data/capture/left \\\n"
+                    "    --right data/capture/right --timestamps data/capture/timestamps.csv \\\n"
+                    "    --shafts data/capture/shafts.csv --overlay 0 -o runs/capture",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::capture

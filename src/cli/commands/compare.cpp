@@ -8,7 +8,7 @@
 #include "simgap/core/error.h"
 #include "simgap/report/runs/run_comparison.h"
 
-namespace simgap::commands {
+namespace simgap::commands::compare {
 namespace {
 
 struct Options {
@@ -50,11 +50,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command compare;
-const Command compare{"compare", "runs of several days, units or robots: what is common, what differs, since when",
-                      "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring-a\n"
-                      "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring-b\n"
-                      "  simgap compare runs/spring-a runs/spring-b -o runs/springs",
-                      define};
+extern const Command entry;
+const Command entry{"compare", "runs of several days, units or robots: what is common, what differs, since when",
+                    "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring-a\n"
+                    "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring-b\n"
+                    "  simgap compare runs/spring-a runs/spring-b -o runs/springs",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::compare

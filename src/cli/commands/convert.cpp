@@ -2,7 +2,7 @@
 #include "simgap/cli/session.h"
 #include "simgap/report/poses/exchange_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::convert {
 namespace {
 
 struct Options {
@@ -39,8 +39,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command convert;
-const Command convert{"convert", "a robot from or into MuJoCo's MJCF or URDF, and what is lost on the way",
-                      "  simgap convert data/arm/arm.yaml arm.xml --force", define};
+extern const Command entry;
+const Command entry{"convert", "a robot from or into MuJoCo's MJCF or URDF, and what is lost on the way",
+                    "  simgap convert data/arm/arm.yaml arm.xml --force", define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::convert

@@ -13,7 +13,7 @@
 #include "simgap/simulate/arm_geometry.h"
 #include "simgap/simulate/replay.h"
 
-namespace simgap::commands {
+namespace simgap::commands::design {
 namespace {
 
 struct Options {
@@ -86,10 +86,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command design;
-const Command design{"design", "which poses to record next",
-                     "  simgap design data/arm/arm.yaml \\\n"
-                     "    --poses data/arm/poses_calibration.csv --count 5 -o runs/design",
-                     define};
+extern const Command entry;
+const Command entry{"design", "which poses to record next",
+                    "  simgap design data/arm/arm.yaml \\\n"
+                    "    --poses data/arm/poses_calibration.csv --count 5 -o runs/design",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::design

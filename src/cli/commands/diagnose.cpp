@@ -14,7 +14,7 @@
 #include "simgap/simulate/arm_geometry.h"
 #include "simgap/simulate/replay.h"
 
-namespace simgap::commands {
+namespace simgap::commands::diagnose {
 namespace {
 
 struct Options {
@@ -166,12 +166,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command diagnose;
-const Command diagnose{"diagnose", "what the model gets wrong, the physical cause, and the gain on data never used",
-                       "  simgap diagnose classic --log data/logs/bend-friction.csv.gz \\\n"
-                       "    -o runs/diagnosis\n"
-                       "  simgap diagnose data/arm-dense/arm.yaml \\\n"
-                       "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm",
-                       define};
+extern const Command entry;
+const Command entry{"diagnose", "what the model gets wrong, the physical cause, and the gain on data never used",
+                    "  simgap diagnose classic --log data/logs/bend-friction.csv.gz \\\n"
+                    "    -o runs/diagnosis\n"
+                    "  simgap diagnose data/arm-dense/arm.yaml \\\n"
+                    "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::diagnose

@@ -10,7 +10,7 @@
 #include "simgap/fit/actuators/holdout.h"
 #include "simgap/report/actuators/friction_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::fit_friction {
 namespace {
 
 struct Options {
@@ -154,15 +154,15 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command fit_friction;
-const Command fit_friction{"fit-friction", "friction of a drive from its log, with uncertainty and held-out error",
-                           "  simgap fit-friction data/logs/bend-friction.csv.gz --model all \\\n"
-                           "    -o runs/friction\n"
-                           "  simgap fit-friction data/logs/bend.mcap -o runs/bend \\\n"
-                           "    --topic /joint_states:bend --topic /motor/current --topic /load/torque \\\n"
-                           "    --map motor_velocity_rad_s=bend.velocity \\\n"
-                           "    --map motor_current_A=motor/current \\\n"
-                           "    --map external_torque_Nm=load/torque",
-                           define};
+extern const Command entry;
+const Command entry{"fit-friction", "friction of a drive from its log, with uncertainty and held-out error",
+                    "  simgap fit-friction data/logs/bend-friction.csv.gz --model all \\\n"
+                    "    -o runs/friction\n"
+                    "  simgap fit-friction data/logs/bend.mcap -o runs/bend \\\n"
+                    "    --topic /joint_states:bend --topic /motor/current --topic /load/torque \\\n"
+                    "    --map motor_velocity_rad_s=bend.velocity \\\n"
+                    "    --map motor_current_A=motor/current \\\n"
+                    "    --map external_torque_Nm=load/torque",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::fit_friction

@@ -3,7 +3,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/fit/actuators/fitted_drive.h"
 
-namespace simgap::commands {
+namespace simgap::commands::fit_gearbox {
 namespace {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
@@ -32,11 +32,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command fit_gearbox;
-const Command fit_gearbox{"fit-gearbox", "efficiency, friction and inertia of a gearbox behind a known motor",
-                          "  simgap fit-motor data/logs/motor.csv.gz -o runs/motor\n"
-                          "  simgap fit-gearbox data/logs/gearbox.csv.gz \\\n"
-                          "    --motor runs/motor/model.yaml --ratio 72 -o runs/gearbox",
-                          define};
+extern const Command entry;
+const Command entry{"fit-gearbox", "efficiency, friction and inertia of a gearbox behind a known motor",
+                    "  simgap fit-motor data/logs/motor.csv.gz -o runs/motor\n"
+                    "  simgap fit-gearbox data/logs/gearbox.csv.gz \\\n"
+                    "    --motor runs/motor/model.yaml --ratio 72 -o runs/gearbox",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::fit_gearbox

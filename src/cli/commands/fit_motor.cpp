@@ -1,7 +1,7 @@
 #include "cli/drive_command.h"
 #include "simgap/cli/command.h"
 
-namespace simgap::commands {
+namespace simgap::commands::fit_motor {
 namespace {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
@@ -23,10 +23,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command fit_motor;
-const Command fit_motor{"fit-motor", "constants of a DC motor from its log, by the simulated response",
-                        "  simgap fit-motor data/logs/motor.csv.gz --into data/arm/arm.yaml \\\n"
-                        "    --muscle biceps -o runs/motor",
-                        define};
+extern const Command entry;
+const Command entry{"fit-motor", "constants of a DC motor from its log, by the simulated response",
+                    "  simgap fit-motor data/logs/motor.csv.gz --into data/arm/arm.yaml \\\n"
+                    "    --muscle biceps -o runs/motor",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::fit_motor

@@ -5,7 +5,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/report/actuators/pam_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::fit_pam {
 namespace {
 
 struct Options {
@@ -63,10 +63,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command fit_pam;
-const Command fit_pam{"fit-pam", "force model of a pneumatic muscle, with and without its tendon's spring",
-                      "  simgap fit-pam data/logs/muscle.csv.gz \\\n"
-                      "    --curves data/logs/muscle-curves.csv.gz -o runs/pam",
-                      define};
+extern const Command entry;
+const Command entry{"fit-pam", "force model of a pneumatic muscle, with and without its tendon's spring",
+                    "  simgap fit-pam data/logs/muscle.csv.gz \\\n"
+                    "    --curves data/logs/muscle-curves.csv.gz -o runs/pam",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::fit_pam

@@ -8,7 +8,7 @@
 #include "simgap/measure/logs/spring_log.h"
 #include "simgap/report/actuators/spring_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::fit_spring {
 namespace {
 
 struct Options {
@@ -82,11 +82,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command fit_spring;
-const Command fit_spring{"fit-spring", "stiffness, offset and damping of a spring, a shock cord or a tendon",
-                         "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring\n"
-                         "  simgap fit-spring data/logs/shock-cord.csv.gz \\\n"
-                         "    --into data/arm/arm.yaml --muscle biceps -o runs/spring-arm",
-                         define};
+extern const Command entry;
+const Command entry{"fit-spring", "stiffness, offset and damping of a spring, a shock cord or a tendon",
+                    "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring\n"
+                    "  simgap fit-spring data/logs/shock-cord.csv.gz \\\n"
+                    "    --into data/arm/arm.yaml --muscle biceps -o runs/spring-arm",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::fit_spring

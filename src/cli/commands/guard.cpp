@@ -4,7 +4,7 @@
 #include "simgap/cli/session.h"
 #include "simgap/report/runs/budget.h"
 
-namespace simgap::commands {
+namespace simgap::commands::guard {
 namespace {
 
 struct Options {
@@ -41,10 +41,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command guard;
-const Command guard{"guard", "hold a run against a budget (exit 1 when a limit is broken)",
+extern const Command entry;
+const Command entry{"guard", "hold a run against a budget (exit 1 when a limit is broken)",
                     "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring\n"
                     "  simgap guard configs/budget_spring.yaml runs/spring -o runs/guard",
                     define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::guard

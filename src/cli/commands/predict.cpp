@@ -9,7 +9,7 @@
 #include "simgap/fit/actuators/free_run.h"
 #include "simgap/report/actuators/prediction_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::predict {
 namespace {
 
 struct Options {
@@ -86,11 +86,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command predict;
-const Command predict{"predict", "feed-forward current, force or pressure from a fitted model",
-                      "  simgap fit-friction data/logs/bend-friction.csv.gz -o runs/friction\n"
-                      "  simgap predict runs/friction/model.yaml data/logs/none.csv.gz \\\n"
-                      "    -o runs/prediction",
-                      define};
+extern const Command entry;
+const Command entry{"predict", "feed-forward current, force or pressure from a fitted model",
+                    "  simgap fit-friction data/logs/bend-friction.csv.gz -o runs/friction\n"
+                    "  simgap predict runs/friction/model.yaml data/logs/none.csv.gz \\\n"
+                    "    -o runs/prediction",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::predict

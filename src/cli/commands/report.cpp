@@ -4,7 +4,7 @@
 #include "simgap/core/text.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::commands {
+namespace simgap::commands::report {
 namespace {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>&) {
@@ -20,10 +20,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>&)
 
 }  // namespace
 
-extern const Command report;
-const Command report{"report", "make report.html again from the files of a run, without running anything",
-                     "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring\n"
-                     "  simgap report runs/spring",
-                     define};
+extern const Command entry;
+const Command entry{"report", "make report.html again from the files of a run, without running anything",
+                    "  simgap fit-spring data/logs/shock-cord.csv.gz -o runs/spring\n"
+                    "  simgap report runs/spring",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::report

@@ -10,7 +10,7 @@
 #include "simgap/simulate/motion_inputs.h"
 #include "simgap/simulate/served_arm.h"
 
-namespace simgap::commands {
+namespace simgap::commands::simulate {
 namespace {
 
 struct Options {
@@ -144,10 +144,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command simulate;
-const Command simulate{"simulate", "plays an arm with commands over time",
-                       "  simgap simulate data/elbow-movement/arm.yaml \\\n"
-                       "    --commands data/elbow-movement/schedule.yaml -o runs/elbow",
-                       define};
+extern const Command entry;
+const Command entry{"simulate", "plays an arm with commands over time",
+                    "  simgap simulate data/elbow-movement/arm.yaml \\\n"
+                    "    --commands data/elbow-movement/schedule.yaml -o runs/elbow",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::simulate

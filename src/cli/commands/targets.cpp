@@ -4,7 +4,7 @@
 #include "simgap/cli/session.h"
 #include "simgap/report/capture/capture_rig_report.h"
 
-namespace simgap::commands {
+namespace simgap::commands::targets {
 namespace {
 
 struct Options {
@@ -40,8 +40,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command targets;
-const Command targets{"targets", "check that marker targets cannot be confused (exit 1 when they can)",
-                      "  simgap targets check data/capture/targets.yaml --noise 0.2", define};
+extern const Command entry;
+const Command entry{"targets", "check that marker targets cannot be confused (exit 1 when they can)",
+                    "  simgap targets check data/capture/targets.yaml --noise 0.2", define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::targets

@@ -11,7 +11,7 @@
 #include "simgap/simulate/arm_geometry.h"
 #include "simgap/simulate/replay.h"
 
-namespace simgap::commands {
+namespace simgap::commands::validate {
 namespace {
 
 struct Options {
@@ -107,14 +107,14 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 
 }  // namespace
 
-extern const Command validate;
-const Command validate{"validate", "errors of a model on recorded poses, or over recorded motions",
-                       "  simgap calibrate data/arm/arm.yaml \\\n"
-                       "    --poses data/arm/poses_calibration.csv --optimizer lm -o runs/arm\n"
-                       "  simgap validate runs/arm/model.yaml \\\n"
-                       "    --poses data/arm/poses_validation.csv --max-mje 5 -o runs/validation\n"
-                       "  simgap validate data/motions/arm.yaml \\\n"
-                       "    --motions data/motions/open-none/validation/motions.yaml -o runs/motions",
-                       define};
+extern const Command entry;
+const Command entry{"validate", "errors of a model on recorded poses, or over recorded motions",
+                    "  simgap calibrate data/arm/arm.yaml \\\n"
+                    "    --poses data/arm/poses_calibration.csv --optimizer lm -o runs/arm\n"
+                    "  simgap validate runs/arm/model.yaml \\\n"
+                    "    --poses data/arm/poses_validation.csv --max-mje 5 -o runs/validation\n"
+                    "  simgap validate data/motions/arm.yaml \\\n"
+                    "    --motions data/motions/open-none/validation/motions.yaml -o runs/motions",
+                    define};
 
-}  // namespace simgap::commands
+}  // namespace simgap::commands::validate

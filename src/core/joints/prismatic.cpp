@@ -1,7 +1,7 @@
 // A slide: a way along an axis that is fixed in both bodies.
 #include "one_axis.h"
 
-namespace simgap::joint_kinds {
+namespace simgap::joint_kinds::prismatic {
 namespace {
 
 constexpr std::string_view kColumns[] = {"_m"};
@@ -16,18 +16,18 @@ Eigen::Vector3d difference(const JointPosition& from, const JointPosition& to) {
 
 }  // namespace
 
-extern const JointKind prismatic;
-const JointKind prismatic{.type = JointType::kPrismatic,
-                          .name = "prismatic",
-                          .degrees_of_freedom = 1,
-                          .has_axis = true,
-                          .unit = "m",
-                          .printed_error = 1.0,
-                          .columns = kColumns,
-                          .read = read,
-                          .cells = coordinateCells,
-                          .angle = coordinate,
-                          .difference = difference,
-                          .mean = meanCoordinate};
+extern const JointKind entry;
+const JointKind entry{.type = JointType::kPrismatic,
+                      .name = "prismatic",
+                      .degrees_of_freedom = 1,
+                      .has_axis = true,
+                      .unit = "m",
+                      .printed_error = 1.0,
+                      .columns = kColumns,
+                      .read = read,
+                      .cells = coordinateCells,
+                      .angle = coordinate,
+                      .difference = difference,
+                      .mean = meanCoordinate};
 
-}  // namespace simgap::joint_kinds
+}  // namespace simgap::joint_kinds::prismatic

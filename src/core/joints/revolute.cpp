@@ -1,7 +1,7 @@
 // A hinge: an angle about an axis that is fixed in both bodies.
 #include "one_axis.h"
 
-namespace simgap::joint_kinds {
+namespace simgap::joint_kinds::revolute {
 namespace {
 
 constexpr std::string_view kColumns[] = {"_rad"};
@@ -16,18 +16,18 @@ Eigen::Vector3d difference(const JointPosition& from, const JointPosition& to) {
 
 }  // namespace
 
-extern const JointKind revolute;
-const JointKind revolute{.type = JointType::kRevolute,
-                         .name = "revolute",
-                         .degrees_of_freedom = 1,
-                         .has_axis = true,
-                         .unit = "rad",
-                         .printed_error = 1.0,
-                         .columns = kColumns,
-                         .read = read,
-                         .cells = coordinateCells,
-                         .angle = coordinate,
-                         .difference = difference,
-                         .mean = meanCoordinate};
+extern const JointKind entry;
+const JointKind entry{.type = JointType::kRevolute,
+                      .name = "revolute",
+                      .degrees_of_freedom = 1,
+                      .has_axis = true,
+                      .unit = "rad",
+                      .printed_error = 1.0,
+                      .columns = kColumns,
+                      .read = read,
+                      .cells = coordinateCells,
+                      .angle = coordinate,
+                      .difference = difference,
+                      .mean = meanCoordinate};
 
-}  // namespace simgap::joint_kinds
+}  // namespace simgap::joint_kinds::revolute

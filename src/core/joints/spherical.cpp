@@ -6,7 +6,7 @@
 
 #include "simgap/core/joint_kind.h"
 
-namespace simgap::joint_kinds {
+namespace simgap::joint_kinds::spherical {
 namespace {
 
 constexpr std::string_view kColumns[] = {"_qw", "_qx", "_qy", "_qz"};
@@ -46,18 +46,18 @@ JointPosition mean(std::span<const JointPosition> repeats) {
 
 }  // namespace
 
-extern const JointKind spherical;
-const JointKind spherical{.type = JointType::kSpherical,
-                          .name = "spherical",
-                          .degrees_of_freedom = 3,
-                          .has_axis = false,
-                          .unit = "rad",
-                          .printed_error = 0.5,  // arccos(Q . Q') is half the angle between the rotations
-                          .columns = kColumns,
-                          .read = read,
-                          .cells = cells,
-                          .angle = angle,
-                          .difference = difference,
-                          .mean = mean};
+extern const JointKind entry;
+const JointKind entry{.type = JointType::kSpherical,
+                      .name = "spherical",
+                      .degrees_of_freedom = 3,
+                      .has_axis = false,
+                      .unit = "rad",
+                      .printed_error = 0.5,  // arccos(Q . Q') is half the angle between the rotations
+                      .columns = kColumns,
+                      .read = read,
+                      .cells = cells,
+                      .angle = angle,
+                      .difference = difference,
+                      .mean = mean};
 
-}  // namespace simgap::joint_kinds
+}  // namespace simgap::joint_kinds::spherical

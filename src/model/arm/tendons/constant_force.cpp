@@ -1,7 +1,7 @@
 // A line under a force that does not change: a weight over a pulley, a constant-force spring.
 #include "simgap/model/arm/tendon_kind.h"
 
-namespace simgap::tendon_kinds {
+namespace simgap::tendon_kinds::constant_force {
 namespace {
 
 constexpr TendonParameter kParameters[] = {{"force", "N", "force_N", kNonNegative}};
@@ -12,12 +12,12 @@ double force(const TendonParameters& p, double, double) { return p[0]; }
 
 }  // namespace
 
-extern const TendonKind constant_force;
-const TendonKind constant_force{.name = "constant-force",
-                                .what = "a line under a force that does not change: a weight, a constant-force spring",
-                                .equation = "F = force",
-                                .parameters = kParameters,
-                                .pull = pull,
-                                .force = force};
+extern const TendonKind entry;
+const TendonKind entry{.name = "constant-force",
+                       .what = "a line under a force that does not change: a weight, a constant-force spring",
+                       .equation = "F = force",
+                       .parameters = kParameters,
+                       .pull = pull,
+                       .force = force};
 
-}  // namespace simgap::tendon_kinds
+}  // namespace simgap::tendon_kinds::constant_force

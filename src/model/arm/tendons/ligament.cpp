@@ -3,7 +3,7 @@
 
 #include "simgap/model/arm/tendon_kind.h"
 
-namespace simgap::tendon_kinds {
+namespace simgap::tendon_kinds::ligament {
 namespace {
 
 constexpr TendonParameter kParameters[] = {{"rest_length", "m", "rest_length_m", kPositive},
@@ -23,12 +23,12 @@ double force(const TendonParameters& p, double length, double rate) {
 
 }  // namespace
 
-extern const TendonKind ligament;
-const TendonKind ligament{.name = "ligament",
-                          .what = "an elastic line that only pulls: slack below its rest length",
-                          .equation = "F = max(0, stiffness (L - rest_length) + damping dL/dt) while L > rest_length",
-                          .parameters = kParameters,
-                          .pull = pull,
-                          .force = force};
+extern const TendonKind entry;
+const TendonKind entry{.name = "ligament",
+                       .what = "an elastic line that only pulls: slack below its rest length",
+                       .equation = "F = max(0, stiffness (L - rest_length) + damping dL/dt) while L > rest_length",
+                       .parameters = kParameters,
+                       .pull = pull,
+                       .force = force};
 
-}  // namespace simgap::tendon_kinds
+}  // namespace simgap::tendon_kinds::ligament

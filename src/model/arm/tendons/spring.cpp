@@ -1,7 +1,7 @@
 // A spring between two points: it pulls when longer and pushes when shorter than at rest.
 #include "simgap/model/arm/tendon_kind.h"
 
-namespace simgap::tendon_kinds {
+namespace simgap::tendon_kinds::spring {
 namespace {
 
 constexpr TendonParameter kParameters[] = {{"rest_length", "m", "rest_length_m", kAnyNumber},
@@ -17,12 +17,12 @@ double force(const TendonParameters& p, double length, double rate) { return p[1
 
 }  // namespace
 
-extern const TendonKind spring;
-const TendonKind spring{.name = "spring",
-                        .what = "a spring that pulls when longer and pushes when shorter than at rest",
-                        .equation = "F = stiffness (L - rest_length) + damping dL/dt",
-                        .parameters = kParameters,
-                        .pull = pull,
-                        .force = force};
+extern const TendonKind entry;
+const TendonKind entry{.name = "spring",
+                       .what = "a spring that pulls when longer and pushes when shorter than at rest",
+                       .equation = "F = stiffness (L - rest_length) + damping dL/dt",
+                       .parameters = kParameters,
+                       .pull = pull,
+                       .force = force};
 
-}  // namespace simgap::tendon_kinds
+}  // namespace simgap::tendon_kinds::spring

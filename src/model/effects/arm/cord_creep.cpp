@@ -5,7 +5,7 @@
 
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::cord_creep {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
@@ -22,19 +22,18 @@ Lengthening line(const EffectParameters& p, const LineState& s) {
 
 }  // namespace
 
-extern const ArmEffect cord_creep;
-const ArmEffect cord_creep{
-    .name = "cord-creep",
-    .cause = "the shock cord or the kite line lengthens in the course of the session",
-    .equation = "L_K = L_K0 - r phi + rate T log(1 + t / T)",
-    .signature = "a drift in the order of recording",
-    .remarks = "T is `time_constant`: linear at first, slowing down beyond T",
-    .target = ArmEffect::Target::kMuscleOrAll,
-    .parameters = kParameters,
-    .starts = kStarts,
-    .look_alikes = kLookAlikes,
-    .separates_by = "repeat one early pose every ten minutes: creep drifts on, a slip is one step",
-    .needs_time = true,
-    .line = line};
+extern const ArmEffect entry;
+const ArmEffect entry{.name = "cord-creep",
+                      .cause = "the shock cord or the kite line lengthens in the course of the session",
+                      .equation = "L_K = L_K0 - r phi + rate T log(1 + t / T)",
+                      .signature = "a drift in the order of recording",
+                      .remarks = "T is `time_constant`: linear at first, slowing down beyond T",
+                      .target = ArmEffect::Target::kMuscleOrAll,
+                      .parameters = kParameters,
+                      .starts = kStarts,
+                      .look_alikes = kLookAlikes,
+                      .separates_by = "repeat one early pose every ten minutes: creep drifts on, a slip is one step",
+                      .needs_time = true,
+                      .line = line};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::cord_creep

@@ -2,7 +2,7 @@
 /// U = 1/2 k x^2 (1 + h/2 (x / L_SR)^2).
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::cord_hardening {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
@@ -23,8 +23,8 @@ CordTerm cord(const EffectParameters& p, double x, const ShockCord& cord) {
 
 }  // namespace
 
-extern const ArmEffect cord_hardening;
-const ArmEffect cord_hardening{
+extern const ArmEffect entry;
+const ArmEffect entry{
     .name = "cord-hardening",
     .cause = "the shock cord stiffens as it is stretched far",
     .equation = "F = k x (1 + hardening (x / L_SR)^2)",
@@ -38,4 +38,4 @@ const ArmEffect cord_hardening{
         "does not change",
     .cord = cord};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::cord_hardening

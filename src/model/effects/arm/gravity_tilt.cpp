@@ -4,7 +4,7 @@
 
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::gravity_tilt {
 namespace {
 
 constexpr Range kRange{-1.0, 1.0, false, "a number in [-1, 1]"};
@@ -25,8 +25,8 @@ GravityTerm tilted(const EffectParameters& p, const Eigen::Vector3d& g) {
 
 }  // namespace
 
-extern const ArmEffect gravity_tilt;
-const ArmEffect gravity_tilt{
+extern const ArmEffect entry;
+const ArmEffect entry{
     .name = "gravity-tilt",
     .cause = "the base is not level, so gravity pulls aslant",
     .equation = "g' = exp([about_x, about_y, 0]) g",
@@ -38,4 +38,4 @@ const ArmEffect gravity_tilt{
     .separates_by = "record a few poses with all muscles slack: the arm hangs along the true vertical",
     .gravity = tilted};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::gravity_tilt

@@ -3,7 +3,7 @@
 /// which every pose starts, or from the pose before.
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::joint_stiction {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
@@ -16,8 +16,8 @@ Stiction stiction(const EffectParameters& p) { return {p[0], p[1] != 0.0}; }
 
 }  // namespace
 
-extern const ArmEffect joint_stiction;
-const ArmEffect joint_stiction{
+extern const ArmEffect entry;
+const ArmEffect entry{
     .name = "joint-stiction",
     .cause = "joint friction holds the arm short of its equilibrium, on the side it comes from",
     .equation = "dE/dq = -torque d/|d| at rest, d = dq/dphi (phi - phi_before)",
@@ -33,4 +33,4 @@ const ArmEffect joint_stiction{
     .in_every_joint = true,
     .stiction = stiction};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::joint_stiction

@@ -2,7 +2,7 @@
 /// R_captured = R exp(w). Joints are captured as R_parent^-1 q R_child.
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::marker_frame_offset {
 namespace {
 
 constexpr Range kRange{-1.5, 1.5, false, "a number in [-1.5, 1.5]"};
@@ -15,8 +15,8 @@ Eigen::Vector3d turn(const EffectParameters& p) { return {p[0], p[1], p[2]}; }
 
 }  // namespace
 
-extern const ArmEffect marker_frame_offset;
-const ArmEffect marker_frame_offset{
+extern const ArmEffect entry;
+const ArmEffect entry{
     .name = "marker-frame-offset",
     .cause = "the markers' frame is turned against the bone that carries it",
     .equation = "R_captured = R exp([about_x, about_y, about_z])",
@@ -29,4 +29,4 @@ const ArmEffect marker_frame_offset{
         "calibrate the joints' axes anew from slow movements by hand: they give the bone's frame without muscles",
     .marker_turn = turn};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::marker_frame_offset

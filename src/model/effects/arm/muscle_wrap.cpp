@@ -11,7 +11,7 @@
 
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::muscle_wrap {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
@@ -80,8 +80,8 @@ std::string expected(const EffectParameters& p, const ArmModel& model, int targe
 
 }  // namespace
 
-extern const ArmEffect muscle_wrap;
-const ArmEffect muscle_wrap{
+extern const ArmEffect entry;
+const ArmEffect entry{
     .name = "muscle-wrap",
     .cause = "the muscle bends round a joint or bone instead of running straight",
     .equation = "L = sqrt(a^2 - R^2) + sqrt(b^2 - R^2) + R (theta - acos(R/a) - acos(R/b)) where it touches",
@@ -99,4 +99,4 @@ const ArmEffect muscle_wrap{
     .path = path,
     .expected = expected};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::muscle_wrap

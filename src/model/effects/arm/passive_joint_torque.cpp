@@ -10,7 +10,7 @@
 
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::passive_joint_torque {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
@@ -63,8 +63,8 @@ std::string expected(const EffectParameters& p, const ArmModel& model, int targe
 
 }  // namespace
 
-extern const ArmEffect passive_joint_torque;
-const ArmEffect passive_joint_torque{
+extern const ArmEffect entry;
+const ArmEffect entry{
     .name = "passive-joint-torque",
     .cause = "skin, cables or an elastic stop push the joint back",
     .equation = "tau = -stiffness (q - rest_angle), on one side of it or on both",
@@ -80,4 +80,4 @@ const ArmEffect passive_joint_torque{
     .joint_torque = torque,
     .expected = expected};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::passive_joint_torque

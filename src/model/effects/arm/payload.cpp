@@ -2,7 +2,7 @@
 /// mass.
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::payload {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {{"mass", "kg", {-2.0, 20.0, false, "a number in [-2, 20]"}, 0.0, 1.0},
@@ -14,18 +14,18 @@ PointMass mass(const EffectParameters& p) { return {p[0], p[1], {1.0, 0.0}, {0.0
 
 }  // namespace
 
-extern const ArmEffect payload;
-const ArmEffect payload{.name = "payload",
-                        .cause = "the body carries a mass that the model does not have",
-                        .equation = "E = ... - mass g.x at the distance from the joint",
-                        .remarks =
-                            "the mass lies on the way from the joint through the body's centre of mass. For a body "
-                            "next to the torso only mass x distance acts",
-                        .target = ArmEffect::Target::kMovingBody,
-                        .parameters = kParameters,
-                        .starts = kStarts,
-                        .look_alikes = kLookAlikes,
-                        .separates_by = "weigh the body, or hang a known mass on it and record the same poses again",
-                        .mass = mass};
+extern const ArmEffect entry;
+const ArmEffect entry{.name = "payload",
+                      .cause = "the body carries a mass that the model does not have",
+                      .equation = "E = ... - mass g.x at the distance from the joint",
+                      .remarks =
+                          "the mass lies on the way from the joint through the body's centre of mass. For a body "
+                          "next to the torso only mass x distance acts",
+                      .target = ArmEffect::Target::kMovingBody,
+                      .parameters = kParameters,
+                      .starts = kStarts,
+                      .look_alikes = kLookAlikes,
+                      .separates_by = "weigh the body, or hang a known mass on it and record the same poses again",
+                      .mass = mass};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::payload

@@ -2,7 +2,7 @@
 /// r (phi + a) for t >= t*, though the record says phi.
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::potentiometer_slip {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {{"angle", "rad", {-10.0, 10.0, false, "a number in [-10, 10]"}, 0.0, 1.5},
@@ -17,8 +17,8 @@ Lengthening line(const EffectParameters& p, const LineState& s) {
 
 }  // namespace
 
-extern const ArmEffect potentiometer_slip;
-const ArmEffect potentiometer_slip{
+extern const ArmEffect entry;
+const ArmEffect entry{
     .name = "potentiometer-slip",
     .cause = "the potentiometer slipped on its shaft at one moment",
     .equation = "L_K = L_K0 - r (phi + angle) from the moment time on",
@@ -34,4 +34,4 @@ const ArmEffect potentiometer_slip{
     .from_moment = true,
     .line = line};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::potentiometer_slip

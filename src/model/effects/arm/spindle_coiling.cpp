@@ -2,7 +2,7 @@
 /// up r phi + r g phi^2 / 2 instead of r phi (000 eq. 12 with r kept under the integral).
 #include "simgap/model/arm/arm_effect.h"
 
-namespace simgap::arm_effects {
+namespace simgap::arm_effects::spindle_coiling {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
@@ -17,8 +17,8 @@ Lengthening line(const EffectParameters& p, const LineState& s) {
 
 }  // namespace
 
-extern const ArmEffect spindle_coiling;
-const ArmEffect spindle_coiling{
+extern const ArmEffect entry;
+const ArmEffect entry{
     .name = "spindle-coiling",
     .cause = "the kite line winds over itself, so the spindle's radius grows with the line it holds",
     .equation = "L_K = L_K0 - r (phi + growth phi^2 / 2)",
@@ -32,4 +32,4 @@ const ArmEffect spindle_coiling{
         "shaft angle, a stiffening cord the force",
     .line = line};
 
-}  // namespace simgap::arm_effects
+}  // namespace simgap::arm_effects::spindle_coiling

@@ -3,7 +3,7 @@
 /// On a friction proportional to the load alone it is exactly a change of k_a (|tau| sign(w) sign(tau w) = tau).
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::backdrive_asymmetry {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kLoad};
@@ -17,8 +17,8 @@ void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& t
 
 }  // namespace
 
-extern const ActuatorEffect backdrive_asymmetry;
-const ActuatorEffect backdrive_asymmetry = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "backdrive-asymmetry",
     .cause = "friction that differs between driving a load and being driven by it",
     .equation = "tau_fr (1 + b sign(tau_ext w))",
@@ -35,4 +35,4 @@ const ActuatorEffect backdrive_asymmetry = {
     .apply = apply,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::backdrive_asymmetry

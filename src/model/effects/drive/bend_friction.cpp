@@ -3,7 +3,7 @@
 /// x (1 + mu (theta - theta_mean)) where sheath and cable press on each other by the bend alone.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::bend_friction {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
@@ -48,7 +48,7 @@ constexpr const ActuatorEffect* kForms[] = {&kLinear};
 
 }  // namespace
 
-extern const ActuatorEffect bend_friction;
-const ActuatorEffect bend_friction = withForms(kUsual, kForms);
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::bend_friction

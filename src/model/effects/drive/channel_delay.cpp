@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::channel_delay {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"dt", "s", -0.5, 0.5, 0.0, 0.0}};
@@ -26,8 +26,8 @@ bool counts(std::span<const double> p, const ActuatorRows& rows) { return std::a
 
 }  // namespace
 
-extern const ActuatorEffect channel_delay;
-const ActuatorEffect channel_delay = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "channel-delay",
     .cause = "the current, voltage or force is logged at another moment than the motion",
     .equation = "I(t) from the motion at t - dt",
@@ -43,4 +43,4 @@ const ActuatorEffect channel_delay = {
     .counts = counts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::channel_delay

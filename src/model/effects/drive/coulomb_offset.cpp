@@ -4,7 +4,7 @@
 #include "simgap/model/effects/actuator_effect.h"
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::coulomb_offset {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"sliding_only", "1", 0.0, 1.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
@@ -26,8 +26,8 @@ bool containedIn(const FrictionLaw& law) {
 
 }  // namespace
 
-extern const ActuatorEffect coulomb_offset;
-const ActuatorEffect coulomb_offset = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "coulomb-offset",
     .cause = "dry friction that is there without any load, from adhesion or preload",
     .equation = "tau_fr += n_c2 (1 - sliding_only E) sign(w)",
@@ -43,4 +43,4 @@ const ActuatorEffect coulomb_offset = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::coulomb_offset

@@ -2,7 +2,7 @@
 /// An offset of the current sensor: + I_0.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::current_bias {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "I_0", .unit = "A", .torque = false}};
@@ -14,8 +14,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const Act
 
 }  // namespace
 
-extern const ActuatorEffect current_bias;
-const ActuatorEffect current_bias = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "current-bias",
     .cause = "the current, voltage or force of the motor is read with an offset",
     .equation = "I + I_0",
@@ -28,4 +28,4 @@ const ActuatorEffect current_bias = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::current_bias

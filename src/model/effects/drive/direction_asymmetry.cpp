@@ -2,7 +2,7 @@
 /// Dry friction that differs by the direction of motion: x (1 + a sign(w)).
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::direction_asymmetry {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"a", "1", -0.9, 0.9, 0.0, 0.0}};
@@ -13,8 +13,8 @@ void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& t
 
 }  // namespace
 
-extern const ActuatorEffect direction_asymmetry;
-const ActuatorEffect direction_asymmetry = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "direction-asymmetry",
     .cause = "dry friction that differs by the direction of motion",
     .equation = "tau_dry (1 + a sign(w))",
@@ -26,4 +26,4 @@ const ActuatorEffect direction_asymmetry = {
     .apply = apply,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::direction_asymmetry

@@ -4,7 +4,7 @@
 /// Where no temperature is logged, a first-order warm-up 1 - exp(-t / t_warm) of the whole log stands for it.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::friction_heating {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"beta_viscous", "1", -2.0, 2.0, 0.0, 0.0},
@@ -61,7 +61,7 @@ constexpr const ActuatorEffect* kForms[] = {&kHyperbolic};
 
 }  // namespace
 
-extern const ActuatorEffect friction_heating;
-const ActuatorEffect friction_heating = withForms(kUsual, kForms);
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::friction_heating

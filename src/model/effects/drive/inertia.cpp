@@ -2,7 +2,7 @@
 /// A torque that accelerates what the model takes for massless: + J dw/dt.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::inertia {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"J", "Nms2_rad", 0.0}};
@@ -14,8 +14,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const Actuato
 
 }  // namespace
 
-extern const ActuatorEffect inertia;
-const ActuatorEffect inertia = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "inertia",
     .cause = "an inertia that the model leaves out has to be accelerated",
     .equation = "tau += J dw/dt",
@@ -28,4 +28,4 @@ const ActuatorEffect inertia = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::inertia

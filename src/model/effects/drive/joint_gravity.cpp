@@ -3,7 +3,7 @@
 /// would be equivalent, but the load also sets the friction.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::joint_gravity {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
@@ -24,8 +24,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect joint_gravity;
-const ActuatorEffect joint_gravity = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "joint-gravity",
     .cause = "a weight that the torque sensor does not see",
     .equation = "tau_ext += m g l sin(theta - theta_0)",
@@ -39,4 +39,4 @@ const ActuatorEffect joint_gravity = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::joint_gravity

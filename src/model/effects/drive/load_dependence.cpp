@@ -3,7 +3,7 @@
 #include "simgap/model/effects/actuator_effect.h"
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::load_dependence {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kLoad};
@@ -18,8 +18,8 @@ bool containedIn(const FrictionLaw& law) { return law.needsLoad(); }
 
 }  // namespace
 
-extern const ActuatorEffect load_dependence;
-const ActuatorEffect load_dependence = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "load-dependence",
     .cause = "friction that grows with the load",
     .equation = "tau_fr += n_c |tau_ext| sign(w)",
@@ -34,4 +34,4 @@ const ActuatorEffect load_dependence = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::load_dependence

@@ -2,7 +2,7 @@
 /// Friction that grows faster or slower than the load: + n_2 tau_ext^2.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::load_nonlinearity {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kLoad};
@@ -15,8 +15,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const Act
 
 }  // namespace
 
-extern const ActuatorEffect load_nonlinearity;
-const ActuatorEffect load_nonlinearity = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "load-nonlinearity",
     .cause = "friction that grows faster or slower than the load",
     .equation = "tau_fr += n_2 tau_ext^2 sign(w)",
@@ -29,4 +29,4 @@ const ActuatorEffect load_nonlinearity = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::load_nonlinearity

@@ -8,7 +8,7 @@
 
 #include "model/effects/spectral_peaks.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::position_ripple {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
@@ -51,8 +51,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect position_ripple;
-const ActuatorEffect position_ripple = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "position-ripple",
     .cause = "a force that repeats with the shaft angle: cogging, a gear, a screw",
     .equation = "tau += a sin(r theta) + b cos(r theta)",
@@ -69,4 +69,4 @@ const ActuatorEffect position_ripple = {
     .counts = counts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::position_ripple

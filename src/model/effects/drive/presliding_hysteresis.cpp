@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::presliding_hysteresis {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"x_s", "rad", 1e-6, 1e3, 0.0, 1.0, EffectParameter::Kind::kShape}};
@@ -30,8 +30,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect presliding_hysteresis;
-const ActuatorEffect presliding_hysteresis = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "presliding-hysteresis",
     .cause = "after a reversal friction builds up over some travel: backlash or elastic bristles",
     .equation = "tau_dry z, dz/dx = (sign(w) - z) / x_s",
@@ -49,4 +49,4 @@ const ActuatorEffect presliding_hysteresis = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::presliding_hysteresis

@@ -3,7 +3,7 @@
 /// the effort + I_1.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::regime_change {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"a", "1", -0.9, 3.0, 0.0, 0.0},
@@ -30,8 +30,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect regime_change;
-const ActuatorEffect regime_change = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "regime-change",
     .cause = "something was altered at one moment: a cable re-tensioned or slipped",
     .equation = "tau_dry (1 + a) and I + I_1 from t_c on",
@@ -46,4 +46,4 @@ const ActuatorEffect regime_change = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::regime_change

@@ -7,7 +7,7 @@
 
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::speed_limit {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"w_limit", "rad_s", 0.0, 1e6, 0.0, 0.0, EffectParameter::Kind::kScanned}};
@@ -27,8 +27,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect speed_limit;
-const ActuatorEffect speed_limit = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "speed-limit",
     .cause = "the supply limits the speed: beyond it more effort moves nothing faster",
     .equation = "effort += c max(0, |w| - w_limit) sign(w)",
@@ -42,4 +42,4 @@ const ActuatorEffect speed_limit = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::speed_limit

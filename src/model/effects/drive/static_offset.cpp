@@ -3,7 +3,7 @@
 #include "simgap/model/effects/actuator_effect.h"
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::static_offset {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"n_s2", "Nm", 0.0}};
@@ -20,8 +20,8 @@ bool containedIn(const FrictionLaw& law) {
 
 }  // namespace
 
-extern const ActuatorEffect static_offset;
-const ActuatorEffect static_offset = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "static-offset",
     .cause = "a preload that makes breaking away harder, but not sliding",
     .equation = "tau_s += n_s2",
@@ -34,4 +34,4 @@ const ActuatorEffect static_offset = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::static_offset

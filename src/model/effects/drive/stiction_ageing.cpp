@@ -2,7 +2,7 @@
 /// Breakaway friction that grows with the time at rest: tau_s += c log(1 + t_rest / 1 s), or as a power of it.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::stiction_ageing {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kRest};
@@ -46,7 +46,7 @@ constexpr const ActuatorEffect* kForms[] = {&kPower};
 
 }  // namespace
 
-extern const ActuatorEffect stiction_ageing;
-const ActuatorEffect stiction_ageing = withForms(kUsual, kForms);
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::stiction_ageing

@@ -4,7 +4,7 @@
 #include "simgap/model/effects/actuator_effect.h"
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::stribeck {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"v_s", "rad_s", 1e-3, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape},
@@ -65,7 +65,7 @@ constexpr const ActuatorEffect* kForms[] = {&kLorentzian};
 
 }  // namespace
 
-extern const ActuatorEffect stribeck;
-const ActuatorEffect stribeck = withForms(kUsual, kForms);
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::stribeck

@@ -2,7 +2,7 @@
 /// An offset of the torque sensor: tau_ext + tau_0, which also sets the friction.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::torque_bias {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"tau_0", "Nm", -1e4, 1e4, 0.0, 0.0}};
@@ -11,8 +11,8 @@ void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerm
 
 }  // namespace
 
-extern const ActuatorEffect torque_bias;
-const ActuatorEffect torque_bias = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "torque-bias",
     .cause = "the torque sensor has an offset",
     .equation = "tau_ext + tau_0",
@@ -24,4 +24,4 @@ const ActuatorEffect torque_bias = {
     .apply = apply,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::torque_bias

@@ -2,7 +2,7 @@
 /// Magnets that weaken as they warm: k_a (1 - alpha (T - T_mean)).
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::torque_constant_heating {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTemperature, OptionalChannel::kLoad};
@@ -20,8 +20,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect torque_constant_heating;
-const ActuatorEffect torque_constant_heating = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "torque-constant-heating",
     .cause = "the motor gives less torque per ampere as its magnets warm",
     .equation = "k_a (1 - alpha (T - T_mean))",
@@ -35,4 +35,4 @@ const ActuatorEffect torque_constant_heating = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::torque_constant_heating

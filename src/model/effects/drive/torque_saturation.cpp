@@ -3,7 +3,7 @@
 /// knee on effort = I + s (|I| - I_knee) sign(I).
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::torque_saturation {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"s", "1_A2", -0.1, 1.0, 0.0, 0.0}};
@@ -53,7 +53,7 @@ constexpr const ActuatorEffect* kForms[] = {&kKnee};
 
 }  // namespace
 
-extern const ActuatorEffect torque_saturation;
-const ActuatorEffect torque_saturation = withForms(kUsual, kForms);
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::torque_saturation

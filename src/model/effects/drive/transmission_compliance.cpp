@@ -3,7 +3,7 @@
 /// the angles, not on the effort (actuator_equations::transmission).
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::transmission_compliance {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "compliance", .unit = "rad_Nm", .torque = false},
@@ -19,8 +19,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const Actuato
 
 }  // namespace
 
-extern const ActuatorEffect transmission_compliance;
-const ActuatorEffect transmission_compliance = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "transmission-compliance",
     .kind = ActuatorKind::kTransmission,
     .cause = "the cable or spring between motor and joint stretches under load",
@@ -38,4 +38,4 @@ const ActuatorEffect transmission_compliance = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::transmission_compliance

@@ -2,7 +2,7 @@
 /// Viscous friction that differs by the direction of motion: k_v (1 + a sign(w)) w = k_v w + k_a |w|.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::viscous_asymmetry {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"k_asym", "Nms_rad"}};
@@ -14,8 +14,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const Actuato
 
 }  // namespace
 
-extern const ActuatorEffect viscous_asymmetry;
-const ActuatorEffect viscous_asymmetry = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "viscous-asymmetry",
     .cause = "viscous friction that differs by the direction of motion",
     .equation = "tau_fr += k_asym |w|",
@@ -27,4 +27,4 @@ const ActuatorEffect viscous_asymmetry = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::viscous_asymmetry

@@ -2,7 +2,7 @@
 /// A viscous term that saturates or grows with speed: k_v |w|^m sign(w), written k_v w |w / w_top|^(m - 1).
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::viscous_nonlinearity {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"m", "1", 0.1, 4.0, 1.0, 1.0},
@@ -18,8 +18,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect viscous_nonlinearity;
-const ActuatorEffect viscous_nonlinearity = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "viscous-nonlinearity",
     .cause = "viscous friction that saturates or grows with speed",
     .equation = "k_v w |w / w_top|^(m - 1)",
@@ -32,4 +32,4 @@ const ActuatorEffect viscous_nonlinearity = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::viscous_nonlinearity

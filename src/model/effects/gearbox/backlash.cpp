@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::backlash {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"play", "rad", 0.0, 20.0, 0.0, 0.0}};
@@ -91,7 +91,7 @@ constexpr const ActuatorEffect* kForms[] = {&kElasticContact};
 
 }  // namespace
 
-extern const ActuatorEffect backlash;
-const ActuatorEffect backlash = withForms(kUsual, kForms);
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::backlash

@@ -9,7 +9,7 @@
 
 #include "model/effects/spectral_peaks.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::gearbox_ripple {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"r", "1", 1e-4, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape}};
@@ -62,8 +62,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect gearbox_ripple;
-const ActuatorEffect gearbox_ripple = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "gearbox-ripple",
     .kind = ActuatorKind::kGearbox,
     .cause = "tooth mesh or an eccentric wheel: a torque that repeats with the shaft angle",
@@ -78,4 +78,4 @@ const ActuatorEffect gearbox_ripple = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::gearbox_ripple

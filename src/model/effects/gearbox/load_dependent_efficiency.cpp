@@ -3,7 +3,7 @@
 /// efficiency of 000 eq. 11 also multiplies when the gear is driven backwards, which real gears do not.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::load_dependent_efficiency {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{"e", "1", 0.0}};
@@ -15,8 +15,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const Act
 
 }  // namespace
 
-extern const ActuatorEffect load_dependent_efficiency;
-const ActuatorEffect load_dependent_efficiency = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "load-dependent-efficiency",
     .kind = ActuatorKind::kGearbox,
     .cause = "the gearbox loses a share of what it transmits, whichever way power flows",
@@ -29,4 +29,4 @@ const ActuatorEffect load_dependent_efficiency = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::load_dependent_efficiency

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::brush_drop {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "V_b", .unit = "V", .lower = 0.0, .torque = false}};
@@ -18,8 +18,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const Actuato
 
 }  // namespace
 
-extern const ActuatorEffect brush_drop;
-const ActuatorEffect brush_drop = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "brush-drop",
     .kind = ActuatorKind::kMotor,
     .cause = "the brushes drop a nearly constant voltage against the current",
@@ -32,4 +32,4 @@ const ActuatorEffect brush_drop = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::brush_drop

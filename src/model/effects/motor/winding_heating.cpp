@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::winding_heating {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"tau", "s", 1.0, 1e4, 100.0, 100.0, EffectParameter::Kind::kShape}};
@@ -41,8 +41,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect winding_heating;
-const ActuatorEffect winding_heating = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "winding-heating",
     .kind = ActuatorKind::kMotor,
     .cause = "the winding warms up and its resistance grows",
@@ -57,4 +57,4 @@ const ActuatorEffect winding_heating = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::winding_heating

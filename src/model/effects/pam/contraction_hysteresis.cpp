@@ -4,7 +4,7 @@
 ///     f -= h p sign(d eps / dt)
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::contraction_hysteresis {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "h", .unit = "m2", .torque = false}};
@@ -16,8 +16,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const Actuato
 
 }  // namespace
 
-extern const ActuatorEffect contraction_hysteresis;
-const ActuatorEffect contraction_hysteresis = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "contraction-hysteresis",
     .kind = ActuatorKind::kPam,
     .cause = "friction of the braid opposes the change of length (of pressure, at a fixed length)",
@@ -30,4 +30,4 @@ const ActuatorEffect contraction_hysteresis = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::contraction_hysteresis

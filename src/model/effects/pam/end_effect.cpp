@@ -4,7 +4,7 @@
 ///     e -> e (1 + s exp(-p / p_e))
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::end_effect {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"s", "1", -0.5, 1.0, 0.0, 0.0},
@@ -20,8 +20,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& /*rows*/, const Eige
 
 }  // namespace
 
-extern const ActuatorEffect end_effect;
-const ActuatorEffect end_effect = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "end-effect",
     .kind = ActuatorKind::kPam,
     .cause = "the muscle's ends are no cylinder, so that the contraction that counts depends on pressure",
@@ -35,4 +35,4 @@ const ActuatorEffect end_effect = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::end_effect

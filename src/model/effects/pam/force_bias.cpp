@@ -2,7 +2,7 @@
 /// An offset of the force sensor, or a weight that hangs on it: f + f0.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::force_bias {
 namespace {
 
 constexpr EffectColumn kColumns[] = {{.name = "f0", .unit = "N", .torque = false}};
@@ -14,8 +14,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const Act
 
 }  // namespace
 
-extern const ActuatorEffect force_bias;
-const ActuatorEffect force_bias = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "force-bias",
     .kind = ActuatorKind::kPam,
     .cause = "the force sensor has an offset, or a weight hangs on it",
@@ -28,4 +28,4 @@ const ActuatorEffect force_bias = {
     .fill = fill,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::force_bias

@@ -2,7 +2,7 @@
 /// An offset of the pressure sensor: f = (p - p0) g(e).
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::pressure_bias {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"p0", "Pa", -5e5, 5e5, 0.0, 0.0}};
@@ -11,8 +11,8 @@ void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerm
 
 }  // namespace
 
-extern const ActuatorEffect pressure_bias;
-const ActuatorEffect pressure_bias = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "pressure-bias",
     .kind = ActuatorKind::kPam,
     .cause = "the pressure sensor has an offset",
@@ -25,4 +25,4 @@ const ActuatorEffect pressure_bias = {
     .apply = apply,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::pressure_bias

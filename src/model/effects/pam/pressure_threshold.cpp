@@ -2,7 +2,7 @@
 /// The bladder takes up some pressure before the braid carries any: f = (p - p0) g(e).
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::pressure_threshold {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"p0", "Pa", 0.0, 5e5, 0.0, 0.0}};
@@ -11,8 +11,8 @@ void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerm
 
 }  // namespace
 
-extern const ActuatorEffect pressure_threshold;
-const ActuatorEffect pressure_threshold = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "pressure-threshold",
     .kind = ActuatorKind::kPam,
     .cause = "the bladder's stiffness takes up the first of the pressure: no force below a threshold",
@@ -25,4 +25,4 @@ const ActuatorEffect pressure_threshold = {
     .apply = apply,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::pressure_threshold

@@ -4,7 +4,7 @@
 /// e = eps + f / k
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::tendon_compliance {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"compliance", "1_N", 0.0, 1e-2, 0.0, 0.0}};
@@ -15,8 +15,8 @@ void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerm
 
 }  // namespace
 
-extern const ActuatorEffect tendon_compliance;
-const ActuatorEffect tendon_compliance = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "tendon-compliance",
     .kind = ActuatorKind::kPam,
     .cause = "the tendon stretches with force, so that the muscle contracts by more than the joint shows",
@@ -30,4 +30,4 @@ const ActuatorEffect tendon_compliance = {
     .apply = apply,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::tendon_compliance

@@ -9,7 +9,7 @@
 
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::spring_creep {
 namespace {
 
 constexpr int kBranches = 5;
@@ -74,8 +74,8 @@ constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTime};
 
 }  // namespace
 
-extern const ActuatorEffect spring_creep;
-const ActuatorEffect spring_creep = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "spring-creep",
     .kind = ActuatorKind::kSpring,
     .cause = "a part of the force dies away while the deflection stands: the material creeps",
@@ -93,4 +93,4 @@ const ActuatorEffect spring_creep = {
     .counts = counts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::spring_creep

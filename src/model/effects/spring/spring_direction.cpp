@@ -4,7 +4,7 @@
 ///     F += change min(e, 0).
 #include "../deflection_sides.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::spring_direction {
 namespace {
 
 constexpr EffectParameter kParameters[] = {
@@ -22,8 +22,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect spring_direction;
-const ActuatorEffect spring_direction = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "spring-direction",
     .kind = ActuatorKind::kSpring,
     .cause = "the spring is stiffer in one direction than in the other",
@@ -39,4 +39,4 @@ const ActuatorEffect spring_direction = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::spring_direction

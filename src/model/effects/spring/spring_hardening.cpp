@@ -6,7 +6,7 @@
 /// s is the stiffness (force over deflection) that is gained at the largest deflection of the log.
 #include "../deflection_sides.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::spring_hardening {
 namespace {
 
 constexpr BendForm kForms[] = {{2.0, 0.0}, {3.0, 0.0}, {5.0, 0.0}};
@@ -22,8 +22,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect spring_hardening;
-const ActuatorEffect spring_hardening = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "spring-hardening",
     .kind = ActuatorKind::kSpring,
     .cause = "the spring stiffens the more, the further it is deflected",
@@ -41,4 +41,4 @@ const ActuatorEffect spring_hardening = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::spring_hardening

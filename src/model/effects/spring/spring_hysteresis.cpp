@@ -10,7 +10,7 @@
 
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::spring_hysteresis {
 namespace {
 
 constexpr int kBristles = 12;
@@ -54,8 +54,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect spring_hysteresis;
-const ActuatorEffect spring_hysteresis = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "spring-hysteresis",
     .kind = ActuatorKind::kSpring,
     .cause = "friction inside the spring or along it: force runs round a loop, and the spring softens with amplitude",
@@ -74,4 +74,4 @@ const ActuatorEffect spring_hysteresis = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::spring_hysteresis

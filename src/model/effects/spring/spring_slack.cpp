@@ -6,7 +6,7 @@
 /// What is left below L_0, stiffness L_0 + offset, is the reading of the unloaded sensor.
 #include "simgap/model/effects/actuator_effect.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::spring_slack {
 namespace {
 
 constexpr double kNever = -10.0;  // [m] or [rad]: no spring of a log is as short
@@ -33,8 +33,8 @@ bool counts(std::span<const double> p, const ActuatorRows& rows) {
 
 }  // namespace
 
-extern const ActuatorEffect spring_slack;
-const ActuatorEffect spring_slack = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "spring-slack",
     .kind = ActuatorKind::kSpring,
     .cause = "the cord only pulls: below its rest length it hangs loose",
@@ -49,4 +49,4 @@ const ActuatorEffect spring_slack = {
     .counts = counts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::spring_slack

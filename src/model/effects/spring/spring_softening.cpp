@@ -6,7 +6,7 @@
 /// s is the stiffness (force over deflection) that is lost at the largest deflection of the log.
 #include "../deflection_sides.h"
 
-namespace simgap::actuator_effects {
+namespace simgap::actuator_effects::spring_softening {
 namespace {
 
 constexpr BendForm kForms[] = {{2.0, 0.0}, {2.0, 0.5}, {2.0, 0.8}, {3.0, 0.0}};
@@ -22,8 +22,8 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 
 }  // namespace
 
-extern const ActuatorEffect spring_softening;
-const ActuatorEffect spring_softening = {
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
     .name = "spring-softening",
     .kind = ActuatorKind::kSpring,
     .cause = "the spring gives way the more, the further it is deflected",
@@ -41,4 +41,4 @@ const ActuatorEffect spring_softening = {
     .starts = starts,
 };
 
-}  // namespace simgap::actuator_effects
+}  // namespace simgap::actuator_effects::spring_softening

@@ -5,7 +5,7 @@
 /// Source: 003 eq. 4, 7, 8.
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::friction {
+namespace simgap::friction::classic {
 namespace {
 
 constexpr FrictionTerm kTerms[] = {
@@ -20,8 +20,8 @@ StribeckFriction closedForm(std::span<const double> theta) {
 
 }  // namespace
 
-extern const FrictionLaw classic;
-const FrictionLaw classic{
+extern const FrictionLaw entry;
+const FrictionLaw entry{
     .name = "classic",
     .summary = "Stribeck and Coulomb friction, both proportional to the load (the paper's classic model)",
     .equation = "[n_c |tau| + (n_s - n_c) |tau| exp(-|w/v_s|^delta)] sign(w) + k_v w",
@@ -30,4 +30,4 @@ const FrictionLaw classic{
     .closed_form = closedForm,
 };
 
-}  // namespace simgap::friction
+}  // namespace simgap::friction::classic

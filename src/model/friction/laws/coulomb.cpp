@@ -5,7 +5,7 @@
 /// Source: Coulomb 1785; Armstrong-Helouvry et al. 1994, section 2.
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::friction {
+namespace simgap::friction::coulomb {
 namespace {
 
 constexpr FrictionTerm kTerms[] = {
@@ -19,8 +19,8 @@ StribeckFriction closedForm(std::span<const double> theta) {
 
 }  // namespace
 
-extern const FrictionLaw coulomb;
-const FrictionLaw coulomb{
+extern const FrictionLaw entry;
+const FrictionLaw entry{
     .name = "coulomb",
     .summary = "dry and viscous friction, whatever the load",
     .equation = "tau_c sign(w) + k_v w",
@@ -29,4 +29,4 @@ const FrictionLaw coulomb{
     .closed_form = closedForm,
 };
 
-}  // namespace simgap::friction
+}  // namespace simgap::friction::coulomb

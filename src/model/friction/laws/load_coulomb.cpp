@@ -5,7 +5,7 @@
 /// Source: 003 eq. 9 without the Stribeck term.
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::friction {
+namespace simgap::friction::load_coulomb {
 namespace {
 
 constexpr FrictionTerm kTerms[] = {
@@ -20,8 +20,8 @@ StribeckFriction closedForm(std::span<const double> theta) {
 
 }  // namespace
 
-extern const FrictionLaw load_coulomb;
-const FrictionLaw load_coulomb{
+extern const FrictionLaw entry;
+const FrictionLaw entry{
     .name = "load-coulomb",
     .summary = "dry friction that grows with the load, and viscous friction",
     .equation = "(n_c1 |tau| + n_c2) sign(w) + k_v w",
@@ -30,4 +30,4 @@ const FrictionLaw load_coulomb{
     .closed_form = closedForm,
 };
 
-}  // namespace simgap::friction
+}  // namespace simgap::friction::load_coulomb

@@ -5,7 +5,7 @@
 /// Source: Armstrong-Helouvry et al. 1994, eq. 5; 003 eq. 4 with constant tau_c and tau_s.
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::friction {
+namespace simgap::friction::stribeck {
 namespace {
 
 constexpr FrictionTerm kTerms[] = {
@@ -20,8 +20,8 @@ StribeckFriction closedForm(std::span<const double> theta) {
 
 }  // namespace
 
-extern const FrictionLaw stribeck;
-const FrictionLaw stribeck{
+extern const FrictionLaw entry;
+const FrictionLaw entry{
     .name = "stribeck",
     .summary = "dry friction that falls with speed, and viscous friction, whatever the load",
     .equation = "[tau_c + (tau_s - tau_c) exp(-|w/v_s|^delta)] sign(w) + k_v w",
@@ -30,4 +30,4 @@ const FrictionLaw stribeck{
     .closed_form = closedForm,
 };
 
-}  // namespace simgap::friction
+}  // namespace simgap::friction::stribeck

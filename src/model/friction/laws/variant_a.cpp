@@ -5,7 +5,7 @@
 /// Source: 003 eq. 4, 8, 9.
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::friction {
+namespace simgap::friction::variant_a {
 namespace {
 
 constexpr FrictionTerm kTerms[] = {
@@ -21,8 +21,8 @@ StribeckFriction closedForm(std::span<const double> theta) {
 
 }  // namespace
 
-extern const FrictionLaw variant_a;
-const FrictionLaw variant_a{
+extern const FrictionLaw entry;
+const FrictionLaw entry{
     .name = "variant-a",
     .summary = "the classic model with Coulomb friction left at zero load (adhesion, preload)",
     .equation = "[n_c1 |tau| + n_c2 + (n_s |tau| - n_c1 |tau| - n_c2) exp(-|w/v_s|^delta)] sign(w) + k_v w",
@@ -31,4 +31,4 @@ const FrictionLaw variant_a{
     .closed_form = closedForm,
 };
 
-}  // namespace simgap::friction
+}  // namespace simgap::friction::variant_a

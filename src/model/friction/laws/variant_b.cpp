@@ -5,7 +5,7 @@
 /// Source: 003 eq. 4, 9, 11.
 #include "simgap/model/friction/friction_law.h"
 
-namespace simgap::friction {
+namespace simgap::friction::variant_b {
 namespace {
 
 constexpr FrictionTerm kTerms[] = {
@@ -22,8 +22,8 @@ StribeckFriction closedForm(std::span<const double> theta) {
 
 }  // namespace
 
-extern const FrictionLaw variant_b;
-const FrictionLaw variant_b{
+extern const FrictionLaw entry;
+const FrictionLaw entry{
     .name = "variant-b",
     .summary = "variant A with static friction left at zero load too",
     .equation = "[n_c1 |tau| + n_c2 + ((n_s1 - n_c1) |tau| + n_s2 - n_c2) exp(-|w/v_s|^delta)] sign(w) + k_v w",
@@ -32,4 +32,4 @@ const FrictionLaw variant_b{
     .closed_form = closedForm,
 };
 
-}  // namespace simgap::friction
+}  // namespace simgap::friction::variant_b

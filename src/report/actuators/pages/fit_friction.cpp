@@ -10,7 +10,7 @@
 #include "simgap/core/units.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::fit_friction {
 namespace {
 
 constexpr const char* kErrorColumn = "mean_abs_error_";
@@ -166,7 +166,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage fit_friction;
-const ResultPage fit_friction{"simgap/fit-friction/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/fit-friction/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::fit_friction

@@ -3,7 +3,7 @@
 #include "report/actuators/fit_page.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::fit_pam {
 namespace {
 
 Page make(const ResultFiles& files) {
@@ -22,7 +22,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage fit_pam;
-const ResultPage fit_pam{"simgap/fit-pam/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/fit-pam/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::fit_pam

@@ -1,7 +1,7 @@
 #include "report/actuators/fit_page.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::fit_spring {
 namespace {
 
 /// The same lines as points, as many as an eye can tell apart.
@@ -34,7 +34,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage fit_spring;
-const ResultPage fit_spring{"simgap/fit-spring/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/fit-spring/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::fit_spring

@@ -5,7 +5,7 @@
 #include "simgap/core/units.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::predict {
 namespace {
 
 Page make(const ResultFiles& files) {
@@ -32,7 +32,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage predict;
-const ResultPage predict{"simgap/predict/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/predict/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::predict

@@ -3,7 +3,7 @@
 #include "report/capture/capture_tables.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::calibrate_cameras {
 namespace {
 
 Chart viewErrors(const Json& result) {
@@ -41,7 +41,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage calibrate_cameras;
-const ResultPage calibrate_cameras{"simgap/calibrate-cameras/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/calibrate-cameras/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::calibrate_cameras

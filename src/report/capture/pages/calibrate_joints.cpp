@@ -5,7 +5,7 @@
 #include "report/capture/capture_tables.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::calibrate_joints {
 namespace {
 
 Page make(const ResultFiles& files) {
@@ -32,7 +32,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage calibrate_joints;
-const ResultPage calibrate_joints{"simgap/calibrate-joints/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/calibrate-joints/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::calibrate_joints

@@ -9,7 +9,7 @@
 #include "simgap/core/error.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::capture {
 namespace {
 
 constexpr std::size_t kMostFrames = 100;  // of the three-dimensional view
@@ -241,7 +241,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage capture;
-const ResultPage capture{"simgap/capture/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/capture/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::capture

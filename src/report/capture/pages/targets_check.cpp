@@ -1,7 +1,7 @@
 #include "report/capture/capture_tables.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::targets_check {
 namespace {
 
 /// What noise must bridge before a target is taken for something else.
@@ -34,7 +34,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage targets_check;
-const ResultPage targets_check{"simgap/targets-check/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/targets-check/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::targets_check

@@ -8,7 +8,7 @@
 #include "report/poses/arm_scene.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::diagnose {
 namespace {
 
 std::string text(const Json& object, const char* key) { return object.value(key, std::string()); }
@@ -378,7 +378,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage diagnose;
-const ResultPage diagnose{"simgap/diagnose/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/diagnose/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::diagnose

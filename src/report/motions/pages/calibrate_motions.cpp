@@ -6,7 +6,7 @@
 #include "report/motions/motion_tables.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::calibrate_motions {
 namespace {
 
 std::string answer(const Json& result) {
@@ -80,7 +80,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage calibrate_motions;
-const ResultPage calibrate_motions{"simgap/calibrate-motions/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/calibrate-motions/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::calibrate_motions

@@ -4,7 +4,7 @@
 #include "report/poses/pose_tables.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::validate_motions {
 namespace {
 
 Page make(const ResultFiles& files) {
@@ -33,7 +33,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage validate_motions;
-const ResultPage validate_motions{"simgap/validate-motions/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/validate-motions/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::validate_motions

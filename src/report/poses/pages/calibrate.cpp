@@ -7,7 +7,7 @@
 #include "report/poses/pose_tables.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::calibrate {
 namespace {
 
 std::string answer(const Json& result) {
@@ -200,7 +200,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage calibrate;
-const ResultPage calibrate{"simgap/calibrate/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/calibrate/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::calibrate

@@ -4,7 +4,7 @@
 #include "report/poses/pose_tables.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::design {
 namespace {
 
 std::string answer(const Json& result) {
@@ -81,7 +81,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage design;
-const ResultPage design{"simgap/design/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/design/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::design

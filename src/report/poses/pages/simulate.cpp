@@ -5,7 +5,7 @@
 #include "simgap/report/html/result_page.h"
 #include "simgap/report/poses/simulation_report.h"
 
-namespace simgap::pages {
+namespace simgap::pages::simulate {
 namespace {
 
 PageVerdict verdictOf(const Json& result) {
@@ -85,7 +85,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage simulate;
-const ResultPage simulate{"simgap/simulate/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/simulate/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::simulate

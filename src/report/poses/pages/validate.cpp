@@ -4,7 +4,7 @@
 #include "report/poses/pose_tables.h"
 #include "simgap/report/html/result_page.h"
 
-namespace simgap::pages {
+namespace simgap::pages::validate {
 namespace {
 
 std::string answer(const Json& result) {
@@ -60,7 +60,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage validate;
-const ResultPage validate{"simgap/validate/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/validate/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::validate

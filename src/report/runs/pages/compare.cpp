@@ -5,7 +5,7 @@
 #include "simgap/report/html/result_page.h"
 #include "simgap/report/runs/run_comparison.h"
 
-namespace simgap::pages {
+namespace simgap::pages::compare {
 namespace {
 
 /// A parameter's value in every run over the common one.
@@ -57,7 +57,7 @@ Page make(const ResultFiles& files) {
 
 }  // namespace
 
-extern const ResultPage compare;
-const ResultPage compare{"simgap/compare/1", make};
+extern const ResultPage entry;
+const ResultPage entry{"simgap/compare/1", make};
 
-}  // namespace simgap::pages
+}  // namespace simgap::pages::compare
