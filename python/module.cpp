@@ -238,7 +238,7 @@ py::dict fitSpringTo(const Columns& columns, bool cord) {
   const CsvTable table = logOf(columns);
   SpringFitOptions options;
   options.cord = cord;
-  const SpringFit fit = unlocked([&] { return fitSpring(prepareSpringData(table), options); });
+  const SpringFit fit = unlocked([&] { return fitSpring(prepareLog(table, {}, ActuatorKind::kSpring), options); });
   return estimates(fit.uncertainty, fit.mse);
 }
 

@@ -1,4 +1,5 @@
 #include "simgap/capture/joint_angles.h"
+#include "simgap/core/joint_kind.h"
 
 #include <cmath>
 #include <numbers>
@@ -28,7 +29,7 @@ std::optional<JointSample> jointAngles(const Rig& rig, std::span<const TargetFra
     const Eigen::Matrix3d covariance = parent.pose.rotation.transpose() * in_camera * parent.pose.rotation;
     double off_axis = 0.0;
     double variance = covariance.trace();
-    if (joint.type == JointType::kRevolute) {
+    if (kindOf(joint.type).has_axis) {
       const AxisAngle twist = twistAbout(position.rotation, joint.axis);
       position.angle = twist.angle;
       off_axis = twist.off_axis;

@@ -7,6 +7,7 @@
 
 #include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
@@ -16,28 +17,9 @@ constexpr std::size_t kFewestFrames = 10;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Child in parent, one per frame in which both were seen.
-std::vector<TargetPose> relativePoses(const CaptureJoint& joint, const std::vector<MotionFrame>& motion) {
-  std::vector<TargetPose> poses;
-  for (const MotionFrame& frame : motion) {
-    const auto& parent = frame.targets[joint.parent];
-    const auto& child = frame.targets[joint.child];
-    if (!parent || !child) continue;
-    const Eigen::Matrix3d inverse = parent->rotation.transpose();
-    poses.push_back({inverse * child->rotation, inverse * (child->origin - parent->origin)});
-  }
-  return poses;
-}
-
-Eigen::Quaterniond meanOf(const std::vector<TargetPose>& poses) {
-  std::vector<Eigen::Quaterniond> rotations;
-  for (const TargetPose& pose : poses) rotations.emplace_back(pose.rotation);
-  return meanRotation(rotations);
-}
-
 /// Standard deviations of the rotation about its mean, along its principal axes, smallest first. [rad]
 Eigen::Vector3d rotationSpread(const std::vector<TargetPose>& poses) {
-  const Eigen::Matrix3d mean = meanOf(poses).toRotationMatrix();
+  const Eigen::Matrix3d mean = meanRotation(poses).toRotationMatrix();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (const TargetPose& pose : poses) {
     const Eigen::Vector3d w = logSo3(Eigen::Quaterniond(Eigen::Matrix3d(pose.rotation * mean.transpose())));
@@ -71,7 +53,7 @@ void expectRange(const FunctionalJoint& joint, const JointCalibrationOptions& op
   if (joint.range < options.min_range) {
     throw DataError(fmt::format("joint {}: the motion spans only {:.1f} deg about {}, expected at least {:.1f} deg",
                                 joint.name, toDegrees(joint.range),
-                                joint.type == JointType::kRevolute ? "its axis" : "its second axis",
+                                kindOf(joint.type).has_axis ? "its axis" : "its second axis",
                                 toDegrees(options.min_range)));
   }
   if (!(joint.centre_sd <= options.max_centre_sd)) {
@@ -82,20 +64,25 @@ void expectRange(const FunctionalJoint& joint, const JointCalibrationOptions& op
   }
 }
 
-/// The rotation that takes the pair (a, b) of orthogonal unit vectors to (to_a, to_b).
-Eigen::Matrix3d alignPairs(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& to_a,
-                           const Eigen::Vector3d& to_b) {
-  Eigen::Matrix3d from, to;
-  from << a, b, a.cross(b);
-  to << to_a, to_b, to_a.cross(to_b);
-  return to * from.transpose();
-}
-
-void moveMarkers(MarkerTarget& target, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& origin) {
-  for (Eigen::Vector3d& marker : target.markers) marker = rotation * (marker - origin);
-}
-
 }  // namespace
+
+std::vector<TargetPose> relativePoses(const CaptureJoint& joint, const std::vector<MotionFrame>& motion) {
+  std::vector<TargetPose> poses;
+  for (const MotionFrame& frame : motion) {
+    const auto& parent = frame.targets[joint.parent];
+    const auto& child = frame.targets[joint.child];
+    if (!parent || !child) continue;
+    const Eigen::Matrix3d inverse = parent->rotation.transpose();
+    poses.push_back({inverse * child->rotation, inverse * (child->origin - parent->origin)});
+  }
+  return poses;
+}
+
+Eigen::Quaterniond meanRotation(const std::vector<TargetPose>& poses) {
+  std::vector<Eigen::Quaterniond> rotations;
+  for (const TargetPose& pose : poses) rotations.emplace_back(pose.rotation);
+  return meanRotation(rotations);
+}
 
 std::vector<MotionFrame> readMotion(const CsvTable& table, const TargetSet& targets) {
   const std::vector<double> frame = table.quantity("frame", "");
@@ -129,7 +116,7 @@ FunctionalJoint calibrateJoint(const CaptureJoint& joint, const std::vector<Moti
     throw DataError(fmt::format("joint {}: both targets were seen in {} frames, expected at least {}", joint.name,
                                 poses.size(), kFewestFrames));
   }
-  const bool revolute = joint.type == JointType::kRevolute;
+  const bool revolute = kindOf(joint.type).has_axis;
   const Eigen::Vector3d spread = rotationSpread(poses);
   result.range = 4.0 * (revolute ? spread[2] : spread[1]);
 
@@ -162,66 +149,6 @@ FunctionalJoint calibrateJoint(const CaptureJoint& joint, const std::vector<Moti
     result.axis_sd = std::sqrt(std::max(0.0, normal.values[0]) / (n * n)) / std::max(result.condition, 1e-9);
   }
   expectRange(result, options);
-  return result;
-}
-
-ArmJointCalibration calibrateArmJoints(const Rig& rig, const TargetSet& targets, const std::vector<MotionFrame>& motion,
-                                       const JointCalibrationOptions& options) {
-  const bool paper_arm = rig.joints.size() == 2 && rig.joints[0].type == JointType::kSpherical &&
-                         rig.joints[1].type == JointType::kRevolute && rig.joints[1].parent == rig.joints[0].child;
-  if (!paper_arm) {
-    throw ConfigError(
-        "calibrate-joints needs a rig with two joints: a spherical one, then a revolute one on its child");
-  }
-  ArmJointCalibration result;
-  result.shoulder = calibrateJoint(rig.joints[0], motion, options);
-  result.elbow = calibrateJoint(rig.joints[1], motion, options);
-  const Eigen::Vector3d& named_axis = rig.joints[1].axis;
-  // SARA knows the axis but not its sense: that of the rig's axis.
-  if (result.elbow.axis_in_parent.dot(named_axis) < 0.0) {
-    result.elbow.axis_in_parent *= -1.0;
-    result.elbow.axis_in_child *= -1.0;
-  }
-  // The elbow is the point of its axis nearest to the shoulder.
-  const Eigen::Vector3d& shoulder = result.shoulder.in_child;
-  const double along = (shoulder - result.elbow.in_parent).dot(result.elbow.axis_in_parent);
-  result.elbow.in_parent += along * result.elbow.axis_in_parent;
-  result.elbow.in_child += along * result.elbow.axis_in_child;
-  result.upper_arm = (shoulder - result.elbow.in_parent).norm();
-
-  const Eigen::Vector3d up = (shoulder - result.elbow.in_parent).normalized();
-  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d z_across = z - z.dot(named_axis) * named_axis;
-  if (z_across.norm() < 1e-3)
-    throw ConfigError("calibrate-joints needs an elbow axis across the humerus (not along z)");
-  const Eigen::Matrix3d humerus = alignPairs(result.elbow.axis_in_parent, up, named_axis, z_across.normalized());
-  Eigen::Matrix3d torso = Eigen::Matrix3d::Identity();
-  Eigen::Matrix3d forearm = Eigen::Matrix3d::Identity();
-  if (options.zero_first >= 0) {
-    std::vector<MotionFrame> still;
-    for (const MotionFrame& frame : motion) {
-      if (frame.frame >= options.zero_first && frame.frame <= options.zero_last) still.push_back(frame);
-    }
-    const auto shoulders = relativePoses(rig.joints[0], still);
-    const auto elbows = relativePoses(rig.joints[1], still);
-    if (shoulders.empty() || elbows.empty()) {
-      throw DataError(fmt::format("no frame from {} to {} shows all targets: the zero pose is unknown",
-                                  options.zero_first, options.zero_last));
-    }
-    // In the zero pose all bones point the same way.
-    torso = humerus * meanOf(shoulders).toRotationMatrix().transpose();
-    forearm = humerus * meanOf(elbows).toRotationMatrix();
-    result.zero_pose = true;
-  }
-  // The forearm turns about exactly the axis that the rig names.
-  const Eigen::Vector3d axis = forearm * result.elbow.axis_in_child;
-  forearm = rotationBetween(axis.normalized(), named_axis).toRotationMatrix() * forearm;
-
-  result.targets = targets;
-  const auto target = [&](int index) -> MarkerTarget& { return result.targets.targets[index]; };
-  moveMarkers(target(rig.joints[0].parent), torso, result.shoulder.in_parent);
-  moveMarkers(target(rig.joints[0].child), humerus, result.shoulder.in_child);
-  moveMarkers(target(rig.joints[1].child), forearm, result.elbow.in_child);
   return result;
 }
 

@@ -66,20 +66,24 @@ ScaleBar readScaleBar(const YamlNode& node, const TargetSet& targets) {
   return bar;
 }
 
+Eigen::Vector3d directionOf(const YamlNode& node) {
+  const Eigen::Vector3d direction = node.vector3();
+  if (direction.norm() < 1e-6) node.fail("expected a direction, found no length");
+  return direction.normalized();
+}
+
 CaptureJoint readJoint(const YamlNode& node, const TargetSet& targets) {
   CaptureJoint joint;
   joint.name = node.at("name").text();
   joint.type = readJointType(node.at("type"));
-  if (joint.type == JointType::kPrismatic)
+  if (kindOf(joint.type).unit != "rad")
     node.at("type").fail("a capture finds no slides yet, expected revolute or spherical");
   joint.parent = targetByName(node.at("parent"), targets);
   joint.child = targetByName(node.at("child"), targets);
   if (kindOf(joint.type).has_axis) {
-    const YamlNode axis = node.at("axis");
-    joint.axis = axis.vector3();
-    if (joint.axis.norm() < 1e-6) axis.fail("expected a direction, found no length");
-    joint.axis.normalize();
+    joint.axis = directionOf(node.at("axis"));
   }
+  if (const auto along = node.find("along")) joint.along = directionOf(*along);
   return joint;
 }
 
@@ -99,7 +103,8 @@ std::vector<CaptureJoint> paperJoints(const TargetSet& targets) {
     joints.push_back({"shoulder", JointType::kSpherical, torso, humerus, Eigen::Vector3d::UnitX()});
   }
   if (humerus >= 0 && forearm >= 0) {
-    joints.push_back({"elbow", JointType::kRevolute, humerus, forearm, Eigen::Vector3d::UnitX()});
+    joints.push_back(
+        {"elbow", JointType::kRevolute, humerus, forearm, Eigen::Vector3d::UnitX(), -Eigen::Vector3d::UnitZ()});
   }
   return joints;
 }
@@ -173,6 +178,7 @@ Rig readRig(const YamlNode& root, const TargetSet& targets) {
 
 std::string writeRig(const Rig& rig, const TargetSet& targets) {
   const auto name = [&](int target) { return yamlText(targets.targets[target].name); };
+  const auto numbers = [](const Eigen::Vector3d& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); };
   std::string text = fmt::format("format: simgap/rig/1\nstereo: {}\ntargets: {}\n", yamlText(rig.stereo_file),
                                  yamlText(rig.targets_file));
   if (rig.scale_bar) {
@@ -185,7 +191,8 @@ std::string writeRig(const Rig& rig, const TargetSet& targets) {
     const JointKind& kind = kindOf(joint.type);
     text += fmt::format("  - {{name: {}, type: {}, parent: {}, child: {}", yamlText(joint.name), kind.name,
                         name(joint.parent), name(joint.child));
-    if (kind.has_axis) text += fmt::format(", axis: [{}, {}, {}]", joint.axis.x(), joint.axis.y(), joint.axis.z());
+    if (kind.has_axis) text += ", axis: " + numbers(joint.axis);
+    if (joint.along) text += ", along: " + numbers(*joint.along);
     text += "}\n";
   }
   return text;

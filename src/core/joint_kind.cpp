@@ -13,6 +13,14 @@ JointType readJointType(const YamlNode& node) {
   return (*std::ranges::find(joint_kinds::all(), name, &JointKind::name))->type;
 }
 
+const JointKind* findKind(const char* JointKind::*format, std::string_view name) {
+  const auto found = std::ranges::find_if(
+      joint_kinds::all(), [&](const JointKind* kind) { return kind->*format != nullptr && kind->*format == name; });
+  return found == joint_kinds::all().end() ? nullptr : *found;
+}
+
+double jointError(JointType type, const JointPosition& a, const JointPosition& b) { return kindOf(type).error(a, b); }
+
 std::vector<std::string> positionColumns(JointType type, const std::string& joint) {
   std::vector<std::string> names;
   for (const std::string_view column : kindOf(type).columns) names.push_back(joint + std::string(column));

@@ -20,11 +20,6 @@ double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
 
 double hingeTurn(double from, double to) { return std::remainder(to - from, 2.0 * std::numbers::pi); }
 
-double jointError(JointType type, const JointPosition& a, const JointPosition& b) {
-  if (type == JointType::kSpherical) return geodesicAngle(a.rotation, b.rotation);
-  return std::abs(type == JointType::kRevolute ? hingeTurn(b.angle, a.angle) : a.angle - b.angle);
-}
-
 Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations) {
   assert(!rotations.empty());
   Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();

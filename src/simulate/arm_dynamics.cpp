@@ -29,7 +29,7 @@ void ArmDynamics::setArm(const std::vector<Body>& bodies, const std::vector<Join
     link.pivot_in_body = joint.child_position;
     link.centre_in_body = mass.centre_of_mass;
     link.axes_in_body.setZero();
-    if (joint.type == JointType::kSpherical) {
+    if (!joint.hasAxis()) {
       link.axes_in_body = links[joint.child].body_from_link.toRotationMatrix();
     } else {
       link.axes_in_body.col(0) = joint.child_orientation * joint.axis;

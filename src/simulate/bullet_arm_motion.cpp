@@ -263,7 +263,7 @@ double BulletArm::mechanicalEnergy() {
 Eigen::Vector3d BulletArm::jointVelocity(std::size_t joint) const {
   const Eigen::Vector3d spin = relativeSpin(joints_[joint], world_->links[joints_[joint].child],
                                             world_->body.getJointVelMultiDof(world_->link_of_joint[joint]));
-  if (joints_[joint].type == JointType::kSpherical) return spin;
+  if (!joints_[joint].hasAxis()) return spin;
   return {world_->body.getJointVel(world_->link_of_joint[joint]), 0.0, 0.0};
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/random.h"
 #include "simgap/model/arm/kinematics.h"
 

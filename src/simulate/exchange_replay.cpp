@@ -77,8 +77,9 @@ class Replay {
     std::vector<JointPosition> theirs(other_.joints.size());
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const Joint& joint = one_.joints[j];
-      const bool ball = joint.type == JointType::kSpherical;
-      if (ball && std::ranges::find(other_.joints, joint.name, &Joint::name) == other_.joints.end()) {
+      const bool gone =
+          !joint.hasAxis() && std::ranges::find(other_.joints, joint.name, &Joint::name) == other_.joints.end();
+      if (gone) {                                                         // a ball as three hinges
         const Eigen::Matrix3d r = joints[j].rotation.toRotationMatrix();  // Rx Ry Rz
         const std::array<double, 3> angles = {std::atan2(-r(1, 2), r(2, 2)),
                                               std::atan2(r(0, 2), std::hypot(r(1, 2), r(2, 2))),

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
 namespace simgap {

@@ -1,4 +1,5 @@
 #include "simgap/simulate/rollout.h"
+#include "simgap/core/joint_kind.h"
 
 #include <algorithm>
 #include <cassert>
@@ -22,13 +23,6 @@ constexpr double kMostStallCurrents = 50.0;
 bool driveIsSound(const BulletArm& arm, const Motor& motor, std::size_t muscle) {
   return std::abs(arm.current(muscle)) * motor.resistance < kMostStallCurrents * motor.supply_voltage &&
          std::isfinite(arm.shaftAngle(muscle)) && std::isfinite(arm.force(muscle));
-}
-
-JointPosition between(JointType type, const JointPosition& a, const JointPosition& b, double part) {
-  JointPosition position;
-  position.angle = a.angle + part * (b.angle - a.angle);
-  if (type == JointType::kSpherical) position.rotation = a.rotation.slerp(part, b.rotation);
-  return position;
 }
 
 }  // namespace
@@ -177,7 +171,8 @@ void Rollout::write(double part, MotionTrack& track, std::size_t row) const {
   const auto column = static_cast<Eigen::Index>(row);
   for (std::size_t j = 0; j < types_.size(); ++j) {
     const std::size_t at = row * types_.size() + j;
-    track.joints[at] = part >= 1.0 ? now_->joints[j] : between(types_[j], before_->joints[j], now_->joints[j], part);
+    track.joints[at] =
+        part >= 1.0 ? now_->joints[j] : kindOf(types_[j]).between(before_->joints[j], now_->joints[j], part);
     track.joint_velocities[at] =
         part >= 1.0 ? now_->joint_velocities[j]
                     : Eigen::Vector3d(before_->joint_velocities[j] +

@@ -39,15 +39,6 @@ std::string clockYaml(const SensorClock& clock) {
                      1e6 * clock.drift);
 }
 
-JointPosition sensedJoint(JointType type, JointPosition position, double noise, const Eigen::Vector3d& normals) {
-  if (type == JointType::kSpherical) {
-    position.rotation = position.rotation * Eigen::Quaterniond(expSo3(noise * normals));
-  } else {
-    position.angle += noise * normals.x();
-  }
-  return position;
-}
-
 }  // namespace
 
 SensorOptions SensorOptions::read(const YamlNode& node) {
@@ -129,7 +120,7 @@ std::string jointsCsv(const ArmModel& model, const MotionTrack& track, const Sen
       Eigen::Vector3d normals;
       for (std::uint32_t axis = 0; axis < 3; ++axis) normals[axis] = normal(random, Channel::kJoint, row, j, axis);
       const JointPosition seen =
-          sensedJoint(model.joints[j].type, track.jointsAt(row)[j], options.joint_noise, normals);
+          kindOf(model.joints[j].type).moved(track.jointsAt(row)[j], options.joint_noise * normals);
       for (const double cell : kindOf(model.joints[j].type).cells(seen)) csv.add(cell);
     }
     csv.endRow();

@@ -89,11 +89,8 @@ StepCheck halve(const ArmModel& model, const MotionCommands& commands, const Mot
 }
 
 void addJointHeader(const Joint& joint, std::vector<std::string>& velocities) {
-  if (joint.type == JointType::kSpherical) {
-    for (const char* axis : {"x", "y", "z"})
-      velocities.push_back(fmt::format("{}_velocity_{}_rad_s", joint.name, axis));
-  } else {
-    velocities.push_back(joint.name + "_velocity_rad_s");
+  for (const std::string_view column : kindOf(joint.type).velocity_columns) {
+    velocities.push_back(joint.name + std::string(column));
   }
 }
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "simgap/capture/joint_calibration.h"
+#include "simgap/capture/rig_calibration.h"
 #include "support/arms.h"
 #include "support/capture_study.h"
 #include "support/files.h"
@@ -61,7 +61,11 @@ Motion motionOf(double shoulder_range, double elbow_range, int zero_frames, doub
 
 Rig armRig() {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
-  return {"", "", {}, {{"shoulder", JointType::kSpherical, 0, 1, x}, {"elbow", JointType::kRevolute, 1, 2, x}}};
+  return {"",
+          "",
+          {},
+          {{"shoulder", JointType::kSpherical, 0, 1, x},
+           {"elbow", JointType::kRevolute, 1, 2, x, -Eigen::Vector3d::UnitZ()}}};
 }
 
 /// Largest distance of a marker from where it is on its bone [m].
@@ -82,12 +86,13 @@ TEST(JointCalibration, FindsBonesBehindBadlyPlacedTargets) {
   options.zero_last = 19;
   const auto calibrated = [&](double noise) {
     const Motion motion = motionOf(0.6, 1.2, 20, noise);
-    return calibrateArmJoints(armRig(), motion.targets, motion.frames, options);
+    return calibrateRig(armRig(), motion.targets, motion.frames, options);
   };
   EXPECT_LT(largestMiss(calibrated(0.0).targets), 1e-9);
-  const ArmJointCalibration noisy = calibrated(5e-4);  // 0.03 degrees and 0.05 mm per axis
+  const RigCalibration noisy = calibrated(5e-4);  // 0.03 degrees and 0.05 mm per axis
   EXPECT_LT(largestMiss(noisy.targets), 0.5e-3);
-  EXPECT_NEAR(noisy.upper_arm, 0.28, 0.2e-3);
+  ASSERT_EQ(noisy.bones.size(), 1u);
+  EXPECT_NEAR(noisy.bones[0].length, 0.28, 0.2e-3);
   EXPECT_TRUE(noisy.zero_pose);
 }
 
@@ -101,13 +106,84 @@ TEST(JointCalibration, CentreSdIsOfTheOrderOfTheError) {
 
 TEST(JointCalibration, RefusesAMotionThatSaysTooLittle) {
   const auto sentence = [](const Motion& motion) {
-    return errorOf([&] { calibrateArmJoints(armRig(), motion.targets, motion.frames, {}); });
+    return errorOf([&] { calibrateRig(armRig(), motion.targets, motion.frames, {}); });
   };
   EXPECT_THAT(sentence(motionOf(0.05, 1.2, 0, 5e-4)), HasSubstr("3: joint shoulder: the motion spans only"));
   EXPECT_THAT(sentence(motionOf(0.6, 0.05, 0, 5e-4)), HasSubstr("3: joint elbow: the motion spans only"));
   Motion few = motionOf(0.6, 1.2, 0, 5e-4);
   few.frames.resize(5);
   EXPECT_THAT(sentence(few), HasSubstr("3: joint shoulder: both targets were seen in 5 frames"));
+}
+
+/// A hand's tree: a thumb on a ball and a finger of two hinges across each other, whose targets were placed by eye.
+class HandCalibration : public ::testing::Test {
+ protected:
+  HandCalibration() {
+    std::mt19937 random(11);
+    motion_.targets.marker_radius = 0.004;
+    for (const char* name : {"palm", "thumb", "finger", "tip"}) {
+      MarkerTarget target{name, name, {}};
+      const Eigen::AngleAxisd turn(uniform(random, 0.05, 0.2), randomDirection(random));
+      motion_.bone_in_target.push_back({turn.matrix(), 0.02 * randomDirection(random)});
+      for (int m = 0; m < 4; ++m) {
+        on_bone_.push_back(0.03 * randomDirection(random));
+        target.markers.push_back(motion_.bone_in_target.back() * on_bone_.back());
+      }
+      motion_.targets.targets.push_back(target);
+    }
+    const Eigen::Vector3d y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+    rig_.joints = {{"tip", JointType::kRevolute, 2, 3, z},  // the tree's order is not the file's
+                   {"thumb", JointType::kSpherical, 0, 1, z},
+                   {"finger", JointType::kRevolute, 0, 2, y}};
+    for (int f = 0; f < 150; ++f) move(f, f < 10 ? 0.0 : 1.0, random);
+    options_.zero_first = 0;
+    options_.zero_last = 9;
+  }
+
+  void move(int number, double part, std::mt19937& random) {
+    std::vector<TargetPose> bones(4);
+    bones[0] = {Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 2, 3).normalized()).matrix(), {0.1, 0.0, 1.0}};
+    const auto carry = [&](int parent, const Eigen::Vector3d& at, const Eigen::AngleAxisd& turn) {
+      return TargetPose{bones[parent].rotation * turn.matrix(), bones[parent] * at};
+    };
+    const Eigen::AngleAxisd thumb(part * uniform(random, -0.7, 0.7), randomDirection(random));
+    bones[1] = carry(0, Eigen::Vector3d::Zero(), thumb);
+    bones[2] = carry(0, {0.1, 0.0, 0.05}, {part * uniform(random, -0.2, 1.2), Eigen::Vector3d::UnitY()});
+    bones[3] = carry(2, {0.03, 0.08, 0.0}, {part * uniform(random, -0.9, 0.1), Eigen::Vector3d::UnitZ()});
+    MotionFrame frame{number, {}};
+    for (std::size_t t = 0; t < 4; ++t) {
+      const TargetPose& b = motion_.bone_in_target[t];
+      const Eigen::Matrix3d rotation = bones[t].rotation * b.rotation.transpose();
+      frame.targets.push_back(TargetPose{rotation, bones[t].origin - rotation * b.origin});
+    }
+    motion_.frames.push_back(frame);
+  }
+
+  Motion motion_;
+  Rig rig_;
+  JointCalibrationOptions options_;
+  std::vector<Eigen::Vector3d> on_bone_;  ///< markers in the bones' frames, target by target
+};
+
+TEST_F(HandCalibration, FindsTheBonesOfATree) {
+  const RigCalibration found = calibrateRig(rig_, motion_.targets, motion_.frames, options_);
+  for (std::size_t i = 0; i < on_bone_.size(); ++i) {
+    EXPECT_LT((found.targets.targets[i / 4].markers[i % 4] - on_bone_[i]).norm(), 1e-9);
+  }
+  ASSERT_EQ(found.bones.size(), 1u);
+  EXPECT_EQ(found.bones[0].from + " " + found.bones[0].to, "finger tip");
+  EXPECT_NEAR(found.bones[0].length, std::hypot(0.03, 0.08), 1e-9);
+}
+
+TEST_F(HandCalibration, RefusesWhatIsNoTree) {
+  const auto sentence = [&] { return errorOf([&] { calibrateRig(rig_, motion_.targets, motion_.frames, options_); }); };
+  rig_.joints[1].child = 3;
+  EXPECT_THAT(sentence(), HasSubstr("joints tip and thumb of the rig move the same target"));
+  rig_.joints[1].child = 0;
+  rig_.joints[1].parent = 3;
+  EXPECT_THAT(sentence(), HasSubstr("the joints of the rig close a loop"));
+  rig_.joints.clear();
+  EXPECT_THAT(sentence(), HasSubstr("found no joint in the rig"));
 }
 
 }  // namespace

@@ -299,7 +299,7 @@ TEST_F(CaptureTest, CalibrateJointsMakesARigThatCaptureTakes) {
   for (int i = 0; i < 24; ++i) put(i, {}, {reality::randomPose(std::uint64_t(i))});
   succeed(capture({"--rate", "60"}));
   succeed({"calibrate-joints", "rig.yaml", "--frames", "out/frames.csv", "-q", "-o", "joints"});
-  EXPECT_NEAR(Json::parse(text("joints/result.json")).at("upper_arm_mm").get<double>(), 280.0, 0.5);
+  EXPECT_NEAR(Json::parse(text("joints/result.json")).at("bones").at(0).at("length_mm").get<double>(), 280.0, 0.5);
   succeed({"capture", "joints/rig.yaml", "--left", "left", "--right", "right", "--rate", "60", "-q", "-o", "again"});
   const auto elbow = [&](const char* file) { return CsvTable::load(path(file)).quantity("elbow", "rad")[3]; };
   EXPECT_NEAR(elbow("again/joints.csv"), elbow("out/joints.csv"), 0.2 * kDegree);

@@ -1,4 +1,5 @@
 #include "simgap/core/rotation.h"
+#include "simgap/core/joint_kind.h"
 
 #include <gtest/gtest.h>
 

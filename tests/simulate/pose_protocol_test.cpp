@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 #include "support/arms.h"
 
 namespace simgap {

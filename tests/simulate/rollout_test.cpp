@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "support/arms.h"
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "simgap/core/csv.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/model/arm/parameter_space.h"
 #include "simgap/simulate/bullet_arm.h"

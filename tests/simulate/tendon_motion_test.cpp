@@ -1,6 +1,7 @@
 // Arms of every kind of joint and tendon in motion: energy, and rests against the evaluator that knows no time.
 #include <gtest/gtest.h>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/simulate/bullet_arm.h"
 #include "simgap/simulate/equilibrium_arm.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap::test {

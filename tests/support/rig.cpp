@@ -1,5 +1,6 @@
 #include "support/rig.h"
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/fit/poses/calibration.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "support/files.h"

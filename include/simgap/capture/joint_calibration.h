@@ -25,7 +25,7 @@ std::vector<MotionFrame> readMotion(const CsvTable& table, const TargetSet& targ
 struct JointCalibrationOptions {
   double max_centre_sd = 2e-3;           ///< [m] refuse a centre that is known worse
   double min_range = 0.175;              ///< [rad] refuse a rotation whose second axis (revolute: only axis) spans less
-  long zero_first = -1, zero_last = -1;  ///< frames in which the arm is in its zero pose; -1: none
+  long zero_first = -1, zero_last = -1;  ///< frames in which the robot is in its zero pose; -1: none
 };
 
 /// A joint as both of its targets see it.
@@ -48,18 +48,8 @@ struct FunctionalJoint {
 FunctionalJoint calibrateJoint(const CaptureJoint& joint, const std::vector<MotionFrame>& motion,
                                const JointCalibrationOptions& options);
 
-struct ArmJointCalibration {
-  FunctionalJoint shoulder, elbow;
-  double upper_arm = 0.0;  ///< [m] shoulder centre to elbow axis
-  bool zero_pose = false;  ///< fixed by frames of the motion; otherwise by the target file
-  TargetSet targets;       ///< markers in the frames of the bones
-};
-
-/// Joints and bone frames of the paper's arm: a spherical joint followed by a revolute one. Bones: the origin of torso
-/// and humerus is the shoulder centre, the humerus hangs from it along -z with the elbow's axis as the rig names it;
-/// the forearm's origin is the elbow. \throws ConfigError: another arrangement of joints. \throws DataError: see
-/// calibrateJoint; no frame in the zero range.
-ArmJointCalibration calibrateArmJoints(const Rig& rig, const TargetSet& targets, const std::vector<MotionFrame>& motion,
-                                       const JointCalibrationOptions& options);
+/// Child in parent, one per frame in which both were seen.
+std::vector<TargetPose> relativePoses(const CaptureJoint& joint, const std::vector<MotionFrame>& motion);
+Eigen::Quaterniond meanRotation(const std::vector<TargetPose>& poses);
 
 }  // namespace simgap

@@ -44,6 +44,7 @@ struct CaptureJoint {
   int parent = 0;                                   ///< target index
   int child = 0;                                    ///< target index
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< revolute: in the parent's frame, unit length
+  std::optional<Eigen::Vector3d> along = {};        ///< unit length: from the parent's origin to this joint, if known
 };
 
 struct Rig {
@@ -54,7 +55,8 @@ struct Rig {
 };
 
 /// A rig whose targets are known. Without `joints:` the joints are those of the paper's arm: shoulder (spherical, torso
-/// to humerus) and elbow (revolute about x, humerus to forearm), by the bodies of the targets.
+/// to humerus) and elbow (revolute about x, humerus to forearm,
+/// which hangs along -z), by the bodies of the targets.
 /// \throws ConfigError: unknown target, marker or body, an axis without length.
 Rig readRig(const YamlNode& root, const TargetSet& targets);
 /// The files a rig names: {stereo, targets}; read before readRig. \throws ConfigError

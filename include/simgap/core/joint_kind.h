@@ -1,5 +1,5 @@
 /// \file
-/// What a kind of joint is to files and statistics. One file of src/core/joints per kind, found by CMake.
+/// What a kind of joint is to files, statistics and kinematics. One file of src/core/joints per kind, found by CMake.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,6 +22,9 @@ struct JointKind {
   std::string_view unit;                      ///< of its coordinates: "rad", "m"
   double printed_error;                       ///< multiple of the error that 001 eq. 4 prints
   std::span<const std::string_view> columns;  ///< of a position in a table, behind the joint's name: "_rad"
+  std::span<const std::string_view> velocity_columns;  ///< of its velocity: "_velocity_rad_s"
+  const char* mjcf;                                    ///< what MuJoCo's files call it
+  const char* urdf;                                    ///< what URDF calls it between limits; nullptr: it has none
 
   /// The positions of that joint in a table, shape (rows). \throws DataError: a column is missing, a cell no position.
   std::vector<JointPosition> (*read)(const CsvTable& table, const std::string& joint);
@@ -32,12 +35,26 @@ struct JointKind {
   /// The way from one position to another as a rotation vector in the parent's frame, or along the first coordinate
   /// where the joint has an axis [its unit].
   Eigen::Vector3d (*difference)(const JointPosition& from, const JointPosition& to);
+  /// Distance of two positions, not below 0 [its unit].
+  double (*error)(const JointPosition& a, const JointPosition& b);
   JointPosition (*mean)(std::span<const JointPosition> repeats);
+  /// The position at this part of the way, 0 to 1.
+  JointPosition (*between)(const JointPosition& from, const JointPosition& to, double part);
+  /// The position after a small step in the child's own frame, its first coordinate where the joint has an axis.
+  JointPosition (*moved)(const JointPosition& position, const Eigen::Vector3d& step);
+  /// Q(q): how the child is turned in the joint's frame; axis of unit length.
+  Eigen::Matrix3d (*rotation)(const Eigen::Vector3d& axis, const JointPosition& position);
 };
 
 const JointKind& kindOf(JointType type);
 /// The kind that a file names. \throws ConfigError: none of that name.
 JointType readJointType(const YamlNode& node);
+
+/// The kind whose name in another format, member mjcf or urdf, this is; nullptr: none.
+const JointKind* findKind(const char* JointKind::*format, std::string_view name);
+
+/// Error of a joint: geodesic angle in [0, pi], size of a hinge's turn [rad], distance of a slide [m].
+double jointError(JointType type, const JointPosition& a, const JointPosition& b);
 
 /// Names of the columns that hold a joint's position.
 std::vector<std::string> positionColumns(JointType type, const std::string& joint);

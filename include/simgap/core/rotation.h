@@ -32,9 +32,6 @@ double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
 /// From one angle of a hinge to another, the shorter way, in [-pi, pi] [rad]: whole turns count as none.
 double hingeTurn(double from, double to);
 
-/// Error of a joint, in [0, pi] [rad]: geodesic angle, or size of a hinge's turn; of a slide its distance [m].
-double jointError(JointType type, const JointPosition& a, const JointPosition& b);
-
 /// The rotation that minimises the sum of squared chordal distances (Markley et al. 2007), w >= 0.
 Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations);
 

@@ -40,7 +40,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const CamerasInput cameras = readCameraFiles(session, options.cameras, options.rig.parent_path() / files[0]);
   const Input& frames = session.read("frames", options.frames);
   const auto motion = readMotion(CsvTable::parse(frames.content, frames.file.string(), options.table.csv()), targets);
-  const ArmJointCalibration result = calibrateArmJoints(rig, targets, motion, calibration);
+  const RigCalibration result = calibrateRig(rig, targets, motion, calibration);
   if (options.common.dry_run) {
     session.print(fmt::format("{}nothing was written\n", terminalTable(result)));
     return ExitCode::kDone;
@@ -63,7 +63,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("RIG", options->rig, "the rig the motion was captured with (YAML)")->required();
   app.add_option("--frames", options->frames, "frames.csv of a capture that moves all joints")->required();
   addCamerasOption(app, options->cameras);
-  app.add_option("--zero", options->zero, "FIRST:LAST frame in which the arm hangs straight: its zero pose");
+  app.add_option("--zero", options->zero, "FIRST:LAST frame of the zero pose, in which all bones are parallel");
   app.add_option("--max-sd", options->calibration.max_centre_sd, "refuse a centre that is known worse [m]")
       ->check(positive);
   app.add_option("--min-range", options->calibration.min_range, "refuse a motion that spans less [rad]")
@@ -76,7 +76,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 }  // namespace
 
 extern const Command entry;
-const Command entry{"calibrate-joints", "from a motion: shoulder centre, elbow axis, markers in bone frames",
+const Command entry{"calibrate-joints", "from a motion: centres and axes of joints, markers in bone frames",
                     "  simgap capture data/capture/rig.yaml --left data/capture/left \\\n"
                     "    --right data/capture/right --rate 60 -o runs/motion\n"
                     "  simgap calibrate-joints data/capture/rig.yaml \\\n"

@@ -48,11 +48,12 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
                                 spring.file));
   }
   report.own_length = spring.own_length;
-  report.log = prepareSpringData(table);
+  report.log = prepareLog(table, {}, ActuatorKind::kSpring);
   report.log_sha256 = session.input("log").sha256;
   report.comparison = compareSprings(report.log, {false, choices.fixed, choices.bounds}, holdout, options.fit.block_s);
   for (const std::string& file : options.fit.validate) {
-    const PreparedLog other = prepareSpringData(readLog(session, "validation", file, options.table).table);
+    const PreparedLog other =
+        prepareLog(readLog(session, "validation", file, options.table).table, {}, ActuatorKind::kSpring);
     const auto rows = static_cast<std::size_t>(std::ranges::count(other.data.keep, true));
     report.transfer.push_back({file, rows, meanSquaredError(report.comparison.chosen().fit, other, {})});
   }

@@ -25,4 +25,16 @@ inline JointPosition meanCoordinate(std::span<const JointPosition> repeats) {
   return mean;
 }
 
+inline JointPosition coordinateBetween(const JointPosition& from, const JointPosition& to, double part) {
+  JointPosition position;
+  position.angle = from.angle + part * (to.angle - from.angle);
+  return position;
+}
+
+inline JointPosition movedCoordinate(const JointPosition& position, const Eigen::Vector3d& step) {
+  JointPosition moved = position;
+  moved.angle += step.x();
+  return moved;
+}
+
 }  // namespace simgap::joint_kinds

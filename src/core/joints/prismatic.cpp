@@ -1,10 +1,13 @@
 // A slide: a way along an axis that is fixed in both bodies.
+#include <cmath>
+
 #include "one_axis.h"
 
 namespace simgap::joint_kinds::prismatic {
 namespace {
 
 constexpr std::string_view kColumns[] = {"_m"};
+constexpr std::string_view kVelocityColumns[] = {"_velocity_m_s"};
 
 std::vector<JointPosition> read(const CsvTable& table, const std::string& joint) {
   return readCoordinate(table, joint, "m");
@@ -12,6 +15,12 @@ std::vector<JointPosition> read(const CsvTable& table, const std::string& joint)
 
 Eigen::Vector3d difference(const JointPosition& from, const JointPosition& to) {
   return {to.angle - from.angle, 0.0, 0.0};
+}
+
+double error(const JointPosition& a, const JointPosition& b) { return std::abs(a.angle - b.angle); }
+
+Eigen::Matrix3d rotation(const Eigen::Vector3d& /*axis*/, const JointPosition& /*position*/) {
+  return Eigen::Matrix3d::Identity();
 }
 
 }  // namespace
@@ -24,10 +33,17 @@ const JointKind entry{.type = JointType::kPrismatic,
                       .unit = "m",
                       .printed_error = 1.0,
                       .columns = kColumns,
+                      .velocity_columns = kVelocityColumns,
+                      .mjcf = "slide",
+                      .urdf = "prismatic",
                       .read = read,
                       .cells = coordinateCells,
                       .angle = coordinate,
                       .difference = difference,
-                      .mean = meanCoordinate};
+                      .error = error,
+                      .mean = meanCoordinate,
+                      .between = coordinateBetween,
+                      .moved = movedCoordinate,
+                      .rotation = rotation};
 
 }  // namespace simgap::joint_kinds::prismatic

@@ -10,6 +10,7 @@ namespace simgap::joint_kinds::spherical {
 namespace {
 
 constexpr std::string_view kColumns[] = {"_qw", "_qx", "_qy", "_qz"};
+constexpr std::string_view kVelocityColumns[] = {"_velocity_x_rad_s", "_velocity_y_rad_s", "_velocity_z_rad_s"};
 constexpr double kUnitLengthTolerance = 1e-3;
 
 std::vector<JointPosition> read(const CsvTable& table, const std::string& joint) {
@@ -38,6 +39,20 @@ Eigen::Vector3d difference(const JointPosition& from, const JointPosition& to) {
   return logSo3(to.rotation * from.rotation.conjugate());
 }
 
+double error(const JointPosition& a, const JointPosition& b) { return geodesicAngle(a.rotation, b.rotation); }
+
+JointPosition between(const JointPosition& from, const JointPosition& to, double part) {
+  return {from.rotation.slerp(part, to.rotation), 0.0};
+}
+
+JointPosition moved(const JointPosition& position, const Eigen::Vector3d& step) {
+  return {position.rotation * Eigen::Quaterniond(expSo3(step)), 0.0};
+}
+
+Eigen::Matrix3d rotation(const Eigen::Vector3d& /*axis*/, const JointPosition& position) {
+  return position.rotation.toRotationMatrix();
+}
+
 JointPosition mean(std::span<const JointPosition> repeats) {
   std::vector<Eigen::Quaterniond> rotations;
   for (const JointPosition& repeat : repeats) rotations.push_back(repeat.rotation);
@@ -54,10 +69,17 @@ const JointKind entry{.type = JointType::kSpherical,
                       .unit = "rad",
                       .printed_error = 0.5,  // arccos(Q . Q') is half the angle between the rotations
                       .columns = kColumns,
+                      .velocity_columns = kVelocityColumns,
+                      .mjcf = "ball",
+                      .urdf = nullptr,
                       .read = read,
                       .cells = cells,
                       .angle = angle,
                       .difference = difference,
-                      .mean = mean};
+                      .error = error,
+                      .mean = mean,
+                      .between = between,
+                      .moved = moved,
+                      .rotation = rotation};
 
 }  // namespace simgap::joint_kinds::spherical

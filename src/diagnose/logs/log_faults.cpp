@@ -7,6 +7,7 @@
 
 #include "simgap/core/decompositions.h"
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/log_kind.h"
 #include "simgap/measure/logs/resolution.h"
 
 namespace simgap {
@@ -196,14 +197,13 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
                       fmt::format("{} stands alone in {} rows: outliers; they were left out", s.channel, s.rows.size()),
                       s.rows.front() + 1, s.rows.back() + 1, s.rows.size(), true});
   }
-  if (log.kind == ActuatorKind::kSpring) {
+  const LogKind& kind = kindOf(log.kind);
+  if (kind.checks == FaultChecks::kDeflection) {
     findSpringFaults(log, faults);
     return faults;
   }
-  if (log.kind == ActuatorKind::kMotor || log.kind == ActuatorKind::kPam) {
-    // Voltages and pressures are set to levels, limits included: only lost samples can be told.
-    const bool motor = log.kind == ActuatorKind::kMotor;
-    findDropouts({motor ? "current_A" : log.effort_column, motor ? rows.current : rows.effort}, log, faults);
+  if (kind.checks == FaultChecks::kLevels) {
+    findDropouts({kind.answer, rows.*kind.answers}, log, faults);
     return faults;
   }
   std::vector<NamedChannel> channels = {{log.effort_column, rows.effort}, {"motor_velocity", rows.speed}};

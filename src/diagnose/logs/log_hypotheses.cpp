@@ -9,6 +9,7 @@
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/log_kind.h"
 
 namespace simgap {
 namespace {
@@ -105,8 +106,7 @@ std::shared_ptr<const ActuatorRegression> LogSearch::makeModel(
   const bool named = std::ranges::any_of(effects, [](const ActuatorEffect* effect) { return effect->in_every_drive; });
   const double typical = std::sqrt(data_.rows.speed.square().mean()) * data_.rows.step;
   std::optional<double> nuisance;
-  const bool drive = base_.kind == ActuatorKind::kFriction || base_.kind == ActuatorKind::kGearbox;
-  if (drive && !named) nuisance = std::max(kNuisancePresliding * typical, 1e-5);
+  if (kindOf(base_.kind).is_drive && !named) nuisance = std::max(kNuisancePresliding * typical, 1e-5);
   return std::make_shared<const ActuatorRegression>(base_, effects, data_, nuisance);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/fit/poses/pose_uncertainty.h"
 
 namespace simgap {

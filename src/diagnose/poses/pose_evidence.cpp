@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "simgap/core/decompositions.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/statistics.h"
 #include "simgap/model/arm/kinematics.h"
 

@@ -96,12 +96,12 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
   t.shared.load = rows.load;
   t.shared.dry = rows.direction;
   t.shared.viscous = rows.speed;
-  if (base_.kind == ActuatorKind::kPam) {
+  if (rows.pressure.size() > 0) {
     t.shared.effort = effort;
     t.shared.pressure = rows.pressure;
     t.shared.contraction = rows.contraction;
   }
-  if (base_.kind == ActuatorKind::kSpring) t.shared.deflection = rows.deflection;
+  if (rows.deflection.size() > 0) t.shared.deflection = rows.deflection;
   std::size_t at = 0;
   if (base_.hasStribeck()) {
     t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;

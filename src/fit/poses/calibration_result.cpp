@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/simulate/replay.h"
 
 namespace simgap {

@@ -18,6 +18,9 @@ Eigen::ArrayXd toArray(const std::vector<double>& values);
 PreparedLog prepared(ActuatorKind kind, const std::string& file, const std::vector<double>& time,
                      const std::vector<int>& session, const std::vector<std::string>& session_names);
 
+/// A drive's rows, standstill included. \throws DataError as readActuatorLog and prepareFrictionData.
+PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const FrictionDataOptions& options);
+
 /// Length of the blocks [s]: the time within sessions, cut into as many as are long enough.
 double blockSecondsOf(const std::vector<double>& time, const std::vector<int>& session);
 double medianStep(const ActuatorRows& rows);

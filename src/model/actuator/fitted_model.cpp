@@ -7,11 +7,19 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/measure/logs/log_kind.h"
 
 namespace simgap {
 namespace {
 
-const std::vector<std::string> kKinds = {"friction", "motor", "gearbox", "pam", "spring"};
+/// Those that a log of its own is fitted to.
+std::vector<std::string> allKinds() {
+  std::vector<std::string> names;
+  for (const LogKind* kind : log_kinds::all()) {
+    if (kind->prepare != nullptr) names.emplace_back(kind->name);
+  }
+  return names;
+}
 
 constexpr Range kPlausible{-1e15, 1e15, false, "a number of a size of at most 1e15"};  // in whatever unit
 
@@ -96,7 +104,7 @@ std::string writeFittedModel(const FittedModel& model) {
 FittedModel readFittedModel(const YamlNode& root, const std::vector<std::string>& kinds) {
   FittedModel model;
   std::vector<std::string> formats;
-  for (const std::string& kind : kinds.empty() ? kKinds : kinds) formats.push_back("simgap/" + kind + "/1");
+  for (const std::string& kind : kinds.empty() ? allKinds() : kinds) formats.push_back("simgap/" + kind + "/1");
   const std::string format = root.at("format").oneOf(formats);
   model.kind = format.substr(7, format.size() - 9);
   if (const auto law = root.find("law")) model.law = law->text();

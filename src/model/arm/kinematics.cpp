@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
+#include "simgap/core/joint_kind.h"
+
 namespace simgap {
 
 namespace {
 
 Eigen::Matrix3d turnedBy(const Joint& joint, const JointPosition& position) {
-  if (joint.type == JointType::kSpherical) return position.rotation.toRotationMatrix();
-  if (joint.type == JointType::kRevolute) return Eigen::AngleAxisd(position.angle, joint.axis).toRotationMatrix();
-  return Eigen::Matrix3d::Identity();
+  return kindOf(joint.type).rotation(joint.axis, position);
 }
 
 }  // namespace

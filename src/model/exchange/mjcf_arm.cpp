@@ -73,9 +73,7 @@ class MjcfArm {
                 int child) {
     Joint joint;
     joint.name = from.name;
-    joint.type = from.type == MjcfJoint::Type::kBall    ? JointType::kSpherical
-                 : from.type == MjcfJoint::Type::kSlide ? JointType::kPrismatic
-                                                        : JointType::kRevolute;
+    joint.type = from.kind->type;
     const Eigen::Isometry3d in_parent = parent.frame * frame;
     joint.parent = parent.body;
     joint.child = child;
@@ -144,7 +142,7 @@ class MjcfArm {
     const Eigen::Vector3d way = surface.position - joint.child_position;
     const bool along = cylinder && surface.axis.cross(axis).norm() < kSame;
     if (joint.slides()) return along;
-    if (joint.type == JointType::kSpherical) return !cylinder && way.norm() < kSame;
+    if (!joint.hasAxis()) return !cylinder && way.norm() < kSame;
     return way.cross(axis).norm() < kSame && (along || !cylinder);
   }
 

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "mjcf_robot.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/text.h"
 
 namespace simgap {
@@ -133,13 +134,9 @@ class Bodies {
     const std::string type = node.tag() == "freejoint" ? "free" : node.has("type") ? node.text("type") : "hinge";
     if (type == "free") node.fail("found a floating base, expected bodies that hang on the world by joints");
     MjcfJoint joint;
-    if (type == "ball") {
-      joint.type = MjcfJoint::Type::kBall;
-    } else if (type == "slide") {
-      joint.type = MjcfJoint::Type::kSlide;
-    } else if (type != "hinge") {
+    joint.kind = findKind(&JointKind::mjcf, type);
+    if (joint.kind == nullptr)
       node.fail(fmt::format("type: found '{}', expected hinge, ball or slide", abridged(type)));
-    }
     const std::string automatic = fmt::format("{}_joint", robot_.bodies[body].name);
     joint.name = freeName(node.has("name") ? node.text("name") : automatic, joint_names_);
     joint.position = offset * node.vector3("pos", Eigen::Vector3d::Zero());
@@ -151,8 +148,8 @@ class Bodies {
   }
 
   void readJointLaw(const MjcfNode& node, MjcfJoint& joint) {
-    const double unit = joint.type == MjcfJoint::Type::kSlide ? 1.0 : node.angleUnit();
-    const bool ball = joint.type == MjcfJoint::Type::kBall;
+    const double unit = joint.kind->unit == "m" ? 1.0 : node.angleUnit();
+    const bool ball = !joint.kind->has_axis;
     joint.reference = ball ? 0.0 : unit * node.number("ref", 0.0);
     if (joint.reference != 0.0) {
       node.remark("ref", "positions count from the drawn pose: MuJoCo's position less ref");

@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "mjcf_file.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/arm.h"
 
 namespace simgap {
 
 struct MjcfJoint {
-  enum class Type { kHinge, kBall, kSlide };
   std::string name;
-  Type type = Type::kHinge;
+  const JointKind* kind = nullptr;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m] in the body's frame
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< in the body's frame, unit length
   std::optional<std::array<double, 2>> range;          ///< [rad], [m], counted from the drawn pose

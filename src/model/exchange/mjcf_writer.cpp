@@ -10,6 +10,7 @@
 
 #include "arm_exchange.h"
 #include "remark_list.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/kinematics.h"
 #include "simgap/model/exchange/exchange.h"
 #include "xml_text.h"
@@ -75,8 +76,7 @@ class MjcfWriter {
 
   void nameWhatIsSoft() {
     for (const Joint& joint : model_.joints) {
-      if (joint.type == JointType::kSpherical &&
-          joint.child_orientation.coeffs() != Eigen::Quaterniond::Identity().coeffs()) {
+      if (!joint.hasAxis() && joint.child_orientation.coeffs() != Eigen::Quaterniond::Identity().coeffs()) {
         remarks_.add(fmt::format("ball '{}' in a frame of its own", joint.name),
                      "its position is written in the child's frame");
       }
@@ -132,9 +132,8 @@ class MjcfWriter {
   }
 
   static std::string joint(const Joint& j, const Eigen::Isometry3d& frame, const std::string& indent) {
-    const char* const type = j.type == JointType::kSpherical ? "ball" : j.slides() ? "slide" : "hinge";
-    std::string text = fmt::format("{}<joint name=\"{}\" type=\"{}\" pos=\"{}\"", indent, xmlText(j.name), type,
-                                   xmlNumbers(frame * j.child_position));
+    std::string text = fmt::format("{}<joint name=\"{}\" type=\"{}\" pos=\"{}\"", indent, xmlText(j.name),
+                                   kindOf(j.type).mjcf, xmlNumbers(frame * j.child_position));
     if (j.hasAxis()) text += fmt::format(" axis=\"{}\"", xmlNumbers(frame.linear() * (j.child_orientation * j.axis)));
     const bool lower = j.lower_limit > -Joint::kUnlimited, upper = j.upper_limit < Joint::kUnlimited;
     if (j.hasAxis() && (lower || upper)) {

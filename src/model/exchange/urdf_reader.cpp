@@ -6,6 +6,7 @@
 
 #include "arm_exchange.h"
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/text.h"
 #include "xml_robot.h"
 
@@ -149,7 +150,9 @@ class UrdfArm {
 
   void readMotion(const XmlElement& element, UrdfJoint& joint) {
     Joint& j = joint.joint;
-    j.type = joint.type == "prismatic" ? JointType::kPrismatic : JointType::kRevolute;
+    const JointKind* const kind = findKind(&JointKind::urdf, joint.type);
+    j.type = (kind != nullptr ? kind : findKind(&JointKind::urdf, "revolute"))
+                 ->type;  // a continuous one, and what is welded
     j.axis = Eigen::Vector3d::UnitX();
     if (const XmlElement* const axis = child(element, "axis")) {
       j.axis = xml_.vector3(*axis, "xyz", required(*axis, "xyz").c_str());

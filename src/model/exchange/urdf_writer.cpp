@@ -3,6 +3,7 @@
 
 #include "arm_exchange.h"
 #include "remark_list.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/exchange/exchange.h"
 #include "xml_text.h"
 
@@ -26,7 +27,7 @@ class UrdfWriter {
     for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
       if (!model_.bodies[b].fixed) text += link(static_cast<int>(b));
     }
-    for (const Joint& joint : model_.joints) text += joint.type == JointType::kSpherical ? ball(joint) : oneAxis(joint);
+    for (const Joint& joint : model_.joints) text += joint.hasAxis() ? oneAxis(joint) : ball(joint);
     nameWhatIsLost();
     return {text + "</robot>\n", remarks_.take()};
   }
@@ -135,10 +136,7 @@ class UrdfWriter {
     if (joint.spring_stiffness > 0.0) {
       remarks_.add(fmt::format("spring of joint '{}'", joint.name), "left out: URDF has no joint springs");
     }
-    return jointText(joint.name,
-                     joint.slides() ? "prismatic"
-                     : limited      ? "revolute"
-                                    : "continuous",
+    return jointText(joint.name, limited || joint.slides() ? kindOf(joint.type).urdf : "continuous",
                      model_.bodies[joint.parent].name, model_.bodies[joint.child].name, origin(inParent(joint)),
                      joint.axis, more);
   }

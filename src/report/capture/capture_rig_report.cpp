@@ -43,14 +43,19 @@ Json likenessJson(const TargetSetReport& report, const Likeness& l) {
 
 }  // namespace
 
-Json toJson(const ArmJointCalibration& r) {
+Json toJson(const RigCalibration& r) {
+  Json joints = Json::array(), bones = Json::array();
+  for (const FunctionalJoint& joint : r.joints) joints.push_back(jointJson(joint));
+  for (const BoneLength& bone : r.bones) {
+    bones.push_back({{"from", bone.from}, {"to", bone.to}, {"length_mm", 1e3 * bone.length}});
+  }
   return {{"format", "simgap/calibrate-joints/1"},
-          {"joints", Json::array({jointJson(r.shoulder), jointJson(r.elbow)})},
-          {"upper_arm_mm", 1e3 * r.upper_arm},
+          {"joints", joints},
+          {"bones", bones},
           {"zero_pose_from_frames", r.zero_pose}};
 }
 
-std::string terminalTable(const ArmJointCalibration& r) {
+std::string terminalTable(const RigCalibration& r) {
   const Json result = toJson(r);
   return jointAnswer(result) + "\n\n" + alignedTable(jointTable(result));
 }

@@ -161,8 +161,12 @@ std::string jointAnswer(const Json& result) {
   }
   if (answer.empty()) throw DataError("result.json: joints: found none, expected at least one");
   answer.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(answer.front())));
-  return answer + fmt::format("upper arm {:.1f} mm; the zero pose is that of the {}.",
-                              numberOf(result.at("upper_arm_mm")),
+  for (const Json& bone : result.at("bones")) {
+    answer += fmt::format("{} to {} {:.1f} mm, ", bone.at("from").get<std::string>(), bone.at("to").get<std::string>(),
+                          numberOf(bone.at("length_mm")));
+  }
+  answer.resize(answer.size() - 2);
+  return answer + fmt::format("; the zero pose is that of the {}.",
                               result.at("zero_pose_from_frames").get<bool>() ? "frames named" : "target file");
 }
 

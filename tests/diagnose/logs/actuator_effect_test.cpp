@@ -20,19 +20,19 @@ namespace {
 
 PreparedLog smallLog(ActuatorKind kind) {
   if (kind == ActuatorKind::kPam) {
-    return preparePamData(CsvTable::parse(reality::recordPam({}, {.sessions = 3, .rows = 600}).csv(), "log.csv"));
+    return prepareLog(CsvTable::parse(reality::recordPam({}, {.sessions = 3, .rows = 600}).csv(), "log.csv"), {}, kind);
   }
   if (kind == ActuatorKind::kSpring) {
-    return prepareSpringData(
-        CsvTable::parse(reality::recordSpring({}, {.sessions = 3, .seconds = 12.0}).csv(), "log.csv"));
+    return prepareLog(CsvTable::parse(reality::recordSpring({}, {.sessions = 3, .seconds = 12.0}).csv(), "log.csv"), {},
+                      kind);
   }
   if (kind == ActuatorKind::kMotor) {
     const reality::MotorDesign design{.seconds = 1.5, .rate = 500.0, .current_noise = 0.02, .velocity_noise = 0.2};
-    return prepareMotorData(CsvTable::parse(reality::simulateMotor({}, design).csv(), "log.csv"));
+    return prepareLog(CsvTable::parse(reality::simulateMotor({}, design).csv(), "log.csv"), {}, kind);
   }
   reality::DriveRig rig = reality::drawRig(3);
   rig.rows = 3000;
-  return prepareActuatorData(CsvTable::parse(reality::recordDrive(rig, {}).csv(), "log.csv"), {}, {}, {});
+  return prepareLog(CsvTable::parse(reality::recordDrive(rig, {}).csv(), "log.csv"), {}, ActuatorKind::kFriction);
 }
 
 /// With an angle of the motor that does not quite follow the joint's.

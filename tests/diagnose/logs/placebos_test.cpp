@@ -35,7 +35,7 @@ PreparedLog noisyDrive(double fed_back, int late) {
     csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", i / kRate, speed[k], torque[k],
                        current[k - static_cast<std::size_t>(late)]);
   }
-  return prepareActuatorData(CsvTable::parse(csv, "log.csv"), {}, {}, {});
+  return prepareLog(CsvTable::parse(csv, "log.csv"), {}, ActuatorKind::kFriction);
 }
 
 struct DelayFit {

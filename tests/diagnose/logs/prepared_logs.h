@@ -14,7 +14,7 @@ inline reality::DriveRig smallRig(std::size_t rows = 3000) {
 }
 
 inline PreparedLog preparedLog(const reality::DriveRig& rig, const reality::DriveSecret& secret = {}) {
-  return prepareActuatorData(CsvTable::parse(reality::recordDrive(rig, secret).csv(), "log.csv"), {}, {}, {});
+  return prepareLog(CsvTable::parse(reality::recordDrive(rig, secret).csv(), "log.csv"), {}, ActuatorKind::kFriction);
 }
 
 }  // namespace simgap::test

@@ -73,7 +73,7 @@ TEST(SpringLog, RestsStayAndWrongSamplesGo) {
     text += std::to_string(0.02 * i) + "," + std::to_string(x) + "," +
             std::to_string(100.0 * std::min(0.001 * i, 0.2) + 0.01 * std::sin(1.7 * i) - (i == 150 ? 9.0 : 0.0)) + "\n";
   }
-  const PreparedLog log = prepareSpringData(table(text));
+  const PreparedLog log = prepareLog(table(text), {}, ActuatorKind::kSpring);
   ASSERT_EQ(log.spikes.size(), 2u);
   EXPECT_THAT(log.spikes[0].rows, ElementsAre(100));
   EXPECT_THAT(log.spikes[1].rows, ElementsAre(150));

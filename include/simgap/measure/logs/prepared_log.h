@@ -57,25 +57,7 @@ struct PreparedLog {
   std::vector<std::string> warnings;
 };
 
-/// \param table  the log itself: joint angle, temperature and further channels are read from it.
-/// \throws DataError as readActuatorLog and prepareFrictionData.
-PreparedLog prepareActuatorData(const CsvTable& table, const Bench& bench, const ActuatorLogOptions& log_options,
-                                FrictionDataOptions options);
-
-/// The same for a motor with a gearbox on a bench, whose voltages and loads are often stepped.
-PreparedLog prepareGearboxData(const CsvTable& table, const Bench& bench, const ActuatorLogOptions& log_options,
-                               const FrictionDataOptions& options);
-
-/// The same for a winding's log (voltage, current, speed) and for a pneumatic muscle's.
-/// \throws DataError as readMotorLog and readPamLog, and when there is no voltage, current or velocity.
-PreparedLog prepareMotorData(const CsvTable& table);
-PreparedLog preparePamData(const CsvTable& table);
-
-/// The same for a spring. Its rests stay: what its force does while nothing moves is creep. Samples that stand alone
-/// and sensors at their limit do not count. \throws DataError as readSpringLog.
-PreparedLog prepareSpringData(const CsvTable& table);
-
-/// The one of them that suits a model of that kind; the rig's bandwidth and ratio replace those of `options`.
+/// As a model of that kind sees it; the rig's bandwidth and ratio replace those of `options`.
 PreparedLog prepareLog(const CsvTable& table, const Bench& bench, ActuatorKind kind, FrictionDataOptions options = {});
 
 /// The same rows to explain the joint's angle by the motor's; the log must have both.

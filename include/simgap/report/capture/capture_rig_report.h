@@ -4,14 +4,14 @@
 
 #include <string>
 
-#include "simgap/capture/joint_calibration.h"
+#include "simgap/capture/rig_calibration.h"
 #include "simgap/capture/target_check.h"
 #include "simgap/core/run_directory.h"
 
 namespace simgap {
 
-Json toJson(const ArmJointCalibration& result);
-std::string terminalTable(const ArmJointCalibration& result);
+Json toJson(const RigCalibration& result);
+std::string terminalTable(const RigCalibration& result);
 
 Json toJson(const TargetSetReport& report);
 std::string terminalTable(const TargetSetReport& report);

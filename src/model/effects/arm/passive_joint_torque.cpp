@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/arm_effect.h"
 
 namespace simgap::arm_effects::passive_joint_torque {
@@ -36,7 +37,7 @@ JointTerm torque(const EffectParameters& p, JointType type, const JointPosition&
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
   double angle = position.angle;
   double bend = 0.0;  // half cotangent of half the angle
-  if (type == JointType::kSpherical) {
+  if (!kindOf(type).has_axis) {
     const Eigen::Quaterniond& q = position.rotation;
     const double sine = q.vec().norm();
     angle = 2.0 * std::atan2(sine, std::abs(q.w()));

@@ -1,9 +1,11 @@
-// A spring's log.
-#include "prepared_rows.h"
+// A spring's log: force or torque against one deflection. Its rests stay: what its force does while nothing moves is
+// creep. Samples that stand alone and sensors at their limit do not count.
+#include "measure/logs/prepared_rows.h"
 #include "simgap/core/units.h"
+#include "simgap/measure/logs/log_kind.h"
 #include "simgap/measure/logs/spring_log.h"
 
-namespace simgap {
+namespace simgap::log_kinds::spring {
 namespace {
 
 using Eigen::ArrayXd;
@@ -30,9 +32,7 @@ void leaveOutBadSamples(SpringLog& spring, PreparedLog& log) {
   }
 }
 
-}  // namespace
-
-PreparedLog prepareSpringData(const CsvTable& table) {
+PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const FrictionDataOptions& /*options*/) {
   SpringLog spring = readSpringLog(table);
   PreparedLog log = prepared(ActuatorKind::kSpring, spring.file, spring.time, spring.session, spring.session_names);
   log.effort_column = quantityName(spring.forceName(), spring.forceUnit());
@@ -61,4 +61,10 @@ PreparedLog prepareSpringData(const CsvTable& table) {
   return log;
 }
 
-}  // namespace simgap
+}  // namespace
+
+extern const LogKind entry;
+const LogKind entry{
+    .kind = ActuatorKind::kSpring, .name = "spring", .prepare = prepare, .checks = FaultChecks::kDeflection};
+
+}  // namespace simgap::log_kinds::spring

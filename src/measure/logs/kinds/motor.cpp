@@ -1,12 +1,14 @@
 // A winding's log.
 #include <fmt/format.h>
 
-#include "prepared_rows.h"
+#include "measure/logs/prepared_rows.h"
 #include "simgap/core/error.h"
+#include "simgap/measure/logs/log_kind.h"
 
-namespace simgap {
+namespace simgap::log_kinds::motor {
+namespace {
 
-PreparedLog prepareMotorData(const CsvTable& table) {
+PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const FrictionDataOptions& /*options*/) {
   const MotorLog motor = readMotorLog(table);
   for (const auto& [name, channel] :
        {std::pair("voltage_V", &motor.voltage), {"current_A", &motor.current}, {"velocity_rad_s", &motor.velocity}}) {
@@ -27,4 +29,14 @@ PreparedLog prepareMotorData(const CsvTable& table) {
   return log;
 }
 
-}  // namespace simgap
+}  // namespace
+
+extern const LogKind entry;
+const LogKind entry{.kind = ActuatorKind::kMotor,
+                    .name = "motor",
+                    .prepare = prepare,
+                    .checks = FaultChecks::kLevels,
+                    .answer = "current_A",
+                    .answers = &ActuatorRows::current};
+
+}  // namespace simgap::log_kinds::motor

@@ -2,10 +2,11 @@
 #include <numeric>
 #include <span>
 
-#include "prepared_rows.h"
+#include "measure/logs/prepared_rows.h"
+#include "simgap/measure/logs/log_kind.h"
 #include "simgap/measure/logs/motion.h"
 
-namespace simgap {
+namespace simgap::log_kinds::pam {
 namespace {
 
 using Eigen::ArrayXd;
@@ -35,9 +36,7 @@ std::vector<double> changesOf(const PamLog& log, const ActuatorRows& rows) {
   return changes;
 }
 
-}  // namespace
-
-PreparedLog preparePamData(const CsvTable& table) {
+PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const FrictionDataOptions& /*options*/) {
   const PamLog muscle = readPamLog(table);
   std::vector<double> time = muscle.time;
   if (time.empty()) {  // rows in their order
@@ -56,4 +55,10 @@ PreparedLog preparePamData(const CsvTable& table) {
   return log;
 }
 
-}  // namespace simgap
+}  // namespace
+
+extern const LogKind entry;
+const LogKind entry{
+    .kind = ActuatorKind::kPam, .name = "pam", .prepare = prepare, .checks = FaultChecks::kLevels, .answer = "force_N"};
+
+}  // namespace simgap::log_kinds::pam
