@@ -127,6 +127,12 @@ std::string utcTime(bool compact) {
   return compact ? fmt::format("{:%Y%m%dT%H%M%SZ}", utc) : fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc);
 }
 
+void RunDirectory::write(std::string_view name, std::string_view content) const {
+  if (!written_) return;
+  if (name.find('/') != std::string_view::npos) fs::create_directory(file(name).parent_path());
+  writeFileAtomically(file(name), content);
+}
+
 RunDirectory RunDirectory::create(const fs::path& given, bool force) {
   const fs::path directory = given.has_filename() ? given : given.parent_path();  // "out/" is "out"
   const std::string name = directory.string();

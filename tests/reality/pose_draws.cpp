@@ -311,14 +311,26 @@ PoseDraw drawPoses(std::uint64_t seed, const PoseDrawOptions& options) {
     hide(cause, result.truth, session, draws);
     result.hidden.push_back(cause);
   }
+  Arm later = options.cured ? rig.truth : result.truth;
+  Session later_session = session;
+  if (options.cured) {
+    later_session = {};
+    later_session.sticking.assign(rig.truth.links.size(), 0.0);
+  }
+  if (options.change) options.change(later);
+  const double pause = options.cured || options.change ? kSession : 0.0;
   const std::uint64_t base = 1000000 * (seed + 1);
   for (int p = 0; p < options.poses + options.fresh; ++p) {
     const bool fresh = p >= options.poses;
     const int n = fresh ? options.fresh : options.poses;
     const double time = kSession * double(fresh ? p - options.poses : p) / std::max(1, n - 1);
     const std::vector<double> shafts = randomShafts(result.truth, base + std::uint64_t(p));
-    (fresh ? result.fresh : result.poses)
-        .push_back(recordAt(result.truth, session, shafts, time, base + 500000 + std::uint64_t(p)));
+    const std::uint64_t draw = base + 500000 + std::uint64_t(p);
+    if (fresh) {
+      result.fresh.push_back(recordAt(later, later_session, shafts, time + pause, draw));
+    } else {
+      result.poses.push_back(recordAt(result.truth, session, shafts, time, draw));
+    }
   }
   for (int f = 0; f < options.flipped; ++f) {
     TimedPose& pose = result.poses[draws.below(result.poses.size())];

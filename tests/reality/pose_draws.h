@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,8 @@ struct PoseDrawOptions {
   bool weak = false;        ///< magnitudes near what such a set can just reveal; else 1.4 to 2.6 times that
   std::string effect = {};  ///< of the first cause; empty: drawn
   int flipped = 0;          ///< poses turned by a confusion of markers
+  bool cured = false;       ///< what is hidden is taken away before the fresh poses, which are then recorded later
+  std::function<void(Arm&)> change = {};  ///< what is done to the arm before the fresh poses, which then are later ones
 };
 
 /// A pure function of its arguments.

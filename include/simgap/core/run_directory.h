@@ -67,9 +67,8 @@ class RunDirectory {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path file(std::string_view name) const { return path_ / name; }
-  void write(std::string_view name, std::string_view content) const {
-    if (written_) writeFileAtomically(file(name), content);
-  }
+  /// \param name  also of a folder in it, "candidates/given.yaml", which is made
+  void write(std::string_view name, std::string_view content) const;
   /// Indented, with a final newline. A template, because every text would convert to Json and the call be ambiguous.
   template <std::same_as<Json> T>
   void write(std::string_view name, const T& json) const {

@@ -10,6 +10,7 @@
 #include "simgap/core/progress.h"
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/holdout.h"
+#include "simgap/report/diagnosis/candidate_files.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
 #include "simgap/simulate/arm_geometry.h"
 #include "simgap/simulate/replay.h"
@@ -113,6 +114,7 @@ ExitCode runPoses(const Options& options, Session& session) {
       model, set, config.parameters, config.noise, diagnose,
       [&](const std::string& what, double done) { progress->update(static_cast<std::size_t>(100.0 * done), what); });
   writePoseDiagnosis(result, session.directory());
+  writeCandidates(result, model, session.input("poses").content, session.directory());
   const std::unique_ptr<Evaluator> evaluator = makeEvaluator("equilibrium", {});
   const Assessment before = replayAll(*evaluator, model, set), after = replayAll(*evaluator, result.model, set);
   const ReplayedSet replays[] = {{"all", "given", model, set, before.outcomes},

@@ -9,6 +9,7 @@
 #include "diagnose/paired_error.h"
 #include "diagnose/verdict.h"
 #include "pose_advice.h"
+#include "pose_candidates.h"
 #include "pose_evidence.h"
 #include "pose_score.h"
 #include "pose_selection.h"
@@ -276,6 +277,9 @@ PoseDiagnosis Diagnosing::run() {
   d.next_experiment = nextPoseExperiment(problem_, fit, selection_, hypotheses_, d.not_testable);
   decide();
   warnOfHarm(d);
+  result_.candidates = candidateModels(problem_, plain, selection_.stray_plain, fit, selection_);
+  result_.excess = selection_.excess;
+  for (const Pose& pose : split_.all) result_.used.push_back(pose.name);
   result_.pose_errors = poseErrorsCsv(plain.model(), fit.model());
   result_.model = fit.model();
   const std::size_t given = result_.model.extensions.size() - d.extensions.size();

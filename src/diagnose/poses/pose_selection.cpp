@@ -26,6 +26,7 @@ constexpr int kBetterBases = 3;
 constexpr double kShareStep = 1.4;  // of stray friction
 constexpr double kSmallestShare = 0.1, kLargestShare = 4.0;
 constexpr std::size_t kFewPoses = 30;
+constexpr std::size_t kKept = 3;   // models of other causes that are kept beside each
 constexpr std::size_t kTried = 6;  // candidates of a step that are cross-validated until one passes
 
 int fittedParameters(const ArmEffect& effect) {
@@ -229,7 +230,11 @@ bool Selection::step(PoseFit& fit, PoseSelection& selection) {
     }
     selection.records.push_back(std::move(record));
   }
-  if (!accepted) return false;
+  if (!accepted) {
+    for (std::size_t i = 0; i < std::min(kKept, candidates.size()); ++i)
+      selection.refused.push_back(candidates[i].cause);
+    return false;
+  }
   std::vector<PoseCause> causes = fit.causes();
   causes.push_back(accepted->cause);
   fit = settled(causes, accepted->z);
@@ -266,6 +271,11 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
     cause.odds = best.odds;
     cause.p_adjusted = pAdjusted(best);
     cause.rivals.clear();
+    cause.instead.clear();
+    for (std::size_t r = 1; r < candidates.size(); ++r) {
+      const bool rival = best.odds - candidates[r].odds < kTellApart;
+      if (rival || cause.instead.size() < kKept) cause.instead.push_back(candidates[r].cause);
+    }
     for (std::size_t r = 1; r < candidates.size(); ++r) {
       if (best.odds - candidates[r].odds < kTellApart) cause.rivals.push_back(candidates[r].cause.label());
     }

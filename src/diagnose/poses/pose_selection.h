@@ -39,8 +39,9 @@ struct AcceptedCause {
   double odds = 0.0;  ///< log, against the model without it
   double p_adjusted = 1.0;
   Interval gain_inner;
-  std::vector<std::string> rivals;   ///< that these poses do not tell from it
-  std::set<std::string> contenders;  ///< that an exchange tries in its place
+  std::vector<std::string> rivals;      ///< that these poses do not tell from it
+  std::set<std::string> contenders;     ///< that an exchange tries in its place
+  std::vector<PoseCause> instead = {};  ///< what fitted best in its place: the rivals, then others, best first
 };
 
 struct PoseSelection {
@@ -49,6 +50,7 @@ struct PoseSelection {
   Eigen::VectorXd z_plain;                ///< without
   double stray = 1.0, stray_plain = 1.0;  ///< PoseProblem::stray_friction with the causes and without
   std::vector<HypothesisRecord> records;
+  std::vector<PoseCause> refused;  ///< the best of the last step, which accepted none
   double excess = 0.0;     ///< of the cross-validated squared distances over what the final model expects, a fraction
   double excess_sd = 0.0;  ///< of that under the model
   double excess_plain = 0.0;

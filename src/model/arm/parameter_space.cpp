@@ -271,4 +271,17 @@ void ParameterSpace::apply(std::span<const double> values, ArmModel& model) cons
   });
 }
 
+std::vector<double> ParameterSpace::values(ArmModel model) const {
+  std::vector<double> values(parameters_.size());
+  std::size_t position = 0, next = 0;
+  traverse(model, [&](const ParameterPath&, const ParameterKind&, double& value) {
+    if (next < numbers_.size() && numbers_[next].position == position) {
+      values[numbers_[next].parameter] = value / numbers_[next].ratio;
+      ++next;
+    }
+    ++position;
+  });
+  return values;
+}
+
 }  // namespace simgap

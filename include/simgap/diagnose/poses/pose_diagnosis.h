@@ -28,8 +28,20 @@ struct PoseDiagnosisOptions {
   void validate() const;
 };
 
+/// A model of the arm that the poses leave possible, or had to be asked about.
+struct CandidateModel {
+  std::string causes;  ///< "payload:forearm, gravity-tilt"; "none"
+  std::string role;    ///< "named", "instead" (another cause in the place of a named one), "without", "refused"
+  double log_odds;     ///< of the poses without a fault, against the first candidate
+  ArmModel model;      ///< fitted to them
+  double stray_friction;
+};
+
 struct PoseDiagnosis {
   Diagnosis diagnosis;
+  std::vector<CandidateModel> candidates;  ///< the extended model first
+  std::vector<std::string> used;           ///< names of the poses without a fault
+  double excess = 0.0;      ///< of the error on unseen poses over what the extended model expects, a fraction
   ArmModel model;           ///< with the causes, fitted to all poses without a fault
   std::string pose_errors;  ///< CSV: root mean square joint error of each pose before and after [deg]
 };

@@ -73,6 +73,8 @@ class ParameterSpace {
 
   /// Writes `values`, shape (size()), into the model the space was made from, or a copy of it.
   void apply(std::span<const double> values, ArmModel& model) const;
+  /// What such a model holds of them, shape (size()).
+  std::vector<double> values(ArmModel model) const;
 
  private:
   struct Number {

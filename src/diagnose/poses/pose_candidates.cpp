@@ -1,0 +1,57 @@
+#include "pose_candidates.h"
+
+#include <algorithm>
+
+namespace simgap {
+namespace {
+
+std::string labelOf(const std::vector<PoseCause>& causes) {
+  std::string label;
+  for (const PoseCause& cause : causes) label += (label.empty() ? "" : ", ") + cause.label();
+  return label.empty() ? "none" : label;
+}
+
+CandidateModel candidateOf(PoseFit& fit, const char* role, double stray) {
+  return {labelOf(fit.causes()), role, fit.logEvidence(), fit.model(), stray};
+}
+
+}  // namespace
+
+std::vector<CandidateModel> candidateModels(const PoseProblem& problem, PoseFit& plain, double stray_plain,
+                                            PoseFit& fit, const PoseSelection& selection) {
+  const std::span<const Pose> poses = fit.posterior().poses();
+  struct Other {
+    std::vector<PoseCause> causes;
+    Eigen::VectorXd z;  ///< of all but the last
+    const char* role;
+  };
+  std::vector<Other> others;
+  for (std::size_t c = 0; c < selection.causes.size(); ++c) {
+    std::vector<PoseCause> kept = fit.causes();
+    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(c));
+    for (const PoseCause& instead : selection.causes[c].instead) {
+      Other& other = others.emplace_back(Other{kept, fit.solutionWithout(c), "instead"});
+      other.causes.push_back(instead);
+    }
+  }
+  for (const PoseCause& refused : selection.refused) {
+    Other& other = others.emplace_back(Other{fit.causes(), fit.z(), "refused"});
+    other.causes.push_back(refused);
+  }
+  std::vector<CandidateModel> candidates(others.size());
+  forEach(problem, others.size(), [&](std::size_t i) {
+    PoseFit other(problem, poses, others[i].causes);
+    const Eigen::VectorXd start = other.extended(others[i].z);
+    other.posterior().whiten(start);
+    other.descend(start);
+    candidates[i] = candidateOf(other, others[i].role, problem.stray_friction);
+  });
+  std::erase_if(candidates, [](const CandidateModel& candidate) { return !std::isfinite(candidate.log_odds); });
+  candidates.insert(candidates.begin(), candidateOf(fit, "named", problem.stray_friction));
+  if (!fit.causes().empty()) candidates.push_back(candidateOf(plain, "without", stray_plain));
+  const double named = candidates.front().log_odds;
+  for (CandidateModel& candidate : candidates) candidate.log_odds -= named;
+  return candidates;
+}
+
+}  // namespace simgap

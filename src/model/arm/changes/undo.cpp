@@ -1,0 +1,40 @@
+// What a cause stands for was taken away: the payload off the hand, the bench levelled, the stop unscrewed. A model
+// that holds the cause loses it; one that explains the same poses otherwise stays as it is.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "simgap/model/arm/arm_change.h"
+#include "simgap/model/arm/arm_effect.h"
+
+namespace simgap::arm_changes::undo {
+namespace {
+
+ArmChange read(const YamlNode& node, const ArmModel& model) {
+  ArmChange change;
+  const YamlNode cause = node.at("cause");
+  change.cause = cause.text();
+  const std::string name = change.cause.substr(0, change.cause.find(':'));
+  const ArmEffect* const effect = findArmEffect(name);
+  if (effect == nullptr) cause.fail(fmt::format("found '{}', expected a cause of simgap diagnose", change.cause));
+  const std::vector<std::string> targets = effectTargets(*effect, model);
+  const std::string target = change.cause.size() > name.size() ? change.cause.substr(name.size() + 1) : "";
+  if (std::ranges::find(targets, target) == targets.end()) {
+    cause.fail(fmt::format("found '{}', expected {} of something that the model has", change.cause, name));
+  }
+  return change;
+}
+
+void apply(const ArmChange& change, ArmModel& model) {
+  for (Extension& extension : model.extensions) {
+    if (change.cause != causeLabel(extension)) continue;
+    extension.parameters[0].value = findArmEffect(extension.effect)->parameters[0].neutral;  // changes nothing there
+  }
+}
+
+}  // namespace
+
+extern const ArmChangeKind entry;
+const ArmChangeKind entry{"undo", read, apply};
+
+}  // namespace simgap::arm_changes::undo

@@ -1,0 +1,71 @@
+#include "simgap/report/diagnosis/candidate_files.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+
+#include "simgap/core/csv.h"
+#include "simgap/model/arm/arm_yaml.h"
+
+namespace simgap {
+namespace {
+
+/// "01-payload_forearm.yaml"
+std::string fileName(std::size_t number, const std::string& causes) {
+  std::string name = fmt::format("{:02}-", number);
+  for (const char c : causes) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
+    if (plain || name.back() != '_') name += plain ? c : '_';
+  }
+  return name.substr(0, 60) + ".yaml";
+}
+
+}  // namespace
+
+void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, const std::string& poses_csv,
+                     const RunDirectory& directory) {
+  const auto write = [&](const std::string& name, const std::string& content) {
+    directory.write(fmt::format("{}/{}", kCandidateFolder, name), content);
+  };
+  std::string list = fmt::format("format: simgap/candidates/1\nexcess: {}\nused: [", result.excess);
+  for (std::size_t p = 0; p < result.used.size(); ++p) list += (p > 0 ? ", " : "") + yamlText(result.used[p]);
+  list += "]\ncandidates:\n";
+  for (std::size_t c = 0; c < result.candidates.size(); ++c) {
+    const CandidateModel& candidate = result.candidates[c];
+    const std::string file = fileName(c, candidate.causes);
+    write(file, writeArm(candidate.model));
+    list += fmt::format("  - {{file: {}, causes: {}, role: {}, log_odds: {}, stray_friction: {}}}\n", file,
+                        yamlText(candidate.causes), candidate.role, candidate.log_odds, candidate.stray_friction);
+  }
+  write(kGivenModel, writeArm(given));
+  write(kGivenPoses, poses_csv);
+  write(kCandidateList, list);
+}
+
+CandidateList CandidateList::read(const YamlNode& root) {
+  const YamlNode format = root.at("format");
+  if (format.text() != "simgap/candidates/1") {
+    format.fail(fmt::format("found {}, expected simgap/candidates/1", format.text()));
+  }
+  CandidateList list;
+  list.excess = root.at("excess").number(Range{-1.0, 1e6, false, "a number in [-1, 1e6]"});
+  for (const YamlNode& pose : root.at("used").items()) list.used.push_back(pose.text());
+  const YamlNode entries = root.at("candidates");
+  for (const YamlNode& node : entries.items()) {
+    Entry& entry = list.entries.emplace_back();
+    const YamlNode file = node.at("file");
+    entry.file = file.text();
+    if (entry.file.find('/') != std::string::npos) file.fail("expected a file beside this one");
+    entry.candidate.causes = node.at("causes").text();
+    entry.candidate.role = node.at("role").oneOf({"named", "instead", "refused", "without"});
+    entry.candidate.log_odds = node.at("log_odds").number();
+    entry.candidate.stray_friction = node.at("stray_friction").number(kNonNegative);
+  }
+  if (list.entries.size() < 2) {
+    entries.fail("found fewer than two candidates: the diagnosis had nothing to compare its answer with");
+  }
+  root.expectAllRead();
+  return list;
+}
+
+}  // namespace simgap

@@ -1,0 +1,86 @@
+#include "simgap/report/diagnosis/intervention_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "intervention_tables.h"
+#include "simgap/core/csv.h"
+
+namespace simgap {
+
+Json toJson(const Intervention& result, const PoseEvidence& evidence, const ArmChanges& change) {
+  Json candidates = Json::array();
+  for (std::size_t c = 0; c < result.predictions.size(); ++c) {
+    const CandidatePrediction& prediction = result.predictions[c];
+    candidates.push_back({{"causes", evidence.candidates[c].causes},
+                          {"role", evidence.candidates[c].role},
+                          {"rms_deg", numberOrNull(prediction.rms)},
+                          {"distance", prediction.distance},
+                          {"freedom", prediction.freedom},
+                          {"p", prediction.p},
+                          {"log_odds_before", prediction.log_odds_before},
+                          {"log_odds", prediction.log_odds},
+                          {"without_equilibrium", prediction.without_equilibrium}});
+  }
+  return {{"format", "simgap/intervene/1"},      {"change", change.name},
+          {"verdict", toString(result.verdict)}, {"sentence", result.sentence},
+          {"poses", result.poses.size()},        {"poses_given", result.poses.size() + result.left_out.size()},
+          {"left_out", result.left_out},         {"candidates", candidates}};
+}
+
+std::string predictionsCsv(const Intervention& result, const PoseEvidence& evidence, const PoseSet& after) {
+  std::vector<std::string> header = {"pose", "joint"};
+  for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
+    header.push_back(fmt::format("{:02} {}", c, evidence.candidates[c].causes));
+  }
+  CsvWriter csv(header);
+  const std::vector<Joint>& joints = evidence.given.joints;
+  for (std::size_t i = 0; i < result.predictions.front().errors.size(); ++i) {
+    csv.add(after.poses[i / joints.size()].name).add(joints[i % joints.size()].name);
+    for (const CandidatePrediction& prediction : result.predictions) csv.add(prediction.errors[i]);
+    csv.endRow();
+  }
+  return csv.text();
+}
+
+Json toJson(const std::vector<ForeseenChange>& foreseen, const PoseEvidence& evidence,
+            const std::vector<ArmChanges>& changes) {
+  Json list = Json::array();
+  std::size_t best = 0;
+  for (std::size_t k = 0; k < foreseen.size(); ++k) {
+    const ForeseenChange& change = foreseen[k];
+    Json candidates = Json::array();
+    for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
+      candidates.push_back({{"causes", evidence.candidates[c].causes},
+                            {"role", evidence.candidates[c].role},
+                            {"largest_shift_deg", change.largest_shift[c]},
+                            {"where", change.where[c]},
+                            {"log_odds_if_named", change.log_odds[0][c]},
+                            {"log_odds_if_this", change.log_odds[c][0]}});
+    }
+    list.push_back({{"name", changes[k].name}, {"smallest_log_odds", change.smallest}, {"candidates", candidates}});
+    if (change.smallest > foreseen[best].smallest) best = k;
+  }
+  const double odds = foreseen[best].smallest;
+  const std::string answer =
+      odds > 3.0
+          ? fmt::format("{} would tell {} from every other model (expected odds {:.3g} to 1 at least)",
+                        changes[best].name, evidence.candidates.front().causes, std::exp(std::min(odds, 300.0)))
+          : fmt::format("none of these changes is expected to tell {} from every other model ({:.2g} to 1 at best, {})",
+                        evidence.candidates.front().causes, std::exp(odds), changes[best].name);
+  return {{"format", "simgap/intervene/1"},
+          {"verdict", "foreseen"},
+          {"sentence", answer},
+          {"best", changes[best].name},
+          {"changes", list}};
+}
+
+std::string interventionText(const Json& result) {
+  std::string text = interventionAnswer(result) + "\n\n";
+  for (const Table& table : interventionTables(result)) text += table.caption + "\n" + alignedTable(table) + "\n";
+  return text;
+}
+
+}  // namespace simgap

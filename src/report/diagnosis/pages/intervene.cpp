@@ -1,0 +1,76 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/diagnosis/intervention_tables.h"
+#include "simgap/report/html/result_page.h"
+
+namespace simgap::pages::intervene {
+namespace {
+
+/// The error of every model in every pose and joint after the change.
+Chart errorsChart(const ResultFiles& files, const Json& result) {
+  const CsvTable table = files.table("predictions.csv");
+  const std::vector<std::string> pose = table.text("pose"), joint = table.text("joint");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < pose.size(); ++i) names.push_back(pose[i] + " " + joint[i]);
+  std::vector<Series> series;
+  std::size_t number = 0;
+  for (const Json& c : result.at("candidates")) {
+    if (number < 3) {
+      const std::string label = cellText(c.at("causes"));
+      series.push_back({label, {}, numbersOf(table, fmt::format("{:02} {}", number, label))});
+    }
+    ++number;
+  }
+  return barChart("Errors after the change, with nothing refitted", names, {"error [deg], of a slide [mm]"}, series);
+}
+
+Chart oddsChart(const Json& candidates, const char* key, const std::string& title) {
+  std::vector<std::string> names;
+  std::vector<double> odds;
+  for (const Json& c : candidates) {
+    names.push_back(cellText(c.at("causes")));
+    odds.push_back(numberOf(c.at(key)));
+  }
+  return barChart(title, names, {"log of the odds"}, {{"log odds", {}, odds}});
+}
+
+PageVerdict verdictOf(const Json& result) {
+  const std::string verdict = cellText(result.at("verdict"));
+  using Level = PageVerdict::Level;
+  const Level level = verdict == "confirmed" ? Level::kGood : Level::kDoubtful;
+  const std::string next =
+      verdict == "cannot-tell" || verdict == "foreseen"
+          ? "A change that moves the models' predictions further apart tells more."
+          : "What the change says holds for the models listed; another cause may predict the same.";
+  return {level, verdict, next, "simgap intervene RUN --change CHANGE --poses AFTER"};
+}
+
+Page make(const ResultFiles& files) {
+  const Json& result = files.result();
+  Page page{"simgap intervene", interventionAnswer(result), {}};
+  page.verdict = verdictOf(result);
+  if (result.contains("candidates")) {
+    page.add(errorsChart(files, result));
+    page.add(oddsChart(result.at("candidates"), "log_odds", "What the poses after the change say, against the first"));
+    for (const Json& pose : result.at("left_out")) {
+      page.notes.push_back(fmt::format("No model comes near pose {}: it was left out.", cellText(pose)));
+    }
+  } else {
+    for (const Json& change : result.at("changes")) {
+      page.add(oddsChart(change.at("candidates"), "log_odds_if_named",
+                         cellText(change.at("name")) + ": expected odds of the named model over each"));
+    }
+  }
+  for (Table& table : interventionTables(result)) page.add(std::move(table));
+  return page;
+}
+
+}  // namespace
+
+extern const ResultPage entry;
+const ResultPage entry{"simgap/intervene/1", make};
+
+}  // namespace simgap::pages::intervene

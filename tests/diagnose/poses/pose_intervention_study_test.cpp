@@ -1,0 +1,76 @@
+// The study: a cause is hidden and diagnosed, then taken away, or another one is that never was there, and the poses
+// after it have to confirm the one and refute the other (docs/intervene.md keeps the latest figures).
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "simgap/diagnose/poses/pose_intervention.h"
+#include "support/drawn_poses.h"
+
+namespace simgap::test {
+namespace {
+
+ArmChanges undo(const std::string& cause, const ArmModel& model) {
+  return ArmChanges::read(
+      YamlNode::parse("format: simgap/change/1\nchanges: [{kind: undo, cause: '" + cause + "'}]\n", "change.yaml"),
+      model);
+}
+
+std::string labelOfTruth(const reality::PoseDraw& draw) {
+  return labelOf(draw.hidden[0].effect, draw.hidden[0].target);
+}
+
+PoseEvidence evidenceOf(const reality::PoseDraw& draw, const PoseDiagnosis& found) {
+  return {modelOf(draw),
+          paperConfig().parameters,
+          paperConfig().noise,
+          posesOf(draw, draw.poses).poses,
+          found.candidates,
+          found.excess,
+          0};
+}
+
+TEST(SlowInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
+  constexpr std::uint64_t kSets = 60;
+  int named = 0, confirmed = 0, alike = 0, refuted = 0, falsely = 0;
+  for (std::uint64_t seed = 700; seed < 700 + kSets; ++seed) {
+    const reality::PoseDraw cured = reality::drawPoses(seed, {.fresh = 20, .cured = true});
+    const PoseDiagnosis found = diagnose(cured, {});
+    const std::string truth = labelOfTruth(cured);
+    if (found.candidates.size() < 2) continue;
+    PoseEvidence evidence = evidenceOf(cured, found);
+    if (found.candidates[0].causes == truth) {
+      ++named;
+      const Intervention result = judgeChange(evidence, undo(truth, evidence.given), posesOf(cured, cured.fresh));
+      confirmed += result.verdict == InterventionVerdict::kConfirmed;
+      std::printf("  %lu %s taken away: %s\n", static_cast<unsigned long>(seed), truth.c_str(),
+                  toString(result.verdict).data());
+    }
+    // Somebody believes the first other cause and takes that away: nothing changes in the arm.
+    reality::PoseDrawOptions same{.fresh = 20};
+    same.change = [](reality::Arm&) {};
+    const reality::PoseDraw unchanged = reality::drawPoses(seed, same);
+    for (std::size_t c = 1; c < evidence.candidates.size(); ++c) {
+      const std::string other = evidence.candidates[c].causes;
+      if (other == truth || other.find(',') != std::string::npos || other == "none") continue;
+      std::swap(evidence.candidates[0], evidence.candidates[c]);
+      const Intervention result = judgeChange(evidence, undo(other, evidence.given), posesOf(cured, unchanged.fresh));
+      ++alike;
+      refuted += result.verdict == InterventionVerdict::kRefuted;
+      falsely += result.verdict == InterventionVerdict::kConfirmed;
+      std::printf("  %lu %s, %s taken away: %s\n", static_cast<unsigned long>(seed), truth.c_str(), other.c_str(),
+                  toString(result.verdict).data());
+      break;
+    }
+    std::fflush(stdout);
+  }
+  std::printf("confirmed %d of %d, look-alikes refuted %d of %d, falsely confirmed %d\n", confirmed, named, refuted,
+              alike, falsely);
+  ASSERT_GE(named + alike, 60);
+  EXPECT_GE(confirmed, 0.9 * named);
+  EXPECT_LE(falsely, 0.05 * alike);
+  EXPECT_GE(refuted, 0.9 * alike);
+}
+
+}  // namespace
+}  // namespace simgap::test

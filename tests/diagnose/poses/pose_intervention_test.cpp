@@ -1,0 +1,138 @@
+// Poses after a change judge the models of a diagnosis, with nothing refitted. The arms are another program's.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "diagnose/poses/pose_rig.h"
+#include "diagnose/poses/pose_selection.h"
+#include "simgap/diagnose/poses/pose_intervention.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A drawn arm with the models of some causes, each fitted to its poses; the first is the one that was named.
+struct Judged {
+  PoseRig rig;
+  PoseEvidence evidence;
+
+  Judged(std::uint64_t seed, const reality::PoseDrawOptions& options, const std::vector<std::string>& causes)
+      : rig(seed, options) {
+    evidence = {rig.problem.nominal, rig.problem.parameters, rig.problem.noise, rig.set.poses, {}, 0.0, 0};
+    for (const std::string& cause : causes) evidence.candidates.push_back(fitted(cause));
+    const double named = evidence.candidates[0].log_odds;
+    for (CandidateModel& candidate : evidence.candidates) candidate.log_odds -= named;
+  }
+
+  CandidateModel fitted(const std::string& label) {
+    CandidateModel best{label, "instead", -1e300, {}, 1.0};
+    std::vector<NotTestable> none;
+    std::vector<PoseCause> causes;
+    for (const PoseHypothesis& h : poseHypotheses(rig.problem.nominal, rig.set.poses, {}, none)) {
+      if (labelOf(h.effect->name.data(), h.target) != label) continue;
+      for (const EffectParameters& start : h.starts) causes.push_back({h.effect, h.target, start});
+    }
+    const auto consider = [&](std::vector<PoseCause> chosen) {
+      PoseFit fit(rig.problem, rig.set.poses, std::move(chosen));
+      fit.posterior().whitenLike(rig.plain.posterior());
+      fit.descend(fit.extended(rig.plain.z()));
+      if (fit.logEvidence() > best.log_odds) best = {label, "instead", fit.logEvidence(), fit.model(), 1.0};
+    };
+    if (causes.empty()) consider({});
+    for (const PoseCause& cause : causes) consider({cause});
+    return best;
+  }
+
+  Intervention judge(const std::string& yaml) const { return judgeChange(evidence, changeOf(yaml), after()); }
+  ArmChanges changeOf(const std::string& yaml) const {
+    return ArmChanges::read(YamlNode::parse("format: simgap/change/1\nchanges:\n" + yaml, "change.yaml"),
+                            evidence.given);
+  }
+  PoseSet after() const { return posesOf(rig.draw, rig.draw.fresh); }
+};
+
+const std::vector<std::string> kPayloadFirst = {"payload:link2", "passive-joint-torque:joint2", "gravity-tilt", "none"};
+constexpr const char* kPayloadOff = "  - {kind: undo, cause: 'payload:link2'}\n";
+
+reality::PoseDrawOptions payload() { return {.poses = 40, .fresh = 12, .effect = "payload"}; }
+
+/// A seed whose payload hangs on the forearm, which the draw leaves open.
+std::uint64_t seedOfAForearm() {
+  for (std::uint64_t seed = 1;; ++seed) {
+    if (reality::drawPoses(seed, {.poses = 1, .effect = "payload"}).hidden[0].target == "link2") return seed;
+  }
+}
+
+TEST(PoseIntervention, ConfirmsTheCauseThatWasTakenAway) {
+  reality::PoseDrawOptions options = payload();
+  options.cured = true;
+  const Intervention result = Judged(seedOfAForearm(), options, kPayloadFirst).judge(kPayloadOff);
+  EXPECT_EQ(result.verdict, InterventionVerdict::kConfirmed) << result.sentence;
+  EXPECT_GT(result.predictions[0].p, 0.01);
+  EXPECT_LT(result.predictions[1].log_odds, -3.0);
+}
+
+TEST(PoseIntervention, RefutesALookAlikeWhoseRemovalChangedNothing) {
+  reality::PoseDrawOptions options = payload();
+  options.change = [](reality::Arm&) {};
+  const Judged judged(seedOfAForearm(), options, {"gravity-tilt", "payload:link2", "passive-joint-torque:joint2"});
+  const Intervention result = judged.judge("  - {kind: undo, cause: gravity-tilt}\n");
+  EXPECT_EQ(result.verdict, InterventionVerdict::kRefuted) << result.sentence;
+  EXPECT_THAT(result.sentence, HasSubstr("payload:link2 predicts these poses"));
+}
+
+TEST(PoseIntervention, PredictsAWeightThatWasHungOn) {
+  reality::PoseDrawOptions options = payload();
+  options.change = [](reality::Arm& arm) {
+    reality::Part weight;
+    weight.mass = 0.3;
+    weight.position = {0.0, 0.0, -0.2};
+    arm.links[1].parts.push_back(weight);
+  };
+  const Judged judged(seedOfAForearm(), options, kPayloadFirst);
+  const Intervention told = judged.judge("  - {kind: mass, body: link2, at_m: [0, 0, -0.2], mass_kg: 0.3}\n");
+  EXPECT_GT(told.predictions[0].p, 0.01) << told.sentence;
+  const Intervention untold = judged.judge("  - {kind: mass, body: link2, at_m: [0, 0, -0.2], mass_kg: 0.001}\n");
+  EXPECT_LT(untold.predictions[0].p, 1e-6);
+  EXPECT_EQ(untold.verdict, InterventionVerdict::kRefuted);
+  EXPECT_THAT(untold.sentence, HasSubstr("none of 4 models predicts"));
+  // How well the weight is known decides how much a wrong one counts.
+  const Intervention vague =
+      judged.judge("  - {kind: mass, body: link2, at_m: [0, 0, -0.2], mass_kg: 0.1, mass_sd_kg: 0.2}\n");
+  EXPECT_GT(vague.predictions[0].p, 100.0 * untold.predictions[0].p);
+}
+
+TEST(PoseIntervention, CannotTellFromOnePoseOfASmallCause) {
+  reality::PoseDrawOptions options{.poses = 40, .fresh = 1, .weak = true, .effect = "cord-hardening"};
+  options.change = [](reality::Arm&) {};
+  const Judged judged(3, options, {"cord-hardening", "spindle-coiling", "none"});
+  const Intervention result = judged.judge("  - {kind: mass, body: link2, at_m: [0, 0, 0], mass_kg: 1.0e-6}\n");
+  EXPECT_EQ(result.verdict, InterventionVerdict::kCannotTell) << result.sentence;
+}
+
+TEST(PoseIntervention, ForeseesWhatTellsModelsApart) {
+  const Judged judged(seedOfAForearm(), payload(), kPayloadFirst);
+  const ForeseenChange off = foreseeChange(judged.evidence, judged.changeOf(kPayloadOff));
+  const ForeseenChange nothing = foreseeChange(
+      judged.evidence, judged.changeOf("  - {kind: mass, body: link2, at_m: [0, 0, 0], mass_kg: 1.0e-6}\n"));
+  EXPECT_GT(off.smallest, 2.0 * nothing.smallest);
+  EXPECT_EQ(off.log_odds[0][0], 0.0);
+  EXPECT_GT(off.largest_shift[3], 1.0);
+}
+
+TEST(PoseIntervention, RefusesWhatNoModelHolds) {
+  const Judged judged(seedOfAForearm(), payload(), {"payload:link2", "none"});
+  const auto sentence = [&](const char* yaml) { return errorOf([&] { judged.judge(yaml); }); };
+  EXPECT_THAT(sentence("  - {kind: undo, cause: gravity-tilt}\n"),
+              HasSubstr("2: found 'gravity-tilt' to undo, which no model of the diagnosis holds; expected one of "
+                        "payload:link2"));
+  EXPECT_THAT(sentence("  - {kind: undo, cause: 'payload:nobody'}\n"), HasSubstr("found 'payload:nobody', expected"));
+  EXPECT_THAT(sentence("  - {kind: undo, cause: rust}\n"), HasSubstr("found 'rust', expected a cause"));
+  EXPECT_THAT(sentence("  - {kind: mass, body: link2, at_m: [0, 0, 0], mass_kg: -50}\n"),
+              HasSubstr("the change takes 50 kg off body link2"));
+  EXPECT_THAT(sentence("  - {kind: paint, body: link2}\n"), HasSubstr("paint"));
+}
+
+}  // namespace
+}  // namespace simgap::test
