@@ -102,6 +102,14 @@ struct ServoRecord {
   std::string csv(bool without = false) const;
 };
 
+/// How the dry friction falls with speed.
+inline double lorentzian(double w, double scale) { return 1.0 / (1.0 + (w / scale) * (w / scale)); }
+
+inline constexpr double kServoGravity = 9.81, kServoLever = 0.15;
+
+/// What happened, as perfect sensors would log it.
+ServoRecord driveServo(const ServoRig& rig, const ServoSecret& secret);
+/// What the rig logs of it.
 ServoRecord recordServo(const ServoRig& rig, const ServoSecret& secret);
 
 /// Of the mean squared error that a law with the rig's kinds of friction leaves, the share that is the secret's: about
