@@ -14,10 +14,10 @@
 namespace simgap::actuator_effects {
 namespace {
 
-constexpr EffectColumn kColumns[] = {{.name = "h", .unit = "m2", .torque = false}};
+constexpr EffectColumn kColumns[] = {{.name = "h", .unit = "m2", .lower = 0.0, .torque = false}};
 constexpr EffectParameter kBristleParameters[] = {{"slip", "1", 1e-4, 2.0, 1.0, 0.05, EffectParameter::Kind::kShape}};
-constexpr EffectColumn kBristleColumns[] = {{.name = "friction", .unit = "A", .torque = false},
-                                            {.name = "h", .unit = "m2", .torque = false}};
+constexpr EffectColumn kBristleColumns[] = {{.name = "friction", .unit = "A", .lower = 0.0, .torque = false},
+                                            {.name = "h", .unit = "m2", .lower = 0.0, .torque = false}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
