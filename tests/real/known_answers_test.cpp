@@ -64,6 +64,9 @@ TEST_F(RealLogs, JointFourOfTheUr10eHasAWeightAndNothingElse) {
   const Json* gravity = answer.cause("joint-gravity");
   ASSERT_NE(gravity, nullptr);
   EXPECT_GE(gravity->at("gain_heldout_percent").get<double>(), 90.0);
+  // Least squares with friction, inertia and a constant, over the moving rows: 0.328 A of gravity.
+  EXPECT_NEAR(std::abs(value(*gravity, "mgl")), 0.33, 0.01);
+  EXPECT_LE(std::sqrt(answer.result.at("extended").at("mse_heldout").get<double>()), 0.045);
 }
 
 TEST_F(RealLogs, TheCommandedVoltageOfTheServoIsLateAndMeetsASpeedLimit) {

@@ -11,6 +11,7 @@
 #include "diagnose/verdict.h"
 #include "log_conclusion.h"
 #include "placebos.h"
+#include "slow_friction.h"
 
 namespace simgap {
 namespace {
@@ -170,6 +171,10 @@ class Judge {
     return false;
   }
 
+  /// Of a second look, on a fifth of the data, at what the first found significant. Small gains are what a law's shape
+  /// leaves: they have to be surer.
+  static double levelOf(const Interval& gain) { return gain.value < 0.1 ? 0.05 : 0.25; }
+
   /// Why a cause is no finding; empty when it is one.
   std::string doubtOf(std::size_t cause) const {
     const std::size_t effect = own_ + cause;
@@ -183,11 +188,8 @@ class Judge {
     std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
     if (!beyond.empty()) return beyond;
     const Interval gain = gainOf(cause);
-    const double p = heldOutP(cause);
-    // A second look, on a fifth of the data, at what the first found significant. Small gains are what a law's shape
-    // leaves: they have to be surer.
-    const double level = gain.value < 0.1 ? 0.05 : 0.25;
-    if (gain.value < options_.least_gain || p > level) {
+    const double p = heldOutP(without_[cause], errors_without_[cause], full, found_.heldout.back());
+    if (gain.value < options_.least_gain || p > levelOf(gain)) {
       return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f}, p = {:.2g})",
                          100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
     }
@@ -197,18 +199,34 @@ class Judge {
     }
     std::string not_late = doubtOfDelay(search_, full, without_[cause], effect);
     if (!not_late.empty()) return not_late;
+    if (std::string slow = doubtOfSlowMotion(cause); !slow.empty()) return slow;
     const PlaceboTest placebos = testPlacebos(search_, full, without_[cause], effect, options_.seed);
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
                        100.0 * placebos.largest, 100.0 * placebos.gain);
   }
 
+  /// Why a cause only bends the law's curve of slow motion; empty when it explains something beside any such curve, and
+  /// for what is slow motion's own.
+  std::string doubtOfSlowMotion(std::size_t cause) const {
+    if (selection_.chosen.model->effects()[own_ + cause]->in_every_drive) return {};
+    const auto slow = besideSlowFriction(search_, selection_.baseline, without_[cause], selection_.chosen);
+    if (!slow) return {};
+    const std::vector<GroupErrors> errors =
+        heldOutErrors(search_, {slow->rest, slow->full}, split_.heldout, log_.data.rows.session);
+    const Interval gain = predictedGain(errors[0].sum, errors[1].sum, options_.seed);
+    const double p = heldOutP(slow->rest, errors[0], slow->full, errors[1]);
+    if (gain.value >= options_.least_gain && p < levelOf(gain)) return {};
+    return fmt::format(
+        "beside friction of any shape in slow motion (below {:.2g} {}) it may explain nothing ({:.1f} %, p = {:.2g})",
+        slow->below, log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s", 100.0 * gain.value, p);
+  }
+
   /// By blocks or, as a short log has few of those, by pieces of them, whose neighbours are more alike.
-  double heldOutP(std::size_t cause) const {
+  double heldOutP(const Fitted& rest, const GroupErrors& before, const Fitted& full, const GroupErrors& after) const {
     constexpr Index kEnoughBlocks = 10;
-    const GroupErrors &before = errors_without_[cause], &after = found_.heldout.back();
     if (before.sum.size() >= kEnoughBlocks) return pairedP(before, after);
-    return pairedP(heldOutPieces(without_[cause]), heldOutPieces(selection_.chosen));
+    return pairedP(heldOutPieces(rest), heldOutPieces(full));
   }
 
   GroupErrors heldOutPieces(const Fitted& fitted) const {

@@ -356,6 +356,20 @@ Fitted LogSearch::without(const Fitted& fitted, std::size_t effect) const {
   return fit(effects, &fitted);
 }
 
+Fitted LogSearch::beside(const Fitted& fitted, const Hypothesis& other, const Fitted* near) const {
+  std::vector<const ActuatorEffect*> effects = fitted.model->effects();
+  effects.push_back(other.effect);
+  const auto model = makeModel(effects);
+  std::vector<std::vector<double>> starts = {model->startFrom(*fitted.model, fitted.theta)};
+  if (near != nullptr) starts.push_back(model->startFrom(*near->model, near->theta));
+  const std::size_t first = model->firstParameter(effects.size() - 1);
+  for (std::vector<double>& start : starts) {
+    std::ranges::copy(other.fixed, start.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+  if (auto curve = otherStribeck(*model, starts[0])) starts.push_back(std::move(*curve));
+  return fitFromStarts(model, starts);
+}
+
 Eigen::MatrixXd LogSearch::refit(Fitted& fitted, const std::vector<Block>& blocks) const {
   const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta);
   fitted.theta = fit.theta;

@@ -65,6 +65,8 @@ class LogSearch {
 
   /// The model without one of its effects.
   Fitted without(const Fitted& fitted, std::size_t effect) const;
+  /// The model with something beside it that is no cause. \param near  another model where a search may begin, too.
+  Fitted beside(const Fitted& fitted, const Hypothesis& other, const Fitted* near = nullptr) const;
 
   /// Squared errors of a model on pieces of any blocks.
   GroupErrors errors(const Fitted& fitted, const std::vector<Block>& blocks,
@@ -72,6 +74,8 @@ class LogSearch {
   /// The model refitted to some blocks, which moves `fitted` there; its covariance.
   Eigen::MatrixXd refit(Fitted& fitted, const std::vector<Block>& blocks) const;
 
+  const ActuatorBase& base() const { return base_; }
+  const ActuatorData& data() const { return data_; }
   const std::vector<Block>& training() const { return training_; }
   double step() const { return data_.rows.step; }  ///< [s] from row to row
   std::vector<Block> pieces(const std::vector<Block>& blocks, double seconds = kPieceSeconds) const;

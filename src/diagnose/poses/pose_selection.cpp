@@ -33,10 +33,10 @@ int fittedParameters(const ArmEffect& effect) {
   return static_cast<int>(std::ranges::count_if(effect.parameters, [](const auto& p) { return p.fitted; }));
 }
 
-class Selection {
+class PoseSelector {
  public:
-  Selection(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<PoseHypothesis>& hypotheses,
-            const PoseDiagnosisOptions& options)
+  PoseSelector(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<PoseHypothesis>& hypotheses,
+               const PoseDiagnosisOptions& options)
       : problem_(problem), poses_(poses), hypotheses_(hypotheses), options_(options), folds_(poses) {}
 
   PoseSelection run(const Eigen::VectorXd& start, const std::function<void(std::string_view)>& stage);
@@ -63,8 +63,8 @@ class Selection {
   PoseFolds folds_;
 };
 
-PoseFit Selection::refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
-                         double tolerance) const {
+PoseFit PoseSelector::refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
+                            double tolerance) const {
   PoseFit fit(problem_, poses_, causes);
   fit.posterior().whitenLike(like.posterior());
   fit.descend(fit.extended(z), tolerance);
@@ -73,7 +73,7 @@ PoseFit Selection::refit(const std::vector<PoseCause>& causes, PoseFit& like, co
 
 /// Whitened anew with its own solution and the stray friction that makes the poses most probable. How much of a joint's
 /// friction points anywhere is not known beforehand: an arm that is wound slowly lags on one side.
-PoseFit Selection::settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) {
+PoseFit PoseSelector::settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) {
   const auto fitWith = [&](double share) {
     problem_.stray_friction = share;
     PoseFit fit(problem_, poses_, causes);
@@ -103,7 +103,7 @@ PoseFit Selection::settled(const std::vector<PoseCause>& causes, const Eigen::Ve
   return best;
 }
 
-std::vector<PoseHypothesis> Selection::openBeside(const std::vector<PoseCause>& causes) const {
+std::vector<PoseHypothesis> PoseSelector::openBeside(const std::vector<PoseCause>& causes) const {
   std::vector<PoseHypothesis> open;
   for (const PoseHypothesis& h : hypotheses_) {
     const auto same = [&](const PoseCause& cause) { return cause.effect == h.effect && cause.target == h.target; };
@@ -113,7 +113,7 @@ std::vector<PoseHypothesis> Selection::openBeside(const std::vector<PoseCause>& 
 }
 
 /// Every hypothesis beside the causes of `fit`, each with all its starts; the best start of each.
-std::vector<PoseCandidate> Selection::tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const {
+std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const {
   struct Try {
     std::size_t hypothesis;
     PoseCause cause;
@@ -146,7 +146,7 @@ std::vector<PoseCandidate> Selection::tryAll(PoseFit& fit, const std::vector<Pos
 
 /// The share of all hypotheses that one has before any data: every effect is as likely as any other, and so is each of
 /// its targets and moments; an effect on all muscles is as likely as on some one of them.
-double Selection::share(const PoseHypothesis& hypothesis) const {
+double PoseSelector::share(const PoseHypothesis& hypothesis) const {
   std::set<const ArmEffect*> effects;
   double targets = 0.0;
   bool whole = false;
@@ -163,14 +163,14 @@ double Selection::share(const PoseHypothesis& hypothesis) const {
   return 1.0 / (static_cast<double>(effects.size()) * ways);
 }
 
-double Selection::pAdjusted(const PoseCandidate& candidate) const {
+double PoseSelector::pAdjusted(const PoseCandidate& candidate) const {
   const int freedom = fittedParameters(*candidate.cause.effect);
   return std::min(1.0, chiSquaredTail(2.0 * candidate.likelihood, freedom) / candidate.share);
 }
 
 /// A hypothesis may have found the way out of a local minimum that had nothing to do with it: then the model without it
 /// goes there too. \returns whether that was better
-bool Selection::improveBase(PoseFit& fit, const PoseCandidate& candidate) const {
+bool PoseSelector::improveBase(PoseFit& fit, const PoseCandidate& candidate) const {
   PoseFit other = refit(fit.causes(), fit, candidate.z.head(fit.z().size()));
   if (!(other.objective() < fit.objective() - kSameMinimum)) return false;
   fit = std::move(other);
@@ -179,8 +179,8 @@ bool Selection::improveBase(PoseFit& fit, const PoseCandidate& candidate) const 
 
 /// Why a candidate that the evidence speaks for is not accepted: poses that its fits have not seen. \returns empty when
 /// it is
-std::string Selection::objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before,
-                                 double odds, Interval& gain) const {
+std::string PoseSelector::objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before,
+                                    double odds, Interval& gain) const {
   std::vector<PoseCause> causes = fit.causes();
   causes.push_back(candidate.cause);
   const CrossValidation after = folds_.validate(problem_, causes, candidate.z, fit.causes(), fit.z());
@@ -191,7 +191,7 @@ std::string Selection::objection(const PoseFit& fit, const PoseCandidate& candid
 }
 
 /// One forward step. \returns whether a cause was accepted
-bool Selection::step(PoseFit& fit, PoseSelection& selection) {
+bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
   std::vector<PoseHypothesis> open = openBeside(fit.causes());
   placeMoments(problem_, fit, open);
   std::vector<PoseCandidate> candidates = tryAll(fit, open);
@@ -243,7 +243,7 @@ bool Selection::step(PoseFit& fit, PoseSelection& selection) {
 
 /// Each cause against all rivals in its place, with the other causes there: the best stays, those near it are listed.
 /// A cause that was tried goes to the end of the line, so that all stand in their order again when each has been.
-void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
+void PoseSelector::exchange(PoseFit& fit, PoseSelection& selection) {
   for (std::size_t turn = selection.causes.size(); turn > 0; --turn) {
     AcceptedCause cause = selection.causes.front();
     selection.causes.erase(selection.causes.begin());
@@ -286,7 +286,7 @@ void Selection::exchange(PoseFit& fit, PoseSelection& selection) {
 }
 
 /// Removes causes that the later ones have made needless.
-void Selection::prune(PoseFit& fit, PoseSelection& selection) {
+void PoseSelector::prune(PoseFit& fit, PoseSelection& selection) {
   for (std::size_t c = selection.causes.size(); c-- > 0 && selection.causes.size() > 1;) {
     if (selection.causes[c].odds >= kClearOdds) continue;
     selection.records.push_back({selection.causes.size() + 1, std::string(selection.causes[c].cause.effect->name),
@@ -298,7 +298,7 @@ void Selection::prune(PoseFit& fit, PoseSelection& selection) {
   }
 }
 
-PoseSelection Selection::run(const Eigen::VectorXd& start, const std::function<void(std::string_view)>& stage) {
+PoseSelection PoseSelector::run(const Eigen::VectorXd& start, const std::function<void(std::string_view)>& stage) {
   PoseSelection selection;
   PoseFit fit = settled({}, start);
   do {
@@ -325,7 +325,7 @@ PoseSelection Selection::run(const Eigen::VectorXd& start, const std::function<v
 PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> poses,
                            const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,
                            const PoseDiagnosisOptions& options, const std::function<void(std::string_view)>& stage) {
-  return Selection(problem, poses, hypotheses, options).run(start, stage);
+  return PoseSelector(problem, poses, hypotheses, options).run(start, stage);
 }
 
 std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,

@@ -17,7 +17,8 @@ constexpr double kRate = 100.0;  // rows per second
 
 /// A drive against a known torque. Its velocity is measured with noise, of which the controller makes current.
 /// \param fed_back  current per speed of the noise, \param late  rows by which the current is logged late.
-PreparedLog noisyDrive(double fed_back, int late) {
+/// \param slow  size of a torque that follows no channel and no motion, such as a gust.
+PreparedLog noisyDrive(double fed_back, int late, double slow = 0.0) {
   constexpr int kRows = 6000;
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, 1.0);
@@ -26,7 +27,8 @@ PreparedLog noisyDrive(double fed_back, int late) {
     const double t = i / kRate, w = 6.0 * std::sin(2.1 * t) + 3.0 * std::sin(3.7 * t + 1.0);
     const double seen = 0.4 * noise(random), load = 0.5 * std::sin(0.9 * t);
     torque.push_back(load);
-    current.push_back(load + 0.2 * (w > 0.0 ? 1.0 : -1.0) + 0.1 * w - fed_back * seen + 0.02 * noise(random));
+    const double gust = slow * std::sin(0.37 * t + 2.0 * std::sin(0.11 * t));
+    current.push_back(load + 0.2 * (w > 0.0 ? 1.0 : -1.0) + 0.1 * w - fed_back * seen + 0.02 * noise(random) + gust);
     speed.push_back(w + seen);
   }
   std::string csv = "time_s,motor_velocity_rad_s,external_torque_Nm,motor_current_A\n";
@@ -103,6 +105,13 @@ TEST(Placebos, ALateCurrentIsADelayWithAndWithoutSuchNoise) {
     EXPECT_NEAR(late.delay, 4.0 / kRate, (fed_back > 0.0 ? 2.0 : 0.6) / kRate) << fed_back;
     EXPECT_EQ(late.doubt, "") << fed_back;
   }
+}
+
+TEST(Placebos, ALateCurrentIsADelayAlsoWhereSomethingSlowIsLeft) {
+  const DelayFit late = fitDelay(noisyDrive(0.0, 4, 0.5));
+  EXPECT_NEAR(late.delay, 4.0 / kRate, 1.0 / kRate);
+  EXPECT_EQ(late.doubt, "");
+  EXPECT_NE(fitDelay(noisyDrive(0.3, 0, 0.5)).doubt, "");
 }
 
 TEST(Placebos, WhatDelaysNothingIsNotDoubtedAsADelay) {

@@ -1,4 +1,5 @@
 // A pneumatic muscle's log.
+#include <algorithm>
 #include <numeric>
 #include <span>
 
@@ -36,6 +37,17 @@ std::vector<double> changesOf(const PamLog& log, const ActuatorRows& rows) {
   return changes;
 }
 
+/// How far a muscle went on in its direction between two rows, as a share of the session's range.
+ArrayXd shareTravelled(const PamLog& log, const std::vector<double>& changes, const ActuatorRows& rows) {
+  ArrayXd travel = ArrayXd::Zero(rows.rows());
+  for (Index i = 1; i < rows.rows(); ++i) {
+    if (rows.session[i] != rows.session[i - 1]) continue;
+    const double dt = log.time.empty() ? 1.0 : rows.time[i] - rows.time[i - 1];
+    travel[i] = std::max(0.0, rows.direction[i] * changes[i]) * dt;
+  }
+  return travel;
+}
+
 PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const FrictionDataOptions& /*options*/) {
   const PamLog muscle = readPamLog(table);
   std::vector<double> time = muscle.time;
@@ -50,7 +62,9 @@ PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const Frictio
   rows.effort = toArray(muscle.force);
   rows.pressure = toArray(muscle.pressure);
   rows.contraction = toArray(muscle.contraction);
-  setDirection(changesOf(muscle, rows), log);
+  const std::vector<double> changes = changesOf(muscle, rows);
+  setDirection(changes, log);
+  rows.travel = shareTravelled(muscle, changes, rows);
   addOptional(table, log, {{"pressure", &rows.pressure}, {"contraction", &rows.contraction}});
   return log;
 }

@@ -6,9 +6,9 @@
 namespace simgap::actuator_effects::torque_saturation {
 namespace {
 
-constexpr EffectParameter kParameters[] = {{"s", "1_A2", -0.1, 1.0, 0.0, 0.0}};
+constexpr EffectParameter kParameters[] = {{"s", "1_A2", 0.0, 1.0, 0.0, 0.0}};
 
-constexpr EffectParameter kKneeParameters[] = {{"s", "1", -0.5, 50.0, 0.0, 0.0},
+constexpr EffectParameter kKneeParameters[] = {{"s", "1", 0.0, 50.0, 0.0, 0.0},
                                                {"I_knee", "A", 0.0, 1e6, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
 void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
