@@ -329,7 +329,7 @@ TEST(ArmExtensions, WhatIsWrongWithOneIsSaidWithItsLine) {
   EXPECT_NE(error("{effect: muscle-wrap, target: biceps, parameters: {" + radius + "}}").find("no parameter joint"),
             std::string::npos);
   EXPECT_NE(error("{effect: muscle-wrap, target: biceps, parameters: {" + radius + ", joint: {value: 3, unit: \"1\"}}}")
-                .find("whole number of the 2 the muscle crosses"),
+                .find("whole number of the 2 the line crosses"),
             std::string::npos);
   EXPECT_NE(error("{effect: spindle-coiling, parameters: {growth: {value: 3, unit: 1_rad}}}").find("growth = 3"),
             std::string::npos);

@@ -160,7 +160,8 @@ std::string checkExtension(Extension& extension, const ArmModel& model) {
   if (std::ranges::find(targets, extension.target) == targets.end()) {
     const std::string_view group = groupOf(effect->target);
     if (group.empty()) return fmt::format("found the target '{}', {} has none", extension.target, effect->name);
-    return fmt::format("found the target '{}' of {}, expected the name of a {}", extension.target, effect->name, group);
+    return fmt::format("found the target '{}' of {}, expected the name of a {}", extension.target, effect->name,
+                       group == "line" ? "muscle or tendon" : group);
   }
   std::vector<Estimate> ordered;
   EffectParameters p{};
