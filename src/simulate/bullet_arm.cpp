@@ -6,6 +6,7 @@
 
 #include "bullet_arm_state.h"
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 
@@ -70,7 +71,7 @@ void BulletArm::setModel(const ArmModel& model) {
   if (!world_ || plain.bodies != bodies_ || plain.joints != joints_ || plain.gravity != gravity_) build(plain);
   crossed_.assign(extensions_.size(), {});
   for (std::size_t e = 0; e < extensions_.size(); ++e) {
-    if (extensions_[e].effect->path) crossed_[e] = jointsCrossed(model, model.muscles[extensions_[e].target]);
+    if (extensions_[e].effect->path) crossed_[e] = jointsCrossed(model, lineOf(model, extensions_[e].target));
   }
   if (muscles_.size() == model.muscles.size()) {
     for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].setModel(model.muscles[m], options_.step);
@@ -80,10 +81,12 @@ void BulletArm::setModel(const ArmModel& model) {
     motion_.reset();
   }
   way_.clear();
-  for (const Muscle& muscle : model.muscles) way_.push_back(muscle.straight() ? PathParts{} : partsOf(muscle));
+  for (const Muscle& muscle : plain.muscles) {
+    way_.push_back(muscle.straight() && !muscle.wrap ? PathParts{} : partsOf(muscle));
+  }
   if (passive_.size() != model.tendons.size()) motion_.reset();
   passive_.clear();
-  for (const PassiveTendon& tendon : model.tendons) passive_.push_back({tendon.kind, tendon.p, partsOf(tendon)});
+  for (const PassiveTendon& tendon : plain.tendons) passive_.push_back({tendon.kind, tendon.p, partsOf(tendon)});
   reset();
 }
 
@@ -169,7 +172,7 @@ void BulletArm::pushJoint(const Joint& joint, const Eigen::Vector3d& gradient) {
 void BulletArm::applyJointSprings() {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const Joint& joint = joints_[j];
-    if (joint.spring_stiffness <= 0.0) continue;
+    if (!joint.elastic()) continue;
     const Eigen::Vector3d gradient = springGradient(joint, jointPosition(j));
     if (joint.hasAxis()) {
       world_->body.addJointTorque(world_->link_of_joint[j], -gradient.x());
@@ -207,7 +210,8 @@ void BulletArm::capturedPositions(std::vector<JointPosition>& joints) const {
 }
 
 double BulletArm::jointSpeed(std::size_t joint) const {
-  return speed(joints_[joint], world_->body.getJointVelMultiDof(world_->link_of_joint[joint]));
+  const Joint& moving = joints_[joint];
+  return kindOf(moving.type).counted * speed(moving, world_->body.getJointVelMultiDof(world_->link_of_joint[joint]));
 }
 
 bool BulletArm::jointIsFinite(std::size_t joint) const { return jointSpeed(joint) < kRunawaySpeed; }

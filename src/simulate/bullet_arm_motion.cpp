@@ -186,7 +186,7 @@ void BulletArm::moveJoints(double step) {
     addJointGradient(joint, effect->joint_torque(p, joints_[joint].type, jointPosition(joint)).gradient);
   }
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    if (joints_[j].spring_stiffness > 0.0) addJointGradient(j, springGradient(joints_[j], jointPosition(j)));
+    if (joints_[j].elastic()) addJointGradient(j, springGradient(joints_[j], jointPosition(j)));
   }
   invertInPlace(m.mobility);
 
@@ -254,8 +254,7 @@ double BulletArm::mechanicalEnergy() {
   }
   for (const Passive& tendon : passive_) energy += tendon.kind->pull(tendon.p, followPath(tendon.way).length).energy;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    const double k = joints_[j].spring_stiffness;
-    if (k > 0.0) energy += 0.5 / k * springGradient(joints_[j], jointPosition(j)).squaredNorm();
+    if (joints_[j].elastic()) energy += springEnergy(joints_[j], jointPosition(j));
   }
   return energy;
 }

@@ -73,22 +73,25 @@ BulletArm::CordState BulletArm::cordState(const MuscleState& muscle, int index, 
                                           const DriveState& drive) const {
   // The cord has what the kite line leaves of the path: L_S = L - (L_K0 - r phi) - dL(phi), and so
   // dL_S/dt = dL/dt + (r - d dL/dphi) dphi/dt (000 eq. 12 with what effects add to the line).
+  const LineState line{drive.shaft_angle, muscle.spindle_radius, pose_time_,
+                       shafts_before_.empty() ? 0.0 : shafts_before_[static_cast<std::size_t>(index)],
+                       muscle.kite_line_length - muscle.spindle_radius * drive.shaft_angle};
   Lengthening longer;
   for (const ArmExtension& extension : extensions_) {
     if (!extension.effect->line || !extension.on(index)) continue;
-    const Lengthening one = extension.effect->line(extension.p, {drive.shaft_angle, muscle.spindle_radius, pose_time_});
+    const Lengthening one = extension.effect->line(extension.p, line);
     longer.length += one.length;
     longer.by_shaft += one.by_shaft;
   }
   CordState cord{};
   cord.winding_radius = muscle.spindle_radius - longer.by_shaft;
   cord.winding_rate = cord.winding_radius * (drive.motor_velocity / muscle.drive.ratio());
-  cord.length = path_length - (muscle.kite_line_length - muscle.spindle_radius * drive.shaft_angle) - longer.length;
+  cord.length = path_length - line.free - longer.length;
   cord.expansion = cord.length - muscle.shock_cord.rest_length;
   cord.elastic = muscle.shock_cord.stiffness * cord.expansion;
   for (const ArmExtension& extension : extensions_) {
     if (cord.expansion <= 0.0 || !extension.effect->cord || !extension.on(index)) continue;
-    cord.elastic += extension.effect->cord(extension.p, cord.expansion, muscle.shock_cord).force;
+    cord.elastic += extension.effect->cord(extension.p, cord.expansion, muscle.shock_cord, line).force;
   }
   return cord;
 }

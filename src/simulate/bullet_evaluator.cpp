@@ -8,7 +8,7 @@ struct BulletReplay {
   PoseProtocol protocol;
   Arm makeArm(const ArmModel& model) const { return Arm(model, protocol.arm); }
   PoseOutcome operator()(Arm& arm, const Pose& pose) const {
-    arm.setTime(pose.time);
+    arm.setHistory(pose.time, pose.shafts_before);
     return replayPose(arm, pose.shafts, protocol);
   }
 };

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "simgap/model/arm/ball_stop.h"
+
 namespace simgap {
 
 BulletLink addLink(btMultiBody& body, int index, const Joint& joint, const MassProperties& mass,
@@ -76,9 +78,18 @@ double speed(const Joint& joint, const btScalar* v) {
   return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
+double springEnergy(const Joint& joint, const JointPosition& position) {
+  const double stretch = joint.hasAxis() ? position.angle - joint.spring_rest : logSo3(position.rotation).norm();
+  const double spring = 0.5 * joint.spring_stiffness * stretch * stretch;
+  if (joint.stop.stiffness <= 0.0) return spring;
+  return spring + ballStop(joint.stop, joint.axis, position.rotation).energy;
+}
+
 Eigen::Vector3d springGradient(const Joint& joint, const JointPosition& position) {
   if (joint.hasAxis()) return {joint.spring_stiffness * (position.angle - joint.spring_rest), 0.0, 0.0};
-  return joint.spring_stiffness * logSo3(position.rotation);
+  const Eigen::Vector3d spring = joint.spring_stiffness * logSo3(position.rotation);
+  if (joint.stop.stiffness <= 0.0) return spring;
+  return spring + ballStop(joint.stop, joint.axis, position.rotation).gradient;
 }
 
 Eigen::Vector3d torqueInChild(const Joint& joint, const Eigen::Vector3d& torque) {

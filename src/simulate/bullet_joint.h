@@ -33,7 +33,9 @@ double speed(const Joint& joint, const btScalar* velocity);  ///< >= 0 [rad/s], 
 
 /// A torque in the joint's own coordinates, as a vector in the child's frame [N m].
 Eigen::Vector3d torqueInChild(const Joint& joint, const Eigen::Vector3d& torque);
-/// Gradient of the energy of a joint's spring in the joint's coordinates; of one axis: the first component.
+/// Energy of a joint's spring and stops [J].
+double springEnergy(const Joint& joint, const JointPosition& position);
+/// Its gradient in the joint's coordinates; of one axis: the first component.
 Eigen::Vector3d springGradient(const Joint& joint, const JointPosition& position);
 
 }  // namespace simgap

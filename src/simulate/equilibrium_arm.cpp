@@ -74,9 +74,9 @@ void EquilibriumArm::setModel(const ArmModel& model) {
   rest_known_ = false;
 }
 
-void EquilibriumArm::setTime(double time) {
-  energy_.setTime(time);
-  if (energy_.needsTime()) rest_known_ = false;
+void EquilibriumArm::setHistory(double time, std::span<const double> shafts_before) {
+  energy_.setHistory(time, shafts_before);
+  if (energy_.needsHistory()) rest_known_ = false;
 }
 
 EquilibriumSolution EquilibriumArm::solveFrom(std::span<const JointPosition> from, std::span<const double> shafts,

@@ -9,7 +9,7 @@ struct EquilibriumReplay {
   Arm makeArm(const ArmModel& model) const { return Arm(model); }
   PoseOutcome operator()(Arm& arm, const Pose& pose) const {
     PoseOutcome outcome;
-    arm.setTime(pose.time);
+    arm.setHistory(pose.time, pose.shafts_before);
     const EquilibriumSolution solution = arm.solve(pose.shafts);
     if (!solution.stable) {
       outcome.status = PoseStatus::kNoEquilibrium;

@@ -24,7 +24,8 @@ Assessment assess(const PoseLayout& layout, std::span<const Pose> poses, std::sp
       const double error = jointError(type, poses[p].joints[j], outcomes[p].joints[j]);
       result.errors[p].push_back(error);
       result.mje[j] += error;
-      const double counted = objective == PoseObjective::kPaper ? kindOf(type).printed_error * error : error;
+      const double printed = objective == PoseObjective::kPaper ? kindOf(type).printed_error : 1.0;
+      const double counted = printed * kindOf(type).counted * error;
       result.fitness += counted * counted;
     }
   }
@@ -39,7 +40,9 @@ std::string describe(const PoseOutcome& outcome, const PoseLayout& layout) {
       return fmt::format("acquisition error of {}, {:.1f} deg", layout.muscles[outcome.worst],
                          toDegrees(outcome.worst_value));
     case PoseStatus::kNotSteady:
-      return fmt::format("{} not steady, {:.3g} rad/s", layout.joints[outcome.worst].name, outcome.worst_value);
+      return fmt::format("{} not steady, {:.3g} {}/s", layout.joints[outcome.worst].name,
+                         outcome.worst_value / kindOf(layout.joints[outcome.worst].type).counted,
+                         kindOf(layout.joints[outcome.worst].type).unit);
     default:
       return std::string(toString(outcome.status));
   }

@@ -19,6 +19,8 @@ constexpr double kMostLengths = 2.0;
 constexpr double kShortestLimit = 0.5;                   // [m], for muscles of no length
 constexpr double kBeyondLimit = 0.5 * std::numbers::pi;  // [rad] beyond its limits no joint is captured
 constexpr double kUnlimited = 4.0 * std::numbers::pi;    // [rad]: more than any joint without limits turns
+constexpr double kBeyondStop = 0.25;                     // [m] beyond its limits no slide is captured
+constexpr double kLongestSlide = 10.0;                   // [m], of a slide without limits
 constexpr double kContradicted = 45.0 * kDegree;         // mean error of a reading that is in doubt,
 constexpr double kClearlyBetter = 0.5;                   // and what of it the other reading may leave
 constexpr double kTwoTurns = 4.0 * std::numbers::pi;     // [rad] of a shaft
@@ -54,34 +56,49 @@ void refuseShaftsOutOfReach(const ArmModel& model, const PoseSet& set) {
   }
 }
 
-/// How far an angle is outside a joint's limits [rad].
-double beyond(const Joint& joint, double angle) {
-  const double lower = std::max(joint.lower_limit, -kUnlimited), upper = std::min(joint.upper_limit, kUnlimited);
-  return std::max({0.0, lower - angle, angle - upper});
+/// What a joint's numbers may be, and what they look like where they are not.
+struct Reach {
+  double unlimited, beyond;
+  double mistaken;                      ///< one of the unit that is confused with the right one
+  const char *what, *looks_like, *end;  ///< of a column named rightly
+};
+Reach reachOf(const Joint& joint) {
+  if (joint.slides()) return {kLongestSlide, kBeyondStop, 1e-3, "a way in m", "millimetres", "_mm"};
+  return {kUnlimited, kBeyondLimit, kDegree, "an angle in rad", "degrees", "_deg"};
 }
 
-void refuseAnglesOutOfReach(const ArmModel& model, const PoseSet& set) {
+/// How far a position is outside a joint's limits [rad], of a slide [m].
+double beyond(const Joint& joint, double position) {
+  const double unlimited = reachOf(joint).unlimited;
+  const double lower = std::max(joint.lower_limit, -unlimited), upper = std::min(joint.upper_limit, unlimited);
+  return std::max({0.0, lower - position, position - upper});
+}
+
+void refusePositionsOutOfReach(const ArmModel& model, const PoseSet& set) {
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
     if (!joint.hasAxis()) continue;
+    const Reach reach = reachOf(joint);
     const auto reached = [&](double factor) {
       return std::ranges::all_of(
-          set.poses, [&](const Pose& pose) { return beyond(joint, factor * pose.joints[j].angle) < kBeyondLimit; });
+          set.poses, [&](const Pose& pose) { return beyond(joint, factor * pose.joints[j].angle) < reach.beyond; });
     };
     if (reached(1.0)) continue;
     const auto farthest =
         std::ranges::max_element(set.poses, {}, [&](const Pose& pose) { return beyond(joint, pose.joints[j].angle); });
-    throw DataError(
-        fmt::format("{}: pose {}: {}_rad: found {:.6g}, expected an angle in rad within the joint's limits{}", set.file,
-                    farthest->name, joint.name, farthest->joints[j].angle,
-                    reached(kDegree) ? "; it looks like degrees: name the column " + joint.name + "_deg" : ""));
+    throw DataError(fmt::format(
+        "{}: pose {}: {}_{}: found {:.6g}, expected {} within the joint's limits{}", set.file, farthest->name,
+        joint.name, kindOf(joint.type).unit, farthest->joints[j].angle, reach.what,
+        reached(reach.mistaken)
+            ? fmt::format("; it looks like {}: name the column {}{}", reach.looks_like, joint.name, reach.end)
+            : ""));
   }
 }
 
 /// Mean error per joint of the model against poses as they stand and read another way, over poses with equilibria for
 /// both.
 struct Readings {
-  std::vector<double> as_is, shafts_in_degrees, order_xyzw;  ///< shape (joints) [rad]
+  std::vector<double> as_is, shafts_in_degrees, order_xyzw;  ///< shape (joints) [rad], as counted
 };
 
 /// What was meant by a quaternion whose cells stand in the order x, y, z, w.
@@ -99,29 +116,21 @@ Readings compareReadings(const ArmModel& model, const PoseSet& set) {
   for (std::size_t p = 0; p < std::min(kLooked, set.poses.size()); ++p) {
     const Pose& pose = set.poses[p];
     std::ranges::transform(pose.shafts, degrees.begin(), [](double shaft) { return shaft * kDegree; });
-    for (EquilibriumArm* each : {&arm, &other}) each->setTime(pose.time);
+    for (EquilibriumArm* each : {&arm, &other}) each->setHistory(pose.time, pose.shafts_before);
     if (!arm.solve(pose.shafts).stable || !other.solve(degrees).stable) continue;
     ++count;
     for (std::size_t j = 0; j < joints; ++j) {
       const JointType type = model.joints[j].type;
-      mean.as_is[j] += jointError(type, pose.joints[j], arm.joints()[j]);
-      mean.shafts_in_degrees[j] += jointError(type, pose.joints[j], other.joints()[j]);
-      mean.order_xyzw[j] += jointError(type, fromXyzw(pose.joints[j]), arm.joints()[j]);
+      const double counted = kindOf(type).counted;
+      mean.as_is[j] += counted * jointError(type, pose.joints[j], arm.joints()[j]);
+      mean.shafts_in_degrees[j] += counted * jointError(type, pose.joints[j], other.joints()[j]);
+      mean.order_xyzw[j] += counted * jointError(type, fromXyzw(pose.joints[j]), arm.joints()[j]);
     }
   }
   for (std::vector<double>* of : {&mean.as_is, &mean.shafts_in_degrees, &mean.order_xyzw}) {
     for (double& error : *of) error /= std::max(1, count);
   }
   return mean;
-}
-
-/// Errors of poses are angles, in degrees all the way to the pages.
-void refuseSlides(const ArmModel& model, const PoseSet& set) {
-  const auto slide = std::ranges::find_if(model.joints, &Joint::slides);
-  if (slide == model.joints.end()) return;
-  throw ConfigError(
-      fmt::format("{}: joint '{}' is prismatic: poses are compared by angles, expected revolute and spherical joints",
-                  set.file, slide->name));
 }
 
 double largestShaft(const PoseSet& set) {
@@ -162,9 +171,8 @@ void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
 }  // namespace
 
 void refuseImplausiblePoses(const ArmModel& model, const PoseSet& set) {
-  refuseSlides(model, set);
   refuseShaftsOutOfReach(model, set);
-  refuseAnglesOutOfReach(model, set);
+  refusePositionsOutOfReach(model, set);
   refuseOtherReadings(model, set);
 }
 

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 
 #include "simgap/model/arm/kinematics.h"
 
@@ -50,11 +51,12 @@ PotentialEnergy::PotentialEnergy(const ArmModel& model) {
   }
   muscles_.resize(model.muscles.size() + model.tendons.size());
   model_ = model;
+  applyToModel(resolveExtensions(model), model_);
   for (int m = 0; m < std::ssize(muscles_); ++m) {
     const Line& line = muscles_[m];
     const bool slides = std::any_of(levers_.begin() + line.first, levers_.begin() + line.last,
                                     [&](const Lever& lever) { return model.joints[lever.joint].slides(); });
-    if (m >= muscleCount() || !model.muscles[m].straight() || slides) makePath(m);
+    if (m >= muscleCount() || !model.muscles[m].straight() || slides || pathOf(m).wrap) makePath(m);
   }
   axes_.resize(3, dofs_);
   positions_.resize(links_.size());
@@ -77,8 +79,7 @@ void PotentialEnergy::setModel(const ArmModel& model) {
     links_[j].turned = joint.child_orientation.coeffs() != Eigen::Quaterniond::Identity().coeffs();
     links_[j].axis_in_child = joint.child_orientation * joint.axis;
   }
-  springs_ = std::any_of(model_.joints.begin(), model_.joints.end(),
-                         [](const Joint& joint) { return joint.spring_stiffness > 0.0; });
+  springs_ = std::any_of(model_.joints.begin(), model_.joints.end(), std::mem_fn(&Joint::elastic));
   for (LongPath& path : paths_) refreshPath(path);
 }
 

@@ -63,8 +63,10 @@ void PotentialEnergy::differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns)
     const Line& line = muscles_[m];
     if (line.force == 0.0) continue;
     // dF/dphi = k dx/dphi = k (r - d dL/dphi).
+    const double radius = model_.muscles[m].spindle_radius;
     const double by_shaft = line.extended ? lengthening(m).by_shaft : 0.0;
-    addForce(m, line.stiffness * (model_.muscles[m].spindle_radius - by_shaft), columns.col(m));
+    const double by_free = line.extended ? cordTerm(m).by_free : 0.0;
+    addForce(m, line.stiffness * (radius - by_shaft) - by_free * radius, columns.col(m));
   }
 }
 
@@ -89,7 +91,15 @@ void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen
       return differentiateByJointShift(p.item, shift, true, column);
     }
     case Kind::kChildPosition:
-      return differentiateByJointShift(p.item, -links_[p.item].rotation.col(p.component), false, column);
+      differentiateByJointShift(p.item, -links_[p.item].rotation.col(p.component), false, column);
+      // A wrap stands at the joint's centre: it does not go along when its place on the child changes.
+      for (std::size_t e = 0; e < extensions_.size(); ++e) {
+        if (!extensions_[e].effect->path || !wrapsAsSurface(model_, extensions_[e].target)) continue;
+        const int body = pathOf(extensions_[e].target).wrap->body;
+        if (body != model_.joints[p.item].child) continue;
+        differentiateBySurface({Kind::kSurfacePosition, body, applied_[e].part, p.component}, column);
+      }
+      return;
     case Kind::kPartMass:
     case Kind::kPartPosition:
       return differentiateByMass(p, column);
@@ -125,13 +135,16 @@ void PotentialEnergy::differentiateByMuscle(const StaticParameter& p, Eigen::Ref
   // The numbers of the line change F alone: dF = k dx + x dk with x = L - L_K0 + r phi - dL - L_SR.
   switch (p.kind) {
     case Kind::kKiteLine:
-      return addForce(m, -line.stiffness, column);
+      return addForce(m, -line.stiffness + (line.extended ? cordTerm(m).by_free : 0.0), column);
     case Kind::kRestLength:
       return addForce(m, -line.stiffness + (line.extended ? cordTerm(m).by_rest_length : 0.0), column);
     case Kind::kStiffness:
       return addForce(m, line.expansion + (line.extended ? cordTerm(m).by_stiffness : 0.0), column);
     case Kind::kSpindleRadius:
-      return addForce(m, line.stiffness * (line.shaft - (line.extended ? lengthening(m).by_radius : 0.0)), column);
+      return addForce(m,
+                      line.stiffness * (line.shaft - (line.extended ? lengthening(m).by_radius : 0.0)) -
+                          (line.extended ? cordTerm(m).by_free * line.shaft : 0.0),
+                      column);
     default:
       break;
   }

@@ -10,11 +10,20 @@
 
 namespace simgap {
 
-bool PotentialEnergy::needsTime() const {
+bool PotentialEnergy::needsHistory() const {
   for (const ArmExtension& extension : extensions_) {
-    if (extension.effect->needs_time) return true;
+    const ArmEffect& effect = *extension.effect;
+    if (effect.needs_time || (effect.cord && effect.from_previous >= 0)) return true;
   }
   return false;
+}
+
+void PotentialEnergy::setHistory(double time, std::span<const double> shafts_before) {
+  time_ = time;
+  if (extensions_.empty()) return;
+  for (std::size_t m = 0; m < model_.muscles.size(); ++m) {
+    muscles_[m].before = shafts_before.empty() ? 0.0 : shafts_before[m];
+  }
 }
 
 /// model_ is the model as given; afterwards what can be worked into it is.
@@ -36,7 +45,9 @@ void PotentialEnergy::prepareExtensions() {
       const Eigen::Vector3d& pivot = model_.joints[joint_of_body_[target]].child_position;
       applied_[e].way = (model_.bodies[target].parts.back().position - pivot).normalized();
     }
-    if (effect->path) {
+    if (effect->path && wrapsAsSurface(model_, target)) {
+      applied_[e].part = pathOf(target).wrap->surface;
+    } else if (effect->path) {
       const std::vector<int> crossed = jointsCrossed(model_, model_.muscles[target]);
       const int obstacle = crossed[static_cast<std::size_t>(std::lround(p[1])) - 1];
       bends_.push_back({static_cast<int>(e),
@@ -69,13 +80,14 @@ CordTerm PotentialEnergy::cordTerm(std::size_t muscle) const {
   CordTerm sum;
   for (const ArmExtension& extension : extensions_) {
     if (!extension.effect->cord || !extension.on(static_cast<int>(muscle))) continue;
-    const CordTerm one =
-        extension.effect->cord(extension.p, muscles_[muscle].expansion, model_.muscles[muscle].shock_cord);
+    const CordTerm one = extension.effect->cord(extension.p, muscles_[muscle].expansion,
+                                                model_.muscles[muscle].shock_cord, lineState(muscle));
     sum.energy += one.energy;
     sum.force += one.force;
     sum.stiffness += one.stiffness;
     sum.by_stiffness += one.by_stiffness;
     sum.by_rest_length += one.by_rest_length;
+    sum.by_free += one.by_free;
   }
   return sum;
 }
@@ -194,13 +206,24 @@ void PotentialEnergy::differentiateByExtension(int extension, int k, Eigen::Ref<
     const int n = model_.joints[target].degreesOfFreedom();
     column.segment(first_dof_[target], n) += joint_terms_[e].by_parameter.col(k).head(n);
   }
+  if (effect->path && k == 0 && wrapsAsSurface(model_, target)) {
+    differentiateBySurface({StaticParameter::Kind::kSurfaceRadius, pathOf(target).wrap->body, applied_[e].part, 0},
+                           column);
+    return;
+  }
+  if (effect->rest_shift) {
+    const int rest = restLengthOf(model_.tendons[target - muscleCount()]);
+    differentiateByTendon({StaticParameter::Kind::kTendonParameter, target, 0, rest}, column);
+    return;
+  }
   for (int m = 0; m < muscleCount(); ++m) {
     const Line& line = muscles_[m];
     if (line.force == 0.0 || !extensions_[e].on(m)) continue;
     const auto muscle = static_cast<std::size_t>(m);
     if (effect->line) addForce(muscle, -line.stiffness * effect->line(p, lineState(muscle)).by_parameter[k], column);
     if (effect->cord) {
-      addForce(muscle, effect->cord(p, line.expansion, model_.muscles[m].shock_cord).by_parameter[k], column);
+      const CordTerm term = effect->cord(p, line.expansion, model_.muscles[m].shock_cord, lineState(muscle));
+      addForce(muscle, term.by_parameter[k], column);
     }
     if (!effect->path || line.bend < 0 || k != 0) continue;
     const Bend& bend = bends_[line.bend];

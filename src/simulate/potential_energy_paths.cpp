@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/model/arm/ball_stop.h"
 #include "simgap/model/arm/kinematics.h"
 #include "simgap/simulate/potential_energy.h"
 
@@ -180,9 +181,16 @@ void PotentialEnergy::addJointSprings(std::span<const JointPosition> joints) {
   for (std::size_t j = 0; j < links_.size(); ++j) {
     const Joint& joint = model_.joints[j];
     const double stiffness = joint.spring_stiffness;
-    if (stiffness <= 0.0) continue;
+    if (!joint.elastic()) continue;
     positions_[j] = joints[j];
     const int d = first_dof_[j];
+    if (joint.stop.stiffness > 0.0) {
+      const JointTerm stop = ballStop(joint.stop, joint.axis, joints[j].rotation);
+      energy_ += stop.energy;
+      gradient_.segment<3>(d) += stop.gradient;
+      hessian_.block<3, 3>(d, d) += stop.hessian;
+    }
+    if (stiffness <= 0.0) continue;
     if (joint.hasAxis()) {
       const double stretch = joints[j].angle - joint.spring_rest;
       energy_ += 0.5 * stiffness * stretch * stretch;

@@ -58,6 +58,23 @@ TEST_F(Convert, TakesMusclesFromAFileOfOurs) {
                 "expected the name of a body");
 }
 
+TEST_F(Convert, WeighsAMeshThatOtherCommandsRefuse) {
+  const std::string part =
+      "{name: bone, shape: cylinder, radius_m: 0.015, length_m: 0.24, mass_kg: 0.18, position_m: [0, 0, -0.12], axis: "
+      "[0, 0, 1]}";
+  const std::string drawn = replaced(text("arm.yaml"), "simgap/arm/1", "simgap/arm/2");
+  put("drawn.yaml",
+      replaced(drawn, part,
+               "{name: bone, shape: mesh, file: bone.obj, scale: 0.01, mass_kg: 0.2, position_m: [0, 0, -0.1]}"));
+  put("bone.obj", "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  succeed({"convert", "drawn.yaml", "whole.yaml"});
+  EXPECT_THAT(text("whole.yaml"), HasSubstr("shape: inertia, inertia_kg_m2: ["));
+  succeed({"validate", "whole.yaml", "--poses", "poses.csv", "--evaluator", "equilibrium", "-q", "-o", "v"});
+  expectRefused({"validate", "drawn.yaml", "--poses", "poses.csv", "-o", "w"}, 2, "'simgap convert FILE NEW.yaml'");
+  put("bone.obj", "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
+  expectRefused({"convert", "drawn.yaml", "other.yaml"}, 3, "found an edge of one triangle alone");
+}
+
 TEST_F(Convert, RefusesWithOneSentence) {
   put("pendulum.xml", kPendulum);
   put("floating.xml", replaced(kPendulum, "<joint name='pivot' axis='0 1 0' armature='0.01'/>", "<freejoint/>"));

@@ -99,7 +99,7 @@ std::vector<JointPosition> displaced(const ArmModel& model, std::vector<JointPos
 class ArmEffects : public testing::TestWithParam<Case> {
  protected:
   void place(PotentialEnergy& energy, const Pose& pose) const {
-    energy.setTime(pose.time);
+    energy.setHistory(pose.time, pose.shafts_before);
     energy.setShafts(pose.shafts);
     energy.evaluate(pose.joints);
   }
@@ -197,7 +197,7 @@ TEST_P(ArmEffects, ObservedSensitivitiesAgreeWithDifferences) {
   int moved = 0;
   for (const Pose& pose : poses_) {
     EquilibriumArm arm(model);
-    arm.setTime(pose.time);
+    arm.setHistory(pose.time, pose.shafts_before);
     if (!arm.solveFrom(pose.joints, pose.shafts).stable) continue;
     const std::vector<JointPosition> equilibrium = arm.joints();
     const std::vector<JointPosition> seen = arm.observe(pose.shafts, pose.shafts_before);
@@ -213,7 +213,7 @@ TEST_P(ArmEffects, ObservedSensitivitiesAgreeWithDifferences) {
         Case changed = c;
         changed.p[i] += step;
         EquilibriumArm other(extended(changed));
-        other.setTime(pose.time);
+        other.setHistory(pose.time, pose.shafts_before);
         EXPECT_TRUE(other.solveFrom(equilibrium, pose.shafts).stable);
         return other.observe(pose.shafts, pose.shafts_before);
       };
@@ -248,7 +248,7 @@ TEST_P(ArmEffects, NeutralChangesNothing) {
   }
   EquilibriumArm plain(test::exampleArm()), neutral(extended(c));
   for (const Pose& pose : poses_) {
-    neutral.setTime(pose.time);
+    neutral.setHistory(pose.time, pose.shafts_before);
     ASSERT_EQ(plain.solve(pose.shafts).stable, neutral.solve(pose.shafts).stable);
     EXPECT_LT(
         test::largestError(plain.energy().model(), plain.joints(), neutral.observe(pose.shafts, pose.shafts_before)),
@@ -301,10 +301,10 @@ TEST_P(BothSimulations, ComeToTheSameRest) {
   double effect = 0.0;
   const std::vector<Pose> poses = somePoses();
   for (const Pose& pose : {poses[0], poses[4], poses[7]}) {
-    bullet.setTime(pose.time);
+    bullet.setHistory(pose.time, pose.shafts_before);
     const PoseOutcome outcome = replayPose(bullet, pose.shafts, protocol);
     ASSERT_EQ(outcome.status, PoseStatus::kSteady);
-    equilibrium.setTime(pose.time);
+    equilibrium.setHistory(pose.time, pose.shafts_before);
     ASSERT_TRUE(equilibrium.solveFrom(outcome.joints, outcome.shafts).stable);
     EXPECT_LT(toDegrees(test::largestError(model, equilibrium.observe(outcome.shafts, {}), outcome.joints)), 0.01)
         << pose.name;
@@ -329,7 +329,7 @@ TEST(ArmExtensions, WhatIsWrongWithOneIsSaidWithItsLine) {
   EXPECT_NE(error("{effect: muscle-wrap, target: biceps, parameters: {" + radius + "}}").find("no parameter joint"),
             std::string::npos);
   EXPECT_NE(error("{effect: muscle-wrap, target: biceps, parameters: {" + radius + ", joint: {value: 3, unit: \"1\"}}}")
-                .find("whole number of the 2 the muscle crosses"),
+                .find("whole number of the 2 the line crosses"),
             std::string::npos);
   EXPECT_NE(error("{effect: spindle-coiling, parameters: {growth: {value: 3, unit: 1_rad}}}").find("growth = 3"),
             std::string::npos);

@@ -20,6 +20,9 @@ struct JointKind {
   int degrees_of_freedom;                     ///< numbers that a measured position holds, too
   bool has_axis;                              ///< one coordinate about or along an axis of its own, between limits
   std::string_view unit;                      ///< of its coordinates: "rad", "m"
+  std::string_view error_unit;                ///< of its errors in reports: "deg", "mm"
+  double error_size;                          ///< one of those in the unit of its coordinates
+  double counted;                             ///< [rad per unit] what an error counts beside those of other joints
   double printed_error;                       ///< multiple of the error that 001 eq. 4 prints
   std::span<const std::string_view> columns;  ///< of a position in a table, behind the joint's name: "_rad"
   std::span<const std::string_view> velocity_columns;  ///< of its velocity: "_velocity_rad_s"
@@ -44,7 +47,13 @@ struct JointKind {
   JointPosition (*moved)(const JointPosition& position, const Eigen::Vector3d& step);
   /// Q(q): how the child is turned in the joint's frame; axis of unit length.
   Eigen::Matrix3d (*rotation)(const Eigen::Vector3d& axis, const JointPosition& position);
+
+  double shown(double error) const { return error / error_size; }  ///< [error_unit]
 };
+
+/// Where errors of all joints are put together, the way of a slide counts as the angle that a joint at this distance
+/// would have to turn by [m]: 1 mm as 0.29 deg, about what both are captured with.
+inline constexpr double kSlideLever = 0.2;
 
 const JointKind& kindOf(JointType type);
 /// The kind that a file names. \throws ConfigError: none of that name.

@@ -36,7 +36,11 @@ class BulletArm {
   /// Takes another model, and resets. Its extensions act as in PotentialEnergy, but joint-stiction, which is here the
   /// joint's own Coulomb friction.
   void setModel(const ArmModel& model);
-  void setTime(double time) { pose_time_ = time; }  ///< of the pose, for extensions that need it [s]
+  /// When and after what a pose was recorded, for extensions that ask (PotentialEnergy::setHistory).
+  void setHistory(double time, std::span<const double> shafts_before) {
+    pose_time_ = time;
+    shafts_before_.assign(shafts_before.begin(), shafts_before.end());
+  }
   /// Shafts 0, joints at startPosition(), everything at rest.
   void reset();
   /// \param references  shape (muscles) [rad]
@@ -67,7 +71,8 @@ class BulletArm {
   JointPosition jointPosition(std::size_t joint) const;
   std::vector<JointPosition> capturedPositions() const;              ///< of all joints, as markers show them
   void capturedPositions(std::vector<JointPosition>& joints) const;  ///< the same, into shape (joints)
-  double jointSpeed(std::size_t joint) const;   ///< norm of its angular velocity [rad/s], prismatic [m/s]
+  double jointSpeed(
+      std::size_t joint) const;  ///< norm of its angular velocity [rad/s], of a slide as JointKind::counted
   double shaftAngle(std::size_t muscle) const;  ///< [rad]
   double shaftError(std::size_t muscle) const;  ///< reference - angle [rad]
   bool isFinite() const;                        ///< false once the simulation has blown up
@@ -140,6 +145,7 @@ class BulletArm {
   std::vector<std::vector<int>> crossed_;  ///< per extension with a path: the joints its muscle crosses
   ArmObservation observation_;
   double pose_time_ = 0.0;
+  std::vector<double> shafts_before_;
   std::vector<BodyInWorld> frames_;     ///< shape (bodies)
   std::vector<Eigen::Vector3d> spin_;   ///< angular velocity of each body in the world [rad/s]
   std::vector<Eigen::Vector3d> drift_;  ///< velocity of each body's origin in the world [m/s]

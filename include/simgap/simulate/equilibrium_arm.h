@@ -29,7 +29,7 @@ class EquilibriumArm {
   /// Another model of the same structure; the next pose starts from its rest.
   void setModel(const ArmModel& model);
   /// When the next pose was recorded; only extensions that need it take notice [s].
-  void setTime(double time);
+  void setHistory(double time, std::span<const double> shafts_before = {});
 
   /// The equilibrium that a slow movement of the shafts from 0 leads to (startPosition at shafts 0): straight from the
   /// rest, or by follow() where that leaves doubts. \param shafts  shape (muscles) [rad]

@@ -20,10 +20,11 @@ std::string_view toString(PoseObjective objective);
 /// A model judged on a pose set.
 struct Assessment {
   std::vector<PoseOutcome> outcomes;        ///< shape (poses)
-  std::vector<std::vector<double>> errors;  ///< shape (poses, joints) [rad], >= 0; empty row where the pose is invalid
-  std::vector<double> mje;                  ///< mean joint error over the valid poses, shape (joints) [rad]; NaN: none
+  std::vector<std::vector<double>> errors;  ///< shape (poses, joints), >= 0; empty row where the pose is invalid
+                                            ///< [rad], of a slide [m]
+  std::vector<double> mje;                  ///< mean joint error over the valid poses, shape (joints); NaN: none
   std::size_t valid = 0;                    ///< poses that came to rest
-  /// Sum of squared errors (001 eq. 3) [rad^2]; NaN when a pose is invalid.
+  /// Sum of squared errors (001 eq. 3) [rad^2], ways of slides as JointKind::counted; NaN when a pose is invalid.
   double fitness = 0.0;
 };
 

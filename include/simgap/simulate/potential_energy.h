@@ -66,8 +66,10 @@ class PotentialEnergy {
   /// Another model of the same structure.
   void setModel(const ArmModel& model);
   void setShafts(std::span<const double> shafts);  ///< shape (muscles) [rad]
-  void setTime(double time) { time_ = time; }      ///< of the pose, for extensions that need it [s]
-  bool needsTime() const;
+  /// When and after what a pose was recorded, for extensions that ask. \param time  [s]
+  /// \param shafts_before  of the pose before, shape (muscles) [rad]; empty: unknown
+  void setHistory(double time, std::span<const double> shafts_before);
+  bool needsHistory() const;
 
   int degreesOfFreedom() const { return dofs_; }
   int firstDof(int joint) const { return first_dof_[joint]; }
@@ -114,7 +116,7 @@ class PotentialEnergy {
   struct Line {
     std::array<int, 2> joint;  ///< that carries each attachment's body, -1: fixed
     int first, last;           ///< levers, those of an end in the order of the tree
-    double shaft = 0.0, expansion = 0.0, force = 0.0, length = 0.0;
+    double shaft = 0.0, before = 0.0, expansion = 0.0, force = 0.0, length = 0.0;
     double stiffness = 0.0;  ///< d force / d expansion
     bool extended = false;
     int bend = -1;                                         ///< of bends_, while the line touches its joint
@@ -158,7 +160,7 @@ class PotentialEnergy {
   /// What of an extension has to be known beyond its parameters.
   struct Applied {
     GravityTerm gravity{};
-    int part = -1;  ///< the payload, of its body
+    int part = -1;  ///< the payload, of its body; the surface of a wrap
     Eigen::Vector3d way = Eigen::Vector3d::Zero();
   };
 
@@ -222,7 +224,9 @@ class PotentialEnergy {
   CordTerm cordTerm(std::size_t muscle) const;
   Lengthening lengthening(std::size_t muscle) const;
   LineState lineState(std::size_t muscle) const {
-    return {muscles_[muscle].shaft, model_.muscles[muscle].spindle_radius, time_};
+    const Line& line = muscles_[muscle];
+    const Muscle& of = model_.muscles[muscle];
+    return {line.shaft, of.spindle_radius, time_, line.before, of.kiteLineLength(line.shaft)};
   }
 
   ArmModel model_;

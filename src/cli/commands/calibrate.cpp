@@ -8,6 +8,7 @@
 #include "cli/inputs.h"
 #include "cli/motion_commands.h"
 #include "simgap/cli/command.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/progress.h"
 #include "simgap/core/ranks.h"
 #include "simgap/core/rotation.h"
@@ -186,7 +187,9 @@ void search(Calibration& calibration, const CalibrationTask& task, const Session
   searchAndStore(calibration, session.directory(), [&](const CalibrationState& state) {
     std::string detail;
     for (std::size_t j = 0; j < state.best_mje.size(); ++j) {
-      detail += fmt::format("{} {} deg  ", layout.joints[j].name, degreesCell(toDegrees(state.best_mje[j])));
+      const JointKind& kind = kindOf(layout.joints[j].type);
+      detail +=
+          fmt::format("{} {} {}  ", layout.joints[j].name, degreesCell(kind.shown(state.best_mje[j])), kind.error_unit);
     }
     progress.update(static_cast<std::size_t>(state.strategy.generation), detail);
   });

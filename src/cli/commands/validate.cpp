@@ -6,6 +6,7 @@
 #include "cli/inputs.h"
 #include "cli/motion_commands.h"
 #include "simgap/cli/command.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/progress.h"
 #include "simgap/report/poses/pose_report.h"
 #include "simgap/simulate/arm_geometry.h"
@@ -20,6 +21,7 @@ struct Options {
   std::string model, poses, motions, config;
   std::string evaluator = "bullet";
   std::optional<double> max_mje, max_rms;  ///< [deg]
+  std::optional<double> max_mje_mm;        ///< of slides
   std::optional<double> settle;            ///< [s]
 };
 
@@ -29,9 +31,13 @@ ValidationResult judge(const Options& options, const ArmModel& model, const Pose
   Progress progress("validate: pose", set.poses.size(), options.common.quiet);
   result.assessment = replayAll(*makeEvaluator(options.evaluator, protocol), model, set,
                                 [&](std::size_t done) { progress.update(done); });
-  for (std::size_t j = 0; options.max_mje && j < result.layout.joints.size(); ++j) {
+  for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
+    const auto& [name, type] = result.layout.joints[j];
+    const JointKind& kind = kindOf(type);
+    const std::optional<double>& limit = type == JointType::kPrismatic ? options.max_mje_mm : options.max_mje;
+    if (!limit) continue;
     result.criteria.push_back(
-        {"mje_deg of " + result.layout.joints[j].name, *options.max_mje, toDegrees(result.assessment.mje[j])});
+        {fmt::format("mje_{} of {}", kind.error_unit, name), *limit, kind.shown(result.assessment.mje[j])});
   }
   return result;
 }
@@ -99,6 +105,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "longest time that joints may take to come to rest (default: the config's) [s]")
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--max-mje", options->max_mje, "exit 1 when a joint's mean error exceeds this [deg]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--max-mje-mm", options->max_mje_mm, "the same of joints that slide [mm]")
       ->check(CLI::PositiveNumber & finiteNumber());
   options->table.add(app);
   options->common.add(app);

@@ -49,14 +49,15 @@ std::string partingPose(PoseFit& fit, PoseFit& other) {
   std::size_t joint = 0;
   const std::vector<Pose> commands = drawCommands(fit.posterior(), fit.z(), kCandidates, 11);
   for (const Pose& command : commands) {
-    arm_one.setTime(end);
-    arm_two.setTime(end);
+    arm_one.setHistory(end);
+    arm_two.setHistory(end);
     if (!arm_one.solve(command.shafts).stable) continue;
     const std::vector<JointPosition> seen = arm_one.observe(command.shafts, {});
     if (!arm_two.solveFrom(seen, command.shafts).stable) continue;
     const std::vector<JointPosition>& other_seen = arm_two.observe(command.shafts, {});
     for (std::size_t j = 0; j < seen.size(); ++j) {
-      const double apart = jointError(one.joints[j].type, seen[j], other_seen[j]);
+      const JointKind& kind = kindOf(one.joints[j].type);
+      const double apart = kind.counted * jointError(kind.type, seen[j], other_seen[j]);
       if (apart <= farthest) continue;
       farthest = apart;
       best = &command;
@@ -70,8 +71,9 @@ std::string partingPose(PoseFit& fit, PoseFit& other) {
   for (const std::size_t m : order) {
     shafts += fmt::format("{}{} {:.2f}", shafts.empty() ? "" : ", ", one.muscles[m].name, best->shafts[m]);
   }
-  return fmt::format("record the pose with the shafts at {} rad: there the two differ by {:.1f} deg at the {}.", shafts,
-                     toDegrees(farthest), one.joints[joint].name);
+  const JointKind& kind = kindOf(one.joints[joint].type);
+  return fmt::format("record the pose with the shafts at {} rad: there the two differ by {:.1f} {} at the {}.", shafts,
+                     kind.shown(farthest / kind.counted), kind.error_unit, one.joints[joint].name);
 }
 
 }  // namespace

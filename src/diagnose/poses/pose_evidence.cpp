@@ -29,16 +29,21 @@ std::vector<std::vector<JointPosition>> predictions(const ArmModel& model, std::
   EquilibriumArm arm(model);
   std::vector<std::vector<JointPosition>> all;
   for (const Pose& pose : poses) {
-    arm.setTime(pose.time);
+    arm.setHistory(pose.time, pose.shafts_before);
     const bool stable = arm.solveFrom(pose.joints, pose.shafts).stable;
     all.push_back(stable ? arm.observe(pose.shafts, pose.shafts_before) : std::vector<JointPosition>{});
   }
   return all;
 }
 
+/// Error of a joint [rad], of a slide as it counts beside angles.
+double countedError(const Joint& joint, const JointPosition& a, const JointPosition& b) {
+  return kindOf(joint.type).counted * jointError(joint.type, a, b);
+}
+
 double largest(const ArmModel& model, const std::vector<JointPosition>& a, const std::vector<JointPosition>& b) {
   double angle = 0.0;
-  for (std::size_t j = 0; j < a.size(); ++j) angle = std::max(angle, jointError(model.joints[j].type, a[j], b[j]));
+  for (std::size_t j = 0; j < a.size(); ++j) angle = std::max(angle, countedError(model.joints[j], a[j], b[j]));
   return angle;
 }
 
@@ -47,7 +52,7 @@ std::vector<double> torquesAt(const ArmModel& model, std::span<const Pose> poses
   PotentialEnergy energy(model);
   std::vector<double> torques;
   for (const Pose& pose : poses) {
-    energy.setTime(pose.time);
+    energy.setHistory(pose.time, pose.shafts_before);
     energy.setShafts(pose.shafts);
     energy.evaluate(pose.joints);
     torques.push_back(energy.gradient().norm());
@@ -133,7 +138,7 @@ std::vector<double> squaredErrors(const ArmModel& model, std::span<const Pose> p
     double sum = 0.0;
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
       const double error =
-          predicted[p].empty() ? M_PI : jointError(model.joints[j].type, predicted[p][j], poses[p].joints[j]);
+          predicted[p].empty() ? M_PI : countedError(model.joints[j], predicted[p][j], poses[p].joints[j]);
       sum += toDegrees(error) * toDegrees(error);
     }
     errors.push_back(sum / static_cast<double>(model.joints.size()));
@@ -143,11 +148,23 @@ std::vector<double> squaredErrors(const ArmModel& model, std::span<const Pose> p
 
 namespace {
 
+/// What turns an error of the joints' coordinates into one of angles, shape (dof): 1, of a slide what it counts.
+Eigen::VectorXd countedUnits(const ArmModel& model, Eigen::Index dof) {
+  Eigen::VectorXd units = Eigen::VectorXd::Ones(dof);
+  Eigen::Index d = 0;
+  for (const Joint& joint : model.joints) {
+    units.segment(d, joint.degreesOfFreedom()).setConstant(kindOf(joint.type).counted);
+    d += joint.degreesOfFreedom();
+  }
+  return units;
+}
+
 /// Variance of each pose, mean over the joints [deg^2].
 std::vector<double> variances(PosePosterior& posterior) {
   std::vector<double> all;
+  const Eigen::VectorXd units = countedUnits(posterior.model(), posterior.degreesOfFreedom());
   for (std::size_t p = 0; p < posterior.poses().size(); ++p) {
-    const Eigen::MatrixXd root = inverse(posterior.whitening(p));
+    const Eigen::MatrixXd root = units.asDiagonal() * inverse(posterior.whitening(p));
     all.push_back((root * root.transpose()).trace() /
                   (kDegree * kDegree * static_cast<double>(posterior.model().joints.size())));
   }
@@ -162,10 +179,12 @@ PoseErrors::PoseErrors(const PoseProblem& problem, PoseFit& fit, std::span<const
   variances_ = variances(there.posterior());
   const Eigen::LLT<Eigen::MatrixXd> curvature(fit.curvature());
   const std::vector<PoseResidual>& residuals = there.posterior().evaluate(fit.z(), true);
+  const Eigen::VectorXd units = countedUnits(there.posterior().model(), there.posterior().degreesOfFreedom());
   for (std::size_t p = 0; p < poses.size(); ++p) {
     if (!residuals[p].valid) variances_[p] = std::numeric_limits<double>::infinity();
     if (!residuals[p].valid) continue;
-    const Eigen::MatrixXd jacobian = inverse(there.posterior().whitening(p)) * residuals[p].jacobian;
+    const Eigen::MatrixXd jacobian =
+        units.asDiagonal() * inverse(there.posterior().whitening(p)) * residuals[p].jacobian;
     variances_[p] += curvature.matrixL().solve(jacobian.transpose()).squaredNorm() /
                      (kDegree * kDegree * static_cast<double>(there.posterior().model().joints.size()));
   }
@@ -201,7 +220,7 @@ namespace {
 struct PoseChannels {
   std::vector<std::string> names;
   Eigen::MatrixXd values;    ///< shape (poses, channels)
-  Eigen::MatrixXd errors;    ///< shape (poses, dof), not whitened [rad]
+  Eigen::MatrixXd errors;    ///< shape (poses, dof), not whitened [rad], of slides [m]
   Eigen::MatrixXd whitened;  ///< shape (poses, dof)
   Eigen::MatrixXd missing;   ///< tension that would close the gap, shape (poses, muscles) [N]
 };
@@ -227,7 +246,7 @@ PoseChannels channelsOf(PoseFit& fit) {
     const Pose& pose = poses[at];
     channels.whitened.row(p) = residuals[at].error;
     channels.errors.row(p) = inverse(fit.posterior().whitening(at)) * residuals[at].error;
-    energy.setTime(pose.time);
+    energy.setHistory(pose.time, pose.shafts_before);
     energy.setShafts(pose.shafts);
     energy.evaluate(pose.joints);
     Eigen::Index c = 0;
@@ -285,14 +304,18 @@ std::vector<EvidenceBin> poseEvidence(PoseFit& before, PoseFit& after) {
   std::vector<EvidenceBin> bins;
   const auto errorOf = [&](const PoseChannels& channels, std::size_t joint, Eigen::Index first) {
     return Eigen::VectorXd(channels.errors.middleCols(first, joints[joint].degreesOfFreedom()).rowwise().norm() /
-                           kDegree);
+                           kindOf(joints[joint].type).error_size);
+  };
+  const auto unitOf = [&](Eigen::Index channel) -> std::string {
+    return channel == 0 ? "" : fmt::format(" [{}]", kindOf(joints[static_cast<std::size_t>(channel) - 1].type).unit);
   };
   for (Eigen::Index c = 0; c <= std::ssize(joints); ++c) {
     Eigen::Index first = 0;
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const auto at = static_cast<std::size_t>(c);
       addBins(bins,
-              fmt::format("error of {} [deg] against {}{}", joints[j].name, old.names[at], at > 0 ? " [rad]" : ""),
+              fmt::format("error of {} [{}] against {}{}", joints[j].name, kindOf(joints[j].type).error_unit,
+                          old.names[at], unitOf(c)),
               old.values.col(c), errorOf(old, j, first), errorOf(now, j, first));
       first += joints[j].degreesOfFreedom();
     }

@@ -25,7 +25,7 @@ PoseSet simulatePoses(const ArmModel& model, PoseFit& fit, std::uint64_t seed) {
   PoseSet set{"self-test", {}};
   for (std::size_t p = 0; p < poses.size(); ++p) {
     Pose pose = poses[p];
-    arm.setTime(pose.time);
+    arm.setHistory(pose.time, pose.shafts_before);
     if (!arm.solveFrom(pose.joints, pose.shafts).stable) continue;
     pose.joints = arm.observe(pose.shafts, pose.shafts_before);
     Eigen::VectorXd noise(fit.posterior().degreesOfFreedom());

@@ -65,6 +65,7 @@ CalibrationConfig CalibrationConfig::read(const YamlNode& root) {
   if (const auto starts = root.find("starts")) config.starts = static_cast<int>(starts->integer(1, 10000));
   if (const auto friction = root.find("joint_friction_in_noise")) config.noise.joint_friction = friction->boolean();
   config.noise.capture_sd = root.findQuantity("capture_sd", "rad", kPositive).value_or(config.noise.capture_sd);
+  config.noise.slide_sd = root.findQuantity("slide_sd", "m", kPositive).value_or(config.noise.slide_sd);
   root.expectAllRead();
   return config;
 }
@@ -75,7 +76,8 @@ std::string CalibrationConfig::toYaml() const {
   return text + strategyYaml(strategy) + "protocol:\n" + protocol.toYaml("  ") +
          fmt::format("evaluator: {}\noptimizer: {}\nobjective: {}\nverify: {}\nstarts: {}\n", evaluator, optimizer,
                      toString(objective), verify, starts) +
-         fmt::format("capture_sd_rad: {}\njoint_friction_in_noise: {}\n", noise.capture_sd, noise.joint_friction);
+         fmt::format("capture_sd_rad: {}\nslide_sd_m: {}\njoint_friction_in_noise: {}\n", noise.capture_sd,
+                     noise.slide_sd, noise.joint_friction);
 }
 
 }  // namespace simgap

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
@@ -13,9 +12,11 @@ namespace simgap {
 
 namespace {
 
-/// Over the joints [rad].
-double meanOf(const std::vector<double>& mje) {
-  return std::accumulate(mje.begin(), mje.end(), 0.0) / static_cast<double>(mje.size());
+/// Over the joints [rad], as counted.
+double meanOf(const std::vector<double>& mje, const PoseLayout& layout) {
+  double sum = 0.0;
+  for (std::size_t j = 0; j < mje.size(); ++j) sum += kindOf(layout.joints[j].type).counted * mje[j];
+  return sum / static_cast<double>(mje.size());
 }
 
 std::string judgeName(const CalibrationConfig& config) {
@@ -26,8 +27,9 @@ std::string judgeName(const CalibrationConfig& config) {
 std::string changeText(const ComparedErrors& errors, const PoseLayout& layout) {
   std::string text;
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
-    text += fmt::format("{}{} from {:.2f} to {:.2f} deg", j ? ", " : "", layout.joints[j].name,
-                        toDegrees(errors.before[j]), toDegrees(errors.after[j]));
+    const JointKind& kind = kindOf(layout.joints[j].type);
+    text += fmt::format("{}{} from {:.2f} to {:.2f} {}", j ? ", " : "", layout.joints[j].name,
+                        kind.shown(errors.before[j]), kind.shown(errors.after[j]), kind.error_unit);
   }
   return text;
 }
@@ -39,7 +41,7 @@ std::string worseOn(const SetResult& set, const PoseLayout& layout) {
                        set.final.valid, set.initial.valid);
   }
   const ComparedErrors errors = compareErrors(set, layout.joints.size());
-  if (!(meanOf(errors.after) > meanOf(errors.before))) return {};
+  if (!(meanOf(errors.after, layout) > meanOf(errors.before, layout))) return {};
   return fmt::format("on {} of {} {} poses the mean error went {}", errors.poses, set.set.poses.size(), set.name,
                      changeText(errors, layout));
 }

@@ -79,8 +79,11 @@ void Calibration::noteBestOf(const CmaEsGeneration& generation, const std::vecto
 void Calibration::runCmaEs(const AfterGeneration& after_generation) {
   const Stopwatch stopwatch(state_.wall);
   const ScaledParameters scaled(space_);
-  // Finite, and worse than any arm whose poses are all steady: a joint is at most pi from where it should be.
-  const double invalid = 10.0 * static_cast<double>(poses_.size() * layout_.joints.size());
+  // Finite, and worse than any arm whose poses are all steady: a joint is at most pi from where it should be, a slide
+  // some metres.
+  const bool slides = std::ranges::any_of(
+      layout_.joints, [](const JointChannel& joint) { return joint.type == JointType::kPrismatic; });
+  const double invalid = (slides ? 1e4 : 10.0) * static_cast<double>(poses_.size() * layout_.joints.size());
   const auto values = [&](const std::vector<double>& z) {
     return scaled.values(Eigen::Map<const Eigen::VectorXd>(z.data(), std::ssize(z)));
   };

@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "simgap/core/decompositions.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
@@ -27,7 +28,7 @@ std::vector<std::string> names(const ParameterSpace& space) {
   return names;
 }
 
-/// Variance of the mean of a joint's repeats, per component [rad^2].
+/// Variance of the mean of a joint's repeats, per component [rad^2], of a slide [m^2].
 double captureVariance(const Pose& pose, std::size_t joint, int components, double capture_sd) {
   // The stated noise counts as nu degrees of freedom, the spread s of n repeats as n - 1 more: (nu sd^2 + (n - 1) s^2)
   // / (nu + n - 1), over n for the mean.
@@ -36,6 +37,32 @@ double captureVariance(const Pose& pose, std::size_t joint, int components, doub
   const double variance = (kCaptureFreedom * capture_sd * capture_sd + freedom * spread * spread / components) /
                           (kCaptureFreedom + freedom);
   return variance / pose.repeats;
+}
+
+/// Moves of an arm with coupled joints: q = T q + offset, where followers take the place of their leaders' moves and
+/// have none of their own. Shape (dof, dof); empty without couplings.
+Eigen::MatrixXd couplingsOf(const ArmModel& model, const PotentialEnergy& energy) {
+  if (std::ranges::none_of(model.joints, &Joint::follows)) return {};
+  const int n = energy.degreesOfFreedom();
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Identity(n, n);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (!joint.follows()) continue;
+    const int d = energy.firstDof(static_cast<int>(j));
+    moves(d, d) = 0.0;
+    moves(d, energy.firstDof(joint.leader)) = joint.coupling_ratio;
+  }
+  return moves;
+}
+
+/// H^-1 for torques on an arm whose joints may be coupled: T (T^T H T)^-1 T^T.
+Eigen::MatrixXd complianceOf(const Eigen::MatrixXd& hessian, const Eigen::MatrixXd& moves) {
+  if (moves.size() == 0) return inverse(hessian);
+  Eigen::MatrixXd folded = moves.transpose() * hessian * moves;
+  for (Eigen::Index d = 0; d < folded.rows(); ++d) {
+    if (moves(d, d) == 0.0) folded(d, d) = 1.0;
+  }
+  return moves * inverse(folded) * moves.transpose();
 }
 
 }  // namespace
@@ -124,6 +151,7 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
   setParameters(z);
   const int n = arm_.energy().degreesOfFreedom();
   PotentialEnergy energy(model_);
+  const Eigen::MatrixXd moves = couplingsOf(model_, energy);
   Eigen::VectorXd friction(n), capture(n);
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {
@@ -135,14 +163,14 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
       friction.segment(energy.firstDof(static_cast<int>(j)), components)
           .setConstant(coulomb * coulomb / (components + 2));
       capture.segment(energy.firstDof(static_cast<int>(j)), components)
-          .setConstant(captureVariance(poses_[p], j, components, noise_.capture_sd));
+          .setConstant(captureVariance(poses_[p], j, components, noise_.sdOf(joint.type)));
     }
-    energy.setTime(poses_[p].time);
+    energy.setHistory(poses_[p].time, poses_[p].shafts_before);
     energy.setShafts(poses_[p].shafts);
     energy.evaluate(poses_[p].joints);
     stiffness_[p] = energy.hessian();
     // A torque tau moves the equilibrium by H^-1 tau: cov = C + H^-1 T H^-1 = L L^T, whitened by L^-1.
-    const Eigen::MatrixXd compliance = inverse(energy.hessian());
+    const Eigen::MatrixXd compliance = complianceOf(energy.hessian(), moves);
     const Eigen::MatrixXd covariance =
         Eigen::MatrixXd(capture.asDiagonal()) + compliance * friction.asDiagonal() * compliance.transpose();
     whitening_[p] = covariance.llt().matrixL().solve(Eigen::MatrixXd::Identity(n, n));
@@ -174,7 +202,7 @@ const std::vector<PoseResidual>& PosePosterior::evaluate(const Eigen::VectorXd& 
 void PosePosterior::evaluatePose(EquilibriumArm& arm, std::size_t p, const Eigen::VectorXd& z, bool jacobian) {
   const Pose& pose = poses_[p];
   PoseResidual& residual = residuals_[p];
-  arm.setTime(pose.time);
+  arm.setHistory(pose.time, pose.shafts_before);
   // Most poses are near the measured one. Where no way leads down from there, the arm comes from its rest, as it did.
   residual.valid = arm.solveFrom(pose.joints, pose.shafts).stable || arm.solve(pose.shafts).stable;
   if (!residual.valid) return;
@@ -210,9 +238,10 @@ void PosePosterior::measureError(const Pose& pose, const std::vector<JointPositi
 const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::VectorXd& z, double sd) {
   setParameters(z);
   PotentialEnergy energy(model_);
+  const Eigen::MatrixXd moves = couplingsOf(model_, energy);
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     PoseResidual& residual = residuals_[p];
-    energy.setTime(poses_[p].time);
+    energy.setHistory(poses_[p].time, poses_[p].shafts_before);
     energy.setShafts(poses_[p].shafts);
     energy.evaluate(poses_[p].joints);
     energy.differentiate(static_parameters_, residual.jacobian);
@@ -220,7 +249,16 @@ const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::Vec
     // At the measured joints the torque dV/dq should vanish. A capture error of sd moves it by H sd, friction holds
     // torques within its ball: cov = sd^2 H H^T + tau_c^2 / (n + 2).
     residual.error = energy.gradient();
-    Eigen::MatrixXd covariance = sd * sd * stiffness_[p] * stiffness_[p].transpose();
+    Eigen::MatrixXd moved = stiffness_[p];  // torques of a capture error
+    if (moves.size() > 0) {
+      residual.error = moves.transpose() * residual.error;
+      residual.jacobian = moves.transpose() * residual.jacobian;
+      moved = moves.transpose() * moved * moves;
+    }
+    for (std::size_t j = 0; j < model_.joints.size(); ++j) {
+      if (model_.joints[j].slides()) moved.col(energy.firstDof(static_cast<int>(j))) *= kSlideLever;
+    }
+    Eigen::MatrixXd covariance = sd * sd * moved * moved.transpose();
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {
       const Joint& joint = model_.joints[j];
       const int components = joint.degreesOfFreedom();
@@ -228,7 +266,7 @@ const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::Vec
       covariance.diagonal().segment(d, components).array() +=
           joint.coulomb_friction * joint.coulomb_friction / (components + 2) + kSmallestTorque * kSmallestTorque;
       const double angle = poses_[p].joints[j].angle;
-      const double near = kNearStop * noise_.capture_sd;
+      const double near = kNearStop * noise_.sdOf(joint.type);
       if (joint.hasAxis() && ((angle < joint.lower_limit + near && residual.error[d] > 0.0) ||
                               (angle > joint.upper_limit - near && residual.error[d] < 0.0))) {
         residual.error[d] = 0.0;  // the stop holds it

@@ -80,7 +80,7 @@ bool Joint::operator==(const Joint& other) const {
                       j.viscous_friction, j.spring_stiffness, j.spring_rest, j.leader, j.coupling_ratio,
                       j.coupling_offset);
   };
-  return numbers(*this) == numbers(other) && parent_position == other.parent_position &&
+  return numbers(*this) == numbers(other) && stop == other.stop && parent_position == other.parent_position &&
          child_position == other.child_position && axis == other.axis && orientations(*this) == orientations(other);
 }
 

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/model/arm/tendon_path.h"
+
 namespace simgap {
 namespace {
 
@@ -16,6 +18,10 @@ std::string_view groupOf(Target target) {
     case Target::kMuscle:
     case Target::kMuscleOrAll:
       return "muscle";
+    case Target::kLine:
+      return "line";
+    case Target::kTendon:
+      return "tendon";
     case Target::kBody:
     case Target::kMovingBody:
       return "body";
@@ -35,7 +41,12 @@ int indexOf(const Items& items, std::string_view name) {
 
 int targetIndex(const ArmEffect& effect, const ArmModel& model, std::string_view target) {
   const std::string_view group = groupOf(effect.target);
-  if (group == "muscle") return indexOf(model.muscles, target);
+  const int muscle = group == "muscle" || group == "line" ? indexOf(model.muscles, target) : -1;
+  if (muscle >= 0) return muscle;
+  if (group == "line" || group == "tendon") {
+    const int tendon = indexOf(model.tendons, target);
+    return tendon < 0 ? -1 : static_cast<int>(model.muscles.size()) + tendon;
+  }
   if (group == "body") return indexOf(model.bodies, target);
   if (group == "joint") return indexOf(model.joints, target);
   return -1;
@@ -67,8 +78,11 @@ std::vector<std::string> effectTargets(const ArmEffect& effect, const ArmModel& 
   std::vector<std::string> targets;
   const std::string_view group = groupOf(effect.target);
   if (group.empty() || effect.target == Target::kMuscleOrAll) targets.emplace_back();
-  if (group == "muscle") {
+  if (group == "muscle" || group == "line") {
     for (const Muscle& muscle : model.muscles) targets.push_back(muscle.name);
+  }
+  if (group == "tendon" || group == "line") {
+    for (const PassiveTendon& tendon : model.tendons) targets.push_back(tendon.name);
   } else if (group == "joint") {
     for (const Joint& joint : model.joints) targets.push_back(joint.name);
   } else if (group == "body") {
@@ -79,15 +93,44 @@ std::vector<std::string> effectTargets(const ArmEffect& effect, const ArmModel& 
   return targets;
 }
 
-std::vector<int> jointsCrossed(const ArmModel& model, const Muscle& muscle) {
-  std::vector<int> up = jointsAbove(model, muscle.attachments[0].body);
-  std::vector<int> down = jointsAbove(model, muscle.attachments[1].body);
+const TendonPath& lineOf(const ArmModel& model, int line) {
+  const int muscles = static_cast<int>(model.muscles.size());
+  if (line < muscles) return model.muscles[line];
+  return model.tendons[line - muscles];
+}
+
+std::vector<int> jointsCrossed(const ArmModel& model, const TendonPath& line) {
+  std::vector<int> up = jointsAbove(model, line.attachments[0].body);
+  std::vector<int> down = jointsAbove(model, line.attachments[1].body);
   while (!up.empty() && !down.empty() && up.back() == down.back()) {
     up.pop_back();
     down.pop_back();
   }
   up.insert(up.end(), down.rbegin(), down.rend());
   return up;
+}
+
+bool wrapsAsSurface(const ArmModel& model, int line) {
+  return line >= std::ssize(model.muscles) || !lineOf(model, line).straight() ||
+         std::ranges::any_of(model.joints, &Joint::slides);
+}
+
+int freeStretchOver(const ArmModel& model, const TendonPath& line, int joint) {
+  const auto below = [&](int body) {
+    const std::vector<int> above = jointsAbove(model, body);
+    return std::ranges::find(above, joint) != above.end();
+  };
+  const std::vector<PathStretch> stretches = partsOf(line).stretches;
+  const auto found = std::ranges::find_if(stretches, [&](const PathStretch& stretch) {
+    return stretch.over < 0 && below(stretch.ends[0].body) != below(stretch.ends[1].body);
+  });
+  return found == stretches.end() ? -1 : static_cast<int>(found - stretches.begin());
+}
+
+int restLengthOf(const PassiveTendon& tendon) {
+  const auto& known = tendon.kind->parameters;
+  const auto found = std::ranges::find(known, "rest_length", &TendonParameter::name);
+  return found == known.end() ? -1 : static_cast<int>(found - known.begin());
 }
 
 std::string extensionLabel(const Extension& extension) {
@@ -117,7 +160,8 @@ std::string checkExtension(Extension& extension, const ArmModel& model) {
   if (std::ranges::find(targets, extension.target) == targets.end()) {
     const std::string_view group = groupOf(effect->target);
     if (group.empty()) return fmt::format("found the target '{}', {} has none", extension.target, effect->name);
-    return fmt::format("found the target '{}' of {}, expected the name of a {}", extension.target, effect->name, group);
+    return fmt::format("found the target '{}' of {}, expected the name of a {}", extension.target, effect->name,
+                       group == "line" ? "muscle or tendon" : group);
   }
   std::vector<Estimate> ordered;
   EffectParameters p{};
@@ -158,10 +202,37 @@ Extension makeExtension(const ArmEffect& effect, const std::string& target, cons
   return extension;
 }
 
+namespace {
+
+/// A sphere about the centre of the joint on the way of a line.
+void wrapLine(const EffectParameters& p, int line, ArmModel& model) {
+  const bool motorised = line < std::ssize(model.muscles);
+  TendonPath& path = motorised ? static_cast<TendonPath&>(model.muscles[line])
+                               : model.tendons[line - static_cast<int>(model.muscles.size())];
+  const int obstacle = jointsCrossed(model, path)[static_cast<std::size_t>(std::lround(p[1])) - 1];
+  const Joint& joint = model.joints[obstacle];
+  const int stretch = freeStretchOver(model, path, obstacle);
+  Body& body = model.bodies[joint.child];
+  path.wrap = TendonPath::Wrap{stretch, joint.child, static_cast<int>(body.surfaces.size())};
+  Surface sphere;
+  sphere.name = "wrap";
+  sphere.shape = Surface::Shape::kSphere;
+  sphere.radius = p[0];
+  sphere.position = joint.child_position;
+  body.surfaces.push_back(sphere);
+}
+
+}  // namespace
+
 void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model) {
   for (const auto& [effect, target, p] : extensions) {
     if (effect->gravity) model.gravity = effect->gravity(p, model.gravity).gravity;
     if (effect->joint_shift) model.joints[target].parent_position += effect->joint_shift(p);
+    if (effect->path && wrapsAsSurface(model, target)) wrapLine(p, target, model);
+    if (effect->rest_shift) {
+      PassiveTendon& tendon = model.tendons[target - static_cast<int>(model.muscles.size())];
+      tendon.p[static_cast<std::size_t>(restLengthOf(tendon))] += effect->rest_shift(p);
+    }
     if (!effect->mass) continue;
     constexpr double kRadius = 0.005;  // [m]: small, for a simulation that asks for its inertia
     const PointMass mass = effect->mass(p);

@@ -82,12 +82,12 @@ Muscle readMuscle(const YamlNode& node, const ArmModel& model, const YamlNode& r
 
 }  // namespace
 
-ArmModel readArm(const YamlNode& root) {
+ArmModel readArm(const YamlNode& root, const MeshReader& mesh) {
   ArmModel model;
   const bool second_version = root.at("format").oneOf({"simgap/arm/1", "simgap/arm/2"}) == "simgap/arm/2";
   model.name = root.at("name").text();
   model.gravity = root.vectorQuantity("gravity", "m_s2");
-  const Places places = readBodiesAndJoints(root, model, second_version);
+  const Places places = readBodiesAndJoints(root, model, second_version, mesh);
   if (const auto node = root.find("motor_defaults")) model.motor_defaults = readMotor(*node, nullptr);
   if (const auto node = root.find("gearbox_defaults")) model.gearbox_defaults = readGearbox(*node, nullptr);
   std::set<std::string> names;

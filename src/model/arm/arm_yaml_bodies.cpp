@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "arm_yaml_parts.h"
+#include "simgap/model/solids/mesh.h"
 
 namespace simgap::arm_yaml {
 namespace {
@@ -78,12 +79,36 @@ void readSize(const YamlNode& node, Part& part) {
   }
 }
 
-Part readPart(const YamlNode& node, std::set<std::string>& names, bool second_version) {
+/// What a solid weighs becomes a stated inertia: the model stands in one file.
+void readMeshPart(const YamlNode& node, const MeshReader& read, Part& part) {
+  if (!read) {
+    node.at("shape").fail("found a mesh, expected its mass and inertia: 'simgap convert FILE NEW.yaml' works them out");
+  }
+  const std::string file = node.at("file").text();
+  Mesh mesh = readMesh(read(file), file);
+  const auto scale = node.find("scale");
+  for (Eigen::Vector3d& point : mesh.points) point *= scale ? scale->number(kPositive) : 1.0;
+  const MeshVolume solid = volumeOf(mesh, file);
+  const auto density = node.findQuantity("density", "kg_m3", kPositive);
+  if (density && node.hasQuantity("mass", "kg")) node.fail("found both a mass and a density, expected one of them");
+  const Eigen::Matrix3d turn = readOrientation(node, "").toRotationMatrix();
+  part.shape = Part::Shape::kInertia;
+  part.mass = density ? *density * solid.volume : node.quantity("mass", "kg", kPositive);
+  part.position = node.vectorQuantity("position", "m") + turn * solid.centre;
+  part.inertia = turn * solid.inertia(part.mass) * turn.transpose();
+}
+
+Part readPart(const YamlNode& node, std::set<std::string>& names, bool second_version, const MeshReader& mesh) {
   Part part;
   part.name = readName(node, names);
   std::vector<std::string> shapes = {"sphere", "cylinder", "box"};
-  if (second_version) shapes.insert(shapes.end(), {"capsule", "ellipsoid", "inertia"});
-  part.shape = kShapes.at(node.at("shape").oneOf(shapes));
+  if (second_version) shapes.insert(shapes.end(), {"capsule", "ellipsoid", "inertia", "mesh"});
+  const std::string shape = node.at("shape").oneOf(shapes);
+  if (shape == "mesh") {
+    readMeshPart(node, mesh, part);
+    return part;
+  }
+  part.shape = kShapes.at(shape);
   readSize(node, part);
   part.position = node.vectorQuantity("position", "m");
   const bool turns = part.shape == Part::Shape::kBox || part.shape == Part::Shape::kEllipsoid;
@@ -108,7 +133,7 @@ Surface readSurface(const YamlNode& node, std::set<std::string>& names) {
 
 }  // namespace
 
-Body readBodyEntry(const YamlNode& node, std::set<std::string>& names, bool second_version) {
+Body readBodyEntry(const YamlNode& node, std::set<std::string>& names, bool second_version, const MeshReader& mesh) {
   Body body;
   body.name = readName(node, names);
   if (const auto fixed = node.find("fixed")) body.fixed = fixed->boolean();
@@ -116,7 +141,7 @@ Body readBodyEntry(const YamlNode& node, std::set<std::string>& names, bool seco
   const auto parts = node.find("parts");
   if (!parts && !body.fixed && !second_version) node.fail("a body that moves needs 'parts' (mass > 0)");
   if (parts) {
-    for (const YamlNode& part : parts->items()) body.parts.push_back(readPart(part, own_names, second_version));
+    for (const YamlNode& part : parts->items()) body.parts.push_back(readPart(part, own_names, second_version, mesh));
     if (body.parts.empty() && !body.fixed) parts->fail("found no part, expected at least one (mass > 0)");
   }
   if (const auto surfaces = second_version ? node.find("surfaces") : std::nullopt) {

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "arm_yaml_parts.h"
 #include "simgap/core/joint_kind.h"
@@ -38,6 +39,24 @@ void readLimits(const YamlNode& node, Joint& joint) {
   }
 }
 
+void readStop(const YamlNode& node, Joint& joint) {
+  if (joint.hasAxis())
+    node.fail("expected lower_limit and upper_limit: swing and twist are those of a spherical joint");
+  joint.axis = readAxis(node.at("axis"));
+  const Range angle{0.0, std::numbers::pi, true, "an angle between 0 and pi"};
+  BallStop& stop = joint.stop;
+  stop.swing = node.findQuantity("swing", "rad", angle).value_or(stop.swing);
+  stop.lower_twist = node.findQuantity("lower_twist", "rad").value_or(stop.lower_twist);
+  stop.upper_twist = node.findQuantity("upper_twist", "rad").value_or(stop.upper_twist);
+  if (stop.lower_twist > stop.upper_twist) {
+    node.fail(fmt::format("lower_twist_rad {} is above upper_twist_rad {}", stop.lower_twist, stop.upper_twist));
+  }
+  if (stop.swing > angle.upper && stop.lower_twist < -angle.upper && stop.upper_twist > angle.upper) {
+    node.fail("found no limit, expected swing_rad, lower_twist_rad or upper_twist_rad");
+  }
+  stop.stiffness = node.quantity("stiffness", "Nm_rad", kPositive);
+}
+
 /// What `simgap/arm/2` adds to a joint that moves.
 void readSpringAndLeader(Entry& entry) {
   Joint& joint = entry.joint;
@@ -45,6 +64,7 @@ void readSpringAndLeader(Entry& entry) {
     joint.spring_stiffness = spring->quantity("stiffness", jointUnit(joint, "Nm_rad"), kPositive);
     if (joint.hasAxis()) joint.spring_rest = spring->findQuantity("rest", jointUnit(joint, "rad")).value_or(0.0);
   }
+  if (const auto limits = entry.node.find("limits")) readStop(*limits, joint);
   if (const auto follows = entry.node.find("follows")) {
     if (!joint.hasAxis()) follows->fail("a spherical joint follows no other: expected a revolute or prismatic one");
     entry.leader = follows->at("joint").text();
@@ -278,10 +298,10 @@ static bool carriesMass(const ArmModel& model, const Body& body) {
   });
 }
 
-Places readBodiesAndJoints(const YamlNode& root, ArmModel& model, bool second_version) {
+Places readBodiesAndJoints(const YamlNode& root, ArmModel& model, bool second_version, const MeshReader& mesh) {
   std::set<std::string> names;
   const std::vector<YamlNode> body_nodes = root.at("bodies").items();
-  for (const YamlNode& body : body_nodes) model.bodies.push_back(readBodyEntry(body, names, second_version));
+  for (const YamlNode& body : body_nodes) model.bodies.push_back(readBodyEntry(body, names, second_version, mesh));
   const YamlNode joints = root.at("joints");
   std::set<std::string> joint_names;
   std::vector<Entry> entries;

@@ -9,6 +9,7 @@
 
 #include "simgap/core/yaml.h"
 #include "simgap/model/arm/arm.h"
+#include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap::arm_yaml {
 
@@ -28,9 +29,9 @@ Eigen::Quaterniond readOrientation(const YamlNode& node, const std::string& stem
 /// A joint's quantities have other units where it slides: joint_unit(j, "Nm") is "N".
 std::string_view jointUnit(const Joint& joint, std::string_view unit);
 
-Body readBodyEntry(const YamlNode& node, std::set<std::string>& names, bool second_version);
+Body readBodyEntry(const YamlNode& node, std::set<std::string>& names, bool second_version, const MeshReader& mesh);
 /// Bodies and joints as a forest rooted in fixed bodies; bodies of fixed joints are welded to their parents.
-Places readBodiesAndJoints(const YamlNode& root, ArmModel& model, bool second_version);
+Places readBodiesAndJoints(const YamlNode& root, ArmModel& model, bool second_version, const MeshReader& mesh);
 TendonPath readPath(const YamlNode& node, const ArmModel& model, const Places& places, bool second_version);
 PassiveTendon readTendon(const YamlNode& node, const ArmModel& model, const Places& places,
                          std::set<std::string>& names);

@@ -66,6 +66,14 @@ std::string body(const Body& b) {
   return text;
 }
 
+std::string stop(const BallStop& s) {
+  std::string text;
+  if (s.swing < Joint::kUnlimited) text += fmt::format(", swing_rad: {}", s.swing);
+  if (s.lower_twist > -Joint::kUnlimited) text += fmt::format(", lower_twist_rad: {}", s.lower_twist);
+  if (s.upper_twist < Joint::kUnlimited) text += fmt::format(", upper_twist_rad: {}", s.upper_twist);
+  return text + fmt::format(", stiffness_Nm_rad: {}", s.stiffness);
+}
+
 std::string springAndLeader(const Joint& j, const ArmModel& model) {
   const auto unit = [&](std::string_view name) { return arm_yaml::jointUnit(j, name); };
   std::string text;
@@ -75,6 +83,7 @@ std::string springAndLeader(const Joint& j, const ArmModel& model) {
     text += fmt::format(", spring: {{stiffness_{}: {}", unit("Nm_rad"), j.spring_stiffness);
     text += j.hasAxis() ? fmt::format(", rest_{}: {}}}", unit("rad"), j.spring_rest) : "}";
   }
+  if (j.stop.stiffness > 0.0) text += ", limits: {axis: " + vector(j.axis) + stop(j.stop) + "}";
   if (j.follows()) {
     text += fmt::format(", follows: {{joint: {}, ratio: {}, offset_{}: {}}}", yamlText(model.joints[j.leader].name),
                         j.coupling_ratio, unit("rad"), j.coupling_offset);

@@ -1,5 +1,6 @@
 #include "simgap/model/arm/muscle_line.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "simgap/model/arm/arm_effect.h"
@@ -29,8 +30,15 @@ std::vector<Eigen::Vector3d> bentLine(const Eigen::Vector3d& from, const Eigen::
 std::vector<Eigen::Vector3d> muscleLine(const ArmModel& model, std::size_t m, const std::vector<BodyInWorld>& bodies) {
   const Muscle& muscle = model.muscles[m];
   std::vector<Eigen::Vector3d> points;
-  if (!muscle.straight()) {  // branches one after the other
-    for (const auto& branch : tendonPoints(model, muscle, bodies))
+  if (wrapsAsSurface(model, static_cast<int>(m))) {  // branches one after the other
+    ArmModel wrapped;
+    const std::vector<ArmExtension> extensions = resolveExtensions(model);
+    const bool bends = std::ranges::any_of(extensions, [&](const ArmExtension& extension) {
+      return extension.effect->path && extension.on(static_cast<int>(m));
+    });
+    if (bends) applyToModel(extensions, wrapped = model);
+    const ArmModel& shaped = bends ? wrapped : model;
+    for (const auto& branch : tendonPoints(shaped, shaped.muscles[m], bodies))
       points.insert(points.end(), branch.begin(), branch.end());
     return points;
   }

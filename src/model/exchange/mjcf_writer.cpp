@@ -123,8 +123,13 @@ class MjcfWriter {
     for (std::size_t i = link.joints.size(); i-- > 1;) {
       in_link[i - 1] = in_link[i] * drawnPose(model_.joints[link.joints[i]]).inverse();
     }
-    for (std::size_t i = 0; i < link.joints.size(); ++i)
-      text += joint(model_.joints[link.joints[i]], in_link[i], inner);
+    for (std::size_t i = 0; i < link.joints.size(); ++i) {
+      const Joint& moving = model_.joints[link.joints[i]];
+      text += joint(moving, in_link[i], inner);
+      if (moving.stop.stiffness <= 0.0) continue;
+      remarks_.add(fmt::format("limits of joint '{}'", moving.name),
+                   "left out: MuJoCo's balls have no swing and twist");
+    }
     text += inertial(link.body, inner);
     text += content(link.body, Eigen::Isometry3d::Identity(), inner);
     text += children({link.body}, Eigen::Isometry3d::Identity(), inner);

@@ -145,6 +145,9 @@ class UrdfWriter {
   std::string ball(const Joint& joint) {
     remarks_.add(fmt::format("ball '{}'", joint.name),
                  "three hinges about x, y and z, in this order: URDF has no ball; two of its links have no mass");
+    if (joint.stop.stiffness > 0.0) {
+      remarks_.add(fmt::format("limits of joint '{}'", joint.name), "left out: its three hinges turn freely");
+    }
     if (joint.spring_stiffness > 0.0) {
       remarks_.add(fmt::format("spring of joint '{}'", joint.name), "left out: URDF has no joint springs");
     }

@@ -42,13 +42,17 @@ Json parametersJson(const CalibrationResult& result) {
 }  // namespace
 
 Json toJson(const CalibrationResult& result) {
-  Json mje = Json::object(), paper = Json::object(), valid = Json::object();
+  Json mje = Json::object(), valid = Json::object();
   for (const SetResult& set : result.sets) {
     const ComparedErrors errors = compareErrors(set, result.layout.joints.size());
-    mje[set.name] = {{"initial", mjeJson(result.layout, errors.before)},
-                     {"final", mjeJson(result.layout, errors.after)}};
-    paper[set.name] = {{"initial", mjeJson(result.layout, paperAngles(result.layout, errors.before))},
-                       {"final", mjeJson(result.layout, paperAngles(result.layout, errors.after))}};
+    for (const std::string& unit : errorUnits(result.layout)) {
+      const auto both = [&](const std::vector<double>& before, const std::vector<double>& after) -> Json {
+        return {{"initial", mjeJson(result.layout, before, unit)}, {"final", mjeJson(result.layout, after, unit)}};
+      };
+      mje["mje_" + unit][set.name] = both(errors.before, errors.after);
+      mje["paper_mje_" + unit][set.name] =
+          both(paperAngles(result.layout, errors.before), paperAngles(result.layout, errors.after));
+    }
     valid[set.name] = {{"initial", set.initial.valid},
                        {"final", set.final.valid},
                        {"compared", errors.poses},
@@ -61,8 +65,8 @@ Json toJson(const CalibrationResult& result) {
                {"optimizer", result.config.optimizer},
                {"evaluator", result.config.evaluator},
                {"objective", result.config.usesPosterior() ? "posterior" : toString(result.config.objective)},
-               {"mje_deg", mje},
-               {"paper_mje_deg", paper},
+               {"mje_deg", mje.at("mje_deg")},
+               {"paper_mje_deg", mje.at("paper_mje_deg")},
                {"valid_poses", valid},
                {"capture_sd_deg", toDegrees(result.config.noise.capture_sd)},
                {"fitness",
@@ -75,6 +79,7 @@ Json toJson(const CalibrationResult& result) {
                {"stop_reason", toString(result.state.strategy.stop)},
                {"seed", result.config.strategy.seed},
                {"parameters", parametersJson(result)}};
+  json.update(mje);
   json.update(verificationJson(result));
   json.update(uncertaintyJson(result));
   return json;
@@ -83,14 +88,15 @@ Json toJson(const CalibrationResult& result) {
 std::string historyCsv(const CalibrationResult& result) {
   std::vector<std::string> header{"generation", "best_rad2",    "median_rad2", "best_so_far_rad2",
                                   "sigma_min",  "sigma_median", "sigma_max",   "invalid"};
-  for (const JointChannel& joint : result.layout.joints) header.push_back("mje_" + joint.name + "_deg");
+  for (const JointChannel& joint : result.layout.joints)
+    header.push_back(fmt::format("mje_{}_{}", joint.name, kindOf(joint.type).error_unit));
   CsvWriter csv(header);
   const auto number = [&csv](double value) { std::isfinite(value) ? csv.add(value) : csv.add(""); };
   for (const GenerationRecord& r : result.state.history) {
     csv.add(r.generation);
     for (const double fitness : {r.best, r.median, r.best_so_far}) number(fitness);
     csv.add(r.sigma_min).add(r.sigma_median).add(r.sigma_max).add(r.invalid);
-    for (const double mje : r.mje) number(toDegrees(mje));
+    for (std::size_t j = 0; j < r.mje.size(); ++j) number(kindOf(result.layout.joints[j].type).shown(r.mje[j]));
     csv.endRow();
   }
   return csv.text();
@@ -105,13 +111,14 @@ std::string parametersCsv(const CalibrationResult& result) {
 std::string errorsCsv(const CalibrationResult& result) {
   std::vector<std::string> header{"set", "pose", "status_before", "status_after"};
   for (const JointChannel& joint : result.layout.joints) {
-    header.push_back(joint.name + "_error_before_deg");
-    header.push_back(joint.name + "_error_after_deg");
+    for (const char* when : {"before", "after"}) {
+      header.push_back(fmt::format("{}_error_{}_{}", joint.name, when, kindOf(joint.type).error_unit));
+    }
   }
   header.push_back("slack_muscles_after");
   CsvWriter csv(header);
-  const auto error = [&csv](const std::vector<double>& errors, std::size_t joint) {
-    errors.empty() ? csv.add("") : csv.add(toDegrees(errors[joint]));
+  const auto error = [&](const std::vector<double>& errors, std::size_t joint) {
+    errors.empty() ? csv.add("") : csv.add(kindOf(result.layout.joints[joint].type).shown(errors[joint]));
   };
   for (const SetResult& set : result.sets) {
     for (std::size_t p = 0; p < set.set.poses.size(); ++p) {

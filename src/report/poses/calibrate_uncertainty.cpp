@@ -31,9 +31,13 @@ Json uncertaintyJson(const CalibrationResult& result) {
   }
   Json verdicts = Json::object();
   for (const Verdict verdict : kVerdicts) verdicts[std::string(toString(verdict))] = count(uncertainty, verdict);
-  Json predicted = {{"unseen", predictionJson(result.layout, result.predicted_unseen)}};
-  for (const SetResult& set : result.sets) {
-    if (set.predicted) predicted[set.name] = predictionJson(result.layout, *set.predicted);
+  Json predicted = Json::object();
+  for (const std::string& unit : errorUnits(result.layout)) {
+    Json& sets = predicted["predicted_mje_" + unit];
+    sets["unseen"] = predictionJson(result.layout, result.predicted_unseen, unit);
+    for (const SetResult& set : result.sets) {
+      if (set.predicted) sets[set.name] = predictionJson(result.layout, *set.predicted, unit);
+    }
   }
   Json outlying = Json::array();
   for (std::size_t p = 0; p < uncertainty.distances.size(); ++p) {
@@ -44,8 +48,9 @@ Json uncertaintyJson(const CalibrationResult& result) {
   known.update({{"identifiability", verdicts},
                 {"combinations", combinations},
                 {"singular_values", uncertainty.singular_values},
-                {"predicted_mje_deg", predicted},
+                {"predicted_mje_deg", predicted.at("predicted_mje_deg")},
                 {"outlying_poses", outlying}});
+  known.update(predicted);
   return known;
 }
 
@@ -85,14 +90,17 @@ Json verificationJson(const CalibrationResult& result) {
   Json sets = Json::object();
   for (const SetResult& set : result.sets) {
     if (!set.searched) continue;
-    Json mean = Json::object(), largest = Json::object();
+    std::vector<double> mean, largest;
     for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
       const PoseDifference difference = poseDifference(set, result.layout, j);
-      mean[result.layout.joints[j].name] = numberOrNull(toDegrees(difference.mean));
-      largest[result.layout.joints[j].name] = numberOrNull(toDegrees(difference.largest));
+      mean.push_back(difference.mean);
+      largest.push_back(difference.largest);
     }
-    sets[set.name] = {{"mje_deg", mjeJson(result.layout, set.searched->mje)},
-                      {"difference_deg", {{"mean", mean}, {"largest", largest}}}};
+    for (const std::string& unit : errorUnits(result.layout)) {
+      sets[set.name]["mje_" + unit] = mjeJson(result.layout, set.searched->mje, unit);
+      sets[set.name]["difference_" + unit] = {{"mean", mjeJson(result.layout, mean, unit)},
+                                              {"largest", mjeJson(result.layout, largest, unit)}};
+    }
   }
   if (sets.empty()) return Json::object();
   return {

@@ -15,19 +15,23 @@ Json toJson(const DesignResult& result) {
     for (std::size_t m = 0; m < result.model.muscles.size(); ++m) {
       shafts[result.model.muscles[m].name] = result.design.poses[k].shafts[m];
     }
-    poses.push_back({{"pose", result.design.poses[k].name},
-                     {"shaft_rad", shafts},
-                     {"predicted_mje_deg", predictionJson(layout, result.design.after[k])}});
+    Json pose = {{"pose", result.design.poses[k].name}, {"shaft_rad", shafts}};
+    for (const std::string& unit : errorUnits(layout)) {
+      pose["predicted_mje_" + unit] = predictionJson(layout, result.design.after[k], unit);
+    }
+    poses.push_back(std::move(pose));
   }
-  return {{"format", "simgap/design/1"},
-          {"recorded", result.recorded.poses.size()},
-          {"candidates", result.options.candidates},
-          {"criterion", result.options.criterion == DesignCriterion::kInformation ? "information" : "prediction"},
-          {"predicted_mje_deg",
-           {{"before", predictionJson(layout, result.design.before)},
-            {"after", predictionJson(layout, result.design.after.back())},
-            {"after_random", predictionJson(layout, result.design.after_random)}}},
-          {"poses", poses}};
+  Json json = {{"format", "simgap/design/1"},
+               {"recorded", result.recorded.poses.size()},
+               {"candidates", result.options.candidates},
+               {"criterion", result.options.criterion == DesignCriterion::kInformation ? "information" : "prediction"}};
+  for (const std::string& unit : errorUnits(layout)) {
+    json["predicted_mje_" + unit] = {{"before", predictionJson(layout, result.design.before, unit)},
+                                     {"after", predictionJson(layout, result.design.after.back(), unit)},
+                                     {"after_random", predictionJson(layout, result.design.after_random, unit)}};
+  }
+  json["poses"] = poses;
+  return json;
 }
 
 std::string nextPosesCsv(const DesignResult& result) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pose_tables.h"
+
 namespace simgap {
 namespace {
 
@@ -18,9 +20,16 @@ std::string shownName(const std::string& state) { return state.empty() ? "simula
 
 PoseErrorTables::PoseErrorTables(const CsvTable& table, std::vector<std::string> states, std::string set)
     : states_(std::move(states)) {
-  const std::string ending = "_error" + suffix(states_.back()) + "_deg";
+  std::vector<std::pair<std::string, std::string>> columns;  // joint and unit
+  const std::string ending = "_error" + suffix(states_.back());
   for (const std::string& column : table.columns()) {
-    if (column.ends_with(ending)) joints_.push_back(column.substr(0, column.size() - ending.size()));
+    for (const auto& [unit, type] :
+         {std::pair{"_deg", JointType::kRevolute}, std::pair{"_mm", JointType::kPrismatic}}) {
+      if (!column.ends_with(ending + unit)) continue;
+      const std::string joint = column.substr(0, column.size() - ending.size() - std::string_view(unit).size());
+      joints_.push_back(jointLabel({joint, type}));
+      columns.push_back({joint, unit});
+    }
   }
   const std::vector<std::string> poses = table.text("pose");
   const std::vector<std::string> slack = table.text("slack_muscles" + suffix(states_.back()));
@@ -32,8 +41,8 @@ PoseErrorTables::PoseErrorTables(const CsvTable& table, std::vector<std::string>
       rows_[i].status.push_back(status[i]);
       rows_[i].errors.emplace_back();
     }
-    for (const std::string& joint : joints_) {
-      const std::vector<double> errors = numbersOf(table, joint + "_error" + suffix(state) + "_deg");
+    for (const auto& [joint, unit] : columns) {
+      const std::vector<double> errors = numbersOf(table, joint + "_error" + suffix(state) + unit);
       for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].errors.back().push_back(errors[i]);
     }
   }
@@ -91,7 +100,9 @@ std::vector<PoseErrorTables::Row> PoseErrorTables::worstFirst() const {
 std::string PoseErrorTables::said(const Row& row, std::size_t state) const {
   std::string text;
   for (std::size_t j = 0; j < joints_.size(); ++j) {
-    text += fmt::format("{}{} {}°", j ? ", " : "", joints_[j], degreesCell(row.errors[state][j]));
+    const bool slides = joints_[j].ends_with(" [mm]");
+    const std::string name = slides ? joints_[j].substr(0, joints_[j].size() - 5) : joints_[j];
+    text += fmt::format("{}{} {}{}", j ? ", " : "", name, degreesCell(row.errors[state][j]), slides ? " mm" : "°");
   }
   text += " off " + shownName(states_[state]);
   if (!row.slack.empty() && state + 1 == states_.size()) text += "; slack: " + row.slack;

@@ -29,7 +29,7 @@ class PoseErrorTables {
   struct Row {
     std::string set, pose;
     std::vector<std::string> status;          ///< shape (states)
-    std::vector<std::vector<double>> errors;  ///< shape (states, joints) [deg]; NaN: the pose is invalid
+    std::vector<std::vector<double>> errors;  ///< shape (states, joints) [deg], [mm]; NaN: the pose is invalid
     std::string slack;                        ///< muscles
   };
   std::vector<Row> worstFirst() const;

@@ -9,19 +9,65 @@
 
 namespace simgap {
 
-Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje) {
+namespace {
+
+constexpr std::string_view kSlideLabel = " [mm]";
+
+/// Numbers of joints that slide, under their labels. A joint holds a number or what was predicted of it.
+void addSlides(const Json& slides, Json& all) {
+  for (const auto& [key, value] : slides.items()) {
+    if (value.is_object() && !value.contains("ci90")) {
+      addSlides(value, all[key]);
+    } else {
+      all[key + std::string(kSlideLabel)] = value;
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> errorUnits(const PoseLayout& layout) {
+  std::vector<std::string> units{"deg"};
+  for (const JointChannel& joint : layout.joints) {
+    const std::string unit(kindOf(joint.type).error_unit);
+    if (std::ranges::find(units, unit) == units.end()) units.push_back(unit);
+  }
+  return units;
+}
+
+Json mjeJson(const PoseLayout& layout, const std::vector<double>& mje, const std::string& unit) {
   Json json = Json::object();
-  for (std::size_t j = 0; j < layout.joints.size(); ++j) json[layout.joints[j].name] = numberOrNull(toDegrees(mje[j]));
+  for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    const JointKind& kind = kindOf(layout.joints[j].type);
+    if (kind.error_unit == unit) json[layout.joints[j].name] = numberOrNull(kind.shown(mje[j]));
+  }
   return json;
 }
 
-Json predictionJson(const PoseLayout& layout, const PredictedError& predicted) {
+Json predictionJson(const PoseLayout& layout, const PredictedError& predicted, const std::string& unit) {
   Json json = Json::object();
   for (std::size_t j = 0; j < predicted.mean.size(); ++j) {
-    json[layout.joints[j].name] = {{"mean", toDegrees(predicted.mean[j])},
-                                   {"ci90", {toDegrees(predicted.lower[j]), toDegrees(predicted.upper[j])}}};
+    const JointKind& kind = kindOf(layout.joints[j].type);
+    if (kind.error_unit != unit) continue;
+    json[layout.joints[j].name] = {{"mean", kind.shown(predicted.mean[j])},
+                                   {"ci90", {kind.shown(predicted.lower[j]), kind.shown(predicted.upper[j])}}};
   }
   return json;
+}
+
+Json ofAllJoints(const Json& result, const std::string& name) {
+  Json all = result.at(name + "_deg");
+  if (const auto slides = result.find(name + "_mm"); slides != result.end()) addSlides(*slides, all);
+  return all;
+}
+
+std::string jointLabel(const JointChannel& joint) {
+  return joint.type == JointType::kPrismatic ? joint.name + std::string(kSlideLabel) : joint.name;
+}
+
+std::string errorText(const Json& error, const std::string& label) {
+  if (!label.ends_with(kSlideLabel)) return fmt::format("{}° ({})", degreesCell(error), label);
+  return fmt::format("{} mm ({})", degreesCell(error), label.substr(0, label.size() - kSlideLabel.size()));
 }
 
 std::vector<double> paperAngles(const PoseLayout& layout, std::vector<double> angles) {
@@ -57,7 +103,7 @@ namespace {
 constexpr const char* kPaperAngles = "  as half angles (paper)";
 constexpr const char* kPosesAtRest = "  at rest";
 
-/// Degrees per joint, two decimals.
+/// Errors per joint, two decimals.
 std::vector<std::string> errorRow(std::string name, const Json& joints) {
   std::vector<std::string> row{std::move(name)};
   for (const auto& [joint, degrees] : joints.items()) row.push_back(degreesCell(degrees));
@@ -81,7 +127,7 @@ std::string interval(const Json& expected) {
 }  // namespace
 
 Table calibrationErrors(const Json& result) {
-  const Json &sets = result.at("mje_deg"), &paper = result.at("paper_mje_deg");
+  const Json sets = ofAllJoints(result, "mje"), paper = ofAllJoints(result, "paper_mje");
   Table table{"Mean joint errors [deg]", {"mean joint error [deg]"}, {}};
   for (const auto& [joint, degrees] : sets.at("calibration").at("final").items()) {
     table.header.insert(table.header.end(), {joint + " before", "after"});
@@ -108,13 +154,11 @@ Table calibrationErrors(const Json& result) {
 
 Table validationErrors(const Json& result) {
   Table table{"Mean joint errors [deg]", {""}, {}};
-  for (const auto& [joint, degrees] : result.at("mje_deg").items()) table.header.push_back(joint);
+  const Json mje = ofAllJoints(result, "mje"), paper = ofAllJoints(result, "paper_mje");
+  for (const auto& [joint, degrees] : mje.items()) table.header.push_back(joint);
   const long valid = result.at("valid_poses");
-  table.rows = {errorRow(fmt::format("mean joint error [deg], {} of {} poses", valid, result.at("poses").size()),
-                         result.at("mje_deg"))};
-  if (result.at("paper_mje_deg") != result.at("mje_deg")) {
-    table.rows.push_back(errorRow(kPaperAngles, result.at("paper_mje_deg")));
-  }
+  table.rows = {errorRow(fmt::format("mean joint error [deg], {} of {} poses", valid, result.at("poses").size()), mje)};
+  if (paper != mje) table.rows.push_back(errorRow(kPaperAngles, paper));
   return table;
 }
 
@@ -128,7 +172,7 @@ Table criteriaTable(const Json& result) {
 }
 
 Table expectedErrors(const Json& result) {
-  const Json& predicted = result.at("predicted_mje_deg");
+  const Json predicted = ofAllJoints(result, "predicted_mje");
   Table table{"Predicted mean joint error of unseen poses, with a 90 % interval [deg]", {"recorded"}, {}};
   const auto add = [&](std::string name, const Json& joints) {
     std::vector<std::string> row{std::move(name)};
@@ -138,7 +182,7 @@ Table expectedErrors(const Json& result) {
   for (const auto& [joint, before] : predicted.at("before").items()) table.header.push_back(joint);
   add(fmt::format("the {} poses so far", result.at("recorded").get<long>()), predicted.at("before"));
   for (const Json& pose : result.at("poses")) {
-    add("and " + pose.at("pose").get<std::string>(), pose.at("predicted_mje_deg"));
+    add("and " + pose.at("pose").get<std::string>(), ofAllJoints(pose, "predicted_mje"));
   }
   add(fmt::format("{} random commands instead", result.at("poses").size()), predicted.at("after_random"));
   return table;
@@ -147,7 +191,9 @@ Table expectedErrors(const Json& result) {
 Table predictionTable(const Json& result) {
   Table table{"Mean joint error that the posterior predicts, with a 90 % interval [deg]", {"poses"}, {}};
   const bool judged = result.contains("mje_deg");  // a plan has found nothing yet
-  for (const auto& [set, joints] : result.at("predicted_mje_deg").items()) {
+  const Json mje = judged ? ofAllJoints(result, "mje") : Json::object();
+  const Json predicted = ofAllJoints(result, "predicted_mje");
+  for (const auto& [set, joints] : predicted.items()) {
     std::vector<std::string> row{set};
     const bool first = table.header.size() == 1;
     for (const auto& [joint, expected] : joints.items()) {
@@ -155,7 +201,7 @@ Table predictionTable(const Json& result) {
       row.push_back(interval(expected));
       if (!judged) continue;
       if (first) table.header.push_back("found");
-      const Json found = result.at("mje_deg").value(set, Json(nullptr));
+      const Json found = mje.value(set, Json(nullptr));
       row.push_back(found.is_null() ? "" : degreesCell(found.at("final").at(joint)));
     }
     table.rows.push_back(row);
@@ -171,10 +217,11 @@ Table verificationTable(const Json& result) {
               {}};
   for (const auto& [set, found] : both.at("sets").items()) {
     std::vector<std::string> row{set};
-    for (const auto& [joint, mean] : found.at("difference_deg").at("mean").items()) {
+    const Json mje = ofAllJoints(found, "mje"), difference = ofAllJoints(found, "difference");
+    for (const auto& [joint, mean] : difference.at("mean").items()) {
       if (table.rows.empty()) table.header.insert(table.header.end(), {joint, "differs", "at most"});
-      row.insert(row.end(), {degreesCell(found.at("mje_deg").at(joint)), degreesCell(mean),
-                             degreesCell(found.at("difference_deg").at("largest").at(joint))});
+      row.insert(row.end(),
+                 {degreesCell(mje.at(joint)), degreesCell(mean), degreesCell(difference.at("largest").at(joint))});
     }
     table.rows.push_back(row);
   }
@@ -195,15 +242,20 @@ std::string notConverged(const Json& result) {
 std::vector<std::string> surprises(const Json& result) {
   constexpr std::size_t kMostNamed = 8;
   std::vector<std::string> notes;
-  for (const auto& [set, sides] : result.at("mje_deg").items()) {
-    const Json predicted = result.value("predicted_mje_deg", Json::object()).value(set, Json::object());
-    for (const auto& [joint, expected] : predicted.items()) {
+  const Json mje = ofAllJoints(result, "mje");
+  const Json predicted =
+      result.contains("predicted_mje_deg") ? ofAllJoints(result, "predicted_mje") : Json(Json::object());
+  for (const auto& [set, sides] : mje.items()) {
+    const Json expected_of_set = predicted.value(set, Json::object());
+    for (const auto& [joint, expected] : expected_of_set.items()) {
       const double found = numberOf(sides.at("final").at(joint)), upper = numberOf(expected.at("ci90").at(1));
       if (!(found > upper)) continue;
+      const bool slides = joint.ends_with(kSlideLabel);
       notes.push_back(fmt::format(
-          "On the {} poses the {} misses by {:.2f}° where at most {:.2f}° was to be expected: something is not in the "
-          "model.",
-          set, joint, found, upper));
+          "On the {0} poses the {1} misses by {2:.2f}{4} where at most {3:.2f}{4} was to be expected: something is not "
+          "in the model.",
+          set, slides ? joint.substr(0, joint.size() - kSlideLabel.size()) : joint, found, upper,
+          slides ? " mm" : "°"));
     }
   }
   const Json outlying = result.value("outlying_poses", Json::array());

@@ -1,7 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "pose_page.h"
 #include "pose_tables.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 
@@ -10,33 +13,37 @@ Json toJson(const ValidationResult& result) {
   Json poses = Json::array();
   for (std::size_t p = 0; p < result.set.poses.size(); ++p) {
     const bool steady = !judged.errors[p].empty();
-    poses.push_back({{"pose", result.set.poses[p].name},
-                     {"status", toString(judged.outcomes[p].status)},
-                     {"error_deg", steady ? mjeJson(result.layout, judged.errors[p]) : Json(nullptr)},
-                     {"slack", slackMuscles(judged.outcomes[p], result.layout)}});
+    Json pose = {{"pose", result.set.poses[p].name}, {"status", toString(judged.outcomes[p].status)}};
+    for (const std::string& unit : errorUnits(result.layout)) {
+      pose["error_" + unit] = steady ? mjeJson(result.layout, judged.errors[p], unit) : Json(nullptr);
+    }
+    pose["slack"] = slackMuscles(judged.outcomes[p], result.layout);
+    poses.push_back(std::move(pose));
   }
   Json criteria = Json::array();
   for (const Criterion& c : result.criteria) {
     criteria.push_back({{"name", c.name}, {"limit", c.limit}, {"value", numberOrNull(c.value)}, {"pass", c.pass()}});
   }
-  return {{"format", "simgap/validate/1"},
-          {"mje_deg", mjeJson(result.layout, judged.mje)},
-          {"paper_mje_deg", mjeJson(result.layout, paperAngles(result.layout, judged.mje))},
-          {"valid_poses", judged.valid},
-          {"poses", poses},
-          {"criteria", criteria}};
+  Json json = {{"format", "simgap/validate/1"}};
+  for (const std::string& unit : errorUnits(result.layout)) {
+    json["mje_" + unit] = mjeJson(result.layout, judged.mje, unit);
+    json["paper_mje_" + unit] = mjeJson(result.layout, paperAngles(result.layout, judged.mje), unit);
+  }
+  json.update({{"valid_poses", judged.valid}, {"poses", poses}, {"criteria", criteria}});
+  return json;
 }
 
 std::string errorsCsv(const ValidationResult& result) {
   std::vector<std::string> header{"pose", "status"};
-  for (const JointChannel& joint : result.layout.joints) header.push_back(joint.name + "_error_deg");
+  for (const JointChannel& joint : result.layout.joints)
+    header.push_back(fmt::format("{}_error_{}", joint.name, kindOf(joint.type).error_unit));
   header.push_back("slack_muscles");
   CsvWriter csv(header);
   for (std::size_t p = 0; p < result.set.poses.size(); ++p) {
     csv.add(result.set.poses[p].name).add(toString(result.assessment.outcomes[p].status));
     for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
       const auto& errors = result.assessment.errors[p];
-      errors.empty() ? csv.add("") : csv.add(toDegrees(errors[j]));
+      errors.empty() ? csv.add("") : csv.add(kindOf(result.layout.joints[j].type).shown(errors[j]));
     }
     csv.add(slackText(result.assessment.outcomes[p], result.layout)).endRow();
   }

@@ -13,7 +13,8 @@ namespace simgap {
 namespace {
 
 /// What a command calls its errors; whatever stands below them is a number with a dotted name.
-constexpr const char* kErrors[] = {"mje_deg", "motion_rms", "mse", "mse_heldout", "baseline", "extended", "left_over"};
+constexpr const char* kErrors[] = {"mje_deg",     "mje_mm",   "motion_rms", "mse",
+                                   "mse_heldout", "baseline", "extended",   "left_over"};
 
 void flatten(const std::string& name, const Json& value, std::vector<std::pair<std::string, double>>& errors) {
   if (value.is_number()) {

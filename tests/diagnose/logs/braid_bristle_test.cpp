@@ -30,7 +30,7 @@ PreparedLog braidedMuscle() {
       csv += fmt::format("{:.3f},{},{:.0f},{:.5f},{:.2f}\n", 25.0 * session + t, session, pressure, e, force);
     }
   }
-  return preparePamData(CsvTable::parse(csv, "log.csv"));
+  return prepareLog(CsvTable::parse(csv, "log.csv"), {}, ActuatorKind::kPam);
 }
 
 TEST(BraidBristle, IsFoundWithItsForceAndItsSlip) {

@@ -29,7 +29,7 @@ PreparedLog slowAndFast(double damping, double exponent, double effort_noise = 0
     csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", t, w + 2e-4 * noise(random), load,
                        load + way * (dry + viscous) + effort_noise * noise(random));
   }
-  return prepareActuatorData(CsvTable::parse(csv, "log.csv"), {}, {}, {});
+  return prepareLog(CsvTable::parse(csv, "log.csv"), {}, ActuatorKind::kFriction);
 }
 
 /// Shares of the squared error that a nonlinear viscous friction explains.

@@ -84,6 +84,10 @@ std::string_view toString(ArmEffect::Target target) {
       return " (a muscle)";
     case ArmEffect::Target::kMuscleOrAll:
       return " (a muscle or all)";
+    case ArmEffect::Target::kLine:
+      return " (a muscle or tendon)";
+    case ArmEffect::Target::kTendon:
+      return " (a tendon)";
     case ArmEffect::Target::kMovingBody:
       return " (a moving body)";
     case ArmEffect::Target::kBody:

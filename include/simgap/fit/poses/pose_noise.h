@@ -9,6 +9,9 @@ namespace simgap {
 struct PoseNoise {
   double capture_sd = 0.3 * kDegree;  ///< of a joint's measured position, per component [rad]
   bool joint_friction = true;         ///< false: S_p = S_capture
+  double slide_sd = 1e-3;             ///< of a slide's measured position [m]
+
+  double sdOf(JointType type) const { return type == JointType::kPrismatic ? slide_sd : capture_sd; }
 };
 
 }  // namespace simgap

@@ -33,9 +33,11 @@ struct ArmEffectParameter {
 /// \name What hooks are given and return. Derivatives `by_...`; those by effect parameters in the effect's order.
 ///@{
 struct LineState {
-  double shaft;   ///< [rad]
-  double radius;  ///< of the spindle [m]
-  double time;    ///< of the pose [s]; NaN when unknown
+  double shaft;         ///< [rad]
+  double radius;        ///< of the spindle [m]
+  double time;          ///< of the pose [s]; NaN when unknown
+  double before = 0.0;  ///< shaft of the pose before [rad]; 0 (where poses start) when unknown
+  double free = 0.0;    ///< kite line that is not wound up, L_K0 - r phi [m]
 };
 /// Line that a muscle has beyond L_K0 - r phi [m].
 struct Lengthening {
@@ -49,6 +51,7 @@ struct CordTerm {
   double force = 0.0;                               ///< its derivative by x [N]
   double stiffness = 0.0;                           ///< and the next [N/m]
   double by_stiffness = 0.0, by_rest_length = 0.0;  ///< of the force
+  double by_free = 0.0;                             ///< of the force, by the kite line that is not wound up
   EffectParameters by_parameter{};                  ///< of the force
 };
 
@@ -93,7 +96,8 @@ struct Stiction {
 /// docs/effects.md is written from these fields (tests/model/effects/effects_page_test.cpp); nothing outside its file
 /// tests an effect by its name.
 struct ArmEffect {
-  enum class Target { kNone, kMuscle, kMuscleOrAll, kMovingBody, kBody, kJoint };
+  /// kLine: a muscle or a line without a motor; kTendon: the latter.
+  enum class Target { kNone, kMuscle, kMuscleOrAll, kLine, kTendon, kMovingBody, kBody, kJoint };
 
   std::string_view name;            ///< as in the catalogue; the file's stem
   std::string_view cause;           ///< one sentence a person understands
@@ -108,12 +112,18 @@ struct ArmEffect {
   bool needs_time = false;                        ///< of every pose
   bool from_moment = false;     ///< acts from a moment on, its second parameter, that a diagnosis has to search
   bool in_every_joint = false;  ///< of a real arm: to find it is no false alarm
+  int from_previous = -1;  ///< parameter that says whether what it does depends on the pose before, which needs times
 
   Lengthening (*line)(const EffectParameters& p, const LineState& state) = nullptr;
-  CordTerm (*cord)(const EffectParameters& p, double expansion, const ShockCord& cord) = nullptr;
+  CordTerm (*cord)(const EffectParameters& p, double expansion, const ShockCord& cord,
+                   const LineState& state) = nullptr;
+  /// Of a muscle of two points over joints that turn. Round the centre of the joint in its second parameter other lines
+  /// bend over a sphere of the radius in its first.
   /// \returns false where the straight line is free, and nothing is written
   bool (*path)(const EffectParameters& p, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                BentPath& path) = nullptr;
+  /// Added to a tendon's rest length [m]; its derivative is 1.
+  double (*rest_shift)(const EffectParameters& p) = nullptr;
   GravityTerm (*gravity)(const EffectParameters& p, const Eigen::Vector3d& gravity) = nullptr;
   PointMass (*mass)(const EffectParameters& p) = nullptr;
   /// Added to the joint's parent_position [m]; its derivative is the identity.
@@ -143,7 +153,7 @@ std::string extensionLabel(const Extension& extension);
 /// An extension of a model, ready for use.
 struct ArmExtension {
   const ArmEffect* effect = nullptr;
-  int target = -1;  ///< index of the muscle, body or joint; -1: the whole
+  int target = -1;  ///< index of the line (muscles, then tendons), body or joint; -1: the whole
   EffectParameters p{};
   bool on(int item) const { return target < 0 || target == item; }
 };
@@ -157,12 +167,22 @@ std::string checkExtension(Extension& extension, const ArmModel& model);
 /// An extension with given parameters, in the effect's order; sd unknown.
 Extension makeExtension(const ArmEffect& effect, const std::string& target, const EffectParameters& p);
 
-/// Works what effects do to gravity, masses and joint centres into the model itself; a payload becomes the last part of
-/// its body. What muscles, joints and markers do stays to the simulation.
+/// Works what effects do to gravity, masses, joint centres, rest lengths and ways over surfaces into the model itself;
+/// a payload becomes the last part of its body, a wrap the last surface of the one below its joint. What muscles,
+/// joints and markers do stays to the simulation.
 void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model);
 
-/// Joints between a muscle's ends, from its first attachment on.
-std::vector<int> jointsCrossed(const ArmModel& model, const Muscle& muscle);
+/// The line with that index: muscles, then tendons.
+const TendonPath& lineOf(const ArmModel& model, int line);
+/// Joints between a line's ends, from its first attachment on.
+std::vector<int> jointsCrossed(const ArmModel& model, const TendonPath& line);
+/// Whether a wrap bends a line as a surface on its way would, and not by the effect's own closed form, which knows two
+/// points and joints that turn.
+bool wrapsAsSurface(const ArmModel& model, int line);
+/// The first stretch of a line over that joint that no surface bends yet; -1: none.
+int freeStretchOver(const ArmModel& model, const TendonPath& line, int joint);
+/// A tendon's parameter that is its rest length; -1: it has none.
+int restLengthOf(const PassiveTendon& tendon);
 
 /// What the capture sees of a simulated position when markers are turned against their bones: R_parent^-1 q R_child; of
 /// a revolute joint the part of that about its axis. The turns are vectors in the joint's frames on both bodies.

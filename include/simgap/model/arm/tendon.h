@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,11 @@ struct Station {
 struct TendonPath {
   std::array<Attachment, 2> attachments;
   std::vector<Station> between;  ///< empty: a straight line
+  /// A surface that an extension puts on a stretch of it.
+  struct Wrap {
+    int stretch, body, surface;
+  };
+  std::optional<Wrap> wrap = {};
   bool straight() const { return between.empty(); }
   /// Wound on joints alone: no point of it moves.
   bool jointsOnly() const {

@@ -50,7 +50,7 @@ struct PathStretch {
   std::array<int, 2> station;  ///< indices into the path's list: 0 the first attachment, then what is between
   std::array<Attachment, 2> ends;
   double weight;    ///< 1 / divisor
-  int over = -1;    ///< station of the surface between them; -1: straight
+  int over = -1;    ///< station of the surface between them, 0: an extension's; -1: straight
   int body = 0;     ///< that carries the surface; without one, the body of the first end
   int surface = 0;  ///< of that body
   bool sided = false;

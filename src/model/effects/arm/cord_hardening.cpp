@@ -10,7 +10,7 @@ constexpr ArmEffectParameter kParameters[] = {
 constexpr EffectParameters kStarts[] = {{0.1}};
 constexpr std::string_view kLookAlikes[] = {"spindle-coiling"};
 
-CordTerm cord(const EffectParameters& p, double x, const ShockCord& cord) {
+CordTerm cord(const EffectParameters& p, double x, const ShockCord& cord, const LineState&) {
   const double k = cord.stiffness;
   const double square = x * x / (cord.rest_length * cord.rest_length);  // of the strain
   return {.energy = 0.25 * k * p[0] * square * x * x,

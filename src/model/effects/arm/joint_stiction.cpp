@@ -31,6 +31,7 @@ const ArmEffect entry{
     .look_alikes = kLookAlikes,
     .separates_by = "approach the same command from both sides: the two positions differ by twice the lag",
     .in_every_joint = true,
+    .from_previous = 1,
     .stiction = stiction};
 
 }  // namespace simgap::arm_effects::joint_stiction

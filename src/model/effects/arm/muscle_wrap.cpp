@@ -16,9 +16,9 @@ namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
     {"radius", "m", {0.0, 0.5, false, "a number in [0, 0.5]"}, 0.0, 0.06},
-    {"joint", "1", {1.0, 9.0, false, "which of the joints the muscle crosses, from 1"}, 1.0, 1.0, false}};
-constexpr EffectParameters kStarts[] = {{0.02, 1.0},  {0.035, 1.0}, {0.055, 1.0},
-                                        {0.075, 1.0}, {0.02, 2.0},  {0.035, 2.0}};
+    {"joint", "1", {1.0, 9.0, false, "which of the joints the line crosses, from 1"}, 1.0, 1.0, false}};
+constexpr EffectParameters kStarts[] = {{0.02, 1.0},  {0.035, 1.0}, {0.055, 1.0}, {0.075, 1.0}, {0.02, 2.0},
+                                        {0.035, 2.0}, {0.008, 1.0}, {0.008, 2.0}, {0.008, 3.0}, {0.008, 4.0}};
 constexpr std::string_view kLookAlikes[] = {"spindle-coiling", "joint-centre-offset", "passive-joint-torque"};
 constexpr double kLargest = 0.98;  // of the nearer end's distance: an end inside the sphere has no tangent
 
@@ -71,11 +71,15 @@ bool path(const EffectParameters& p, const Eigen::Vector3d& from, const Eigen::V
 }
 
 std::string expected(const EffectParameters& p, const ArmModel& model, int target) {
-  if (!model.muscles[target].straight()) return "a muscle of two points: surfaces of others stand in its attachments";
-  if (std::ranges::any_of(model.joints, &Joint::slides)) return "an arm without prismatic joints";
-  const std::size_t crossed = jointsCrossed(model, model.muscles[target]).size();
-  if (p[1] == std::floor(p[1]) && p[1] <= static_cast<double>(crossed)) return "";
-  return "joint to be a whole number of the " + std::to_string(crossed) + " the muscle crosses";
+  const TendonPath& line = lineOf(model, target);
+  const std::vector<int> crossed = jointsCrossed(model, line);
+  if (p[1] != std::floor(p[1]) || p[1] > static_cast<double>(crossed.size())) {
+    return "joint to be a whole number of the " + std::to_string(crossed.size()) + " the line crosses";
+  }
+  const int obstacle = crossed[static_cast<std::size_t>(p[1]) - 1];
+  if (model.joints[obstacle].slides()) return "a joint that turns";
+  if (freeStretchOver(model, line, obstacle) < 0) return "a line with a stretch over that joint that no surface bends";
+  return "";
 }
 
 }  // namespace
@@ -83,14 +87,16 @@ std::string expected(const EffectParameters& p, const ArmModel& model, int targe
 extern const ArmEffect entry;
 const ArmEffect entry{
     .name = "muscle-wrap",
-    .cause = "the muscle bends round a joint or bone instead of running straight",
+    .cause = "a muscle or ligament bends round a joint or bone instead of running straight",
     .equation = "L = sqrt(a^2 - R^2) + sqrt(b^2 - R^2) + R (theta - acos(R/a) - acos(R/b)) where it touches",
     .signature = "errors of the spanned joint on one side of an angle only, zero beyond it",
     .remarks =
-        "the muscle touches a sphere about the centre of the joint number `joint` that it crosses (1: the first), of "
+        "the line touches a sphere about the centre of the joint number `joint` that it crosses (1: the first), of "
         "radius R; a and b are the distances of its ends from there, theta the angle between them; where it does not "
-        "touch, the line is straight. Coiling changes its lever arm too, but follows the shaft",
-    .target = ArmEffect::Target::kMuscle,
+        "touch, the line is straight. Of a line of more points, or on an arm with slides, that is the first stretch "
+        "over the joint that no surface bends, straight as soon as an end of it enters the sphere. Coiling changes its "
+        "lever arm too, but follows the shaft",
+    .target = ArmEffect::Target::kLine,
     .parameters = kParameters,
     .starts = kStarts,
     .look_alikes = kLookAlikes,

@@ -13,14 +13,15 @@ namespace {
 std::string answer(const Json& result) {
   const Json failure = result.value("failure", Json(nullptr));
   if (failure.is_string()) return "Failed: " + failure.get<std::string>() + ".";
-  const bool held_out = result.at("mje_deg").contains("validation");
-  const Json& judge = result.at("mje_deg").at(held_out ? "validation" : "calibration");
+  const Json mje = ofAllJoints(result, "mje");
+  const bool held_out = mje.contains("validation");
+  const Json& judge = mje.at(held_out ? "validation" : "calibration");
   std::string text =
       held_out ? "On poses the search never saw the gap went" : "On the poses it was fitted to the gap went";
   std::string separator;
   for (const auto& [joint, initial] : judge.at("initial").items()) {
-    text += fmt::format("{} from {} to {}° ({})", separator, degreesCell(initial),
-                        degreesCell(judge.at("final").at(joint)), joint);
+    text +=
+        fmt::format("{} from {} to {}", separator, degreesCell(initial), errorText(judge.at("final").at(joint), joint));
     separator = ",";
   }
   return text + (held_out ? "." : "; only poses it has not seen (--validation) can show what that is worth.");
@@ -49,8 +50,11 @@ void addConvergence(const ResultFiles& files, Page& page) {
   }
   const Axis x{strategy || result.at("optimizer") == "cma-es" ? "generation" : "descent"};
   std::vector<Series> mje;
-  for (const auto& [joint, value] : result.at("mje_deg").at("calibration").at("final").items()) {
-    mje.push_back({joint, steps, numbersOf(history, "mje_" + joint + "_deg")});
+  for (const std::string& column : history.columns()) {
+    const std::size_t end = column.rfind('_');
+    if (!column.starts_with("mje_") || end < 4) continue;
+    const std::string joint = column.substr(4, end - 4);
+    mje.push_back({column.ends_with("_mm") ? joint + " [mm]" : joint, steps, numbersOf(history, column)});
   }
   if (result.contains("capture_sd_deg")) {
     const std::vector<double> noise(steps.size(), numberOf(result.at("capture_sd_deg")));

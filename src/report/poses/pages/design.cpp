@@ -8,20 +8,20 @@ namespace simgap::pages::design {
 namespace {
 
 std::string answer(const Json& result) {
-  const Json& predicted = result.at("predicted_mje_deg");
+  const Json predicted = ofAllJoints(result, "predicted_mje");
   std::string text =
       fmt::format("Recording {} more poses is expected to bring the error on unseen poses", result.at("poses").size());
   std::string separator;
   for (const auto& [joint, before] : predicted.at("before").items()) {
-    text += fmt::format("{} from {} to {}° ({})", separator, degreesCell(before.at("mean")),
-                        degreesCell(predicted.at("after").at(joint).at("mean")), joint);
+    text += fmt::format("{} from {} to {}", separator, degreesCell(before.at("mean")),
+                        errorText(predicted.at("after").at(joint).at("mean"), joint));
     separator = ",";
   }
   return text + ".";
 }
 
 Chart expectedChart(const Json& result) {
-  const Json& predicted = result.at("predicted_mje_deg");
+  const Json predicted = ofAllJoints(result, "predicted_mje");
   std::vector<Series> lines;
   for (const auto& [joint, before] : predicted.at("before").items()) {
     Series line{joint, {0.0}, {numberOf(before.at("mean"))}};
@@ -30,7 +30,7 @@ Chart expectedChart(const Json& result) {
     line.colour = random.colour;
     for (const Json& pose : result.at("poses")) {
       line.x.push_back(static_cast<double>(line.x.size()));
-      line.y.push_back(numberOf(pose.at("predicted_mje_deg").at(joint).at("mean")));
+      line.y.push_back(numberOf(ofAllJoints(pose, "predicted_mje").at(joint).at("mean")));
     }
     random.x = {line.x.back()};
     random.y = {numberOf(predicted.at("after_random").at(joint).at("mean"))};

@@ -11,8 +11,9 @@ std::string answer(const Json& result) {
   std::string text = fmt::format("On {} of {} poses the simulation misses the robot by",
                                  result.at("valid_poses").get<long>(), result.at("poses").size());
   const char* separator = "";
-  for (const auto& [joint, error] : result.at("mje_deg").items()) {
-    text += fmt::format("{} {}° ({})", separator, degreesCell(error), joint);
+  const Json mje = ofAllJoints(result, "mje");
+  for (const auto& [joint, error] : mje.items()) {
+    text += fmt::format("{} {}", separator, errorText(error, joint));
     separator = ",";
   }
   return text + " on average.";

@@ -1,0 +1,115 @@
+// URDF by hand: what each element means is worked out here, not by the reader.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "simgap/core/error.h"
+#include "simgap/model/arm/kinematics.h"
+#include "simgap/model/exchange/exchange.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kLink =
+    "<inertial><origin xyz='0 0 -0.1'/><mass value='2'/>"
+    "<inertia ixx='0.02' iyy='0.03' izz='0.02' ixy='0.001'/></inertial>";
+
+/// Two links with mass on a base, and `joints` between them.
+std::string robotOf(const std::string& joints) {
+  return "<robot name='r'>\n<link name='base'/>\n<link name='a'>" + std::string(kLink) + "</link>\n<link name='b'>" +
+         kLink + "</link>\n" + joints + "</robot>\n";
+}
+std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
+                  const std::string& more = "") {
+  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child + "'/>" +
+         more + "</joint>\n";
+}
+ArmModel read(const std::string& joints) { return readUrdf(robotOf(joints), "r.urdf").model; }
+std::string refused(const std::string& text) {
+  return errorOf([&] { readUrdf(text, "r.urdf"); });
+}
+
+TEST(UrdfReader, ReadsHingesAndSlidesWithTheirLimitsAndFrictions) {
+  const ArmModel arm = read(joint("lift", "prismatic", "base", "a",
+                                  "<origin xyz='0.1 0 0.2' rpy='0 0 1.5707963267948966'/><axis xyz='0 2 0'/><limit "
+                                  "lower='-0.1' upper='0.3' effort='1' velocity='1'/>") +
+                            joint("turn", "revolute", "a", "b",
+                                  "<limit lower='-1' upper='2' effort='1' velocity='1'/><dynamics damping='0.5' "
+                                  "friction='0.1'/>"));
+  ASSERT_EQ(arm.joints.size(), 2U);
+  const Joint &lift = arm.joints[0], &turn = arm.joints[1];
+  EXPECT_EQ(lift.type, JointType::kPrismatic);
+  EXPECT_EQ(lift.axis, Eigen::Vector3d::UnitY());
+  EXPECT_DOUBLE_EQ(lift.upper_limit, 0.3);
+  EXPECT_EQ(turn.axis, Eigen::Vector3d::UnitX()) << "without an axis";
+  EXPECT_DOUBLE_EQ(turn.lower_limit, -1.0);
+  EXPECT_DOUBLE_EQ(turn.viscous_friction, 0.5);
+  EXPECT_DOUBLE_EQ(turn.coulomb_friction, 0.1);
+  // A way of 0.2 along y of a frame that is turned by 90 deg about z leads along -x.
+  std::vector<JointPosition> q(2);
+  q[0].angle = 0.2;
+  const std::vector<BodyInWorld> bodies = bodiesInWorld(arm, q);
+  EXPECT_LT((bodies[static_cast<std::size_t>(lift.child)].origin - Eigen::Vector3d(-0.1, 0.0, 0.2)).norm(), 1e-12);
+}
+
+TEST(UrdfReader, AFixedLinkIsAPartOfItsParent) {
+  const ArmModel arm = read(joint("turn", "continuous", "base", "a") +
+                            joint("weld", "fixed", "a", "b", "<origin xyz='0 0 -0.3' rpy='3.141592653589793 0 0'/>"));
+  ASSERT_EQ(arm.joints.size(), 1U);
+  EXPECT_LT(arm.joints[0].lower_limit, -1e6) << "continuous: no limits";
+  const MassProperties mass = massProperties(arm.bodies[static_cast<std::size_t>(arm.joints[0].child)]);
+  EXPECT_DOUBLE_EQ(mass.mass, 4.0);
+  // At -0.1 and, upside down, at -0.3 + 0.1.
+  EXPECT_NEAR(mass.centre_of_mass.z(), -0.15, 1e-12);
+  EXPECT_NEAR(mass.inertia(0, 0), 2 * 0.02 + 4.0 * 0.05 * 0.05, 1e-12);
+  EXPECT_NEAR(mass.inertia(0, 1), 0.001 - 0.001, 1e-12) << "a product changes its sign when turned about x";
+}
+
+TEST(UrdfReader, AMimicFollows) {
+  const ArmModel arm =
+      read(joint("turn", "continuous", "base", "a") +
+           joint("other", "continuous", "a", "b", "<mimic joint='turn' multiplier='0.5' offset='0.2'/>"));
+  ASSERT_TRUE(arm.joints[1].follows());
+  EXPECT_EQ(arm.joints[1].leader, 0);
+  EXPECT_DOUBLE_EQ(arm.joints[1].coupling_ratio, 0.5);
+  EXPECT_DOUBLE_EQ(arm.joints[1].coupling_offset, 0.2);
+}
+
+TEST(UrdfReader, WhatIsLeftOutIsSaidWithItsLine) {
+  const ImportedArm imported =
+      readUrdf(robotOf(joint("turn", "continuous", "base", "a") +
+                       joint("more", "continuous", "a", "b", "<safety_controller k_velocity='1'/>") +
+                       "<transmission name='t'/>\n"),
+               "r.urdf");
+  const auto has = [&](const std::string& what, const std::string& place) {
+    return std::ranges::any_of(imported.remarks, [&](const ExchangeRemark& r) {
+      return r.what.find(what) != std::string::npos && std::ranges::find(r.places, place) != r.places.end();
+    });
+  };
+  EXPECT_TRUE(has("safety_controller", "r.urdf:6"));
+  EXPECT_TRUE(has("transmission", "r.urdf:7"));
+}
+
+TEST(UrdfReader, RefusesWhatIsNoTreeOfThoseJoints) {
+  const std::string turn = joint("turn", "continuous", "base", "a");
+  EXPECT_THAT(refused(robotOf(joint("free", "floating", "base", "a"))), HasSubstr("type: found 'floating'"));
+  EXPECT_THAT(refused(robotOf(turn + joint("t", "hinge", "a", "b"))), HasSubstr("expected revolute, continuous"));
+  EXPECT_THAT(refused(robotOf(turn + joint("t", "continuous", "a", "c"))),
+              HasSubstr("found 'c', expected the name of a link"));
+  EXPECT_THAT(refused(robotOf(turn + joint("t", "continuous", "base", "a"))), HasSubstr("child of two joints"));
+  EXPECT_THAT(refused(robotOf(turn)), HasSubstr("found 2 links that hang on no other"));
+  EXPECT_THAT(refused(robotOf(turn + joint("t", "revolute", "a", "b", "<limit lower='1' upper='0'/>"))),
+              HasSubstr("found lower 1 above upper 0"));
+  EXPECT_THAT(refused(robotOf(turn + joint("t", "revolute", "a", "b", "<axis xyz='0 0 0'/>"))),
+              HasSubstr("found a zero vector"));
+  EXPECT_THAT(refused(robotOf(turn + joint("t", "continuous", "a", "b", "<mimic joint='x'/>"))),
+              HasSubstr("mimic: found 'x'"));
+  EXPECT_THAT(refused("<mujoco/>"), HasSubstr("r.urdf"));
+}
+
+}  // namespace
+}  // namespace simgap::test
