@@ -48,7 +48,7 @@ struct JointKind {
   /// Q(q): how the child is turned in the joint's frame; axis of unit length.
   Eigen::Matrix3d (*rotation)(const Eigen::Vector3d& axis, const JointPosition& position);
 
-  double shown(double error) const { return error / error_size; }  ///< [error_unit]
+  double shown(double size) const { return size / error_size; }  ///< [error_unit]
 };
 
 /// Where errors of all joints are put together, the way of a slide counts as the angle that a joint at this distance
