@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 #include "simgap/core/error.h"
 
@@ -40,15 +41,35 @@ std::string histogramCsv(const CaptureStatistics& s) {
 
 }  // namespace
 
+void LatencyCounts::add(double seconds) {
+  const double size = std::log(std::max(seconds, kSmallest) / kSmallest) / kStep;
+  const auto bin = static_cast<std::size_t>(std::min(size, 1e4));
+  if (bin >= counts_.size()) counts_.resize(bin + 1, 0);
+  ++counts_[bin];
+  ++count_;
+  largest_ = std::max(largest_, seconds);
+}
+
+double LatencyCounts::quantile(double part) const {
+  const auto rank = static_cast<std::size_t>(part * static_cast<double>(count_ - 1));
+  if (rank + 1 == count_) return largest_;
+  std::size_t below = 0, bin = 0;
+  while (below + counts_[bin] <= rank) below += counts_[bin++];
+  return std::min(largest_, kSmallest * std::exp(kStep * (static_cast<double>(bin) + 0.5)));
+}
+
 CaptureRun::CaptureRun(const StereoCameras& cameras, const TargetSet& targets, const Rig& rig, const FrameTimes& times,
-                       const CaptureRunOptions& options)
+                       const CaptureRunOptions& options, std::optional<ShaftLog> shafts)
     : cameras_(cameras),
       targets_(targets),
       rig_(rig),
       times_(times),
       options_(options),
       capture_(cameras, targets, options.capture),
-      statistics_(cameras, targets, rig) {}
+      statistics_(cameras, targets, rig),
+      shafts_(std::move(shafts)),
+      rests_(rig.joints, options.steady),
+      speeds_(rig.joints) {}
 
 void CaptureRun::add(const ImagePairs& pairs) {
   const std::size_t number = pairs.frame();
@@ -67,14 +88,14 @@ bool CaptureRun::add(const cv::Mat& left, const cv::Mat& right, std::size_t numb
   statistics_.add(frame, capture_.centroidSd());
   frames_csv_.add(framesCsvRows(targets_, frame, number, time));
   trc_.add(trcRow(targets_, frame, number, time));
-  FrameDigest digest{time, static_cast<float>(frame.ghosts), {}};
-  for (const TargetFrame& target : frame.targets) {
-    digest.rms.push_back(target.found ? static_cast<float>(1e3 * target.rms) : std::numeric_limits<float>::quiet_NaN());
-  }
-  digests_.push_back(std::move(digest));
   auto sample = jointAngles(rig_, frame.targets, number, time);
   const bool whole = sample.has_value();
-  if (whole) samples_.push_back(std::move(*sample));
+  if (whole) {
+    ++samples_;
+    joints_csv_.add(jointsCsvRow(rig_.joints, *sample));
+    if (shafts_) speeds_.add(*sample);
+    rests_.add(std::move(*sample));
+  }
   if (options_.overlays.contains(number)) {
     overlays_.emplace_back(number, encodePng(drawOverlay(cameras_, targets_, frame, left, right)));
   }
@@ -103,7 +124,7 @@ void CaptureRun::refuseUnseen() const {
   }
 }
 
-CaptureResult CaptureRun::finish(const std::vector<std::string>& skipped, const std::optional<ShaftLog>& shafts) {
+CaptureResult CaptureRun::finish(const std::vector<std::string>& skipped) {
   const std::size_t read = statistics_.frames() + skipped.size();
   if (!times_.times.empty() && read < times_.times.size()) {
     throw DataError(fmt::format("found {} time stamps for {} image pairs", times_.times.size(), read));
@@ -113,24 +134,23 @@ CaptureResult CaptureRun::finish(const std::vector<std::string>& skipped, const 
   result.targets = targets_;
   result.rig = rig_;
   result.times = times_;
-  result.samples = std::move(samples_);
-  result.digests = std::move(digests_);
+  result.samples = samples_;
   result.skipped = skipped;
   result.doubts = statistics_.doubts();
   for (const std::size_t number : options_.overlays) {
     if (number >= read) result.missing_overlays.push_back(number);
   }
-  result.poses = findSteadyPoses(result.samples, rig_.joints, options_.steady);
-  if (shafts) {
-    result.muscles = shafts->muscles;
-    result.lag = estimateLag(result.samples, rig_.joints, *shafts, kLagRange);
+  result.poses = rests_.finish();
+  if (shafts_) {
+    result.muscles = shafts_->muscles;
+    result.lag = estimateLag(speeds_, *shafts_, kLagRange);
     if (result.lag->correlation > Lag::kClearCorrelation && std::abs(result.lag->seconds) > options_.max_shaft_lag) {
       throw DataError(
           fmt::format("{}: the joints move {:.0f} ms after the shafts, expected at most {:.0f} ms: are the "
                       "clocks synchronised?",
-                      shafts->file, 1e3 * result.lag->seconds, 1e3 * options_.max_shaft_lag));
+                      shafts_->file, 1e3 * result.lag->seconds, 1e3 * options_.max_shaft_lag));
     }
-    result.poses_outside_log = joinShafts(result.poses, *shafts);
+    result.poses_outside_log = joinShafts(result.poses, *shafts_);
   }
   return result;
 }
@@ -138,9 +158,7 @@ CaptureResult CaptureRun::finish(const std::vector<std::string>& skipped, const 
 void CaptureRun::write(const RunDirectory& directory, const CaptureResult& result) const {
   frames_csv_.writeTo(directory.file("frames.csv"), framesCsvHeader());
   trc_.writeTo(directory.file("markers.trc"), trcHeader(targets_, times_.rate, statistics_.frames(), "markers.trc"));
-  TextSpool joints;
-  for (const JointSample& sample : result.samples) joints.add(jointsCsvRow(rig_.joints, sample));
-  joints.writeTo(directory.file("joints.csv"), jointsCsvHeader(rig_.joints));
+  joints_csv_.writeTo(directory.file("joints.csv"), jointsCsvHeader(rig_.joints));
   directory.write("distances.csv", distancesCsv(targets_, statistics_));
   directory.write("histogram.csv", histogramCsv(statistics_));
   directory.write("poses.csv", posesCsv(result.poses, rig_.joints, result.muscles));

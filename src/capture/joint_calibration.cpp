@@ -94,6 +94,8 @@ std::vector<MotionFrame> readMotion(const CsvTable& table, const TargetSet& targ
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const int target = targets.indexOf(name[row]);
     if (target < 0) table.fail(row, fmt::format("the target file has no target '{}'", name[row]));
+    if (!(std::abs(frame[row]) < 1e15))
+      table.fail(row, fmt::format("found frame {:g}, expected its number", frame[row]));
     const auto number = static_cast<long>(frame[row]);
     if (motion.empty() || motion.back().frame != number) {
       motion.push_back({number, std::vector<std::optional<TargetPose>>(targets.targets.size())});

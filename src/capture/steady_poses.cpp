@@ -63,20 +63,7 @@ SteadyPose meanOf(Samples rest, const std::vector<CaptureJoint>& joints) {
   return pose;
 }
 
-/// Speed of a set of joints or shafts between neighbouring rows, at the middle of each step.
-struct Speed {
-  std::vector<double> times, values;
-
-  double at(double time) const {
-    if (time <= times.front() || time >= times.back()) return 0.0;
-    const auto next = std::upper_bound(times.begin(), times.end(), time) - times.begin();
-    const auto i = static_cast<std::size_t>(next);
-    const double part = (time - times[i - 1]) / (times[i] - times[i - 1]);
-    return values[i - 1] + part * (values[i] - values[i - 1]);
-  }
-};
-
-double correlation(const Speed& joints, const Speed& shafts, double lag) {
+double correlation(const Speeds& joints, const Speeds& shafts, double lag) {
   double n = 0.0, sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0, syy = 0.0;
   for (std::size_t i = 0; i < joints.times.size(); ++i) {
     const double x = joints.values[i];
@@ -94,29 +81,59 @@ double correlation(const Speed& joints, const Speed& shafts, double lag) {
 
 }  // namespace
 
+RestFinder::RestFinder(std::vector<CaptureJoint> joints, const SteadyOptions& options)
+    : joints_(std::move(joints)), options_(options) {}
+
+std::span<const JointSample> RestFinder::kept(std::size_t first, std::size_t end) const {
+  return std::span(samples_).subspan(first - begin_, end - first);
+}
+
+void RestFinder::closeRest() {
+  if (rest_end_ > rest_) poses_.push_back(meanOf(kept(rest_, rest_end_), joints_));
+}
+
+/// What neither a window nor the rest can need any more, now and then.
+void RestFinder::forget() {
+  const std::size_t needed = window_ < rest_end_ ? rest_ : window_;
+  if (2 * (needed - begin_) < samples_.size()) return;
+  samples_.erase(samples_.begin(), samples_.begin() + static_cast<std::ptrdiff_t>(needed - begin_));
+  begin_ = needed;
+}
+
+void RestFinder::add(JointSample sample) {
+  samples_.push_back(std::move(sample));
+  const std::size_t end = begin_ + samples_.size();
+  const double now = samples_.back().time;
+  for (; window_ < end; ++window_) {
+    const Samples window = kept(window_, end);
+    if (now - window.front().time < kDurationSlack * options_.duration) break;
+    // A window that grew over a gap in the recording says nothing of the gap.
+    const bool gap = now - window.front().time > 2.0 * options_.duration;
+    if (window.size() < kFewestSamples || gap || !isSteady(window, joints_, options_)) continue;
+    if (window_ >= rest_end_) {
+      closeRest();
+      rest_ = window_;
+    }
+    rest_end_ = end;
+  }
+  if (window_ >= rest_end_) {  // no window that is still to come overlaps it
+    closeRest();
+    rest_ = rest_end_ = 0;
+  }
+  forget();
+}
+
+std::vector<SteadyPose> RestFinder::finish() {
+  closeRest();
+  rest_ = rest_end_ = 0;
+  return std::move(poses_);
+}
+
 std::vector<SteadyPose> findSteadyPoses(Samples samples, const std::vector<CaptureJoint>& joints,
                                         const SteadyOptions& options) {
-  std::vector<SteadyPose> poses;
-  std::size_t first = 0, end = 0;  // of the rest that is growing
-  const auto close = [&] {
-    if (end > first) poses.push_back(meanOf(samples.subspan(first, end - first), joints));
-  };
-  std::size_t last = 0;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    while (last < samples.size() && samples[last].time - samples[i].time < kDurationSlack * options.duration) ++last;
-    if (last == samples.size()) break;
-    const Samples window = samples.subspan(i, last + 1 - i);
-    // A window that grew over a gap in the recording says nothing of the gap.
-    const bool gap = window.back().time - window.front().time > 2.0 * options.duration;
-    if (window.size() < kFewestSamples || gap || !isSteady(window, joints, options)) continue;
-    if (i >= end) {
-      close();
-      first = i;
-    }
-    end = last + 1;
-  }
-  close();
-  return poses;
+  RestFinder finder(joints, options);
+  for (const JointSample& sample : samples) finder.add(sample);
+  return finder.finish();
 }
 
 ShaftLog readShaftLog(const CsvTable& table) {
@@ -167,31 +184,47 @@ std::size_t joinShafts(std::vector<SteadyPose>& poses, const ShaftLog& log) {
   return removed;
 }
 
-Lag estimateLag(Samples samples, const std::vector<CaptureJoint>& joints, const ShaftLog& log, double range) {
-  Lag best;
-  if (samples.size() < kFewestSamples) return best;
-  Speed joint_speed, shaft_speed;
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    const double step = samples[i].time - samples[i - 1].time;
+double Speeds::at(double time) const {
+  if (time <= times.front() || time >= times.back()) return 0.0;
+  const auto next = std::upper_bound(times.begin(), times.end(), time) - times.begin();
+  const auto i = static_cast<std::size_t>(next);
+  const double part = (time - times[i - 1]) / (times[i] - times[i - 1]);
+  return values[i - 1] + part * (values[i] - values[i - 1]);
+}
+
+void JointSpeeds::add(const JointSample& sample) {
+  if (last_) {
+    const double step = sample.time - last_->time;
     double squares = 0.0;
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      squares += kindOf(joints[j].type).difference(samples[i - 1].joints[j], samples[i].joints[j]).squaredNorm();
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      squares += kindOf(joints_[j].type).difference(last_->joints[j], sample.joints[j]).squaredNorm();
     }
-    joint_speed.times.push_back(0.5 * (samples[i].time + samples[i - 1].time));
-    joint_speed.values.push_back(std::sqrt(squares) / step);
+    speeds_.times.push_back(0.5 * (sample.time + last_->time));
+    speeds_.values.push_back(std::sqrt(squares) / step);
+  } else {
+    first_time_ = sample.time;
   }
+  last_ = sample;
+}
+
+double JointSpeeds::step() const { return (last_->time - first_time_) / static_cast<double>(speeds_.times.size()); }
+
+Lag estimateLag(const JointSpeeds& joints, const ShaftLog& log, double range) {
+  Lag best;
+  if (joints.speeds().times.size() + 1 < kFewestSamples) return best;
+  Speeds shafts;
   for (std::size_t i = 1; i < log.times.size(); ++i) {
     double squares = 0.0;
     for (const auto& shaft : log.shafts) squares += std::pow(shaft[i] - shaft[i - 1], 2);
-    shaft_speed.times.push_back(0.5 * (log.times[i] + log.times[i - 1]));
-    shaft_speed.values.push_back(std::sqrt(squares) / (log.times[i] - log.times[i - 1]));
+    shafts.times.push_back(0.5 * (log.times[i] + log.times[i - 1]));
+    shafts.values.push_back(std::sqrt(squares) / (log.times[i] - log.times[i - 1]));
   }
-  const double step = 0.25 * (samples.back().time - samples.front().time) / static_cast<double>(samples.size() - 1);
+  const double step = 0.25 * joints.step();
   const int steps = static_cast<int>(range / step);
-  best.correlation = correlation(joint_speed, shaft_speed, 0.0);
+  best.correlation = correlation(joints.speeds(), shafts, 0.0);
   for (int i = 1; i <= 2 * steps; ++i) {  // outwards from zero: of equal lags the smallest
     const double lag = (i % 2 == 1 ? 1 : -1) * ((i + 1) / 2) * step;
-    const double value = correlation(joint_speed, shaft_speed, lag);
+    const double value = correlation(joints.speeds(), shafts, lag);
     if (value > best.correlation + 1e-9) best = {lag, value};
   }
   return best;

@@ -64,9 +64,10 @@ LiveFigures followCameras(CaptureRun& run, LiveCameras& cameras, const std::opti
     if (found == LiveCameras::Wait::kNothing) continue;
     live.poses += run.add(cameras.left(), cameras.right(), live.pairs, since(cameras.taken()));
     ++live.pairs;
-    live.latency.push_back(since(LiveClock::now()) - since(cameras.taken()));
+    const double latency = since(LiveClock::now()) - since(cameras.taken());
+    live.latency.add(latency);
     live.counts = cameras.counts();
-    display.show(live, since(LiveClock::now()), live.latency.back());
+    display.show(live, since(LiveClock::now()), latency);
   }
   interruptAnswered();
   live.counts = cameras.counts();

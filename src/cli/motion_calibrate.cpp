@@ -7,6 +7,7 @@
 #include "cli/motion_commands.h"
 #include "simgap/core/error.h"
 #include "simgap/core/progress.h"
+#include "simgap/core/ranks.h"
 #include "simgap/core/text.h"
 #include "simgap/report/html/assets.h"
 #include "simgap/report/motions/motion_report.h"
@@ -75,17 +76,18 @@ MotionCalibrationTask readMotionTask(Session& session, const MotionCalibrateOpti
   return task;
 }
 
+std::string absoluteName(const std::filesystem::path& file) { return std::filesystem::absolute(file).string(); }
+
 std::string sumOf(const Input& input) { return input.sha256.empty() ? sha256(input.content) : input.sha256; }
 
 /// What --resume needs: the files where they stand, with the sums by which a change is noticed.
 void keepMotionInputs(const MotionCalibrateOptions& options, const Session& session,
                       const MotionCalibrationTask& task) {
+  if (!isFirstRank()) return;
   std::filesystem::create_directories(session.directory().file("inputs"));
   Json sums = Json::object();
-  for (const Input& input : session.inputs()) sums[std::filesystem::absolute(input.file).string()] = sumOf(input);
-  const auto absolute = [](const std::string& file) {
-    return file.empty() ? file : std::filesystem::absolute(file).string();
-  };
+  for (const Input& input : session.inputs()) sums[absoluteName(input.file)] = sumOf(input);
+  const auto absolute = [](const std::string& file) { return file.empty() ? file : absoluteName(file); };
   session.directory().write("config.resolved.yaml", task.config.toYaml());
   session.directory().write(kKeptFile, Json{{"model", absolute(options.model)},
                                             {"motions", absolute(options.motions)},
@@ -95,16 +97,30 @@ void keepMotionInputs(const MotionCalibrateOptions& options, const Session& sess
                                             {"sha256", sums}});
 }
 
+[[noreturn]] void refuseChanged(const std::string& file) {
+  throw ConfigError(fmt::format("{}: has changed since the run began, expected it as it was", file));
+}
+
+/// A directory may come from somebody else: what it names is parsed, and quoted, only when it is what the run has read.
+void refuseStrangeFiles(const Json& sums, const std::vector<std::string>& files) {
+  for (const std::string& file : files) {
+    if (file.empty()) continue;
+    const Bytes sum = shareFromFirstRank([&] { return Bytes(sha256(readFile(file))); });
+    if (sums.value(absoluteName(file), "") != sum) refuseChanged(file);
+  }
+}
+
 MotionCalibrateOptions resumedMotionOptions(const MotionCalibrateOptions& given) {
   MotionCalibrateOptions options = given;
   const std::filesystem::path file = given.resume / kKeptFile;
   try {
-    const Json kept = readJson(file);
+    const Json kept = Json::parse(shareFromFirstRank([&] { return toText(readJson(file)); }));
     kept.at("model").get_to(options.model);
     kept.at("motions").get_to(options.motions);
     kept.at("validation_motions").get_to(options.validation_motions);
     kept.at("poses").get_to(options.poses);
     kept.at("skip_bad_rows").get_to(options.skip_bad_rows);
+    refuseStrangeFiles(kept.at("sha256"), {options.model, options.motions, options.validation_motions, options.poses});
   } catch (const Json::exception& error) {
     throw ConfigError(fmt::format("{}: is no calibration that can be resumed: {}", file.string(), error.what()));
   } catch (const DataError& error) {
@@ -116,12 +132,11 @@ MotionCalibrateOptions resumedMotionOptions(const MotionCalibrateOptions& given)
 
 /// A run resumed with other inputs would be no continuation.
 void refuseChangedInputs(const std::filesystem::path& directory, const Session& session) {
-  const Json kept = readJson(directory / kKeptFile);
+  const Json kept = Json::parse(shareFromFirstRank([&] { return toText(readJson(directory / kKeptFile)); }));
   for (const Input& input : session.inputs()) {
-    const std::string file = std::filesystem::absolute(input.file).string();
+    const std::string file = absoluteName(input.file);
     const Json& sums = kept.at("sha256");
-    if (!sums.contains(file) || sums.at(file) == sumOf(input)) continue;
-    throw ConfigError(fmt::format("{}: has changed since the run began, expected it as it was", file));
+    if (sums.contains(file) && sums.at(file) != sumOf(input)) refuseChanged(file);
   }
 }
 
@@ -159,17 +174,28 @@ MotionFit searchAndStoreMotions(MotionCalibration& calibration, const MotionCali
   } catch (const NumericsError& error) {
     session.abandon(std::string("failed: ") + error.what());
     throw;
-  } catch (const InterruptedError&) {
-    throw InterruptedError(fmt::format("interrupted after {} rounds; go on with: simgap calibrate --resume {}",
-                                       descends ? rounds() : calibration.state().evolution.history.size(),
-                                       shellWord(session.directory().path().string())));
   }
+}
+
+/// The search and its judgement. \throws InterruptedError with the command that goes on
+MotionCalibrationResult calibrated(MotionCalibration& calibration, const MotionCalibrationTask& task,
+                                   Session& session) try {
+  return judgeMotions(task, calibration, searchAndStoreMotions(calibration, task, session));
+} catch (const InterruptedError&) {
+  const MotionCalibrationState& state = calibration.state();
+  const bool descends = task.config.optimizer == "lm";
+  throw InterruptedError(fmt::format("interrupted after {} {}; go on with: simgap calibrate --resume {}",
+                                     descends ? state.descent.history.size() : state.evolution.history.size(),
+                                     descends ? "rounds" : "generations",
+                                     shellWord(session.directory().path().string())));
 }
 
 }  // namespace
 
 bool holdsMotionCalibration(const std::filesystem::path& directory) {
-  return std::filesystem::exists(directory / kKeptFile);
+  if (directory.empty()) return false;
+  return shareFromFirstRank([&] { return Bytes(std::filesystem::exists(directory / kKeptFile) ? "yes" : "no"); }) ==
+         "yes";
 }
 
 ExitCode calibrateMotions(const MotionCalibrateOptions& given, const std::vector<std::string>& argv) {
@@ -185,15 +211,15 @@ ExitCode calibrateMotions(const MotionCalibrateOptions& given, const std::vector
   if (resuming) {
     refuseChangedInputs(options.resume, session);
     session.resume(options.resume, task.config.strategy.seed);
-    if (std::filesystem::exists(session.directory().file(kMotionState))) {
-      calibration.restore(readJson(session.directory().file(kMotionState)));
-    }
+    const std::filesystem::path file = session.directory().file(kMotionState);
+    const Bytes stored =
+        shareFromFirstRank([&] { return std::filesystem::exists(file) ? toText(readJson(file)) : Bytes(); });
+    if (!stored.empty()) calibration.restore(Json::parse(stored));
   } else {
     session.begin(task.config.strategy.seed);
     keepMotionInputs(options, session, task);
   }
-  const MotionCalibrationResult result =
-      judgeMotions(task, calibration, searchAndStoreMotions(calibration, task, session));
+  const MotionCalibrationResult result = calibrated(calibration, task, session);
   writeMotionCalibration(result, session.directory());
   session.finish(toJson(result), terminalTable(result), result.failure.empty() ? "done" : "failed: " + result.failure);
   if (!result.failure.empty()) throw NumericsError(result.failure);

@@ -50,8 +50,7 @@ void BulletArm::build(const ArmModel& model) {
     world_->link_of_joint.push_back(static_cast<int>(j));
   }
   world_->body.finalizeMultiDof();
-  world_->world.addMultiBody(&world_->body);
-  world_->world.setGravity(toBullet(gravity_));
+  world_->gravity = toBullet(gravity_);
   world_->solver.setArm(&world_->body, joints_, world_->link_of_joint);
   motion_.reset();
 }
@@ -186,7 +185,7 @@ void BulletArm::step() {
   applyMuscles();
   if (!extensions_.empty()) applyJointTorques();
   applyJointSprings();
-  world_->world.stepSimulation(options_.step, 0);
+  world_->step(options_.step);
   updateKinematics();
   ++steps_;
 }

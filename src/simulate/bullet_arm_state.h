@@ -14,14 +14,11 @@ namespace simgap {
 
 inline constexpr double kRunawaySpeed = 1e4;  // [rad/s]; no arm turns that fast, a simulation that blows up passes it
 
-/// Bullet's objects, in the order they must be destroyed backwards.
+/// Bullet's multibody, and what a step of it needs.
 struct BulletArm::World {
-  btDefaultCollisionConfiguration collision_configuration;
-  btCollisionDispatcher dispatcher{&collision_configuration};
-  btSimpleBroadphase broadphase;
-  JointConstraintSolver solver;
-  btMultiBodyDynamicsWorld world{&dispatcher, &broadphase, &solver, &collision_configuration};
   btMultiBody body;
+  JointConstraintSolver solver;
+  btVector3 gravity{0.0, 0.0, 0.0};
   std::vector<BulletLink> links;   ///< shape (bodies)
   std::vector<int> link_of_joint;  ///< shape (joints)
 
@@ -32,9 +29,26 @@ struct BulletArm::World {
     body.setAngularDamping(0.0);
     body.setMaxCoordinateVelocity(10.0 * kRunawaySpeed);  // Bullet clamps at 100 rad/s, which would hide a runaway
   }
-  ~World() { world.removeMultiBody(&body); }
   World(const World&) = delete;
   World& operator=(const World&) = delete;
+
+  /// What btMultiBodyDynamicsWorld::stepSimulation does for one multibody, to the last bit. The rest of it looks for
+  /// collisions, of which there are none, and takes a quarter of the time.
+  void step(double dt) {
+    for (int link = 0; link < body.getNumLinks(); ++link) body.addLinkForce(link, gravity * body.getLinkMass(link));
+    body.computeAccelerationsArticulatedBodyAlgorithmMultiDof(dt, scratch_scalars, scratch_vectors, scratch_matrices,
+                                                              /*isConstraintPass=*/false,
+                                                              /*jointFeedbackInWorldSpace=*/false,
+                                                              /*jointFeedbackInJointFrame=*/false);
+    solver.solve(dt);
+    body.processDeltaVeeMultiDof2();
+    body.stepPositionsMultiDof(dt);
+    body.clearForcesAndTorques();
+  }
+
+  btAlignedObjectArray<btScalar> scratch_scalars;
+  btAlignedObjectArray<btVector3> scratch_vectors;
+  btAlignedObjectArray<btMatrix3x3> scratch_matrices;
 };
 
 /// What a step needs of a muscle, and its state.

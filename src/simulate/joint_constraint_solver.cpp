@@ -63,14 +63,12 @@ void JointConstraintSolver::reset() {
   for (Coupling& coupling : couplings_) coupling.impulse = 0.0;
 }
 
-void JointConstraintSolver::solveMultiBodyGroup(btCollisionObject**, int, btPersistentManifold**, int,
-                                                btTypedConstraint**, int, btMultiBodyConstraint**, int,
-                                                const btContactSolverInfo& info, btIDebugDraw*, btDispatcher*) {
+void JointConstraintSolver::solve(double step_s) {
   const Eigen::Map<const Eigen::VectorXd> before(body_->getVelocityVector() + 6, velocity_.size());
   velocity_ = before;
   assembleMobility();
-  addViscousFriction(info.m_timeStep);
-  solveBlocks(info.m_timeStep);
+  addViscousFriction(step_s);
+  solveBlocks(step_s);
   Eigen::Map<Eigen::VectorXd>(response_.data() + 6, velocity_.size()) = velocity_ - before;
   body_->applyDeltaVeeMultiDof(response_.data(), 1.0);
 }

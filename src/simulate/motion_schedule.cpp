@@ -124,6 +124,10 @@ void readMuscles(const YamlNode& node, const ArmModel& model, std::vector<Line>&
 
 MotionCommands sampled(const YamlNode& root, const ArmModel& model, const std::vector<Line>& lines, double duration,
                        double rate) {
+  constexpr double kMostRows = 1e7;
+  if (!(duration * rate < kMostRows)) {
+    root.fail(fmt::format("found {:g} s at {:g} Hz, expected at most {:g} rows", duration, rate, kMostRows));
+  }
   MotionCommands commands;
   const auto rows = static_cast<Eigen::Index>(std::lround(duration * rate)) + 1;
   commands.values.resize(std::ssize(lines), rows);

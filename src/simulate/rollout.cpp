@@ -5,6 +5,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "simgap/core/interrupt.h"
+
 namespace simgap {
 namespace {
 
@@ -137,6 +139,7 @@ MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& st
   take(*now_);
   for (; row < times.size() && times[row] <= start.time; ++row) write(1.0, track, row);
   while (row < times.size()) {
+    stopIfInterrupted();
     if (steps_ % tick_ == 0) commands.at(time(), command_row, commands_);
     const double from = time(), to = from + options_.step;
     const bool wanted = times[row] <= to;

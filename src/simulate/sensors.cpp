@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/random.h"
 
@@ -67,6 +68,11 @@ std::string SensorOptions::toYaml() const {
 }
 
 std::vector<double> sensorTimes(const SensorClock& clock, double start, double end) {
+  constexpr double kMostRows = 1e7;  // a gigabyte of motion, and more than any rig records in a run
+  if (!((end - start) * clock.rate < kMostRows)) {
+    throw ConfigError(
+        fmt::format("found {:g} s at {:g} Hz, expected at most {:g} rows", end - start, clock.rate, kMostRows));
+  }
   std::vector<double> times;
   for (long i = 0; start + static_cast<double>(i) / clock.rate <= end + 1e-9; ++i) {
     times.push_back(start + static_cast<double>(i) / clock.rate);

@@ -10,6 +10,7 @@
 
 #include "cli/cli_fixture.h"
 #include "simgap/core/run_directory.h"
+#include "support/motions.h"
 
 namespace simgap::test {
 namespace {
@@ -89,6 +90,81 @@ INSTANTIATE_TEST_SUITE_P(All, RanksOptimiserTest,
                          testing::Values(Arguments{}, Arguments{"--optimizer", "cma-es", "--generations", "2"},
                                          Arguments{"--optimizer", "lm", "--starts", "20"},
                                          Arguments{"--optimizer", "hybrid", "--starts", "4", "--verify", "none"}));
+
+/// The files of a result, but for its page, its options, and what tells the time it took.
+std::map<std::string, std::string> resultsIn(const fs::path& directory) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(directory)) {
+    const std::string name = entry.path().filename();
+    if (!entry.is_regular_file() || name == "run.json" || name == "report.html" || name == "log.txt" ||
+        name == "config.resolved.yaml")
+      continue;
+    files[name] = std::regex_replace(readText(entry.path()), std::regex("\"wall_s\":[^,\n]*"), "");
+  }
+  return files;
+}
+
+/// What every rank would do for itself if it were not shared: the same on any number of ranks and threads.
+class SharedWorkTest : public RanksTest {
+ protected:
+  void expectTheSameOnRanks(const Arguments& arguments) const {
+    const auto into = [&](const std::string& directory, int threads) {
+      Arguments all = arguments;
+      all.insert(all.end(), {"-o", directory, "--threads", std::to_string(threads)});
+      return all;
+    };
+    succeed(into("alone", 1));
+    const auto alone = resultsIn(path("alone"));
+    EXPECT_TRUE(alone.contains("result.json"));
+    for (const int ranks : {2, 3}) {
+      const std::string directory = "on" + std::to_string(ranks);
+      Arguments shared = into(directory, ranks - 1);
+      shared.push_back("-v");
+      const ProcessResult result = simgapOn(ranks, shared);
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      for (const auto& [name, content] : resultsIn(path(directory))) {
+        ASSERT_TRUE(alone.contains(name)) << name;
+        EXPECT_TRUE(content == alone.at(name)) << name << " differs on " << ranks << " ranks";
+      }
+      EXPECT_THAT(result.err, testing::HasSubstr("ranks: " + std::to_string(ranks)));
+      EXPECT_THAT(result.err, testing::Not(testing::HasSubstr("lists of tasks 0,")));
+    }
+  }
+};
+
+TEST_F(SharedWorkTest, RolloutsOfACalibrationOnMotions) {
+  put("forearm.yaml", reality::toYaml(movingForearm().arm));
+  put("forearm_config.yaml", forearmConfig() + "motions: {rounds: 2}\n");
+  putMotions(folder_, "motions.yaml", 0, 2);
+  expectTheSameOnRanks({"calibrate", "forearm.yaml", "--motions", "motions.yaml", "--config", "forearm_config.yaml"});
+}
+
+class SlowSharedWorkTest : public SharedWorkTest {};
+
+TEST_F(SlowSharedWorkTest, HypothesesAndPlacebosOfALog) {
+  expectTheSameOnRanks({"diagnose", "classic", "--log", sourceFile("data/logs/bend-friction.csv.gz").string(),
+                        "--effects", "bend-friction,channel-delay", "--max-causes", "1"});
+}
+
+TEST_F(SharedWorkTest, HypothesesOfAPoseSet) {
+  put("poses.csv", readText(sourceFile("data/arm/poses_calibration.csv")));
+  expectTheSameOnRanks({"diagnose", "arm.yaml", "--poses", "poses.csv", "--effects", "payload,muscle-wrap"});
+}
+
+TEST_F(SharedWorkTest, ACalibrationOnMotionsThatWasStoppedGoesOnOnRanks) {
+  put("forearm.yaml", reality::toYaml(movingForearm().arm));
+  putMotions(folder_, "motions.yaml", 0, 1);
+  const auto calibration = [&](const std::string& directory, int rounds) {
+    put("config.yaml", forearmConfig() + "motions: {rounds: " + std::to_string(rounds) + "}\n");
+    return Arguments{"calibrate",   "forearm.yaml", "--motions", "motions.yaml", "--config",
+                     "config.yaml", "-q",           "-o",        directory};
+  };
+  succeed(calibration("whole", 2));
+  succeed(calibration("begun", 1));
+  put("begun/config.resolved.yaml", text("whole/config.resolved.yaml"));
+  succeedOn(2, {"calibrate", "--resume", "begun", "-q"});
+  EXPECT_EQ(text("begun/parameters.csv"), text("whole/parameters.csv"));
+}
 
 TEST_F(RanksTest, OnlyTheFirstRankSpeaks) {
   const ProcessResult alone = simgap({"validate", "arm.yaml", "--poses", "poses.csv", "-q", "-o", "alone"});

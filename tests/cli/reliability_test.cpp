@@ -8,6 +8,7 @@
 
 #include "cli/cli_fixture.h"
 #include "simgap/core/run_directory.h"
+#include "support/motions.h"
 
 namespace simgap::test {
 namespace {
@@ -121,6 +122,64 @@ TEST_F(ReliabilityTest, DesignCanBeEnded) {
   const ProcessResult result = interrupted(arguments, [&] { return fs::exists(path("out/config.resolved.yaml")); });
   EXPECT_EQ(result.exit_code, 130) << result.err;
   EXPECT_EQ(status(), "interrupted");
+}
+
+TEST_F(ReliabilityTest, ASimulationCanBeEnded) {
+  put("arm.yaml", readText(sourceFile("data/elbow-movement/arm.yaml")));
+  put("schedule.yaml",
+      replaced(readText(sourceFile("data/elbow-movement/schedule.yaml")), "duration_s: 3", "duration_s: 10000"));
+  const ProcessResult result = interrupted({"simulate", "arm.yaml", "--commands", "schedule.yaml", "-q", "-o", "out"},
+                                           [&] { return fs::exists(path("out/config.resolved.yaml")); });
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_EQ(status(), "interrupted");
+}
+
+TEST_F(ReliabilityTest, AMovementWithoutEndIsRefused) {
+  put("arm.yaml", readText(sourceFile("data/elbow-movement/arm.yaml")));
+  const std::string schedule = readText(sourceFile("data/elbow-movement/schedule.yaml"));
+  put("schedule.yaml", replaced(schedule, "duration_s: 3", "duration_s: 1e9"));
+  expectRefused({"simulate", "arm.yaml", "--commands", "schedule.yaml", "-q", "-o", "out"}, 2,
+                "expected at most 1e+07 rows");
+  put("schedule.yaml", schedule);
+  const Arguments longer{"simulate", "arm.yaml", "--commands", "schedule.yaml", "--duration-s", "1e9",
+                         "-q",       "-o",       "out"};
+  const ProcessResult refused = simgap(longer);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, testing::HasSubstr("expected at most 1e+07 rows"));
+}
+
+TEST_F(ReliabilityTest, AServedArmThatWaitsForALineCanBeEnded) {
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+  const int writer = ::open(path("pipe").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_GE(writer, 0);
+  Process process({"/bin/sh", "-c", std::string("exec '") + SIMGAP_BINARY + "' simulate arm.yaml --serve < pipe"},
+                  folder_.path());
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  process.send(SIGTERM);
+  EXPECT_EQ(process.wait().exit_code, 130);
+  ::close(writer);
+}
+
+TEST_F(ReliabilityTest, ACalibrationOnMotionsCanBeEndedAndGoesOn) {
+  put("forearm.yaml", reality::toYaml(movingForearm().arm));
+  put("forearm_config.yaml", forearmConfig());
+  putMotions(folder_, "motions.yaml", 0, 2);
+  const auto calibration = [&](const char* directory) {
+    return Arguments{"calibrate", "forearm.yaml", "--motions", "motions.yaml", "--config", "forearm_config.yaml",
+                     "-q",        "-o",           directory,   "--threads",    "1"};
+  };
+  const auto stored = [&] { return fs::exists(path("out/state.json")); };
+  const ProcessResult result = interrupted(calibration("out"), stored);
+  if (result.exit_code != 0) {  // it was not over before the signal
+    EXPECT_EQ(result.exit_code, 130) << result.err;
+    EXPECT_EQ(status(), "interrupted");
+    EXPECT_THAT(result.err, testing::HasSubstr("go on with: simgap calibrate --resume out"));
+    succeed({"calibrate", "--resume", "out", "-q"});
+  }
+  succeed(calibration("whole"));
+  for (const char* file : {"model.yaml", "parameters.csv", "residuals.csv"}) {
+    EXPECT_EQ(text(std::string("out/") + file), text(std::string("whole/") + file)) << file;
+  }
 }
 
 TEST_F(ReliabilityTest, NoNameWritesToTheTerminal) {

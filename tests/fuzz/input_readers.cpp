@@ -1,10 +1,14 @@
+#include <algorithm>
 #include <array>
 
 #include "core/csv_cells.h"
 #include "fuzz/readers.h"
 #include "simgap/capture/board.h"
 #include "simgap/capture/camera_files.h"
+#include "simgap/capture/image_pairs.h"
+#include "simgap/capture/joint_calibration.h"
 #include "simgap/capture/marker_targets.h"
+#include "simgap/capture/steady_poses.h"
 #include "simgap/capture/stereo_cameras.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/actuator_log.h"
@@ -12,6 +16,7 @@
 #include "simgap/measure/logs/bench.h"
 #include "simgap/measure/logs/log_table.h"
 #include "simgap/measure/logs/spring_log.h"
+#include "simgap/measure/motion_set.h"
 #include "simgap/measure/pose_set.h"
 #include "simgap/model/actuator/fitted_model.h"
 #include "simgap/model/arm/arm_yaml.h"
@@ -39,11 +44,29 @@ void readTable(std::string bytes) {
 
 void readPacked(std::string bytes) { unpackCsv(std::move(bytes), "input.csv.gz", std::size_t{1} << 24U); }
 
-void readPoses(std::string bytes) {
+PoseLayout layoutOfTwo() {
   PoseLayout layout;
   layout.muscles = {"a", "b"};
   layout.joints = {{"s", JointType::kSpherical}, {"e", JointType::kRevolute}};
-  readPoseSet(CsvTable::parse(std::move(bytes), "input.csv"), layout);
+  return layout;
+}
+
+void readPoses(std::string bytes) { readPoseSet(CsvTable::parse(std::move(bytes), "input.csv"), layoutOfTwo()); }
+
+/// A set of motions whose tables are what the fuzzer made, too: behind a line "---" that of the muscles, behind the
+/// next one that of the joints.
+void readMotions(std::string bytes) {
+  std::array<std::string, 3> parts;
+  std::string_view left = bytes;
+  for (std::string& part : parts) {
+    const std::size_t end = std::min(left.find("\n---\n"), left.size());
+    part = left.substr(0, end);
+    left.remove_prefix(std::min(end + 5, left.size()));
+  }
+  readMotionSet(yaml(parts[0]), "input.yaml", layoutOfTwo(), [&](const std::filesystem::path& file) {
+    const bool of_joints = file.string().find("joints") != std::string::npos;
+    return CsvTable::parse(parts[of_joints ? 2 : 1], file.string());
+  });
 }
 
 /// A log of any kind: each reader takes the columns it knows.
@@ -87,22 +110,40 @@ void readCamerasOf(std::string bytes) {
   readCameras(std::vector<CameraFile>{{"input.yaml", bytes}});
 }
 
-void readStereoRig(std::string bytes) {
+TargetSet targetsOfTwo() {
   TargetSet targets;
   targets.marker_radius = 0.006;
   for (const char* name : {"torso", "humerus"}) {
     targets.targets.push_back({name, name, {{0.0, 0.0, 0.0}, {0.1, 0.0, 0.0}, {0.0, 0.2, 0.0}, {0.0, 0.0, 0.3}}});
   }
+  return targets;
+}
+void readStereoRig(std::string bytes) {
   rigFiles(yaml(bytes));
-  readRig(yaml(bytes), targets);
+  readRig(yaml(bytes), targetsOfTwo());
+}
+
+/// The tables beside images: of the cameras' clocks, of the shafts, of what a capture found.
+void readCaptureTables(std::string bytes) {
+  const CsvTable table = CsvTable::parse(std::move(bytes), "input.csv");
+  const auto tryReading = [&](auto&& read) {
+    try {
+      read();
+    } catch (const Error&) {
+    }
+  };
+  tryReading([&] { readTimes(table, 0.02); });
+  tryReading([&] { readShaftLog(table); });
+  readMotion(table, targetsOfTwo());
 }
 
 constexpr std::array kReaders = {
-    Reader{"csv", readTable},         Reader{"gzip", readPacked},          Reader{"poses", readPoses},
-    Reader{"log", readLog},           Reader{"corners", readBoardCorners}, Reader{"arm", readArmModel},
-    Reader{"fitted", readFitted},     Reader{"bench", readBenchOf},        Reader{"targets", readTargetSet},
-    Reader{"rig", readStereoRig},     Reader{"cameras", readCamerasOf},    Reader{"mcap", readRecording},
-    Reader{"rosbag2", readRecording}, Reader{"mjcf", readMjcfRobot},       Reader{"urdf", readUrdfRobot},
+    Reader{"csv", readTable},         Reader{"gzip", readPacked},           Reader{"poses", readPoses},
+    Reader{"log", readLog},           Reader{"corners", readBoardCorners},  Reader{"arm", readArmModel},
+    Reader{"fitted", readFitted},     Reader{"bench", readBenchOf},         Reader{"targets", readTargetSet},
+    Reader{"rig", readStereoRig},     Reader{"cameras", readCamerasOf},     Reader{"mcap", readRecording},
+    Reader{"rosbag2", readRecording}, Reader{"mjcf", readMjcfRobot},        Reader{"urdf", readUrdfRobot},
+    Reader{"motions", readMotions},   Reader{"capture", readCaptureTables},
 };
 
 }  // namespace

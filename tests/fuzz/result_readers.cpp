@@ -7,8 +7,17 @@
 
 #include "fuzz/readers.h"
 #include "simgap/core/error.h"
+#include "simgap/fit/motions/motion_calibration.h"
 #include "simgap/fit/poses/calibration.h"
+#include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/html/result_page.h"
+#include "simgap/report/runs/budget.h"
+#include "simgap/report/runs/run_comparison.h"
+#include "simgap/simulate/motion_commands.h"
+#include "simgap/simulate/motion_inputs.h"
+#include "simgap/simulate/motion_schedule.h"
+#include "simgap/simulate/served_arm.h"
+#include "simgap/simulate/simulation.h"
 
 namespace simgap::test {
 namespace {
@@ -26,27 +35,118 @@ Json jsonOf(const std::string& bytes) {
   return readJson(file);
 }
 
-void readState(std::string bytes) { calibrationStateFromJson(jsonOf(bytes)); }
+YamlNode yaml(const std::string& bytes) { return YamlNode::parse(bytes, "input.yaml"); }
 
-void readCalibration(std::string bytes) { CalibrationConfig::read(YamlNode::parse(bytes, "input.yaml")); }
+void readState(std::string bytes) { calibrationStateFromJson(jsonOf(bytes)); }
+void readMotionState(std::string bytes) { motionSearchStateFromJson(jsonOf(bytes), 2); }
+void readCalibration(std::string bytes) { CalibrationConfig::read(yaml(bytes)); }
+void readMotionCalibration(std::string bytes) { MotionCalibrationConfig::read(yaml(bytes)); }
+
+/// A forearm on a hinge between two muscles.
+const ArmModel& forearm() {
+  static const ArmModel model = readArm(YamlNode::parse(R"(format: simgap/arm/1
+name: rig
+gravity_m_s2: [0, 0, -9.81]
+bodies:
+  - {name: humerus, fixed: true}
+  - {name: forearm, parts: [{name: bone, shape: cylinder, radius_m: 0.02, length_m: 0.24, mass_kg: 0.6, position_m: [0, 0, -0.12], axis: [0, 0, 1]}]}
+joints:
+  - {name: e, type: revolute, parent: humerus, child: forearm, parent_position_m: [0, 0, 0], child_position_m: [0, 0, 0], axis: [1, 0, 0], lower_limit_rad: -2, upper_limit_rad: 2, coulomb_friction_Nm: 0.02, viscous_friction_Nms: 0.02}
+motor_defaults: {resistance_ohm: 0.8, inductance_H: 0.0003, back_emf_constant_Vs: 0.011, torque_constant_Nm_A: 0.011, inertia_kg_m2: 2.0e-6, viscous_friction_Nms: 1.0e-6, coulomb_friction_Nm: 0.002, supply_voltage_V: 12}
+gearbox_defaults: {ratio: 72, efficiency: 0.72, inertia_kg_m2: 1.0e-5, viscous_friction_Nms: 0.002, coulomb_friction_Nm: 0.03}
+muscles:
+  - {name: a, attachments: [{body: humerus, point_m: [0, 0.03, 0.15]}, {body: forearm, point_m: [0, 0.03, -0.05]}], kite_line_length_m: 0.1, shock_cord: {rest_length_m: 0.08, stiffness_N_m: 950, damping_Ns_m: 15}, spindle_radius_m: 0.006}
+  - {name: b, attachments: [{body: humerus, point_m: [0, -0.03, 0.15]}, {body: forearm, point_m: [0, -0.03, -0.05]}], kite_line_length_m: 0.1, shock_cord: {rest_length_m: 0.08, stiffness_N_m: 950, damping_Ns_m: 15}, spindle_radius_m: 0.006}
+)",
+                                                        "forearm.yaml"));
+  return model;
+}
+
+/// Commands of muscles, and a start for them.
+void readCommandTable(std::string bytes) {
+  const CsvTable table = CsvTable::parse(std::move(bytes), "input.csv");
+  try {
+    readMotionStart(table, forearm(), "");
+  } catch (const Error&) {
+  }
+  motionEnd(readCommands(table, forearm(), /*linear=*/true), "input.csv", {});
+}
+
+void readMovement(std::string bytes) {
+  readSchedule(yaml(bytes), forearm(), 100.0, [](const std::string&) {
+    Pose pose;
+    pose.name = "p";
+    pose.shafts = {1.0, 2.0};
+    return PoseSet{"poses.csv", {pose}};
+  });
+}
+
+void readSimulation(std::string bytes) { SimulationOptions::read(yaml(bytes)).rollout.validate(); }
+
+/// Lines of a program that runs the arm; each has its answer.
+void serve(std::string bytes) {
+  ServedArm arm(forearm(), {.step = 0.002, .controllers = {}});
+  for (std::size_t begin = 0, line = 0; begin < bytes.size() && line < 8; ++line) {
+    const std::size_t end = std::min(bytes.find('\n', begin), bytes.size());
+    arm.answer(std::string_view(bytes).substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+/// A run whose result is `result`, and nothing else.
+std::filesystem::path runWith(const Json& result) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("simgap-fuzz-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "run.json") << R"({"start": "2026-01-01T00:00:00Z", "inputs": []})";
+  std::ofstream(folder / "result.json") << toText(result);
+  return folder;
+}
 
 /// The page of a result whose tables are not there: what stands in result.json alone.
 void readResult(std::string bytes) {
   const Json result = jsonOf(bytes);
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / ("simgap-fuzz-" + std::to_string(::getpid()));
-  std::filesystem::create_directories(folder);
-  std::ofstream(folder / "run.json") << "{}";
-  std::ofstream(folder / "result.json") << toText(result);
   const Json run = {{"argv", Json::array()}, {"version", ""},     {"git_hash", ""},   {"seed", 0},
                     {"start", ""},           {"duration_s", 0.0}, {"status", "done"}, {"inputs", Json::array()}};
-  makePage(ResultFiles(folder, run));
+  makePage(ResultFiles(runWith(result), run));
+}
+
+/// Held against itself, and against a budget that names all kinds of limits.
+void compareResult(std::string bytes) {
+  static const Budget budget = readBudget(yaml(R"(format: simgap/budget/1
+limits:
+  - {value: validation.after.0, upper: 2}
+  - {parameter: "*", lower: 0, upper: 3, largest_sd_percent: 5}
+  - {verdict: [found, nothing-found]}
+  - {cause: "*", upper: 5}
+)"));
+  const auto folder = runWith(jsonOf(bytes));
+  guardText(checkBudget(budget, ResultFiles(folder)));
+  const RunFigures run = readRun(folder);
+  comparisonText(compareRuns({run, run, run}));
+}
+
+void readLimits(std::string bytes) {
+  static const auto folder = runWith(Json::parse(
+      R"({"format": "simgap/fit-friction/1", "parameters": [{"name": "k_a", "value": 1.0, "sd": 0.1, "unit": "A"}]})"));
+  const Json guard = checkBudget(readBudget(yaml(bytes)), ResultFiles(folder));
+  guardText(guard);
+  guardMarkdown(guard);
+  guardJunit(guard);
 }
 
 constexpr std::array kReaders = {
     Reader{"state", readState},
     Reader{"calibration", readCalibration},
     Reader{"result", readResult},
+    Reader{"compared", compareResult},
+    Reader{"budget", readLimits},
+    Reader{"motion_state", readMotionState},
+    Reader{"motion_calibration", readMotionCalibration},
+    Reader{"commands", readCommandTable},
+    Reader{"schedule", readMovement},
+    Reader{"simulation", readSimulation},
+    Reader{"serve", serve},
 };
 
 }  // namespace

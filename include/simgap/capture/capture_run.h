@@ -25,11 +25,20 @@ struct CaptureRunOptions {
   double max_shaft_lag = 0.25;     ///< [s] of the joints behind the shafts
 };
 
-/// What one pair told, for plots.
-struct FrameDigest {
-  double time;             ///< [s]
-  float ghosts;            ///< blobs
-  std::vector<float> rms;  ///< shape (targets) [mm]; NaN when not found
+/// Many latencies in little memory: how many there are of each size, in steps of 1 %.
+class LatencyCounts {
+ public:
+  void add(double seconds);
+  /// So that a share of `part` lies below it, within 1 %; part 1: the largest [s]. There has to be one.
+  double quantile(double part) const;
+  std::size_t count() const { return count_; }
+
+ private:
+  static constexpr double kStep = 0.01;      ///< of the logarithm
+  static constexpr double kSmallest = 1e-6;  ///< [s]
+  std::vector<std::size_t> counts_;
+  std::size_t count_ = 0;
+  double largest_ = 0.0;
 };
 
 /// How a run with cameras that ran went.
@@ -37,7 +46,7 @@ struct LiveFigures {
   LiveCounts counts;
   std::size_t pairs = 0, poses = 0;  ///< poses: pairs with all joints
   double seconds = 0.0;              ///< from the first image on [s]
-  std::vector<double> latency;       ///< per pair, from its image to its angles [s]
+  LatencyCounts latency;             ///< of pairs, from the image to its angles
   double started_unix = 0.0;         ///< [s] since 1970: what time_s counts from
 };
 
@@ -45,22 +54,23 @@ struct CaptureResult {
   TargetSet targets;
   Rig rig;
   FrameTimes times;
-  std::vector<JointSample> samples;
+  std::size_t samples = 0;  ///< pairs with all joints
   std::vector<SteadyPose> poses;
   std::vector<std::string> muscles;
   std::size_t poses_outside_log = 0;
   std::optional<Lag> lag;
-  std::vector<FrameDigest> digests;
   std::vector<std::string> skipped;
   std::vector<std::size_t> missing_overlays;
   std::vector<GeometryFinding> doubts;
   std::optional<LiveFigures> live;
 };
 
+/// Tables go to files as the pairs come: memory does not grow with their number, but for the longest rest and, with a
+/// shaft log, two numbers of a pair.
 class CaptureRun {
  public:
   CaptureRun(const StereoCameras& cameras, const TargetSet& targets, const Rig& rig, const FrameTimes& times,
-             const CaptureRunOptions& options);
+             const CaptureRunOptions& options, std::optional<ShaftLog> shafts = {});
 
   /// One pair; call in order. \returns whether all joints were found. \throws DataError: all that StereoCapture
   /// refuses.
@@ -69,7 +79,7 @@ class CaptureRun {
   void add(const ImagePairs& pairs);
   /// \throws DataError: no target in any frame, a target that was never seen (unless `partial`), fewer pairs than time
   ///         stamps, joints that move more than max_shaft_lag after the shafts.
-  CaptureResult finish(const std::vector<std::string>& skipped, const std::optional<ShaftLog>& shafts);
+  CaptureResult finish(const std::vector<std::string>& skipped);
   /// frames.csv, joints.csv, poses.csv, markers.trc and the overlays.
   void write(const RunDirectory& directory, const CaptureResult& result) const;
 
@@ -85,9 +95,11 @@ class CaptureRun {
   CaptureRunOptions options_;
   StereoCapture capture_;
   CaptureStatistics statistics_;
-  TextSpool frames_csv_, trc_;
-  std::vector<JointSample> samples_;
-  std::vector<FrameDigest> digests_;
+  std::optional<ShaftLog> shafts_;
+  TextSpool frames_csv_, trc_, joints_csv_;
+  std::size_t samples_ = 0;
+  RestFinder rests_;
+  JointSpeeds speeds_;                                         ///< with a shaft log
   std::vector<std::pair<std::size_t, std::string>> overlays_;  ///< pair, PNG
 };
 

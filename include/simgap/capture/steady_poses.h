@@ -2,8 +2,10 @@
 /// Where the arm rests, and what the shafts did then: a motion to a pose set.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "simgap/capture/joint_angles.h"
@@ -27,7 +29,29 @@ struct SteadyPose {
 };
 
 /// Windows of `duration` in which every joint's line has a slope below max_speed and no sample strays from the mean by
-/// more than max_speed * duration; windows that overlap are one rest.
+/// more than max_speed * duration; windows that overlap are one rest. Keeps the samples of one window and one rest.
+class RestFinder {
+ public:
+  RestFinder(std::vector<CaptureJoint> joints, const SteadyOptions& options);
+  void add(JointSample sample);  ///< in order
+  std::vector<SteadyPose> finish();
+  std::size_t samplesKept() const { return samples_.size(); }
+
+ private:
+  std::span<const JointSample> kept(std::size_t first, std::size_t end) const;
+  void closeRest();
+  void forget();
+
+  std::vector<CaptureJoint> joints_;
+  SteadyOptions options_;
+  std::vector<JointSample> samples_;  ///< from number begin_ on
+  std::size_t begin_ = 0;
+  std::size_t window_ = 0;               ///< first sample of the window that is not long enough yet
+  std::size_t rest_ = 0, rest_end_ = 0;  ///< samples of the rest that is growing
+  std::vector<SteadyPose> poses_;
+};
+
+/// The rests of a whole motion.
 std::vector<SteadyPose> findSteadyPoses(std::span<const JointSample> samples, const std::vector<CaptureJoint>& joints,
                                         const SteadyOptions& options);
 
@@ -50,9 +74,28 @@ struct Lag {
   double correlation = 0.0;  ///< of joint and shaft speed at that lag; below kClearCorrelation the lag means nothing
   static constexpr double kClearCorrelation = 0.5;
 };
+/// How fast all joints or all shafts are between neighbouring rows, at the middle of each step.
+struct Speeds {
+  std::vector<double> times, values;  ///< shape (rows - 1) [s], [rad/s]
+
+  double at(double time) const;  ///< straight in between; 0 outside
+};
+/// Of joints, sample by sample.
+class JointSpeeds {
+ public:
+  explicit JointSpeeds(std::vector<CaptureJoint> joints) : joints_(std::move(joints)) {}
+  void add(const JointSample& sample);  ///< in order
+  const Speeds& speeds() const { return speeds_; }
+  double step() const;  ///< mean time between samples; of two or more [s]
+
+ private:
+  std::vector<CaptureJoint> joints_;
+  std::optional<JointSample> last_;
+  double first_time_ = 0.0;
+  Speeds speeds_;
+};
 /// The largest correlation of the speeds of all joints and all shafts within +- `range` [s].
-Lag estimateLag(std::span<const JointSample> samples, const std::vector<CaptureJoint>& joints, const ShaftLog& log,
-                double range);
+Lag estimateLag(const JointSpeeds& joints, const ShaftLog& log, double range);
 
 /// The pose set (docs/formats.md): pose, repeat, time_s, shafts, joints; then per joint its standard deviation, and the
 /// number of samples.

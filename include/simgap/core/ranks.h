@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "simgap/core/bytes.h"
@@ -57,18 +58,20 @@ struct RanksEnded : InterruptedError {
   RanksEnded() : InterruptedError("the first rank has ended the run") {}
 };
 
-/// results[i] = compute(i) for all i, on all threads of all ranks; `compute` looks for interrupts itself.
+/// place(i, compute(i)) for all i, on all threads of all ranks; `compute` looks for interrupts itself. Without other
+/// ranks `place` is called from several threads at once, with others one at a time, on every rank.
 /// \param one_by_one, digest  as RankedTasks
-template <class Result, class Compute>
-void computeOnRanks(std::span<Result> results, const Compute& compute, bool one_by_one = false, Bytes digest = {}) {
-  const auto one = [&](std::size_t i) { results[i] = compute(i); };
+template <class Compute, class Place>
+void shareOnRanks(std::size_t count, const Compute& compute, const Place& place, bool one_by_one = false,
+                  Bytes digest = {}) {
+  const auto one = [&](std::size_t i) { place(i, compute(i)); };
   if (rankCount() == 1 && one_by_one) {
-    for (std::size_t i = 0; i < results.size(); ++i) one(i);
+    for (std::size_t i = 0; i < count; ++i) one(i);
     return;
   }
-  if (rankCount() == 1) return tbb::parallel_for(std::size_t{0}, results.size(), one);
+  if (rankCount() == 1) return tbb::parallel_for(std::size_t{0}, count, one);
   RankedTasks tasks;
-  tasks.count = results.size();
+  tasks.count = count;
   tasks.one_by_one = one_by_one;
   tasks.digest = std::move(digest);
   tasks.compute = [&](std::size_t i) {
@@ -77,10 +80,19 @@ void computeOnRanks(std::span<Result> results, const Compute& compute, bool one_
     return bytes;
   };
   tasks.place = [&](std::size_t i, std::string_view bytes) {
+    std::decay_t<decltype(compute(i))> result;
     BytesReader reader{bytes};
-    unpack(reader, results[i]);
+    unpack(reader, result);
+    place(i, std::move(result));
   };
   doOnRanks(tasks);
+}
+
+/// results[i] = compute(i) for all i, likewise.
+template <class Result, class Compute>
+void computeOnRanks(std::span<Result> results, const Compute& compute, bool one_by_one = false, Bytes digest = {}) {
+  const auto place = [&](std::size_t i, Result&& result) { results[i] = std::move(result); };
+  shareOnRanks(results.size(), compute, place, one_by_one, std::move(digest));
 }
 
 }  // namespace simgap

@@ -1,5 +1,5 @@
 /// \file
-/// Joint friction and joint limits as a constraint solver of Bullet's multibody world.
+/// Joint friction and joint limits of a multibody of Bullet's.
 ///
 /// Bullet's own joint motors and limits are solved row by row with a fixed number of sweeps, which does not settle
 /// where a limit and a friction motor meet, and its spherical motor clamps each axis, so that friction can reach
@@ -23,7 +23,7 @@
 
 namespace simgap {
 
-class JointConstraintSolver : public btMultiBodyConstraintSolver {
+class JointConstraintSolver {
  public:
   /// Called once, after the multibody is complete.
   /// \param links  link of the multibody that each joint moves, shape (joints).
@@ -32,11 +32,8 @@ class JointConstraintSolver : public btMultiBodyConstraintSolver {
   /// Forgets the impulses of earlier steps, so that what follows depends on the state alone.
   void reset();
 
-  void solveMultiBodyGroup(btCollisionObject** bodies, int number_of_bodies, btPersistentManifold** manifolds,
-                           int number_of_manifolds, btTypedConstraint** constraints, int number_of_constraints,
-                           btMultiBodyConstraint** multi_body_constraints, int number_of_multi_body_constraints,
-                           const btContactSolverInfo& info, btIDebugDraw* debug_drawer,
-                           btDispatcher* dispatcher) override;
+  /// Adds the impulses of a step to the multibody's velocity; its accelerations are computed.
+  void solve(double step_s);
 
   /// Adds the impulses of friction and limits to a velocity that has everything else already.
   /// \param mobility  W, shape (n, n)  \param[in,out] velocity  shape (n) [rad/s]

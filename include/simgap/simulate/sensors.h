@@ -37,7 +37,7 @@ struct SensorOptions {
   std::string toYaml() const;
 };
 
-/// Times of a sensor, from start to end. [s]
+/// Times of a sensor, from start to end. [s] \throws ConfigError: 1e7 of them or more
 std::vector<double> sensorTimes(const SensorClock& clock, double start, double end);
 
 /// muscles.csv: `time_s`, the commands, `shaft_<m>_rad`, `current_<m>_A`, `measured_force_<m>_N`.

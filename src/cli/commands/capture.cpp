@@ -102,7 +102,7 @@ ExitCode runLive(const Options& options, Session& session, const StereoCameras& 
   session.begin(options.common.seed.value_or(0));  // a directory that is in use is found out before the recording
   CaptureRun capture(stereo, targets, rig, {{}, cameras.rate(), 0.0}, run_options);
   LiveFigures live = followCameras(capture, cameras, options.duration, options.common.quiet);
-  CaptureResult result = capture.finish({}, std::nullopt);
+  CaptureResult result = capture.finish({});
   result.live = std::move(live);
   return deliver(options, session, capture, result);
 }
@@ -133,9 +133,9 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   }
   CaptureRunOptions run_options = options.run;
   run_options.overlays.insert(options.overlays.begin(), options.overlays.end());
-  CaptureRun capture(cameras, targets, rig, frame_times, run_options);
+  CaptureRun capture(cameras, targets, rig, frame_times, run_options, std::move(shafts));
   processAll(capture, pairs, options.common.quiet);
-  const CaptureResult result = capture.finish(pairs.skipped(), shafts);
+  const CaptureResult result = capture.finish(pairs.skipped());
 
   session.begin(options.common.seed.value_or(0));
   return deliver(options, session, capture, result);

@@ -1,11 +1,17 @@
 #include <fmt/format.h>
+#include <poll.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
+#include <array>
 #include <ctime>
 #include <iostream>
+#include <utility>
 
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
+#include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
 #include "simgap/report/poses/simulation_report.h"
 #include "simgap/simulate/motion_inputs.h"
 #include "simgap/simulate/served_arm.h"
@@ -58,13 +64,49 @@ MotionStart readStart(Session& session, const Options& options, const ArmModel& 
   return start;
 }
 
+/// Lines of the standard input as they come. A signal ends the wait for one, which it would not end for std::cin.
+class InputLines {
+ public:
+  /// \returns false at the end
+  bool next(std::string& line) {
+    std::size_t end = 0;
+    while ((end = read_.find('\n')) == std::string::npos) {
+      if (!readMore()) {
+        line = std::exchange(read_, {});
+        return !line.empty();
+      }
+    }
+    line = read_.substr(0, end);
+    read_.erase(0, end + 1);
+    return true;
+  }
+
+ private:
+  bool readMore() {
+    constexpr std::size_t kLongest = 1U << 20U;  // of a line [bytes]
+    if (read_.size() > kLongest) throw DataError("standard input: found a line of more than 1 MiB, expected JSON");
+    constexpr int kLookEvery = 200;  // [ms] a signal just before poll would be waited for otherwise
+    pollfd waited{STDIN_FILENO, POLLIN, 0};
+    do {
+      stopIfInterrupted();
+    } while (::poll(&waited, 1, kLookEvery) <= 0);
+    std::array<char, 4096> bytes;
+    const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+    if (count > 0) read_.append(bytes.data(), static_cast<std::size_t>(count));
+    return count > 0;
+  }
+
+  std::string read_;
+};
+
 /// A line in, a line out, until there are no more; how long a cycle took goes to stderr.
 ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
   ServedArm arm(model, options);
+  InputLines lines;
   std::string line;
   long cycles = 0;
   double busy = 0.0, simulated = 0.0;
-  while (std::getline(std::cin, line)) {
+  while (lines.next(line)) {
     const std::clock_t begin = std::clock();
     const double before = arm.time();
     const std::string answer = arm.answer(line);

@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
+#include "simgap/core/ranks.h"
 #include "simgap/core/statistics.h"
 #include "simgap/measure/logs/log_kind.h"
 
@@ -282,6 +283,39 @@ void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<doub
   }
 }
 
+void pack(Bytes& bytes, const Trial& trial) {
+  pack(bytes, trial.fitted.theta);
+  pack(bytes, trial.fitted.mse);
+  const GroupErrors& unseen = trial.fitted.validation;
+  for (const Eigen::ArrayXd* part : {&unseen.sum, &unseen.rows}) pack(bytes, Eigen::VectorXd(part->matrix()));
+  pack(bytes, trial.gain_training);
+  pack(bytes, trial.gain.has_value());
+  const Interval gain = trial.gain.value_or(Interval{});
+  for (const double number : {gain.value, gain.lower95, gain.upper95}) pack(bytes, number);
+  pack(bytes, trial.p);
+  pack(bytes, trial.p_paired);
+  pack(bytes, trial.identifiable);
+}
+void unpack(BytesReader& from, Trial& trial) {
+  unpack(from, trial.fitted.theta);
+  unpack(from, trial.fitted.mse);
+  GroupErrors& unseen = trial.fitted.validation;
+  for (Eigen::ArrayXd* part : {&unseen.sum, &unseen.rows}) {
+    Eigen::VectorXd values;
+    unpack(from, values);
+    *part = values.array();
+  }
+  unpack(from, trial.gain_training);
+  bool known = false;
+  Interval gain;
+  unpack(from, known);
+  for (double* const number : {&gain.value, &gain.lower95, &gain.upper95}) unpack(from, *number);
+  if (known) trial.gain = gain;
+  unpack(from, trial.p);
+  unpack(from, trial.p_paired);
+  unpack(from, trial.identifiable);
+}
+
 Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const {
   Trial trial;
   trial.hypothesis = hypothesis;
@@ -330,7 +364,17 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
 
 std::vector<Trial> LogSearch::tryAll(const Fitted& base, const std::vector<Hypothesis>& hypotheses) const {
   std::vector<Trial> trials(hypotheses.size());
-  tbb::parallel_for(std::size_t{0}, hypotheses.size(), [&](std::size_t h) { trials[h] = tryOne(base, hypotheses[h]); });
+  Bytes digest;
+  pack(digest, base.theta);
+  const auto tryThis = [&](std::size_t h) { return tryOne(base, hypotheses[h]); };
+  computeOnRanks(std::span(trials), tryThis, /*one_by_one=*/false, std::move(digest));
+  for (std::size_t h = 0; h < trials.size(); ++h) {  // pointers stay on the rank that made them
+    trials[h].hypothesis = hypotheses[h];
+    if (trials[h].fitted.model || trials[h].fitted.theta.empty()) continue;
+    std::vector<const ActuatorEffect*> effects = base.model->effects();
+    effects.push_back(hypotheses[h].effect);
+    trials[h].fitted.model = makeModel(effects);
+  }
   return trials;
 }
 

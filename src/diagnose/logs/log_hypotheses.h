@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "diagnose/paired_error.h"
+#include "simgap/core/bytes.h"
 #include "simgap/diagnose/logs/log_diagnosis.h"
 
 namespace simgap {
@@ -40,6 +41,10 @@ struct Trial {
   bool identifiable = true;  ///< false: the model's own parameters can take its place exactly
 };
 
+/// Between ranks: without what all of them know, the hypothesis and the model's equation.
+void pack(Bytes& bytes, const Trial& trial);
+void unpack(BytesReader& from, Trial& trial);
+
 class LogSearch {
  public:
   static constexpr double kPieceSeconds = 2.0;
@@ -56,7 +61,7 @@ class LogSearch {
   /// Refitted to other blocks, by a few steps from where it is.
   Fitted refitted(const Fitted& fitted, const std::vector<Block>& blocks) const;
 
-  /// Every hypothesis on top of `base`, in their order; from several threads.
+  /// Every hypothesis on top of `base`, in their order; on the threads of all ranks.
   std::vector<Trial> tryAll(const Fitted& base, const std::vector<Hypothesis>& hypotheses) const;
 
   /// True when `winner` says all that `rival` says and more: in a model with both, the winner is significant and the

@@ -196,12 +196,17 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   if (isConstant(signature)) return {0.0, 0.0, 0.0};
   test.gain = fitted.gain(signature);
   std::vector<double> gains(kPlacebos);
-  tbb::parallel_for(std::uint32_t{0}, kPlacebos, [&](std::uint32_t draw) {
+  const auto gainOf = [&](std::size_t draw) {
     stopIfInterrupted();
     MatrixXd placebo(signature.rows(), signature.cols());
-    for (Index k = 0; k < signature.cols(); ++k) placebo.col(k) = phaseRandomised(signature.col(k), draw, seed);
-    gains[draw] = fitted.gain(placebo);
-  });
+    for (Index k = 0; k < signature.cols(); ++k) {
+      placebo.col(k) = phaseRandomised(signature.col(k), static_cast<std::uint32_t>(draw), seed);
+    }
+    return fitted.gain(placebo);
+  };
+  Bytes digest;
+  pack(digest, full.theta);
+  computeOnRanks(std::span(gains), gainOf, /*one_by_one=*/false, std::move(digest));
   test.largest = *std::ranges::max_element(gains);
   const auto reach = std::ranges::count_if(gains, [&](double gain) { return gain >= test.gain; });
   test.p = (1.0 + static_cast<double>(reach)) / (1.0 + kPlacebos);

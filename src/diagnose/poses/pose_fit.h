@@ -12,6 +12,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/ranks.h"
 #include "simgap/fit/poses/levenberg_marquardt.h"
 #include "simgap/model/arm/arm_effect.h"
 
@@ -45,6 +46,19 @@ void forEach(const PoseProblem& problem, std::size_t count, const Action& action
       if (!interruptRequested()) action(i);
     });
   });
+  stopIfInterrupted();
+}
+
+/// place(i, compute(i)) likewise, on all ranks (core/ranks.h). \param z  that the tasks begin from
+template <class Compute, class Place>
+void forEachOnRanks(const PoseProblem& problem, std::size_t count, const Eigen::VectorXd& z, const Compute& compute,
+                    const Place& place) {
+  tbb::task_arena arena(problem.threads > 0 ? problem.threads : tbb::task_arena::automatic);
+  using Result = std::decay_t<decltype(compute(std::size_t{0}))>;
+  const auto unlessInterrupted = [&](std::size_t i) { return interruptRequested() ? Result() : compute(i); };
+  Bytes digest;
+  pack(digest, z);
+  arena.execute([&] { shareOnRanks(count, unlessInterrupted, place, /*one_by_one=*/false, std::move(digest)); });
   stopIfInterrupted();
 }
 

@@ -160,13 +160,14 @@ std::vector<Detectable> detectableMagnitudes(const PoseProblem& problem, PoseFit
         fit.causes(), [&](const PoseCause& cause) { return cause.effect == h.effect && cause.target == h.target; });
   });
   std::vector<Detectable> detectable(hypotheses.size());
-  forEach(problem, hypotheses.size(), [&](std::size_t h) {
+  const auto magnitudeOf = [&](std::size_t h) {
     PoseFit own = fit;
-    const PoseScore score(own);
-    const PoseHypothesis& hypothesis = hypotheses[h];
-    const ArmEffectParameter& p = hypothesis.effect->parameters[0];
-    detectable[h] = {std::string(hypothesis.effect->name), hypothesis.target, std::string(p.name), std::string(p.unit),
-                     smallestRevealed(problem, score, hypothesis, own.posterior().poses())};
+    return smallestRevealed(problem, PoseScore(own), hypotheses[h], own.posterior().poses());
+  };
+  forEachOnRanks(problem, hypotheses.size(), fit.z(), magnitudeOf, [&](std::size_t h, double magnitude) {
+    const ArmEffectParameter& p = hypotheses[h].effect->parameters[0];
+    detectable[h] = {std::string(hypotheses[h].effect->name), hypotheses[h].target, std::string(p.name),
+                     std::string(p.unit), magnitude};
   });
   std::erase_if(detectable, [](const Detectable& d) { return std::isnan(d.magnitude95); });
   return detectable;

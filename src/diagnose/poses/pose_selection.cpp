@@ -126,13 +126,21 @@ std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<
     }
   }
   const double evidence = fit.logEvidence();
-  forEach(problem_, tries.size(), [&](std::size_t t) {
+  /// The solution, and behind it log evidence and objective.
+  const auto tryThis = [&](std::size_t t) {
     std::vector<PoseCause> causes = fit.causes();
     causes.push_back(tries[t].cause);
     PoseFit more = refit(causes, fit, fit.z(), kTryTolerance);
+    Eigen::VectorXd found(more.z().size() + 2);
+    found << more.z(), more.logEvidence(), more.objective();
+    return found;
+  };
+  forEachOnRanks(problem_, tries.size(), fit.z(), tryThis, [&](std::size_t t, const Eigen::VectorXd& found) {
+    if (found.size() == 0) return;  // interrupted
+    const Eigen::Index n = found.size() - 2;
     const double part = share(hypotheses[tries[t].hypothesis]);
-    tries[t].result = {tries[t].cause, more.z(), more.logEvidence() - evidence + std::log(part),
-                       fit.objective() - more.objective(), part};
+    tries[t].result = {tries[t].cause, found.head(n), found[n] - evidence + std::log(part),
+                       fit.objective() - found[n + 1], part};
   });
   std::vector<PoseCandidate> best(hypotheses.size());
   for (PoseCandidate& candidate : best) candidate.odds = -std::numeric_limits<double>::infinity();

@@ -26,7 +26,8 @@ CrossValidation PoseFolds::validate(const PoseProblem& problem, const std::vecto
   CrossValidation result;
   result.distances.resize(poses_);
   std::vector<double> expected(kFolds);
-  forEach(problem, kFolds, [&](std::size_t f) {
+  /// The distances of a fold's poses, and behind them what is expected of their sum.
+  const auto validateFold = [&](std::size_t f) {
     const Fold& fold = folds_[f];
     PoseFit whitening(problem, fold.training, like);
     whitening.posterior().whiten(z_like);
@@ -34,16 +35,23 @@ CrossValidation PoseFolds::validate(const PoseProblem& problem, const std::vecto
     PoseFit fit(problem, fold.training, causes);
     fit.posterior().whitenLike(whitening.posterior());
     fit.descend(z);
-    const std::vector<double> unseen = unseenDistances(fit, problem, fold.validation, whitening);
-    for (std::size_t i = 0; i < unseen.size(); ++i) {
-      result.distances[fold.validation_index[i]] = robustLoss(unseen[i]);
-    }
+    std::vector<double> unseen = unseenDistances(fit, problem, fold.validation, whitening);
+    double sum = 0.0;
     const Eigen::LLT<Eigen::MatrixXd> curvature(fit.curvature());
     PoseFit there(problem, fold.validation, causes);
     there.posterior().whiten(fit.z());
     for (const PoseResidual& pose : there.posterior().evaluate(fit.z(), true)) {
       const Eigen::MatrixXd left = curvature.matrixL().solve(pose.jacobian.transpose());
-      expected[f] += static_cast<double>(pose.error.size()) + left.squaredNorm();
+      sum += static_cast<double>(pose.error.size()) + left.squaredNorm();
+    }
+    unseen.push_back(sum);
+    return unseen;
+  };
+  forEachOnRanks(problem, kFolds, z, validateFold, [&](std::size_t f, std::vector<double> unseen) {
+    if (unseen.empty()) return;  // interrupted
+    expected[f] = unseen.back();
+    for (std::size_t i = 0; i + 1 < unseen.size(); ++i) {
+      result.distances[folds_[f].validation_index[i]] = robustLoss(unseen[i]);
     }
   });
   result.expected = std::accumulate(expected.begin(), expected.end(), 0.0);

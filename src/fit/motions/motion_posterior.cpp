@@ -1,7 +1,7 @@
 #include "simgap/fit/motions/motion_posterior.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,11 +9,19 @@
 #include <limits>
 
 #include "simgap/core/interrupt.h"
+#include "simgap/core/ranks.h"
 
 namespace simgap {
 namespace {
 
 constexpr double kFarthest = 6.0;  // prior sd: an effect that the model lacks drives parameters to nonsense otherwise
+
+/// Where ranks differ in it they have come apart.
+Bytes digestOf(std::span<const Eigen::VectorXd> z) {
+  Bytes digest;
+  for (const Eigen::VectorXd& one : z) pack(digest, one);
+  return digest;
+}
 
 }  // namespace
 
@@ -72,13 +80,17 @@ void MotionPosterior::playOne(const ArmModel& model, double delay, std::size_t m
   player->play(motions_[motion].motion(), delay, played);
 }
 
-std::vector<PlayedMotion> MotionPosterior::play(const Eigen::VectorXd& z) const {
-  const ArmModel model = modelAt(z);
-  std::vector<PlayedMotion> played(motions_.size());
-  tbb::parallel_for(std::size_t{0}, motions_.size(), [&](std::size_t m) {
-    if (!interruptRequested()) playOne(model, captureDelay(z), m, played[m]);
-  });
-  return played;
+/// Of one motion, played by the calling thread's player, shape (residuals); empty where it could not be played, or
+/// after an interrupt.
+Eigen::VectorXd MotionPosterior::residualsOf(const ArmModel& model, double delay, std::size_t motion) const {
+  Eigen::VectorXd residuals;
+  if (interruptRequested()) return residuals;
+  PlayedMotion& played = workers_->own.local().played;
+  playOne(model, delay, motion, played);
+  if (!played.valid) return residuals;
+  residuals.resize(motions_[motion].size());
+  motions_[motion].evaluate(played, residuals);
+  return residuals;
 }
 
 std::vector<PoseResidual> MotionPosterior::evaluatePoses(const Eigen::VectorXd& z, bool jacobians) const {
@@ -100,11 +112,16 @@ std::vector<PoseResidual> MotionPosterior::evaluatePoses(const Eigen::VectorXd& 
 
 MotionEvaluation MotionPosterior::evaluate(const Eigen::VectorXd& z) const {
   MotionEvaluation evaluation;
-  const std::vector<PlayedMotion> played = play(z);
-  evaluation.valid = std::ranges::all_of(played, &PlayedMotion::valid);
+  const ArmModel model = modelAt(z);
+  evaluation.residuals.resize(motions_.size());
+  computeOnRanks(
+      std::span(evaluation.residuals), [&](std::size_t m) { return residualsOf(model, captureDelay(z), m); },
+      /*one_by_one=*/false, digestOf({&z, 1}));
+  evaluation.valid = true;
   for (std::size_t m = 0; m < motions_.size(); ++m) {
-    evaluation.residuals.emplace_back(Eigen::VectorXd::Zero(motions_[m].size()));
-    if (played[m].valid) motions_[m].evaluate(played[m], evaluation.residuals.back());
+    if (evaluation.residuals[m].size() > 0) continue;
+    evaluation.valid = false;
+    evaluation.residuals[m] = Eigen::VectorXd::Zero(motions_[m].size());
   }
   evaluation.poses = evaluatePoses(z, false);
   evaluation.valid = evaluation.valid && std::ranges::all_of(evaluation.poses, &PoseResidual::valid);
@@ -116,20 +133,17 @@ std::vector<double> MotionPosterior::objectives(std::span<const Eigen::VectorXd>
   std::vector<double> losses(z.size() * motions_.size(), kInfinity), objectives(z.size());
   std::vector<ArmModel> models;
   for (const Eigen::VectorXd& one : z) models.push_back(modelAt(one));
-  tbb::parallel_for(std::size_t{0}, losses.size(), [&](std::size_t task) {
-    if (interruptRequested()) return;
+  const auto lossOf = [&](std::size_t task) {
     const std::size_t k = task / motions_.size(), m = task % motions_.size();
-    PlayedMotion& played = workers_->own.local().played;
-    playOne(models[k], captureDelay(z[k]), m, played);
-    if (!played.valid) return;
-    Eigen::VectorXd residuals(motions_[m].size());
-    motions_[m].evaluate(played, residuals);
-    losses[task] = 0.0;
+    const Eigen::VectorXd residuals = residualsOf(models[k], captureDelay(z[k]), m);
+    if (residuals.size() == 0) return kInfinity;
+    double loss = 0.0;
     for (const ResidualBlock& block : motions_[m].blocks()) {
-      losses[task] += robustLoss(residuals.segment(block.first, block.size).squaredNorm());
+      loss += robustLoss(residuals.segment(block.first, block.size).squaredNorm());
     }
-    losses[task] *= motions_[m].motion().weight;
-  });
+    return loss * motions_[m].motion().weight;
+  };
+  computeOnRanks(std::span(losses), lossOf, /*one_by_one=*/false, digestOf(z));
   for (std::size_t k = 0; k < z.size(); ++k) {
     double sum = 0.0;
     for (std::size_t m = 0; m < motions_.size(); ++m) sum += losses[k * motions_.size() + m];
@@ -166,24 +180,30 @@ std::vector<RowMajorF> MotionPosterior::jacobian(const Eigen::VectorXd& z, const
     jacobians.emplace_back(RowMajorF::Zero(motion.size(), static_cast<Eigen::Index>(parameters)));
   }
   std::atomic<std::size_t> done{0};
-  tbb::parallel_for(std::size_t{0}, parameters * motions_.size(), [&](std::size_t task) {
-    if (interruptRequested()) return;
+  const auto columnOf = [&](std::size_t task) {
     const auto i = static_cast<Eigen::Index>(task / motions_.size());
     const std::size_t m = task % motions_.size();
     // Towards 0 where the other way would leave the bounds.
     const double step = z[i] + steps[i] <= upper(i) ? steps[i] : -steps[i];
     Eigen::VectorXd moved = z;
     moved[i] += step;
-    Workers::Worker& worker = workers_->own.local();
-    worker.model = modelAt(moved);
-    playOne(worker.model, captureDelay(moved), m, worker.played);
+    ArmModel& model = workers_->own.local().model;
+    model = modelAt(moved);
+    const Eigen::VectorXd residuals = residualsOf(model, captureDelay(moved), m);
     ++done;
-    if (!worker.played.valid) return;  // nothing is known of that parameter in that motion
-    Eigen::VectorXd residuals(motions_[m].size());
-    motions_[m].evaluate(worker.played, residuals);
-    jacobians[m].col(i) = ((residuals - at.residuals[m]) / step).cast<float>();
+    std::vector<float> column;
+    if (residuals.size() == 0) return column;  // nothing is known of that parameter in that motion
+    const Eigen::VectorXf slope = ((residuals - at.residuals[m]) / step).cast<float>();
+    column.assign(slope.begin(), slope.end());
     if (progress && tbb::this_task_arena::current_thread_index() == 0) progress(done);
-  });
+    return column;
+  };
+  const auto place = [&](std::size_t task, const std::vector<float>& column) {
+    if (column.empty()) return;
+    jacobians[task % motions_.size()].col(static_cast<Eigen::Index>(task / motions_.size())) =
+        Eigen::Map<const Eigen::VectorXf>(column.data(), std::ssize(column));
+  };
+  shareOnRanks(parameters * motions_.size(), columnOf, place, /*one_by_one=*/false, digestOf({&z, 1}));
   at.poses = evaluatePoses(z, true);
   return jacobians;
 }

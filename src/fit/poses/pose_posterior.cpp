@@ -121,6 +121,7 @@ PosePosterior::PosePosterior(const ArmModel& model, std::span<const Pose> poses,
       scaled_(space),
       noise_(noise),
       static_parameters_(staticParameters(model, names(space))),
+      slopes_(Eigen::VectorXd::Zero(scaled_.size())),
       arm_(model) {
   const int n = arm_.energy().degreesOfFreedom();
   whitening_.assign(poses.size(), Eigen::MatrixXd::Identity(n, n) / noise.capture_sd);
@@ -145,6 +146,7 @@ ArmModel PosePosterior::modelAt(const Eigen::VectorXd& z) const {
 void PosePosterior::setParameters(const Eigen::VectorXd& z) {
   space_.apply(scaled_.values(z), model_);
   arm_.setModel(model_);
+  for (Eigen::Index i = 0; i < z.size(); ++i) slopes_[i] = scaled_.slope(i, z[i]);
 }
 
 void PosePosterior::whiten(const Eigen::VectorXd& z) {
@@ -185,21 +187,21 @@ void PosePosterior::whitenLike(const PosePosterior& other) {
 const std::vector<PoseResidual>& PosePosterior::evaluate(const Eigen::VectorXd& z, bool jacobians) {
   setParameters(z);
   if (poses_.size() < 2 * kPosesPerThread) {
-    for (std::size_t p = 0; p < poses_.size(); ++p) evaluatePose(arm_, p, z, jacobians);
+    for (std::size_t p = 0; p < poses_.size(); ++p) evaluatePose(arm_, p, jacobians);
     return residuals_;
   }
   tbb::enumerable_thread_specific<EquilibriumArm> arms(arm_);
   const tbb::blocked_range<std::size_t> all(0, poses_.size(), kPosesPerThread);
   const auto some = [&](const tbb::blocked_range<std::size_t>& range) {
     EquilibriumArm& arm = arms.local();
-    for (std::size_t p = range.begin(); p < range.end(); ++p) evaluatePose(arm, p, z, jacobians);
+    for (std::size_t p = range.begin(); p < range.end(); ++p) evaluatePose(arm, p, jacobians);
   };
   // Isolated: a thread that waits here must not begin with another start of the same search.
   tbb::this_task_arena::isolate([&] { tbb::parallel_for(all, some, tbb::simple_partitioner()); });
   return residuals_;
 }
 
-void PosePosterior::evaluatePose(EquilibriumArm& arm, std::size_t p, const Eigen::VectorXd& z, bool jacobian) {
+void PosePosterior::evaluatePose(EquilibriumArm& arm, std::size_t p, bool jacobian) {
   const Pose& pose = poses_[p];
   PoseResidual& residual = residuals_[p];
   arm.setHistory(pose.time, pose.shafts_before);
@@ -211,7 +213,7 @@ void PosePosterior::evaluatePose(EquilibriumArm& arm, std::size_t p, const Eigen
     arm.linearise();
     // dq/dtheta = -H^-1 d2V/dq dtheta, as the rig sees it; dtheta/dz from the scales.
     arm.observedSensitivities(static_parameters_, residual.jacobian);
-    for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
+    for (Eigen::Index i = 0; i < slopes_.size(); ++i) residual.jacobian.col(i) *= slopes_[i];
   }
   measureError(pose, observed, residual, jacobian);
   // L^-1 e and L^-1 J: independent errors of variance 1.
@@ -245,7 +247,7 @@ const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::Vec
     energy.setShafts(poses_[p].shafts);
     energy.evaluate(poses_[p].joints);
     energy.differentiate(static_parameters_, residual.jacobian);
-    for (Eigen::Index i = 0; i < z.size(); ++i) residual.jacobian.col(i) *= scaled_.slope(i, z[i]);
+    for (Eigen::Index i = 0; i < slopes_.size(); ++i) residual.jacobian.col(i) *= slopes_[i];
     // At the measured joints the torque dV/dq should vanish. A capture error of sd moves it by H sd, friction holds
     // torques within its ball: cov = sd^2 H H^T + tau_c^2 / (n + 2).
     residual.error = energy.gradient();

@@ -1,11 +1,14 @@
 #include "simgap/fit/poses/pose_uncertainty.h"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "identifiability.h"
 #include "simgap/core/decompositions.h"
@@ -189,28 +192,28 @@ bool feasible(EquilibriumArm& arm, std::span<const double> shafts) {
   return true;
 }
 
-}  // namespace
+/// Draws a command: anywhere within the ranges; where muscles would fight too hard, nearer to one that the arm has
+/// seen.
+struct CommandDraw {
+  std::span<const Pose> recorded;
+  std::vector<double> lower, upper;  ///< of the recorded shafts, shape (muscles) [rad]
+  CounterRandom random;
 
-std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
-                               std::uint64_t seed) {
-  constexpr std::size_t kTriesPerPose = 20;
-  const std::span<const Pose> recorded = posterior.poses();
-  EquilibriumArm arm(posterior.modelAt(z));
-  std::vector<double> lower = recorded.front().shafts, upper = lower;
-  for (const Pose& pose : recorded) {
-    for (std::size_t m = 0; m < lower.size(); ++m) {
-      lower[m] = std::min(lower[m], pose.shafts[m]);
-      upper[m] = std::max(upper[m], pose.shafts[m]);
+  CommandDraw(std::span<const Pose> poses, std::uint64_t seed)
+      : recorded(poses), lower(poses.front().shafts), upper(lower), random(seed) {
+    for (const Pose& pose : recorded) {
+      for (std::size_t m = 0; m < lower.size(); ++m) {
+        lower[m] = std::min(lower[m], pose.shafts[m]);
+        upper[m] = std::max(upper[m], pose.shafts[m]);
+      }
     }
   }
-  const CounterRandom random(seed);
-  std::vector<Pose> commands;
-  for (std::uint32_t attempt = 0; commands.size() < count && attempt < kTriesPerPose * count; ++attempt) {
-    stopIfInterrupted();
+
+  /// Empty where no equilibrium is found.
+  std::optional<Pose> operator()(EquilibriumArm& arm, std::uint32_t attempt) const {
     const auto draw = [&](std::uint32_t place) { return random.uniform({attempt, place, 0, kCloudPurpose}); };
     const auto near = static_cast<std::size_t>(draw(0) * static_cast<double>(recorded.size()));
     const std::vector<double>& home = recorded[near].shafts;
-    // Anywhere within the ranges; where muscles would fight too hard, nearer to a command that the arm has seen.
     Pose command;
     command.name = fmt::format("c{:04d}", attempt);
     command.shafts.resize(home.size());
@@ -222,8 +225,28 @@ std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::Vect
       if (!feasible(arm, command.shafts)) continue;
       command.joints = arm.joints();
       command.spread.assign(command.joints.size(), 0.0);
-      commands.push_back(std::move(command));
-      break;
+      return command;
+    }
+    return std::nullopt;
+  }
+};
+
+}  // namespace
+
+std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
+                               std::uint64_t seed) {
+  constexpr std::size_t kTriesPerPose = 20;
+  constexpr std::size_t kAtOnce = 32;  // attempts; the last of them may be one too many
+  const CommandDraw draw(posterior.poses(), seed);
+  tbb::enumerable_thread_specific<EquilibriumArm> arms(posterior.modelAt(z));
+  std::vector<Pose> commands;
+  for (std::size_t first = 0; commands.size() < count && first < kTriesPerPose * count; first += kAtOnce) {
+    stopIfInterrupted();
+    std::vector<std::optional<Pose>> drawn(std::min(kAtOnce, kTriesPerPose * count - first));
+    tbb::parallel_for(std::size_t{0}, drawn.size(),
+                      [&](std::size_t i) { drawn[i] = draw(arms.local(), static_cast<std::uint32_t>(first + i)); });
+    for (std::optional<Pose>& command : drawn) {
+      if (command && commands.size() < count) commands.push_back(std::move(*command));
     }
   }
   return commands;

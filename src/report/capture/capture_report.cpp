@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "capture_tables.h"
 #include "simgap/core/joint_kind.h"
 
@@ -17,11 +15,8 @@ double percent(std::size_t part, std::size_t all) {
 /// Rates, what was lost, and how late an angle is behind its image.
 Json liveJson(const LiveFigures& live) {
   const auto pairOf = [](const std::array<std::size_t, 2>& counts) { return Json{counts[0], counts[1]}; };
-  std::vector<double> sorted = live.latency;
-  std::sort(sorted.begin(), sorted.end());
   const auto latency = [&](double part) {
-    if (sorted.empty()) return Json(nullptr);
-    return Json(1e3 * sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))]);
+    return live.latency.count() > 0 ? Json(1e3 * live.latency.quantile(part)) : Json(nullptr);
   };
   return {{"seconds", live.seconds},
           {"frames", pairOf(live.counts.frames)},
@@ -71,7 +66,7 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
   const bool bar = result.rig.scale_bar && s.scaleBar().count() > 0;
   return {{"format", "simgap/capture/1"},
           {"pairs", s.frames()},
-          {"pairs_with_all_joints", result.samples.size()},
+          {"pairs_with_all_joints", result.samples},
           {"skipped", result.skipped},
           {"marker_radius_m", result.targets.marker_radius},
           {"targets", targets},

@@ -56,8 +56,7 @@ class MotionPosterior {
   const std::vector<MotionResiduals>& motions() const { return motions_; }
   const MotionNoise& noise() const { return noise_; }
 
-  /// Plays all motions with the model at z, in parallel.
-  std::vector<PlayedMotion> play(const Eigen::VectorXd& z) const;
+  /// All motions with the model at z, on the threads of all ranks (core/ranks.h), as are objectives() and jacobian().
   MotionEvaluation evaluate(const Eigen::VectorXd& z) const;
   /// The objective alone, of many z at once: models x motions in parallel. Infinite where a motion cannot be played.
   std::vector<double> objectives(std::span<const Eigen::VectorXd> z) const;
@@ -81,6 +80,7 @@ class MotionPosterior {
 
  private:
   struct Workers;
+  Eigen::VectorXd residualsOf(const ArmModel& model, double delay, std::size_t motion) const;
   void playOne(const ArmModel& model, double delay, std::size_t motion, PlayedMotion& played) const;
   std::vector<PoseResidual> evaluatePoses(const Eigen::VectorXd& z, bool jacobians) const;
 

@@ -90,7 +90,7 @@ class PosePosterior {
 
  private:
   void setParameters(const Eigen::VectorXd& z);
-  void evaluatePose(EquilibriumArm& arm, std::size_t p, const Eigen::VectorXd& z, bool jacobian);
+  void evaluatePose(EquilibriumArm& arm, std::size_t p, bool jacobian);
   void measureError(const Pose& pose, const std::vector<JointPosition>& observed, PoseResidual& residual,
                     bool jacobian) const;
 
@@ -100,6 +100,7 @@ class PosePosterior {
   ScaledParameters scaled_;
   PoseNoise noise_;
   std::vector<StaticParameter> static_parameters_;
+  Eigen::VectorXd slopes_;  ///< of the parameters' values by z, where it was set last, shape (parameters)
   EquilibriumArm arm_;
   std::vector<Eigen::MatrixXd> whitening_;  ///< shape (poses) of (dof, dof): S_p^-1 = W^T W
   std::vector<Eigen::MatrixXd> stiffness_;  ///< shape (poses) of (dof, dof): H where whiten() was called
