@@ -1,5 +1,6 @@
-# What `cmake --install` exports: find_package(simgap) gives simgap::controller, the headers a controller needs. They have
-# no dependencies, so that the package has none either.
+# What `cmake --install` exports: find_package(simgap) gives simgap::controller, the headers a controller needs, and
+# simgap::arm, an arm as an internal model. Both need nothing but the standard library, so that the package has no
+# dependencies either.
 include(CMakePackageConfigHelpers)
 add_library(simgap_controller INTERFACE)
 add_library(simgap::controller ALIAS simgap_controller)
@@ -8,6 +9,11 @@ target_compile_features(simgap_controller INTERFACE cxx_std_20)
 target_sources(simgap_controller INTERFACE FILE_SET HEADERS BASE_DIRS include
   FILES include/simgap/model/actuator/feed_forward.h include/simgap/model/actuator/pam.h)
 install(TARGETS simgap_controller EXPORT simgap FILE_SET HEADERS DESTINATION include)
+add_library(simgap::arm ALIAS simgap_arm)
+set_target_properties(simgap_arm PROPERTIES EXPORT_NAME arm)
+target_compile_features(simgap_arm INTERFACE cxx_std_20)
+target_sources(simgap_arm INTERFACE FILE_SET HEADERS BASE_DIRS include FILES include/simgap/simulate/arm.h)
+install(TARGETS simgap_arm EXPORT simgap LIBRARY DESTINATION lib FILE_SET HEADERS DESTINATION include)
 
 set(package_directory lib/cmake/simgap)
 install(EXPORT simgap NAMESPACE simgap:: FILE simgapConfig.cmake DESTINATION ${package_directory})

@@ -1,8 +1,9 @@
 #include "simgap/capture/joint_angles.h"
-#include "simgap/core/joint_kind.h"
 
 #include <cmath>
 #include <numbers>
+
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 

@@ -63,15 +63,17 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
 }
 
 MotionSet readMotions(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
-                      bool skip_bad_rows) {
+                      bool skip_bad_rows, double restart) {
   CsvOptions csv;
   csv.skip_bad_rows = skip_bad_rows;
-  return readMotionsFor(model, YamlNode::parse(session.read(role, file).content, file), file,
-                        [&](const std::filesystem::path& path) {
-                          CsvTable table = CsvTable::parse(session.take(role + " table", path), path.string(), csv);
-                          warnOfSkippedRows(table);
-                          return table;
-                        });
+  return readMotionsFor(
+      model, YamlNode::parse(session.read(role, file).content, file), file,
+      [&](const std::filesystem::path& path) {
+        CsvTable table = CsvTable::parse(session.take(role + " table", path), path.string(), csv);
+        warnOfSkippedRows(table);
+        return table;
+      },
+      restart);
 }
 
 LogTable readLog(Session& session, const std::string& role, const std::string& file, const LogFileOptions& options,

@@ -30,9 +30,9 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
                   const CsvOptions& csv);
 
 /// Recorded motions for that model, with the tables that the set names. \throws ConfigError, DataError as
-/// readMotionsFor.
+/// readMotionsFor. \param restart  [s], 0: never
 MotionSet readMotions(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
-                      bool skip_bad_rows);
+                      bool skip_bad_rows, double restart);
 
 /// A log without the rows that nothing can be taken from; rows that the user lets pass are counted in a warning.
 /// \param sessions  only these. \throws DataError as readLogTable and, for a recording, readBag; ConfigError: --topic

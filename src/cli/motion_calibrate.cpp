@@ -57,7 +57,8 @@ MotionCalibrationTask readMotionTask(Session& session, const MotionCalibrateOpti
         fmt::format("{}: {}{}", built_in ? "configs/calibrate_motions.yaml" : options.config, error.what(),
                     built_in ? " (these parameters are the built-in ones; --config FILE gives others)" : ""));
   }
-  task.motions = readMotions(session, "motions", options.motions, task.model, options.skip_bad_rows);
+  const double restart = task.config.motions.motion.restart;
+  task.motions = readMotions(session, "motions", options.motions, task.model, options.skip_bad_rows, restart);
   if (!options.validation_motions.empty()) {
     if (std::filesystem::weakly_canonical(options.validation_motions) ==
         std::filesystem::weakly_canonical(options.motions)) {
@@ -66,7 +67,8 @@ MotionCalibrationTask readMotionTask(Session& session, const MotionCalibrateOpti
                       "search has seen validates nothing",
                       options.validation_motions));
     }
-    task.validation = readMotions(session, "validation", options.validation_motions, task.model, options.skip_bad_rows);
+    task.validation =
+        readMotions(session, "validation", options.validation_motions, task.model, options.skip_bad_rows, restart);
   }
   if (!options.poses.empty()) {
     CsvOptions csv;

@@ -36,7 +36,8 @@ ExitCode validateMotions(const MotionValidateOptions& options, const std::vector
   const ArmModel model = readTurningArm(session, "model", options.model);
   const MotionCalibrationConfig config = motionOptionsOf(session, options.config);
   const MotionOptions& played_by = config.motions.motion;
-  const MotionSet set = readMotions(session, "motions", options.motions, model, options.skip_bad_rows);
+  const MotionSet set =
+      readMotions(session, "motions", options.motions, model, options.skip_bad_rows, played_by.restart);
   if (options.common.dry_run) {
     session.print(fmt::format("would play {} motions of {} to {} in steps of {:g} s; nothing was written\n",
                               set.motions.size(), set.file, model.name, played_by.rollout.step));

@@ -14,84 +14,31 @@
 namespace simgap {
 namespace {
 
-struct CommandChannel {
-  std::string_view stem;  ///< before the muscle's name
-  std::string_view unit;
-  std::vector<double> MuscleRecord::*commands;
-};
-constexpr std::array<CommandChannel, 3> kCommandChannels = {{{"setpoint_", "rad", &MuscleRecord::setpoints},
-                                                             {"voltage_", "V", &MuscleRecord::voltages},
-                                                             {"force_", "N", &MuscleRecord::force_commands}}};
-constexpr std::array<std::string_view, 6> kMuscleStems = {"setpoint_", "voltage_", "force_",
-                                                          "shaft_",    "current_", "measured_force_"};
-
-/// A column of a muscle that the model does not have belongs to another arm, or is misspelt.
-void refuseForeignMuscles(const CsvTable& table, const PoseLayout& layout) {
-  for (const std::string& column : table.columns()) {
-    for (const std::string_view stem : kMuscleStems) {
-      if (!column.starts_with(stem)) continue;
-      const std::string named = splitUnit(column).stem;
-      const std::string muscle = (named.starts_with(stem) ? named : column).substr(stem.size());
-      if (std::ranges::find(layout.muscles, muscle) != layout.muscles.end()) continue;
-      const std::string nearest = nearestName(muscle, layout.muscles);
-      throw DataError(fmt::format("{}:1: column {}: the model has no muscle '{}'{}", table.name(), column, muscle,
-                                  nearest.empty() ? "" : fmt::format(" (did you mean '{}'?)", nearest)));
-    }
-  }
-}
-
-/// Rising times. \throws DataError
-std::vector<double> readTimes(const CsvTable& table) {
-  if (table.rows() < 2) {
-    throw DataError(fmt::format("{}: found {} rows, expected at least 2", table.name(), table.rows()));
-  }
-  std::vector<double> times = table.quantity("time", "s");
-  for (std::size_t row = 1; row < times.size(); ++row) {
-    if (times[row] > times[row - 1]) continue;
-    table.fail(row,
-               fmt::format("time {}: found {} s behind {} s, expected rising times",
-                           times[row] < times[row - 1] ? "goes back" : "stands still", times[row], times[row - 1]));
-  }
-  return times;
-}
-
 MuscleRecord readMuscle(const CsvTable& table, const std::string& muscle) {
-  MuscleRecord record;
-  const CommandChannel* command = nullptr;
-  for (const CommandChannel& channel : kCommandChannels) {
-    const std::string stem = std::string(channel.stem) + muscle;
-    if (!table.offersQuantity(stem, channel.unit)) continue;
-    if (command) {
-      throw DataError(fmt::format("{}:1: muscle {}: found both {}{} and {}, expected one kind of command", table.name(),
-                                  muscle, command->stem, muscle, stem));
-    }
-    command = &channel;
-    record.*channel.commands = table.quantity(stem, channel.unit);
-  }
-  if (!command) {
-    throw DataError(
-        fmt::format("{}:1: muscle {}: found no command, expected one of setpoint_{}_rad, voltage_{}_V, "
-                    "force_{}_N",
-                    table.name(), muscle, muscle, muscle, muscle));
-  }
   const auto measured = [&](const std::string& stem, std::string_view unit) {
     return table.offersQuantity(stem, unit) ? table.quantity(stem, unit) : std::vector<double>();
   };
-  record.shafts = measured("shaft_" + muscle, "rad");
-  record.currents = measured("current_" + muscle, "A");
-  record.forces = measured("measured_force_" + muscle, "N");
-  return record;
+  return {measured("shaft_" + muscle, "rad"), measured("current_" + muscle, "A"),
+          measured("measured_force_" + muscle, "N")};
+}
+
+void expectTwoRows(const CsvTable& table) {
+  if (table.rows() >= 2) return;
+  throw DataError(fmt::format("{}: found {} rows, expected at least 2", table.name(), table.rows()));
 }
 
 void readMuscles(const CsvTable& table, const PoseLayout& layout, RecordedMotion& motion) {
-  refuseForeignMuscles(table, layout);
-  motion.times = readTimes(table);
+  constexpr std::array<std::string_view, 3> kMeasured = {"shaft", "current", "measured_force"};
+  expectTwoRows(table);
+  refuseForeignMuscles(table, layout.muscles, kMeasured);
+  motion.commands = readCommands(table, layout.muscles, motion.commands.linear);
   for (const std::string& muscle : layout.muscles) motion.muscles.push_back(readMuscle(table, muscle));
 }
 
 void readJoints(const CsvTable& table, const PoseLayout& layout, RecordedMotion& motion) {
   refuseOtherJointTypes(table, layout);
-  motion.joint_times = readTimes(table);
+  expectTwoRows(table);
+  motion.joint_times = readRisingTimes(table);
   motion.joints.assign(motion.joint_times.size(), {});
   for (const JointChannel& joint : layout.joints) {
     const std::vector<JointPosition> positions = kindOf(joint.type).read(table, joint.name);
@@ -100,11 +47,12 @@ void readJoints(const CsvTable& table, const PoseLayout& layout, RecordedMotion&
 }
 
 void refuseClocksApart(const RecordedMotion& motion) {
-  if (motion.joint_times.front() <= motion.times.back() && motion.joint_times.back() >= motion.times.front()) return;
+  if (motion.joint_times.front() <= motion.times().back() && motion.joint_times.back() >= motion.times().front())
+    return;
   throw DataError(fmt::format(
       "{}: found times from {} to {} s, expected some between {} and {} s, the times of {}: the clocks do not overlap",
-      motion.joints_file.string(), motion.joint_times.front(), motion.joint_times.back(), motion.times.front(),
-      motion.times.back(), motion.muscles_file.string()));
+      motion.joints_file.string(), motion.joint_times.front(), motion.joint_times.back(), motion.times().front(),
+      motion.times().back(), motion.muscles_file.string()));
 }
 
 /// Speed of a joint over its first frames by a straight line, with its standard error [rad/s].
@@ -140,7 +88,7 @@ void refuseMovingStart(const RecordedMotion& motion, const PoseLayout& layout) {
   constexpr std::size_t kFewest = 6;        // frames that tell a speed
   constexpr double kFast = 10.0 * kDegree;  // [rad/s]
   constexpr double kCertain = 5.0;          // standard errors
-  const double end = std::min(firstChange(motion), motion.times.front() + kWindow);
+  const double end = std::min(firstChange(motion), motion.times().front() + kWindow);
   std::size_t frames = 0;
   while (frames < motion.joint_times.size() && motion.joint_times[frames] <= end) ++frames;
   if (frames < kFewest) return;
@@ -187,7 +135,7 @@ RecordedMotion readMotion(const YamlNode& node, const std::filesystem::path& fol
   if (motion.name.empty()) node.at("name").fail("found an empty text, expected a name");
   motion.muscles_file = folder / node.at("muscles").text();
   motion.joints_file = folder / node.at("joints").text();
-  if (const auto hold = node.find("hold")) motion.interpolated = hold->oneOf({"step", "linear"}) == "linear";
+  if (const auto hold = node.find("hold")) motion.commands.linear = hold->oneOf({"step", "linear"}) == "linear";
   if (const auto weight = node.find("weight")) motion.weight = weight->number(kPositive);
   if (const auto start = node.find("start"); start && start->isScalar()) {
     start->oneOf({"rest"});
@@ -200,14 +148,12 @@ RecordedMotion readMotion(const YamlNode& node, const std::filesystem::path& fol
 }  // namespace
 
 double firstChange(const RecordedMotion& motion) {
-  std::size_t first = motion.times.size();
-  for (const MuscleRecord& muscle : motion.muscles) {
-    for (std::size_t row = 1; row < first; ++row) {
-      if (muscle.commands()[row] != muscle.commands().front()) first = row;
-    }
-  }
-  if (first == motion.times.size()) return motion.times.back();
-  return motion.times[motion.interpolated ? first - 1 : first];  // straight ones begin to change behind the row before
+  const Eigen::MatrixXd& values = motion.commands.values;
+  Eigen::Index first = 1;
+  while (first < values.cols() && values.col(first) == values.col(0)) ++first;
+  if (first == values.cols()) return motion.times().back();
+  // Straight ones begin to change behind the row before.
+  return motion.times()[static_cast<std::size_t>(motion.commands.linear ? first - 1 : first)];
 }
 
 MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file, const PoseLayout& layout,

@@ -222,7 +222,7 @@ void BulletArm::stepMotion() {
   for (std::size_t i = 0; i < muscles_.size(); ++i) {
     const MuscleState& muscle = muscles_[i];
     DriveState end = muscle.state;  // were the load that of the step before
-    muscle.drive.step(end, muscle.voltage, muscle.force * m.pulls[i].winding_radius);
+    muscle.stepDrive(end, muscle.force * m.pulls[i].winding_radius);
     placePull(i, {0.5 * (muscle.state.current + end.current), 0.5 * (muscle.state.motor_velocity + end.motor_velocity),
                   0.5 * (muscle.state.shaft_angle + end.shaft_angle)});
   }
@@ -234,7 +234,7 @@ void BulletArm::stepMotion() {
     MuscleState& muscle = muscles_[i];
     const Motion::Pull& pull = m.pulls[i];
     muscle.force = pull.taut ? std::max(0.0, pull.force + 0.5 * pull.damping * pull.row.dot(m.change)) : 0.0;
-    muscle.drive.step(muscle.state, muscle.voltage, muscle.force * pull.winding_radius);
+    muscle.stepDrive(muscle.state, muscle.force * pull.winding_radius);
   }
   Eigen::Map<Eigen::VectorXd>(const_cast<btScalar*>(body.getVelocityVector()) + 6, m.v.size()) = m.next;
   body.stepPositionsMultiDof(0.5 * step);

@@ -14,6 +14,8 @@ namespace simgap {
 
 inline constexpr double kRunawaySpeed = 1e4;  // [rad/s]; no arm turns that fast, a simulation that blows up passes it
 
+inline constexpr int kDriveParts = 8;  // of such a step
+
 /// Bullet's multibody, and what a step of it needs.
 struct BulletArm::World {
   btMultiBody body;
@@ -62,7 +64,8 @@ struct BulletArm::MuscleState {
         potentiometer_initial(muscle.potentiometer_initial),
         motor(muscle.motor),
         gearbox(muscle.gearbox),
-        drive(muscle.motor, muscle.gearbox, step) {}
+        drive(muscle.motor, muscle.gearbox, step),
+        drive_part(muscle.motor, muscle.gearbox, step / kDriveParts) {}
 
   void setModel(const Muscle& muscle, double step) {
     if (muscle.motor != motor || muscle.gearbox != gearbox) {
@@ -81,6 +84,15 @@ struct BulletArm::MuscleState {
     reference = voltage = force = expansion = 0.0;
   }
 
+  /// A motion's step of the drive; in parts where the rotor starts or stops within it, so that it does at its time.
+  void stepDrive(DriveState& now, double load) const {
+    const DriveState before = now;
+    drive.step(now, voltage, load);
+    if ((before.motor_velocity == 0.0) == (now.motor_velocity == 0.0)) return;
+    now = before;
+    for (int part = 0; part < kDriveParts; ++part) drive_part.step(now, voltage, load);
+  }
+
   std::array<Attachment, 2> attachments;
   double kite_line_length;
   ShockCord shock_cord;
@@ -90,6 +102,7 @@ struct BulletArm::MuscleState {
   Motor motor;
   Gearbox gearbox;
   Drive drive;
+  Drive drive_part;  ///< of a step in which the rotor starts or stops
   DriveState state;
   double reference = 0.0;  ///< [rad]
   double voltage = 0.0;    ///< [V], held between controller ticks

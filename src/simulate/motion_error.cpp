@@ -3,6 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -71,6 +72,13 @@ ErrorSeries driveSeries(ChannelGroup group, std::size_t muscle, const std::vecto
   return series;
 }
 
+void leaveOutRunUp(double until, ErrorSeries& series) {
+  const auto count = std::ranges::lower_bound(series.times, until) - series.times.begin();
+  series.times.erase(series.times.begin(), series.times.begin() + count);
+  series.errors.erase(series.errors.begin(), series.errors.begin() + count);
+  series.velocities.erase(series.velocities.begin(), series.velocities.begin() + count);
+}
+
 struct Sum {
   double squares = 0.0, numbers = 0.0;
   void add(const ErrorSeries& series) {
@@ -91,12 +99,14 @@ std::vector<ErrorSeries> errorSeries(const RecordedMotion& motion, const PlayedM
   for (std::size_t m = 0; m < layout.muscles.size(); ++m) {
     const MuscleRecord& muscle = motion.muscles[m];
     if (!muscle.shafts.empty()) {
-      all.push_back(driveSeries(ChannelGroup::kShaft, m, motion.times, muscle.shafts, played.shafts));
+      all.push_back(driveSeries(ChannelGroup::kShaft, m, motion.times(), muscle.shafts, played.shafts));
     }
     if (!muscle.currents.empty()) {
-      all.push_back(driveSeries(ChannelGroup::kCurrent, m, motion.times, muscle.currents, played.currents));
+      all.push_back(driveSeries(ChannelGroup::kCurrent, m, motion.times(), muscle.currents, played.currents));
     }
   }
+  for (ErrorSeries& series : all) leaveOutRunUp(motion.compared_from, series);
+  std::erase_if(all, [](const ErrorSeries& series) { return series.times.empty(); });
   return all;
 }
 
@@ -144,7 +154,7 @@ std::vector<PlayedMotion> playAll(const ArmModel& model, std::span<const Recorde
     if (interruptRequested()) return;
     std::optional<MotionPlayer>& player = players.local();
     if (!player) player.emplace(model, options);
-    player->play(motions[i], capture_delay, played[i]);
+    player->play(PlayableMotion(motions[i], model.joints), capture_delay, played[i]);
   });
   stopIfInterrupted();
   return played;

@@ -4,46 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/measure/motion_restart.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
 namespace simgap {
 namespace {
-
-CommandKind commandKind(const MuscleRecord& muscle) {
-  if (!muscle.setpoints.empty()) return CommandKind::kSetpoint;
-  return muscle.voltages.empty() ? CommandKind::kForce : CommandKind::kVoltage;
-}
-
-MotionCommands commandsOf(const RecordedMotion& motion) {
-  MotionCommands commands;
-  commands.times = motion.times;
-  commands.linear = motion.interpolated;
-  commands.values.resize(std::ssize(motion.muscles), std::ssize(motion.times));
-  for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
-    const std::vector<double>& values = motion.muscles[m].commands();
-    commands.kinds.push_back(commandKind(motion.muscles[m]));
-    commands.values.row(static_cast<Eigen::Index>(m)) =
-        Eigen::Map<const Eigen::RowVectorXd>(values.data(), std::ssize(values));
-  }
-  return commands;
-}
-
-void refuseImpossibleCommands(const ArmModel& model, const RecordedMotion& motion) {
-  for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
-    const CommandKind kind = commandKind(motion.muscles[m]);
-    const std::vector<double>& values = motion.muscles[m].commands();
-    for (std::size_t row = 0; row < values.size(); ++row) {
-      const std::string problem = problemOf(model.muscles[m], kind, values[row]);
-      if (problem.empty()) continue;
-      throw DataError(fmt::format("{}: {}_{} at {} s: {}", motion.muscles_file.string(), columnOf(kind).stem,
-                                  model.muscles[m].name, motion.times[row], problem));
-    }
-  }
-}
 
 /// The moments at which a motion is to be looked at, rising: those of its rows, and of its frames on the rows' clock,
 /// with the place of each among them.
@@ -53,15 +23,15 @@ struct Moments {
 };
 Moments momentsOf(const RecordedMotion& motion, double capture_delay) {
   Moments moments;
-  const double first = motion.times.front();
+  const double first = motion.times().front();
   std::size_t row = 0, frame = 0;
-  const std::size_t rows = motion.times.size(), frames = motion.joint_times.size();
+  const std::size_t rows = motion.times().size(), frames = motion.joint_times.size();
   while (row < rows || frame < frames) {
     // A frame before the first row sees the arm at rest.
     const double frame_time = frame < frames ? std::max(first, motion.joint_times[frame] + capture_delay) : kInfinity;
-    const bool is_row = row < rows && motion.times[row] <= frame_time;
+    const bool is_row = row < rows && motion.times()[row] <= frame_time;
     (is_row ? moments.of_row : moments.of_frame).push_back(moments.times.size());
-    moments.times.push_back(is_row ? motion.times[row++] : frame_time);
+    moments.times.push_back(is_row ? motion.times()[row++] : frame_time);
     if (!is_row) ++frame;
   }
   return moments;
@@ -76,6 +46,12 @@ MotionOptions MotionOptions::read(const YamlNode& node) {
   controllers.rate = node.findQuantity("controller_rate", "Hz", kPositive).value_or(controllers.rate);
   if (const auto gain = node.find("shaft_gain_V_rad")) controllers.shaft_gain = gain->number(kPositive);
   options.settle = node.findQuantity("settle", "s", kNonNegative).value_or(options.settle);
+  if (const auto restart = node.findQuantity("restart", "s", kNonNegative)) {
+    if (*restart > 0.0 && *restart < kShortestRestart) {
+      node.fail(fmt::format("found restart_s: {:g}, expected 0 (never) or at least {:g}", *restart, kShortestRestart));
+    }
+    options.restart = *restart;
+  }
   try {
     options.rollout.validate();
   } catch (const ConfigError& error) {
@@ -85,50 +61,55 @@ MotionOptions MotionOptions::read(const YamlNode& node) {
 }
 
 std::string MotionOptions::toYaml(const std::string& indent) const {
-  return fmt::format("{0}step_s: {1}\n{0}controller_rate_Hz: {2}\n{0}shaft_gain_V_rad: {3}\n{0}settle_s: {4}\n", indent,
-                     rollout.step, rollout.controllers.rate, rollout.controllers.shaft_gain, settle);
+  return fmt::format(
+      "{0}step_s: {1}\n{0}controller_rate_Hz: {2}\n{0}shaft_gain_V_rad: {3}\n{0}settle_s: {4}\n{0}restart_s: {5}\n",
+      indent, rollout.step, rollout.controllers.rate, rollout.controllers.shaft_gain, settle, restart);
 }
 
 MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std::filesystem::path& file,
-                         const TableReader& table) {
+                         const TableReader& table, double restart) {
   MotionSet set = readMotionSet(root, file, model.poseLayout(), table);
-  for (const RecordedMotion& motion : set.motions) refuseImpossibleCommands(model, motion);
-  return set;
+  for (const RecordedMotion& motion : set.motions) {
+    refuseImpossible(model, motion.commands, [&](std::size_t row, const std::string& sentence) {
+      throw DataError(fmt::format("{}: at {} s: {}", motion.muscles_file.string(), motion.times()[row], sentence));
+    });
+  }
+  return restart > 0.0 ? restarted(set, model.poseLayout(), restart) : set;
+}
+
+PlayableMotion::PlayableMotion(const RecordedMotion& recorded, const std::vector<Joint>& joints) : motion(&recorded) {
+  constexpr std::size_t kFewest = 5;
+  const double end = firstChange(recorded);
+  std::size_t frames = 0, rows = 1;
+  while (frames < recorded.joint_times.size() && recorded.joint_times[frames] < end) ++frames;
+  while (rows < recorded.times().size() && recorded.times()[rows] < end) ++rows;
+  for (std::size_t j = 0; frames >= kFewest && j < joints.size(); ++j) {
+    std::vector<JointPosition> seen;
+    for (std::size_t f = 0; f < frames; ++f) seen.push_back(recorded.joints[f][j]);
+    rest.push_back(kindOf(joints[j].type).mean(seen));
+  }
+  const auto mean = [rows](const std::vector<double>& channel) {
+    if (channel.empty()) return std::numeric_limits<double>::quiet_NaN();
+    return std::accumulate(channel.begin(), channel.begin() + static_cast<std::ptrdiff_t>(rows), 0.0) /
+           static_cast<double>(rows);
+  };
+  for (const MuscleRecord& muscle : recorded.muscles) {
+    shafts.push_back(mean(muscle.shafts));
+    currents.push_back(mean(muscle.currents));
+  }
 }
 
 namespace {
 
-/// Mean of the joints while the first commands last; empty where too few frames were taken then.
-std::vector<JointPosition> measuredRest(const RecordedMotion& motion, const std::vector<Joint>& joints) {
-  constexpr std::size_t kFewest = 5;
-  const double end = firstChange(motion);
-  std::size_t frames = 0;
-  while (frames < motion.joint_times.size() && motion.joint_times[frames] < end) ++frames;
-  if (frames < kFewest) return {};
-  std::vector<JointPosition> rest;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    std::vector<JointPosition> seen;
-    for (std::size_t f = 0; f < frames; ++f) seen.push_back(motion.joints[f][j]);
-    rest.push_back(kindOf(joints[j].type).mean(seen));
-  }
-  return rest;
-}
-
 /// Where friction holds a shaft beside its set-point is history, but its current tells: i = K_p (ref - phi) / R. [rad]
-double measuredShaft(const RecordedMotion& motion, std::size_t muscle, const Motor& motor, double shaft_gain) {
-  const MuscleRecord& record = motion.muscles[muscle];
-  const double end = firstChange(motion);
-  std::size_t rows = 1;
-  while (rows < motion.times.size() && motion.times[rows] < end) ++rows;
-  const auto mean = [rows](const std::vector<double>& channel) {
-    return std::accumulate(channel.begin(), channel.begin() + static_cast<std::ptrdiff_t>(rows), 0.0) /
-           static_cast<double>(rows);
-  };
-  if (!record.setpoints.empty() && !record.currents.empty()) {
-    return record.setpoints.front() - motor.resistance * mean(record.currents) / shaft_gain;
-  }
-  if (!record.shafts.empty()) return mean(record.shafts);
-  return record.setpoints.empty() ? 0.0 : record.setpoints.front();
+double restingShaft(const PlayableMotion& playable, std::size_t muscle, const Motor& motor, double shaft_gain) {
+  const MotionCommands& commands = playable.motion->commands;
+  const double first = commands.values(static_cast<Eigen::Index>(muscle), 0);
+  const bool positioned = commands.kinds[muscle] == CommandKind::kSetpoint;
+  const double current = playable.currents[muscle], shaft = playable.shafts[muscle];
+  if (positioned && !std::isnan(current)) return first - motor.resistance * current / shaft_gain;
+  if (!std::isnan(shaft)) return shaft;
+  return positioned ? first : 0.0;
 }
 
 }  // namespace
@@ -141,20 +122,22 @@ void MotionPlayer::setModel(const ArmModel& model) {
   rollout_.setModel(model);
 }
 
-MotionStart MotionPlayer::startOf(const RecordedMotion& motion) const {
+MotionStart MotionPlayer::startOf(const PlayableMotion& playable) const {
+  const RecordedMotion& motion = *playable.motion;
   MotionStart start;
-  start.time = motion.times.front();
+  start.time = motion.times().front();
   if (motion.start) {
     start.joints = motion.start->joints;
+    start.joint_velocities = motion.start->joint_velocities;
     start.shafts = motion.start->shafts;
     return start;
   }
   start.settle = options_.settle;
   for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
     const double gain = options_.rollout.controllers.shaft_gain;
-    start.shafts.push_back(measuredShaft(motion, m, model_.muscles[m].motor, gain));
+    start.shafts.push_back(restingShaft(playable, m, model_.muscles[m].motor, gain));
   }
-  start.joints = measuredRest(motion, model_.joints);
+  start.joints = playable.rest;
   if (start.joints.empty()) {
     EquilibriumArm arm(model_);
     start.joints = arm.solveFrom(motion.joints.front(), start.shafts).stable ? arm.joints() : motion.joints.front();
@@ -162,10 +145,11 @@ MotionStart MotionPlayer::startOf(const RecordedMotion& motion) const {
   return start;
 }
 
-void MotionPlayer::play(const RecordedMotion& motion, double capture_delay, PlayedMotion& played) {
-  const MotionStart start = startOf(motion);
+void MotionPlayer::play(const PlayableMotion& playable, double capture_delay, PlayedMotion& played) {
+  const RecordedMotion& motion = *playable.motion;
+  const MotionStart start = startOf(playable);
   const Moments moments = momentsOf(motion, capture_delay);
-  played.outcome = rollout_.run(commandsOf(motion), start, moments.times, track_);
+  played.outcome = rollout_.run(motion.commands, start, moments.times, track_);
   played.valid = played.outcome.finished;
   if (!played.valid) return;
   const std::size_t joints = model_.joints.size();

@@ -26,6 +26,10 @@ ControllerOptions ControllerOptions::read(const YamlNode& node) {
   ControllerOptions options;
   options.rate = node.findQuantity("rate", "Hz", kPositive).value_or(options.rate);
   if (const auto gain = node.find("shaft_gain_V_rad")) options.shaft_gain = gain->number(kPositive);
+  if (const auto stiffness = node.find("joint_stiffness_Nm_rad"))
+    options.joint_stiffness = stiffness->number(kPositive);
+  if (const auto damping = node.find("joint_damping_Nms_rad")) options.joint_damping = damping->number(kNonNegative);
+  options.least_force = node.findQuantity("least_force", "N", kNonNegative).value_or(options.least_force);
   readRates(node, "force_poles_1_s", options.force_rates);
   readRates(node, "observer_poles_1_s", options.observer_rates);
   return options;
@@ -33,8 +37,10 @@ ControllerOptions ControllerOptions::read(const YamlNode& node) {
 
 std::string ControllerOptions::toYaml() const {
   return fmt::format(
-      "controllers: {{rate_Hz: {}, shaft_gain_V_rad: {},\n  force_poles_1_s: [{}], observer_poles_1_s: [{}]}}\n", rate,
-      shaft_gain, fmt::join(force_rates, ", "), fmt::join(observer_rates, ", "));
+      "controllers: {{rate_Hz: {}, shaft_gain_V_rad: {},\n  force_poles_1_s: [{}], observer_poles_1_s: [{}],\n"
+      "  joint_stiffness_Nm_rad: {}, joint_damping_Nms_rad: {}, least_force_N: {}}}\n",
+      rate, shaft_gain, fmt::join(force_rates, ", "), fmt::join(observer_rates, ", "), joint_stiffness, joint_damping,
+      least_force);
 }
 
 std::unique_ptr<MuscleController> makeController(CommandKind kind, const Muscle& muscle,

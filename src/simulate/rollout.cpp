@@ -1,11 +1,12 @@
 #include "simgap/simulate/rollout.h"
-#include "simgap/core/joint_kind.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
+#include "controllers/joint_position.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
@@ -60,6 +61,9 @@ Rollout::Rollout(const ArmModel& model, const RolloutOptions& options)
   commands_.resize(muscles_.size());
   before_ = std::make_unique<Sample>(types_.size(), muscles_.size());
   now_ = std::make_unique<Sample>(types_.size(), muscles_.size());
+  if (options.targets) {
+    pilot_ = std::make_unique<JointPositionController>(model, options.targets, options.controllers);
+  }
   tick_ = static_cast<int>(std::lround(1.0 / (options.controllers.rate * options.step)));
 }
 
@@ -72,6 +76,7 @@ void Rollout::setModel(const ArmModel& model) {
   arm_.setModel(model);
   muscles_ = model.muscles;
   controllers_.clear();  // a controller may be made for its muscle
+  if (pilot_) pilot_ = std::make_unique<JointPositionController>(model, options_.targets, options_.controllers);
 }
 
 void Rollout::prepare(std::span<const CommandKind> kinds) {
@@ -122,6 +127,14 @@ bool Rollout::step(std::span<const double> commands) {
   return arm_.isFinite();
 }
 
+void Rollout::commandAt(double time, const MotionCommands& commands, std::size_t& row) {
+  if (pilot_) {
+    pilot_->forces(time, arm_, commands_);
+  } else {
+    commands.at(time, row, commands_);
+  }
+}
+
 MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& start, std::span<const double> times,
                            MotionTrack& track) {
   assert(times.empty() || times.front() >= start.time);
@@ -132,15 +145,15 @@ MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& st
   std::ranges::copy(times, track.times.begin());
   begin(commands.kinds, start);
   std::size_t command_row = 0, row = 0;
-  commands.at(start.time, command_row, commands_);
   while (steps_ < 0) {
+    if (steps_ % tick_ == 0) commandAt(start.time, commands, command_row);
     if (!step(commands_)) return stopped();
   }
   take(*now_);
   for (; row < times.size() && times[row] <= start.time; ++row) write(1.0, track, row);
   while (row < times.size()) {
     stopIfInterrupted();
-    if (steps_ % tick_ == 0) commands.at(time(), command_row, commands_);
+    if (steps_ % tick_ == 0) commandAt(time(), commands, command_row);
     const double from = time(), to = from + options_.step;
     const bool wanted = times[row] <= to;
     if (wanted) take(*before_);

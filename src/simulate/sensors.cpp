@@ -80,11 +80,11 @@ std::vector<double> sensorTimes(const SensorClock& clock, double start, double e
   return times;
 }
 
-std::string musclesCsv(const ArmModel& model, const MotionCommands& commands, const MotionTrack& track,
-                       const SensorOptions& options, std::uint64_t seed) {
+std::string musclesCsv(const ArmModel& model, const MotionCommands& commands, bool with_commands,
+                       const MotionTrack& track, const SensorOptions& options, std::uint64_t seed) {
   const CounterRandom random(seed);
   std::vector<std::string> header{"time_s"};
-  for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+  for (std::size_t m = 0; with_commands && m < model.muscles.size(); ++m) {
     const auto [stem, unit] = columnOf(commands.kinds[m]);
     header.push_back(fmt::format("{}_{}_{}", stem, model.muscles[m].name, unit));
   }
@@ -98,7 +98,7 @@ std::string musclesCsv(const ArmModel& model, const MotionCommands& commands, co
     const auto column = static_cast<Eigen::Index>(row);
     csv.add(options.muscles.reads(track.times[row]));
     commands.at(track.times[row], command_row, values);
-    for (const double value : values) csv.add(value);
+    for (std::size_t m = 0; with_commands && m < values.size(); ++m) csv.add(values[m]);
     const auto add = [&](const Eigen::MatrixXd& truth, const SensorNoise& sensor, Channel channel) {
       for (Eigen::Index m = 0; m < truth.rows(); ++m) {
         csv.add(sensed(truth(m, column), sensor, normal(random, channel, row, static_cast<std::size_t>(m))));

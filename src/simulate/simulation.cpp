@@ -177,8 +177,13 @@ std::string motionCsv(const ArmModel& model, const MotionTrack& track) {
     addJointHeader(joint, velocities);
   }
   header.insert(header.end(), velocities.begin(), velocities.end());
-  const std::array<std::tuple<const char*, const char*, const Eigen::MatrixXd*>, 5> channels = {
+  Eigen::MatrixXd motors = track.shaft_velocities;
+  for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+    motors.row(static_cast<Eigen::Index>(m)) *= model.muscles[m].gearbox.ratio;
+  }
+  const std::array<std::tuple<const char*, const char*, const Eigen::MatrixXd*>, 6> channels = {
       {{"shaft", "rad", &track.shafts},
+       {"motor_velocity", "rad_s", &motors},
        {"cord_length", "m", &track.cord_lengths},
        {"tension", "N", &track.forces},
        {"current", "A", &track.currents},

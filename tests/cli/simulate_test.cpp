@@ -3,6 +3,7 @@
 
 #include "cli/cli_fixture.h"
 #include "simgap/core/csv.h"
+#include "simgap/core/rotation.h"
 #include "simgap/core/run_directory.h"
 
 namespace simgap::test {
@@ -74,13 +75,13 @@ TEST_F(SimulateTest, RefusesCommandsThatNoMuscleCanFollow) {
   put("supply.csv", head + "0,0,0,0\n0.5,0,0,13\n");
   expectRefused(simulate("supply.csv"), 3, "supply.csv:3: voltage_triceps: 13 V is beyond the supply of 12 V");
   put("back.csv", head + "0,0,0,0\n0.5,0,0,1\n0.4,0,0,1\n");
-  expectRefused(simulate("back.csv"), 3, "back.csv:4: time_s: 0.4 after 0.5, expected times that rise");
+  expectRefused(simulate("back.csv"), 3, "back.csv:4: time goes back: found 0.4 s behind 0.5 s, expected rising times");
   put("missing.csv", "time_s,setpoint_biceps_rad,setpoint_brachialis_rad\n0,0,0\n1,0,0\n");
-  expectRefused(simulate("missing.csv"), 3, "no command for muscle triceps");
+  expectRefused(simulate("missing.csv"), 3, "muscle triceps: found no command");
   put("unknown.csv",
       "time_s,setpoint_biceps_rad,setpoint_brachialis_rad,setpoint_triceps_rad,setpoint_soleus_rad\n"
       "0,0,0,0,0\n1,0,0,0,0\n");
-  expectRefused(simulate("unknown.csv"), 3, "column setpoint_soleus_rad: elbow-rig has no such muscle");
+  expectRefused(simulate("unknown.csv"), 3, "column setpoint_soleus_rad: the model has no muscle 'soleus'");
   put("push.csv", "time_s,setpoint_biceps_rad,setpoint_brachialis_rad,force_triceps_N\n0,0,0,0\n1,0,0,-4\n");
   expectRefused(simulate("push.csv"), 3, "-4 N, expected >= 0: a line only pulls");
   put("one.csv", head + "0,0,0,0\n");
@@ -135,6 +136,42 @@ TEST_F(SimulateTest, ServesAnArmLineByLine) {
   EXPECT_EQ(answers[5].at("time_s"), 1.0);
   EXPECT_EQ(answers[6].dump(), answers[0].dump());  // after a reset the same again, to the last bit
   EXPECT_THAT(served.err, HasSubstr("times as fast as real time"));
+}
+
+// 000 fig. 4 B, C: at constant speed V = R i + K_E w and N eta K_T i = b w + dry friction + load (eq. 8-11).
+TEST_F(SimulateTest, MotorAndGearboxAnswerAStepAsTheirEquationsSay) {
+  succeed({"simulate", sourceFile("data/step-response/arm.yaml").string(), "--commands",
+           sourceFile("data/step-response/schedule.yaml").string(), "--rate", "1000", "-q", "-o", "run"});
+  const CsvTable motion = table("run/motion.csv");
+  constexpr double kGain = 72 * 0.72, kViscous = kGain * 1e-6 + 0.002 / 72, kDry = kGain * 0.002 + 0.03;
+  constexpr double kResistance = 0.8, kEmf = 0.011, kTorque = 0.011, kVoltage = 9.0;
+  for (const auto& [muscle, load] :
+       std::map<std::string, double>{{"light", 50.0}, {"middle", 100.0}, {"heavy", 150.0}}) {
+    const double velocity = (kVoltage * kGain * kTorque / kResistance - kDry - load * 0.006) /
+                            (kViscous + kGain * kTorque * kEmf / kResistance);
+    const std::vector<double> found = motion.quantity("motor_velocity_" + muscle, "rad_s");
+    EXPECT_NEAR(found.back(), velocity, 1e-3 * velocity) << muscle;
+    EXPECT_EQ(found[100], 0.0) << "friction and voltage hold the weight";
+    EXPECT_NEAR(motion.quantity("current_" + muscle, "A").back(), (kVoltage - kEmf * velocity) / kResistance, 1e-3);
+    EXPECT_LT(*std::ranges::max_element(found), 1.001 * velocity) << "no overshoot";
+  }
+}
+
+TEST_F(SimulateTest, JointsFollowTheirTargetsThroughTheTendonJacobian) {
+  put("targets.csv", "time_s,target_elbow_deg\n0,40\n1,40\n2,70\n3,70\n");
+  succeed(simulate("targets.csv", {"--hold", "linear"}));
+  const CsvTable motion = table("run/motion.csv");
+  const std::vector<double> elbow = motion.quantity("elbow", "rad");
+  EXPECT_NEAR(elbow[100], 40.0 * kDegree, 2.0 * kDegree);
+  EXPECT_NEAR(elbow.back(), 70.0 * kDegree, 2.0 * kDegree);
+  for (const char* muscle : {"biceps", "brachialis", "triceps"}) {
+    EXPECT_GT(motion.quantity(std::string("tension_") + muscle, "N").back(), 3.0) << muscle;
+  }
+  EXPECT_FALSE(table("run/muscles.csv").has("force_biceps_N"));
+  put("both.csv", "time_s,target_elbow_deg,force_biceps_N\n0,40,3\n1,40,3\n");
+  expectRefused(simulate("both.csv"), 3, "expected joints or muscles to be commanded");
+  put("none.csv", "time_s,target_knee_deg\n0,40\n1,40\n");
+  expectRefused(simulate("none.csv"), 3, "target_elbow");
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${PREFIX})
-foreach(file include/simgap/model/actuator/feed_forward.h include/simgap/model/actuator/pam.h lib/simgap/libsimgap_images.so
+foreach(file include/simgap/model/actuator/feed_forward.h include/simgap/model/actuator/pam.h include/simgap/simulate/arm.h
+    lib/libsimgap_arm.so lib/simgap/libsimgap_images.so
     lib/simgap/libsimgap_cma_es.so lib/simgap/libsimgap_mpi.so lib/cmake/simgap/simgapConfig.cmake lib/cmake/simgap/simgapConfigVersion.cmake)
   if(NOT EXISTS ${PREFIX}/${file})
     message(FATAL_ERROR "${file} was not installed")
@@ -20,6 +21,7 @@ run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${PREFIX}/consumer -DCMAKE_PREFIX_PATH=${
   -DSIMGAP_VERSION=${VERSION})
 run(${CMAKE_COMMAND} --build ${PREFIX}/consumer)
 run(${PREFIX}/consumer/controller)
+run(${PREFIX}/consumer/internal_model ${SOURCE}/data/arm/arm.yaml)
 # Without its modules it fails: it must not look for them where it was built, where anybody could have put others.
 if(DEFINED ENV{TMPDIR})
   set(stray $ENV{TMPDIR}/simgap-stray)

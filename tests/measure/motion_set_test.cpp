@@ -38,11 +38,11 @@ class MotionSetTest : public testing::Test {
 TEST_F(MotionSetTest, HoldsCommandsAndMeasurementsInSi) {
   const RecordedMotion motion = read().motions.at(0);
   EXPECT_EQ(motion.name, "a");
-  EXPECT_FALSE(motion.interpolated);
+  EXPECT_FALSE(motion.commands.linear);
   EXPECT_FALSE(motion.start);
-  EXPECT_THAT(motion.times, testing::ElementsAre(0.0, 0.5, 1.0));
-  EXPECT_NEAR(motion.muscles[0].setpoints[2], 180.0 * kDegree, 1e-12);
-  EXPECT_EQ(&motion.muscles[0].commands(), &motion.muscles[0].setpoints);
+  EXPECT_THAT(motion.times(), testing::ElementsAre(0.0, 0.5, 1.0));
+  EXPECT_EQ(motion.commands.kinds[0], CommandKind::kSetpoint);
+  EXPECT_NEAR(motion.commands.values(0, 2), 180.0 * kDegree, 1e-12);
   EXPECT_EQ(motion.muscles[0].currents[1], 0.2);
   EXPECT_TRUE(motion.muscles[0].shafts.empty());
   EXPECT_NEAR(motion.joints[2][0].angle, 40.0 * kDegree, 1e-12);
@@ -55,7 +55,7 @@ TEST_F(MotionSetTest, HoldStartAndWeightAreTheMotions) {
                     "joints: j.csv, hold: linear, weight: 2, start: {joints: {elbow_deg: 30}, "
                     "shafts: {biceps_rad: 1.5, triceps_deg: 90}}"))
           .motions.at(0);
-  EXPECT_TRUE(motion.interpolated);
+  EXPECT_TRUE(motion.commands.linear);
   EXPECT_EQ(motion.weight, 2.0);
   ASSERT_TRUE(motion.start);
   EXPECT_NEAR(motion.start->joints[0].angle, 30.0 * kDegree, 1e-12);

@@ -62,6 +62,7 @@ class Simulation {
     pose_ = followFromRest(arm_, shafts).configuration;
     pose(arm_);
   }
+  void setVoltages(const std::vector<double>& voltages) { voltage_ = voltages; }
   void control(const std::vector<double>& setpoints) {
     for (std::size_t m = 0; m < shaft_.size(); ++m) {
       voltage_[m] = std::clamp(gain_ * (setpoints[m] - shaft_[m]), -drives_[m].supply, drives_[m].supply);
@@ -250,8 +251,10 @@ MotionLog recordMotion(const MovingArm& arm, const Setpoints& setpoints, const M
                        std::uint64_t draw) {
   const CounterRandom random(draw);
   Simulation simulation(arm, options.gain);
-  simulation.place(setpoints(0.0));
+  const bool by_voltage = !options.voltages_from.empty();
+  simulation.place(by_voltage ? options.voltages_from : setpoints(0.0));
   MotionLog log;
+  if (by_voltage) log.command = "voltage_{}_V";
   const long settle = std::lround(options.settle / kStep / kTick) * kTick;
   const long end = std::lround(options.duration / kStep);
   double next_row = 0.0, next_frame = 0.004;  // the capture begins somewhere
@@ -277,7 +280,10 @@ MotionLog recordMotion(const MovingArm& arm, const Setpoints& setpoints, const M
       log.frames.push_back(seen(arm.arm, simulation.joints(), options.capture_sd, random, frame));
       next_frame += 1.0 / options.capture_rate;
     }
-    if (i % kTick == 0) simulation.control(i < 0 ? setpoints(0.0) : log.setpoints.back());
+    if (i % kTick == 0) {
+      const std::vector<double> commands = i < 0 ? setpoints(0.0) : log.setpoints.back();
+      by_voltage ? simulation.setVoltages(commands) : simulation.control(commands);
+    }
     simulation.step();
   }
   return log;
@@ -286,7 +292,7 @@ MotionLog recordMotion(const MovingArm& arm, const Setpoints& setpoints, const M
 std::string musclesCsv(const MotionLog& log) {
   std::string text = "time_s";
   const std::size_t muscles = log.setpoints.front().size();
-  for (const char* name : {"setpoint_{}_rad", "shaft_{}_rad", "current_{}_A"}) {
+  for (const char* name : {log.command, "shaft_{}_rad", "current_{}_A"}) {
     for (std::size_t m = 0; m < muscles; ++m) {
       text += "," + fmt::format(fmt::runtime(name), muscleName(static_cast<int>(m)));
     }

@@ -43,10 +43,13 @@ struct MotionRigOptions {
   double current_sd = 0.03;                           ///< [A]
   double capture_delay = 0.0;                         ///< a frame stamped t was taken at t + capture_delay [s]
   double gain = 50.0;                                 ///< K_p of the shaft controllers at 500 Hz [V/rad]
+  /// Shafts before the motion, shape (muscles) [rad]. Given: the commands are the motors' voltages [V], set at 500 Hz.
+  std::vector<double> voltages_from = {};
 };
 
 /// What the rig logs of one motion.
 struct MotionLog {
+  const char* command = "setpoint_{}_rad";                       ///< column of a muscle's commands, here `setpoints`
   std::vector<double> times;                                     ///< [s]
   std::vector<std::vector<double>> setpoints, shafts, currents;  ///< shape (rows, muscles)
   std::vector<double> frame_times;                               ///< on the capture's clock [s]

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 
 namespace simgap::test {
 
@@ -49,18 +50,50 @@ reality::Setpoints forearmSetpoints(int draw) {
   };
 }
 
-void putMotions(const TemporaryFolder& folder, const std::string& name, int first, int count,
-                const reality::MotionRigOptions& options) {
+namespace {
+
+void putRecorded(const TemporaryFolder& folder, const std::string& name, int first, int count,
+                 const reality::MotionRigOptions& options, const std::function<reality::Setpoints(int)>& commands) {
   const reality::MovingArm truth = trueForearm();
   std::string set = "format: simgap/motions/1\nmotions:\n";
   for (int i = first; i < first + count; ++i) {
-    const reality::MotionLog log =
-        reality::recordMotion(truth, forearmSetpoints(i), options, static_cast<std::uint64_t>(i));
-    folder.put(fmt::format("m{}_muscles.csv", i), reality::musclesCsv(log));
-    folder.put(fmt::format("m{}_joints.csv", i), reality::jointsCsv(log, truth.arm));
-    set += fmt::format("  - {{name: m{0}, muscles: m{0}_muscles.csv, joints: m{0}_joints.csv}}\n", i);
+    const reality::MotionLog log = reality::recordMotion(truth, commands(i), options, static_cast<std::uint64_t>(i));
+    const std::string stem = fmt::format("{}_m{}", name.substr(0, name.find('.')), i);
+    folder.put(stem + "_muscles.csv", reality::musclesCsv(log));
+    folder.put(stem + "_joints.csv", reality::jointsCsv(log, truth.arm));
+    set += fmt::format("  - {{name: m{0}, muscles: {1}_muscles.csv, joints: {1}_joints.csv}}\n", i, stem);
   }
   folder.put(name, set);
+}
+
+}  // namespace
+
+void putMotions(const TemporaryFolder& folder, const std::string& name, int first, int count,
+                const reality::MotionRigOptions& options) {
+  putRecorded(folder, name, first, count, options, forearmSetpoints);
+}
+
+void putVoltageMotions(const TemporaryFolder& folder, const std::string& name, int first, int count) {
+  reality::MotionRigOptions options;
+  options.voltages_from = {3.0, 3.0};
+  putRecorded(folder, name, first, count, options, [](int draw) -> reality::Setpoints {
+    return [draw](double time) {
+      if (time < 0.4) return std::vector<double>{0.0, 0.0};
+      const double pulse = (draw % 2 ? 3.0 : 4.0) * std::sin(2.0 * M_PI * (0.8 + 0.2 * draw) * (time - 0.4));
+      return std::vector<double>{0.4 + 0.5 * pulse, 0.4 - 0.5 * pulse};
+    };
+  });
+}
+
+void putRests(const TemporaryFolder& folder, const std::string& name) {
+  const reality::MovingArm truth = trueForearm();
+  std::string text = "pose,shaft_muscle1_rad,shaft_muscle2_rad,joint1_rad\n";
+  for (int i = 0; i < 6; ++i) {
+    const std::vector<double> shafts = {2.0 + 0.4 * i, 4.0 - 0.3 * i};
+    const auto rest = reality::followFromRest(truth.arm, shafts);
+    text += fmt::format("p{},{},{},{:.9g}\n", i, shafts[0], shafts[1], rest.configuration[0].angle);
+  }
+  folder.put(name, text);
 }
 
 std::string forearmConfig() {

@@ -20,6 +20,11 @@ reality::Setpoints forearmSetpoints(int draw);
 void putMotions(const TemporaryFolder& folder, const std::string& name, int first, int count,
                 const reality::MotionRigOptions& options = {});
 
+/// The same moved by voltages: pulses that wind up and pay out.
+void putVoltageMotions(const TemporaryFolder& folder, const std::string& name, int first, int count);
+/// A pose set of the true forearm's rests, joint friction left out.
+void putRests(const TemporaryFolder& folder, const std::string& name);
+
 /// The parameters in which the two forearms differ.
 std::string forearmConfig();
 

@@ -5,51 +5,47 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "simgap/core/csv.h"
 #include "simgap/core/rotation.h"
 #include "simgap/core/yaml.h"
+#include "simgap/measure/motion_commands.h"
 #include "simgap/measure/pose_set.h"
 
 namespace simgap {
 
-/// One muscle over the rows of a muscles file: what it was told, of one kind, and what was measured. A channel that is
-/// not there is empty.
+/// What was measured of one muscle over the rows of a muscles file. A channel that is not there is empty.
 struct MuscleRecord {
-  std::vector<double> setpoints;       ///< commands, shape (rows): of the shaft [rad]
-  std::vector<double> voltages;        ///< commands, shape (rows): of the motor [V]
-  std::vector<double> force_commands;  ///< commands, shape (rows): of the line [N]
-  std::vector<double> shafts;          ///< shape (rows) [rad]
-  std::vector<double> currents;        ///< shape (rows) [A]
-  std::vector<double> forces;          ///< shape (rows) [N]
-
-  const std::vector<double>& commands() const {
-    return !setpoints.empty() ? setpoints : !voltages.empty() ? voltages : force_commands;
-  }
+  std::vector<double> shafts;    ///< shape (rows) [rad]
+  std::vector<double> currents;  ///< shape (rows) [A]
+  std::vector<double> forces;    ///< shape (rows) [N]
 };
 
-/// A measured state, at rest.
+/// A measured state.
 struct RecordedStart {
-  std::vector<JointPosition> joints;  ///< shape (joints)
-  std::vector<double> shafts;         ///< shape (muscles) [rad]
+  std::vector<JointPosition> joints;                   ///< shape (joints)
+  std::vector<double> shafts;                          ///< shape (muscles) [rad]
+  std::vector<Eigen::Vector3d> joint_velocities = {};  ///< shape (joints), a ball's in the child's frame; empty: rest
 };
 
 /// One motion. Muscles and joints have clocks of their own.
 struct RecordedMotion {
   std::string name;
-  bool interpolated = false;                        ///< commands are straight between rows; else held until the next
-  std::vector<double> times;                        ///< shape (rows) [s], rising
-  std::vector<MuscleRecord> muscles;                ///< shape (muscles of the layout)
-  std::vector<double> joint_times;                  ///< shape (frames) [s], rising
-  std::vector<std::vector<JointPosition>> joints;   ///< shape (frames, joints of the layout)
-  std::optional<RecordedStart> start;               ///< empty: at rest under the first commands
-  double weight = 1.0;                              ///< in a fit, > 0
+  MotionCommands commands;                         ///< shape (muscles of the layout, rows)
+  std::vector<MuscleRecord> muscles;               ///< shape (muscles of the layout)
+  std::vector<double> joint_times;                 ///< shape (frames) [s], rising
+  std::vector<std::vector<JointPosition>> joints;  ///< shape (frames, joints of the layout)
+  std::optional<RecordedStart> start;              ///< empty: at rest under the first commands
+  double weight = 1.0;                             ///< in a fit, > 0
+  /// Before it the motion is played, but not compared: a run-up from a measured state [s].
+  double compared_from = -std::numeric_limits<double>::infinity();
   std::filesystem::path muscles_file, joints_file;  ///< as they were read
 
-  double duration() const { return times.back() - times.front(); }  ///< [s]
+  const std::vector<double>& times() const { return commands.times; }   ///< shape (rows) [s], rising
+  double duration() const { return times().back() - times().front(); }  ///< [s]
 };
 
 struct MotionSet {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "simgap/simulate/motion_commands.h"
 #include "simgap/simulate/motion_schedule.h"
+#include "simgap/simulate/possible_commands.h"
 #include "simgap/simulate/rollout.h"
 
 namespace simgap {

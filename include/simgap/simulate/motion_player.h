@@ -7,13 +7,15 @@
 #include <vector>
 
 #include "simgap/measure/motion_set.h"
+#include "simgap/simulate/possible_commands.h"
 #include "simgap/simulate/rollout.h"
 
 namespace simgap {
 
 struct MotionOptions {
   RolloutOptions rollout{.step = 0.002, .controllers = {}};
-  double settle = 1.0;  ///< [s] at rest under the first commands before a motion begins, where no start was measured
+  double settle = 1.0;   ///< [s] at rest under the first commands before a motion begins, where no start was measured
+  double restart = 0.0;  ///< [s] longer motions begin anew from measured states (motion_restart.h); 0: never
 
   /// Reads the `motions:` block's keys of it; keys that are missing keep their value. \throws ConfigError
   static MotionOptions read(const YamlNode& node);
@@ -29,9 +31,19 @@ struct PlayedMotion {
   Eigen::MatrixXd currents;           ///< shape (muscles, rows) [A]
 };
 
-/// Checked against a model. \throws DataError: a voltage beyond the supply, a force that pushes
+/// Checked against a model, and cut at restarts. \throws DataError: a voltage beyond the supply, a force that pushes
 MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std::filesystem::path& file,
-                         const TableReader& table);
+                         const TableReader& table, double restart = 0.0);
+
+/// What playing a recorded motion needs of it besides its commands, found once for many models.
+struct PlayableMotion {
+  /// \param recorded  must outlive it
+  PlayableMotion(const RecordedMotion& recorded, const std::vector<Joint>& joints);
+
+  const RecordedMotion* motion;
+  std::vector<JointPosition> rest;       ///< joints while the first commands last, mean; empty: too few frames show it
+  std::vector<double> shafts, currents;  ///< means meanwhile; NaN: not measured [rad], [A]
+};
 
 /// Plays recorded motions, one at a time; a worker keeps one.
 class MotionPlayer {
@@ -42,10 +54,10 @@ class MotionPlayer {
   /// Begins at rest under the first commands: near where joints and shafts were measured then, which dry friction may
   /// hold beside their equilibrium, and after `settle` of simulated time; or in the measured start.
   /// \param capture_delay  the frame at time t on the capture's clock was taken at t + capture_delay [s]
-  void play(const RecordedMotion& motion, double capture_delay, PlayedMotion& played);
+  void play(const PlayableMotion& motion, double capture_delay, PlayedMotion& played);
 
  private:
-  MotionStart startOf(const RecordedMotion& motion) const;
+  MotionStart startOf(const PlayableMotion& motion) const;
 
   ArmModel model_;
   MotionOptions options_;

@@ -8,7 +8,7 @@
 
 #include "simgap/core/yaml.h"
 #include "simgap/measure/pose_set.h"
-#include "simgap/simulate/motion_commands.h"
+#include "simgap/simulate/possible_commands.h"
 
 namespace simgap {
 

@@ -7,8 +7,8 @@
 #include <memory>
 
 #include "simgap/core/yaml.h"
+#include "simgap/measure/motion_commands.h"
 #include "simgap/model/arm/arm.h"
-#include "simgap/simulate/motion_commands.h"
 
 namespace simgap {
 
@@ -27,6 +27,9 @@ struct ControllerOptions {
   /// Poles of the force controller's feedback and of its observer, as rates of decay, each different [1/s].
   std::array<double, 3> force_rates = {60.0, 80.0, 1500.0};
   std::array<double, 4> observer_rates = {200.0, 250.0, 300.0, 2000.0};
+  /// Of the joints' PD control (controllers/joint_position.h).
+  double joint_stiffness = 30.0, joint_damping = 2.0;  ///< [N m/rad], [N m s/rad]
+  double least_force = 5.0;                            ///< of every muscle [N]
   bool operator==(const ControllerOptions&) const = default;
   /// Reads a `controllers:` section; what is missing keeps its value. \throws ConfigError
   static ControllerOptions read(const YamlNode& node);

@@ -7,15 +7,19 @@
 #include <span>
 #include <vector>
 
+#include "simgap/measure/motion_commands.h"
 #include "simgap/simulate/bullet_arm.h"
-#include "simgap/simulate/motion_commands.h"
 #include "simgap/simulate/muscle_controller.h"
 
 namespace simgap {
 
+struct JointTargets;
+class JointPositionController;
+
 struct RolloutOptions {
   double step = 0.001;  ///< [s] the controllers' period is a whole number of steps
   ControllerOptions controllers;
+  std::shared_ptr<const JointTargets> targets = nullptr;  ///< given: they make the forces of all muscles in run()
   bool operator==(const RolloutOptions&) const = default;
   /// \throws ConfigError
   void validate() const;
@@ -90,6 +94,7 @@ class Rollout {
  private:
   struct Sample;
   void prepare(std::span<const CommandKind> kinds);
+  void commandAt(double time, const MotionCommands& commands, std::size_t& row);
   void control(std::span<const double> commands);
   void take(Sample& sample);
   void write(double part, MotionTrack& track, std::size_t row) const;
@@ -101,7 +106,8 @@ class Rollout {
   std::vector<JointType> types_;
   std::vector<CommandKind> kinds_;
   std::vector<std::unique_ptr<MuscleController>> controllers_;
-  std::vector<double> commands_;  ///< scratch, shape (muscles)
+  std::unique_ptr<JointPositionController> pilot_;  ///< of the targets
+  std::vector<double> commands_;                    ///< scratch, shape (muscles)
   std::unique_ptr<Sample> before_, now_;
   double origin_ = 0.0;  ///< time of step 0 [s]
   long steps_ = 0;

@@ -42,8 +42,8 @@ std::vector<double> sensorTimes(const SensorClock& clock, double start, double e
 
 /// muscles.csv: `time_s`, the commands, `shaft_<m>_rad`, `current_<m>_A`, `measured_force_<m>_N`.
 /// \param track  at sensorTimes(options.muscles, …)
-std::string musclesCsv(const ArmModel& model, const MotionCommands& commands, const MotionTrack& track,
-                       const SensorOptions& options, std::uint64_t seed);
+std::string musclesCsv(const ArmModel& model, const MotionCommands& commands, bool with_commands,
+                       const MotionTrack& track, const SensorOptions& options, std::uint64_t seed);
 /// joints.csv as `capture` writes it: `time_s` and the joints' position columns.
 /// \param track  at sensorTimes(options.joints, …)
 std::string jointsCsv(const ArmModel& model, const MotionTrack& track, const SensorOptions& options,

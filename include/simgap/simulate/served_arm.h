@@ -28,8 +28,9 @@ class ServedArm {
   ArmModel model_;
   RolloutOptions options_;
   Rollout rollout_;
-  std::vector<CommandKind> kinds_;  ///< shape (muscles)
-  std::vector<double> commands_;    ///< shape (muscles)
+  std::vector<CommandKind> kinds_;                     ///< shape (muscles)
+  std::vector<double> commands_;                       ///< shape (muscles)
+  std::vector<std::string> joint_keys_, muscle_keys_;  ///< names as JSON
   bool blown_up_ = false;
 };
 

@@ -13,6 +13,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/report/poses/simulation_report.h"
+#include "simgap/simulate/joint_targets.h"
 #include "simgap/simulate/motion_inputs.h"
 #include "simgap/simulate/served_arm.h"
 
@@ -39,15 +40,22 @@ SimulationOptions settingsOf(Session& session, const Options& options) {
   return settings;
 }
 
-MotionCommands readMotionCommands(Session& session, const Options& options, const ArmModel& model, double rate) {
+/// Commands of the muscles, or positions of the joints, which go into the settings.
+MotionCommands readMotionCommands(Session& session, const Options& options, const ArmModel& model,
+                                  SimulationOptions& settings) {
   const std::string& text = session.read("commands", options.commands).content;
   if (!options.commands.ends_with(".yaml") && !options.commands.ends_with(".yml")) {
-    return readCommands(CsvTable::parse(text, options.commands, options.table.csv()), model, options.hold == "linear");
+    const CsvTable table = CsvTable::parse(text, options.commands, options.table.csv());
+    const bool linear = options.hold == "linear";
+    if (!hasJointTargets(table)) return readCommands(table, model, linear);
+    settings.rollout.targets = std::make_shared<JointTargets>(readJointTargets(table, model, linear));
+    return commandsFor(*settings.rollout.targets, model.muscles.size());
   }
-  return readSchedule(YamlNode::parse(text, options.commands), model, rate, [&](const std::string& file) {
-    const auto path = std::filesystem::path(options.commands).parent_path() / file;
-    return readPoses(session, "poses", path.string(), model, {});
-  });
+  return readSchedule(YamlNode::parse(text, options.commands), model, settings.rollout.controllers.rate,
+                      [&](const std::string& file) {
+                        const auto path = std::filesystem::path(options.commands).parent_path() / file;
+                        return readPoses(session, "poses", path.string(), model, {});
+                      });
 }
 
 MotionStart readStart(Session& session, const Options& options, const ArmModel& model, const MotionCommands& commands,
@@ -101,6 +109,7 @@ class InputLines {
 
 /// A line in, a line out, until there are no more; how long a cycle took goes to stderr.
 ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
+  std::ios::sync_with_stdio(false);  // character by character otherwise
   ServedArm arm(model, options);
   InputLines lines;
   std::string line;
@@ -125,10 +134,10 @@ ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("simulate", options.common, argv);
   const ArmModel model = readTurningArm(session, "model", options.model);
-  const SimulationOptions settings = settingsOf(session, options);
+  SimulationOptions settings = settingsOf(session, options);
   if (options.serve) return serve(model, settings.rollout);
   if (options.commands.empty()) throw ConfigError("found neither --commands nor --serve, expected one of them");
-  const MotionCommands commands = readMotionCommands(session, options, model, settings.rollout.controllers.rate);
+  const MotionCommands commands = readMotionCommands(session, options, model, settings);
   const MotionStart start = readStart(session, options, model, commands, settings.settle);
   const double end = motionEnd(commands, options.commands, options.duration);
   std::optional<MeasuredMotion> measured;
@@ -163,8 +172,10 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("MODEL", options->model, "arm model (YAML)")->required();
-  app.add_option("--commands", options->commands,
-                 "per muscle over time: setpoint_<m>_rad, voltage_<m>_V or force_<m>_N (CSV), or a schedule (YAML)");
+  app.add_option(
+      "--commands", options->commands,
+      "per muscle over time: setpoint_<m>_rad, voltage_<m>_V or force_<m>_N (CSV), or a schedule (YAML); or per "
+      "joint its position, target_<joint>_rad, … (CSV)");
   app.add_flag("--serve", options->serve, "answer lines of JSON on stdin (commands) by lines on stdout (sensors)");
   app.add_option("--config", options->config, "step, controllers and sensors (YAML)");
   app.add_option("--hold", options->hold, "between the rows of the commands: step or linear")

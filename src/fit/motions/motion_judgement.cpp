@@ -57,11 +57,15 @@ std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, cons
                                           const Eigen::VectorXd& wider) {
   std::vector<MotionParameter> parameters;
   const ScaledParameters& scaled = posterior.parameters();
+  // Where the search ended before its end, its step left counts as well. The prior bounds what is known, however badly
+  // the model fits.
+  const auto knownTo = [&](Eigen::Index i, bool has_prior) {
+    const double sd = std::hypot(std::sqrt(fit.covariance(i, i)) * wider[i], fit.step_left[i]);
+    return has_prior ? std::min(1.0, sd) : sd;
+  };
   for (Eigen::Index i = 0; i < scaled.size(); ++i) {
     const SearchParameter& p = posterior.space().parameters()[static_cast<std::size_t>(i)];
-    // The prior bounds what is known, however badly the model fits.
-    const double sd = std::sqrt(fit.covariance(i, i));
-    const double wide = scaled.hasPrior(i) ? std::min(1.0, sd * wider[i]) : sd * wider[i];
+    const double wide = knownTo(i, scaled.hasPrior(i));
     const double slope = scaled.slope(i, fit.z[i]);
     parameters.push_back({p.name, p.unit, p.initial, scaled.value(i, fit.z[i]),
                           scaled.hasPrior(i) ? scaled.slope(i, 0.0) : kInfinity, slope * wide, p.lower, p.upper,
@@ -69,7 +73,7 @@ std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, cons
   }
   const Eigen::Index last = scaled.size();
   const double unit = posterior.options().capture_delay_sd;
-  const double sd = std::min(1.0, std::sqrt(fit.covariance(last, last)) * wider[last]);
+  const double sd = knownTo(last, true);
   parameters.push_back({"capture_delay_s", "s", 0.0, posterior.captureDelay(fit.z), unit, unit * sd,
                         unit * posterior.lower(last), unit * posterior.upper(last), fit.z[last], verdictOf(sd, true)});
   return parameters;
@@ -157,7 +161,8 @@ double quantile(std::vector<double> values, double part) {
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-/// Root mean squares of as many motions as the set has, drawn with replacement.
+/// Root mean squares of as many motions as the set has, drawn with replacement from a population that is itself drawn
+/// from the motions fitted: which these were is chance, too.
 void predict(const std::vector<Squares>& expected, MotionSetResult& set) {
   const std::size_t joints = expected.front().joints.size();
   std::vector<std::vector<double>> draws(joints + 2);
@@ -165,9 +170,12 @@ void predict(const std::vector<Squares>& expected, MotionSetResult& set) {
   const auto n = static_cast<double>(set.set.motions.size());
   for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
     std::vector<double> sums(joints + 2, 0.0);
+    const auto any = [&](std::uint32_t k, std::uint32_t stage) {
+      const double u = random.uniform({draw, k, stage, kMotionPurpose});
+      return static_cast<std::size_t>(u * static_cast<double>(expected.size()));
+    };
     for (std::uint32_t k = 0; k < set.set.motions.size(); ++k) {
-      const double u = random.uniform({draw, k, 0, kMotionPurpose});
-      const Squares& one = expected[static_cast<std::size_t>(u * static_cast<double>(expected.size()))];
+      const Squares& one = expected[any(static_cast<std::uint32_t>(any(k, 0)), 1)];
       for (std::size_t j = 0; j < joints; ++j) sums[j] += one.joints[j] / n;
       sums[joints] += one.shafts / n;
       sums[joints + 1] += one.currents / n;

@@ -45,7 +45,10 @@ MotionPosterior::MotionPosterior(const ArmModel& model, std::span<const Recorded
       noise_(estimateNoise(motions, model.poseLayout(), options.noise)),
       workers_(std::make_shared<Workers>()) {
   const PoseLayout layout = model.poseLayout();
-  for (const RecordedMotion& motion : motions) motions_.emplace_back(motion, layout, noise_, options.discrepancy);
+  for (const RecordedMotion& motion : motions) {
+    motions_.emplace_back(motion, layout, noise_, options.discrepancy);
+    playable_.emplace_back(motion, model.joints);
+  }
   if (poses.empty()) return;
   std::vector<ParameterSpace::Choice> apart = parameters;
   for (ParameterSpace::Choice& choice : apart) choice.together = false;
@@ -77,7 +80,7 @@ void MotionPosterior::playOne(const ArmModel& model, double delay, std::size_t m
   } else {
     player.emplace(model, options_.motion);
   }
-  player->play(motions_[motion].motion(), delay, played);
+  player->play(playable_[motion], delay, played);
 }
 
 /// Of one motion, played by the calling thread's player, shape (residuals); empty where it could not be played, or
@@ -183,8 +186,9 @@ std::vector<RowMajorF> MotionPosterior::jacobian(const Eigen::VectorXd& z, const
   const auto columnOf = [&](std::size_t task) {
     const auto i = static_cast<Eigen::Index>(task / motions_.size());
     const std::size_t m = task % motions_.size();
-    // Towards 0 where the other way would leave the bounds.
-    const double step = z[i] + steps[i] <= upper(i) ? steps[i] : -steps[i];
+    // The other way round where this one would leave the bounds.
+    const bool inside = z[i] + steps[i] <= upper(i) && z[i] + steps[i] >= lower(i);
+    const double step = inside ? steps[i] : -steps[i];
     Eigen::VectorXd moved = z;
     moved[i] += step;
     ArmModel& model = workers_->own.local().model;

@@ -24,15 +24,16 @@ MotionResiduals::MotionResiduals(const RecordedMotion& motion, const PoseLayout&
   }
   for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
     const MuscleRecord& muscle = motion.muscles[m];
-    if (!muscle.shafts.empty()) addBlocks(kShaft, m, motion.times, 1, noise.shafts, discrepancy.shafts);
-    if (!muscle.currents.empty()) addBlocks(kCurrent, m, motion.times, 1, noise.currents, discrepancy.currents);
+    if (!muscle.shafts.empty()) addBlocks(kShaft, m, motion.times(), 1, noise.shafts, discrepancy.shafts);
+    if (!muscle.currents.empty()) addBlocks(kCurrent, m, motion.times(), 1, noise.currents, discrepancy.currents);
   }
 }
 
 void MotionResiduals::addBlocks(ChannelGroup group, std::size_t item, const std::vector<double>& times,
                                 Eigen::Index size, double noise, double discrepancy) {
   const double lasting = discrepancy * discrepancy * kCorrelation / kWindow;
-  for (std::size_t begin = 0; begin < times.size();) {
+  const auto first = std::ranges::lower_bound(times, motion_->compared_from) - times.begin();
+  for (auto begin = static_cast<std::size_t>(first); begin < times.size();) {
     std::size_t end = begin + 1;
     while (end < times.size() && times[end] < times[begin] + kWindow * (1.0 - 1e-6)) ++end;
     const double sd = std::sqrt(noise * noise / static_cast<double>(end - begin) + lasting);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 
@@ -18,9 +19,12 @@ constexpr double kFirstStep = 0.1;  // of differences, in prior standard deviati
 constexpr double kSmallestStep = 0.005, kLargestStep = 0.3;
 constexpr int kMostSteps = 6;     // with one set of derivatives
 constexpr double kEnough = 0.05;  // of the gain promised: below it the derivatives are too old
-constexpr double kLittle = 1e-3;  // of the objective: a round that gains less was the last
+constexpr double kLittle = 3e-4;  // of the objective: a round that gains less was the last
 constexpr double kCertain = 0.5;  // [negative log posterior] as well
 constexpr double kMostDamping = 1e6;
+// Of a parameter's information: where forward and backward differences differ by more, the response is bent, not noisy.
+constexpr double kMostNoise = 1e-3;
+constexpr float kFallen = 100.0F;  // ratio of the squares of differences forwards and backwards
 
 /// The derivatives at hand, and where they stand.
 struct Linearisation {
@@ -74,12 +78,6 @@ double promised(const MotionPosterior::NormalEquations& normal, const Eigen::Vec
   return -(normal.gradient.dot(step) + 0.5 * step.dot(normal.curvature * step));
 }
 
-/// Length of the Newton step that the bounds allow, in standard deviations.
-double distanceFromOptimum(const MotionPosterior& posterior, const MotionPosterior::NormalEquations& normal,
-                           const Eigen::VectorXd& z) {
-  return std::sqrt(std::max(0.0, 2.0 * promised(normal, dampedStep(posterior, normal, z, 0.0))));
-}
-
 Eigen::MatrixXd covarianceOf(const MotionPosterior::NormalEquations& normal) {
   const Eigen::Index n = normal.gradient.size();
   return normal.curvature.ldlt().solve(Eigen::MatrixXd::Identity(n, n));
@@ -104,10 +102,59 @@ Linearisation linearise(const MotionPosterior& posterior, const Eigen::VectorXd&
   return here;
 }
 
-MotionFit fitOf(const MotionPosterior& posterior, Linearisation here) {
+/// Squares of the noise of central differences, summed over all residuals as they are weighed. Forwards and backwards
+/// differ by r+ + r- - 2 r0 over the step, six variances, their mean by r+ - r- over two steps, half of one.
+/// Where one side is much larger the arm fell into another rest there: the other side is taken.
+/// \param[in,out] forward  becomes the mean
+Eigen::VectorXd meanWithNoise(const MotionPosterior& posterior, const MotionEvaluation& at,
+                              const std::vector<RowMajorF>& backward, std::vector<RowMajorF>& forward) {
+  Eigen::VectorXd noise = Eigen::VectorXd::Zero(posterior.size());
+  for (std::size_t m = 0; m < forward.size(); ++m) {
+    const Eigen::VectorXf weights = posterior.weights(m, at.residuals[m]).cast<float>();
+    for (Eigen::Index i = 0; i < noise.size(); ++i) {
+      const float ahead = forward[m].col(i).cwiseAbs2().dot(weights),
+                  back = backward[m].col(i).cwiseAbs2().dot(weights);
+      if (std::max(ahead, back) > kFallen * std::min(ahead, back)) {
+        if (back < ahead) forward[m].col(i) = backward[m].col(i);
+        continue;
+      }
+      const Eigen::VectorXf difference = forward[m].col(i) - backward[m].col(i);
+      noise[i] += static_cast<double>(difference.cwiseAbs2().dot(weights)) / 12.0;
+      forward[m].col(i) -= 0.5F * difference;
+    }
+  }
+  return noise;
+}
+
+/// Inverse of prior and information; what noise would make negative is no information.
+Eigen::MatrixXd covarianceWithout(const Eigen::VectorXd& noise, const MotionPosterior& posterior,
+                                  const MotionPosterior::NormalEquations& normal) {
+  Eigen::MatrixXd information = normal.curvature;
+  Eigen::VectorXd prior = Eigen::VectorXd::Zero(noise.size());
+  for (Eigen::Index i = 0; i < prior.size(); ++i) prior[i] = posterior.hasPrior(i) ? 1.0 : 0.0;
+  information.diagonal() -= prior;
+  information.diagonal() -= noise.cwiseMin(kMostNoise * information.diagonal());
+  const SymmetricEigen told = symmetricEigen(information);
+  const Eigen::VectorXd kept = told.values.cwiseMax(1e-12 * told.values.maxCoeff());
+  information = told.vectors * kept.asDiagonal() * told.vectors.transpose();
+  information.diagonal() += prior;
+  return information.ldlt().solve(Eigen::MatrixXd::Identity(noise.size(), noise.size()));
+}
+
+/// The end of a search: derivatives from both sides. \param here  with those forwards
+MotionFit finalFit(const MotionPosterior& posterior, Linearisation here, const Eigen::VectorXd& steps,
+                   const std::function<void(const MotionSearchNews&)>& news) {
+  const std::size_t of = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
+  const std::vector<RowMajorF> backward = posterior.jacobian(here.z, -steps, here.at, [&](std::size_t done) {
+    if (news) news({done, of});
+  });
+  if (interruptRequested()) throw InterruptedError("interrupted");
+  const Eigen::VectorXd noise = meanWithNoise(posterior, here.at, backward, here.jacobians);
   const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
-  return {here.z, here.at.objective, covarianceOf(normal), std::move(here.jacobians),
-          distanceFromOptimum(posterior, normal, here.z)};
+  const Eigen::VectorXd left = dampedStep(posterior, normal, here.z, 0.0);
+  const double from_optimum = std::sqrt(std::max(0.0, 2.0 * promised(normal, left)));
+  return {here.z, here.at.objective, covarianceWithout(noise, posterior, normal), std::move(here.jacobians),
+          left,   from_optimum};
 }
 
 /// Steps with one set of derivatives. \returns how many were accepted
@@ -148,7 +195,7 @@ MotionSearchState beginSearch(const MotionPosterior& posterior) {
 
 MotionFit fitAt(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
                 const std::function<void(const MotionSearchNews&)>& news) {
-  return fitOf(posterior, linearise(posterior, z, steps, news));
+  return finalFit(posterior, linearise(posterior, z, steps, news), steps, news);
 }
 
 MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& state, int max_rounds,
@@ -159,7 +206,9 @@ MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& sta
     const auto start = Clock::now();
     Linearisation here = linearise(posterior, state.z, state.steps, news);
     const int rounds = static_cast<int>(state.history.size());
-    if (state.converged || rounds == max_rounds) return fitOf(posterior, std::move(here));
+    if (state.converged || rounds == max_rounds) {
+      return finalFit(posterior, std::move(here), state.steps, news);
+    }
     MotionRound round{rounds + 1, here.at.objective, here.at.objective, 0, 0, 0.0};
     round.rollouts =
         (rounds == 0 ? 0 : state.history.back().rollouts) + (posterior.size() + 1) * std::ssize(posterior.motions());
@@ -167,16 +216,16 @@ MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& sta
     round.steps = descend(posterior, trial, state.damping, round.rollouts);
     round.after = trial.at.objective;
     state.converged = round.before - round.after < std::max(kCertain, kLittle * round.after);
-    MotionFit fit = fitOf(posterior, std::move(here));
-    round.expected = 0.5 * fit.from_optimum * fit.from_optimum;
+    const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
+    round.expected = std::max(0.0, promised(normal, dampedStep(posterior, normal, here.z, 0.0)));
     if (!state.converged) {  // else the fresh derivatives stay those of what is kept
       state.z = trial.z;
-      state.steps = differenceSteps(fit.covariance);
+      state.steps = differenceSteps(covarianceOf(normal));
     }
     state.history.push_back(round);
     state.wall += std::chrono::duration<double>(Clock::now() - start).count();
     after_round(state);
-    if (state.converged) return fit;
+    if (state.converged) return finalFit(posterior, std::move(here), state.steps, news);
   }
 }
 

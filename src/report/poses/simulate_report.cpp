@@ -104,12 +104,13 @@ Json musclesJson(const SimulationResult& result) {
   for (std::size_t m = 0; m < result.model.muscles.size(); ++m) {
     const auto i = static_cast<Eigen::Index>(m);
     const Eigen::Index last = track.shafts.cols() - 1;
-    muscles[result.model.muscles[m].name] = {{"command", std::string(columnOf(result.commands.kinds[m]).stem)},
-                                             {"last_shaft_rad", track.shafts(i, last)},
-                                             {"highest_tension_N", track.forces.row(i).maxCoeff()},
-                                             {"last_tension_N", track.forces(i, last)},
-                                             {"highest_current_A", track.currents.row(i).cwiseAbs().maxCoeff()},
-                                             {"highest_voltage_V", track.voltages.row(i).cwiseAbs().maxCoeff()}};
+    muscles[result.model.muscles[m].name] = {
+        {"command", result.options.rollout.targets ? "joints" : std::string(columnOf(result.commands.kinds[m]).stem)},
+        {"last_shaft_rad", track.shafts(i, last)},
+        {"highest_tension_N", track.forces.row(i).maxCoeff()},
+        {"last_tension_N", track.forces(i, last)},
+        {"highest_current_A", track.currents.row(i).cwiseAbs().maxCoeff()},
+        {"highest_voltage_V", track.voltages.row(i).cwiseAbs().maxCoeff()}};
   }
   return muscles;
 }
@@ -204,8 +205,8 @@ std::string terminalTable(const SimulationResult& result) {
 void writeSimulation(const SimulationResult& result, std::uint64_t seed, const RunDirectory& directory) {
   const Simulation& simulation = result.simulation;
   directory.write("motion.csv", motionCsv(result.model, simulation.motion));
-  directory.write("muscles.csv",
-                  musclesCsv(result.model, result.commands, simulation.muscles, result.options.sensors, seed));
+  directory.write("muscles.csv", musclesCsv(result.model, result.commands, !result.options.rollout.targets,
+                                            simulation.muscles, result.options.sensors, seed));
   directory.write("joints.csv", jointsCsv(result.model, simulation.joints, result.options.sensors, seed));
   if (result.measured) directory.write("measured.csv", measuredCsv(result));
   writeScene(result, directory);

@@ -19,7 +19,7 @@ struct MotionCalibrationConfig {
   std::vector<ParameterSpace::Choice> parameters;
   EvolutionStrategyOptions strategy;  ///< of es and cma-es
   std::string optimizer = "lm";       ///< "es", "cma-es"
-  int rounds = 5;                     ///< of lm, at most
+  int rounds = 30;                    ///< of lm, at most; it ends where nothing is gained
   PoseNoise pose_noise;               ///< of --poses
   MotionPosterior::Options motions;
 

@@ -63,7 +63,8 @@ class MotionPosterior {
 
   /// d residuals / d z of every motion, shape (motions) of (numbers, size()), by rollouts with each parameter moved by
   /// its step; and of the poses, which go into `at.poses`.
-  /// \param steps  shape (size()), in z  \param progress  called with the number of rollouts done, of size() x motions
+  /// \param steps  shape (size()), in z, of either sign  \param progress  called with the number of rollouts done, of
+  /// size() x motions
   std::vector<RowMajorF> jacobian(const Eigen::VectorXd& z, const Eigen::VectorXd& steps, MotionEvaluation& at,
                                   const std::function<void(std::size_t done)>& progress = {}) const;
 
@@ -90,6 +91,7 @@ class MotionPosterior {
   Options options_;
   MotionNoise noise_;
   std::vector<MotionResiduals> motions_;
+  std::vector<PlayableMotion> playable_;        ///< the same motions
   mutable std::optional<PosePosterior> poses_;  ///< each number that the parameters choose is one of its own there
   std::vector<std::size_t> owners_;             ///< the parameter it belongs to
   std::shared_ptr<Workers> workers_;

@@ -40,13 +40,17 @@ MotionSearchState motionSearchStateFromJson(const Json& json, Eigen::Index param
 /// The state every search begins with.
 MotionSearchState beginSearch(const MotionPosterior& posterior);
 
-/// What was found, with its curvature.
+/// What was found, with its curvature. Derivatives are means of differences forwards and backwards there. Stick and
+/// slip leave noise in them, which would pass for information along directions of which the motions tell nothing; what
+/// both differ by says how much: (forwards - backwards)^2 / 12 per number is left out of the curvature, at most a tenth
+/// of it.
 struct MotionFit {
   Eigen::VectorXd z;
   double objective = 0.0;
   Eigen::MatrixXd covariance;        ///< of z
   std::vector<RowMajorF> jacobians;  ///< shape (motions), of whitened residuals
-  double from_optimum = 0.0;         ///< length of the Newton step left [sd]
+  Eigen::VectorXd step_left;         ///< the Newton step left, in z, shape (size of z)
+  double from_optimum = 0.0;         ///< its length [sd]
 };
 
 /// What to show while it searches.

@@ -1,5 +1,5 @@
 /// \file
-/// What muscles are told over time.
+/// What muscles are told over time, and the table that says so.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "simgap/core/csv.h"
-#include "simgap/model/arm/arm.h"
 
 namespace simgap {
 
@@ -24,9 +23,6 @@ struct CommandColumn {
 };
 CommandColumn columnOf(CommandKind kind);
 
-/// What a muscle cannot be told: a voltage beyond its supply, a force that pushes; empty when it can.
-std::string problemOf(const Muscle& muscle, CommandKind kind, double value);
-
 /// Commands of all muscles at rising times. Before the first row its values hold, behind the last row its own.
 struct MotionCommands {
   std::vector<CommandKind> kinds;  ///< shape (muscles)
@@ -40,13 +36,17 @@ struct MotionCommands {
   double end() const { return times.back(); }  ///< [s]
 };
 
-/// `time_s` of a table. \throws DataError: times that do not rise, and all that CsvTable refuses
+/// The column `time_s`, rising. \throws DataError
 std::vector<double> readRisingTimes(const CsvTable& table);
 
-/// Reads `time_s` and per muscle setpoint_<m>_rad, voltage_<m>_V or force_<m>_N. Columns of sensors are left
-/// alone.
+/// A column of a muscle that the model does not have belongs to another arm, or is misspelt.
+/// \param stems  "setpoint", …: what stands before the muscle's name  \throws DataError
+void refuseForeignMuscles(const CsvTable& table, std::span<const std::string> muscles,
+                          std::span<const std::string_view> stems);
+
+/// Reads `time_s` and per muscle setpoint_<m>_rad, voltage_<m>_V or force_<m>_N. Other columns are left alone.
 /// \throws DataError: no rows, times that do not rise, a muscle without a command or with two, a command for a muscle
-/// that the model does not have, a voltage beyond the supply, a force below 0, and all that CsvTable refuses.
-MotionCommands readCommands(const CsvTable& table, const ArmModel& model, bool linear);
+/// that is none of `muscles`, and all that CsvTable refuses.
+MotionCommands readCommands(const CsvTable& table, std::span<const std::string> muscles, bool linear);
 
 }  // namespace simgap

@@ -1,0 +1,24 @@
+/// \file
+/// Commands that an arm's muscles can follow.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "simgap/measure/motion_commands.h"
+#include "simgap/model/arm/arm.h"
+
+namespace simgap {
+
+/// What a muscle cannot be told: a voltage beyond its supply, a force that pushes; empty when it can.
+std::string problemOf(const Muscle& muscle, CommandKind kind, double value);
+
+/// Calls `fail` with the row and a sentence at the first command that a muscle cannot be told.
+void refuseImpossible(const ArmModel& model, const MotionCommands& commands,
+                      const std::function<void(std::size_t row, const std::string& sentence)>& fail);
+
+/// Reads the commands of an arm's muscles. \throws DataError as the reader of a table (measure/motion_commands.h), and
+/// as refuseImpossible
+MotionCommands readCommands(const CsvTable& table, const ArmModel& model, bool linear);
+
+}  // namespace simgap

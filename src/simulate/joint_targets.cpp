@@ -1,0 +1,60 @@
+#include "simgap/simulate/joint_targets.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
+
+namespace simgap {
+
+void JointTargets::at(double time, const std::vector<Joint>& kinds, std::vector<JointPosition>& positions) const {
+  const auto after = std::ranges::upper_bound(times, time) - times.begin();
+  const auto row = static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - 1, 0));
+  const bool between = linear && after > 0 && row + 1 < times.size();
+  const double part = between ? (time - times[row]) / (times[row + 1] - times[row]) : 0.0;
+  positions.resize(kinds.size());
+  for (std::size_t j = 0; j < kinds.size(); ++j) {
+    const JointPosition& now = joints[row * kinds.size() + j];
+    positions[j] = now;
+    if (part <= 0.0) continue;
+    const JointPosition& next = joints[(row + 1) * kinds.size() + j];
+    positions[j].angle += part * (next.angle - now.angle);
+    if (!kinds[j].hasAxis()) positions[j].rotation = now.rotation.slerp(part, next.rotation);
+  }
+}
+
+bool hasJointTargets(const CsvTable& table) {
+  return std::ranges::any_of(table.columns(), [](const std::string& column) { return column.starts_with("target_"); });
+}
+
+JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool linear) {
+  if (table.rows() == 0) throw DataError(table.name() + ": no rows, expected positions of joints over time");
+  for (const std::string& column : table.columns()) {
+    for (const std::string_view stem : {"setpoint_", "voltage_", "force_"}) {
+      if (!column.starts_with(stem)) continue;
+      throw DataError(fmt::format("{}:1: found both target_… and {}, expected joints or muscles to be commanded",
+                                  table.name(), column));
+    }
+  }
+  JointTargets targets{readRisingTimes(table), {}, linear};
+  const std::size_t joints = model.joints.size();
+  targets.joints.resize(targets.times.size() * joints);
+  for (std::size_t j = 0; j < joints; ++j) {
+    const auto positions = kindOf(model.joints[j].type).read(table, "target_" + model.joints[j].name);
+    for (std::size_t row = 0; row < positions.size(); ++row) targets.joints[row * joints + j] = positions[row];
+  }
+  return targets;
+}
+
+MotionCommands commandsFor(const JointTargets& targets, std::size_t muscles) {
+  MotionCommands commands;
+  commands.kinds.assign(muscles, CommandKind::kForce);
+  commands.times = targets.times;
+  commands.values = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(muscles), std::ssize(targets.times));
+  return commands;
+}
+
+}  // namespace simgap

@@ -1,0 +1,194 @@
+// How honest a calibration on motions is: arms drawn and moved by an independent simulator, their models off by what a
+// static calibration and data sheets leave. The table of docs/studies/motions.md.
+#include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "reality/arm_motion.h"
+#include "simgap/core/random.h"
+#include "simgap/fit/motions/motion_calibration.h"
+#include "support/files.h"
+#include "support/motions.h"
+#include "support/statics.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::uint64_t kArms = 10;
+
+/// A drawn arm as it is believed to be and as it is.
+struct DrawnArm {
+  reality::MovingArm nominal, truth;
+};
+
+DrawnArm drawArm(std::uint64_t seed) {
+  const CounterRandom random(seed);
+  std::uint32_t next = 0;
+  const auto normal = [&] { return random.normalPair({next++, 0, 0, 91})[0]; };
+  const auto scale = [&](double& value, double sd) { value *= std::exp(sd * normal()); };
+  DrawnArm drawn;
+  reality::RandomArmOptions options;
+  options.max_links = 2;
+  options.max_muscles = 8;
+  drawn.nominal.arm = reality::randomArm(1000 + seed, options);
+  drawn.nominal.drives.resize(drawn.nominal.arm.muscles.size());
+  drawn.truth = drawn.nominal;
+  for (reality::Link& link : drawn.truth.arm.links) {
+    scale(link.coulomb, 0.3);
+    scale(link.viscous, 0.3);
+  }
+  for (reality::Muscle& muscle : drawn.truth.arm.muscles) {
+    for (Eigen::Vector3d* point : {&muscle.from.point, &muscle.to.point}) {
+      for (double& x : *point) x += 1.5e-3 * normal();
+    }
+    muscle.kite_line += 2e-3 * normal();
+    scale(muscle.stiffness, 0.03);
+    scale(muscle.spindle_radius, 0.01);
+    scale(muscle.damping, 0.3);
+  }
+  reality::DriveTruth common;
+  scale(common.gear_coulomb, 0.3);
+  scale(common.viscous, 0.3);
+  scale(common.inertia, 0.1);
+  scale(common.gear_viscous, 0.3);
+  scale(common.efficiency, 0.05);
+  for (reality::DriveTruth& drive : drawn.truth.drives) {
+    drive = common;
+    scale(drive.coulomb, 0.3);
+  }
+  return drawn;
+}
+
+/// The true arm as a model: only to look up what each parameter should have been.
+ArmModel trueModel(const reality::MovingArm& truth) {
+  ArmModel model = test::modelOf(truth.arm, true);
+  for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+    const reality::DriveTruth& drive = truth.drives[m];
+    Motor& motor = model.muscles[m].motor;
+    Gearbox& gearbox = model.muscles[m].gearbox;
+    motor.coulomb_friction = drive.coulomb;
+    motor.viscous_friction = drive.viscous;
+    motor.inertia = drive.inertia;
+    gearbox.coulomb_friction = drive.gear_coulomb;
+    gearbox.viscous_friction = drive.gear_viscous;
+    gearbox.efficiency = drive.efficiency;
+  }
+  return model;
+}
+
+/// Between three poses: a step, sines of one frequency about the second, and a step to the third.
+reality::Setpoints drawMovement(const reality::Arm& arm, std::uint64_t draw) {
+  const auto a = reality::randomShafts(arm, 3 * draw), b = reality::randomShafts(arm, 3 * draw + 1),
+             c = reality::randomShafts(arm, 3 * draw + 2);
+  const CounterRandom random(draw);
+  const double frequency = 0.5 + 1.5 * random.uniform({0, 0, 0, 92});
+  return [=](double time) {
+    if (time < 0.4) return a;
+    if (time >= 2.8) return c;
+    std::vector<double> now = b;
+    for (std::uint32_t m = 0; m < now.size(); ++m) {
+      const double phase = 2.0 * M_PI * random.uniform({1, m, 0, 92});
+      now[m] += 0.4 * std::sin(2.0 * M_PI * frequency * time + phase);
+    }
+    return now;
+  };
+}
+
+/// `count` recorded movements of the true arm.
+MotionSet record(const reality::MovingArm& truth, const ArmModel& model, std::uint64_t first, std::size_t count,
+                 const reality::MotionRigOptions& options) {
+  std::vector<std::string> muscles(count), joints(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const auto log = reality::recordMotion(truth, drawMovement(truth.arm, first + i), options, first + i);
+    muscles[i] = reality::musclesCsv(log);
+    joints[i] = reality::jointsCsv(log, truth.arm);
+  });
+  std::string set = "format: simgap/motions/1\nmotions:\n";
+  for (std::size_t i = 0; i < count; ++i) set += fmt::format("  - {{name: m{0}, muscles: m{0}, joints: j{0}}}\n", i);
+  return readMotionsFor(model, YamlNode::parse(set, "set.yaml"), "set.yaml", [&](const std::filesystem::path& file) {
+    const std::string name = file.string();
+    return CsvTable::parse((name[0] == 'm' ? muscles : joints)[std::stoul(name.substr(1))], name);
+  });
+}
+
+bool isDynamic(const std::string& name) {
+  return std::ranges::any_of(std::array{"damping", "friction", "inertia", "efficiency"},
+                             [&](const char* word) { return name.find(word) != std::string::npos; });
+}
+
+struct Count {
+  int right = 0, of = 0;
+  void add(bool hit) {
+    right += hit;
+    ++of;
+  }
+  double part() const { return static_cast<double>(right) / of; }
+};
+
+struct StudyFigures {
+  Count dynamic, fixed, predicted;
+  std::vector<double> ratios;  ///< held-out root mean square over noise, of every joint
+};
+
+void calibrateDrawnArm(std::uint64_t seed, StudyFigures& figures) {
+  const DrawnArm drawn = drawArm(seed);
+  reality::MotionRigOptions options;
+  options.capture_delay = 0.015;
+  const ArmModel model = test::modelOf(drawn.nominal.arm, true), truth = trueModel(drawn.truth);
+  MotionCalibrationTask task{
+      model,
+      MotionCalibrationConfig::read(YamlNode::load(test::sourceFile("configs/calibrate_motions.yaml"))),
+      record(drawn.truth, model, 100 * seed, 6, options),
+      {},
+      record(drawn.truth, model, 100 * seed + 50, 6, options)};
+  MotionCalibration calibration(task);
+  const MotionCalibrationResult result = judgeMotions(task, calibration, calibration.run({}, [](const auto&) {}));
+  const ParameterSpace true_values(truth, task.config.parameters);
+  Count dynamic, fixed;
+  for (std::size_t p = 0; p < result.parameters.size(); ++p) {
+    const MotionParameter& found = result.parameters[p];
+    const bool last = p + 1 == result.parameters.size();
+    const double right = last ? options.capture_delay : true_values.parameters()[p].initial;
+    const bool covered = std::abs(found.value - right) <= 1.96 * found.sd;
+    (last || isDynamic(found.name) ? dynamic : fixed).add(covered);
+    (last || isDynamic(found.name) ? figures.dynamic : figures.fixed).add(covered);
+    if (!covered && isDynamic(found.name)) {
+      std::printf("    %s: %.4g +- %.2g, true %.4g, from %.4g\n", found.name.c_str(), found.value, found.sd, right,
+                  found.initial);
+    }
+  }
+  const MotionSetResult& unseen = result.sets[1];
+  std::printf("arm %lu: %zu muscles, %zu rounds%s, misfit %.2f; dynamic %d of %d, static %d of %d;", seed,
+              model.muscles.size(), result.state.descent.history.size(), result.failure.empty() ? "" : ", FAILED",
+              result.misfit, dynamic.right, dynamic.of, fixed.right, fixed.of);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const double rms = unseen.final.joints[j], low = unseen.lower->joints[j], high = unseen.upper->joints[j];
+    figures.ratios.push_back(rms / result.noise.joints[j]);
+    figures.predicted.add(low <= rms && rms <= high);
+    std::printf(" %.2f -> %.3f deg (%.3f-%.3f, noise %.3f)", toDegrees(unseen.initial.joints[j]), toDegrees(rms),
+                toDegrees(low), toDegrees(high), toDegrees(result.noise.joints[j]));
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+TEST(SlowMotionStudy, IntervalsOfDrawnArmsHold) {
+  StudyFigures figures;
+  for (std::uint64_t seed = 1; seed <= kArms; ++seed) calibrateDrawnArm(seed, figures);
+  std::ranges::sort(figures.ratios);
+  const double median = figures.ratios[figures.ratios.size() / 2];
+  std::printf(
+      "dynamic parameters covered %.3f of %d, static ones %.3f of %d, predicted error %.3f of %d; median %.3f of "
+      "the noise\n",
+      figures.dynamic.part(), figures.dynamic.of, figures.fixed.part(), figures.fixed.of, figures.predicted.part(),
+      figures.predicted.of, median);
+  EXPECT_GE(figures.dynamic.part(), 0.85);
+  EXPECT_GE(figures.predicted.part(), 0.85);
+  EXPECT_LE(median, 1.5);
+}
+
+}  // namespace
+}  // namespace simgap
