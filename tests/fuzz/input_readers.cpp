@@ -11,6 +11,7 @@
 #include "simgap/capture/steady_poses.h"
 #include "simgap/capture/stereo_cameras.h"
 #include "simgap/core/error.h"
+#include "simgap/exchange/exchange.h"
 #include "simgap/measure/logs/actuator_log.h"
 #include "simgap/measure/logs/bag.h"
 #include "simgap/measure/logs/bench.h"
@@ -20,7 +21,6 @@
 #include "simgap/measure/pose_set.h"
 #include "simgap/model/actuator/fitted_model.h"
 #include "simgap/model/arm/arm_yaml.h"
-#include "simgap/model/exchange/exchange.h"
 
 namespace simgap::test {
 namespace {

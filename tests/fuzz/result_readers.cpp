@@ -13,9 +13,9 @@
 #include "simgap/report/html/result_page.h"
 #include "simgap/report/runs/budget.h"
 #include "simgap/report/runs/run_comparison.h"
-#include "simgap/simulate/motion_commands.h"
 #include "simgap/simulate/motion_inputs.h"
 #include "simgap/simulate/motion_schedule.h"
+#include "simgap/simulate/possible_commands.h"
 #include "simgap/simulate/served_arm.h"
 #include "simgap/simulate/simulation.h"
 

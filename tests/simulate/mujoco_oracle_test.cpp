@@ -9,10 +9,10 @@
 
 #include "simgap/core/random.h"
 #include "simgap/core/run_directory.h"
+#include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/model/arm/kinematics.h"
 #include "simgap/model/arm/tendon_path.h"
-#include "simgap/model/exchange/exchange.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "support/files.h"
 #include "support/process.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "simgap/model/exchange/exchange.h"
+#include "simgap/exchange/exchange.h"
 #include "simgap/simulate/exchange_replay.h"
 
 namespace simgap {

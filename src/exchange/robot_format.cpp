@@ -4,7 +4,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
-#include "simgap/model/exchange/exchange.h"
+#include "simgap/exchange/exchange.h"
 
 namespace simgap {
 namespace {

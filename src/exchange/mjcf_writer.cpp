@@ -11,8 +11,8 @@
 #include "arm_exchange.h"
 #include "remark_list.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/kinematics.h"
-#include "simgap/model/exchange/exchange.h"
 #include "xml_text.h"
 
 namespace simgap {

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "simgap/core/error.h"
+#include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/kinematics.h"
 #include "simgap/model/arm/tendon_path.h"
-#include "simgap/model/exchange/exchange.h"
 #include "support/files.h"
 
 namespace simgap::test {

@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "simgap/core/error.h"
+#include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/kinematics.h"
-#include "simgap/model/exchange/exchange.h"
 #include "support/files.h"
 
 namespace simgap::test {

@@ -4,7 +4,7 @@
 #include "arm_exchange.h"
 #include "remark_list.h"
 #include "simgap/core/joint_kind.h"
-#include "simgap/model/exchange/exchange.h"
+#include "simgap/exchange/exchange.h"
 #include "xml_text.h"
 
 namespace simgap {
