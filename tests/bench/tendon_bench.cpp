@@ -34,7 +34,8 @@ ArmModel sixtyMuscles() {
     muscle.name += "_" + std::to_string(m);
     for (Attachment& end : muscle.attachments) end.point.x() += apart;
     muscle.shock_cord.stiffness *= static_cast<double>(drawn.size()) / kMuscles;
-    Station over{Station::Kind::kSurface};
+    Station over;
+    over.kind = Station::Kind::kSurface;
     over.at.body = muscle.attachments[0].body == elbow.parent ? elbow.parent : shoulder.child;
     muscle.between = {over};
     model.muscles.push_back(std::move(muscle));

@@ -15,9 +15,20 @@ constexpr double kQuarter = std::numbers::pi / 2;
 ArmModel arm() {
   ArmModel model;
   model.bodies = {{"torso", true, {}, {}}, {"upper", false, {}, {}}, {"fore", false, {}, {}}, {"palm", false, {}, {}}};
-  Joint shoulder{"shoulder", JointType::kSpherical, 0, 1, {0, 0, 1}, {0, 0, 0.1}};
-  Joint elbow{"elbow", JointType::kRevolute, 1, 2, {0, 0, -0.2}, {0, 0, 0}, Vector3d::UnitX()};
-  Joint wrist{"wrist", JointType::kRevolute, 1, 3, {0.05, 0, 0}, {0, 0, 0}, Vector3d::UnitZ()};
+  const auto joint = [](const char* name, JointType type, int parent, int child, const Vector3d& at) {
+    Joint made;
+    made.name = name;
+    made.type = type;
+    made.parent = parent;
+    made.child = child;
+    made.parent_position = at;
+    return made;
+  };
+  Joint shoulder = joint("shoulder", JointType::kSpherical, 0, 1, {0, 0, 1});
+  shoulder.child_position = {0, 0, 0.1};
+  const Joint elbow = joint("elbow", JointType::kRevolute, 1, 2, {0, 0, -0.2});
+  Joint wrist = joint("wrist", JointType::kRevolute, 1, 3, {0.05, 0, 0});
+  wrist.axis = Vector3d::UnitZ();
   model.joints = {shoulder, elbow, wrist};
   return model;
 }
