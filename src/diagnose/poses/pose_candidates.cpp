@@ -11,6 +11,10 @@ std::string labelOf(const std::vector<PoseCause>& causes) {
   return label.empty() ? "none" : label;
 }
 
+bool holds(const std::vector<PoseCause>& causes, const PoseCause& cause) {
+  return std::ranges::find(causes, cause.label(), &PoseCause::label) != causes.end();
+}
+
 CandidateModel candidateOf(PoseFit& fit, const char* role, double stray) {
   return {labelOf(fit.causes()), role, fit.logEvidence(), fit.model(), stray};
 }
@@ -30,11 +34,13 @@ std::vector<CandidateModel> candidateModels(const PoseProblem& problem, PoseFit&
     std::vector<PoseCause> kept = fit.causes();
     kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(c));
     for (const PoseCause& instead : selection.causes[c].instead) {
+      if (holds(kept, instead)) continue;  // named since, in the place of another one
       Other& other = others.emplace_back(Other{kept, fit.solutionWithout(c), "instead"});
       other.causes.push_back(instead);
     }
   }
   for (const PoseCause& refused : selection.refused) {
+    if (holds(fit.causes(), refused)) continue;
     Other& other = others.emplace_back(Other{fit.causes(), fit.z(), "refused"});
     other.causes.push_back(refused);
   }

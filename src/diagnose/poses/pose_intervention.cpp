@@ -241,7 +241,6 @@ void decide(const PoseEvidence& evidence, Intervention& result) {
   }
   const CandidatePrediction& first = result.predictions[best];
   if (first.p < kImprobable) {
-    result.verdict = InterventionVerdict::kRefuted;
     result.sentence = fmt::format(
         "none of {} models predicts these poses: what was changed, or what is wrong, is not "
         "what any of them says",

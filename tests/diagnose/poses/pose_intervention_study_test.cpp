@@ -44,7 +44,7 @@ TEST(SlowInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
       const Intervention result = judgeChange(evidence, undo(truth, evidence.given), posesOf(cured, cured.fresh));
       confirmed += result.verdict == InterventionVerdict::kConfirmed;
       std::printf("  %lu %s taken away: %s\n", static_cast<unsigned long>(seed), truth.c_str(),
-                  toString(result.verdict).data());
+                  result.sentence.c_str());
     }
     // Somebody believes the first other cause and takes that away: nothing changes in the arm.
     reality::PoseDrawOptions same{.fresh = 20};

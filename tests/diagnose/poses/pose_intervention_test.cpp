@@ -95,7 +95,7 @@ TEST(PoseIntervention, PredictsAWeightThatWasHungOn) {
   EXPECT_GT(told.predictions[0].p, 0.01) << told.sentence;
   const Intervention untold = judged.judge("  - {kind: mass, body: link2, at_m: [0, 0, -0.2], mass_kg: 0.001}\n");
   EXPECT_LT(untold.predictions[0].p, 1e-6);
-  EXPECT_EQ(untold.verdict, InterventionVerdict::kRefuted);
+  EXPECT_EQ(untold.verdict, InterventionVerdict::kCannotTell);
   EXPECT_THAT(untold.sentence, HasSubstr("none of 4 models predicts"));
   // How well the weight is known decides how much a wrong one counts.
   const Intervention vague =
