@@ -18,11 +18,7 @@ void JointTargets::at(double time, const std::vector<Joint>& kinds, std::vector<
   positions.resize(kinds.size());
   for (std::size_t j = 0; j < kinds.size(); ++j) {
     const JointPosition& now = joints[row * kinds.size() + j];
-    positions[j] = now;
-    if (part <= 0.0) continue;
-    const JointPosition& next = joints[(row + 1) * kinds.size() + j];
-    positions[j].angle += part * (next.angle - now.angle);
-    if (!kinds[j].hasAxis()) positions[j].rotation = now.rotation.slerp(part, next.rotation);
+    positions[j] = part > 0.0 ? kindOf(kinds[j].type).between(now, joints[(row + 1) * kinds.size() + j], part) : now;
   }
 }
 

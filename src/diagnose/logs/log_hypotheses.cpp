@@ -37,6 +37,11 @@ double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep) {
   return rows;
 }
 
+std::vector<const ActuatorEffect*> withOneMore(std::vector<const ActuatorEffect*> effects, const ActuatorEffect* more) {
+  effects.push_back(more);
+  return effects;
+}
+
 /// The share of an effect's signature that the other parameters cannot imitate, over its parameters the largest.
 double distinctShare(const ActuatorRegression& model, std::span<const double> theta, std::span<const Block> blocks,
                      std::size_t effect) {
@@ -283,44 +288,10 @@ void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<doub
   }
 }
 
-void pack(Bytes& bytes, const Trial& trial) {
-  pack(bytes, trial.fitted.theta);
-  pack(bytes, trial.fitted.mse);
-  const GroupErrors& unseen = trial.fitted.validation;
-  for (const Eigen::ArrayXd* part : {&unseen.sum, &unseen.rows}) pack(bytes, Eigen::VectorXd(part->matrix()));
-  pack(bytes, trial.gain_training);
-  pack(bytes, trial.gain.has_value());
-  const Interval gain = trial.gain.value_or(Interval{});
-  for (const double number : {gain.value, gain.lower95, gain.upper95}) pack(bytes, number);
-  pack(bytes, trial.p);
-  pack(bytes, trial.p_paired);
-  pack(bytes, trial.identifiable);
-}
-void unpack(BytesReader& from, Trial& trial) {
-  unpack(from, trial.fitted.theta);
-  unpack(from, trial.fitted.mse);
-  GroupErrors& unseen = trial.fitted.validation;
-  for (Eigen::ArrayXd* part : {&unseen.sum, &unseen.rows}) {
-    Eigen::VectorXd values;
-    unpack(from, values);
-    *part = values.array();
-  }
-  unpack(from, trial.gain_training);
-  bool known = false;
-  Interval gain;
-  unpack(from, known);
-  for (double* const number : {&gain.value, &gain.lower95, &gain.upper95}) unpack(from, *number);
-  if (known) trial.gain = gain;
-  unpack(from, trial.p);
-  unpack(from, trial.p_paired);
-  unpack(from, trial.identifiable);
-}
-
 Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const {
   Trial trial;
   trial.hypothesis = hypothesis;
-  std::vector<const ActuatorEffect*> effects = base.model->effects();
-  effects.push_back(hypothesis.effect);
+  const std::vector<const ActuatorEffect*> effects = withOneMore(base.model->effects(), hypothesis.effect);
   const auto model = makeModel(effects);
   std::vector<double> start = model->startFrom(*base.model, base.theta);
   const std::size_t first = model->firstParameter(effects.size() - 1);
@@ -371,16 +342,15 @@ std::vector<Trial> LogSearch::tryAll(const Fitted& base, const std::vector<Hypot
   for (std::size_t h = 0; h < trials.size(); ++h) {  // pointers stay on the rank that made them
     trials[h].hypothesis = hypotheses[h];
     if (trials[h].fitted.model || trials[h].fitted.theta.empty()) continue;
-    std::vector<const ActuatorEffect*> effects = base.model->effects();
-    effects.push_back(hypotheses[h].effect);
+    const std::vector<const ActuatorEffect*> effects = withOneMore(base.model->effects(), hypotheses[h].effect);
     trials[h].fitted.model = makeModel(effects);
   }
   return trials;
 }
 
 bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
-  std::vector<const ActuatorEffect*> effects = rival.fitted.model->effects();
-  effects.push_back(winner.hypothesis.effect);
+  const std::vector<const ActuatorEffect*> effects =
+      withOneMore(rival.fitted.model->effects(), winner.hypothesis.effect);
   const auto model = makeModel(effects);
   std::vector<double> from_rival = model->startFrom(*rival.fitted.model, rival.fitted.theta);
   std::vector<double> from_winner = model->startFrom(*winner.fitted.model, winner.fitted.theta);
@@ -401,8 +371,7 @@ Fitted LogSearch::without(const Fitted& fitted, std::size_t effect) const {
 }
 
 Fitted LogSearch::beside(const Fitted& fitted, const Hypothesis& other, const Fitted* near) const {
-  std::vector<const ActuatorEffect*> effects = fitted.model->effects();
-  effects.push_back(other.effect);
+  const std::vector<const ActuatorEffect*> effects = withOneMore(fitted.model->effects(), other.effect);
   const auto model = makeModel(effects);
   std::vector<std::vector<double>> starts = {model->startFrom(*fitted.model, fitted.theta)};
   if (near != nullptr) starts.push_back(model->startFrom(*near->model, near->theta));

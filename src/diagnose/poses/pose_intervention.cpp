@@ -1,12 +1,15 @@
 #include "simgap/diagnose/poses/pose_intervention.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "pose_fit.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/statistics.h"
 
 namespace simgap {
@@ -174,9 +177,9 @@ std::vector<double> jointErrors(const Predicted& prediction, const ArmModel& mod
   for (std::size_t p = 0; p < prediction.raw.size(); ++p) {
     Index at = 0;
     for (const Joint& joint : model.joints) {
-      const Index dof = joint.follows() ? 0 : joint.degreesOfFreedom();
+      const Index dof = joint.degreesOfFreedom();
       const double error = prediction.raw[p].segment(at, dof).norm();
-      errors.push_back(!prediction.valid[p] ? std::nan("") : joint.slides() ? 1e3 * error : toDegrees(error));
+      errors.push_back(prediction.valid[p] ? kindOf(joint.type).shown(error) : std::nan(""));
       at += dof;
     }
   }
@@ -194,30 +197,31 @@ double rootMeanSquare(const std::vector<double>& errors, const std::vector<bool>
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : std::nan("");
 }
 
-/// Whether a candidate contradicts the named one: one that holds all its causes and more does not, unless nothing was
-/// named.
-bool isRival(const PoseEvidence& evidence, std::size_t candidate) {
-  if (candidate == 0) return false;
+/// Which candidates contradict the named one, shape (candidates): one that holds all its causes and more does not,
+/// unless nothing was named.
+std::vector<bool> rivalsOf(const PoseEvidence& evidence) {
   const std::vector<PoseCause> named = causesBeyond(evidence.given, evidence.candidates[0].model);
-  const std::vector<PoseCause> others = causesBeyond(evidence.given, evidence.candidates[candidate].model);
-  return named.empty() || std::ranges::any_of(named, [&](const PoseCause& cause) {
-           return std::ranges::find(others, cause.label(), &PoseCause::label) == others.end();
-         });
+  std::vector<bool> rivals = {false};
+  for (const CandidateModel& candidate : std::span(evidence.candidates).subspan(1)) {
+    const std::vector<PoseCause> held = causesBeyond(evidence.given, candidate.model);
+    rivals.push_back(named.empty() || std::ranges::any_of(named, [&](const PoseCause& cause) {
+                       return std::ranges::find(held, cause.label(), &PoseCause::label) == held.end();
+                     }));
+  }
+  return rivals;
 }
 
 /// Undoing what no model holds changes nothing in any of them.
 void requireHeld(const PoseEvidence& evidence, const ArmChanges& changes) {
+  std::set<std::string> held;
+  for (const CandidateModel& candidate : evidence.candidates) {
+    for (const PoseCause& cause : causesBeyond(evidence.given, candidate.model)) held.insert(cause.label());
+  }
   for (const ArmChange& change : changes.changes) {
-    if (change.cause.empty()) continue;
-    std::string held;
-    for (const CandidateModel& candidate : evidence.candidates) {
-      for (const PoseCause& cause : causesBeyond(evidence.given, candidate.model)) {
-        if (cause.label() == change.cause) return;
-        if (held.find(cause.label()) == std::string::npos) held += (held.empty() ? "" : ", ") + cause.label();
-      }
-    }
+    if (change.cause.empty() || held.contains(change.cause)) continue;
     throw ConfigError(fmt::format("found '{}' to undo, which no model of the diagnosis holds; expected one of {}",
-                                  change.cause, held.empty() ? "none: nothing was found" : held));
+                                  change.cause,
+                                  held.empty() ? "none: nothing was found" : fmt::format("{}", fmt::join(held, ", "))));
   }
 }
 
@@ -233,11 +237,12 @@ std::vector<Predicted> predictAll(const PoseEvidence& evidence, const ArmChanges
 void decide(const PoseEvidence& evidence, Intervention& result) {
   const CandidatePrediction& named = result.predictions.front();
   const std::string& name = evidence.candidates.front().causes;
+  const std::vector<bool> rival = rivalsOf(evidence);
   std::size_t best = 0;
   double runner_up = -std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < result.predictions.size(); ++c) {
     if (result.predictions[c].log_odds > result.predictions[best].log_odds) best = c;
-    if (isRival(evidence, c)) runner_up = std::max(runner_up, result.predictions[c].log_odds);
+    if (rival[c]) runner_up = std::max(runner_up, result.predictions[c].log_odds);
   }
   const CandidatePrediction& first = result.predictions[best];
   if (first.p < kImprobable) {
@@ -245,7 +250,7 @@ void decide(const PoseEvidence& evidence, Intervention& result) {
         "none of {} models predicts these poses: what was changed, or what is wrong, is not "
         "what any of them says",
         result.predictions.size());
-  } else if (best > 0 && !isRival(evidence, best) && first.log_odds > kDecisive) {
+  } else if (best > 0 && !rival[best] && first.log_odds > kDecisive) {
     result.sentence = fmt::format("{} predicts these poses better than {} alone (odds {:.3g} to 1)",
                                   evidence.candidates[best].causes, name, std::exp(std::min(first.log_odds, 300.0)));
   } else if (first.log_odds > kDecisive || named.p < kImprobable) {
@@ -313,6 +318,7 @@ ForeseenChange foreseeChange(const PoseEvidence& evidence, const ArmChanges& cha
   const std::size_t n = predictions.size(), joints = evidence.given.joints.size();
   ForeseenChange result;
   result.log_odds.assign(n, std::vector<double>(n, 0.0));
+  const std::vector<bool> rival = rivalsOf(evidence);
   result.smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) {
@@ -323,7 +329,7 @@ ForeseenChange foreseeChange(const PoseEvidence& evidence, const ArmChanges& cha
             predictions[j].whitening[p] * (predictions[i].raw[p] - predictions[j].raw[p]);
       }
       result.log_odds[i][j] = 0.5 * apart.dot(predictions[j].covariance.llt().solve(apart));
-      const bool asked = (i == 0 && isRival(evidence, j)) || (j == 0 && isRival(evidence, i));
+      const bool asked = (i == 0 && rival[j]) || (j == 0 && rival[i]);
       if (asked) result.smallest = std::min(result.smallest, result.log_odds[i][j]);
     }
   }

@@ -26,10 +26,6 @@ ArmChange readChange(const YamlNode& node, const ArmModel& model) {
 
 }  // namespace
 
-std::string causeLabel(const Extension& extension) {
-  return extension.target.empty() ? extension.effect : extension.effect + ":" + extension.target;
-}
-
 int bodyOf(const YamlNode& node, const ArmModel& model) { return indexByName(node, model.bodies); }
 int muscleOf(const YamlNode& node, const ArmModel& model) { return indexByName(node, model.muscles); }
 

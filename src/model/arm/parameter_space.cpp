@@ -259,28 +259,22 @@ std::vector<std::size_t> ParameterSpace::owners() const {
   return owners;
 }
 
-void ParameterSpace::apply(std::span<const double> values, ArmModel& model) const {
-  std::size_t position = 0;
-  std::size_t next = 0;
+void ParameterSpace::forEachChosen(ArmModel& model,
+                                   const std::function<void(const Number& number, double& value)>& action) const {
+  std::size_t position = 0, next = 0;
   traverse(model, [&](const ParameterPath&, const ParameterKind&, double& value) {
-    if (next < numbers_.size() && numbers_[next].position == position) {
-      const Number& number = numbers_[next++];
-      value = number.ratio * values[number.parameter];
-    }
+    if (next < numbers_.size() && numbers_[next].position == position) action(numbers_[next++], value);
     ++position;
   });
 }
 
+void ParameterSpace::apply(std::span<const double> values, ArmModel& model) const {
+  forEachChosen(model, [&](const Number& number, double& value) { value = number.ratio * values[number.parameter]; });
+}
+
 std::vector<double> ParameterSpace::values(ArmModel model) const {
   std::vector<double> values(parameters_.size());
-  std::size_t position = 0, next = 0;
-  traverse(model, [&](const ParameterPath&, const ParameterKind&, double& value) {
-    if (next < numbers_.size() && numbers_[next].position == position) {
-      values[numbers_[next].parameter] = value / numbers_[next].ratio;
-      ++next;
-    }
-    ++position;
-  });
+  forEachChosen(model, [&](const Number& number, double& value) { values[number.parameter] = value / number.ratio; });
   return values;
 }
 

@@ -78,38 +78,40 @@ Eigen::Vector3d readPlace(std::istringstream& words, const std::string& name, st
   return p;
 }
 
-Mesh readAsciiStl(const std::string& text, const std::string& name) {
-  MeshBuilder builder(name);
+/// Calls action(number, first word, the words behind it), lines counted from 1.
+template <class Action>
+void forEachLine(const std::string& text, const Action& action) {
   std::istringstream lines(text);
-  std::vector<int> corners;
   std::size_t number = 0;
   for (std::string line; std::getline(lines, line);) {
     ++number;
     std::istringstream words(line);
     std::string word;
     words >> word;
+    action(number, word, words);
+  }
+}
+
+Mesh readAsciiStl(const std::string& text, const std::string& name) {
+  MeshBuilder builder(name);
+  std::vector<int> corners;
+  forEachLine(text, [&](std::size_t number, const std::string& word, std::istringstream& words) {
     if (word == "vertex") corners.push_back(builder.point(readPlace(words, name, number), number));
-    if (word != "endloop") continue;
+    if (word != "endloop") return;
     if (corners.size() != 3) failMesh(name, number, fmt::format("found a facet of {} corners", corners.size()));
     builder.triangle(corners[0], corners[1], corners[2], number);
     corners.clear();
-  }
+  });
   return builder.finish();
 }
 
 /// "v x y z" and "f a b c ...", corners counted from 1, or back from the end where negative, perhaps with "/…" behind.
 Mesh readObj(const std::string& text, const std::string& name) {
   MeshBuilder builder(name);
-  std::istringstream lines(text);
   std::vector<int> places;  // of the file
-  std::size_t number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
+  forEachLine(text, [&](std::size_t number, const std::string& word, std::istringstream& words) {
     if (word == "v") places.push_back(builder.point(readPlace(words, name, number), number));
-    if (word != "f") continue;
+    if (word != "f") return;
     std::vector<int> corners;
     for (std::string corner; words >> corner;) {
       const long index = std::strtol(corner.c_str(), nullptr, 10);
@@ -121,7 +123,7 @@ Mesh readObj(const std::string& text, const std::string& name) {
     for (std::size_t k = 2; k < corners.size(); ++k) {
       builder.triangle(corners[0], corners[k - 1], corners[k], number);
     }
-  }
+  });
   return builder.finish();
 }
 

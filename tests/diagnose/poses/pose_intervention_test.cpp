@@ -127,6 +127,8 @@ TEST(PoseIntervention, RefusesWhatNoModelHolds) {
   EXPECT_THAT(sentence("  - {kind: undo, cause: gravity-tilt}\n"),
               HasSubstr("2: found 'gravity-tilt' to undo, which no model of the diagnosis holds; expected one of "
                         "payload:link2"));
+  EXPECT_THAT(sentence("  - {kind: undo, cause: 'payload:link2'}\n  - {kind: undo, cause: gravity-tilt}\n"),
+              HasSubstr("found 'gravity-tilt' to undo"));
   EXPECT_THAT(sentence("  - {kind: undo, cause: 'payload:nobody'}\n"), HasSubstr("found 'payload:nobody', expected"));
   EXPECT_THAT(sentence("  - {kind: undo, cause: rust}\n"), HasSubstr("found 'rust', expected a cause"));
   EXPECT_THAT(sentence("  - {kind: mass, body: link2, at_m: [0, 0, 0], mass_kg: -50}\n"),

@@ -48,9 +48,6 @@ struct ArmChanges {
   std::vector<std::pair<ArmChanges, ArmChanges>> withinUncertainty() const;
 };
 
-/// "payload:forearm": an extension as a cause.
-std::string causeLabel(const Extension& extension);
-
 /// Index of what a node names. \throws ConfigError: none of that name.
 int bodyOf(const YamlNode& node, const ArmModel& model);
 int muscleOf(const YamlNode& node, const ArmModel& model);

@@ -82,6 +82,8 @@ class ParameterSpace {
     std::size_t parameter;  ///< index
     double ratio;           ///< to the parameter's value
   };
+  void forEachChosen(ArmModel& model, const std::function<void(const Number& number, double& value)>& action) const;
+
   std::vector<SearchParameter> parameters_;
   std::vector<Number> numbers_;
 };

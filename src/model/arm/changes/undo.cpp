@@ -27,7 +27,7 @@ ArmChange read(const YamlNode& node, const ArmModel& model) {
 
 void apply(const ArmChange& change, ArmModel& model) {
   for (Extension& extension : model.extensions) {
-    if (change.cause != causeLabel(extension)) continue;
+    if (change.cause != extensionLabel(extension)) continue;
     extension.parameters[0].value = findArmEffect(extension.effect)->parameters[0].neutral;  // changes nothing there
   }
 }
