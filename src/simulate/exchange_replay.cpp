@@ -16,9 +16,9 @@ namespace {
 
 constexpr int kPositions = 100;
 constexpr int kRests = 20;
-constexpr double kWidestBall = 1.0;    ///< [rad]
-constexpr double kLongestSlide = 0.1;  ///< [m]
-constexpr double kMostPull = 0.15;     ///< of a muscle's path
+constexpr double kWidestBall = 1.0;  ///< [rad]
+constexpr double kDrawnSlide = 0.1;  ///< [m]
+constexpr double kMostPull = 0.15;   ///< of a muscle's path
 
 class Replay {
  public:
@@ -63,7 +63,7 @@ class Replay {
       const Joint& joint = one_.joints[j];
       Eigen::Vector3d u;
       for (std::uint32_t k = 0; k < 3; ++k) u[k] = uniform(individual, j, k);
-      const double widest = joint.slides() ? kLongestSlide : std::numbers::pi;
+      const double widest = joint.slides() ? kDrawnSlide : std::numbers::pi;
       const double lower = std::max(joint.lower_limit, -widest), upper = std::min(joint.upper_limit, widest);
       joints[j].angle = lower + u[0] * (std::max(lower, upper) - lower);
       joints[j].rotation = expSo3(kWidestBall * (2.0 * u - Eigen::Vector3d::Ones()));

@@ -27,14 +27,14 @@ constexpr double kMostNoise = 1e-3;
 constexpr float kFallen = 100.0F;  // ratio of the squares of differences forwards and backwards
 
 /// The derivatives at hand, and where they stand.
-struct Linearisation {
+struct MotionLinearisation {
   Eigen::VectorXd z;
   MotionEvaluation at;
   std::vector<RowMajorF> jacobians;
 };
 
 /// J += (dr - J dz) dz^T / |dz|^2
-void learnFromStep(Linearisation& here, const Eigen::VectorXd& step, const MotionEvaluation& there) {
+void learnFromStep(MotionLinearisation& here, const Eigen::VectorXd& step, const MotionEvaluation& there) {
   const Eigen::VectorXf direction = (step / step.squaredNorm()).cast<float>();
   for (std::size_t m = 0; m < here.jacobians.size(); ++m) {
     RowMajorF& jacobian = here.jacobians[m];
@@ -89,9 +89,9 @@ Eigen::VectorXd differenceSteps(const Eigen::MatrixXd& covariance) {
   return covariance.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseMax(kSmallestStep).cwiseMin(kLargestStep);
 }
 
-Linearisation linearise(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
-                        const std::function<void(const MotionSearchNews&)>& news) {
-  Linearisation here{z, posterior.evaluate(z), {}};
+MotionLinearisation linearise(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                              const std::function<void(const MotionSearchNews&)>& news) {
+  MotionLinearisation here{z, posterior.evaluate(z), {}};
   if (interruptRequested()) throw InterruptedError("interrupted");
   if (!here.at.valid) throw NumericsError("the motions cannot be played with these parameters");
   const std::size_t of = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
@@ -142,7 +142,7 @@ Eigen::MatrixXd covarianceWithout(const Eigen::VectorXd& noise, const MotionPost
 }
 
 /// The end of a search: derivatives from both sides. \param here  with those forwards
-MotionFit finalFit(const MotionPosterior& posterior, Linearisation here, const Eigen::VectorXd& steps,
+MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, const Eigen::VectorXd& steps,
                    const std::function<void(const MotionSearchNews&)>& news) {
   const std::size_t of = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
   const std::vector<RowMajorF> backward = posterior.jacobian(here.z, -steps, here.at, [&](std::size_t done) {
@@ -158,7 +158,7 @@ MotionFit finalFit(const MotionPosterior& posterior, Linearisation here, const E
 }
 
 /// Steps with one set of derivatives. \returns how many were accepted
-int descend(const MotionPosterior& posterior, Linearisation& here, double& damping, long& rollouts) {
+int descend(const MotionPosterior& posterior, MotionLinearisation& here, double& damping, long& rollouts) {
   int accepted = 0;
   for (int i = 0; i < kMostSteps && damping < kMostDamping; ++i) {
     const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
@@ -204,7 +204,7 @@ MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& sta
   using Clock = std::chrono::steady_clock;
   while (true) {
     const auto start = Clock::now();
-    Linearisation here = linearise(posterior, state.z, state.steps, news);
+    MotionLinearisation here = linearise(posterior, state.z, state.steps, news);
     const int rounds = static_cast<int>(state.history.size());
     if (state.converged || rounds == max_rounds) {
       return finalFit(posterior, std::move(here), state.steps, news);
@@ -212,7 +212,7 @@ MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& sta
     MotionRound round{rounds + 1, here.at.objective, here.at.objective, 0, 0, 0.0};
     round.rollouts =
         (rounds == 0 ? 0 : state.history.back().rollouts) + (posterior.size() + 1) * std::ssize(posterior.motions());
-    Linearisation trial = here;
+    MotionLinearisation trial = here;
     round.steps = descend(posterior, trial, state.damping, round.rollouts);
     round.after = trial.at.objective;
     state.converged = round.before - round.after < std::max(kCertain, kLittle * round.after);

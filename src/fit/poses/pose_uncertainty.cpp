@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kTinyCurvature = 1e-9;  // in prior units: nothing bounds such a direction
 constexpr std::size_t kCloud = 200;      // commands that stand for any pose of the arm
-constexpr int kDraws = 400;
+constexpr int kErrorDraws = 400;
 constexpr std::uint32_t kCloudPurpose = 5, kDrawPurpose = 6;
 
 Eigen::MatrixXd stackJacobians(const std::vector<PoseResidual>& poses, bool weighted) {
@@ -140,11 +140,11 @@ PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorX
   const std::vector<PoseResidual> residuals = there.evaluate(z, true);  // whitened: noise and friction are N(0, 1)
   const Eigen::MatrixXd spread = uncertainty.covariance.llt().matrixL();
   const std::vector<Joint>& joints = posterior.model().joints;
-  std::vector<std::vector<double>> mje(joints.size(), std::vector<double>(kDraws, 0.0));
+  std::vector<std::vector<double>> mje(joints.size(), std::vector<double>(kErrorDraws, 0.0));
   std::vector<Eigen::MatrixXd> unwhiten;
   for (std::size_t p = 0; p < poses.size(); ++p) unwhiten.push_back(inverse(there.whitening(p)));
   const CounterRandom random(0);
-  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
+  for (std::uint32_t draw = 0; draw < kErrorDraws; ++draw) {
     const auto normal = [&](std::size_t place, Eigen::Index i) {
       return random.normalPair(
           {draw, static_cast<std::uint32_t>(place), static_cast<std::uint32_t>(i), kDrawPurpose})[0];
@@ -173,9 +173,9 @@ PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorX
     std::sort(of_joint.begin(), of_joint.end());
     double sum = 0.0;
     for (const double error : of_joint) sum += error;
-    predicted.mean.push_back(sum / kDraws);
-    predicted.lower.push_back(of_joint[kDraws / 20]);
-    predicted.upper.push_back(of_joint[kDraws - 1 - kDraws / 20]);
+    predicted.mean.push_back(sum / kErrorDraws);
+    predicted.lower.push_back(of_joint[kErrorDraws / 20]);
+    predicted.upper.push_back(of_joint[kErrorDraws - 1 - kErrorDraws / 20]);
   }
   return predicted;
 }

@@ -43,8 +43,8 @@ Eigen::VectorXd drawStart(const ScaledParameters& parameters, std::uint64_t seed
 
 /// Every k-th pose, so that some hundred are left: of more, the way to the minimum learns little.
 std::vector<Pose> someOf(std::span<const Pose> poses) {
-  constexpr std::size_t kEnough = 100;
-  const std::size_t stride = (poses.size() + kEnough - 1) / kEnough;
+  constexpr std::size_t kEnoughPoses = 100;
+  const std::size_t stride = (poses.size() + kEnoughPoses - 1) / kEnoughPoses;
   std::vector<Pose> some;
   for (std::size_t p = 0; p < poses.size(); p += stride) some.push_back(poses[p]);
   return some;
