@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "simgap/core/error.h"
@@ -28,16 +27,6 @@ LogTable readLogOf(CsvTable table, const std::vector<std::string>& sessions) {
 
 ArmModel readArmFile(Session& session, const std::string& role, const std::string& file) {
   return readArm(YamlNode::parse(session.read(role, file).content, file));
-}
-
-ArmModel readTurningArm(Session& session, const std::string& role, const std::string& file) {
-  ArmModel model = readArmFile(session, role, file);
-  const auto slide = std::ranges::find_if(model.joints, &Joint::slides);
-  if (slide == model.joints.end()) return model;
-  throw ConfigError(
-      fmt::format("{}: joint '{}' is prismatic, expected revolute and spherical joints: movements are "
-                  "told in angles",
-                  file, slide->name));
 }
 
 CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model) {

@@ -20,8 +20,6 @@
 namespace simgap {
 
 ArmModel readArmFile(Session& session, const std::string& role, const std::string& file);
-/// The same for movements, whose tables and pages count angles. \throws ConfigError: also for a prismatic joint.
-ArmModel readTurningArm(Session& session, const std::string& role, const std::string& file);
 /// Calibration settings: those the user named, or the paper's that are built in. \throws ConfigError: also for
 /// parameters that `model` does not have.
 CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model = nullptr);

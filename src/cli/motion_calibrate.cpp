@@ -47,7 +47,7 @@ MotionCalibrationConfig readMotionConfig(Session& session, const MotionCalibrate
 MotionCalibrationTask readMotionTask(Session& session, const MotionCalibrateOptions& options) {
   if (options.model.empty()) throw ConfigError("calibrate needs MODEL and --motions (see simgap calibrate --help)");
   MotionCalibrationTask task;
-  task.model = readTurningArm(session, "model", options.model);
+  task.model = readArmFile(session, "model", options.model);
   task.config = readMotionConfig(session, options);
   try {
     ParameterSpace(task.model, task.config.parameters);

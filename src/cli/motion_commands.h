@@ -29,7 +29,8 @@ struct MotionValidateOptions {
   CommonOptions common;
   bool skip_bad_rows = false;
   std::string model, motions, config;
-  std::optional<double> max_rms;  ///< [deg], of every joint
+  std::optional<double> max_rms;     ///< [deg], of every joint that turns
+  std::optional<double> max_rms_mm;  ///< of every joint that slides
 };
 ExitCode validateMotions(const MotionValidateOptions& options, const std::vector<std::string>& argv);
 

@@ -5,6 +5,7 @@
 #include "cli/inputs.h"
 #include "cli/motion_commands.h"
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/report/motions/motion_report.h"
 
 namespace simgap {
@@ -33,7 +34,7 @@ std::string motionFailures(const MotionValidationResult& result, const MotionOpt
 
 ExitCode validateMotions(const MotionValidateOptions& options, const std::vector<std::string>& argv) {
   Session session("validate", options.common, argv);
-  const ArmModel model = readTurningArm(session, "model", options.model);
+  const ArmModel model = readArmFile(session, "model", options.model);
   const MotionCalibrationConfig config = motionOptionsOf(session, options.config);
   const MotionOptions& played_by = config.motions.motion;
   const MotionSet set =
@@ -49,9 +50,12 @@ ExitCode validateMotions(const MotionValidateOptions& options, const std::vector
   MotionValidationResult result{layout, set, playAll(model, set.motions, played_by), {}, {}, {}};
   result.noise = estimateNoise(set.motions, layout, config.motions.noise);
   result.rms = motionRms(set.motions, result.played, layout);
-  for (std::size_t j = 0; options.max_rms && j < layout.joints.size(); ++j) {
-    result.criteria.push_back(
-        {"rms_deg of " + layout.joints[j].name, *options.max_rms, toDegrees(result.rms.joints[j])});
+  for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    const JointKind& kind = kindOf(layout.joints[j].type);
+    const auto& limit = layout.joints[j].type == JointType::kPrismatic ? options.max_rms_mm : options.max_rms;
+    if (!limit) continue;
+    result.criteria.push_back({fmt::format("rms_{} of {}", kind.error_unit, layout.joints[j].name), *limit,
+                               kind.shown(result.rms.joints[j])});
   }
   session.directory().write("errors.csv", motionErrorsCsv(result));
   const PlayedSet shown{"", "", &set, &result.played};

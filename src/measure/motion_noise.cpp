@@ -9,8 +9,9 @@
 namespace simgap {
 namespace {
 
-constexpr double kSmallestAngle = 0.02 * kDegree;  // noise of a good encoder or camera [rad]
-constexpr double kSmallestCurrent = 2e-3;          // [A]
+constexpr double kSmallestAngle =
+    0.02 * kDegree;                        // noise of a good encoder or camera [rad], of a slide as JointKind::counted
+constexpr double kSmallestCurrent = 2e-3;  // [A]
 
 /// Sizes of the fourth differences of a channel's numbers.
 void addFourthDifferences(const std::vector<double>& x, std::vector<double>& sizes) {
@@ -47,7 +48,9 @@ MotionNoise estimateNoise(std::span<const RecordedMotion> motions, const PoseLay
         addFourthDifferences(way, sizes);
       }
     }
-    noise.joints.push_back(known.joints.value_or(noiseOf(std::move(sizes), kSmallestAngle)));
+    const JointKind& kind = kindOf(layout.joints[j].type);
+    const std::optional<double>& stated = layout.joints[j].type == JointType::kPrismatic ? known.slides : known.joints;
+    noise.joints.push_back(stated.value_or(noiseOf(std::move(sizes), kSmallestAngle / kind.counted)));
   }
   std::vector<double> shafts, currents;
   for (const RecordedMotion& motion : motions) {

@@ -55,7 +55,7 @@ void refuseClocksApart(const RecordedMotion& motion) {
       motion.times().back(), motion.muscles_file.string()));
 }
 
-/// Speed of a joint over its first frames by a straight line, with its standard error [rad/s].
+/// Speed of a joint over its first frames by a straight line, with its standard error [per second].
 struct Drift {
   double speed = 0.0, error = 0.0;
 };
@@ -86,24 +86,25 @@ Drift driftOf(const RecordedMotion& motion, std::size_t joint, JointType type, s
 void refuseMovingStart(const RecordedMotion& motion, const PoseLayout& layout) {
   constexpr double kWindow = 0.25;          // [s]
   constexpr std::size_t kFewest = 6;        // frames that tell a speed
-  constexpr double kFast = 10.0 * kDegree;  // [rad/s]
+  constexpr double kFast = 10.0 * kDegree;  // [rad/s], of a slide as JointKind::counted
   constexpr double kCertain = 5.0;          // standard errors
   const double end = std::min(firstChange(motion), motion.times().front() + kWindow);
   std::size_t frames = 0;
   while (frames < motion.joint_times.size() && motion.joint_times[frames] <= end) ++frames;
   if (frames < kFewest) return;
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
+    const JointKind& kind = kindOf(layout.joints[j].type);
     const Drift drift = driftOf(motion, j, layout.joints[j].type, frames);
-    if (drift.speed < kFast || drift.speed < kCertain * drift.error) continue;
+    if (kind.counted * drift.speed < kFast || drift.speed < kCertain * drift.error) continue;
     throw DataError(
-        fmt::format("{}: motion {} starts moving: found {} at {:.0f} deg/s in its first {:.2f} s, before any "
+        fmt::format("{}: motion {} starts moving: found {} at {:.0f} {}/s in its first {:.2f} s, before any "
                     "command changes; expected an arm at rest (or start: with its state)",
-                    motion.joints_file.string(), motion.name, layout.joints[j].name, toDegrees(drift.speed),
-                    motion.joint_times[frames - 1] - motion.joint_times[0]));
+                    motion.joints_file.string(), motion.name, layout.joints[j].name, kind.shown(drift.speed),
+                    kind.error_unit, motion.joint_times[frames - 1] - motion.joint_times[0]));
   }
 }
 
-/// `joints: {shoulder: [w, x, y, z], elbow_rad: 0.7}`, `shafts: {biceps_rad: 3.1, …}`.
+/// `joints: {shoulder: [w, x, y, z], elbow_rad: 0.7, rail_m: 0.1}`, `shafts: {biceps_rad: 3.1, …}`.
 RecordedStart readStart(const YamlNode& node, const PoseLayout& layout) {
   constexpr double kUnitLengthTolerance = 1e-3;
   RecordedStart start;
@@ -111,7 +112,7 @@ RecordedStart readStart(const YamlNode& node, const PoseLayout& layout) {
   for (const JointChannel& joint : layout.joints) {
     JointPosition position;
     if (kindOf(joint.type).has_axis) {
-      position.angle = joints.quantity(joint.name, "rad");
+      position.angle = joints.quantity(joint.name, kindOf(joint.type).unit);
     } else {
       const YamlNode rotation = joints.at(joint.name);
       const std::vector<YamlNode> q = rotation.items();

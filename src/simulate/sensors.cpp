@@ -53,6 +53,7 @@ SensorOptions SensorOptions::read(const YamlNode& node) {
   if (const auto joints = node.find("joints")) {
     readClock(*joints, options.joints);
     options.joint_noise = joints->findQuantity("noise", "rad", kNonNegative).value_or(0.0);
+    options.slide_noise = joints->findQuantity("slide_noise", "m", kNonNegative).value_or(0.0);
   }
   return options;
 }
@@ -62,9 +63,9 @@ std::string SensorOptions::toYaml() const {
       "sensors:\n"
       "  muscles: {{{}, shaft_noise_rad: {}, shaft_quantisation_rad: {},\n"
       "    force_noise_N: {}, force_quantisation_N: {}, current_noise_A: {}, current_quantisation_A: {}}}\n"
-      "  joints: {{{}, noise_rad: {}}}\n",
+      "  joints: {{{}, noise_rad: {}, slide_noise_m: {}}}\n",
       clockYaml(muscles), shaft.noise, shaft.quantisation, force.noise, force.quantisation, current.noise,
-      current.quantisation, clockYaml(joints), joint_noise);
+      current.quantisation, clockYaml(joints), joint_noise, slide_noise);
 }
 
 std::vector<double> sensorTimes(const SensorClock& clock, double start, double end) {
@@ -125,8 +126,8 @@ std::string jointsCsv(const ArmModel& model, const MotionTrack& track, const Sen
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
       Eigen::Vector3d normals;
       for (std::uint32_t axis = 0; axis < 3; ++axis) normals[axis] = normal(random, Channel::kJoint, row, j, axis);
-      const JointPosition seen =
-          kindOf(model.joints[j].type).moved(track.jointsAt(row)[j], options.joint_noise * normals);
+      const double noise = model.joints[j].slides() ? options.slide_noise : options.joint_noise;
+      const JointPosition seen = kindOf(model.joints[j].type).moved(track.jointsAt(row)[j], noise * normals);
       for (const double cell : kindOf(model.joints[j].type).cells(seen)) csv.add(cell);
     }
     csv.endRow();

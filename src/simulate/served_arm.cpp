@@ -152,10 +152,20 @@ std::string ServedArm::state() const {
   };
   list("joints", joint_keys_,
        [&](std::size_t j) { numbers(kindOf(model_.joints[j].type).cells(arm.jointPosition(j))); });
-  list("joint_velocities_rad_s", joint_keys_, [&](std::size_t j) {
-    const Eigen::Vector3d v = arm.jointVelocity(j);
-    numbers(std::span(v.data(), model_.joints[j].hasAxis() ? 1 : 3));
-  });
+  const auto velocities = [&](bool of_slides) {
+    bool first = true;
+    for (std::size_t j = 0; j < joint_keys_.size(); ++j) {
+      if (model_.joints[j].slides() != of_slides) continue;
+      if (first) fmt::format_to(out, FMT_COMPILE(R"(,"joint_velocities_{}":{{)"), of_slides ? "m_s" : "rad_s");
+      fmt::format_to(out, FMT_COMPILE("{}{}:"), first ? "" : ",", joint_keys_[j]);
+      const Eigen::Vector3d v = arm.jointVelocity(j);
+      numbers(std::span(v.data(), model_.joints[j].hasAxis() ? 1 : 3));
+      first = false;
+    }
+    if (!first) text.push_back('}');
+  };
+  velocities(false);
+  velocities(true);
   list("shaft_rad", muscle_keys_, [&](std::size_t m) { number(arm.shaftAngle(m)); });
   list("force_N", muscle_keys_, [&](std::size_t m) { number(arm.force(m)); });
   list("current_A", muscle_keys_, [&](std::size_t m) { number(arm.current(m)); });

@@ -156,18 +156,20 @@ MotionTrack playAt(const ArmModel& model, const MotionCommands& commands, const 
 }
 
 std::vector<std::string> notesOn(const ArmModel& model, const Simulation& simulation, double step) {
-  constexpr double kMostChange = 0.1 * kDegree, kMostEnergy = 0.01;
+  constexpr double kMostChange = 0.1 * kDegree, kMostEnergy = 0.01;  // [rad], of a slide as JointKind::counted
   const StepCheck& check = simulation.check;
   if (!check.finished)
     return {fmt::format("the simulation blows up at half the step of {:g} s: it cannot be relied on", step)};
-  const auto worst = std::ranges::max_element(check.joint_change);
-  const bool moved = worst != check.joint_change.end() && *worst > kMostChange;
-  if (!moved && check.energy_change <= kMostEnergy) return {};
+  const auto counted = [&](std::size_t j) { return kindOf(model.joints[j].type).counted * check.joint_change[j]; };
+  std::size_t worst = 0;
+  for (std::size_t j = 1; j < model.joints.size(); ++j) worst = counted(j) > counted(worst) ? j : worst;
+  if (counted(worst) <= kMostChange && check.energy_change <= kMostEnergy) return {};
+  const JointKind& kind = kindOf(model.joints[worst].type);
   return {
-      fmt::format("the step of {:g} s is too large: at half of it {} moves by {:.2f} deg and the energy by {:.2g} % "
+      fmt::format("the step of {:g} s is too large: at half of it {} moves by {:.2f} {} and the energy by {:.2g} % "
                   "of its range; try --step-s {:g}",
-                  step, model.joints[static_cast<std::size_t>(worst - check.joint_change.begin())].name,
-                  toDegrees(*worst), 100.0 * check.energy_change, 0.5 * step)};
+                  step, model.joints[worst].name, kind.shown(check.joint_change[worst]), kind.error_unit,
+                  100.0 * check.energy_change, 0.5 * step)};
 }
 
 std::string motionCsv(const ArmModel& model, const MotionTrack& track) {

@@ -91,17 +91,6 @@ TEST_F(SimulateTest, RefusesCommandsThatNoMuscleCanFollow) {
   expectRefused(simulate("commands.csv", {"--step-s", "0.0015"}), 2, "divided by a whole number");
 }
 
-TEST_F(SimulateTest, RefusesSlidesWhichItWouldTellInDegrees) {
-  std::string slide = replaced(text("rig.yaml"), "simgap/arm/1", "simgap/arm/2");
-  slide = replaced(slide, "type: revolute", "type: prismatic");
-  put("slide.yaml", replaced(slide,
-                             "lower_limit_rad: 0.0, upper_limit_rad: 2.3562, coulomb_friction_Nm: 0.02, "
-                             "viscous_friction_Nms: 0.02",
-                             "lower_limit_m: 0.0, upper_limit_m: 0.2"));
-  expectRefused({"simulate", "slide.yaml", "--commands", "commands.csv", "-o", "s"}, 2,
-                "slide.yaml: joint 'elbow' is prismatic, expected revolute and spherical joints");
-}
-
 TEST_F(SimulateTest, SaysWhenAMotionBlewUpAndWhichStepHolds) {
   // A line of steel on a forearm of half a kilogram: far too stiff for 2 ms.
   put("rig.yaml", std::regex_replace(text("rig.yaml"), std::regex("stiffness_N_m: 9.0"), "stiffness_N_m: 1.0e9"));

@@ -9,6 +9,7 @@
 #include "simgap/core/run_directory.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/simulate/equilibrium_arm.h"
+#include "support/gantry.h"
 #include "support/many_kinds.h"
 
 namespace simgap::test {
@@ -17,63 +18,6 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
-
-/// A carriage on a level rail between two cords, under it a pendulum that a cord turns over a wheel. Where it rests
-/// follows from two balances of forces, which are solved here.
-struct Gantry {
-  double left = 0.30, right = 0.32, wheel = -0.075;  ///< kite lines [m]
-  double stiffness_left = 400.0, stiffness_wheel = 300.0;
-  static constexpr double kCord = 0.08, kRight = 500.0, kSpindle = 0.006, kWheel = 0.03, kSpring = 0.6, kRest = 0.2;
-  static constexpr double kMass = 0.2, kLength = 0.15, kGravity = 9.81;
-
-  double rail(double wound_left, double wound_right) const {
-    // k_l (0.4 + x - L_l) = k_r (0.4 - x - L_r), L what line and cord have unstretched.
-    const double l = left - kSpindle * wound_left + kCord, r = right - kSpindle * wound_right + kCord;
-    return (kRight * (0.4 - r) - stiffness_left * (0.4 - l)) / (stiffness_left + kRight);
-  }
-  double pendulum(double wound) const {
-    // Gravity and spring turn it back, the cord's R max(0, k (R q - L)) as well when it is long; bisection.
-    const double l = wheel - kSpindle * wound + kCord;
-    double low = -2.0, high = 2.0;
-    for (int i = 0; i < 80; ++i) {
-      const double q = 0.5 * (low + high);
-      const double torque = kMass * kGravity * kLength * std::sin(q) + kSpring * (q - kRest) +
-                            kWheel * std::max(0.0, stiffness_wheel * (kWheel * q - l));
-      (torque > 0.0 ? high : low) = q;
-    }
-    return low;
-  }
-  std::string yaml() const {
-    const auto muscle = [](const std::string& name, const std::string& way, double line, double stiffness) {
-      return fmt::format(
-          "  - name: {}\n    attachments: [{}]\n    kite_line_length_m: {}\n    shock_cord: {{rest_length_m: 0.08, "
-          "stiffness_N_m: {}, damping_Ns_m: 20}}\n    spindle_radius_m: 0.006\n",
-          name, way, line, stiffness);
-    };
-    return "format: simgap/arm/2\nname: gantry\ngravity_m_s2: [0, 0, -9.81]\nbodies:\n"
-           "  - {name: frame, fixed: true}\n"
-           "  - {name: carriage, parts: [{name: block, shape: box, size_m: [0.1, 0.1, 0.05], mass_kg: 0.5, position_m: "
-           "[0, 0, 0]}]}\n"
-           "  - {name: pendulum, parts: [{name: bob, shape: sphere, radius_m: 0.02, mass_kg: 0.2, position_m: [0, 0, "
-           "-0.15]}]}\n"
-           "joints:\n"
-           "  - {name: rail, type: prismatic, parent: frame, child: carriage, parent_position_m: [0, 0, 0], "
-           "child_position_m: [0, 0, 0], axis: [1, 0, 0], lower_limit_m: -0.3, upper_limit_m: 0.3, "
-           "viscous_friction_Ns_m: 20}\n"
-           "  - {name: pivot, type: revolute, parent: carriage, child: pendulum, parent_position_m: [0, 0, 0], "
-           "child_position_m: [0, 0, 0], axis: [0, 1, 0], lower_limit_rad: -1.5, upper_limit_rad: 1.5, spring: "
-           "{stiffness_Nm_rad: 0.6, rest_rad: 0.2}, viscous_friction_Nms: 0.05}\n"
-           "motor_defaults: {resistance_ohm: 0.8, inductance_H: 0.0003, back_emf_constant_Vs: 0.011, "
-           "torque_constant_Nm_A: 0.011, inertia_kg_m2: 2.0e-6, viscous_friction_Nms: 1.0e-6, coulomb_friction_Nm: "
-           "0.002, supply_voltage_V: 12}\n"
-           "gearbox_defaults: {ratio: 72, efficiency: 0.72, inertia_kg_m2: 1.0e-5, viscous_friction_Nms: 0.002, "
-           "coulomb_friction_Nm: 0.03}\nmuscles:\n" +
-           muscle("left", "{body: frame, point_m: [-0.4, 0, 0]}, {body: carriage, point_m: [0, 0, 0]}", left,
-                  stiffness_left) +
-           muscle("right", "{body: frame, point_m: [0.4, 0, 0]}, {body: carriage, point_m: [0, 0, 0]}", right, kRight) +
-           muscle("turner", "{joint: pivot, radius_m: 0.03}", wheel, stiffness_wheel);
-  }
-};
 
 constexpr const char* kConfig = R"(format: simgap/calibration/1
 parameters:

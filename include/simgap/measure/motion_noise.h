@@ -12,7 +12,7 @@ namespace simgap {
 
 /// Standard deviations per channel group.
 struct MotionNoise {
-  std::vector<double> joints;  ///< shape (joints) [rad], per component
+  std::vector<double> joints;  ///< shape (joints) [rad], of a slide [m], per component
   double shafts = 0.0;         ///< [rad]
   double currents = 0.0;       ///< [A]
 };
@@ -20,6 +20,7 @@ struct MotionNoise {
 /// What is known of it otherwise.
 struct KnownNoise {
   std::optional<double> joints, shafts;  ///< [rad]
+  std::optional<double> slides;          ///< [m]
   std::optional<double> currents;        ///< [A]
 };
 

@@ -47,12 +47,13 @@ class Arm {
   /// \throws when the simulation has blown up: a smaller step may hold it
   void step(const std::vector<double>& commands);
 
-  double time() const;                                    ///< since reset() [s]
-  std::vector<double> joint(std::size_t joint) const;     ///< angle [rad], or a ball's unit quaternion w, x, y, z
-  std::vector<double> velocity(std::size_t joint) const;  ///< of the same joint, a ball's in the child's frame [rad/s]
-  double shaft(std::size_t muscle) const;                 ///< [rad]
-  double force(std::size_t muscle) const;                 ///< [N]
-  double current(std::size_t muscle) const;               ///< [A]
+  double time() const;                                 ///< since reset() [s]
+  std::vector<double> joint(std::size_t joint) const;  ///< angle [rad], way [m], a ball's unit quaternion w, x, y, z
+  std::vector<double> velocity(
+      std::size_t joint) const;              ///< [rad/s, m/s] of the same joint, a ball's in the child's frame
+  double shaft(std::size_t muscle) const;    ///< [rad]
+  double force(std::size_t muscle) const;    ///< [N]
+  double current(std::size_t muscle) const;  ///< [A]
 
  private:
   struct Simulation;

@@ -17,7 +17,7 @@ enum class ChannelGroup { kJoint, kShaft, kCurrent };
 struct ChannelError {
   ChannelGroup group;
   std::size_t item;           ///< joint or muscle
-  double rms = 0.0;           ///< [rad or A]
+  double rms = 0.0;           ///< [rad, m or A]
   double worst_second = 0.0;  ///< the largest root mean square of any second of it
   double worst_at = 0.0;      ///< where that second begins [s]
   /// By how much the simulation is late, where its own movement explains the error best; NaN: it does not move [s].
@@ -41,7 +41,7 @@ ChannelError summarise(const ErrorSeries& series);
 
 /// Root mean squares over all samples of motions; NaN: nothing was measured.
 struct MotionRms {
-  std::vector<double> joints;  ///< shape (joints) [rad], per component
+  std::vector<double> joints;  ///< shape (joints) [rad], of a slide [m], per component
   double shafts, currents;     ///< [rad], [A]
 };
 /// \param played  shape (motions); one that could not be played makes all NaN

@@ -31,6 +31,7 @@ struct SensorOptions {
   SensorNoise current;  ///< [A]
   SensorClock joints{.rate = 60.0};
   double joint_noise = 0.0;  ///< [rad] of a revolute joint, and of each axis of a spherical one
+  double slide_noise = 0.0;  ///< [m]
 
   /// Reads a `sensors:` section; what is missing keeps its value. \throws ConfigError
   static SensorOptions read(const YamlNode& node);

@@ -27,7 +27,7 @@ struct SimulationOptions {
 /// The same motion at half the step.
 struct StepCheck {
   bool finished = false;             ///< false: it blew up there
-  std::vector<double> joint_change;  ///< shape (joints) [rad], the largest over time
+  std::vector<double> joint_change;  ///< shape (joints) [rad], of a slide [m], the largest over time
   double energy_change = 0.0;        ///< the largest over time, of the range that the energy goes through (1)
 };
 

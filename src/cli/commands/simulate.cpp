@@ -133,7 +133,7 @@ ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("simulate", options.common, argv);
-  const ArmModel model = readTurningArm(session, "model", options.model);
+  const ArmModel model = readArmFile(session, "model", options.model);
   SimulationOptions settings = settingsOf(session, options);
   if (options.serve) return serve(model, settings.rollout);
   if (options.commands.empty()) throw ConfigError("found neither --commands nor --serve, expected one of them");

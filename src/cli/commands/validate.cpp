@@ -20,9 +20,9 @@ struct Options {
   TableOptions table;
   std::string model, poses, motions, config;
   std::string evaluator = "bullet";
-  std::optional<double> max_mje, max_rms;  ///< [deg]
-  std::optional<double> max_mje_mm;        ///< of slides
-  std::optional<double> settle;            ///< [s]
+  std::optional<double> max_mje, max_rms;        ///< [deg]
+  std::optional<double> max_mje_mm, max_rms_mm;  ///< of slides
+  std::optional<double> settle;                  ///< [s]
 };
 
 ValidationResult judge(const Options& options, const ArmModel& model, const PoseSet& set,
@@ -80,15 +80,16 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 ExitCode runEither(const Options& options, const CLI::App& app, const std::vector<std::string>& argv) {
   const bool moves = !options.motions.empty();
   if (options.poses.empty() != moves) throw ConfigError("validate needs either --poses or --motions (see --help)");
-  for (const char* other : moves ? std::vector{"--evaluator", "--max-mje", "--map"} : std::vector{"--max-rms"}) {
+  for (const char* other : moves ? std::vector{"--evaluator", "--max-mje", "--max-mje-mm", "--map"}
+                                 : std::vector{"--max-rms", "--max-rms-mm"}) {
     if (app.count(other) == 0) continue;
     throw ConfigError(fmt::format("found {} with {}, expected it with {}", other, moves ? "--motions" : "--poses",
                                   moves ? "--poses" : "--motions"));
   }
   if (!moves) return run(options, argv);
-  return validateMotions(
-      {options.common, options.table.skip_bad_rows, options.model, options.motions, options.config, options.max_rms},
-      argv);
+  return validateMotions({options.common, options.table.skip_bad_rows, options.model, options.motions, options.config,
+                          options.max_rms, options.max_rms_mm},
+                         argv);
 }
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
@@ -98,6 +99,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--motions", options->motions, "recorded motions instead (YAML): errors over time");
   app.add_option("--config", options->config, "calibration config whose protocol is used (default: the paper's)");
   app.add_option("--max-rms", options->max_rms, "of motions: exit 1 when a joint's rms exceeds this, per axis [deg]")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--max-rms-mm", options->max_rms_mm, "the same of joints that slide [mm]")
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--evaluator", options->evaluator, "bullet: simulate; equilibrium: minimise the potential energy")
       ->check(CLI::IsMember({"bullet", "equilibrium"}));

@@ -16,9 +16,11 @@ void readMotionBlock(const YamlNode& node, MotionCalibrationConfig& config) {
   };
   read(motions.capture_delay_sd, "capture_delay_sd", "s");
   read(motions.discrepancy.joints, "joint_discrepancy", "rad");
+  read(motions.discrepancy.slides, "slide_discrepancy", "m");
   read(motions.discrepancy.shafts, "shaft_discrepancy", "rad");
   read(motions.discrepancy.currents, "current_discrepancy", "A");
   motions.noise.joints = node.findQuantity("joint_sd", "rad", kPositive);
+  motions.noise.slides = node.findQuantity("slide_sd", "m", kPositive);
   motions.noise.shafts = node.findQuantity("shaft_sd", "rad", kPositive);
   motions.noise.currents = node.findQuantity("current_sd", "A", kPositive);
 }
@@ -51,9 +53,11 @@ std::string MotionCalibrationConfig::toYaml() const {
   text += fmt::format("  rounds: {}\n", rounds);
   add("capture_delay_sd_s", motions.capture_delay_sd);
   add("joint_discrepancy_rad", motions.discrepancy.joints);
+  add("slide_discrepancy_m", motions.discrepancy.slides);
   add("shaft_discrepancy_rad", motions.discrepancy.shafts);
   add("current_discrepancy_A", motions.discrepancy.currents);
   if (motions.noise.joints) add("joint_sd_rad", *motions.noise.joints);
+  if (motions.noise.slides) add("slide_sd_m", *motions.noise.slides);
   if (motions.noise.shafts) add("shaft_sd_rad", *motions.noise.shafts);
   if (motions.noise.currents) add("current_sd_A", *motions.noise.currents);
   return text;

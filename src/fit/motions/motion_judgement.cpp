@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/random.h"
 #include "simgap/fit/motions/motion_calibration.h"
 
@@ -220,8 +221,9 @@ std::string failureOf(const MotionSetResult& set, const MotionCalibrationResult&
   if (!(jointError(set.final, result.noise) > jointError(set.initial, result.noise))) return {};
   std::string change;
   for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
-    change += fmt::format("{}{} from {:.2f} to {:.2f} deg", j ? ", " : "", result.layout.joints[j].name,
-                          toDegrees(set.initial.joints[j]), toDegrees(set.final.joints[j]));
+    const JointKind& kind = kindOf(result.layout.joints[j].type);
+    change += fmt::format("{}{} from {:.2f} to {:.2f} {}", j ? ", " : "", result.layout.joints[j].name,
+                          kind.shown(set.initial.joints[j]), kind.shown(set.final.joints[j]), kind.error_unit);
   }
   return fmt::format(
       "the result is worse than the start, which model.yaml keeps: on the {} motions {}; see whether "

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
@@ -18,7 +21,8 @@ std::string titleOf(const std::string& key) {
 Json rmsJson(const MotionRms& rms, const PoseLayout& layout) {
   Json json = Json::object();
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
-    json[layout.joints[j].name + "_deg"] = numberOrNull(toDegrees(rms.joints[j]));
+    const JointKind& kind = kindOf(layout.joints[j].type);
+    json[fmt::format("{}_{}", layout.joints[j].name, kind.error_unit)] = numberOrNull(kind.shown(rms.joints[j]));
   }
   json["shafts_deg"] = numberOrNull(toDegrees(rms.shafts));
   json["currents_A"] = numberOrNull(rms.currents);
@@ -84,14 +88,18 @@ Table worstChannels(const Json& result) {
 void addResidualCharts(const ResultFiles& files, Page& page) {
   const CsvTable table = files.table("residuals.csv");
   const std::vector<std::string> sets = table.text("set"), motions = table.text("motion"), models = table.text("model"),
-                                 joints = table.text("joint");
-  const std::vector<double> times = numbersOf(table, "time_s"), errors = numbersOf(table, "error_deg");
-  std::vector<std::pair<std::string, std::vector<Series>>> charts;
+                                 joints = table.text("joint"), units = table.text("unit");
+  const std::vector<double> times = numbersOf(table, "time_s"), errors = numbersOf(table, "error");
+  using ChartKey = std::pair<std::string, std::string>;  // caption, unit
+  std::vector<std::pair<ChartKey, std::vector<Series>>> charts;
+  std::map<ChartKey, std::size_t> chart_of;
   for (std::size_t row = 0; row < times.size(); ++row) {
     const std::string caption = sets[row].empty() ? motions[row] : sets[row] + ", " + motions[row];
     const std::string name = models[row].empty() ? joints[row] : joints[row] + ", " + models[row];
-    if (charts.empty() || charts.back().first != caption) charts.emplace_back(caption, std::vector<Series>());
-    std::vector<Series>& series = charts.back().second;
+    const ChartKey key{caption, units[row]};
+    const auto [place, is_new] = chart_of.try_emplace(key, charts.size());
+    if (is_new) charts.emplace_back(key, std::vector<Series>());
+    std::vector<Series>& series = charts[place->second].second;
     auto one = std::ranges::find(series, name, &Series::name);
     if (one == series.end()) {
       series.push_back({name, {}, {}});
@@ -101,10 +109,10 @@ void addResidualCharts(const ResultFiles& files, Page& page) {
     one->x.push_back(times[row]);
     one->y.push_back(errors[row]);
   }
-  for (auto& [caption, series] : charts) {
+  for (auto& [key, series] : charts) {
     for (Series& one : series) one = thinned(one, 400);
-    Chart chart = lineChart(caption, {"time [s]"}, {"joint error [deg]"}, series);
-    makeZoomable(chart, caption);
+    Chart chart = lineChart(key.first, {"time [s]"}, {fmt::format("joint error [{}]", key.second)}, series);
+    makeZoomable(chart, key.first);
     page.add(std::move(chart));
   }
 }

@@ -8,7 +8,7 @@
 
 namespace simgap {
 
-/// {<joint>_deg, shafts_deg, currents_A}; null where nothing was measured
+/// {<joint>_deg (of a slide _mm), shafts_deg, currents_A}; null where nothing was measured
 Json rmsJson(const MotionRms& rms, const PoseLayout& layout);
 /// Root mean squares of channel groups beside their noise. \param rows  name -> rmsJson
 Table rmsTable(const std::string& caption, const std::vector<std::pair<std::string, Json>>& rows);

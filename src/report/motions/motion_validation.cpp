@@ -2,16 +2,20 @@
 
 #include "motion_tables.h"
 #include "simgap/core/csv.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
 
 struct ChannelUnit {
-  const char* unit;
+  std::string_view unit;
   double factor;  ///< from SI
 };
-ChannelUnit unitOf(ChannelGroup group) {
-  return group == ChannelGroup::kCurrent ? ChannelUnit{"A", 1.0} : ChannelUnit{"deg", 1.0 / kDegree};
+ChannelUnit unitOf(const ErrorSeries& series, const PoseLayout& layout) {
+  if (series.group == ChannelGroup::kCurrent) return {"A", 1.0};
+  if (series.group == ChannelGroup::kShaft) return {"deg", 1.0 / kDegree};
+  const JointKind& kind = kindOf(layout.joints[series.item].type);
+  return {kind.error_unit, kind.shown(1.0)};
 }
 
 std::string channelName(const ErrorSeries& series, const PoseLayout& layout) {
@@ -28,7 +32,7 @@ Json channelsJson(const MotionValidationResult& result, std::size_t m) {
   Json channels = Json::array();
   for (const ErrorSeries& series : errorSeries(result.set.motions[m], result.played[m], result.layout)) {
     const ChannelError error = summarise(series);
-    const ChannelUnit unit = unitOf(series.group);
+    const ChannelUnit unit = unitOf(series, result.layout);
     channels.push_back({{"motion", result.set.motions[m].name},
                         {"channel", channelName(series, result.layout)},
                         {"unit", unit.unit},
@@ -93,7 +97,7 @@ std::string terminalTable(const MotionValidationResult& result) {
 }
 
 std::string residualsCsv(const PoseLayout& layout, const std::vector<PlayedSet>& sets) {
-  CsvWriter csv({"set", "motion", "model", "joint", "time_s", "error_deg"});
+  CsvWriter csv({"set", "motion", "model", "joint", "unit", "time_s", "error"});
   if (sets.empty()) return csv.text();
   // The models of a set follow each other motion by motion: one chart shows them together.
   std::vector<std::string> names;
@@ -108,9 +112,11 @@ std::string residualsCsv(const PoseLayout& layout, const std::vector<PlayedSet>&
         const RecordedMotion& motion = set.motions->motions[m];
         for (const ErrorSeries& series : errorSeries(motion, (*set.played)[m], layout)) {
           if (series.group != ChannelGroup::kJoint) continue;
+          const JointKind& kind = kindOf(layout.joints[series.item].type);
           for (std::size_t i = 0; i < series.times.size(); ++i) {
             csv.add(name).add(motion.name).add(set.model).add(layout.joints[series.item].name);
-            csv.add(series.times[i]).add(toDegrees(series.errors[i].norm())).endRow();
+            csv.add(std::string(kind.error_unit)).add(series.times[i]);
+            csv.add(kind.shown(series.errors[i].norm())).endRow();
           }
         }
       }

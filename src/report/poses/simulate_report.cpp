@@ -59,7 +59,7 @@ void writeScene(const SimulationResult& result, const RunDirectory& directory) {
   writeArmGeometry({&replay, 1}, directory);
 }
 
-/// Root mean square over the rows of the way between two movements of a joint. [rad]
+/// Root mean square over the rows of the way between two movements of a joint. [rad], of a slide [m]
 double rms(const ArmModel& model, const MeasuredMotion& measured, std::size_t joint) {
   const std::size_t joints = model.joints.size();
   double sum = 0.0;
@@ -79,20 +79,21 @@ Json jointsJson(const SimulationResult& result) {
     const JointKind& kind = kindOf(joint.type);
     double lowest = INFINITY, highest = -INFINITY, fastest = 0.0;
     for (std::size_t row = 0; row < track.times.size(); ++row) {
-      const double angle = toDegrees(kind.angle(track.jointsAt(row)[j]));
+      const double angle = kind.shown(kind.angle(track.jointsAt(row)[j]));
       lowest = std::min(lowest, angle);
       highest = std::max(highest, angle);
       fastest = std::max(fastest, track.joint_velocities[row * track.joint_count + j].norm());
     }
+    const auto key = [&](const char* name) { return fmt::format("{}_{}", name, kind.error_unit); };
     Json entry = {
-        {"first_deg", toDegrees(kind.angle(track.jointsAt(0)[j]))},
-        {"last_deg", toDegrees(kind.angle(track.jointsAt(track.times.size() - 1)[j]))},
-        {"lowest_deg", lowest},
-        {"highest_deg", highest},
-        {"fastest_rad_s", fastest},
-        {"half_step_deg",
-         numberOrNull(result.simulation.check.finished ? toDegrees(result.simulation.check.joint_change[j]) : NAN)}};
-    if (result.measured) entry["measured_rms_deg"] = toDegrees(rms(result.model, *result.measured, j));
+        {key("first"), kind.shown(kind.angle(track.jointsAt(0)[j]))},
+        {key("last"), kind.shown(kind.angle(track.jointsAt(track.times.size() - 1)[j]))},
+        {key("lowest"), lowest},
+        {key("highest"), highest},
+        {fmt::format("fastest_{}_s", kind.unit), fastest},
+        {key("half_step"),
+         numberOrNull(result.simulation.check.finished ? kind.shown(result.simulation.check.joint_change[j]) : NAN)}};
+    if (result.measured) entry[key("measured_rms")] = kind.shown(rms(result.model, *result.measured, j));
     joints[joint.name] = entry;
   }
   return joints;
@@ -119,17 +120,19 @@ std::string measuredCsv(const SimulationResult& result) {
   const MeasuredMotion& measured = *result.measured;
   std::vector<std::string> header{"time_s"};
   for (const Joint& joint : result.model.joints) {
-    for (const char* suffix : {"_measured_deg", "_simulated_deg", "_error_deg"}) header.push_back(joint.name + suffix);
+    for (const char* what : {"measured", "simulated", "error"}) {
+      header.push_back(fmt::format("{}_{}_{}", joint.name, what, kindOf(joint.type).error_unit));
+    }
   }
   CsvWriter csv(header);
   for (std::size_t row = 0; row < measured.times.size(); ++row) {
     csv.add(measured.times[row]);
     for (std::size_t j = 0; j < result.model.joints.size(); ++j) {
-      const JointType type = result.model.joints[j].type;
+      const JointKind& kind = kindOf(result.model.joints[j].type);
       const JointPosition& real = measured.joints[row * result.model.joints.size() + j];
       const JointPosition& played = measured.simulated.jointsAt(row)[j];
-      csv.add(toDegrees(kindOf(type).angle(real))).add(toDegrees(kindOf(type).angle(played)));
-      csv.add(toDegrees(jointError(type, real, played)));
+      csv.add(kind.shown(kind.angle(real))).add(kind.shown(kind.angle(played)));
+      csv.add(kind.shown(kind.error(real, played)));
     }
     csv.endRow();
   }
@@ -161,18 +164,19 @@ Json toJson(const SimulationResult& result) {
 
 Table jointMotionTable(const Json& result) {
   const bool measured = !result.at("measured").is_null();
-  Table table{
-      "Joints",
-      {"joint", "first [deg]", "last [deg]", "lowest [deg]", "highest [deg]", "fastest [rad/s]", "half the step [deg]"},
-      {}};
-  if (measured) table.header.emplace_back("rms to measured [deg]");
+  Table table{"Joints", {"joint", "unit", "first", "last", "lowest", "highest", "fastest", "half the step"}, {}};
+  if (measured) table.header.emplace_back("rms to measured");
   for (const auto& [name, joint] : result.at("joints").items()) {
-    std::vector<std::string> row{name};
-    for (const char* key : {"first_deg", "last_deg", "lowest_deg", "highest_deg", "fastest_rad_s"}) {
-      row.push_back(numberText(joint.at(key), "{:.2f}"));
+    const bool slides = joint.contains("first_mm");
+    const std::string unit = slides ? "mm" : "deg";
+    std::vector<std::string> row{name, unit};
+    for (const char* key : {"first", "last", "lowest", "highest"}) {
+      row.push_back(numberText(joint.at(fmt::format("{}_{}", key, unit)), "{:.2f}"));
     }
-    row.push_back(numberText(joint.at("half_step_deg"), "{:.4f}"));
-    if (measured) row.push_back(numberText(joint.at("measured_rms_deg"), "{:.3f}"));
+    row.push_back(
+        numberText(joint.at(slides ? "fastest_m_s" : "fastest_rad_s"), slides ? "{:.3f} m/s" : "{:.2f} rad/s"));
+    row.push_back(numberText(joint.at("half_step_" + unit), "{:.4f}"));
+    if (measured) row.push_back(numberText(joint.at("measured_rms_" + unit), "{:.3f}"));
     table.rows.push_back(row);
   }
   return table;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/rotation.h"
 
 namespace simgap {
@@ -28,6 +29,21 @@ Eigen::VectorXd nonNegative(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) 
   return x;
 }
 
+/// What turns a joint that follows another turns its leader, times their ratio: rows of followers go into those of
+/// their leaders. \param[in,out] wanted  shape (dof)  \param[in,out] arms  shape (dof, muscles)
+void foldFollowers(const PotentialEnergy& energy, Eigen::VectorXd& wanted, Eigen::MatrixXd& arms) {
+  const std::vector<Joint>& joints = energy.model().joints;
+  for (auto j = std::ssize(joints) - 1; j >= 0; --j) {
+    const Joint& joint = joints[static_cast<std::size_t>(j)];
+    if (!joint.follows()) continue;
+    const int own = energy.firstDof(static_cast<int>(j)), leader = energy.firstDof(joint.leader);
+    wanted[leader] += joint.coupling_ratio * wanted[own];
+    arms.row(leader) += joint.coupling_ratio * arms.row(own);
+    wanted[own] = 0.0;
+    arms.row(own).setZero();
+  }
+}
+
 }  // namespace
 
 JointPositionController::JointPositionController(const ArmModel& model, std::shared_ptr<const JointTargets> targets,
@@ -48,7 +64,8 @@ Eigen::VectorXd JointPositionController::wantedTorque(double time, const BulletA
     const int first = energy_.firstDof(static_cast<int>(j));
     const Eigen::Vector3d velocity = arm.jointVelocity(j);
     if (joints[j].hasAxis()) {
-      torque[first] = stiffness_ * (target_[j].angle - joints_[j].angle) - damping_ * velocity.x();
+      const double lever = kindOf(joints[j].type).counted;
+      torque[first] = lever * lever * (stiffness_ * (target_[j].angle - joints_[j].angle) - damping_ * velocity.x());
     } else {
       const Eigen::Vector3d way = logSo3(joints_[j].rotation.conjugate() * target_[j].rotation);
       torque.segment<3>(first) = stiffness_ * way - damping_ * velocity;
@@ -69,7 +86,8 @@ void JointPositionController::forces(double time, const BulletArm& arm, std::spa
     energy_.momentArms(static_cast<std::size_t>(m), arms.col(m));
     rest -= energy_.tension(static_cast<std::size_t>(m)) * arms.col(m);
   }
-  const Eigen::VectorXd wanted = -wantedTorque(time, arm) - rest;
+  Eigen::VectorXd wanted = -wantedTorque(time, arm) - rest;
+  foldFollowers(energy_, wanted, arms);
   const Eigen::VectorXd more = nonNegative(arms, wanted - least_force_ * arms.rowwise().sum());
   for (Eigen::Index m = 0; m < muscles; ++m) forces[static_cast<std::size_t>(m)] = least_force_ + more[m];
 }

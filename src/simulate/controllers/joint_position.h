@@ -3,6 +3,7 @@
 ///
 ///     tau = K log(R^T R_target) - D v,        J^T F = -tau - g,    F >= F_0
 ///
+/// of a slide K and D over the square of kSlideLever; a joint that follows another is drawn by its own target, too.
 /// J = dL/dq, g: what gravity, springs and lines without motors do. Of all forces that make the torque, those nearest
 /// to F_0 are commanded to the muscles' force controllers (state_space_force.h); a torque that no muscles can make is
 /// met as well as they can (non-negative least squares; Lawson & Hanson 1974). Ideal in that it knows the model's own

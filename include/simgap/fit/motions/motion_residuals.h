@@ -22,6 +22,7 @@ namespace simgap {
 /// What even the right parameters leave.
 struct MotionDiscrepancy {
   double joints = 0.03 * kDegree;  ///< per component [rad]
+  double slides = 1e-4;            ///< [m]
   double shafts = 0.03 * kDegree;  ///< [rad]
   double currents = 0.02;          ///< [A]
 };
@@ -34,7 +35,7 @@ struct ResidualBlock {
   Eigen::Index first;      ///< of its numbers
   Eigen::Index size;       ///< 1, or 3 of a ball
   std::size_t begin, end;  ///< samples averaged
-  double sd;               ///< of each of its numbers [rad or A]
+  double sd;               ///< of each of its numbers [rad, m or A]
 };
 
 /// The residuals of one motion.

@@ -47,7 +47,7 @@ struct PlayedSet {
   const MotionSet* motions;
   const std::vector<PlayedMotion>* played;
 };
-/// Joint errors over time: set, motion, model, joint, time_s, error_deg (its size; of a ball the angle).
+/// Joint errors over time: set, motion, model, joint, unit, time_s, error (its size; of a ball the angle).
 std::string residualsCsv(const PoseLayout& layout, const std::vector<PlayedSet>& sets);
 
 }  // namespace simgap

@@ -39,6 +39,24 @@ void addChart(const CsvTable& table, const std::string& caption, const std::stri
   page.add(std::move(chart));
 }
 
+/// Where joints are over time, from the columns of motion.csv that end so.
+void addPositions(const ResultFiles& files, const std::string& caption, std::initializer_list<const char*> suffixes,
+                  const std::string& axis, Page& page) {
+  const CsvTable table = files.table("motion.csv");
+  std::vector<Series> lines;
+  for (const auto& [joint, _] : files.result().at("joints").items()) {
+    for (const char* suffix : suffixes) {
+      if (!table.has(joint + suffix)) continue;
+      lines.push_back(thinned({joint + suffix, numbersOf(table, "time_s"), numbersOf(table, joint + suffix)}));
+    }
+  }
+  if (lines.empty()) return;
+  Chart chart = lineChart(caption, {"time [s]"}, {axis}, lines);
+  chart.wide = true;
+  makeZoomable(chart);
+  page.add(std::move(chart));
+}
+
 /// Of hinges: of a ball joint no single angle says where it is.
 void addJoints(const ResultFiles& files, Page& page) {
   if (files.has("measured.csv")) {
@@ -46,20 +64,13 @@ void addJoints(const ResultFiles& files, Page& page) {
     addChart(table, "Joints, simulated", "", "_simulated_deg", "angle from the zero pose [deg]", page);
     addChart(table, "Joints, measured", "", "_measured_deg", "angle from the zero pose [deg]", page);
     addChart(table, "Joints: simulated to measured", "", "_error_deg", "error [deg]", page);
+    addChart(table, "Slides, simulated", "", "_simulated_mm", "way from the zero pose [mm]", page);
+    addChart(table, "Slides, measured", "", "_measured_mm", "way from the zero pose [mm]", page);
+    addChart(table, "Slides: simulated to measured", "", "_error_mm", "error [mm]", page);
     return;
   }
-  const CsvTable table = files.table("motion.csv");
-  std::vector<Series> lines;
-  for (const auto& [joint, _] : files.result().at("joints").items()) {
-    for (const char* suffix : {"_rad", "_qx", "_qy", "_qz"}) {
-      if (!table.has(joint + suffix)) continue;
-      lines.push_back(thinned({joint + suffix, numbersOf(table, "time_s"), numbersOf(table, joint + suffix)}));
-    }
-  }
-  Chart chart = lineChart("Joints", {"time [s]"}, {"angle [rad], or part of a quaternion"}, lines);
-  chart.wide = true;
-  makeZoomable(chart);
-  page.add(std::move(chart));
+  addPositions(files, "Joints", {"_rad", "_qx", "_qy", "_qz"}, "angle [rad], or part of a quaternion", page);
+  addPositions(files, "Slides", {"_m"}, "way [m]", page);
 }
 
 Page make(const ResultFiles& files) {
