@@ -17,7 +17,9 @@ if(SIMGAP_SANITIZE)
   add_link_options(-fsanitize=address,undefined)
 endif()
 if(SIMGAP_FUZZ)  # coverage everywhere, the fuzzer itself in its targets
-  add_compile_options(-fsanitize=fuzzer-no-link)
+  set(third_party ${CMAKE_SOURCE_DIR}/tests/fuzz/third_party.txt)
+  add_compile_options(-fsanitize=fuzzer-no-link -fsanitize-ignorelist=${third_party}
+    -fsanitize-coverage-ignorelist=${third_party})
 endif()
 # Third-party headers are not ours to warn about.
 foreach(target Eigen3::Eigen fmt::fmt spdlog::spdlog nlohmann_json::nlohmann_json yaml-cpp CLI11::CLI11 TBB::tbb)

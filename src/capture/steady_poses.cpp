@@ -141,8 +141,9 @@ ShaftLog readShaftLog(const CsvTable& table) {
   log.file = table.name();
   log.times = table.quantity("time", "s");
   for (const std::string& column : table.columns()) {
-    if (!column.starts_with("shaft_")) continue;
-    log.muscles.push_back(splitUnit(column).stem.substr(6));
+    const std::string stem = splitUnit(column).stem;  // of shaft_rad, which names no muscle, it is shaft
+    if (!stem.starts_with("shaft_")) continue;
+    log.muscles.push_back(stem.substr(6));
     log.shafts.push_back(table.quantity("shaft_" + log.muscles.back(), "rad"));
   }
   if (log.muscles.empty()) {

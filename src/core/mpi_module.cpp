@@ -49,12 +49,12 @@ class MpiChannel : public RankChannel {
     return received;
   }
 
-  std::string broadcast(std::string bytes) override {
+  std::optional<std::string> broadcast(std::string bytes, const std::function<bool()>& give_up) override {
     unsigned long size = bytes.size();
-    broadcastPiece(reinterpret_cast<char*>(&size), sizeof size);
+    if (!broadcastPiece(reinterpret_cast<char*>(&size), sizeof size, give_up)) return std::nullopt;
     bytes.resize(size);
     for (std::size_t begin = 0; begin < size; begin += kLargestPiece) {
-      broadcastPiece(bytes.data() + begin, std::min(kLargestPiece, size - begin));
+      if (!broadcastPiece(bytes.data() + begin, std::min(kLargestPiece, size - begin), give_up)) return std::nullopt;
     }
     return bytes;
   }
@@ -75,16 +75,18 @@ class MpiChannel : public RankChannel {
     });
   }
 
-  /// MPI_Bcast would keep a core busy while it waits for a first rank that writes files.
-  static void broadcastPiece(char* bytes, std::size_t size) {
+  /// MPI_Bcast would keep a core busy while it waits for a first rank that writes files. \returns false: given up
+  static bool broadcastPiece(char* bytes, std::size_t size, const std::function<bool()>& give_up) {
     using std::chrono::microseconds;
     MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ibcast(bytes, static_cast<int>(size), MPI_BYTE, 0, MPI_COMM_WORLD, &request);
     int done = 0;
     for (microseconds pause{10}; MPI_Test(&request, &done, MPI_STATUS_IGNORE) == MPI_SUCCESS && done == 0;
          pause = std::min(2 * pause, microseconds{1000})) {
+      if (give_up()) return false;
       std::this_thread::sleep_for(pause);
     }
+    return true;
   }
 
   int rank_ = 0, count_ = 1;

@@ -2,6 +2,7 @@
 /// What ranks need of a message passing library: implemented by a module, so that the program runs without one.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,8 +23,9 @@ class RankChannel {
   virtual void send(int to, std::string bytes) = 0;
   /// A message to this rank; empty: there is none.
   virtual std::optional<RankMessage> receive() = 0;
-  /// Those of rank 0, on all ranks: every rank has to call it. Sleeps while it waits.
-  virtual std::string broadcast(std::string bytes) = 0;
+  /// Those of rank 0, on all ranks: every rank has to call it. Sleeps while it waits; with a dead rank, for ever.
+  /// \param give_up  asked meanwhile \returns nothing when it was given up: this rank can only leave then
+  virtual std::optional<std::string> broadcast(std::string bytes, const std::function<bool()>& give_up) = 0;
   /// All ranks have to call it; nothing may follow.
   virtual void end() = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <thread>
 
+#include "simgap/core/interrupt.h"
 #include "simgap/core/ranks.h"
 
 namespace simgap {
@@ -25,10 +26,22 @@ std::optional<RankMessage> RankTeam::receive() {
 }
 
 Bytes RankTeam::broadcast(Bytes given) {
-  Bytes all = channel->broadcast(std::move(given));
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kGrace{200};  // mpirun kills a second after it has told ranks to end
+  std::optional<Clock::time_point> asked;
+  const auto give_up = [&] {
+    if (rank > 0 || !interruptRequested()) return false;
+    if (!asked) asked = Clock::now();
+    return Clock::now() - *asked > kGrace;
+  };
+  std::optional<Bytes> all = channel->broadcast(std::move(given), give_up);
+  if (!all) {
+    ended = unheard = true;
+    throw InterruptedError("interrupted, and a rank does not listen");
+  }
   ++messages;
-  bytes += all.size();
-  return all;
+  bytes += all->size();
+  return std::move(*all);
 }
 
 void RankTeam::stopOthers() {
@@ -37,7 +50,10 @@ void RankTeam::stopOthers() {
 }
 
 void RankTeam::callToEnd() {
-  broadcast(beginWith(RankCall::kEnd));
+  try {
+    broadcast(beginWith(RankCall::kEnd));
+  } catch (const InterruptedError&) {  // one is dead: mpirun ends what is left
+  }
   ended = true;
 }
 

@@ -24,11 +24,13 @@ struct RankTeam {
   RankChannel* channel = nullptr;
   int rank = 0, count = 1;
   std::atomic<bool> ended{false};                  ///< the others have been told to go, or this one has been
+  std::atomic<bool> unheard{false};                ///< a call was given up: one of the others is dead, or hangs
   std::atomic<bool> at_work{false};                ///< in tasks: what they call stays on its rank
   std::size_t lists = 0, messages = 0, bytes = 0;  ///< so far: lists of tasks, and what went through this rank
 
   void send(int to, Bytes message);
   std::optional<RankMessage> receive();
+  /// \throws InterruptedError: on the first rank, when after an interrupt the others do not take it
   Bytes broadcast(Bytes bytes = {});
   /// Tells the other ranks to go, wherever they are in their tasks.
   void stopOthers();

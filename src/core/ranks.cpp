@@ -183,7 +183,7 @@ int leaveRanks(int code, std::string_view failure) {
   }
   spdlog::debug("ranks: {}; lists of tasks {}, messages {}, bytes {}", us.count, us.lists, us.messages, us.bytes);
   if (!us.ended) team().callToEnd();
-  if (!allHaveLeft()) _exit(code);  // mpirun ends what is left
+  if (us.unheard || !allHaveLeft()) _exit(code);  // mpirun ends what is left
   us.channel->end();
   return code;
 }

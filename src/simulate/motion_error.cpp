@@ -1,7 +1,6 @@
 #include "simgap/simulate/motion_error.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/ranks.h"
 
 namespace simgap {
 namespace {
@@ -150,11 +150,13 @@ std::vector<PlayedMotion> playAll(const ArmModel& model, std::span<const Recorde
                                   const MotionOptions& options, double capture_delay) {
   std::vector<PlayedMotion> played(motions.size());
   tbb::enumerable_thread_specific<std::optional<MotionPlayer>> players;
-  tbb::parallel_for(std::size_t{0}, motions.size(), [&](std::size_t i) {
-    if (interruptRequested()) return;
+  computeOnRanks(std::span(played), [&](std::size_t i) {
+    PlayedMotion one;
+    if (interruptRequested()) return one;
     std::optional<MotionPlayer>& player = players.local();
     if (!player) player.emplace(model, options);
-    player->play(PlayableMotion(motions[i], model.joints), capture_delay, played[i]);
+    player->play(PlayableMotion(motions[i], model.joints), capture_delay, one);
+    return one;
   });
   stopIfInterrupted();
   return played;

@@ -9,6 +9,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/position_bytes.h"
 #include "simgap/measure/motion_restart.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
@@ -164,6 +165,37 @@ void MotionPlayer::play(const PlayableMotion& playable, double capture_delay, Pl
     const auto at = static_cast<Eigen::Index>(moments.of_row[static_cast<std::size_t>(row)]);
     played.shafts.col(row) = track_.shafts.col(at);
     played.currents.col(row) = track_.currents.col(at);
+  }
+}
+
+void pack(Bytes& bytes, const PlayedMotion& played) {
+  pack(bytes, played.valid);
+  pack(bytes, played.outcome.finished);
+  pack(bytes, played.outcome.time);
+  pack(bytes, played.outcome.joint);
+  pack(bytes, played.outcome.muscle);
+  pack(bytes, played.outcome.rows);
+  pack(bytes, played.joints);
+  for (const Eigen::MatrixXd* table : {&played.shafts, &played.currents}) {
+    pack(bytes, table->rows());
+    pack(bytes, Eigen::VectorXd(table->reshaped()));
+  }
+}
+
+void unpack(BytesReader& from, PlayedMotion& played) {
+  unpack(from, played.valid);
+  unpack(from, played.outcome.finished);
+  unpack(from, played.outcome.time);
+  unpack(from, played.outcome.joint);
+  unpack(from, played.outcome.muscle);
+  unpack(from, played.outcome.rows);
+  unpack(from, played.joints);
+  for (Eigen::MatrixXd* table : {&played.shafts, &played.currents}) {
+    Eigen::Index rows = 0;
+    Eigen::VectorXd numbers;
+    unpack(from, rows);
+    unpack(from, numbers);
+    *table = numbers.reshaped(rows, rows == 0 ? 0 : numbers.size() / rows);
   }
 }
 

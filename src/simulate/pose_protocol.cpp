@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/core/position_bytes.h"
 
 namespace simgap {
 namespace {
@@ -154,11 +155,7 @@ std::string_view toString(PoseStatus status) {
 
 void pack(Bytes& bytes, const PoseOutcome& outcome) {
   pack(bytes, outcome.status);
-  pack(bytes, outcome.joints.size());
-  for (const JointPosition& joint : outcome.joints) {
-    for (const double component : joint.rotation.coeffs()) pack(bytes, component);
-    pack(bytes, joint.angle);
-  }
+  pack(bytes, outcome.joints);
   pack(bytes, outcome.shafts);
   pack(bytes, outcome.cord_expansion);
   pack(bytes, outcome.worst);
@@ -167,14 +164,8 @@ void pack(Bytes& bytes, const PoseOutcome& outcome) {
 }
 
 void unpack(BytesReader& from, PoseOutcome& outcome) {
-  std::size_t joints = 0;
   unpack(from, outcome.status);
-  unpack(from, joints);
-  outcome.joints.resize(joints);
-  for (JointPosition& joint : outcome.joints) {
-    for (double& component : joint.rotation.coeffs()) unpack(from, component);
-    unpack(from, joint.angle);
-  }
+  unpack(from, outcome.joints);
   unpack(from, outcome.shafts);
   unpack(from, outcome.cord_expansion);
   unpack(from, outcome.worst);

@@ -139,6 +139,12 @@ TEST_F(SharedWorkTest, RolloutsOfACalibrationOnMotions) {
   expectTheSameOnRanks({"calibrate", "forearm.yaml", "--motions", "motions.yaml", "--config", "forearm_config.yaml"});
 }
 
+TEST_F(SharedWorkTest, MotionsThatAreValidated) {
+  put("forearm.yaml", reality::toYaml(movingForearm().arm));
+  putMotions(folder_, "motions.yaml", 0, 3);
+  expectTheSameOnRanks({"validate", "forearm.yaml", "--motions", "motions.yaml"});
+}
+
 class SlowSharedWorkTest : public SharedWorkTest {};
 
 TEST_F(SlowSharedWorkTest, HypothesesAndPlacebosOfALog) {
@@ -176,17 +182,22 @@ TEST_F(RanksTest, OnlyTheFirstRankSpeaks) {
   EXPECT_EQ(countOf(refused.err, "simgap: none.yaml: cannot be read"), 1u) << refused.err;
 }
 
+/// Ends rank 2 of what this process has started.
+bool killRankTwo() {
+  bool killed = false;
+  for (const pid_t child : descendants(::getpid())) {
+    if (rankOf(child) == 2 && ::kill(child, SIGKILL) == 0) killed = true;
+  }
+  return killed;
+}
+
 TEST_F(RanksTest, ARunThatLostARankGoesOnOnAnotherNumber) {
   put("config.yaml", quickConfig(40));
   succeed(calibrate("whole"));
   Arguments arguments = onRanks(3, calibrate("killed", {"--threads", "1"}));
   Process process(arguments, folder_.path());
   ASSERT_TRUE(reaches("killed", 2));
-  bool killed = false;
-  for (const pid_t child : descendants(::getpid())) {
-    if (rankOf(child) == 2 && ::kill(child, SIGKILL) == 0) killed = true;
-  }
-  ASSERT_TRUE(killed);
+  ASSERT_TRUE(killRankTwo());
   const ProcessResult result = process.wait();
   EXPECT_NE(result.exit_code, 0);
   EXPECT_THAT(result.err, testing::HasSubstr("go on with: simgap calibrate --resume killed"));
@@ -194,6 +205,45 @@ TEST_F(RanksTest, ARunThatLostARankGoesOnOnAnotherNumber) {
   EXPECT_LT(Json::parse(text("killed/state.json")).at("generation"), 40);
   succeedOn(2, {"calibrate", "--resume", "killed", "-q"});
   EXPECT_EQ(found("killed"), found("whole"));
+}
+
+TEST_F(RanksTest, ACalibrationOnMotionsThatLostARankGoesOnOnAnotherNumber) {
+  put("forearm.yaml", reality::toYaml(movingForearm().arm));
+  put("config.yaml", forearmConfig());
+  putMotions(folder_, "motions.yaml", 0, 2);
+  const auto calibration = [](const std::string& directory) {
+    return Arguments{"calibrate",
+                     "forearm.yaml",
+                     "--motions",
+                     "motions.yaml",
+                     "--config",
+                     "config.yaml",
+                     "--optimizer",
+                     "es",
+                     "--mu",
+                     "3",
+                     "--lambda",
+                     "9",
+                     "--generations",
+                     "30",
+                     "--threads",
+                     "1",
+                     "-q",
+                     "-o",
+                     directory};
+  };
+  succeed(calibration("whole"));
+  Process process(onRanks(3, calibration("killed")), folder_.path());
+  for (int i = 0; i < 6000 && !fs::exists(path("killed/state.json")); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ASSERT_TRUE(killRankTwo());
+  const ProcessResult result = process.wait();
+  EXPECT_NE(result.exit_code, 0);
+  EXPECT_THAT(result.err, testing::HasSubstr("go on with: simgap calibrate --resume killed"));
+  EXPECT_NE(Json::parse(text("killed/run.json")).at("status"), "done");
+  succeedOn(2, {"calibrate", "--resume", "killed", "-q"});
+  EXPECT_EQ(resultsIn(path("killed")), resultsIn(path("whole")));
 }
 
 TEST_F(RanksTest, AnInterruptedRunGoesOnWithoutRanks) {

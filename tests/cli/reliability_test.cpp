@@ -238,6 +238,35 @@ TEST_F(ReliabilityTest, NothingOutsideADirectoryIsWrittenOrRead) {
   succeed({"calibrate", "--resume", "out", "-q"});
 }
 
+TEST_F(ReliabilityTest, ACalibrationOnMotionsThatGoesOnParsesOnlyWhatItHasReadBefore) {
+  put("forearm.yaml", reality::toYaml(movingForearm().arm));
+  put("forearm_config.yaml", forearmConfig() + "motions: {rounds: 1}\n");
+  putMotions(folder_, "motions.yaml", 0, 1);
+  succeed(
+      {"calibrate", "forearm.yaml", "--motions", "motions.yaml", "--config", "forearm_config.yaml", "-q", "-o", "out"});
+  const Arguments resume{"calibrate", "--resume", "out", "-q"};
+  const std::string kept = text("out/inputs/motions.json"), model = text("forearm.yaml");
+  // What a parser would quote in its sentence.
+  const std::string secret = "secret_word: [";
+  put("secret.yaml", secret);
+  for (const char* role : {"model", "motions", "validation_motions", "poses"}) {
+    Json edited = Json::parse(kept);
+    edited.at(role) = path("secret.yaml").string();
+    put("out/inputs/motions.json", toText(edited));
+    const ProcessResult result = simgap(resume);
+    EXPECT_EQ(result.exit_code, 2) << role;
+    EXPECT_THAT(result.err, HasSubstr("secret.yaml: has changed since the run began")) << role;
+    EXPECT_EQ(result.err.find("secret_word"), std::string::npos) << role;
+  }
+  put("out/inputs/motions.json", kept);
+  put("forearm.yaml", secret);
+  const ProcessResult changed = simgap(resume);
+  EXPECT_EQ(changed.exit_code, 2);
+  EXPECT_THAT(changed.err, HasSubstr("forearm.yaml: has changed since the run began"));
+  put("forearm.yaml", model);
+  succeed(resume);
+}
+
 TEST_F(ReliabilityTest, AbsurdValuesAreRefused) {
   for (const char* absurd : {"1e20", "-1e9"}) {
     put("bad.csv", replaced(text("poses.csv"), "1.71763311", absurd));

@@ -2,9 +2,12 @@
 // nothing is left behind (the sanitizers see leaks).
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <new>
+#include <vector>
 
 #include "fuzz/readers.h"
 #include "simgap/core/error.h"
@@ -70,6 +73,17 @@ TEST_P(Allocation, FailsOnceInTurn) {
 
 std::string nameOf(const testing::TestParamInfo<Reader>& info) { return std::string(info.param.name); }
 INSTANTIATE_TEST_SUITE_P(Inputs, Allocation, testing::ValuesIn(inputReaders().begin(), inputReaders().end()), nameOf);
+/// Those of YAML and tables. nlohmann::json takes memory where a value is destroyed, to be done with nested ones
+/// without recursion: where there is none, the program ends (docs/reliability.md).
+std::vector<Reader> withoutJson() {
+  std::vector<Reader> readers(resultReaders().begin(), resultReaders().end());
+  std::erase_if(readers, [](const Reader& reader) {
+    constexpr std::array kJson = {"state", "motion_state", "result", "compared", "budget", "serve"};
+    return std::ranges::find(kJson, reader.name) != kJson.end();
+  });
+  return readers;
+}
+INSTANTIATE_TEST_SUITE_P(Results, Allocation, testing::ValuesIn(withoutJson()), nameOf);
 
 }  // namespace
 }  // namespace simgap::test

@@ -42,7 +42,7 @@ void readTable(std::string bytes) {
   }
 }
 
-void readPacked(std::string bytes) { unpackCsv(std::move(bytes), "input.csv.gz", std::size_t{1} << 24U); }
+void readPacked(std::string bytes) { unpackCsv(std::move(bytes), "input.csv.gz", std::size_t{1} << 20U); }
 
 PoseLayout layoutOfTwo() {
   PoseLayout layout;
@@ -91,15 +91,22 @@ void readRecording(std::string bytes) {
 }
 
 void readBoardCorners(std::string bytes) { readCorners(CsvTable::parse(std::move(bytes), "input.csv")); }
-void readArmModel(std::string bytes) { readArm(yaml(bytes)); }
 void readFitted(std::string bytes) { readFittedModel(yaml(bytes)); }
 void readBenchOf(std::string bytes) { readBench(yaml(bytes)); }
+/// What was read is written in the other formats, too.
+void writeRobot(const ArmModel& model) {
+  writeMjcf(model);
+  writeUrdf(model);
+}
+void readArmModel(std::string bytes) { writeRobot(readArm(yaml(bytes))); }
 /// No file is there to include.
 void readMjcfRobot(std::string bytes) {
-  readMjcf(bytes, "input.xml",
-           [](const std::filesystem::path& file) -> std::string { throw DataError(file.string() + ": is not there"); });
+  const auto none = [](const std::filesystem::path& file) -> std::string {
+    throw DataError(file.string() + ": is not there");
+  };
+  writeRobot(readMjcf(bytes, "input.xml", none).model);
 }
-void readUrdfRobot(std::string bytes) { readUrdf(bytes, "input.urdf"); }
+void readUrdfRobot(std::string bytes) { writeRobot(readUrdf(bytes, "input.urdf").model); }
 void readTargetSet(std::string bytes) { readTargets(yaml(bytes)); }
 /// A file of both cameras, or the same camera_info for each.
 void readCamerasOf(std::string bytes) {

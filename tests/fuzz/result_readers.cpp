@@ -9,10 +9,13 @@
 #include "simgap/core/error.h"
 #include "simgap/fit/motions/motion_calibration.h"
 #include "simgap/fit/poses/calibration.h"
+#include "simgap/model/arm/arm_change.h"
 #include "simgap/model/arm/arm_yaml.h"
+#include "simgap/report/diagnosis/candidate_files.h"
 #include "simgap/report/html/result_page.h"
 #include "simgap/report/runs/budget.h"
 #include "simgap/report/runs/run_comparison.h"
+#include "simgap/simulate/joint_targets.h"
 #include "simgap/simulate/motion_inputs.h"
 #include "simgap/simulate/motion_schedule.h"
 #include "simgap/simulate/possible_commands.h"
@@ -39,9 +42,6 @@ YamlNode yaml(const std::string& bytes) { return YamlNode::parse(bytes, "input.y
 
 void readState(std::string bytes) { calibrationStateFromJson(jsonOf(bytes)); }
 void readMotionState(std::string bytes) { motionSearchStateFromJson(jsonOf(bytes), 2); }
-void readCalibration(std::string bytes) { CalibrationConfig::read(yaml(bytes)); }
-void readMotionCalibration(std::string bytes) { MotionCalibrationConfig::read(yaml(bytes)); }
-
 /// A forearm on a hinge between two muscles.
 const ArmModel& forearm() {
   static const ArmModel model = readArm(YamlNode::parse(R"(format: simgap/arm/1
@@ -62,13 +62,26 @@ muscles:
   return model;
 }
 
-/// Commands of muscles, and a start for them.
+/// Settings, and the forearm's parameters that they choose.
+void readCalibration(std::string bytes) { ParameterSpace(forearm(), CalibrationConfig::read(yaml(bytes)).parameters); }
+void readMotionCalibration(std::string bytes) {
+  ParameterSpace(forearm(), MotionCalibrationConfig::read(yaml(bytes)).parameters);
+}
+
+/// Commands of muscles or of joints, a start for them, and joints measured meanwhile.
 void readCommandTable(std::string bytes) {
   const CsvTable table = CsvTable::parse(std::move(bytes), "input.csv");
-  try {
-    readMotionStart(table, forearm(), "");
-  } catch (const Error&) {
-  }
+  const auto tryReading = [](auto&& read) {
+    try {
+      read();
+    } catch (const Error&) {
+    }
+  };
+  tryReading([&] { readMotionStart(table, forearm(), ""); });
+  tryReading([&] { readMeasuredJoints(table, forearm(), 0.0, 1.0); });
+  tryReading([&] {
+    if (hasJointTargets(table)) readJointTargets(table, forearm(), /*linear=*/true);
+  });
   motionEnd(readCommands(table, forearm(), /*linear=*/true), "input.csv", {});
 }
 
@@ -135,6 +148,17 @@ void readLimits(std::string bytes) {
   guardJunit(guard);
 }
 
+/// What was done to an arm, done to the forearm.
+void readChange(std::string bytes) {
+  ArmModel model = forearm();
+  const ArmChanges changes = ArmChanges::read(yaml(bytes), model);
+  changes.undoes("payload:forearm");
+  changes.withinUncertainty();
+  changes.apply(model);
+}
+
+void readCandidates(std::string bytes) { CandidateList::read(yaml(bytes)); }
+
 constexpr std::array kReaders = {
     Reader{"state", readState},
     Reader{"calibration", readCalibration},
@@ -147,6 +171,8 @@ constexpr std::array kReaders = {
     Reader{"schedule", readMovement},
     Reader{"simulation", readSimulation},
     Reader{"serve", serve},
+    Reader{"change", readChange},
+    Reader{"candidates", readCandidates},
 };
 
 }  // namespace

@@ -48,7 +48,8 @@ struct MotionRms {
 MotionRms motionRms(std::span<const RecordedMotion> motions, std::span<const PlayedMotion> played,
                     const PoseLayout& layout);
 
-/// Plays motions in parallel, each once; the same for any number of threads. \throws InterruptedError
+/// Plays motions in parallel, among all ranks, each once; the same for any number of threads and ranks.
+/// \throws InterruptedError
 std::vector<PlayedMotion> playAll(const ArmModel& model, std::span<const RecordedMotion> motions,
                                   const MotionOptions& options, double capture_delay = 0.0);
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "simgap/core/bytes.h"
 #include "simgap/measure/motion_set.h"
 #include "simgap/simulate/possible_commands.h"
 #include "simgap/simulate/rollout.h"
@@ -30,6 +31,9 @@ struct PlayedMotion {
   Eigen::MatrixXd shafts;             ///< shape (muscles, rows) [rad]
   Eigen::MatrixXd currents;           ///< shape (muscles, rows) [A]
 };
+/// Between ranks.
+void pack(Bytes& bytes, const PlayedMotion& played);
+void unpack(BytesReader& from, PlayedMotion& played);
 
 /// Checked against a model, and cut at restarts. \throws DataError: a voltage beyond the supply, a force that pushes
 MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std::filesystem::path& file,
