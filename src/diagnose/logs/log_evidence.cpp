@@ -29,6 +29,22 @@ std::vector<std::size_t> keptRows(const PreparedLog& log) {
   return rows;
 }
 
+/// Rows where a drive turns, and as far from them as a smoother blurs the jump of its acceleration there, are no
+/// evidence of structure: what a model lacks in them is as likely the smoother's.
+void leaveOutTurns(const PreparedLog& log, std::vector<std::size_t>& kept) {
+  if (log.blurred_seconds <= 0.0) return;
+  const ActuatorRows& rows = log.data.rows;
+  std::vector<bool> blurred(log.data.keep.size(), false);
+  const auto reach = static_cast<Index>(std::ceil(log.blurred_seconds / rows.step));
+  for (Index i = 1; i < rows.rows(); ++i) {
+    if (rows.direction[i] == rows.direction[i - 1]) continue;
+    for (Index k = std::max<Index>(0, i - reach); k < std::min(rows.rows(), i + reach); ++k) {
+      blurred[static_cast<std::size_t>(k)] = true;
+    }
+  }
+  std::erase_if(kept, [&](std::size_t i) { return blurred[i]; });
+}
+
 ArrayXd sinceReversal(const ActuatorRows& rows) {
   ArrayXd time = ArrayXd::Zero(rows.rows());
   for (Index i = 1; i < rows.rows(); ++i) {
@@ -167,7 +183,8 @@ std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<E
 
 Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& channels, const VectorXd& residual,
                     std::uint64_t seed) {
-  const std::vector<std::size_t> kept = keptRows(log);
+  std::vector<std::size_t> kept = keptRows(log);
+  leaveOutTurns(log, kept);
   if (kept.empty()) return {};
   const VectorXd near = bounded(residual, kept);
   std::vector<EvidenceChannel> used;

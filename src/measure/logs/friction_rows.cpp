@@ -141,7 +141,11 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   data.session_names = log.session_names;
   const bool derived_velocity = log.velocity.empty();
   const std::vector<Block> runs = splitRuns(log.time, log.session);
-  if (!options.raw_sign) putSpikesRight(log, data);
+  if (!options.raw_sign) {
+    takeEvenTimes(log, runs, bench.needsAcceleration(), data);
+    putSpikesRight(log, data);
+    moveLateVelocity(log, runs, data);
+  }
   completeMotion(log, runs, options.bandwidth ? options.bandwidth : bench.bandwidth, bench.needsAcceleration(), data);
   checkLog(log, data);
   workOutLoad(log, bench, data);

@@ -87,6 +87,7 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   log.effort_column = quantityName(friction.effort_name, friction.effort_unit);
   log.session_names = friction.session_names;
   log.dead_band = friction.dead_band;
+  if (friction.bandwidth > 0.0) log.blurred_seconds = 1.0 / friction.bandwidth;
   log.warnings = friction.warnings;
   log.spikes = friction.spikes;
   log.blocks = friction.blocks;

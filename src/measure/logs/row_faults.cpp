@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -10,8 +11,33 @@
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/rests.h"
 #include "simgap/measure/logs/spikes.h"
+#include "simgap/measure/logs/stamps.h"
+#include "simgap/measure/logs/velocity_lag.h"
 
 namespace simgap {
+
+void takeEvenTimes(ActuatorLog& log, std::span<const Block> runs, bool acceleration, FrictionData& data) {
+  const bool from_position = !log.position.empty();
+  if (!log.has_time || (!log.velocity.empty() && !acceleration)) return;
+  std::optional<EvenTimes> even = evenTimes(log.time, from_position ? log.position : log.velocity, runs);
+  if (!even) return;
+  data.warnings.push_back(fmt::format(
+      "time_s jitters by {:.2g} ms and the samples do not: over even times the {} is {:.1f} times smoother, and these "
+      "were taken",
+      1e3 * even->jitter, from_position ? "position" : "velocity", even->times_smoother));
+  log.time = std::move(even->time);
+}
+
+void moveLateVelocity(ActuatorLog& log, std::span<const Block> runs, FrictionData& data) {
+  if (!log.has_time || log.velocity.empty() || log.position.empty()) return;
+  const std::optional<double> lag = velocityLag(log.time, log.position, log.velocity, runs);
+  if (!lag) return;
+  data.warnings.push_back(fmt::format(
+      "motor_velocity comes {:.3g} ms {} than the slope of the position: it was moved by that, and delays count from "
+      "the position",
+      1e3 * std::abs(*lag), *lag > 0.0 ? "later" : "earlier"));
+  log.velocity = moved(log.time, log.velocity, runs, *lag);
+}
 
 void putSpikesRight(ActuatorLog& log, FrictionData& data) {
   if (!log.has_time) return;
@@ -40,12 +66,18 @@ void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, Fricti
 void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
                    FrictionData& data) {
   constexpr std::ptrdiff_t kFewestRows = 50;  // of motion
+  constexpr double kBlurred = 0.5;            // periods of the smoother's bandwidth
   if (options.raw_sign || !log.has_time) return;
   RestRule rule{restingSpeed(log.velocity, sign.dead_band)};
   if (derived) {  // an encoder that stands is no noise: the drive sticks, be it for two rows; a smoother blurs the ends
     rule.least_seconds = 0.0;
     rule.fewest_rows = 2;
-    rule.blurred_seconds = 0.5 / data.bandwidth;
+    rule.blurred_seconds = kBlurred / data.bandwidth;
+  }
+  // What sticks or breaks away does so within a row: the acceleration jumps, and the smoother's answer to a jump dies
+  // down like exp(-pi B t): to a fifth after half a period of B, to a twentieth after a whole one.
+  if (std::ranges::find(data.derived, "acceleration") != data.derived.end()) {
+    rule.blurred_seconds += kBlurred / data.bandwidth;
   }
   const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, rule);
   std::vector<bool> moving = sign.keep;

@@ -2,11 +2,21 @@
 /// Rows of a drive's log that mean nothing to a kinetic law: samples that stand alone, and rests.
 #pragma once
 
+#include <span>
+
+#include "simgap/core/blocks.h"
 #include "simgap/measure/logs/actuator_log.h"
 #include "simgap/measure/logs/friction_rows.h"
 #include "simgap/measure/logs/motion.h"
 
 namespace simgap {
+
+/// Where stamps jitter and the samples of what is differentiated do not, time becomes even, which `data` says.
+/// \param acceleration  is needed, too: a velocity is differentiated as well.
+void takeEvenTimes(ActuatorLog& log, std::span<const Block> runs, bool acceleration, FrictionData& data);
+
+/// A velocity that is late against the position beside it is moved to where the position has its slope.
+void moveLateVelocity(ActuatorLog& log, std::span<const Block> runs, FrictionData& data);
 
 /// Samples that stand alone are noted in `data` for every channel, and put right.
 void putSpikesRight(ActuatorLog& log, FrictionData& data);

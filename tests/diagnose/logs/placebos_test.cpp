@@ -114,6 +114,30 @@ TEST(Placebos, ALateCurrentIsADelayAlsoWhereSomethingSlowIsLeft) {
   EXPECT_NE(fitDelay(noisyDrive(0.3, 0, 0.5)).doubt, "");
 }
 
+/// The effort comes 8 rows late forwards and in the same row backwards, as where a seal gives way one way only.
+PreparedLog lateOneWay() {
+  constexpr std::size_t kRows = 6000, kLate = 8;
+  std::vector<double> speed, current;
+  for (std::size_t i = 0; i < kRows; ++i) {
+    const double t = static_cast<double>(i) / kRate, w = 6.0 * std::sin(2.1 * t) + 3.0 * std::sin(3.7 * t + 1.0);
+    speed.push_back(w);
+    current.push_back(0.2 * (w > 0.0 ? 1.0 : -1.0) + 0.1 * w + 0.5 * std::sin(0.9 * t) + 0.02 * std::cos(1e3 * t * t));
+  }
+  std::string csv = "time_s,motor_velocity_rad_s,external_torque_Nm,motor_current_A\n";
+  for (std::size_t i = kLate; i < kRows; ++i) {
+    const double t = static_cast<double>(i) / kRate;
+    csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", t, speed[i], 0.5 * std::sin(0.9 * t),
+                       current[speed[i] > 0.0 ? i - kLate : i]);
+  }
+  return prepareLog(CsvTable::parse(csv, "log.csv"), {}, ActuatorKind::kFriction);
+}
+
+TEST(Placebos, WhatIsLateInOneDirectionOnlyIsNoDelay) {
+  const DelayFit one_way = fitDelay(lateOneWay());
+  EXPECT_GT(one_way.gain, 0.1);
+  EXPECT_NE(one_way.doubt.find("one time"), std::string::npos) << one_way.delay << one_way.doubt;
+}
+
 TEST(Placebos, WhatDelaysNothingIsNotDoubtedAsADelay) {
   const PreparedLog log = noisyDrive(0.0, 0);
   const LogDiagnosisOptions options;

@@ -51,6 +51,7 @@ struct PreparedLog {
   std::vector<std::string> session_names;
   std::string file, effort_column;
   double dead_band = 0.0;
+  double blurred_seconds = 0.0;  ///< about a turn of motion: there its derivatives are the smoother's; 0: none smoothed
   std::vector<ChannelSpikes> spikes;   ///< samples that stood alone; their rows do not count
   std::vector<ChannelSpikes> clipped;  ///< of a spring: a sensor at its limit; likewise
   std::vector<LeftOutRows> left_out;   ///< rows of the file that are none of the log's, as readLogTable
