@@ -100,6 +100,7 @@ void readMjcfRobot(std::string bytes) {
            [](const std::filesystem::path& file) -> std::string { throw DataError(file.string() + ": is not there"); });
 }
 void readUrdfRobot(std::string bytes) { readUrdf(bytes, "input.urdf"); }
+void readSdfRobot(std::string bytes) { readSdf(bytes, "input.sdf"); }
 void readTargetSet(std::string bytes) { readTargets(yaml(bytes)); }
 /// A file of both cameras, or the same camera_info for each.
 void readCamerasOf(std::string bytes) {
@@ -143,7 +144,7 @@ constexpr std::array kReaders = {
     Reader{"fitted", readFitted},     Reader{"bench", readBenchOf},         Reader{"targets", readTargetSet},
     Reader{"rig", readStereoRig},     Reader{"cameras", readCamerasOf},     Reader{"mcap", readRecording},
     Reader{"rosbag2", readRecording}, Reader{"mjcf", readMjcfRobot},        Reader{"urdf", readUrdfRobot},
-    Reader{"motions", readMotions},   Reader{"capture", readCaptureTables},
+    Reader{"motions", readMotions},   Reader{"capture", readCaptureTables}, Reader{"sdf", readSdfRobot},
 };
 
 }  // namespace
