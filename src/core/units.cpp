@@ -30,6 +30,7 @@ enum class Dimension {
   kDamping,
   kRotationalDamping,
   kInertia,
+  kArea,
   kDensity,
   kBackEmf,
   kTorqueConstant,
@@ -88,6 +89,7 @@ constexpr Unit kUnits[] = {
     {"Nms", Dimension::kRotationalDamping, 1.0},
     {"Nms_rad", Dimension::kRotationalDamping, 1.0},
     {"kg_m2", Dimension::kInertia, 1.0},
+    {"m2", Dimension::kArea, 1.0},
     {"kg_m3", Dimension::kDensity, 1.0},
     {"g_cm3", Dimension::kDensity, 1e3},
     {"Vs", Dimension::kBackEmf, 1.0},
@@ -120,6 +122,7 @@ double largestOf(Dimension dimension) {
     case Dimension::kVoltage:
     case Dimension::kTemperature:
     case Dimension::kLength:
+    case Dimension::kArea:
     case Dimension::kVelocity:
       return 1e5;
     case Dimension::kAngularVelocity:

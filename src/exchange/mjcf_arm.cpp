@@ -34,7 +34,7 @@ class MjcfArm {
     for (const MjcfCoupling& coupling : robot_.couplings) couple(coupling);
     std::set<std::string> taken;
     for (const MjcfTendon& tendon : robot_.tendons) addTendon(tendon, taken);
-    for (const MjcfActuator& actuator : robot_.actuators) checkActuator(actuator);
+    for (const MjcfActuator& actuator : robot_.actuators) addActuator(actuator, taken);
     return std::move(arm_);
   }
 
@@ -134,48 +134,7 @@ class MjcfArm {
     return branches;
   }
 
-  /// Whether a surface stays where it is in the parent's frame, whatever the position of the joint.
-  static bool isUnmoved(const Surface& surface, const Joint& joint) {
-    constexpr double kSame = 1e-9;  // [m], and of unit vectors
-    const bool cylinder = surface.shape == Surface::Shape::kCylinder;
-    const Eigen::Vector3d axis = joint.child_orientation * joint.axis;
-    const Eigen::Vector3d way = surface.position - joint.child_position;
-    const bool along = cylinder && surface.axis.cross(axis).norm() < kSame;
-    if (joint.slides()) return along;
-    if (!joint.hasAxis()) return !cylinder && way.norm() < kSame;
-    return way.cross(axis).norm() < kSame && (along || !cylinder);
-  }
-
-  /// Carries a surface to the body of its side point where joints between both leave it where it is: a wheel about the
-  /// joint's own axis. \returns whether it got there
-  bool carryTo(int target, Surface& surface, int& body) const {
-    Surface moved = surface;
-    int at = body;
-    while (at != target) {
-      const auto joint = std::ranges::find(arm_.joints, at, &Joint::child);
-      if (joint == arm_.joints.end() || !isUnmoved(moved, *joint)) return false;
-      const Eigen::Isometry3d frame = drawnPose(*joint);
-      moved.position = frame * moved.position;
-      moved.axis = tidyAxis(frame.linear() * moved.axis);
-      at = joint->parent;
-    }
-    surface = moved;
-    body = at;
-    return true;
-  }
-
-  /// The side point in the frame of the surface's body.
-  Eigen::Vector3d sidePoint(const MjcfPathElement& element, const std::string& place, Surface& surface, int& body) {
-    const Attachment side = siteOf(element.side);
-    if (side.body == body || carryTo(side.body, surface, body)) return side.point;
-    xml_.add(fmt::format("sidesite '{}' on another body than '{}'", abridged(element.side), abridged(element.name)),
-             "moves with the surface, from where it is in the drawn pose", true, place);
-    const std::vector<BodyInWorld> drawn = bodiesInWorld(arm_, std::vector<JointPosition>(arm_.joints.size()));
-    const BodyInWorld& carrier = drawn[body];
-    return carrier.rotation.transpose() * (drawn[side.body] * side.point - carrier.origin);
-  }
-
-  Station surfaceStation(const MjcfPathElement& element, const std::string& place) {
+  Station surfaceStation(const MjcfPathElement& element) {
     const MjcfSurface& from = robot_.surfaces.at(element.name);
     const Home home = homeOf(from.body);
     const Eigen::Isometry3d frame = home.frame * from.frame;
@@ -191,7 +150,11 @@ class MjcfArm {
     station.kind = Station::Kind::kSurface;
     station.at.body = home.body;
     station.sided = !element.side.empty();
-    if (station.sided) station.at.point = sidePoint(element, place, surface, station.at.body);
+    if (station.sided) {
+      const Attachment side = siteOf(element.side);
+      station.at.point = side.point;
+      if (side.body != station.at.body) station.side_body = side.body;
+    }
     std::vector<Surface>& surfaces = arm_.bodies[station.at.body].surfaces;
     const auto known = std::ranges::find(surfaces, surface.name, &Surface::name);
     station.surface = static_cast<int>(known - surfaces.begin());
@@ -221,8 +184,7 @@ class MjcfArm {
       for (const MjcfPathElement& element : elements) {
         Station point;
         if (element.kind == MjcfPathElement::Kind::kSite) point.at = siteOf(element.name);
-        path.between.push_back(element.kind == MjcfPathElement::Kind::kSite ? point
-                                                                            : surfaceStation(element, tendon.place));
+        path.between.push_back(element.kind == MjcfPathElement::Kind::kSite ? point : surfaceStation(element));
       }
     }
     path.attachments = {path.between.front().at, path.between.back().at};
@@ -342,14 +304,51 @@ class MjcfArm {
     }
   }
 
-  void checkActuator(const MjcfActuator& actuator) const {
-    if (actuator.tendon.empty()) {
-      xml_.add(fmt::format("{} (actuator of a joint)", actuator.tag), "left out: only lines pull here", true,
-               actuator.place);
-    } else if (std::ranges::find(robot_.tendons, actuator.tendon, &MjcfTendon::name) == robot_.tendons.end()) {
+  /// Actuators of tendons were met with their tendons.
+  void addActuator(const MjcfActuator& actuator, std::set<std::string>& taken) {
+    if (actuator.tendon.empty()) return addJointDrive(actuator, taken);
+    if (std::ranges::find(robot_.tendons, actuator.tendon, &MjcfTendon::name) == robot_.tendons.end()) {
       throw DataError(fmt::format("{}: {}: tendon: found '{}', expected the name of a tendon", actuator.place,
                                   actuator.tag, abridged(actuator.tendon)));
     }
+  }
+
+  /// MuJoCo's torque of an affine actuator, gear (gain ctrl + b0 + b1 gear q + b2 gear dq/dt): a motor without b0 and
+  /// b1, a servo where b1 = -gain.
+  void addJointDrive(const MjcfActuator& actuator, std::set<std::string>& taken) {
+    const std::string what = fmt::format("{} (actuator of a joint)", actuator.tag);
+    const auto ball = std::ranges::find(arm_.joints, actuator.joint, &Joint::name);
+    if (ball != arm_.joints.end() && !ball->hasAxis()) {
+      return xml_.add(what, "left out: the joint has no axis", true, actuator.place);
+    }
+    const int joint = jointOf(actuator.joint, actuator.place);
+    const auto [b0, b1, b2] = actuator.bias;
+    const bool motor = b0 == 0.0 && b1 == 0.0 && b2 == 0.0, servo = b0 == 0.0 && b1 == -actuator.gain && b1 < 0.0;
+    if (!actuator.affine || arm_.joints[joint].slides() || (!motor && !servo) || actuator.gear == 0.0) {
+      return xml_.add(what, "left out: no motor or position servo of a hinge", true, actuator.place);
+    }
+    PassiveTendon drive;
+    drive.name = freeName(actuator.name.empty() ? actuator.joint : actuator.name, taken);
+    Station wheel;
+    wheel.kind = Station::Kind::kJoint;
+    wheel.joint = joint;
+    wheel.radius = 1.0;
+    drive.between = {wheel};
+    if (motor) {
+      drive.kind = tendonKind("joint-motor");
+      drive.p = {1.0, actuator.gear * actuator.gain, 1.0, 0.0};
+      xml_.add(what, "a motor whose current in A is the control", false, actuator.place);
+    } else {
+      drive.kind = tendonKind("joint-servo");
+      const double square = actuator.gear * actuator.gear;
+      drive.p = {actuator.gain * square, 0.0, -b2 * square};
+      xml_.add(what,
+               actuator.gear == 1.0 ? std::string("a servo whose target is the control")
+                                    : fmt::format("a servo whose target is {:.6g} of the control", 1.0 / actuator.gear),
+               actuator.gear != 1.0, actuator.place);
+    }
+    if (actuator.force_range) xml_.add("actuator forcerange", "left out: no limit of a torque", true, actuator.place);
+    arm_.tendons.push_back(std::move(drive));
   }
 
   XmlRobot& xml_;

@@ -223,7 +223,9 @@ class MjcfWriter {
         const Body& body = model_.bodies[station.at.body];
         text += fmt::format("      <geom geom=\"{}\"", xmlText(surfaceName(body, body.surfaces[station.surface])));
         if (station.sided) {
-          text += fmt::format(" sidesite=\"{}\"", site(station.at, fmt::format("{}/side {}", name, ++count)));
+          Attachment side = station.at;
+          if (station.side_body >= 0) side.body = station.side_body;
+          text += fmt::format(" sidesite=\"{}\"", site(side, fmt::format("{}/side {}", name, ++count)));
         }
         text += "/>\n";
       }
@@ -254,7 +256,9 @@ class MjcfWriter {
     const std::string_view kind = tendon.kind->name;
     const auto& p = tendon.p;
     const bool elastic = kind == "ligament" || kind == "spring";
-    if (!elastic && kind != "constant-force") {
+    if (tendon.kind->at_joint) {
+      writeJointDrive(tendon);
+    } else if (!elastic && kind != "constant-force") {
       remarks_.add(fmt::format("'{}' ({})", tendon.name, kind), "left out: MJCF has no such line");
     } else if (elastic && p[0] >= 0.0) {
       const std::string rest = kind == "spring" ? fmt::format("{}", p[0]) : fmt::format("0 {}", p[0]);
@@ -266,6 +270,22 @@ class MjcfWriter {
     } else if (writePath(tendon, tendon.name, "")) {
       if (elastic) writeActuator(tendon.name, 0.0, {p[1] * p[0], -p[1], -p[2]}, false);
       if (!elastic && p[0] != 0.0) writeActuator(tendon.name, 0.0, {-p[0], 0.0, 0.0}, false);
+    }
+  }
+
+  void writeJointDrive(const PassiveTendon& drive) {
+    const auto& p = drive.p;
+    const std::string joint = xmlText(model_.joints[drive.between[0].joint].name);
+    if (drive.kind->name == "joint-motor") {
+      actuators_ += fmt::format("    <motor name=\"{}\" joint=\"{}\" gear=\"{}\"/>\n", xmlText(drive.name), joint,
+                                p[0] * p[1] * p[2]);
+      remarks_.add("a motor at a joint", "its control is the current in A; its friction and inertia are left out",
+                   false);
+    } else if (drive.kind->name == "joint-servo" && p[1] == 0.0) {
+      actuators_ += fmt::format("    <position name=\"{}\" joint=\"{}\" kp=\"{}\" kv=\"{}\"/>\n", xmlText(drive.name),
+                                joint, p[0], p[2]);
+    } else {
+      remarks_.add(fmt::format("'{}' ({})", drive.name, drive.kind->name), "left out: MJCF has no such drive");
     }
   }
 

@@ -32,11 +32,11 @@ RobotFormat robotFormatOf(const std::string& text, const std::filesystem::path& 
   if (root == "mujoco" || root == "mujocoinclude") return RobotFormat::kMjcf;
   if (root == "robot") return RobotFormat::kUrdf;
   const std::string name = file.filename().string();
-  if (root == "sdf") {
-    throw DataError(fmt::format("{}: found SDF, expected MJCF or URDF", name));
-  }
-  throw DataError(fmt::format("{}: found <{}> as its outermost element, expected <mujoco> (MJCF) or <robot> (URDF)",
-                              name, abridged(root)));
+  if (root == "sdf") return RobotFormat::kSdf;
+  throw DataError(
+      fmt::format("{}: found <{}> as its outermost element, expected <mujoco> (MJCF), <robot> (URDF) or <sdf>",
+
+                  name, abridged(root)));
 }
 
 RobotFormat robotFormatOf(const std::filesystem::path& file) {
@@ -49,7 +49,17 @@ RobotFormat robotFormatOf(const std::filesystem::path& file) {
 }
 
 std::string_view nameOf(RobotFormat format) {
-  return format == RobotFormat::kArm ? "arm" : format == RobotFormat::kMjcf ? "MJCF" : "URDF";
+  switch (format) {
+    case RobotFormat::kArm:
+      return "arm";
+    case RobotFormat::kMjcf:
+      return "MJCF";
+    case RobotFormat::kSdf:
+      return "SDF";
+    case RobotFormat::kUrdf:
+      break;
+  }
+  return "URDF";
 }
 
 }  // namespace simgap

@@ -1,19 +1,16 @@
 // URDF: links and joints. Muscles are no part of the format.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <map>
 
 #include "arm_exchange.h"
+#include "link_tree.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/text.h"
-#include "xml_robot.h"
 
 namespace simgap {
 namespace {
-
-constexpr std::size_t kMostLinks = 1000;
 
 const std::map<std::string, std::string> kIgnoredInUrdf = {
     {"visual", "looks: left out"},
@@ -30,14 +27,6 @@ const std::map<std::string, std::string> kIgnoredInUrdf = {
     {"@xmlns:xacro", "a name space: left out"},
 };
 
-struct UrdfJoint {
-  Joint joint;
-  std::string type, parent, child, mimic;
-  double multiplier = 1.0, offset = 0.0;
-  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  ///< of the child in the parent
-  std::string place;
-};
-
 class UrdfArm {
  public:
   UrdfArm(const std::string& text, const std::filesystem::path& file)
@@ -51,21 +40,12 @@ class UrdfArm {
       if (tag == "link") readLink(*e);
       if (tag == "joint") readJoint(*e);
     }
-    const std::string base = baseLink();
-    arm_.bodies.push_back({.name = freeName(base, body_names_), .fixed = true, .parts = {}, .surfaces = {}});
-    places_[base] = {0, Eigen::Isometry3d::Identity()};
-    attachChildren(base);
-    if (arm_.joints.empty()) fail("found no joint that moves, expected at least one");
-    for (const UrdfJoint& joint : joints_) follow(joint);
+    arm_ = tree_.build(std::move(arm_));
     std::vector<ExchangeRemark> remarks = xml_.finish(kIgnoredInUrdf);
     return {checkedArm(std::move(arm_), file_), std::move(remarks)};
   }
 
  private:
-  [[noreturn]] void fail(const std::string& sentence) const {
-    throw DataError(fmt::format("{}: {}", file_.filename().string(), sentence));
-  }
-
   const XmlElement* child(const XmlElement& element, const char* name) {
     const XmlElement* const found = element.FirstChildElement(name);
     if (found != nullptr) xml_.understand(*found);
@@ -89,11 +69,7 @@ class UrdfArm {
     if (at == nullptr) return frame;
     if (const char* xyz = xml_.find(*at, "xyz")) frame.translation() = xml_.vector3(*at, "xyz", xyz);
     if (const char* rpy = xml_.find(*at, "rpy")) {
-      const Eigen::Vector3d a = xml_.vector3(*at, "rpy", rpy);
-      frame.linear() =
-          (Eigen::AngleAxisd(a.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(a.y(), Eigen::Vector3d::UnitY()) *
-           Eigen::AngleAxisd(a.x(), Eigen::Vector3d::UnitX()))
-              .toRotationMatrix();
+      frame.linear() = rotationOf(xml_.vector3(*at, "rpy", rpy));
     }
     return frame;
   }
@@ -101,12 +77,8 @@ class UrdfArm {
   void readLink(const XmlElement& element) {
     xml_.understand(element);
     const std::string name = required(element, "name");
-    if (links_.size() >= kMostLinks) xml_.fail(element, fmt::format("found more than {} links", kMostLinks));
     const XmlElement* const inertial = child(element, "inertial");
-    MassProperties mass;
-    if (inertial != nullptr) mass = readInertial(*inertial);
-    if (!links_.emplace(name, mass).second) xml_.fail(element, fmt::format("the name '{}' is taken", abridged(name)));
-    order_.push_back(name);
+    tree_.addLink(element, name, inertial == nullptr ? MassProperties{} : readInertial(*inertial));
   }
 
   MassProperties readInertial(const XmlElement& element) {
@@ -130,36 +102,36 @@ class UrdfArm {
 
   void readJoint(const XmlElement& element) {
     xml_.understand(element);
-    UrdfJoint joint;
+    LinkJoint joint;
     joint.place = xml_.place(element);
-    joint.joint.name = freeName(required(element, "name"), joint_names_);
-    joint.type = required(element, "type");
-    if (joint.type == "floating" || joint.type == "planar") {
-      xml_.fail(element, fmt::format("type: found '{}', expected a joint of one axis or none", joint.type));
+    const std::string name = required(element, "name"), type = required(element, "type");
+    if (type == "floating" || type == "planar") {
+      xml_.fail(element, fmt::format("type: found '{}', expected a joint of one axis or none", type));
     }
-    if (joint.type != "revolute" && joint.type != "continuous" && joint.type != "prismatic" && joint.type != "fixed") {
-      xml_.fail(element, fmt::format("type: found '{}', expected revolute, continuous, prismatic or fixed",
-                                     abridged(joint.type)));
+    if (type != "revolute" && type != "continuous" && type != "prismatic" && type != "fixed") {
+      xml_.fail(element,
+                fmt::format("type: found '{}', expected revolute, continuous, prismatic or fixed", abridged(type)));
     }
+    joint.fixed = type == "fixed";
     joint.parent = linkOf(element, "parent");
     joint.child = linkOf(element, "child");
-    joint.frame = origin(element);
-    readMotion(element, joint);
-    joints_.push_back(joint);
+    joint.in_parent = origin(element);
+    readMotion(element, type, joint);
+    tree_.addJoint(joint, name);
   }
 
-  void readMotion(const XmlElement& element, UrdfJoint& joint) {
+  void readMotion(const XmlElement& element, const std::string& type, LinkJoint& joint) {
     Joint& j = joint.joint;
-    const JointKind* const kind = findKind(&JointKind::urdf, joint.type);
+    const JointKind* const kind = findKind(&JointKind::urdf, type);
     j.type = (kind != nullptr ? kind : findKind(&JointKind::urdf, "revolute"))
                  ->type;  // a continuous one, and what is welded
     j.axis = Eigen::Vector3d::UnitX();
     if (const XmlElement* const axis = child(element, "axis")) {
       j.axis = xml_.vector3(*axis, "xyz", required(*axis, "xyz").c_str());
-      if (j.axis.norm() < 1e-9 && joint.type != "fixed") xml_.fail(*axis, "xyz: found a zero vector, expected an axis");
+      if (j.axis.norm() < 1e-9 && !joint.fixed) xml_.fail(*axis, "xyz: found a zero vector, expected an axis");
       if (std::abs(j.axis.norm() - 1.0) > 1e-12 && j.axis.norm() > 0.0) j.axis.normalize();
     }
-    if (const XmlElement* const limit = child(element, "limit"); limit && joint.type != "continuous") {
+    if (const XmlElement* const limit = child(element, "limit"); limit && type != "continuous") {
       j.lower_limit = number(*limit, "lower", 0.0);
       j.upper_limit = number(*limit, "upper", 0.0);
       if (j.lower_limit > j.upper_limit) {
@@ -172,7 +144,7 @@ class UrdfArm {
       if (j.viscous_friction < 0.0 || j.coulomb_friction < 0.0) xml_.fail(*dynamics, "found a number < 0");
     }
     if (const XmlElement* const mimic = child(element, "mimic")) {
-      joint.mimic = required(*mimic, "joint");
+      joint.leader = required(*mimic, "joint");
       joint.multiplier = number(*mimic, "multiplier", 1.0);
       joint.offset = number(*mimic, "offset", 0.0);
     }
@@ -184,85 +156,11 @@ class UrdfArm {
     return required(*end, "link");
   }
 
-  /// The one link that no joint moves.
-  std::string baseLink() const {
-    std::map<std::string, int> parents;
-    for (const UrdfJoint& joint : joints_) {
-      for (const std::string& link : {joint.parent, joint.child}) {
-        if (!links_.contains(link)) {
-          throw DataError(fmt::format("{}: found '{}', expected the name of a link", joint.place, abridged(link)));
-        }
-      }
-      if (++parents[joint.child] > 1) {
-        throw DataError(fmt::format("{}: link '{}' is the child of two joints, expected a tree", joint.place,
-                                    abridged(joint.child)));
-      }
-    }
-    std::vector<std::string> roots;
-    for (const std::string& link : order_) {
-      if (!parents.contains(link)) roots.push_back(link);
-    }
-    if (roots.size() != 1) {
-      fail(fmt::format("found {} links that hang on no other{}, expected one", roots.size(),
-                       roots.empty() ? " (the joints run in a circle)" : ""));
-    }
-    return roots[0];
-  }
-
-  /// Joints outwards from a link, in the order of the file; what is fixed becomes a part.
-  void attachChildren(const std::string& link) {
-    for (UrdfJoint& joint : joints_) {
-      if (joint.parent != link) continue;
-      const auto [body, frame] = places_.at(link);
-      const Eigen::Isometry3d in_body = frame * joint.frame;
-      const MassProperties& mass = links_.at(joint.child);
-      if (joint.type == "fixed") {
-        places_[joint.child] = {body, in_body};
-        Body& carrier = arm_.bodies[body];
-        xml_.add(fmt::format("link '{}'", abridged(joint.child)),
-                 fmt::format("fixed: a part of '{}'", abridged(carrier.name)), false, joint.place);
-        if (!carrier.fixed && mass.mass > 0.0) {
-          MassProperties moved{mass.mass, in_body * mass.centre_of_mass, {}};
-          moved.inertia = in_body.linear() * mass.inertia * in_body.linear().transpose();
-          carrier.parts.push_back(statedPart(freePartName(carrier, freeName(joint.child, body_names_)), moved));
-        }
-      } else {
-        joint.joint.parent = body;
-        joint.joint.child = static_cast<int>(arm_.bodies.size());
-        joint.joint.parent_position = in_body.translation();
-        joint.joint.parent_orientation = tidyRotation(in_body.linear());
-        places_[joint.child] = {joint.joint.child, Eigen::Isometry3d::Identity()};
-        Body& moved = arm_.bodies.emplace_back();
-        moved.name = freeName(joint.child, body_names_);
-        if (mass.mass > 0.0) moved.parts.push_back(statedPart(moved.name, mass));
-        arm_.joints.push_back(joint.joint);
-      }
-      attachChildren(joint.child);
-    }
-  }
-
-  void follow(const UrdfJoint& joint) {
-    if (joint.mimic.empty()) return;
-    const auto index = [&](const std::string& name) {
-      const auto found = std::ranges::find(arm_.joints, name, &Joint::name);
-      if (found == arm_.joints.end()) {
-        throw DataError(
-            fmt::format("{}: mimic: found '{}', expected the name of a joint that moves", joint.place, abridged(name)));
-      }
-      return static_cast<int>(found - arm_.joints.begin());
-    };
-    tieJoints(arm_, index(joint.joint.name), index(joint.mimic), joint.multiplier, joint.offset, joint.place);
-  }
-
   XmlRobot xml_;
   std::filesystem::path file_;
   const XmlElement* root_;
+  LinkTree tree_{xml_, file_};
   ArmModel arm_;
-  std::map<std::string, MassProperties> links_;
-  std::vector<std::string> order_;
-  std::vector<UrdfJoint> joints_;
-  std::set<std::string> joint_names_, body_names_;
-  std::map<std::string, std::pair<int, Eigen::Isometry3d>> places_;  ///< of a link, in a body of the arm
 };
 
 }  // namespace

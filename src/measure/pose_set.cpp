@@ -28,6 +28,22 @@ void refuseUnknownMuscles(const CsvTable& table, const PoseLayout& layout) {
   }
 }
 
+/// Likewise of a quantity that some line takes as its command.
+void refuseUnknownLines(const CsvTable& table, const PoseLayout& layout) {
+  for (const std::string& column : table.columns()) {
+    const std::string stem = splitUnit(column).stem;
+    const auto known = [&](const CommandChannel& line) { return line.stem == stem; };
+    const auto alike = [&](const CommandChannel& line) {
+      return stem.starts_with(line.stem.substr(0, line.stem.find('_') + 1));
+    };
+    if (std::ranges::none_of(layout.lines, alike) || std::ranges::any_of(layout.lines, known)) continue;
+    const std::string name = stem.substr(stem.find('_') + 1);
+    if (std::ranges::find(layout.muscles, name) != layout.muscles.end()) continue;  // the current of its motor
+    throw DataError(fmt::format("{}:1: column {}: nothing in the model that takes such a command is called '{}'",
+                                table.name(), column, name));
+  }
+}
+
 bool holdsPosition(const CsvTable& table, const JointKind& kind, const std::string& joint) {
   const std::vector<std::string> columns = positionColumns(kind.type, joint);
   return std::all_of(columns.begin(), columns.end(), [&](const std::string& column) {
@@ -47,7 +63,7 @@ void refuseTimeGoingBack(const CsvTable& table) {
 }
 
 struct Columns {
-  std::vector<std::vector<double>> shafts;         ///< shape (muscles, rows)
+  std::vector<std::vector<double>> shafts;         ///< shape (muscles + lines, rows)
   std::vector<std::vector<JointPosition>> joints;  ///< shape (joints, rows)
   std::vector<double> time;                        ///< shape (rows) [s]; empty without
 };
@@ -55,6 +71,7 @@ struct Columns {
 Columns readColumns(const CsvTable& table, const PoseLayout& layout) {
   Columns columns;
   for (const std::string& muscle : layout.muscles) columns.shafts.push_back(table.quantity("shaft_" + muscle, "rad"));
+  for (const CommandChannel& line : layout.lines) columns.shafts.push_back(table.quantity(line.stem, line.unit));
   for (const JointChannel& joint : layout.joints) {
     columns.joints.push_back(kindOf(joint.type).read(table, joint.name));
   }
@@ -115,6 +132,7 @@ void refuseOtherJointTypes(const CsvTable& table, const PoseLayout& layout) {
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   if (table.rows() == 0) throw DataError(fmt::format("{}: found no rows, expected at least one pose", table.name()));
   refuseUnknownMuscles(table, layout);
+  refuseUnknownLines(table, layout);
   refuseOtherJointTypes(table, layout);
   const Columns columns = readColumns(table, layout);
   const std::vector<std::string> names = table.text("pose");

@@ -77,6 +77,15 @@ void addBodies(const ReplayedSet& replay, const std::string& pose, const char* s
   }
 }
 
+void addLine(const ReplayedSet& replay, const std::string& pose, const std::string& name,
+             const std::vector<Eigen::Vector3d>& line, double tension, CsvWriter& csv) {
+  for (std::size_t p = 0; p < line.size(); ++p) {
+    csv.add(replay.set).add(pose).add(replay.state).add(name).add(static_cast<double>(p));
+    add(csv, line[p]);
+    csv.add(tension).endRow();
+  }
+}
+
 /// At rest a cord pulls with its stiffness alone: T = k (L_S - L_SR).
 void addMuscles(const ReplayedSet& replay, const std::string& pose, const PoseOutcome& outcome,
                 const std::vector<BodyInWorld>& bodies, CsvWriter& csv) {
@@ -84,12 +93,19 @@ void addMuscles(const ReplayedSet& replay, const std::string& pose, const PoseOu
     const Muscle& muscle = replay.model.muscles[m];
     const ShockCord& cord = muscle.shock_cord;
     const double tension = cord.force(cord.rest_length * (1.0 + outcome.cord_expansion[m]), 0.0);
-    const std::vector<Eigen::Vector3d> line = muscleLine(replay.model, m, bodies);
-    for (std::size_t p = 0; p < line.size(); ++p) {
-      csv.add(replay.set).add(pose).add(replay.state).add(muscle.name).add(static_cast<double>(p));
-      add(csv, line[p]);
-      csv.add(tension).endRow();
-    }
+    addLine(replay, pose, muscle.name, muscleLine(replay.model, m, bodies), tension, csv);
+  }
+  std::size_t command = replay.model.muscles.size();
+  for (const PassiveTendon& tendon : replay.model.tendons) {
+    if (!tendon.kind->command) continue;
+    const double told = outcome.shafts[command++];
+    if (tendon.kind->at_joint) continue;
+    const double length = tendonLength(replay.model, tendon, bodies, outcome.joints);
+    const double tension = tendon.kind->pull(tendon.p, length, told).force;
+    std::vector<Eigen::Vector3d> line;  // branches one after the other
+    for (const auto& branch : tendonPoints(replay.model, tendon, bodies))
+      line.insert(line.end(), branch.begin(), branch.end());
+    addLine(replay, pose, tendon.name, line, tension, csv);
   }
 }
 

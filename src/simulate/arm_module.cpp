@@ -20,6 +20,7 @@ struct Arm::Simulation {
 
   Simulation(const ArmModel& arm, const RolloutOptions& options)
       : model(arm), rollout(arm, options), kinds(arm.muscles.size(), CommandKind::kSetpoint) {
+    refuseOtherDrives(arm);
     for (const Muscle& muscle : arm.muscles) muscles.push_back(muscle.name);
     for (const Joint& joint : arm.joints) joints.push_back(joint.name);
     rollout.begin(kinds, {});

@@ -91,12 +91,17 @@ void BulletArm::setModel(const ArmModel& model) {
 
 void BulletArm::reset() {
   for (MuscleState& muscle : muscles_) muscle.reset();
+  for (Passive& line : passive_) line.command = 0.0;
   steps_ = 0;
   setJointPositions(start_);
 }
 
 void BulletArm::setShaftReferences(std::span<const double> references) {
   for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].reference = references[m];
+  std::size_t next = muscles_.size();
+  for (Passive& line : passive_) {
+    if (line.kind->command && next < references.size()) line.command = references[next++];
+  }
 }
 
 void BulletArm::setJointPositions(std::span<const JointPosition> joints) {

@@ -150,8 +150,8 @@ void BulletArm::placePassive(std::size_t index) {
   Motion::Pull& pull = motion_->pulls[muscles_.size() + index];
   const Passive& tendon = passive_[index];
   const double length = followRow(tendon.way, pull.row), rate = pull.row.dot(motion_->v);
-  pull.force = tendon.kind->force(tendon.p, length, rate);
-  pull.damping = tendon.kind->force(tendon.p, length, rate + 1.0) - pull.force;
+  pull.force = tendon.kind->force(tendon.p, length, rate, tendon.command);
+  pull.damping = tendon.kind->force(tendon.p, length, rate + 1.0, tendon.command) - pull.force;
   pull.taut = pull.force != 0.0;  // a spring pushes, too
 }
 
@@ -252,7 +252,9 @@ double BulletArm::mechanicalEnergy() {
     const CordState cord = cordState(muscle, static_cast<int>(i), pathLength(i), muscle.state);
     if (cord.expansion > 0.0) energy += 0.5 * muscle.shock_cord.stiffness * cord.expansion * cord.expansion;
   }
-  for (const Passive& tendon : passive_) energy += tendon.kind->pull(tendon.p, followPath(tendon.way).length).energy;
+  for (const Passive& tendon : passive_) {
+    energy += tendon.kind->pull(tendon.p, followPath(tendon.way).length, tendon.command).energy;
+  }
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     if (joints_[j].elastic()) energy += springEnergy(joints_[j], jointPosition(j));
   }

@@ -106,7 +106,7 @@ void BulletArm::pullPath(const PathParts& way, double force) {
 void BulletArm::applyTendons() {
   for (const Passive& tendon : passive_) {
     const PathState state = followPath(tendon.way);
-    const double force = tendon.kind->force(tendon.p, state.length, state.rate);
+    const double force = tendon.kind->force(tendon.p, state.length, state.rate, tendon.command);
     if (force != 0.0) pullPath(tendon.way, force);
   }
 }
@@ -168,6 +168,11 @@ double BulletArm::potentiometer(std::size_t muscle) const {
 }
 double BulletArm::force(std::size_t muscle) const { return muscles_[muscle].force; }
 double BulletArm::current(std::size_t muscle) const { return muscles_[muscle].state.current; }
+void BulletArm::addLineCommands(std::vector<double>& commands) const {
+  for (const Passive& line : passive_) {
+    if (line.kind->command) commands.push_back(line.command);
+  }
+}
 double BulletArm::cordExpansion(std::size_t muscle) const {
   return muscles_[muscle].expansion / muscles_[muscle].shock_cord.rest_length;
 }

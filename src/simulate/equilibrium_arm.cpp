@@ -43,7 +43,7 @@ void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
 }  // namespace
 
 EquilibriumArm::EquilibriumArm(const ArmModel& model)
-    : energy_(model), observation_(model), shafts_(model.muscles.size()), factor_(energy_.degreesOfFreedom()) {
+    : energy_(model), observation_(model), shafts_(model.commands()), factor_(energy_.degreesOfFreedom()) {
   const int n = energy_.degreesOfFreedom();
   joints_ = before_ = reached_ = rest_ = start_ = startPosition(model);
   held_.assign(static_cast<std::size_t>(n), 0);

@@ -41,7 +41,14 @@ class Replay {
       const std::vector<JointPosition> joints = randomPosition(i);
       compare(joints, translated(joints), result.way, result.turn);
     }
-    if (!one_.muscles.empty() && one_.muscles.size() == other_.muscles.size()) compareRests(result);
+    // What other formats have no word for is named by a remark; the rest is compared without it.
+    std::erase_if(one_.tendons, [&](const PassiveTendon& line) {
+      return line.kind->command &&
+             std::ranges::find(other_.tendons, line.name, &PassiveTendon::name) == other_.tendons.end();
+    });
+    if (one_.commands() > 0 && one_.muscles.size() == other_.muscles.size() && one_.commands() == other_.commands()) {
+      compareRests(result);
+    }
     return result;
   }
 
@@ -129,6 +136,9 @@ class Replay {
         const Muscle& muscle = one_.muscles[m];
         const double length = tendonLength(one_, muscle, bodies, start);
         shafts.push_back((uniform(i, m, 9) - 0.3) * kMostPull * std::abs(length) / muscle.spindle_radius);
+      }
+      for (const PassiveTendon& line : one_.tendons) {
+        if (line.kind->command) shafts.push_back(uniform(i, shafts.size(), 10) * line.kind->command.typical);
       }
       if (!here.solve(shafts).stable) continue;
       if (!there.solveFrom(translated(here.joints()), shafts).stable) {

@@ -69,6 +69,7 @@ std::string MotionOptions::toYaml(const std::string& indent) const {
 
 MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std::filesystem::path& file,
                          const TableReader& table, double restart) {
+  refuseOtherDrives(model);
   MotionSet set = readMotionSet(root, file, model.poseLayout(), table);
   for (const RecordedMotion& motion : set.motions) {
     refuseImpossible(model, motion.commands, [&](std::size_t row, const std::string& sentence) {

@@ -24,6 +24,7 @@ constexpr double kLongestSlide = 10.0;                   // [m], of a slide with
 constexpr double kContradicted = 45.0 * kDegree;         // mean error of a reading that is in doubt,
 constexpr double kClearlyBetter = 0.5;                   // and what of it the other reading may leave
 constexpr double kTwoTurns = 4.0 * std::numbers::pi;     // [rad] of a shaft
+constexpr double kLeastPressure = 1000.0;                // [Pa]
 constexpr std::size_t kLooked = 40;                      // poses, enough for a mean
 
 bool woundTooFar(const Muscle& muscle, double shaft) {
@@ -53,6 +54,21 @@ void refuseShaftsOutOfReach(const ArmModel& model, const PoseSet& set) {
           set.file, pose.name, muscle.name, pose.shafts[m], muscle.spindle_radius * std::abs(pose.shafts[m]),
           muscle.kite_line_length + muscle.shock_cord.rest_length, help));
     }
+  }
+}
+
+/// A pneumatic muscle moves nothing below a hundredth of a bar.
+void refusePressuresInBar(const ArmModel& model, const PoseSet& set) {
+  const std::vector<CommandChannel> lines = model.poseLayout().lines;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (lines[k].unit != "Pa") continue;
+    double highest = 0.0;
+    for (const Pose& pose : set.poses) highest = std::max(highest, pose.shafts[model.muscles.size() + k]);
+    if (highest == 0.0 || highest > kLeastPressure) continue;
+    throw DataError(
+        fmt::format("{}: {}_Pa: found at most {:.6g}, expected pressures in Pa; they look like bar: name the "
+                    "column {}_bar",
+                    set.file, lines[k].stem, highest, lines[k].stem));
   }
 }
 
@@ -111,11 +127,12 @@ Readings compareReadings(const ArmModel& model, const PoseSet& set) {
   const std::size_t joints = model.joints.size();
   Readings mean{std::vector<double>(joints, 0.0), std::vector<double>(joints, 0.0), std::vector<double>(joints, 0.0)};
   EquilibriumArm arm(model), other(model);
-  std::vector<double> degrees(model.muscles.size());
+  std::vector<double> degrees;
   int count = 0;
   for (std::size_t p = 0; p < std::min(kLooked, set.poses.size()); ++p) {
     const Pose& pose = set.poses[p];
-    std::ranges::transform(pose.shafts, degrees.begin(), [](double shaft) { return shaft * kDegree; });
+    degrees = pose.shafts;
+    for (std::size_t m = 0; m < model.muscles.size(); ++m) degrees[m] *= kDegree;
     for (EquilibriumArm* each : {&arm, &other}) each->setHistory(pose.time, pose.shafts_before);
     if (!arm.solve(pose.shafts).stable || !other.solve(degrees).stable) continue;
     ++count;
@@ -133,10 +150,10 @@ Readings compareReadings(const ArmModel& model, const PoseSet& set) {
   return mean;
 }
 
-double largestShaft(const PoseSet& set) {
+double largestShaft(const ArmModel& model, const PoseSet& set) {
   double largest = 0.0;
   for (const Pose& pose : set.poses) {
-    for (const double shaft : pose.shafts) largest = std::max(largest, std::abs(shaft));
+    for (std::size_t m = 0; m < model.muscles.size(); ++m) largest = std::max(largest, std::abs(pose.shafts[m]));
   }
   return largest;
 }
@@ -159,7 +176,7 @@ void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
   const auto worst = [](const std::vector<double>& errors) { return *std::ranges::max_element(errors); };
   // A wrong model may be worse than an arm that hardly moves, which is what shafts in degrees make of it; but shafts
   // that make two turns and more are rare, and angles in degrees are not.
-  if (largestShaft(set) > kTwoTurns && clearlyWrong(worst(readings.as_is), worst(readings.shafts_in_degrees))) {
+  if (largestShaft(model, set) > kTwoTurns && clearlyWrong(worst(readings.as_is), worst(readings.shafts_in_degrees))) {
     throw DataError(
         fmt::format("{}: shaft_<muscle>_rad: found angles that look like degrees, expected rad: read as rad the model "
                     "rests {:.0f} deg "
@@ -172,6 +189,7 @@ void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
 
 void refuseImplausiblePoses(const ArmModel& model, const PoseSet& set) {
   refuseShaftsOutOfReach(model, set);
+  refusePressuresInBar(model, set);
   refusePositionsOutOfReach(model, set);
   refuseOtherReadings(model, set);
 }

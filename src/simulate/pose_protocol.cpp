@@ -67,6 +67,7 @@ PoseOutcome atRest(const BulletArm& arm) {
     outcome.shafts.push_back(arm.shaftAngle(m));
     outcome.cord_expansion.push_back(arm.cordExpansion(m));
   }
+  arm.addLineCommands(outcome.shafts);
   return outcome;
 }
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "simgap/core/error.h"
+
 namespace simgap {
 
 std::string problemOf(const Muscle& muscle, CommandKind kind, double value) {
@@ -13,6 +15,16 @@ std::string problemOf(const Muscle& muscle, CommandKind kind, double value) {
   }
   if (kind == CommandKind::kForce && value < 0.0) return fmt::format("{:g} N, expected >= 0: a line only pulls", value);
   return "";
+}
+
+void refuseOtherDrives(const ArmModel& model) {
+  for (const PassiveTendon& tendon : model.tendons) {
+    if (!tendon.kind->command) continue;
+    throw ConfigError(fmt::format(
+        "{}: '{}' is a {}, which no motion has a command for, expected muscles that a motor winds; poses command it "
+        "(validate, calibrate, design, diagnose)",
+        model.name, tendon.name, tendon.kind->name));
+  }
 }
 
 void refuseImpossible(const ArmModel& model, const MotionCommands& commands,

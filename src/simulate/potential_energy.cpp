@@ -84,8 +84,13 @@ void PotentialEnergy::setModel(const ArmModel& model) {
 }
 
 void PotentialEnergy::setShafts(std::span<const double> shafts) {
-  assert(shafts.size() == model_.muscles.size());
-  for (std::size_t m = 0; m < shafts.size(); ++m) muscles_[m].shaft = shafts[m];
+  assert(shafts.size() == model_.commands());
+  const std::size_t muscles = model_.muscles.size();
+  for (std::size_t m = 0; m < muscles; ++m) muscles_[m].shaft = shafts[m];
+  std::size_t next = muscles;
+  for (std::size_t t = 0; next < shafts.size(); ++t) {
+    if (model_.tendons[t].kind->command) muscles_[muscles + t].shaft = shafts[next++];
+  }
 }
 
 bool PotentialEnergy::carries(int joint, int other) const {

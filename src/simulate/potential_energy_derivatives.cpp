@@ -68,6 +68,12 @@ void PotentialEnergy::differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns)
     const double by_free = line.extended ? cordTerm(m).by_free : 0.0;
     addForce(m, line.stiffness * (radius - by_shaft) - by_free * radius, columns.col(m));
   }
+  auto column = std::ssize(model_.muscles);
+  for (std::size_t t = 0; t < model_.tendons.size(); ++t) {
+    if (!model_.tendons[t].kind->command) continue;
+    const Line& line = muscles_[model_.muscles.size() + t];
+    columns.col(column++) += line.by_command * paths_[line.path].by_dof;
+  }
 }
 
 void PotentialEnergy::differentiateBy(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {

@@ -110,7 +110,7 @@ void PotentialEnergy::placePath(LongPath& path, std::span<const JointPosition> j
       const Surface& surface = model_.bodies[part.body].surfaces[part.surface];
       Eigen::Vector3d axis = surface.axis;
       if (stretch.frame >= 0) axis = links_[stretch.frame].rotation * surface.axis;
-      const Eigen::Vector3d side = pointInWorld(stretch.frame, part.side);
+      const Eigen::Vector3d side = pointInWorld(joint_of_body_[part.side_body], part.side);
       wrappedStretch({surface.shape, surface.radius, pointInWorld(stretch.frame, surface.position), axis}, point[0],
                      point[1], part.sided ? &side : nullptr, stretch.now);
     }
@@ -138,10 +138,11 @@ void PotentialEnergy::addPath(LongPath& path, std::span<const JointPosition> joi
     path.slack = line.force == 0.0;
   } else {
     const PassiveTendon& tendon = model_.tendons[path.line - muscleCount()];
-    const TendonPull pull = tendon.kind->pull(tendon.p, line.length);
+    const TendonPull pull = tendon.kind->pull(tendon.p, line.length, line.shaft);
     energy_ += pull.energy;
     line.force = pull.force;
     line.stiffness = pull.stiffness;
+    line.by_command = pull.by_command;
     path.slack = pull.force == 0.0 && pull.stiffness == 0.0;
   }
   if (path.slack) return;
@@ -308,10 +309,11 @@ void PotentialEnergy::differentiateBySurface(const StaticParameter& p, Eigen::Re
 }
 
 void PotentialEnergy::differentiateByTendon(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {
-  const LongPath& path = paths_[muscles_[p.item].path];
+  const Line& line = muscles_[p.item];
+  const LongPath& path = paths_[line.path];
   if (path.slack) return;
   const PassiveTendon& tendon = model_.tendons[p.item - muscleCount()];
-  column += tendon.kind->pull(tendon.p, muscles_[p.item].length).by_parameter[p.component] * path.by_dof;
+  column += tendon.kind->pull(tendon.p, line.length, line.shaft).by_parameter[p.component] * path.by_dof;
 }
 
 void PotentialEnergy::differentiateBySpring(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {

@@ -17,6 +17,7 @@ constexpr double kSameTurn = 1e-5;  ///< [rad]
 ImportedArm readRobot(const RobotFile& from, RobotFormat format, const FileReader& read) {
   if (format == RobotFormat::kMjcf) return readMjcf(from.text, from.file, read);
   if (format == RobotFormat::kUrdf) return readUrdf(from.text, from.file);
+  if (format == RobotFormat::kSdf) return readSdf(from.text, from.file);
   const MeshReader mesh = [&](const std::string& file) { return read(from.file.parent_path() / file); };
   return {readArm(YamlNode::parse(from.text, from.file.string()), mesh), {}};
 }

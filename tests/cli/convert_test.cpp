@@ -81,7 +81,7 @@ TEST_F(Convert, RefusesWithOneSentence) {
   put("model.sdf", "<?xml version='1.0'?>\n<sdf version='1.9'/>\n");
   put("broken.xml", "<mujoco><worldbody>");
   expectRefused({"convert", "floating.xml", "a.yaml"}, 3, "floating.xml:5: freejoint: found a floating base");
-  expectRefused({"convert", "model.sdf", "a.yaml"}, 3, "found SDF, expected MJCF or URDF");
+  expectRefused({"convert", "model.sdf", "a.yaml"}, 3, "found no model with joints, expected one");
   expectRefused({"convert", "broken.xml", "a.yaml"}, 3, "found no XML that can be read");
   expectRefused({"convert", "pendulum.xml", "a.obj"}, 2, "found the ending '.obj'");
   expectRefused({"convert", "nothing.xml", "a.yaml"}, 2, "cannot be read");

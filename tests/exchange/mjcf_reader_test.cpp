@@ -153,13 +153,53 @@ TEST(MjcfReader, NamesWhatItLeavesOutWithItsLine) {
   const ImportedArm read = readText(robot(
       "<option wind='1 0 0'/>\n",
       std::string("<joint armature='0.1' magic='2'/>\n") + kBall + "<joint name='j2'/>\n<composite type='rope'/>\n",
-      "<actuator><motor joint='j2'/></actuator>\n<keyframe/>\n"));
+      "<actuator><velocity joint='j2'/></actuator>\n<keyframe/>\n"));
   EXPECT_TRUE(hasRemark(read.remarks, "option wind", true, "robot.xml:2"));
   EXPECT_TRUE(hasRemark(read.remarks, "joint armature", true, "robot.xml:5"));
   EXPECT_TRUE(hasRemark(read.remarks, "joint magic", true, "robot.xml:5"));
   EXPECT_TRUE(hasRemark(read.remarks, "composite", true, "robot.xml:8"));
-  EXPECT_TRUE(hasRemark(read.remarks, "motor (actuator of a joint)", true, "robot.xml:11"));
+  EXPECT_TRUE(hasRemark(read.remarks, "velocity (actuator of a joint)", true, "robot.xml:11"));
   EXPECT_TRUE(hasRemark(read.remarks, "keyframe", false, "robot.xml:12"));
+}
+
+TEST(MjcfReader, MotorsAndServosOfHingesTurnThem) {
+  const ImportedArm read =
+      readText(robot("", std::string("<joint name='h'/>\n<joint name='k' type='ball'/>\n") + kBall,
+                     "<actuator><motor name='drive' joint='h' gear='-5'/><position joint='h' kp='20' kv='2' gear='2'/>"
+                     "<motor joint='k'/></actuator>"));
+  ASSERT_EQ(read.model.tendons.size(), 2U);
+  const PassiveTendon &motor = read.model.tendons[0], &servo = read.model.tendons[1];
+  EXPECT_EQ(motor.name, "drive");
+  EXPECT_DOUBLE_EQ(motor.kind->pull(motor.p, 0.3, 2.0).force, 10.0) << "minus gear times control";
+  EXPECT_DOUBLE_EQ(motor.kind->force(motor.p, 0.3, 7.0, 2.0), 10.0);
+  // gear (kp ctrl - kp gear q - kv gear dq/dt), with the control twice the target
+  EXPECT_DOUBLE_EQ(servo.kind->force(servo.p, 0.3, 0.1, 0.5), -2.0 * (20.0 * 1.0 - 20.0 * 2.0 * 0.3 - 2.0 * 2.0 * 0.1));
+  EXPECT_TRUE(hasRemark(read.remarks, "motor (actuator of a joint)", true, "robot.xml:9")) << "a ball has no axis";
+}
+
+TEST(MjcfReader, ASideSiteMayBeOnAnotherBodyThanItsSurface) {
+  const std::string sites =
+      "<mujoco><worldbody><site name='up' pos='0 .3 0'/><geom name='w' size='.05 .1' type='cylinder' zaxis='1 0 0' "
+      "pos='0 .15 0' mass='0'/><body><joint type='slide' axis='0 0 1'/><site name='in' pos='0 0 0'/>"
+      "<site name='side' pos='0 .15 .2'/>";
+  const ArmModel arm = readText(sites + kBall +
+                                "</body></worldbody><tendon><spatial name='t' stiffness='9'><site site='in'/>"
+                                "<geom geom='w' sidesite='side'/><site site='up'/></spatial></tendon></mujoco>")
+                           .model;
+  ASSERT_EQ(arm.tendons[0].between.size(), 1U);
+  EXPECT_EQ(arm.bodies[static_cast<std::size_t>(arm.tendons[0].between[0].side_body)].name, arm.bodies[1].name);
+  // The slide carries the side point from above the wheel to below it, and the line goes along with it.
+  for (const double way : {0.02, -0.02, -0.25, -0.3}) {
+    const std::vector<JointPosition> at = {{Eigen::Quaterniond::Identity(), way}};
+    const double above = tendonLength(arm, arm.tendons[0], bodiesInWorld(arm, at), at);
+    const double sign = way > -0.2 ? 1.0 : -1.0;
+    const double d0 = std::hypot(0.15, way), d1 = 0.15, r = 0.05;
+    const double l0 = std::sqrt(d0 * d0 - r * r), l1 = std::sqrt(d1 * d1 - r * r);
+    const double between = std::numbers::pi - sign * std::atan2(way, 0.15);  // of the two ends, on the side's side
+    const double arc = between - std::acos(r / d0) - std::acos(r / d1);
+    const double straight = std::hypot(0.3, way);
+    EXPECT_NEAR(above, arc > 0.0 ? l0 + l1 + r * arc : straight, 1e-9) << way;
+  }
 }
 
 TEST(MjcfReader, RefusesWithOneSentence) {
@@ -178,6 +218,8 @@ TEST(MjcfReader, RefusesWithOneSentence) {
               HasSubstr("found 'x', expected the name of a site"));
   EXPECT_THAT(refusal(robot("", hinge + "<site name='x'/>", "<tendon><spatial><site site='x'/></spatial></tendon>")),
               HasSubstr("found a path of 1 sites, expected at least two"));
+  EXPECT_THAT(refusal(robot("", hinge, "<actuator><motor joint='x'/></actuator>")),
+              HasSubstr("found 'x', expected the name of a hinge or slide"));
   EXPECT_THAT(refusal("<!DOCTYPE m [<!ENTITY a 'b'>]>\n" + robot("", hinge)), HasSubstr("found a document type"));
   EXPECT_THAT(refusal(std::string(20000, '<')), HasSubstr("found no XML"));
   std::string deep;

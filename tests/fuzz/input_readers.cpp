@@ -107,6 +107,7 @@ void readMjcfRobot(std::string bytes) {
   writeRobot(readMjcf(bytes, "input.xml", none).model);
 }
 void readUrdfRobot(std::string bytes) { writeRobot(readUrdf(bytes, "input.urdf").model); }
+void readSdfRobot(std::string bytes) { writeRobot(readSdf(bytes, "input.sdf").model); }
 void readTargetSet(std::string bytes) { readTargets(yaml(bytes)); }
 /// A file of both cameras, or the same camera_info for each.
 void readCamerasOf(std::string bytes) {
@@ -150,7 +151,7 @@ constexpr std::array kReaders = {
     Reader{"fitted", readFitted},     Reader{"bench", readBenchOf},         Reader{"targets", readTargetSet},
     Reader{"rig", readStereoRig},     Reader{"cameras", readCamerasOf},     Reader{"mcap", readRecording},
     Reader{"rosbag2", readRecording}, Reader{"mjcf", readMjcfRobot},        Reader{"urdf", readUrdfRobot},
-    Reader{"motions", readMotions},   Reader{"capture", readCaptureTables},
+    Reader{"motions", readMotions},   Reader{"capture", readCaptureTables}, Reader{"sdf", readSdfRobot},
 };
 
 }  // namespace

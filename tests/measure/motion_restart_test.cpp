@@ -11,7 +11,7 @@
 namespace simgap::test {
 namespace {
 
-const PoseLayout kBallAndHinge{{"m"}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
+const PoseLayout kBallAndHinge{{"m"}, {}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
 const Eigen::Vector3d kSpin(0.3, -0.5, 0.8);  // of the ball, in the child's frame [rad/s]
 
 /// 9 s: a ball that turns evenly, a hinge and a shaft that swing.

@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const PoseLayout kLayout{{"biceps", "triceps"}, {{"elbow", JointType::kRevolute}}};
+const PoseLayout kLayout{{"biceps", "triceps"}, {}, {{"elbow", JointType::kRevolute}}};
 constexpr const char* kSet = "format: simgap/motions/1\nmotions:\n  - {name: a, muscles: m.csv, joints: j.csv}\n";
 constexpr const char* kMuscles =
     "time_s,setpoint_biceps_deg,setpoint_triceps_rad,current_biceps_A\n0,90,1,0.1\n0.5,90,1,0.2\n1,180,1,0.3\n";
@@ -112,7 +112,7 @@ TEST_F(MotionSetTest, AMotionThatIsSaidToRestDoesNotStartMoving) {
 }
 
 TEST(MotionNoiseTest, IsThatOfTheSensorsWhateverMoves) {
-  const PoseLayout layout{{"m"}, {{"elbow", JointType::kRevolute}}};
+  const PoseLayout layout{{"m"}, {}, {{"elbow", JointType::kRevolute}}};
   RecordedMotion motion;
   motion.muscles.resize(1);
   const CounterRandom random(1);

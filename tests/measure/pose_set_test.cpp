@@ -13,7 +13,8 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-const PoseLayout kLayout{{"biceps", "triceps"}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
+const PoseLayout kLayout{
+    {"biceps", "triceps"}, {}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
 const std::string kHeader =
     "pose,repeat,shaft_biceps_rad,shaft_triceps_rad,shoulder_qw,shoulder_qx,shoulder_qy,shoulder_qz,elbow_rad\n";
 
@@ -160,13 +161,13 @@ TEST(PoseSet, UnpacksWhatBeginsAsGzip) {
 }
 
 TEST(PoseSet, NamesAJointOfAnotherType) {
-  const PoseLayout layout{{"a"}, {{"wrist", JointType::kSpherical}}};
+  const PoseLayout layout{{"a"}, {}, {{"wrist", JointType::kSpherical}}};
   const std::string hinge = "pose,shaft_a_rad,wrist_deg\np0,0,1\n";
   EXPECT_THAT(
       test::errorOf([&] { readPoseSet(CsvTable::parse(hinge, "p.csv"), layout); }),
       ::testing::HasSubstr("3: p.csv:1: joint wrist: found wrist_rad, the position of a revolute joint, expected "
                            "wrist_qw, wrist_qx, wrist_qy, wrist_qz: the model's type of it is spherical"));
-  const PoseLayout other{{"a"}, {{"wrist", JointType::kRevolute}}};
+  const PoseLayout other{{"a"}, {}, {{"wrist", JointType::kRevolute}}};
   const std::string ball = "pose,shaft_a_rad,wrist_qw,wrist_qx,wrist_qy,wrist_qz\np0,0,1,0,0,0\n";
   EXPECT_THAT(test::errorOf([&] { readPoseSet(CsvTable::parse(ball, "p.csv"), other); }),
               ::testing::HasSubstr("expected wrist_rad: the model's type of it is revolute"));

@@ -11,7 +11,7 @@ namespace simgap::test {
 
 /// A shoulder (spherical) and an elbow (revolute), one muscle.
 inline PoseLayout knownLayout() {
-  return {{"biceps"}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
+  return {{"biceps"}, {}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
 }
 
 /// `count` poses that all miss by the same angles [deg]; NaN: they are invalid.

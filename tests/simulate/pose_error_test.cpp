@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::IsEmpty;
 
-const PoseLayout kLayout{{"biceps"}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
+const PoseLayout kLayout{{"biceps"}, {}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
 
 JointPosition turned(double angle, const Eigen::Vector3d& axis) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized())), 0.0};

@@ -1,6 +1,6 @@
 /// \file
-/// Robots of the field's formats: MJCF (MuJoCo) and URDF into an arm and out of it. What one side has no place for is
-/// named, never dropped in silence.
+/// Robots of the field's formats: MJCF (MuJoCo) and URDF into an arm and out of it, SDF into one. What one side has no
+/// place for is named, never dropped in silence.
 #pragma once
 
 #include <filesystem>
@@ -43,8 +43,11 @@ ImportedArm readMjcf(const std::string& text, const std::filesystem::path& file,
 /// A URDF robot: bodies and joints, without muscles. Its root link stands still. \throws DataError as readMjcf
 ImportedArm readUrdf(const std::string& text, const std::filesystem::path& file);
 
+/// The model with joints of an SDF file: bodies and joints, without muscles. \throws DataError as readMjcf
+ImportedArm readSdf(const std::string& text, const std::filesystem::path& file);
+
 /// Kinds of robot files.
-enum class RobotFormat { kArm, kMjcf, kUrdf };
+enum class RobotFormat { kArm, kMjcf, kUrdf, kSdf };
 
 /// By a file's root element or, without XML, its first key. \throws DataError: none of them
 RobotFormat robotFormatOf(const std::string& text, const std::filesystem::path& file);

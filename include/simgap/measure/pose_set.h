@@ -13,16 +13,22 @@
 
 namespace simgap {
 
+/// What something other than a muscle is told to do: the column `<stem>_<unit>`, "pressure_flexor_Pa".
+struct CommandChannel {
+  std::string stem, unit;
+};
+
 /// What a pose set of an arm must hold: the names of its muscles and joints, in the order of the model.
 struct PoseLayout {
   std::vector<std::string> muscles;
+  std::vector<CommandChannel> lines;  ///< commands of lines that are not wound by a motor
   std::vector<JointChannel> joints;
 };
 
 /// One pose: the mean of its repeats.
 struct Pose {
   std::string name;
-  std::vector<double> shafts;         ///< shape (muscles) [rad], reference of the shaft controllers
+  std::vector<double> shafts;         ///< shape (muscles + lines): references of the shaft controllers [rad], commands
   std::vector<JointPosition> joints;  ///< shape (joints), measured
   int repeats = 1;
   std::vector<double> spread;  ///< shape (joints) [rad]: root mean square deviation of the repeats from their

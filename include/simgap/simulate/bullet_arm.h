@@ -43,7 +43,7 @@ class BulletArm {
   }
   /// Shafts 0, joints at startPosition(), everything at rest.
   void reset();
-  /// \param references  shape (muscles) [rad]
+  /// \param references  shape (model.commands()): of shafts [rad], behind them commands of lines, which act at once
   void setShaftReferences(std::span<const double> references);
   /// Places the joints, at rest; the shafts stay.
   void setJointPositions(std::span<const JointPosition> joints);
@@ -86,6 +86,7 @@ class BulletArm {
   ///@}
   /// Expansion of the cord over its rest length, as of the last step; beyond 0.8 the linear cord is not valid (eq. 2).
   double cordExpansion(std::size_t muscle) const;
+  void addLineCommands(std::vector<double>& commands) const;  ///< behind the muscles' angles: Pose::shafts
 
   std::size_t joints() const;
   std::size_t muscles() const;
@@ -138,6 +139,7 @@ class BulletArm {
     const TendonKind* kind;
     TendonParameters p;
     PathParts way;
+    double command = 0.0;
   };
   std::vector<PathParts> way_;             ///< shape (muscles), empty: straight
   std::vector<Passive> passive_;           ///< lines without motors

@@ -32,7 +32,7 @@ class EquilibriumArm {
   void setHistory(double time, std::span<const double> shafts_before = {});
 
   /// The equilibrium that a slow movement of the shafts from 0 leads to (startPosition at shafts 0): straight from the
-  /// rest, or by follow() where that leaves doubts. \param shafts  shape (muscles) [rad]
+  /// rest, or by follow() where that leaves doubts. \param shafts  shape (model.commands())
   EquilibriumSolution solve(std::span<const double> shafts);
   /// The minimum downhill of a position. \param from  shape (joints), clamped to the joint limits
   /// \param max_iterations  evaluations of the energy; where they do not suffice, the solution is not stable

@@ -13,6 +13,10 @@ namespace simgap {
 /// What a muscle cannot be told: a voltage beyond its supply, a force that pushes; empty when it can.
 std::string problemOf(const Muscle& muscle, CommandKind kind, double value);
 
+/// Poses command pneumatic muscles and motors at joints, motions only muscles that a motor winds.
+/// \throws ConfigError: the model has others
+void refuseOtherDrives(const ArmModel& model);
+
 /// Calls `fail` with the row and a sentence at the first command that a muscle cannot be told.
 void refuseImpossible(const ArmModel& model, const MotionCommands& commands,
                       const std::function<void(std::size_t row, const std::string& sentence)>& fail);

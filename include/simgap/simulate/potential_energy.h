@@ -65,7 +65,8 @@ class PotentialEnergy {
   explicit PotentialEnergy(const ArmModel& model);
   /// Another model of the same structure.
   void setModel(const ArmModel& model);
-  void setShafts(std::span<const double> shafts);  ///< shape (muscles) [rad]
+  /// \param shafts  shape (model.commands()): angles of the muscles [rad], behind them commands of lines
+  void setShafts(std::span<const double> shafts);
   /// When and after what a pose was recorded, for extensions that ask. \param time  [s]
   /// \param shafts_before  of the pose before, shape (muscles) [rad]; empty: unknown
   void setHistory(double time, std::span<const double> shafts_before);
@@ -91,7 +92,7 @@ class PotentialEnergy {
   /// Derivative of the gradient with respect to parameters, where evaluate() was last called.
   /// \param[out] columns  shape (dof, parameters.size()) [N m per unit of the parameter]
   void differentiate(std::span<const StaticParameter> parameters, Eigen::Ref<Eigen::MatrixXd> columns) const;
-  /// The same with respect to the shaft angles. \param[out] columns  shape (dof, muscles) [N m/rad]
+  /// The same with respect to the commands. \param[out] columns  shape (dof, model.commands()) [N m/rad, …]
   void differentiateByShafts(Eigen::Ref<Eigen::MatrixXd> columns) const;
 
  private:
@@ -116,8 +117,10 @@ class PotentialEnergy {
   struct Line {
     std::array<int, 2> joint;  ///< that carries each attachment's body, -1: fixed
     int first, last;           ///< levers, those of an end in the order of the tree
-    double shaft = 0.0, before = 0.0, expansion = 0.0, force = 0.0, length = 0.0;
-    double stiffness = 0.0;  ///< d force / d expansion
+    double shaft = 0.0;        ///< or command
+    double before = 0.0, expansion = 0.0, force = 0.0, length = 0.0;
+    double stiffness = 0.0;   ///< d force / d expansion
+    double by_command = 0.0;  ///< of a line without a motor
     bool extended = false;
     int bend = -1;                                         ///< of bends_, while the line touches its joint
     int path = -1;                                         ///< of paths_, for more than a straight line of rotations

@@ -27,7 +27,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("FROM", options->from, "arm (YAML), MJCF or URDF")->required();
+  app.add_option("FROM", options->from, "arm (YAML), MJCF, URDF or SDF")->required();
   app.add_option("TO", options->to, "the same robot as .yaml (arm), .xml (MJCF) or .urdf")->required();
   app.add_option("--muscles", options->muscles, "muscles and tendons of the arm (YAML), instead of those of FROM");
   app.add_flag("--dry-run", options->common.dry_run, "check everything, write nothing");

@@ -15,6 +15,7 @@
 #include "simgap/report/poses/simulation_report.h"
 #include "simgap/simulate/joint_targets.h"
 #include "simgap/simulate/motion_inputs.h"
+#include "simgap/simulate/possible_commands.h"
 #include "simgap/simulate/served_arm.h"
 
 namespace simgap::commands::simulate {
@@ -134,6 +135,7 @@ ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("simulate", options.common, argv);
   const ArmModel model = readArmFile(session, "model", options.model);
+  refuseOtherDrives(model);
   SimulationOptions settings = settingsOf(session, options);
   if (options.serve) return serve(model, settings.rollout);
   if (options.commands.empty()) throw ConfigError("found neither --commands nor --serve, expected one of them");

@@ -65,14 +65,18 @@ std::string partingPose(PoseFit& fit, PoseFit& other) {
     }
   }
   if (!best) return "";
-  std::vector<std::size_t> order(best->shafts.size());
-  for (std::size_t m = 0; m < order.size(); ++m) order[m] = m;
   std::string shafts;
-  for (const std::size_t m : order) {
+  for (std::size_t m = 0; m < one.muscles.size(); ++m) {
     shafts += fmt::format("{}{} {:.2f}", shafts.empty() ? "" : ", ", one.muscles[m].name, best->shafts[m]);
   }
+  if (!shafts.empty()) shafts = "the shafts at " + shafts + " rad";
+  const std::vector<CommandChannel> lines = one.poseLayout().lines;
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    shafts += fmt::format("{}{} at {:.4g} {}", shafts.empty() ? "" : ", ", lines[k].stem,
+                          best->shafts[one.muscles.size() + k], lines[k].unit);
+  }
   const JointKind& kind = kindOf(one.joints[joint].type);
-  return fmt::format("record the pose with the shafts at {} rad: there the two differ by {:.1f} {} at the {}.", shafts,
+  return fmt::format("record the pose with {}: there the two differ by {:.1f} {} at the {}.", shafts,
                      kind.shown(farthest / kind.counted), kind.error_unit, one.joints[joint].name);
 }
 

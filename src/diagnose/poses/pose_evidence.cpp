@@ -131,6 +131,12 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   return faults;
 }
 
+std::vector<bool> posesWithoutRest(const PoseFit& fit, std::span<const Pose> poses) {
+  std::vector<bool> without;
+  for (const auto& predicted : predictions(fit.model(), poses)) without.push_back(predicted.empty());
+  return without;
+}
+
 std::vector<double> squaredErrors(const ArmModel& model, std::span<const Pose> poses) {
   const auto predicted = predictions(model, poses);
   std::vector<double> errors;
@@ -257,7 +263,7 @@ PoseChannels channelsOf(PoseFit& fit) {
                                     : geodesicAngle(pose.joints[j].rotation, Eigen::Quaterniond::Identity());
     }
     // H dq is the torque that is missing at the measured pose; a muscle's lever arms are its shaft's column over k r.
-    Eigen::MatrixXd levers(dof, muscles);
+    Eigen::MatrixXd levers(dof, std::ssize(pose.shafts));
     energy.differentiateByShafts(levers);
     const Eigen::VectorXd torque = energy.hessian() * channels.errors.row(p).transpose();
     for (Eigen::Index m = 0; m < muscles; ++m) {

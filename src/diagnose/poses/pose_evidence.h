@@ -17,6 +17,10 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
 /// Squared joint error of each pose, mean over the joints [deg^2]; measured against the equilibrium next to it.
 std::vector<double> squaredErrors(const ArmModel& model, std::span<const Pose> poses);
 
+/// Poses that the model of a fit has no rest downhill of where they were measured, shape (poses): it sees another
+/// branch there, or none, and what small changes of it do to them says nothing of causes.
+std::vector<bool> posesWithoutRest(const PoseFit& fit, std::span<const Pose> poses);
+
 /// Squared joint errors of poses, each counted by how precisely a model can predict it at all: by the noise and by what
 /// is not known of the parameters, both much larger where an arm is soft. Beyond some 6 sd they count ever less, as in
 /// the fits; poses that cannot be told within ten degrees are left out.

@@ -87,8 +87,16 @@ bool Joint::operator==(const Joint& other) const {
 PoseLayout ArmModel::poseLayout() const {
   PoseLayout layout;
   for (const Muscle& muscle : muscles) layout.muscles.push_back(muscle.name);
+  for (const PassiveTendon& tendon : tendons) {
+    if (tendon.kind->command) layout.lines.push_back({tendon.commandStem(), std::string(tendon.kind->command.unit)});
+  }
   for (const Joint& joint : joints) layout.joints.push_back({joint.name, joint.type});
   return layout;
+}
+
+std::size_t ArmModel::commands() const {
+  const auto commanded = [](const PassiveTendon& tendon) { return static_cast<bool>(tendon.kind->command); };
+  return muscles.size() + static_cast<std::size_t>(std::ranges::count_if(tendons, commanded));
 }
 
 }  // namespace simgap

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "arm_yaml_parts.h"
+#include "simgap/model/arm/kinematics.h"
 
 namespace simgap::arm_yaml {
 namespace {
@@ -29,6 +30,14 @@ double distanceFromMiddle(const Surface& surface, const Eigen::Vector3d& point) 
   return way.norm();
 }
 
+/// The side point in the frame of the surface's body, with every joint at 0.
+Eigen::Vector3d drawnSide(const Station& station, const ArmModel& model) {
+  if (station.side_body < 0) return station.at.point;
+  const std::vector<BodyInWorld> drawn = bodiesInWorld(model, std::vector<JointPosition>(model.joints.size()));
+  const BodyInWorld& body = drawn[station.at.body];
+  return body.rotation.transpose() * (drawn[station.side_body] * station.at.point - body.origin);
+}
+
 Station readSurfaceStation(const YamlNode& node, const ArmModel& model, const Places& places) {
   Station station;
   station.kind = Kind::kSurface;
@@ -43,9 +52,16 @@ Station readSurfaceStation(const YamlNode& node, const ArmModel& model, const Pl
   station.surface = place.first_surface + static_cast<int>(found - place.surfaces.begin());
   station.sided = node.hasQuantity("side", "m");
   if (!station.sided) return station;
-  station.at.point = place.pose * node.vectorQuantity("side", "m");
+  if (const auto other = node.find("side_body")) {  // where it is against the surface depends on the pose
+    const Place& side = readPlace(*other, places);
+    station.side_body = side.body;
+    station.at.point = side.pose * node.vectorQuantity("side", "m");
+    if (side.body == place.body) station.side_body = -1;
+  } else {
+    station.at.point = place.pose * node.vectorQuantity("side", "m");
+  }
   const Surface& surface = model.bodies[place.body].surfaces[station.surface];
-  const double distance = distanceFromMiddle(surface, station.at.point);
+  const double distance = distanceFromMiddle(surface, drawnSide(station, model));
   if (distance <= surface.radius) {
     node.fail(
         fmt::format("side_m: found a point {:.4g} m from the middle of '{}', inside its radius {:.4g} m; expected "
@@ -53,6 +69,14 @@ Station readSurfaceStation(const YamlNode& node, const ArmModel& model, const Pl
                     distance, name, surface.radius));
   }
   return station;
+}
+
+int readJointWithAxis(const YamlNode& node, const ArmModel& model) {
+  const std::string name = node.text();
+  const auto found = std::ranges::find(model.joints, name, &Joint::name);
+  if (found == model.joints.end()) node.fail(fmt::format("found '{}', expected the name of a joint", name));
+  if (!found->hasAxis()) node.fail(fmt::format("'{}' is spherical, expected a joint with one axis", name));
+  return static_cast<int>(found - model.joints.begin());
 }
 
 Station readStation(const YamlNode& node, const ArmModel& model, const Places& places) {
@@ -65,14 +89,8 @@ Station readStation(const YamlNode& node, const ArmModel& model, const Places& p
   }
   if (node.isMap() && node.has("joint")) {
     station.kind = Kind::kJoint;
-    const std::string name = node.at("joint").text();
-    const auto found = std::ranges::find(model.joints, name, &Joint::name);
-    if (found == model.joints.end())
-      node.at("joint").fail(fmt::format("found '{}', expected the name of a joint", name));
-    if (!found->hasAxis())
-      node.at("joint").fail(fmt::format("'{}' is spherical, expected a joint with one axis", name));
-    station.joint = static_cast<int>(found - model.joints.begin());
-    station.radius = found->slides() ? node.at("ratio").number() : node.quantity("radius", "m");
+    station.joint = readJointWithAxis(node.at("joint"), model);
+    station.radius = model.joints[station.joint].slides() ? node.at("ratio").number() : node.quantity("radius", "m");
     if (station.radius == 0.0) node.fail("found a wheel of radius 0, expected another number");
     return station;
   }
@@ -121,18 +139,22 @@ void checkPoints(const std::vector<Station>& stations, const std::vector<YamlNod
   }
 }
 
+/// A line over joints alone begins and ends at one point that stands still.
+TendonPath pathOverJoints(const ArmModel& model, std::vector<Station> wheels) {
+  TendonPath path;
+  const auto base = std::ranges::find(model.bodies, true, &Body::fixed);
+  path.attachments.fill(Attachment{static_cast<int>(base - model.bodies.begin())});
+  path.between = std::move(wheels);
+  return path;
+}
+
 TendonPath readLongPath(const YamlNode& list, const std::vector<YamlNode>& nodes, const ArmModel& model,
                         const Places& places) {
   std::vector<Station> stations;
   for (const YamlNode& node : nodes) stations.push_back(readStation(node, model, places));
-  TendonPath path;
   if (std::ranges::all_of(stations, [](const Station& s) { return s.kind == Kind::kJoint; })) {
     if (stations.empty()) list.fail("found no attachment, expected at least two points, or joints");
-    const auto base = std::ranges::find(model.bodies, true, &Body::fixed);
-    path.attachments = {Attachment{static_cast<int>(base - model.bodies.begin())}, path.attachments[0]};
-    path.attachments[1] = path.attachments[0];
-    path.between = stations;
-    return path;
+    return pathOverJoints(model, stations);
   }
   if (stations.front().kind != Kind::kPoint || stations.back().kind != Kind::kPoint || stations.size() < 2) {
     list.fail(
@@ -142,6 +164,7 @@ TendonPath readLongPath(const YamlNode& list, const std::vector<YamlNode>& nodes
   }
   checkOrder(stations, nodes);
   checkPoints(stations, nodes, model);
+  TendonPath path;
   path.attachments = {stations.front().at, stations.back().at};
   path.between.assign(stations.begin() + 1, stations.end() - 1);
   const int body = stations.front().at.body;
@@ -151,6 +174,18 @@ TendonPath readLongPath(const YamlNode& list, const std::vector<YamlNode>& nodes
     list.fail("all of the line is on one body, expected at least two bodies");
   }
   return path;
+}
+
+/// What acts about a joint: a wheel of radius 1 m, on which the length is the angle, and the force a torque.
+TendonPath pathAtJoint(const YamlNode& node, const ArmModel& model) {
+  Station wheel;
+  wheel.kind = Kind::kJoint;
+  wheel.joint = readJointWithAxis(node, model);
+  if (model.joints[wheel.joint].slides()) {
+    node.fail(fmt::format("'{}' slides, expected a joint that turns", model.joints[wheel.joint].name));
+  }
+  wheel.radius = 1.0;
+  return pathOverJoints(model, {wheel});
 }
 
 }  // namespace
@@ -181,10 +216,12 @@ PassiveTendon readTendon(const YamlNode& node, const ArmModel& model, const Plac
   for (const TendonKind* kind : tendon_kinds::all()) known.emplace_back(kind->name);
   const std::string name = node.at("kind").oneOf(known);
   tendon.kind = *std::ranges::find(tendon_kinds::all(), name, &TendonKind::name);
-  static_cast<TendonPath&>(tendon) = readPath(node.at("attachments"), model, places, true);
+  static_cast<TendonPath&>(tendon) = tendon.kind->at_joint ? pathAtJoint(node.at("joint"), model)
+                                                           : readPath(node.at("attachments"), model, places, true);
   for (std::size_t i = 0; i < tendon.kind->parameters.size(); ++i) {
     const TendonParameter& parameter = tendon.kind->parameters[i];
-    tendon.p[i] = node.quantity(parameter.name, parameter.unit, parameter.range);
+    tendon.p[i] = parameter.unit == "1" ? node.at(parameter.key).number(parameter.range)
+                                        : node.quantity(parameter.name, parameter.unit, parameter.range);
   }
   return tendon;
 }

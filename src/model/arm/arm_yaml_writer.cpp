@@ -107,12 +107,18 @@ std::string joint(const Joint& j, const ArmModel& model) {
                             unit("Nms"), j.viscous_friction);
 }
 
+std::string side(const Station& s, const ArmModel& model) {
+  if (!s.sided) return "";
+  const std::string body = s.side_body < 0 ? "" : ", side_body: " + yamlText(model.bodies[s.side_body].name);
+  return ", side_m: " + vector(s.at.point) + body;
+}
+
 std::string station(const Station& s, const ArmModel& model) {
   switch (s.kind) {
     case Station::Kind::kSurface: {
       const Body& body = model.bodies[s.at.body];
       return fmt::format("{{over: {}, body: {}{}}}", yamlText(body.surfaces[s.surface].name), yamlText(body.name),
-                         s.sided ? ", side_m: " + vector(s.at.point) : "");
+                         side(s, model));
     }
     case Station::Kind::kPulley:
       return fmt::format("{{pulley: {}}}", s.divisor);
@@ -138,8 +144,9 @@ std::string attachments(const TendonPath& path, const ArmModel& model) {
 }
 
 std::string tendon(const PassiveTendon& t, const ArmModel& model) {
-  std::string text =
-      fmt::format("  - name: {}\n    kind: {}\n", yamlText(t.name), t.kind->name) + attachments(t, model);
+  std::string text = fmt::format("  - name: {}\n    kind: {}\n", yamlText(t.name), t.kind->name);
+  text += t.kind->at_joint ? fmt::format("    joint: {}\n", yamlText(model.joints[t.between[0].joint].name))
+                           : attachments(t, model);
   for (std::size_t i = 0; i < t.kind->parameters.size(); ++i) {
     text += fmt::format("    {}: {}\n", t.kind->parameters[i].key, t.p[i]);
   }

@@ -74,7 +74,8 @@ void visitMuscle(Muscle& muscle, const ItemVisitor<Visit>& visit) {
 
 template <class Visit>
 void visitTendon(PassiveTendon& tendon, const ItemVisitor<Visit>& visit) {
-  if (tendon.straight()) {
+  if (tendon.kind->at_joint) {  // no line
+  } else if (tendon.straight()) {
     visit("attachments.0.point_m", "m", tendon.attachments[0].point);
     visit("attachments.1.point_m", "m", tendon.attachments[1].point);
   } else {

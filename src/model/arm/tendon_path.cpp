@@ -189,6 +189,7 @@ PathParts partsOf(const TendonPath& path) {
       stretch.surface = surface.surface;
       stretch.sided = surface.sided;
       stretch.side = surface.at.point;
+      stretch.side_body = surface.side_body < 0 ? surface.at.body : surface.side_body;
     }
     parts.stretches.push_back(stretch);
     from = to;
@@ -238,7 +239,7 @@ void placeStretch(std::span<const Body> bodies, const PathStretch& part, std::sp
   if (part.over < 0) return straightStretch(x0, x1, s);
   const BodyInWorld& body = placed[part.body];
   const Surface& surface = bodies[part.body].surfaces[part.surface];
-  const Eigen::Vector3d side = body * part.side;
+  const Eigen::Vector3d side = placed[part.side_body] * part.side;
   wrappedStretch({surface.shape, surface.radius, body * surface.position, body.rotation * surface.axis}, x0, x1,
                  part.sided ? &side : nullptr, s);
 }

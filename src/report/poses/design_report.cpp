@@ -16,6 +16,10 @@ Json toJson(const DesignResult& result) {
       shafts[result.model.muscles[m].name] = result.design.poses[k].shafts[m];
     }
     Json pose = {{"pose", result.design.poses[k].name}, {"shaft_rad", shafts}};
+    for (std::size_t l = 0; l < layout.lines.size(); ++l) {
+      pose[layout.lines[l].stem + "_" + layout.lines[l].unit] =
+          result.design.poses[k].shafts[result.model.muscles.size() + l];
+    }
     for (const std::string& unit : errorUnits(layout)) {
       pose["predicted_mje_" + unit] = predictionJson(layout, result.design.after[k], unit);
     }
@@ -37,6 +41,7 @@ Json toJson(const DesignResult& result) {
 std::string nextPosesCsv(const DesignResult& result) {
   std::vector<std::string> columns{"pose"};
   for (const Muscle& muscle : result.model.muscles) columns.push_back("shaft_" + muscle.name + "_rad");
+  for (const CommandChannel& line : result.model.poseLayout().lines) columns.push_back(line.stem + "_" + line.unit);
   for (const Joint& joint : result.model.joints) {
     for (std::string& column : positionColumns(joint.type, joint.name)) columns.push_back(std::move(column));
   }

@@ -26,6 +26,8 @@ struct ArmModel {
   Gearbox gearbox_defaults;
 
   PoseLayout poseLayout() const;
+  /// Numbers that say what a pose is told to do: an angle per muscle, and of `tendons` those that take a command.
+  std::size_t commands() const;
 };
 
 }  // namespace simgap

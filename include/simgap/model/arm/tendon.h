@@ -70,6 +70,7 @@ struct Station {
   Attachment at;         ///< surface: its body, and the side point if there is one
   int surface = 0;       ///< index into the body's surfaces
   bool sided = false;    ///< passes the surface on the side of `at.point`, even where the straight way is free
+  int side_body = -1;    ///< whose frame `at.point` then stands in; -1: that of the surface's body
   double divisor = 1.0;  ///< > 0
   int joint = 0;         ///< index into joints
   double radius = 0.0;   ///< [m], either sign; of a prismatic joint a plain number
@@ -109,11 +110,13 @@ struct Muscle : TendonPath {
   double kiteLineLength(double shaft) const noexcept { return kite_line_length - spindle_radius * shaft; }
 };
 
-/// A line without a motor: ligament, spring, weight (000 section IV).
+/// What pulls besides a muscle: ligament, spring, weight (000 section IV), pneumatic muscle, motor at a joint.
 struct PassiveTendon : TendonPath {
   std::string name;
   const TendonKind* kind = nullptr;
   TendonParameters p{};  ///< in the kind's order
+
+  std::string commandStem() const { return std::string(kind->command.quantity) + "_" + name; }  ///< of its column
 };
 
 }  // namespace simgap

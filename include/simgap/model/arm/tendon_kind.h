@@ -1,5 +1,6 @@
 /// \file
-/// What a line without a motor pulls with. One file of src/model/arm/tendons per kind, found by CMake; reading,
+/// What pulls besides a motor that winds a line on its spindle: ligaments and springs, pneumatic muscles under a
+/// pressure, motors at joints. One file of src/model/arm/tendons per kind, found by CMake; reading,
 /// writing, fitting and both simulations know a kind by this table alone.
 #pragma once
 
@@ -11,7 +12,7 @@
 
 namespace simgap {
 
-inline constexpr int kMaxTendonParameters = 4;
+inline constexpr int kMaxTendonParameters = 8;
 using TendonParameters = std::array<double, kMaxTendonParameters>;  ///< in the kind's order; the rest unused
 
 struct TendonParameter {
@@ -21,12 +22,21 @@ struct TendonParameter {
   Range range;
 };
 
+/// What a kind is told to do, one number per pose: a column `<quantity>_<line>_<unit>` of pose sets.
+struct TendonCommand {
+  std::string_view quantity;  ///< "pressure"; empty: the kind takes no command
+  std::string_view unit;      ///< "Pa"
+  double typical = 0.0;       ///< of that size commands are, where some have to be made up
+  explicit operator bool() const { return !quantity.empty(); }
+};
+
 /// Of a line of length L at rest.
 struct TendonPull {
   double energy = 0.0;              ///< V(L) [J]
   double force = 0.0;               ///< dV/dL [N], > 0 pulls its ends together
   double stiffness = 0.0;           ///< dF/dL [N/m]
   TendonParameters by_parameter{};  ///< of the force
+  double by_command = 0.0;          ///< of the force
 };
 
 struct TendonKind {
@@ -34,9 +44,12 @@ struct TendonKind {
   std::string_view what;  ///< one sentence a person understands
   std::string_view equation;
   std::span<const TendonParameter> parameters;
-  TendonPull (*pull)(const TendonParameters& p, double length);
+  TendonPull (*pull)(const TendonParameters& p, double length, double command);
   /// Force while the length changes at `rate` [N].
-  double (*force)(const TendonParameters& p, double length, double rate);
+  double (*force)(const TendonParameters& p, double length, double rate, double command);
+  TendonCommand command = {};
+  /// Acts about a joint instead of along a line: its length is the joint's angle [rad], its force a torque [N m].
+  bool at_joint = false;
 };
 
 namespace tendon_kinds {

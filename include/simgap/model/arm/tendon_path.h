@@ -54,7 +54,8 @@ struct PathStretch {
   int body = 0;     ///< that carries the surface; without one, the body of the first end
   int surface = 0;  ///< of that body
   bool sided = false;
-  Eigen::Vector3d side = Eigen::Vector3d::Zero();  ///< in the body's frame
+  Eigen::Vector3d side = Eigen::Vector3d::Zero();  ///< in the frame of `side_body`
+  int side_body = 0;
 };
 /// A wheel on a joint.
 struct PathWheel {

@@ -6,9 +6,9 @@ namespace {
 
 constexpr TendonParameter kParameters[] = {{"force", "N", "force_N", kNonNegative}};
 
-TendonPull pull(const TendonParameters& p, double length) { return {p[0] * length, p[0], 0.0, {1.0}}; }
+TendonPull pull(const TendonParameters& p, double length, double) { return {p[0] * length, p[0], 0.0, {1.0}}; }
 
-double force(const TendonParameters& p, double, double) { return p[0]; }
+double force(const TendonParameters& p, double, double, double) { return p[0]; }
 
 }  // namespace
 

@@ -8,12 +8,14 @@ constexpr TendonParameter kParameters[] = {{"rest_length", "m", "rest_length_m",
                                            {"stiffness", "N_m", "stiffness_N_m", kPositive},
                                            {"damping", "Ns_m", "damping_Ns_m", kNonNegative}};
 
-TendonPull pull(const TendonParameters& p, double length) {
+TendonPull pull(const TendonParameters& p, double length, double) {
   const double x = length - p[0];
   return {0.5 * p[1] * x * x, p[1] * x, p[1], {-p[1], x}};
 }
 
-double force(const TendonParameters& p, double length, double rate) { return p[1] * (length - p[0]) + p[2] * rate; }
+double force(const TendonParameters& p, double length, double rate, double) {
+  return p[1] * (length - p[0]) + p[2] * rate;
+}
 
 }  // namespace
 

@@ -1,0 +1,123 @@
+#include "link_tree.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "arm_exchange.h"
+#include "simgap/core/error.h"
+#include "simgap/core/text.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::size_t kMostLinks = 1000;
+
+}  // namespace
+
+Eigen::Matrix3d rotationOf(const Eigen::Vector3d& rpy) {
+  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+void LinkTree::fail(const std::string& sentence) const {
+  throw DataError(fmt::format("{}: {}", file_.filename().string(), sentence));
+}
+
+void LinkTree::addLink(const XmlElement& element, const std::string& name, const MassProperties& mass) {
+  if (links_.size() >= kMostLinks) xml_.fail(element, fmt::format("found more than {} links", kMostLinks));
+  if (!links_.emplace(name, mass).second) xml_.fail(element, fmt::format("the name '{}' is taken", abridged(name)));
+  order_.push_back(name);
+}
+
+void LinkTree::addJoint(LinkJoint joint, const std::string& name) {
+  joint.joint.name = freeName(name, joint_names_);
+  joints_.push_back(std::move(joint));
+}
+
+ArmModel LinkTree::build(ArmModel arm) {
+  arm_ = std::move(arm);
+  const std::string base = baseLink();
+  arm_.bodies.push_back({.name = freeName(base, body_names_), .fixed = true, .parts = {}, .surfaces = {}});
+  const auto where = where_.find(base);
+  places_[base] = {0, where == where_.end() ? Eigen::Isometry3d::Identity() : where->second};
+  attachChildren(base);
+  if (arm_.joints.empty()) fail("found no joint that moves, expected at least one");
+  for (const LinkJoint& joint : joints_) follow(joint);
+  return std::move(arm_);
+}
+
+/// The one link that no joint moves.
+std::string LinkTree::baseLink() const {
+  std::map<std::string, int> parents;
+  for (const LinkJoint& joint : joints_) {
+    for (const std::string& link : {joint.parent, joint.child}) {
+      if (!links_.contains(link)) {
+        throw DataError(fmt::format("{}: found '{}', expected the name of a link", joint.place, abridged(link)));
+      }
+    }
+    if (++parents[joint.child] > 1) {
+      throw DataError(
+          fmt::format("{}: link '{}' is the child of two joints, expected a tree", joint.place, abridged(joint.child)));
+    }
+  }
+  std::vector<std::string> roots;
+  for (const std::string& link : order_) {
+    if (!parents.contains(link)) roots.push_back(link);
+  }
+  if (roots.size() != 1) {
+    fail(fmt::format("found {} links that hang on no other{}, expected one", roots.size(),
+                     roots.empty() ? " (the joints run in a circle)" : ""));
+  }
+  return roots[0];
+}
+
+void LinkTree::attachChildren(const std::string& link) {
+  for (LinkJoint& joint : joints_) {
+    if (joint.parent != link) continue;
+    const auto [body, frame] = places_.at(link);
+    const Eigen::Isometry3d in_body = frame * joint.in_parent;
+    const MassProperties& mass = links_.at(joint.child);
+    if (joint.fixed) {
+      const Eigen::Isometry3d there = in_body * joint.in_child.inverse();
+      places_[joint.child] = {body, there};
+      Body& carrier = arm_.bodies[body];
+      xml_.add(fmt::format("link '{}'", abridged(joint.child)),
+               fmt::format("fixed: a part of '{}'", abridged(carrier.name)), false, joint.place);
+      if (!carrier.fixed && mass.mass > 0.0) {
+        MassProperties moved{mass.mass, there * mass.centre_of_mass, {}};
+        moved.inertia = there.linear() * mass.inertia * there.linear().transpose();
+        carrier.parts.push_back(statedPart(freePartName(carrier, freeName(joint.child, body_names_)), moved));
+      }
+    } else {
+      joint.joint.parent = body;
+      joint.joint.child = static_cast<int>(arm_.bodies.size());
+      joint.joint.parent_position = in_body.translation();
+      joint.joint.parent_orientation = tidyRotation(in_body.linear());
+      joint.joint.child_position = joint.in_child.translation();
+      joint.joint.child_orientation = tidyRotation(joint.in_child.linear());
+      places_[joint.child] = {joint.joint.child, Eigen::Isometry3d::Identity()};
+      Body& moved = arm_.bodies.emplace_back();
+      moved.name = freeName(joint.child, body_names_);
+      if (mass.mass > 0.0) moved.parts.push_back(statedPart(moved.name, mass));
+      arm_.joints.push_back(joint.joint);
+    }
+    attachChildren(joint.child);
+  }
+}
+
+void LinkTree::follow(const LinkJoint& joint) {
+  if (joint.leader.empty()) return;
+  const auto index = [&](const std::string& name) {
+    const auto found = std::ranges::find(arm_.joints, name, &Joint::name);
+    if (found == arm_.joints.end()) {
+      throw DataError(
+          fmt::format("{}: mimic: found '{}', expected the name of a joint that moves", joint.place, abridged(name)));
+    }
+    return static_cast<int>(found - arm_.joints.begin());
+  };
+  tieJoints(arm_, index(joint.joint.name), index(joint.leader), joint.multiplier, joint.offset, joint.place);
+}
+
+}  // namespace simgap

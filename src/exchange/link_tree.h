@@ -1,0 +1,61 @@
+/// \file
+/// Links and the joints between them, as URDF and SDF state them, become a tree of bodies that hangs on one that stands
+/// still.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "xml_robot.h"
+
+namespace simgap {
+
+struct LinkJoint {
+  Joint joint;  ///< type, axis, limits, frictions, spring
+  bool fixed = false;
+  std::string parent, child;
+  std::string leader;  ///< of a joint that follows another, q = offset + multiplier q_leader; empty: none
+  double multiplier = 1.0, offset = 0.0;
+  Eigen::Isometry3d in_parent = Eigen::Isometry3d::Identity();  ///< the joint's frame, in the parent link
+  Eigen::Isometry3d in_child = Eigen::Isometry3d::Identity();   ///< and in the child link
+  std::string place;
+};
+
+class LinkTree {
+ public:
+  LinkTree(XmlRobot& xml, std::filesystem::path file) : xml_(xml), file_(std::move(file)) {}
+
+  /// \throws DataError: the name is taken, or there are too many
+  void addLink(const XmlElement& element, const std::string& name, const MassProperties& mass);
+  /// \param name  made free among those of joints
+  void addJoint(LinkJoint joint, const std::string& name);
+  /// Where the one link stands that no joint moves; the origin without.
+  void placeBase(const std::map<std::string, Eigen::Isometry3d>& where) { where_ = where; }
+  /// The arm, with the joints outwards from the base in the order of the file; what is fixed becomes a part.
+  /// \throws DataError: no tree, or nothing that moves
+  ArmModel build(ArmModel arm);
+
+ private:
+  [[noreturn]] void fail(const std::string& sentence) const;
+  std::string baseLink() const;
+  void attachChildren(const std::string& link);
+  void follow(const LinkJoint& joint);
+
+  XmlRobot& xml_;
+  std::filesystem::path file_;
+  ArmModel arm_;
+  std::map<std::string, MassProperties> links_;
+  std::vector<std::string> order_;
+  std::vector<LinkJoint> joints_;
+  std::set<std::string> joint_names_, body_names_;
+  std::map<std::string, Eigen::Isometry3d> where_;
+  std::map<std::string, std::pair<int, Eigen::Isometry3d>> places_;  ///< of a link, in a body of the arm
+};
+
+/// Roll, pitch, yaw about fixed axes.
+Eigen::Matrix3d rotationOf(const Eigen::Vector3d& rpy);
+
+}  // namespace simgap

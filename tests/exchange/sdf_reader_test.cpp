@@ -1,0 +1,133 @@
+// SDF by hand: what each element means is worked out here, not by the reader.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "simgap/core/error.h"
+#include "simgap/exchange/exchange.h"
+#include "simgap/model/arm/kinematics.h"
+#include "support/files.h"
+
+namespace simgap::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kMass =
+    "<inertial><pose>0 0 -0.1 0 0 0</pose><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.03</iyy><izz>0.02</izz>"
+    "<ixy>0.001</ixy></inertia></inertial>";
+
+std::string link(const std::string& name, const std::string& pose = "") {
+  return "<link name='" + name + "'>" + (pose.empty() ? "" : "<pose>" + pose + "</pose>") + kMass + "</link>\n";
+}
+std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
+                  const std::string& more = "<axis><xyz>1 0 0</xyz></axis>") {
+  return "<joint name='" + name + "' type='" + type + "'><parent>" + parent + "</parent><child>" + child + "</child>" +
+         more + "</joint>\n";
+}
+std::string modelOf(const std::string& inner) {
+  return "<sdf version='1.9'>\n<model name='r'>\n" + inner + "</model></sdf>\n";
+}
+ImportedArm readAll(const std::string& inner) { return readSdf(modelOf(inner), "r.sdf"); }
+std::string refused(const std::string& inner) {
+  return errorOf([&] { readAll(inner); });
+}
+
+TEST(SdfReader, LinksStandInTheModelAndJointsInTheirChildren) {
+  // A link 0.5 m up, and on it one that is turned by 90 deg about z; its joint stands 0.1 m beside it.
+  const ArmModel arm =
+      readAll(
+          "<pose>0 0 1 0 0 0</pose>" + link("a", "0 0 0.5 0 0 0") + link("b", "0.2 0 0.5 0 0 1.5707963267948966") +
+          joint("base", "fixed", "world", "a", "") +
+          joint("turn", "revolute", "a", "b",
+                "<pose>0.1 0 0 0 0 0</pose><axis><xyz>0 0 2</xyz><limit><lower>-1</lower><upper>1e16</upper></limit>"
+                "<dynamics><damping>0.5</damping><friction>0.1</friction><spring_stiffness>3</spring_stiffness>"
+                "<spring_reference>0.2</spring_reference></dynamics></axis>"))
+          .model;
+  ASSERT_EQ(arm.joints.size(), 1U);
+  const Joint& turn = arm.joints[0];
+  EXPECT_DOUBLE_EQ(turn.lower_limit, -1.0);
+  EXPECT_GT(turn.upper_limit, 1e6) << "1e16 is no limit";
+  EXPECT_DOUBLE_EQ(turn.viscous_friction, 0.5);
+  EXPECT_DOUBLE_EQ(turn.coulomb_friction, 0.1);
+  EXPECT_DOUBLE_EQ(turn.spring_stiffness, 3.0);
+  EXPECT_DOUBLE_EQ(turn.spring_rest, 0.2);
+  std::vector<JointPosition> q(1);
+  EXPECT_LT((bodiesInWorld(arm, q)[1].origin - Eigen::Vector3d(0.2, 0.0, 1.5)).norm(), 1e-12) << "as it is drawn";
+  // The pivot is 0.1 along x of b, which is y of the world; half a turn carries b's origin to the other side of it.
+  q[0].angle = std::numbers::pi;
+  EXPECT_LT((bodiesInWorld(arm, q)[1].origin - Eigen::Vector3d(0.2, 0.2, 1.5)).norm(), 1e-12);
+  EXPECT_NEAR(massProperties(arm.bodies[1]).inertia(0, 1), 0.001, 1e-15);
+}
+
+TEST(SdfReader, FramesStandInOneAnother) {
+  const ArmModel arm =
+      readAll(
+          "<frame name='high'><pose>0 0 2 0 0 0</pose></frame>\n"
+          "<frame name='turned' attached_to='high'><pose degrees='true'>0 0 0 90 0 0</pose></frame>\n" +
+          link("a") + "<link name='b'><pose relative_to='turned'>0 0 1 0 0 0</pose>" + kMass + "</link>\n" +
+          joint("turn", "continuous", "a", "b", "<axis><xyz expressed_in='a'>0 1 0</xyz></axis>"))
+          .model;
+  const std::vector<JointPosition> q(1);
+  // z of a frame that is turned by 90 deg about x is -y.
+  EXPECT_LT((bodiesInWorld(arm, q)[1].origin - Eigen::Vector3d(0.0, -1.0, 2.0)).norm(), 1e-12);
+  const Eigen::Vector3d in_world = arm.joints[0].parent_orientation * arm.joints[0].axis;
+  EXPECT_LT((in_world - Eigen::Vector3d::UnitY()).norm(), 1e-12);
+}
+
+TEST(SdfReader, MimicsBallsAndSlides) {
+  const ArmModel arm =
+      readAll(link("a") + link("b") + link("c") + link("d") + joint("slide", "prismatic", "a", "b") +
+              joint("ball", "ball", "b", "c", "") +
+              joint("other", "prismatic", "c", "d",
+                    "<axis><xyz>0 1 0</xyz><mimic joint='slide'><multiplier>0.5</multiplier><offset>0.2</offset>"
+                    "<reference>0.1</reference></mimic></axis>"))
+          .model;
+  ASSERT_EQ(arm.joints.size(), 3U);
+  EXPECT_EQ(arm.joints[0].type, JointType::kPrismatic);
+  EXPECT_EQ(arm.joints[1].type, JointType::kSpherical);
+  EXPECT_EQ(arm.joints[2].leader, 0);
+  EXPECT_NEAR(arm.joints[2].coupling_offset, 0.2 - 0.5 * 0.1, 1e-15);
+}
+
+TEST(SdfReader, NamesWhatItLeavesOutWithItsLine) {
+  const ImportedArm read = readAll(link("a") + "<link name='b'><visual name='v'/><magic/>" + kMass + "</link>\n" +
+                                   joint("turn", "revolute", "a", "b"));
+  const auto has = [&](const std::string& what, bool matters, const std::string& place) {
+    return std::ranges::any_of(read.remarks, [&](const ExchangeRemark& r) {
+      return r.what == what && r.matters == matters && std::ranges::find(r.places, place) != r.places.end();
+    });
+  };
+  EXPECT_TRUE(has("visual", false, "r.sdf:4"));
+  EXPECT_TRUE(has("magic", true, "r.sdf:4"));
+  EXPECT_TRUE(has("a base without a joint to the world", true, "r.sdf:2"));
+}
+
+TEST(SdfReader, RefusesWithOneSentence) {
+  const std::string two = link("a") + link("b");
+  EXPECT_THAT(refused(two + joint("j", "screw", "a", "b")), HasSubstr("r.sdf:5: joint: type: found 'screw', expected"));
+  EXPECT_THAT(refused(two + joint("j", "revolute", "a", "x")), HasSubstr("found 'x', expected the name of a link"));
+  EXPECT_THAT(refused(two + joint("j", "revolute", "a", "b", "<axis><xyz>0 0 0</xyz></axis>")),
+              HasSubstr("found a zero vector, expected an axis"));
+  EXPECT_THAT(
+      refused(two + joint("j", "revolute", "a", "b", "<axis><limit><lower>2</lower><upper>1</upper></limit></axis>")),
+      HasSubstr("found lower 2 above upper 1"));
+  EXPECT_THAT(refused(link("a", "0 0 0") + link("b") + joint("j", "revolute", "a", "b")),
+              HasSubstr("found 3 numbers, expected 6"));
+  EXPECT_THAT(refused(link("a", "0 0 nan 0 0 0") + link("b") + joint("j", "revolute", "a", "b")),
+              HasSubstr("found 'nan', expected a finite number"));
+  EXPECT_THAT(refused(two + joint("j", "revolute", "a", "b") + joint("k", "revolute", "b", "a")),
+              HasSubstr("the joints run in a circle"));
+  EXPECT_THAT(
+      refused("<link name='a'><pose relative_to='f'>0 0 0 0 0 0</pose></link><frame name='f' attached_to='a'/>" +
+              link("b") + joint("j", "revolute", "a", "b")),
+      HasSubstr("stands in itself"));
+  EXPECT_THAT(refused(two), HasSubstr("found no model with joints, expected one"));
+  EXPECT_THAT(refused("<static>true</static>" + two + joint("j", "revolute", "a", "b")),
+              HasSubstr("found a model that is static"));
+}
+
+}  // namespace
+}  // namespace simgap::test
