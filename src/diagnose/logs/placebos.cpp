@@ -143,14 +143,16 @@ std::vector<double> scaled(const Fitted& full, std::size_t effect, double factor
   return theta;
 }
 
-/// The delays that explain best the rows of either direction of motion, forwards and backwards, all else as it was
-/// fitted to both [s].
+/// The delays that explain best the rows of either direction of motion, forwards and backwards, of a law that is fitted
+/// to both [s].
 std::array<double, 2> delaysByDirection(const LogSearch& search, const Fitted& full, std::size_t effect) {
   constexpr int kSteps = 16;  // from no delay to twice the fitted one
   const Eigen::ArrayXd& direction = search.data().rows.direction;
   std::array<std::vector<double>, 2> errors;
   for (int k = 0; k <= kSteps; ++k) {
-    const VectorXd residual = residualAt(full, scaled(full, effect, 2.0 * k / kSteps));
+    // The law follows each delay: one that was fitted to a mean of two would favour that mean.
+    const std::vector<double> moved = scaled(full, effect, 2.0 * k / kSteps);
+    const VectorXd residual = residualAt(full, full.model->solveCoefficients(moved, search.training()));
     double sum[2] = {0.0, 0.0}, rows[2] = {0.0, 0.0};
     for (const Index i : countedRows(search, residual)) {
       const int side = direction[i] > 0.0 ? 0 : 1;
