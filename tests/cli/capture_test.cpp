@@ -27,6 +27,21 @@ TEST_F(CaptureTest, WritesAllItsTables) {
   EXPECT_EQ(Json::parse(text("out/result.json")).at("geometry").at("verdict"), "consistent");
 }
 
+TEST_F(CaptureTest, APageOfALongRecordingShowsOneInSeveralPairs) {
+  succeed(capture({"--rate", "60"}));
+  const std::string whole = text("out/report.html");
+  Json result = Json::parse(text("out/result.json"));
+  result["pairs"] = 40'000;  // what decides how many of them are drawn: one in three
+  put("out/result.json", toText(result));
+  succeed({"report", "out"});
+  const std::string thinned = text("out/report.html");
+  EXPECT_THAT(thinned, HasSubstr("one in 3 pairs"));
+  EXPECT_EQ(whole.find("one in "), std::string::npos);
+  for (const char* moment : {"0.000 s", "0.050 s"}) EXPECT_THAT(thinned, HasSubstr(moment));
+  EXPECT_THAT(whole, HasSubstr("0.017 s"));
+  EXPECT_EQ(thinned.find("0.017 s"), std::string::npos);
+}
+
 TEST_F(CaptureTest, ReadsAVideo) {
   putVideo("left", kPairs, 60);
   putVideo("right", kPairs, 60);

@@ -21,6 +21,7 @@
 #include "simgap/measure/pose_set.h"
 #include "simgap/model/actuator/fitted_model.h"
 #include "simgap/model/arm/arm_yaml.h"
+#include "simgap/model/solids/mesh.h"
 
 namespace simgap::test {
 namespace {
@@ -108,6 +109,12 @@ void readMjcfRobot(std::string bytes) {
 }
 void readUrdfRobot(std::string bytes) { writeRobot(readUrdf(bytes, "input.urdf").model); }
 void readSdfRobot(std::string bytes) { writeRobot(readSdf(bytes, "input.sdf").model); }
+/// A mesh of the kind that its first bytes suggest; otherwise it comes by the file's name.
+void readSolid(std::string bytes) {
+  const bool stl = bytes.starts_with("solid") || bytes.find('\0') != std::string::npos;
+  const char* const name = stl ? "input.stl" : "input.obj";
+  volumeOf(readMesh(bytes, name), name).inertia(1.0);
+}
 void readTargetSet(std::string bytes) { readTargets(yaml(bytes)); }
 /// A file of both cameras, or the same camera_info for each.
 void readCamerasOf(std::string bytes) {
@@ -152,6 +159,7 @@ constexpr std::array kReaders = {
     Reader{"rig", readStereoRig},     Reader{"cameras", readCamerasOf},     Reader{"mcap", readRecording},
     Reader{"rosbag2", readRecording}, Reader{"mjcf", readMjcfRobot},        Reader{"urdf", readUrdfRobot},
     Reader{"motions", readMotions},   Reader{"capture", readCaptureTables}, Reader{"sdf", readSdfRobot},
+    Reader{"mesh", readSolid},
 };
 
 }  // namespace

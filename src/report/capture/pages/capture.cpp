@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "report/capture/capture_tables.h"
 #include "simgap/core/error.h"
@@ -14,18 +16,38 @@ namespace {
 
 constexpr std::size_t kMostFrames = 100;  // of the three-dimensional view
 
+constexpr std::size_t kMostPairs = 20'000;  // of the charts: a page of a longer recording takes no more memory
+
+/// Of how many pairs the charts show one.
+std::size_t strideOf(const Json& result) { return 1 + result.at("pairs").get<std::size_t>() / kMostPairs; }
+
+/// A table whose first column is the pair's number, of one in `stride` pairs.
+CsvTable pairsTable(const ResultFiles& files, const char* name) {
+  const std::size_t stride = strideOf(files.result());
+  if (stride == 1) return files.table(name);
+  std::ifstream file(files.directory() / name);
+  std::string text, line;
+  std::getline(file, text);
+  while (std::getline(file, line)) {
+    if (std::strtoull(line.c_str(), nullptr, 10) % stride == 0) text.append("\n").append(line);
+  }
+  return CsvTable::parse(text + "\n", name);
+}
+
 /// frames.csv: a row per target and frame where it was found.
 struct Frames {
   std::vector<std::string> target;
   std::vector<double> frame, time, visible, rms, epipolar;
+  double stride;
 
-  explicit Frames(const CsvTable& table)
+  Frames(const CsvTable& table, std::size_t one_in)
       : target(table.text("target")),
         frame(numbersOf(table, "frame")),
         time(numbersOf(table, "time_s")),
         visible(numbersOf(table, "visible")),
         rms(numbersOf(table, "rms_mm")),
-        epipolar(numbersOf(table, "epipolar_px")) {}
+        epipolar(numbersOf(table, "epipolar_px")),
+        stride(static_cast<double>(one_in)) {}
 
   /// A column of one target over time.
   Series series(const std::string& name, const std::vector<double>& column) const {
@@ -33,7 +55,7 @@ struct Frames {
     double last = 0.0;
     for (std::size_t i = 0; i < target.size(); ++i) {
       if (target[i] != name) continue;
-      if (!line.x.empty() && frame[i] > last + 1.0) {  // frames without the target
+      if (!line.x.empty() && frame[i] > last + stride) {  // frames without the target
         line.x.push_back(time[i]);
         line.y.push_back(std::nan(""));
       }
@@ -87,7 +109,7 @@ Chart histogram(const std::string& caption, const std::string& title, const std:
 
 /// Joint angles over time, with the windows in which the arm rested.
 Chart angleChart(const ResultFiles& files) {
-  const CsvTable table = files.table("joints.csv");
+  const CsvTable table = pairsTable(files, "joints.csv");
   const std::vector<double> time = numbersOf(table, "time_s");
   std::vector<Series> lines;
   for (const auto& [joint, type] : files.result().at("joint_types").items()) {
@@ -107,7 +129,7 @@ Chart angleChart(const ResultFiles& files) {
 
 /// The markers where the fitted targets put them, in the left camera's frame.
 PageScene markerScene(const ResultFiles& files, const Frames& frames) {
-  const CsvTable table = files.table("frames.csv");
+  const CsvTable table = pairsTable(files, "frames.csv");
   std::array<std::vector<double>, 7> frame;
   const std::array<const char*, 7> names = {"qw", "qx", "qy", "qz", "x_m", "y_m", "z_m"};
   for (std::size_t k = 0; k < 7; ++k) frame[k] = numbersOf(table, names[k]);
@@ -215,7 +237,9 @@ Page make(const ResultFiles& files) {
   Page page{"simgap capture", captureAnswer(result), {}};
   for (const Json& doubt : doubts) page.notes.push_back(doubt.at("sentence"));
   page.verdict = verdictOf(files);
-  const Frames frames(files.table("frames.csv"));
+  const std::size_t stride = strideOf(result);
+  if (stride > 1) page.notes.push_back(fmt::format("The charts show one in {} pairs; tables count all.", stride));
+  const Frames frames(pairsTable(files, "frames.csv"), stride);
   std::vector<Series> visible, rms, epipolar;
   for (const std::string& target : targetNames(result)) {
     visible.push_back(frames.series(target, frames.visible));
