@@ -100,6 +100,9 @@ TEST_F(MotionPathTest, MotionsUnderVoltagesAreCalibrated) {
   succeed(with(calibration("volts", {"--validation-motions", "unseen.yaml"}), "motions.yaml", "volts.yaml"));
   // Nothing holds a shaft but friction: what is wrong adds up over the whole motion.
   EXPECT_LT(jointError("volts", "validation", "final"), 0.2 * jointError("volts", "validation", "initial"));
+  const Json predicted = resultOf("volts").at("predicted_motion_rms").at("validation");
+  EXPECT_GE(jointError("volts", "validation", "final"), predicted.at("lower").at("joint1_deg").get<double>());
+  EXPECT_LE(jointError("volts", "validation", "final"), predicted.at("upper").at("joint1_deg").get<double>());
 }
 
 TEST_F(MotionPathTest, MotionsUnderForceControlAreCalibrated) {

@@ -7,16 +7,14 @@
 #include <set>
 #include <utility>
 
+#include "motion_prediction.h"
 #include "simgap/core/joint_kind.h"
-#include "simgap/core/random.h"
 #include "simgap/fit/motions/motion_calibration.h"
 
 namespace simgap {
 namespace {
 
 constexpr double kAlike = 0.95;  // correlation of what can hardly be told apart
-constexpr int kDraws = 400;
-constexpr std::uint32_t kMotionPurpose = 8;
 
 double misfitOf(const MotionPosterior& posterior, const MotionEvaluation& at) {
   double squares = 0.0, numbers = 0.0;
@@ -103,96 +101,6 @@ std::vector<std::string> alikePairs(const std::vector<MotionParameter>& paramete
   return words;
 }
 
-/// Mean squares of one motion's channel groups: joints, shafts, currents.
-struct Squares {
-  std::vector<double> joints;
-  double shafts = 0.0, currents = 0.0;
-};
-
-Squares squaresOf(const MotionRms& rms) {
-  Squares squares;
-  for (const double joint : rms.joints) squares.joints.push_back(joint * joint);
-  squares.shafts = rms.shafts * rms.shafts;
-  squares.currents = rms.currents * rms.currents;
-  return squares;
-}
-
-/// What the uncertainty of the parameters adds to a motion's mean squares: the mean of diag(J S J^T).
-Squares parameterPart(const MotionResiduals& motion, const RowMajorF& jacobian, const Eigen::MatrixXd& covariance,
-                      std::size_t joints) {
-  Squares part{std::vector<double>(joints, 0.0), 0.0, 0.0};
-  std::vector<double> counts(joints + 2, 0.0);
-  const Eigen::MatrixXf spread = covariance.cast<float>();
-  const RowMajorF spread_rows = jacobian * spread;
-  for (const ResidualBlock& block : motion.blocks()) {
-    const bool joint = block.group == ChannelGroup::kJoint;
-    const bool shaft = block.group == ChannelGroup::kShaft;
-    double& sum = joint ? part.joints[block.item] : shaft ? part.shafts : part.currents;
-    double& count = counts[joint ? block.item : shaft ? joints : joints + 1];
-    for (Eigen::Index row = block.first; row < block.first + block.size; ++row) {
-      sum += block.sd * block.sd * static_cast<double>(spread_rows.row(row).dot(jacobian.row(row)));
-      count += 1.0;
-    }
-  }
-  for (std::size_t j = 0; j < joints; ++j) part.joints[j] /= std::max(1.0, counts[j]);
-  part.shafts /= std::max(1.0, counts[joints]);
-  part.currents /= std::max(1.0, counts[joints + 1]);
-  return part;
-}
-
-/// Motions drawn anew: each as far off as one of those that were fitted, and twice what the uncertainty of the
-/// parameters makes of it: the fit has taken it away there, elsewhere it adds.
-std::vector<Squares> expectedSquares(const MotionPosterior& posterior, const MotionFit& fit, double misfit,
-                                     const MotionSetResult& fitted, const PoseLayout& layout) {
-  std::vector<Squares> expected;
-  const double wide = std::max(1.0, misfit * misfit);
-  for (std::size_t m = 0; m < fitted.set.motions.size(); ++m) {
-    Squares squares = squaresOf(motionRms({&fitted.set.motions[m], 1}, {&fitted.after[m], 1}, layout));
-    const Squares part = parameterPart(posterior.motions()[m], fit.jacobians[m], fit.covariance, layout.joints.size());
-    for (std::size_t j = 0; j < squares.joints.size(); ++j) squares.joints[j] += 2.0 * wide * part.joints[j];
-    squares.shafts += 2.0 * wide * part.shafts;
-    squares.currents += 2.0 * wide * part.currents;
-    expected.push_back(std::move(squares));
-  }
-  return expected;
-}
-
-double quantile(std::vector<double> values, double part) {
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1) + 0.5)];
-}
-
-/// Root mean squares of as many motions as the set has, drawn with replacement from a population that is itself drawn
-/// from the motions fitted: which these were is chance, too.
-void predict(const std::vector<Squares>& expected, MotionSetResult& set) {
-  const std::size_t joints = expected.front().joints.size();
-  std::vector<std::vector<double>> draws(joints + 2);
-  const CounterRandom random(0);
-  const auto n = static_cast<double>(set.set.motions.size());
-  for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
-    std::vector<double> sums(joints + 2, 0.0);
-    const auto any = [&](std::uint32_t k, std::uint32_t stage) {
-      const double u = random.uniform({draw, k, stage, kMotionPurpose});
-      return static_cast<std::size_t>(u * static_cast<double>(expected.size()));
-    };
-    for (std::uint32_t k = 0; k < set.set.motions.size(); ++k) {
-      const Squares& one = expected[any(static_cast<std::uint32_t>(any(k, 0)), 1)];
-      for (std::size_t j = 0; j < joints; ++j) sums[j] += one.joints[j] / n;
-      sums[joints] += one.shafts / n;
-      sums[joints + 1] += one.currents / n;
-    }
-    for (std::size_t c = 0; c < sums.size(); ++c) draws[c].push_back(std::sqrt(sums[c]));
-  }
-  const auto at = [&](double part) {
-    MotionRms rms{{}, quantile(draws[joints], part), quantile(draws[joints + 1], part)};
-    for (std::size_t j = 0; j < joints; ++j) rms.joints.push_back(quantile(draws[j], part));
-    return rms;
-  };
-  set.predicted = at(0.5);
-  set.lower = at(0.05);
-  set.upper = at(0.95);
-}
-
 MotionSetResult playSet(const char* name, const MotionSet& set, const MotionCalibrationTask& task, const ArmModel& best,
                         double delay) {
   const PoseLayout layout = task.model.poseLayout();
@@ -231,6 +139,22 @@ std::string failureOf(const MotionSetResult& set, const MotionCalibrationResult&
       set.name, change);
 }
 
+void predict(const MotionCalibrationTask& task, const MotionPosterior& posterior, const MotionFit& fit,
+             MotionCalibrationResult& result) {
+  const MotionSetResult& seen = result.sets[0];
+  std::vector<MotionRms> fitted;
+  for (std::size_t m = 0; m < seen.after.size(); ++m) {
+    fitted.push_back(motionRms({&seen.set.motions[m], 1}, {&seen.after[m], 1}, result.layout));
+  }
+  const MotionPosterior unseen(task.model, task.validation->motions, {}, task.config.parameters, task.config.pose_noise,
+                               task.config.motions);
+  const auto prediction = predictMotions(posterior, fit, result.misfit, fitted, unseen);
+  if (!prediction) return;
+  result.sets[1].predicted = prediction->median;
+  result.sets[1].lower = prediction->lower;
+  result.sets[1].upper = prediction->upper;
+}
+
 }  // namespace
 
 MotionCalibrationResult judgeMotions(const MotionCalibrationTask& task, const MotionCalibration& calibration,
@@ -255,9 +179,7 @@ MotionCalibrationResult judgeMotions(const MotionCalibrationTask& task, const Mo
   result.objective_before = posterior.evaluate(Eigen::VectorXd::Zero(posterior.size())).objective;
   result.parameters = parametersOf(posterior, fit, std::max(1.0, result.misfit) * widening(posterior, at, fit));
   result.words = alikePairs(result.parameters, fit.covariance);
-  if (result.sets.size() > 1) {
-    predict(expectedSquares(posterior, fit, result.misfit, result.sets[0], result.layout), result.sets[1]);
-  }
+  if (result.sets.size() > 1) predict(task, posterior, fit, result);
   for (const MotionSetResult& set : result.sets) {
     if (result.failure.empty()) result.failure = failureOf(set, result);
   }

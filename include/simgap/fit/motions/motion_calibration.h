@@ -74,8 +74,9 @@ struct MotionSetResult {
   MotionSet set;
   std::vector<PlayedMotion> before, after;
   MotionRms initial, final;
-  /// What was to be expected of motions that the fit has not seen; of those that it has it says nothing.
-  std::optional<MotionRms> predicted = {}, lower = {}, upper = {};  ///< mean, 5 and 95 %
+  /// What was to be expected of motions that the fit has not seen; of those that it has, and where fewer than two were
+  /// fitted, it says nothing.
+  std::optional<MotionRms> predicted = {}, lower = {}, upper = {};  ///< median, 5 and 95 %
 };
 
 /// What is known of a parameter of the search; the last one is the capture's delay.
