@@ -1,6 +1,7 @@
 #include "simgap/diagnose/poses/pose_diagnosis.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -81,6 +82,7 @@ class Diagnosing {
   }
   Eigen::VectorXd fitPlain();
   [[noreturn]] void failForPoses(std::size_t found) const;
+  void leaveOut();
   void measureGain(const PoseProblem& without);
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
@@ -132,6 +134,19 @@ Eigen::VectorXd Diagnosing::fitPlain() {
 void Diagnosing::failForPoses(std::size_t found) const {
   throw DataError(
       fmt::format("{}: found {} poses to select causes with, expected at least {}", set_.file, found, kFewestPoses));
+}
+
+/// Poses that the model has no rest near once the causes are in it take no part in what follows.
+void Diagnosing::leaveOut() {
+  if (selection_.left_out.empty()) return;
+  for (std::vector<Pose>* poses : {&split_.selection, &split_.all}) {
+    std::erase_if(*poses, [&](const Pose& pose) {
+      return std::ranges::find(selection_.left_out, pose.name) != selection_.left_out.end();
+    });
+  }
+  result_.diagnosis.warnings.push_back(
+      fmt::format("poses without a rest of the model near them once causes are in it were left out: {}",
+                  fmt::join(selection_.left_out, ", ")));
 }
 
 /// Errors on the poses held out, without causes and with ever more of them.
@@ -244,6 +259,7 @@ PoseDiagnosis Diagnosing::run() {
   hypotheses_ = poseHypotheses(problem_.nominal, split_.all, options_.effects, d.not_testable);
   selection_ = selectCauses(problem_, split_.selection, hypotheses_, start, options_,
                             [this](std::string_view what) { say(what); });
+  leaveOut();
   PoseProblem without = problem_;
   without.stray_friction = selection_.stray_plain;
   problem_.stray_friction = selection_.stray;

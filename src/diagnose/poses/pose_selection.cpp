@@ -5,9 +5,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <numeric>
 
 #include "diagnose/paired_error.h"
+#include "pose_evidence.h"
 #include "pose_score.h"
 #include "pose_validation.h"
 #include "simgap/core/statistics.h"
@@ -26,8 +28,9 @@ constexpr int kBetterBases = 3;
 constexpr double kShareStep = 1.4;  // of stray friction
 constexpr double kSmallestShare = 0.1, kLargestShare = 4.0;
 constexpr std::size_t kFewPoses = 30;
-constexpr std::size_t kKept = 3;   // models of other causes that are kept beside each
-constexpr std::size_t kTried = 6;  // candidates of a step that are cross-validated until one passes
+constexpr double kMostLeftOut = 0.1;  // of the poses: where more have no rest, the model is wrong, not the poses
+constexpr std::size_t kKept = 3;      // models of other causes that are kept beside each
+constexpr std::size_t kTried = 6;     // candidates of a step that are cross-validated until one passes
 
 int fittedParameters(const ArmEffect& effect) {
   return static_cast<int>(std::ranges::count_if(effect.parameters, [](const auto& p) { return p.fitted; }));
@@ -53,6 +56,7 @@ class PoseSelector {
   std::string objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before, double odds,
                         Interval& gain) const;
   bool step(PoseFit& fit, PoseSelection& selection);
+  void leaveOut(PoseFit& fit, PoseSelection& selection);
   void exchange(PoseFit& fit, PoseSelection& selection);
   void prune(PoseFit& fit, PoseSelection& selection);
 
@@ -61,6 +65,7 @@ class PoseSelector {
   std::vector<PoseHypothesis> hypotheses_;
   const PoseDiagnosisOptions& options_;
   PoseFolds folds_;
+  std::deque<std::vector<Pose>> kept_;  ///< what poses_ is without those left out; fits hold spans of all of them
 };
 
 PoseFit PoseSelector::refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
@@ -194,7 +199,11 @@ std::string PoseSelector::objection(const PoseFit& fit, const PoseCandidate& can
   const CrossValidation after = folds_.validate(problem_, causes, candidate.z, fit.causes(), fit.z());
   gain = pairedGain(before.distances, after.distances, options_.seed);
   // Few poses let a wrong cause look good by absorbing what the priors do not: then it has to be clear of chance.
-  const double surest = poses_.size() < kFewPoses ? gain.lower95 : odds < kSureOdds ? gain.value : gain.upper95;
+  // Beside an accepted cause, what only may be a gain is not one: a look-alike takes up what the first has left over.
+  const bool first = fit.causes().empty();
+  const double surest = poses_.size() < kFewPoses    ? gain.lower95
+                        : odds < kSureOdds || !first ? gain.value
+                                                     : gain.upper95;
   return surest < kSmallestGain ? "rejected: no gain on inner validation poses" : "";
 }
 
@@ -246,7 +255,27 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
   std::vector<PoseCause> causes = fit.causes();
   causes.push_back(accepted->cause);
   fit = settled(causes, accepted->z);
+  leaveOut(fit, selection);
   return true;
+}
+
+/// A pose near which the model with the causes has no rest holds the fit back, as no step may lose the last rest it has
+/// far away; a further cause that gives it one looks as if the poses spoke for it.
+void PoseSelector::leaveOut(PoseFit& fit, PoseSelection& selection) {
+  const std::vector<bool> without = posesWithoutRest(fit, poses_);
+  const auto lost = static_cast<std::size_t>(std::ranges::count(without, true));
+  if (lost == 0 || static_cast<double>(lost) > kMostLeftOut * static_cast<double>(poses_.size())) return;
+  std::vector<Pose>& kept = kept_.emplace_back();
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    if (without[p]) {
+      selection.left_out.push_back(poses_[p].name);
+    } else {
+      kept.push_back(poses_[p]);
+    }
+  }
+  poses_ = kept;
+  folds_ = PoseFolds(poses_);
+  fit = settled(fit.causes(), fit.z());
 }
 
 /// Each cause against all rivals in its place, with the other causes there: the best stays, those near it are listed.

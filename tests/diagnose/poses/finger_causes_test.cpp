@@ -53,6 +53,13 @@ TEST(SlowFingerCauses, FrictionOfTheExtensorsLine) {
   expectWithin(diagnosis, 0.25);
 }
 
+/// One pose has no rest of the model near it once the friction is in; it must not make look-alikes of what is left.
+TEST(SlowFingerCauses, FrictionAmongTheWholeCatalogue) {
+  const Diagnosis diagnosis = diagnoseFinger("data/finger/arm.yaml", "hidden_pulley.csv", {});
+  expectAlone(diagnosis, "pulley-friction", "extensor");
+  expectWithin(diagnosis, 0.25);
+}
+
 TEST(SlowFingerCauses, ALongerLigament) {
   const Diagnosis diagnosis = diagnoseFinger("data/finger/arm.yaml", "hidden_ligament.csv", kOfLines);
   expectAlone(diagnosis, "ligament-rest-length", "collateral");
