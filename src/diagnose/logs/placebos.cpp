@@ -12,6 +12,7 @@
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
+#include "simgap/core/ranks.h"
 
 namespace simgap {
 namespace {
