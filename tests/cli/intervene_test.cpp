@@ -37,7 +37,21 @@ TEST_F(Intervene, ForeseesAndJudges) {
   EXPECT_THAT(text("judged/report.html"), HasSubstr("Errors after the change"));
 }
 
+TEST_F(Intervene, ChoosesPosesThatTellAndJudgesThem) {
+  succeed({"design", "--separate", "d", "--count", "3", "--candidates", "40", "-q", "-o", "next"});
+  const Json next = Json::parse(text("next/result.json"));
+  ASSERT_EQ(next.at("smallest").size(), 3u);
+  EXPECT_GE(next.at("smallest").at(2), next.at("smallest_random").at(2));
+  EXPECT_THAT(text("next/next_poses.csv"), HasSubstr("next-3,"));
+  EXPECT_THAT(text("next/report.html"), HasSubstr("What so many poses are expected to tell"));
+  // Further poses of the same arm need no change to judge.
+  succeed({"intervene", "d", "--poses", "after.csv", "-q", "-o", "further"});
+  EXPECT_EQ(Json::parse(text("further/result.json")).at("change"), "further poses");
+}
+
 TEST_F(Intervene, RefusesWhatItCannotUse) {
+  expectRefused({"intervene", "d", "-o", "x"}, 2, "found neither --change nor --poses");
+  expectRefused({"intervene", "d", "--log", "poses.csv", "-o", "x"}, 2, "with a diagnosis of poses, expected --poses");
   expectRefused({"intervene", "data", "--change", "weight.yaml", "-o", "x"}, 2, "found no folder candidates");
   expectRefused(
       {"intervene", "d", "--change", "weight.yaml", "--change", "off.yaml", "--poses", "after.csv", "-o", "x"}, 2,

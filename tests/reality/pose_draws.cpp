@@ -324,7 +324,10 @@ PoseDraw drawPoses(std::uint64_t seed, const PoseDrawOptions& options) {
     const bool fresh = p >= options.poses;
     const int n = fresh ? options.fresh : options.poses;
     const double time = kSession * double(fresh ? p - options.poses : p) / std::max(1, n - 1);
-    const std::vector<double> shafts = randomShafts(result.truth, base + std::uint64_t(p));
+    const std::size_t commanded = fresh ? std::size_t(p - options.poses) : options.commands.size();
+    const std::vector<double> shafts = commanded < options.commands.size()
+                                           ? options.commands[commanded]
+                                           : randomShafts(result.truth, base + std::uint64_t(p));
     const std::uint64_t draw = base + 500000 + std::uint64_t(p);
     if (fresh) {
       result.fresh.push_back(recordAt(later, later_session, shafts, time + pause, draw));

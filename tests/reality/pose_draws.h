@@ -43,6 +43,7 @@ struct PoseDrawOptions {
   std::string effect = {};  ///< of the first cause; empty: drawn
   int flipped = 0;          ///< poses turned by a confusion of markers
   bool cured = false;       ///< what is hidden is taken away before the fresh poses, which are then recorded later
+  std::vector<std::vector<double>> commands = {};  ///< shafts [rad] of the first fresh poses; the others are drawn
   std::function<void(Arm&)> change = {};  ///< what is done to the arm before the fresh poses, which then are later ones
 };
 

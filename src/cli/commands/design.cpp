@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cli/inputs.h"
+#include "cli/separation.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
@@ -21,11 +22,24 @@ struct Options {
   TableOptions table;
   std::string model, poses, config, criterion = "prediction";
   std::size_t candidates = 300, count = 7;
+  SeparateOptions separate;
 };
 
 constexpr std::size_t kFewestPoses = 8;
 
-ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+ExitCode run(Options& options, const std::vector<std::string>& argv) {
+  if (!options.separate.of.run.empty()) {
+    if (!options.model.empty() || !options.poses.empty()) {
+      throw ConfigError("found MODEL or --poses with --separate, expected the result of simgap diagnose alone");
+    }
+    options.separate.of.common = options.common;
+    options.separate.candidates = options.candidates;
+    options.separate.count = options.count;
+    return designSeparation(options.separate, argv);
+  }
+  if (options.model.empty() || options.poses.empty()) {
+    throw ConfigError("found no MODEL or no --poses, expected both, or --separate RUN");
+  }
   Session session("design", options.common, argv);
   DesignResult result;
   result.model = readArmFile(session, "model", options.model);
@@ -72,13 +86,21 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("MODEL", options->model, "arm model as measured by hand (YAML)")->required();
-  app.add_option("--poses", options->poses, "poses recorded so far, 8 or more (CSV)")->required();
+  app.add_option("MODEL", options->model, "arm model as measured by hand (YAML)");
+  app.add_option("--poses", options->poses, "poses recorded so far, 8 or more (CSV)");
   app.add_option("--config", options->config, "parameters and their priors (YAML; default: the paper's)");
   app.add_option("--candidates", options->candidates, "commands to choose from")->check(CLI::Range(1, 100000));
   app.add_option("--count", options->count, "poses to choose")->check(CLI::Range(1, 1000));
   app.add_option("--criterion", options->criterion, "prediction: I-optimal; information: D-optimal")
       ->check(CLI::IsMember({"prediction", "information"}));
+  SeparateOptions& separate = options->separate;
+  app.add_option("--separate", separate.of.run, "instead: what tells the models of this diagnosis apart (directory)");
+  app.add_option("--speeds", separate.speeds, "of --separate with a log: how many times as fast (default 0.5,1,2)")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--loads", separate.loads, "of --separate with a log: under how many times the load (default 0.5,1,2)")
+      ->delimiter(',')
+      ->check(finiteNumber());
   options->table.add(app);
   options->common.add(app);
   return [options, argv] { return run(*options, argv); };
@@ -89,7 +111,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
 extern const Command entry;
 const Command entry{"design", "which poses to record next",
                     "  simgap design data/arm/arm.yaml \\\n"
-                    "    --poses data/arm/poses_calibration.csv --count 5 -o runs/design",
+                    "    --poses data/arm/poses_calibration.csv --count 5 -o runs/design\n"
+                    "  simgap diagnose data/arm-dense/arm.yaml \\\n"
+                    "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm\n"
+                    "  simgap design --separate runs/diagnosis-arm --count 5 -o runs/next",
                     define};
 
 }  // namespace simgap::commands::design

@@ -71,8 +71,12 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
     progress->update(static_cast<std::size_t>(100.0 * done), what);
   });
   const Input& file = session.input("log");
-  writeLogDiagnosis(result, given, subject, log, {file.file.filename().string(), file.sha256, result.diagnosis.samples},
-                    session.directory());
+  const LogSource source{file.file.filename().string(), file.sha256, result.diagnosis.samples};
+  writeLogDiagnosis(result, given, subject, log, source, session.directory());
+  if (result.candidates.size() > 1) {
+    writeLogCandidates(result, given, subject, log, source, logCsv(table),
+                       options.bench.empty() ? "" : session.input("bench").content, options.ratio, session.directory());
+  }
   progress.reset();  // the result stands below its line
   finish(result.diagnosis, session);
   return ExitCode::kDone;

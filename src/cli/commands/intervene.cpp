@@ -3,56 +3,17 @@
 #include <algorithm>
 
 #include "cli/inputs.h"
+#include "cli/log_intervention.h"
+#include "cli/pose_evidence.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
-#include "simgap/fit/poses/calibration.h"
 #include "simgap/model/arm/arm_yaml.h"
-#include "simgap/report/diagnosis/candidate_files.h"
 #include "simgap/report/diagnosis/intervention_report.h"
 
 namespace simgap::commands::intervene {
 namespace {
 
-struct Options {
-  CommonOptions common;
-  TableOptions table;
-  std::filesystem::path run;
-  std::vector<std::string> changes;
-  std::string after;
-};
-
-/// What the diagnosis left in its folder of candidates.
-PoseEvidence readEvidence(const Options& options, Session& session) {
-  const std::filesystem::path folder = options.run / kCandidateFolder;
-  if (!std::filesystem::is_directory(folder)) {
-    throw ConfigError(fmt::format("{}: found no folder {}, expected the result of simgap diagnose --poses",
-                                  options.run.string(), kCandidateFolder));
-  }
-  const std::string list_file = (folder / kCandidateList).string();
-  const CandidateList list =
-      CandidateList::read(YamlNode::parse(session.read("candidates", list_file).content, list_file));
-  PoseEvidence evidence;
-  evidence.given = readArmFile(session, "given model", (folder / kGivenModel).string());
-  evidence.excess = list.excess;
-  const std::filesystem::path config = options.run / "config.resolved.yaml";
-  const CalibrationConfig settings = readConfig(session, config.string(), &evidence.given);
-  evidence.parameters = settings.parameters;
-  evidence.noise = settings.noise;
-  const PoseSet poses = readPoses(session, "poses before", (folder / kGivenPoses).string(), evidence.given, {});
-  for (const std::string& name : list.used) {
-    const auto pose = std::ranges::find(poses.poses, name, &Pose::name);
-    if (pose == poses.poses.end()) {
-      throw DataError(fmt::format("{}: found no pose {}, which {} says was used", poses.file, name, list_file));
-    }
-    evidence.poses.push_back(*pose);
-  }
-  for (const CandidateList::Entry& entry : list.entries) {
-    evidence.candidates.push_back(entry.candidate);
-    evidence.candidates.back().model = readArmFile(session, "candidate", (folder / entry.file).string());
-  }
-  evidence.threads = options.common.threads;
-  return evidence;
-}
+using Options = InterveneOptions;
 
 std::vector<ArmChanges> readChanges(const Options& options, Session& session, const ArmModel& model) {
   std::vector<ArmChanges> changes;
@@ -60,19 +21,27 @@ std::vector<ArmChanges> readChanges(const Options& options, Session& session, co
     changes.push_back(ArmChanges::read(YamlNode::parse(session.read("change", file).content, file), model));
     if (changes.back().name.empty()) changes.back().name = std::filesystem::path(file).stem().string();
   }
+  if (changes.empty()) changes.push_back({"further poses", {}});  // the arm is as it was
   return changes;
 }
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+  if (holdsLogCandidates(options.run)) return interveneOnLog(options, argv);
   Session session("intervene", options.common, argv);
-  if (!options.after.empty() && options.changes.size() != 1) {
+  if (!options.log.empty() || !options.profile.empty() || !options.bench.empty()) {
+    throw ConfigError("found --log, --profile or --bench with a diagnosis of poses, expected --poses");
+  }
+  if (options.poses.empty() && options.changes.empty()) {
+    throw ConfigError("found neither --change nor --poses, expected what may be done to the arm, or what was recorded");
+  }
+  if (!options.poses.empty() && options.changes.size() > 1) {
     throw ConfigError(
         fmt::format("found {} files of --change with --poses, expected the one that was made", options.changes.size()));
   }
-  const PoseEvidence evidence = readEvidence(options, session);
+  const PoseEvidence evidence = readPoseEvidence(options.run, session);
   const std::vector<ArmChanges> changes = readChanges(options, session, evidence.given);
   PoseSet after;
-  if (!options.after.empty()) after = readPoses(session, "poses", options.after, evidence.given, options.table.csv());
+  if (!options.poses.empty()) after = readPoses(session, "poses", options.poses, evidence.given, options.table.csv());
   if (options.common.dry_run) {
     session.print(fmt::format("would ask {} models for {} changes; nothing was written\n", evidence.candidates.size(),
                               changes.size()));
@@ -80,7 +49,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   }
   session.begin(options.common.seed.value_or(0));
   Json result;
-  if (options.after.empty()) {
+  if (options.poses.empty()) {
     std::vector<ForeseenChange> foreseen;
     for (const ArmChanges& change : changes) foreseen.push_back(foreseeChange(evidence, change));
     result = toJson(foreseen, evidence, changes);
@@ -95,10 +64,14 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("RUN", options->run, "result directory of diagnose --poses")->required();
-  app.add_option("--change", options->changes, "what was done to the arm, or may be (YAML); without --poses several")
-      ->required();
-  app.add_option("--poses", options->after, "poses recorded after the change (CSV)");
+  app.add_option("RUN", options->run, "result directory of diagnose")->required();
+  app.add_option("--change", options->changes,
+                 "what was done to the arm or the bench, or may be (YAML); several where nothing was recorded yet");
+  app.add_option("--poses", options->poses, "poses recorded after the change (CSV); without --change further ones");
+  app.add_option("--log", options->log,
+                 "log recorded after the change (CSV); without --change only the motion differs");
+  app.add_option("--profile", options->profile, "motion and load to foresee a log for (CSV; default: the log before)");
+  app.add_option("--bench", options->bench, "another rig than that of the diagnosis (YAML)");
   options->table.add(app);
   options->common.add(app);
   return [options, argv] { return run(*options, argv); };
@@ -111,7 +84,11 @@ const Command entry{"intervene", "a change made on purpose: which cause predicts
                     "  simgap diagnose data/arm-dense/arm.yaml \\\n"
                     "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm\n"
                     "  simgap intervene runs/diagnosis-arm --change data/arm-dense/weight.yaml \\\n"
-                    "    -o runs/weight",
+                    "    -o runs/weight\n"
+                    "  simgap diagnose classic --log data/logs/bend-friction.csv.gz \\\n"
+                    "    -o runs/diagnosis\n"
+                    "  simgap intervene runs/diagnosis --change data/logs/straight-cable.yaml \\\n"
+                    "    -o runs/straight",
                     define};
 
 }  // namespace simgap::commands::intervene

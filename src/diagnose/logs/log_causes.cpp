@@ -28,6 +28,10 @@ bool isScanned(const ActuatorEffect& effect, std::string_view parameter) {
 }  // namespace
 
 LogFit describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted) {
+  return describeFully(search, log, fitted).first;
+}
+
+std::pair<LogFit, Eigen::MatrixXd> describeFully(const LogSearch& search, const PreparedLog& log, Fitted& fitted) {
   LogFit fit;
   const Eigen::MatrixXd covariance = search.refit(fitted, log.blocks);
   fit.effects = fitted.model->effects();
@@ -35,7 +39,7 @@ LogFit describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted)
   fit.parameters = fitted.model->physical(fitted.theta, covariance);
   fit.extensions = fitted.model->extensions(fitted.theta, covariance);
   fit.t = studentQuantile(static_cast<double>(log.blocks.size()) - 1.0);
-  return fit;
+  return {fit, covariance};
 }
 
 Eigen::VectorXd residualOf(const Fitted& fitted) {

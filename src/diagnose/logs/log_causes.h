@@ -9,6 +9,8 @@ namespace simgap {
 
 /// A model fitted to all rows; `fitted` is moved there.
 LogFit describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted);
+/// The same, with the covariance of theta, shape (P, P).
+std::pair<LogFit, Eigen::MatrixXd> describeFully(const LogSearch& search, const PreparedLog& log, Fitted& fitted);
 
 Eigen::VectorXd residualOf(const Fitted& fitted);
 

@@ -10,6 +10,7 @@
 #include "diagnose/verdict.h"
 #include "findings.h"
 #include "held_out.h"
+#include "log_candidates.h"
 #include "log_causes.h"
 #include "log_conclusion.h"
 #include "log_evidence.h"
@@ -190,6 +191,9 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   addTransmission(subject, log, split, options, result);
   warnOfHarm(d);
   d.extensions = result.extended.extensions;
+  const double tau = correlationTime(residualOf(after), log.data.rows.session);
+  result.correlation_s = tau * log.data.rows.step;
+  result.candidates = logCandidates(search, log, selection, d.candidates, named, subject.effects.size(), tau);
   d.next_experiment = nextExperiment(d, log);
   return result;
 }

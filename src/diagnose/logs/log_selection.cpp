@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 
 namespace simgap {
@@ -48,6 +49,7 @@ class Selector {
   void review();
   void dropStandIns();
   void drop(std::size_t k, const Fitted& rest, double gain);
+  std::vector<Trial> runnersUp(const std::vector<Trial>& trials, std::size_t accepted) const;
   std::vector<std::string> rivals(const std::vector<Trial>& trials, std::size_t accepted) const;
   Fitted validatedWithout(const Fitted& fitted, std::size_t cause) const;
   std::size_t causes() const { return selection_.chosen.model->effects().size() - own_; }
@@ -122,6 +124,23 @@ std::vector<std::string> Selector::rivals(const std::vector<Trial>& trials, std:
   return names;
 }
 
+/// The causes that gain most beside the accepted one, significant or not: what a diagnosis has to be asked about.
+std::vector<Trial> Selector::runnersUp(const std::vector<Trial>& trials, std::size_t accepted) const {
+  constexpr std::size_t kMost = 2;
+  std::vector<const Trial*> others;
+  for (const Trial& trial : trials) {
+    const bool same = trial.hypothesis.effect->name == trials[accepted].hypothesis.effect->name;
+    if (!same && trial.gain && trial.gain->value > 0.0) others.push_back(&trial);
+  }
+  std::ranges::stable_sort(others, std::greater<>(), [](const Trial* trial) { return trial->gain->value; });
+  std::vector<Trial> best;
+  for (const Trial* trial : others) {
+    const auto taken = [&](const Trial& t) { return t.hypothesis.effect->name == trial->hypothesis.effect->name; };
+    if (best.size() < kMost && std::ranges::none_of(best, taken)) best.push_back(*trial);
+  }
+  return best;
+}
+
 Fitted Selector::validatedWithout(const Fitted& fitted, std::size_t cause) const {
   Fitted rest = search_.without(fitted, own_ + cause);
   search_.validate(rest);
@@ -135,6 +154,7 @@ void Selector::drop(std::size_t k, const Fitted& rest, double gain) {
   selection_.chosen = rest;
   selection_.p_adjusted.erase(selection_.p_adjusted.begin() + static_cast<std::ptrdiff_t>(k));
   selection_.ambiguous_with.erase(selection_.ambiguous_with.begin() + static_cast<std::ptrdiff_t>(k));
+  selection_.instead.erase(selection_.instead.begin() + static_cast<std::ptrdiff_t>(k));
 }
 
 /// Takes out causes that the later ones made superfluous.
@@ -177,6 +197,7 @@ void Selector::review() {
                                                                   trials[*winner].fitted.validation) < options_.level);
     const std::size_t chosen = swap ? *winner : at;
     selection_.ambiguous_with[k] = rivals(trials, chosen);
+    selection_.instead[k] = runnersUp(trials, chosen);
     selection_.p_adjusted[k] = adjusted(trials[chosen], trials.size());
     if (!swap) continue;
     std::vector<const ActuatorEffect*> effects = selection_.chosen.model->effects();
@@ -210,6 +231,7 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
     Trial& winner = selection_.last[*accepted];
     selection_.p_adjusted.push_back(adjusted(winner, selection_.last.size()));
     selection_.ambiguous_with.push_back(rivals(selection_.last, *accepted));
+    selection_.instead.push_back(runnersUp(selection_.last, *accepted));
     selection_.chosen = winner.fitted;
     prune();
   }
@@ -249,6 +271,7 @@ void dropCause(const LogSearch& search, std::size_t own, std::size_t cause, Sele
   const auto at = static_cast<std::ptrdiff_t>(cause);
   selection.p_adjusted.erase(selection.p_adjusted.begin() + at);
   selection.ambiguous_with.erase(selection.ambiguous_with.begin() + at);
+  selection.instead.erase(selection.instead.begin() + at);
   rebuildSteps(search, own, selection);
 }
 

@@ -13,6 +13,7 @@ struct Selection {
   std::vector<Fitted> steps;       ///< shape (causes + 1): baseline, with one cause, with two …
   std::vector<double> p_adjusted;  ///< shape (causes)
   std::vector<std::vector<std::string>> ambiguous_with;  ///< shape (causes)
+  std::vector<std::vector<Trial>> instead;               ///< shape (causes): what would have come next in its place
   std::optional<Trial> unnamed;                          ///< what a dependence outside the catalogue adds to `chosen`
   std::vector<Trial> last;           ///< the trials on top of `chosen`: for what could have been detected
   std::vector<std::string> aliased;  ///< effects that the model's own parameters can imitate exactly

@@ -154,4 +154,29 @@ LogTable readLogTable(CsvTable table, const std::vector<std::string>& sessions) 
   return log;
 }
 
+std::string logCsv(const CsvTable& table) {
+  std::vector<std::string> header;
+  std::vector<std::vector<double>> numbers;
+  std::vector<std::vector<std::string>> texts;  // shape (columns): empty where there are numbers
+  for (const std::string& column : table.columns()) {
+    const bool numeric = table.isNumeric(column);
+    if (numeric && !table.badRows(column).empty()) continue;
+    header.push_back(column);
+    numbers.push_back(numeric ? table.quantity(column, "") : std::vector<double>());
+    texts.push_back(numeric ? std::vector<std::string>() : table.text(column));
+  }
+  CsvWriter csv(header);
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    for (std::size_t k = 0; k < header.size(); ++k) {
+      if (texts[k].empty()) {
+        csv.add(numbers[k][row]);
+      } else {
+        csv.add(texts[k][row]);
+      }
+    }
+    csv.endRow();
+  }
+  return csv.text();
+}
+
 }  // namespace simgap

@@ -4,14 +4,12 @@
 
 #include <cctype>
 
+#include "candidate_names.h"
 #include "simgap/core/csv.h"
 #include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap {
-namespace {
-
-/// "01-payload_forearm.yaml"
-std::string fileName(std::size_t number, const std::string& causes) {
+std::string candidateFileName(std::size_t number, const std::string& causes) {
   std::string name = fmt::format("{:02}-", number);
   for (const char c : causes) {
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_';
@@ -19,8 +17,6 @@ std::string fileName(std::size_t number, const std::string& causes) {
   }
   return name.substr(0, 60) + ".yaml";
 }
-
-}  // namespace
 
 void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, const std::string& poses_csv,
                      const RunDirectory& directory) {
@@ -32,7 +28,7 @@ void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, const s
   list += "]\ncandidates:\n";
   for (std::size_t c = 0; c < result.candidates.size(); ++c) {
     const CandidateModel& candidate = result.candidates[c];
-    const std::string file = fileName(c, candidate.causes);
+    const std::string file = candidateFileName(c, candidate.causes);
     write(file, writeArm(candidate.model));
     list += fmt::format("  - {{file: {}, causes: {}, role: {}, log_odds: {}, stray_friction: {}}}\n", file,
                         yamlText(candidate.causes), candidate.role, candidate.log_odds, candidate.stray_friction);

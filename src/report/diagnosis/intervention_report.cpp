@@ -63,18 +63,12 @@ Json toJson(const std::vector<ForeseenChange>& foreseen, const PoseEvidence& evi
     list.push_back({{"name", changes[k].name}, {"smallest_log_odds", change.smallest}, {"candidates", candidates}});
     if (change.smallest > foreseen[best].smallest) best = k;
   }
-  const double odds = foreseen[best].smallest;
-  const std::string answer =
-      odds > 3.0
-          ? fmt::format("{} would tell {} from every other model (expected odds {:.3g} to 1 at least)",
-                        changes[best].name, evidence.candidates.front().causes, std::exp(std::min(odds, 300.0)))
-          : fmt::format("none of these changes is expected to tell {} from every other model ({:.2g} to 1 at best, {})",
-                        evidence.candidates.front().causes, std::exp(odds), changes[best].name);
-  return {{"format", "simgap/intervene/1"},
-          {"verdict", "foreseen"},
-          {"sentence", answer},
-          {"best", changes[best].name},
-          {"changes", list}};
+  return {
+      {"format", "simgap/intervene/1"},
+      {"verdict", "foreseen"},
+      {"sentence", foreseenSentence(evidence.candidates.front().causes, changes[best].name, foreseen[best].smallest)},
+      {"best", changes[best].name},
+      {"changes", list}};
 }
 
 std::string interventionText(const Json& result) {

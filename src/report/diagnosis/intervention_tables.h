@@ -9,6 +9,8 @@
 
 namespace simgap {
 
+/// The change that would tell most, or that none would. \param log_odds  expected, the smallest of any rival
+std::string foreseenSentence(const std::string& named, const std::string& change, double log_odds);
 std::string interventionAnswer(const Json& result);
 std::vector<Table> interventionTables(const Json& result);
 

@@ -56,6 +56,7 @@ TEST(LogSelection, ReviewPutsABetterRivalInACausesPlace) {
   selection.chosen = search.fit({&actuator_effects::find("bend-friction")}, &selection.baseline);
   selection.p_adjusted = {0.01};
   selection.ambiguous_with.resize(1);
+  selection.instead.resize(1);
   reviewCauses(search, 0, hypotheses(), options, selection);
   ASSERT_EQ(selection.chosen.model->effects().size(), 1u);
   EXPECT_EQ(selection.chosen.model->effects()[0]->name, "current-bias");

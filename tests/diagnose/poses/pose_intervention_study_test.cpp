@@ -30,6 +30,15 @@ PoseEvidence evidenceOf(const reality::PoseDraw& draw, const PoseDiagnosis& foun
           0};
 }
 
+/// What every model was off by, where the verdict is not the one that was hoped for.
+void printPredictions(const PoseEvidence& evidence, const Intervention& result) {
+  for (std::size_t c = 0; c < result.predictions.size(); ++c) {
+    const CandidatePrediction& p = result.predictions[c];
+    std::printf("      %-40s rms %6.3f deg, distance %8.1f of %d, p %.2g, ln odds %.1f\n",
+                evidence.candidates[c].causes.c_str(), p.rms, p.distance, p.freedom, p.p, p.log_odds);
+  }
+}
+
 TEST(SlowInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
   constexpr std::uint64_t kSets = 60;
   int named = 0, confirmed = 0, alike = 0, refuted = 0, falsely = 0;
@@ -45,6 +54,7 @@ TEST(SlowInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
       confirmed += result.verdict == InterventionVerdict::kConfirmed;
       std::printf("  %lu %s taken away: %s\n", static_cast<unsigned long>(seed), truth.c_str(),
                   result.sentence.c_str());
+      if (result.verdict != InterventionVerdict::kConfirmed) printPredictions(evidence, result);
     }
     // Somebody believes the first other cause and takes that away: nothing changes in the arm.
     reality::PoseDrawOptions same{.fresh = 20};

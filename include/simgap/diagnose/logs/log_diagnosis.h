@@ -40,10 +40,33 @@ struct LogFit {
   double t = 0.0;  ///< 97.5 % quantile of Student's t for their deviations: of as many blocks as there were
 };
 
+/// What the log says of a candidate besides its values.
+struct LogPosterior {
+  std::vector<std::string> names;  ///< shape (P): of theta, as ActuatorRegression::parameters()
+  Eigen::MatrixXd covariance;      ///< shape (P, P) of theta
+  double variance = 0.0;           ///< mean squared error on blocks that a refit had not seen
+  double freedom = 1.0;            ///< degrees of freedom that `variance` is known with
+  double log_odds = 0.0;           ///< of the unseen blocks, against the named candidate
+};
+
+struct LogCandidate {
+  std::string causes;  ///< "bend-friction, current-bias"; "none"
+  std::string role;    ///< "named", "instead" (another cause in the place of a named one), "without", "refused"
+  LogPosterior posterior;
+};
+
+/// As the diagnosis leaves it.
+struct FittedLogCandidate {
+  LogCandidate candidate;
+  LogFit fit;
+};
+
 struct LogDiagnosis {
   Diagnosis diagnosis;
   LogFit baseline, extended;
   Eigen::ArrayXd predicted_before, predicted_after;  ///< shape (rows)
+  std::vector<FittedLogCandidate> candidates;        ///< the extended model first
+  double correlation_s = 0.0;                        ///< [s] of its residuals
 };
 
 /// What can be known before any work. \throws ConfigError: an unknown effect; DataError: too few blocks to learn from.

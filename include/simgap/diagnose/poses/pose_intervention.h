@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "simgap/diagnose/intervention.h"
 #include "simgap/diagnose/poses/pose_diagnosis.h"
 #include "simgap/model/arm/arm_change.h"
 
@@ -27,9 +28,6 @@ struct PoseEvidence {
   double excess = 0.0;  ///< of the squared error on unseen poses over what the named model expects, a fraction
   int threads = 0;      ///< 0: all
 };
-
-enum class InterventionVerdict { kConfirmed, kRefuted, kCannotTell };
-std::string_view toString(InterventionVerdict verdict);
 
 /// What one candidate said of the poses after the change.
 struct CandidatePrediction {

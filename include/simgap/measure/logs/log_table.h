@@ -28,6 +28,10 @@ struct LogTable {
   std::vector<std::string> summary() const;
 };
 
+/// The log's columns as they were read, names and factors of --map done, as a file of its own; without columns that
+/// lack numbers.
+std::string logCsv(const CsvTable& table);
+
 /// True for a column that a log's reader takes as a channel: "motor_current_A".
 bool isLogChannel(const std::string& column);
 

@@ -3,11 +3,14 @@
 /// from, `simgap/candidates/1` (docs/formats.md).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "simgap/core/run_directory.h"
 #include "simgap/core/yaml.h"
+#include "simgap/diagnose/logs/log_intervention.h"
+#include "simgap/diagnose/logs/refitted_model.h"
 #include "simgap/diagnose/poses/pose_diagnosis.h"
 
 namespace simgap {
@@ -16,6 +19,9 @@ inline constexpr const char* kCandidateFolder = "candidates";
 inline constexpr const char* kCandidateList = "candidates.yaml";
 inline constexpr const char* kGivenModel = "given.yaml";
 inline constexpr const char* kGivenPoses = "poses.csv";
+inline constexpr const char* kGivenLog = "log.csv";
+inline constexpr const char* kGivenBench = "bench.yaml";
+inline constexpr const char* kLogCandidates = "simgap/log-candidates/1";
 
 /// \param poses_csv  as the user gave it
 void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, const std::string& poses_csv,
@@ -33,6 +39,27 @@ struct CandidateList {
 
   /// \throws ConfigError: fewer than two candidates, and all that YamlNode refuses.
   static CandidateList read(const YamlNode& root);
+};
+
+/// Of a log: the models, and the log itself as a reference for what is foreseen; nothing where it could not be fitted.
+/// \param bench_yaml  as the user gave it, empty without one. \param ratio  of --ratio
+void writeLogCandidates(const LogDiagnosis& result, const FittedModel& given, const ActuatorModel& subject,
+                        const PreparedLog& log, const LogSource& source, const std::string& log_csv,
+                        const std::string& bench_yaml, std::optional<double> ratio, const RunDirectory& directory);
+
+/// The list without its models.
+struct LogCandidateList {
+  struct Entry {
+    std::string file;
+    LogCandidate candidate;
+  };
+  std::vector<Entry> entries;
+  double correlation_s = 0.0;
+  std::optional<double> ratio;
+  bool has_bench = false;
+
+  /// \throws ConfigError: fewer than two candidates, and all that YamlNode refuses.
+  static LogCandidateList read(const YamlNode& root);
 };
 
 }  // namespace simgap

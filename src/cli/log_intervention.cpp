@@ -1,0 +1,94 @@
+#include "log_intervention.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "cli/inputs.h"
+#include "simgap/report/diagnosis/candidate_files.h"
+#include "simgap/report/diagnosis/intervention_report.h"
+#include "simgap/report/diagnosis/log_intervention_report.h"
+
+namespace simgap {
+namespace {
+
+std::vector<LogChanges> readChanges(const InterveneOptions& options, Session& session) {
+  std::vector<LogChanges> changes;
+  for (const std::string& file : options.changes) {
+    changes.push_back(LogChanges::read(YamlNode::parse(session.read("change", file).content, file)));
+    if (changes.back().name.empty()) changes.back().name = std::filesystem::path(file).stem().string();
+  }
+  if (changes.empty()) changes.push_back({options.log.empty() ? "this motion" : "another motion", {}});
+  return changes;
+}
+
+}  // namespace
+
+LogEvidence readLogEvidence(const InterveneOptions& options, Session& session) {
+  const std::filesystem::path folder = options.run / kCandidateFolder;
+  const std::string list_file = (folder / kCandidateList).string();
+  const LogCandidateList list =
+      LogCandidateList::read(YamlNode::parse(session.read("candidates", list_file).content, list_file));
+  LogEvidence evidence;
+  evidence.correlation_s = list.correlation_s;
+  std::string bench = options.bench;
+  if (bench.empty() && list.has_bench) bench = (folder / kGivenBench).string();
+  evidence.bench = readRig(session, bench, list.ratio);
+  for (const LogCandidateList::Entry& entry : list.entries) {
+    evidence.candidates.push_back({entry.candidate, readModel(session, "candidate", (folder / entry.file).string())});
+  }
+  if (!options.log.empty()) return evidence;
+  if (options.profile.empty()) {
+    evidence.reference_file = (folder / kGivenLog).string();
+    evidence.reference = session.take("log before", evidence.reference_file);
+  } else {
+    evidence.reference_file = options.profile;
+    evidence.reference = logCsv(readLog(session, "profile", options.profile, options.table).table);
+  }
+  return evidence;
+}
+
+bool holdsLogCandidates(const std::filesystem::path& run) {
+  const std::filesystem::path list = run / kCandidateFolder / kCandidateList;
+  return std::filesystem::exists(list) && readFile(list).starts_with(fmt::format("format: {}", kLogCandidates));
+}
+
+ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::string>& argv) {
+  Session session("intervene", options.common, argv);
+  if (!options.poses.empty()) throw ConfigError("found --poses with a diagnosis of a log, expected --log");
+  if (!options.log.empty() && !options.profile.empty()) {
+    throw ConfigError("found --profile with --log, expected it only where nothing was recorded yet");
+  }
+  if (!options.log.empty() && options.changes.size() > 1) {
+    throw ConfigError(
+        fmt::format("found {} files of --change with --log, expected the one that was made", options.changes.size()));
+  }
+  const LogEvidence evidence = readLogEvidence(options, session);
+  const std::vector<LogChanges> changes = readChanges(options, session);
+  std::optional<LogTable> after;
+  if (!options.log.empty()) {
+    after = readLog(session, "log", options.log, options.table);
+    for (const std::string& sentence : after->summary()) spdlog::warn("{}", sentence);
+  }
+  if (options.common.dry_run) {
+    session.print(fmt::format("would ask {} models for {} changes; nothing was written\n", evidence.candidates.size(),
+                              changes.size()));
+    return ExitCode::kDone;
+  }
+  Json result;  // what the log or the bench cannot be asked is known before anything is written
+  if (after) {
+    const LogIntervention judged = judgeChange(evidence, changes.front(), after->table);
+    session.begin(options.common.seed.value_or(0));
+    session.directory().write("predictions.csv", predictionsCsv(judged, evidence));
+    result = toJson(judged, evidence, changes.front());
+  } else {
+    std::vector<ForeseenLogChange> foreseen;
+    for (const LogChanges& change : changes) foreseen.push_back(foreseeChange(evidence, change));
+    session.begin(options.common.seed.value_or(0));
+    session.directory().write("predictions.csv", predictionsCsv(foreseen[bestOf(foreseen)], evidence));
+    result = toJson(foreseen, evidence, changes);
+  }
+  session.finish(result, interventionText(result));
+  return ExitCode::kDone;
+}
+
+}  // namespace simgap

@@ -1,0 +1,29 @@
+/// \file
+/// `intervene` on a diagnosis of a log, and what it shares with `design --separate`.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "simgap/cli/session.h"
+#include "simgap/core/error.h"
+#include "simgap/diagnose/logs/log_intervention.h"
+
+namespace simgap {
+
+struct InterveneOptions {
+  CommonOptions common;
+  LogFileOptions table;
+  std::filesystem::path run;
+  std::vector<std::string> changes;
+  std::string poses, log, profile, bench;
+};
+
+/// Whether a diagnosis was of a log.
+bool holdsLogCandidates(const std::filesystem::path& run);
+/// What the diagnosis left in its folder of candidates.
+LogEvidence readLogEvidence(const InterveneOptions& options, Session& session);
+ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::string>& argv);
+
+}  // namespace simgap

@@ -1,0 +1,69 @@
+#include "separation.h"
+
+#include <fmt/format.h>
+
+#include "cli/inputs.h"
+#include "cli/pose_evidence.h"
+#include "simgap/report/diagnosis/log_intervention_report.h"
+#include "simgap/report/diagnosis/separation_report.h"
+
+namespace simgap {
+namespace {
+
+LogChanges protocolOf(double speed, double load) {
+  std::string yaml = fmt::format("format: simgap/change/1\nname: speed x {:g}, load x {:g}\nchanges:\n", speed, load);
+  yaml += fmt::format("  - {{kind: speed, factor: {}}}\n", speed);
+  if (load != 1.0) yaml += fmt::format("  - {{kind: load, factor: {}}}\n", load);
+  return LogChanges::read(YamlNode::parse(yaml, "--speeds, --loads"));
+}
+
+ExitCode separateLogs(const SeparateOptions& options, Session& session) {
+  const LogEvidence evidence = readLogEvidence(options.of, session);
+  // A load that no sensor shows is the bench's own: it cannot be multiplied.
+  const bool sensed =
+      evidence.bench.load == BenchLoad::kTorqueSensor && (evidence.candidates.front().model.kind == "friction");
+  const std::vector<double> loads = sensed ? options.loads : std::vector{1.0};
+  if (options.of.common.dry_run) {
+    session.print(fmt::format("would ask {} models for {} motions; nothing was written\n", evidence.candidates.size(),
+                              options.speeds.size() * loads.size()));
+    return ExitCode::kDone;
+  }
+  std::vector<LogProtocol> protocols;
+  for (const double speed : options.speeds) {
+    for (const double load : loads) {
+      protocols.push_back({speed, load, foreseeChange(evidence, protocolOf(speed, load))});
+    }
+  }
+  const LogProtocol& best = bestOf(protocols);
+  session.begin(options.of.common.seed.value_or(0));
+  session.directory().write("predictions.csv", predictionsCsv(best.foreseen, evidence));
+  session.directory().write("next_log.csv", logCsv(profileOf(evidence, protocolOf(best.speed, best.load))));
+  const Json result = toJson(protocols, evidence);
+  session.finish(result, separationText(result));
+  return ExitCode::kDone;
+}
+
+ExitCode separateArms(const SeparateOptions& options, Session& session) {
+  const PoseEvidence evidence = readPoseEvidence(options.of.run, session);
+  const SeparationOptions separation{options.candidates, options.count, options.of.common.seed.value_or(1)};
+  if (options.of.common.dry_run) {
+    session.print(fmt::format("would choose {} of {} commands to tell {} models apart; nothing was written\n",
+                              separation.poses, separation.candidates, evidence.candidates.size()));
+    return ExitCode::kDone;
+  }
+  session.begin(separation.seed);
+  const PoseSeparation found = separatePoses(evidence, separation);
+  session.directory().write("next_poses.csv", nextPosesCsv(found, evidence.given));
+  const Json result = toJson(found, evidence);
+  session.finish(result, separationText(result));
+  return ExitCode::kDone;
+}
+
+}  // namespace
+
+ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv) {
+  Session session("design", options.of.common, argv);
+  return holdsLogCandidates(options.of.run) ? separateLogs(options, session) : separateArms(options, session);
+}
+
+}  // namespace simgap

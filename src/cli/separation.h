@@ -1,0 +1,16 @@
+/// \file
+/// `design --separate`.
+#pragma once
+
+#include "cli/log_intervention.h"
+
+namespace simgap {
+
+struct SeparateOptions {
+  InterveneOptions of;  ///< run, bench and profile
+  std::size_t candidates = 300, count = 7;
+  std::vector<double> speeds = {0.5, 1.0, 2.0}, loads = {0.5, 1.0, 2.0};
+};
+ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv);
+
+}  // namespace simgap

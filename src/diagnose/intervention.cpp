@@ -1,0 +1,65 @@
+#include "simgap/diagnose/intervention.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace simgap {
+namespace {
+
+constexpr double kImprobable = 1e-3;  // of a distance, were the candidate right: it is refuted
+constexpr double kDoubtful = 1e-2;    // and no longer confirmed
+
+double oddsOf(double log_odds) { return std::exp(std::min(log_odds, 300.0)); }
+
+}  // namespace
+
+std::string_view toString(InterventionVerdict verdict) {
+  switch (verdict) {
+    case InterventionVerdict::kConfirmed:
+      return "confirmed";
+    case InterventionVerdict::kRefuted:
+      return "refuted";
+    case InterventionVerdict::kCannotTell:
+      break;
+  }
+  return "cannot-tell";
+}
+
+Judgement judgeCandidates(std::span<const CandidateAnswer> answers, std::string_view data) {
+  const CandidateAnswer& named = answers.front();
+  std::size_t best = 0;
+  double runner_up = -std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < answers.size(); ++c) {
+    if (answers[c].log_odds > answers[best].log_odds) best = c;
+    if (answers[c].rival) runner_up = std::max(runner_up, answers[c].log_odds);
+  }
+  const CandidateAnswer& first = answers[best];
+  if (first.p < kImprobable) {
+    return {InterventionVerdict::kCannotTell,
+            fmt::format("none of {} models predicts these {}: what was changed, or what is wrong, is not what any of "
+                        "them says",
+                        answers.size(), data)};
+  }
+  if (best > 0 && !first.rival && first.log_odds > kDecisiveLogOdds) {
+    return {InterventionVerdict::kCannotTell,
+            fmt::format("{} predicts these {} better than {} alone (odds {:.3g} to 1)", first.causes, data,
+                        named.causes, oddsOf(first.log_odds))};
+  }
+  if (first.log_odds > kDecisiveLogOdds || named.p < kImprobable) {
+    return {InterventionVerdict::kRefuted, fmt::format("{} predicts these {}, {} does not (odds {:.3g} to 1)",
+                                                       first.causes, data, named.causes, oddsOf(first.log_odds))};
+  }
+  if (named.p >= kDoubtful && runner_up < -kDecisiveLogOdds) {
+    return {InterventionVerdict::kConfirmed,
+            fmt::format("{} predicts these {} with nothing refitted, and no model without it does (odds {:.3g} to 1)",
+                        named.causes, data, oddsOf(-runner_up))};
+  }
+  return {InterventionVerdict::kCannotTell,
+          fmt::format("these {} do not tell {} from the other models: after this change all predict much the same",
+                      data, named.causes)};
+}
+
+}  // namespace simgap

@@ -1,0 +1,118 @@
+#include "pose_prediction.h"
+
+#include <algorithm>
+
+namespace simgap {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double kOutOfReach = 10.0;  // [sd] per component, of a pose that the candidate cannot take
+
+}  // namespace
+
+std::vector<PoseCause> causesBeyond(const ArmModel& given, const ArmModel& candidate) {
+  std::vector<PoseCause> causes;
+  for (std::size_t i = given.extensions.size(); i < candidate.extensions.size(); ++i) {
+    const Extension& extension = candidate.extensions[i];
+    PoseCause& cause = causes.emplace_back(PoseCause{findArmEffect(extension.effect), extension.target, {}});
+    for (std::size_t k = 0; k < extension.parameters.size(); ++k) cause.start[k] = extension.parameters[k].value;
+  }
+  return causes;
+}
+
+PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candidate) {
+  return {evidence.given, evidence.parameters, evidence.noise, evidence.threads, candidate.stray_friction};
+}
+
+std::vector<bool> rivalsOf(const PoseEvidence& evidence) {
+  const std::vector<PoseCause> named = causesBeyond(evidence.given, evidence.candidates[0].model);
+  std::vector<bool> rivals = {false};
+  for (const CandidateModel& candidate : std::span(evidence.candidates).subspan(1)) {
+    const std::vector<PoseCause> held = causesBeyond(evidence.given, candidate.model);
+    rivals.push_back(named.empty() || std::ranges::any_of(named, [&](const PoseCause& cause) {
+                       return std::ranges::find(held, cause.label(), &PoseCause::label) == held.end();
+                     }));
+  }
+  return rivals;
+}
+
+/// The fitted numbers of a model with these causes, in the scale of a fit.
+VectorXd PosePrediction::solutionOf(PoseFit& fit, const ArmModel& model) {
+  return fit.posterior().parameters().scaled(fit.space().values(model));
+}
+
+PosePrediction::PosePrediction(const PoseEvidence& evidence, const CandidateModel& candidate)
+    : evidence_(evidence),
+      candidate_(candidate),
+      causes_(causesBeyond(evidence.given, candidate.model)),
+      curvature_(posteriorCurvature()) {}
+
+Predicted PosePrediction::after(const ArmChanges& change, std::span<const Pose> poses) const {
+  Predicted result = predict(change, poses, true);
+  for (const auto& [forward, back] : change.withinUncertainty()) {
+    const VectorXd g = 0.5 * (predict(forward, poses, false, &result).e - predict(back, poses, false, &result).e);
+    result.covariance += g * g.transpose();
+  }
+  result.covariance *= 1.0 + std::max(0.0, evidence_.excess);
+  return result;
+}
+
+Eigen::LLT<MatrixXd> PosePrediction::posteriorCurvature() const {
+  PoseFit fit(problemOf(evidence_, candidate_), evidence_.poses, causes_);
+  const VectorXd z = solutionOf(fit, candidate_.model);
+  fit.posterior().whiten(z);
+  fit.setSolution(z);
+  return Eigen::LLT<MatrixXd>(fit.curvature());
+}
+
+Predicted PosePrediction::predict(const ArmChanges& change, std::span<const Pose> poses, bool jacobians,
+                                  const Predicted* like) const {
+  PoseProblem changed = problemOf(evidence_, candidate_);
+  change.apply(changed.nominal);
+  ArmModel model = candidate_.model;
+  change.apply(model);
+  PoseFit fit(changed, poses, causes_);
+  const VectorXd z = solutionOf(fit, model);
+  fit.posterior().whiten(z);
+  Predicted result;
+  result.dof = fit.posterior().degreesOfFreedom();
+  const Index n = result.dof * std::ssize(poses);
+  result.e = VectorXd::Zero(n);
+  MatrixXd left = MatrixXd::Zero(z.size(), jacobians ? n : 0);
+  std::vector<Index> gone;  // parameters of causes that the change has undone: they are known to be nothing
+  Index parameter = static_cast<Index>(fit.ordinary());
+  for (const PoseCause& cause : causes_) {
+    for (const ArmEffectParameter& p : cause.effect->parameters) {
+      if (p.fitted && change.undoes(cause.label())) gone.push_back(parameter);
+      parameter += p.fitted ? 1 : 0;
+    }
+  }
+  const std::vector<PoseResidual>& residuals = fit.posterior().evaluate(z, jacobians);
+  for (std::size_t p = 0; p < residuals.size(); ++p) {
+    const PoseResidual& residual = residuals[p];
+    const MatrixXd own = fit.posterior().whitening(p);
+    const Index at = result.dof * static_cast<Index>(p);
+    result.valid.push_back(residual.valid);
+    result.whitening.push_back(own);
+    VectorXd raw = VectorXd::Zero(result.dof);
+    if (residual.valid) raw = own.triangularView<Eigen::Lower>().solve(residual.error);
+    result.raw.push_back(raw);
+    const MatrixXd& whitening = like != nullptr ? like->whitening[p] : own;
+    result.e.segment(at, result.dof) =
+        residual.valid ? VectorXd(whitening * raw) : VectorXd::Constant(result.dof, kOutOfReach);
+    if (jacobians && residual.valid) left.middleCols(at, result.dof) = residual.jacobian.transpose();
+  }
+  for (const Index i : gone) left.row(i).setZero();
+  if (jacobians) {
+    curvature_.matrixL().solveInPlace(left);
+    result.covariance = MatrixXd::Identity(n, n) + left.transpose() * left;
+    result.spread = left.transpose();
+  }
+  return result;
+}
+
+}  // namespace simgap

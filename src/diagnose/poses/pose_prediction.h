@@ -1,0 +1,58 @@
+/// \file
+/// What a candidate of a diagnosis predicts for poses after a change of the arm, and how surely (pose_intervention.h).
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <span>
+#include <vector>
+
+#include "pose_fit.h"
+#include "simgap/diagnose/poses/pose_intervention.h"
+
+namespace simgap {
+
+/// Poses as a candidate predicts them after a change.
+struct Predicted {
+  std::vector<bool> valid;                 ///< shape (poses)
+  std::vector<Eigen::VectorXd> raw;        ///< shape (poses) of (dof): predicted less measured [rad], [m]
+  std::vector<Eigen::MatrixXd> whitening;  ///< shape (poses) of (dof, dof)
+  Eigen::MatrixXd spread;                  ///< J L^-T, shape (n, parameters): what the parameters leave open of e
+  Eigen::VectorXd e;                       ///< shape (n): whitened, of all poses
+  Eigen::MatrixXd covariance;              ///< S, shape (n, n)
+  Eigen::Index dof = 0;
+};
+
+/// The causes that a candidate holds beyond the model that was diagnosed.
+std::vector<PoseCause> causesBeyond(const ArmModel& given, const ArmModel& candidate);
+/// Which candidates contradict the named one, shape (candidates): one that holds all its causes and more does not,
+/// unless nothing was named.
+std::vector<bool> rivalsOf(const PoseEvidence& evidence);
+PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candidate);
+
+class PosePrediction {
+ public:
+  /// Both must outlive it.
+  PosePrediction(const PoseEvidence& evidence, const CandidateModel& candidate);
+  Predicted after(const ArmChanges& change, std::span<const Pose> poses) const;
+  /// The candidate's own posterior on some poses, with its solution in the scale of a fit.
+  template <class Action>
+  auto atPosterior(std::span<const Pose> poses, const Action& action) const {
+    PoseFit fit(problemOf(evidence_, candidate_), poses, causes_);
+    const Eigen::VectorXd z = solutionOf(fit, candidate_.model);
+    fit.posterior().whiten(z);
+    return action(fit.posterior(), z);
+  }
+
+ private:
+  static Eigen::VectorXd solutionOf(PoseFit& fit, const ArmModel& model);
+  Eigen::LLT<Eigen::MatrixXd> posteriorCurvature() const;
+  Predicted predict(const ArmChanges& change, std::span<const Pose> poses, bool jacobians,
+                    const Predicted* like = nullptr) const;
+
+  const PoseEvidence& evidence_;
+  const CandidateModel& candidate_;
+  std::vector<PoseCause> causes_;
+  Eigen::LLT<Eigen::MatrixXd> curvature_;  ///< N = L L^T
+};
+
+}  // namespace simgap
