@@ -11,7 +11,7 @@
 ///
 ///     ln p = -n ln s / tau - ln|1 + A^T A / tau| / 2 - (nu + n / tau) / 2 ln(1 + D / nu) + const(nu)
 ///
-/// and D tau / n an F-distributed ratio: the p of a distance as large.
+/// and F-distributed ratios of two parts of D, along A and beside it: the smaller p of them, twice.
 #pragma once
 
 #include <string>
