@@ -14,7 +14,7 @@
 namespace simgap {
 namespace {
 
-constexpr int kDeepest = 100;          // frames that stand in one another
+constexpr int kDeepestSdf = 100;       // frames that stand in one another
 constexpr double kSdfUnlimited = 1e6;  // [rad] or [m]: SDF writes 1e16 where nothing limits a joint
 
 const std::map<std::string, std::string> kIgnoredInSdf = {
@@ -183,7 +183,7 @@ class SdfArm {
     if (frame == frames_.end()) {
       xml_.fail(asked, fmt::format("found '{}', expected the name of a link, joint or frame", abridged(name)));
     }
-    if (depth > kDeepest) xml_.fail(asked, fmt::format("frame '{}' stands in itself", abridged(name)));
+    if (depth > kDeepestSdf) xml_.fail(asked, fmt::format("frame '{}' stands in itself", abridged(name)));
     return inModel(frame->second.relative_to, *frame->second.element, depth + 1) * frame->second.pose;
   }
 

@@ -1,21 +1,26 @@
-"""A headless Chromium, driven through chromedriver's WebDriver protocol with the standard library alone."""
+"""A headless Chromium, driven through chromedriver's WebDriver protocol."""
 import base64
+import importlib.util
+import io
 import json
 import re
 import shutil
-import struct
 import subprocess
 import tempfile
 import urllib.error
 import urllib.request
-import zlib
+
+if importlib.util.find_spec("PIL") and importlib.util.find_spec("numpy"):
+    import numpy
+    import PIL.Image
 
 ELEMENT = "element-6066-11e4-a52e-4f735466cecf"  # the key that marks an element in the protocol
 
 
 def missing():
-    """What the machine lacks to run a browser; nothing when it is all there."""
-    return [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
+    """What the machine lacks to run a browser and look at its pictures; nothing when it is all there."""
+    return [name for name in ("chromium", "chromedriver") if shutil.which(name) is None] + \
+        [f"python3-{name.lower()}" for name in ("numpy", "PIL") if importlib.util.find_spec(name) is None]
 
 
 class Browser:
@@ -95,36 +100,7 @@ class Browser:
 
 
 def pixels(png):
-    """The set of colours of an 8-bit PNG, and how many pixels have the commonest (PNG specification, filters 0 to 4)."""
-    at, packed, width, height, channels = 8, b"", 0, 0, 4
-    while at < len(png):
-        length, kind = struct.unpack(">I4s", png[at:at + 8])
-        body = png[at + 8:at + 8 + length]
-        if kind == b"IHDR":
-            width, height, _, colour_type = struct.unpack(">IIBB", body[:10])
-            channels = {2: 3, 6: 4}[colour_type]
-        if kind == b"IDAT":
-            packed += body
-        at += length + 12
-    raw, stride, before, counts = zlib.decompress(packed), width * channels, bytearray(width * channels), {}
-    for row in range(height):
-        begin = row * (stride + 1)
-        line = bytearray(raw[begin + 1:begin + 1 + stride])
-        unfilter(raw[begin], line, before, channels)
-        for i in range(0, stride, channels):
-            colour = bytes(line[i:i + 3])
-            counts[colour] = counts.get(colour, 0) + 1
-        before = line
-    return set(counts), max(counts.values()) / (width * height)
-
-
-def unfilter(kind, line, before, step):
-    for i in range(len(line) if kind else 0):
-        left, up, corner = line[i - step] if i >= step else 0, before[i], before[i - step] if i >= step else 0
-        if kind == 4:
-            guess = left + up - corner
-            distances = abs(guess - left), abs(guess - up), abs(guess - corner)
-            prediction = (left, up, corner)[distances.index(min(distances))]
-        else:
-            prediction = (left, up, (left + up) // 2)[kind - 1]
-        line[i] = (line[i] + prediction) & 255
+    """How many colours a picture has, and the share of the commonest."""
+    colours = numpy.asarray(PIL.Image.open(io.BytesIO(png)).convert("RGB"), dtype=numpy.uint32) @ numpy.array([65536, 256, 1], numpy.uint32)
+    counts = numpy.unique(colours, return_counts=True)[1]
+    return len(counts), counts.max() / counts.sum()

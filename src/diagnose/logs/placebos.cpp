@@ -233,6 +233,11 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
     signature.conservativeResize(Eigen::NoChange, signature.cols() + 1);
     signature.rightCols(1) = own_residual(rows) - residual(rows);
   }
+  // Nor is a delay of several rows: its derivative where it ended says little of what it changes from none on.
+  const std::vector<double> undelayed = scaled(full, effect, 0.0);
+  if (std::abs(model.delay(full.theta) - model.delay(undelayed)) > search.step()) {
+    signature = residualAt(full, undelayed)(rows) - own_residual(rows);
+  }
   if (isConstant(signature)) return {0.0, 0.0, 0.0};
   test.gain = fitted.gain(signature);
   std::vector<double> gains(kPlacebos);

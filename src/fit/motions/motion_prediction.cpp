@@ -8,6 +8,7 @@
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -109,11 +110,7 @@ std::vector<Eigen::VectorXd> drawParameters(const MotionPosterior& posterior, co
   return draws;
 }
 
-double quantile(std::vector<double>& sorted, double part) {
-  return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1) + 0.5)];
-}
-
-/// Draws of one channel group's root mean square over a set, sorted. \param left  exp(u) of the motions fitted
+/// Draws of one channel group's root mean square over a set. \param left  exp(u) of the motions fitted
 std::vector<double> drawRms(const Eigen::VectorXd& left, const std::vector<Eigen::MatrixXd>& unseen,
                             Eigen::Index group) {
   const CounterRandom random(0);
@@ -136,7 +133,6 @@ std::vector<double> drawRms(const Eigen::VectorXd& left, const std::vector<Eigen
     }
     draws.push_back(std::sqrt(sum / static_cast<double>(way.cols())));
   }
-  std::ranges::sort(draws);
   return draws;
 }
 
@@ -164,7 +160,7 @@ std::optional<MotionPrediction> predictMotions(const MotionPosterior& posterior,
       quantiles.row(group).setConstant(kUnknown);
       continue;
     }
-    std::vector<double> rms = drawRms(left.row(group), held_out.ways, group);
+    const std::vector<double> rms = drawRms(left.row(group), held_out.ways, group);
     quantiles.row(group) << quantile(rms, 0.5), quantile(rms, 0.05), quantile(rms, 0.95);
   }
   const auto column = [&](Eigen::Index c) {
