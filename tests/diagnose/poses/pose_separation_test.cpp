@@ -1,4 +1,4 @@
-// Poses that tell the models of a diagnosis apart: what is promised is what other poses of the independent arm deliver.
+// Poses that tell the models of a diagnosis apart: what is promised is what further poses of the model deliver.
 #include "simgap/diagnose/poses/pose_separation.h"
 
 #include <gtest/gtest.h>
