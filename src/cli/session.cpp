@@ -128,7 +128,7 @@ Session::~Session() {
   try {
     abandon(interruptRequested() ? "interrupted" : "failed");
   } catch (const std::exception& error) {  // the disk is full: what main says is why the run failed
-    fmt::print(stderr, "simgap: the run stays recorded as unfinished: {}\n", printable(error.what()));
+    printSentence("simgap: the run stays recorded as unfinished: " + printable(error.what()));
   }
 }
 

@@ -37,6 +37,9 @@ std::size_t terminalWidth() {
   return known ? size.ws_col : kTextWidth;
 }
 
+/// That nobody reads stderr any more (`2>&1 | head`) is no error of the run: fmt::print would throw it.
+void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
 double secondsBetween(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
 }
@@ -57,7 +60,7 @@ void printSentence(std::string_view sentence) {
   Progress* const shown = screen().shown;
   const bool covered = shown != nullptr && shown->line_open_;
   if (covered) std::fputs("\r\x1b[K", stderr);
-  fmt::print(stderr, "{}\n", terminal ? wrapped(sentence, terminalWidth()) : std::string(sentence));
+  say((terminal ? wrapped(sentence, terminalWidth()) : std::string(sentence)) + "\n");
   if (covered) shown->draw(Progress::Clock::now());
   std::fflush(stderr);
 }
@@ -103,10 +106,10 @@ void Progress::draw(Clock::time_point now) {
   last_print_ = now;
   if (terminal_) {
     // One column stays free, because some terminals wrap when the last one is written. ESC [K clears a longer old line.
-    fmt::print(stderr, "\r{}\x1b[K", firstCharacters(line(now), terminalWidth() - 1));
+    say(fmt::format("\r{}\x1b[K", firstCharacters(line(now), terminalWidth() - 1)));
     line_open_ = true;
   } else {
-    fmt::print(stderr, "{}\n", line(now));
+    say(line(now) + "\n");
   }
   std::fflush(stderr);
 }

@@ -59,6 +59,13 @@ TEST_F(ReliabilityTest, ResultsThatNobodyCanTakeAreNoSuccess) {
   EXPECT_EQ(shell("", {"--help"}, "> /dev/full").exit_code, 2);
 }
 
+TEST_F(ReliabilityTest, ThatNobodyReadsWarningsAndErrorsChangesNoExitCode) {
+  EXPECT_EQ(shell("", validate({}), "2> /dev/full").exit_code, 0);
+  EXPECT_EQ(shell("", {"validate", "nothing.yaml", "--poses", "poses.csv"}, "2> /dev/full").exit_code, 2);
+  fs::remove_all(path("out"));
+  EXPECT_EQ(shell("", validate({"--max-mje", "0.0001"}), "2> /dev/full").exit_code, 1);
+}
+
 TEST_F(ReliabilityTest, AFileThatMayNotGrowIsAnErrorWithAReason) {
   const ProcessResult result = shell("ulimit -f 40;", validate());  // the page has more than 20 KiB
   EXPECT_EQ(result.exit_code, 2);
