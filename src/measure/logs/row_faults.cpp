@@ -74,11 +74,6 @@ void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptio
     rule.fewest_rows = 2;
     rule.blurred_seconds = kBlurred / data.bandwidth;
   }
-  // What sticks or breaks away does so within a row: the acceleration jumps, and the smoother's answer to a jump dies
-  // down like exp(-pi B t): to a fifth after half a period of B, to a twentieth after a whole one.
-  if (std::ranges::find(data.derived, "acceleration") != data.derived.end()) {
-    rule.blurred_seconds += kBlurred / data.bandwidth;
-  }
   const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, rule);
   std::vector<bool> moving = sign.keep;
   for (std::size_t i = 0; i < rest.size(); ++i) moving[i] = moving[i] && !rest[i];
