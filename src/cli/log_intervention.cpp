@@ -9,20 +9,6 @@
 #include "simgap/report/diagnosis/log_intervention_report.h"
 
 namespace simgap {
-namespace {
-
-std::vector<LogChanges> readChanges(const InterveneOptions& options, Session& session) {
-  std::vector<LogChanges> changes;
-  for (const std::string& file : options.changes) {
-    changes.push_back(LogChanges::read(YamlNode::parse(session.read("change", file).content, file)));
-    if (changes.back().name.empty()) changes.back().name = std::filesystem::path(file).stem().string();
-  }
-  if (changes.empty()) changes.push_back({options.log.empty() ? "this motion" : "another motion", {}});
-  return changes;
-}
-
-}  // namespace
-
 LogEvidence readLogEvidence(const InterveneOptions& options, Session& session) {
   const std::filesystem::path folder = options.run / kCandidateFolder;
   const std::string list_file = (folder / kCandidateList).string();
@@ -63,7 +49,8 @@ ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::
         fmt::format("found {} files of --change with --log, expected the one that was made", options.changes.size()));
   }
   const LogEvidence evidence = readLogEvidence(options, session);
-  const std::vector<LogChanges> changes = readChanges(options, session);
+  const std::vector<LogChanges> changes = readChangeFiles<LogChanges>(
+      options, session, options.log.empty() ? "this motion" : "another motion", &LogChanges::read);
   std::optional<LogTable> after;
   if (!options.log.empty()) {
     after = readLog(session, "log", options.log, options.table);

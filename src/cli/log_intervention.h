@@ -20,6 +20,19 @@ struct InterveneOptions {
   std::string poses, log, profile, bench;
 };
 
+/// What the files of --change say; a change without a name has its file's. \param none  how no change is called
+template <class Changes, class Read>
+std::vector<Changes> readChangeFiles(const InterveneOptions& options, Session& session, const char* none,
+                                     const Read& read) {
+  std::vector<Changes> all;
+  for (const std::string& file : options.changes) {
+    all.push_back(read(YamlNode::parse(session.read("change", file).content, file)));
+    if (all.back().name.empty()) all.back().name = std::filesystem::path(file).stem().string();
+  }
+  if (all.empty()) all.emplace_back().name = none;
+  return all;
+}
+
 /// Whether a diagnosis was of a log.
 bool holdsLogCandidates(const std::filesystem::path& run);
 /// What the diagnosis left in its folder of candidates.

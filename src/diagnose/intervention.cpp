@@ -1,18 +1,17 @@
 #include "simgap/diagnose/intervention.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
+
+#include "simgap/core/error.h"
 
 namespace simgap {
 namespace {
 
 constexpr double kImprobable = 1e-3;  // of a distance, were the candidate right: it is refuted
 constexpr double kDoubtful = 1e-2;    // and no longer confirmed
-
-double oddsOf(double log_odds) { return std::exp(std::min(log_odds, 300.0)); }
 
 }  // namespace
 
@@ -26,6 +25,23 @@ std::string_view toString(InterventionVerdict verdict) {
       break;
   }
   return "cannot-tell";
+}
+
+std::vector<bool> rivalsOf(const HeldCauses& held) {
+  const std::set<std::string>& named = held.front();
+  std::vector<bool> rivals = {false};
+  for (const std::set<std::string>& other : std::span(held).subspan(1)) {
+    rivals.push_back(named.empty() || !std::ranges::includes(other, named));
+  }
+  return rivals;
+}
+
+void requireHeld(const HeldCauses& held, const std::string& cause) {
+  std::set<std::string> any;
+  for (const std::set<std::string>& causes : held) any.insert(causes.begin(), causes.end());
+  if (cause.empty() || any.contains(cause)) return;
+  throw ConfigError(fmt::format("found '{}' to undo, which no model of the diagnosis holds; expected one of {}", cause,
+                                any.empty() ? "none: nothing was found" : fmt::format("{}", fmt::join(any, ", "))));
 }
 
 Judgement judgeCandidates(std::span<const CandidateAnswer> answers, std::string_view data) {

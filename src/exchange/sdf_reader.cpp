@@ -41,7 +41,7 @@ class SdfArm {
 
   ImportedArm read() {
     const XmlElement& model = findModel();
-    arm_.name = required(model, "name");
+    arm_.name = xml_.required(model, "name");
     findFrames(model);
     for (const auto* e = model.FirstChildElement("link"); e; e = e->NextSiblingElement("link")) readLink(*e);
     for (const auto* e = model.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) readJoint(*e);
@@ -65,18 +65,6 @@ class SdfArm {
     const XmlElement* element = nullptr;
   };
 
-  const XmlElement* child(const XmlElement& element, const char* name) {
-    const XmlElement* const found = element.FirstChildElement(name);
-    if (found != nullptr) xml_.understand(*found);
-    return found;
-  }
-
-  std::string required(const XmlElement& element, const char* attribute) {
-    const char* const value = xml_.find(element, attribute);
-    if (value == nullptr || *value == '\0') xml_.fail(element, fmt::format("found no {}, expected one", attribute));
-    return value;
-  }
-
   static const char* textOf(const XmlElement& element) {
     const char* const text = element.GetText();
     return text == nullptr ? "" : text;
@@ -89,13 +77,13 @@ class SdfArm {
   }
 
   double number(const XmlElement& parent, const char* name, double fallback) {
-    const XmlElement* const found = child(parent, name);
+    const XmlElement* const found = xml_.child(parent, name);
     return found == nullptr ? fallback : xml_.number(*found, name, textOf(*found));
   }
 
   /// Infinity, or a number that means it, is no limit.
   double limit(const XmlElement& parent, const char* name, double none) {
-    const XmlElement* const found = child(parent, name);
+    const XmlElement* const found = xml_.child(parent, name);
     if (found == nullptr || std::abs(std::strtod(textOf(*found), nullptr)) >= kSdfUnlimited) return none;
     return xml_.number(*found, name, textOf(*found));
   }
@@ -126,10 +114,10 @@ class SdfArm {
   /// The one model that has joints; others only stand about.
   const XmlElement& findModel() {
     const XmlElement* place = root_;
-    if (const XmlElement* const world = child(*root_, "world")) {
+    if (const XmlElement* const world = xml_.child(*root_, "world")) {
       place = world;
       xml_.find(*world, "name");
-      if (const XmlElement* const gravity = child(*world, "gravity")) {
+      if (const XmlElement* const gravity = xml_.child(*world, "gravity")) {
         arm_.gravity = xml_.vector3(*gravity, "gravity", textOf(*gravity));
       }
     }
@@ -148,8 +136,8 @@ class SdfArm {
   }
 
   void findFrames(const XmlElement& model) {
-    if (const XmlElement* const pose = child(model, "pose")) base_ = poseOf(*pose);
-    if (const XmlElement* const still = child(model, "static"); still && word(*still) == "true") {
+    if (const XmlElement* const pose = xml_.child(model, "pose")) base_ = poseOf(*pose);
+    if (const XmlElement* const still = xml_.child(model, "static"); still && word(*still) == "true") {
       xml_.fail(*still, "found a model that is static, expected one whose joints move");
     }
     for (const char* tag : {"link", "joint", "frame"}) {
@@ -158,18 +146,18 @@ class SdfArm {
         Frame frame;
         frame.element = e;
         if (*tag == 'j') {
-          const XmlElement* const link = child(*e, "child");
+          const XmlElement* const link = xml_.child(*e, "child");
           if (link == nullptr) xml_.fail(*e, "found no child, expected a link");
           frame.relative_to = word(*link);
         }
         if (*tag == 'f') {
           if (const char* attached = xml_.find(*e, "attached_to")) frame.relative_to = attached;
         }
-        if (const XmlElement* const pose = child(*e, "pose")) {
+        if (const XmlElement* const pose = xml_.child(*e, "pose")) {
           frame.pose = poseOf(*pose);
           if (const char* other = xml_.find(*pose, "relative_to"); other && *other) frame.relative_to = other;
         }
-        const std::string name = required(*e, "name");
+        const std::string name = xml_.required(*e, "name");
         if (!frames_.emplace(name, frame).second) xml_.fail(*e, fmt::format("the name '{}' is taken", abridged(name)));
       }
     }
@@ -188,8 +176,8 @@ class SdfArm {
   }
 
   void readLink(const XmlElement& element) {
-    const std::string name = required(element, "name");
-    const XmlElement* const inertial = child(element, "inertial");
+    const std::string name = xml_.required(element, "name");
+    const XmlElement* const inertial = xml_.child(element, "inertial");
     tree_.addLink(element, name, inertial == nullptr ? MassProperties{} : readInertial(*inertial));
     placed_[name] = base_ * inModel(name, element);
   }
@@ -197,11 +185,11 @@ class SdfArm {
   MassProperties readInertial(const XmlElement& element) {
     MassProperties mass;
     Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-    if (const XmlElement* const pose = child(element, "pose")) frame = poseOf(*pose);
+    if (const XmlElement* const pose = xml_.child(element, "pose")) frame = poseOf(*pose);
     mass.mass = number(element, "mass", 1.0);
     if (mass.mass < 0.0) xml_.fail(element, fmt::format("mass: found {}, expected >= 0", mass.mass));
     mass.inertia.setIdentity();
-    if (const XmlElement* const i = child(element, "inertia")) {
+    if (const XmlElement* const i = xml_.child(element, "inertia")) {
       const double xx = number(*i, "ixx", 1.0), yy = number(*i, "iyy", 1.0), zz = number(*i, "izz", 1.0);
       const double xy = number(*i, "ixy", 0.0), xz = number(*i, "ixz", 0.0), yz = number(*i, "iyz", 0.0);
       mass.inertia << xx, xy, xz, xy, yy, yz, xz, yz, zz;
@@ -214,7 +202,7 @@ class SdfArm {
   void readJoint(const XmlElement& element) {
     LinkJoint joint;
     joint.place = xml_.place(element);
-    const std::string name = required(element, "name"), type = required(element, "type");
+    const std::string name = xml_.required(element, "name"), type = xml_.required(element, "type");
     joint.fixed = type == "fixed";
     if (type == "ball") {
       joint.joint.type = JointType::kSpherical;
@@ -226,10 +214,10 @@ class SdfArm {
       xml_.fail(element, fmt::format("type: found '{}', expected revolute, continuous, prismatic, ball or fixed",
                                      abridged(type)));
     }
-    const XmlElement* const parent = child(element, "parent");
+    const XmlElement* const parent = xml_.child(element, "parent");
     if (parent == nullptr) xml_.fail(element, "found no parent, expected a link or world");
     joint.parent = word(*parent);
-    joint.child = frames_.at(name).element ? word(*child(element, "child")) : "";
+    joint.child = word(*xml_.child(element, "child"));  // findFrames saw one
     if (joint.parent == "world") addWorld(element);
     const Eigen::Isometry3d here = inModel(name, element);
     joint.in_parent = inModel(joint.parent, element).inverse() * here;
@@ -248,26 +236,26 @@ class SdfArm {
   void readAxis(const XmlElement& element, const std::string& type, const Eigen::Isometry3d& here, LinkJoint& joint) {
     Joint& j = joint.joint;
     j.axis = Eigen::Vector3d::UnitZ();
-    const XmlElement* const axis = child(element, "axis");
+    const XmlElement* const axis = xml_.child(element, "axis");
     if (axis == nullptr) return;
-    if (const XmlElement* const xyz = child(*axis, "xyz")) {
+    if (const XmlElement* const xyz = xml_.child(*axis, "xyz")) {
       j.axis = xml_.vector3(*xyz, "xyz", textOf(*xyz));
       const char* const frame = xml_.find(*xyz, "expressed_in");
-      const XmlElement* const old = child(*axis, "use_parent_model_frame");
+      const XmlElement* const old = xml_.child(*axis, "use_parent_model_frame");
       const bool in_model = old != nullptr && (word(*old) == "1" || word(*old) == "true");
       const std::string seen_from = frame != nullptr && *frame ? frame : in_model ? "__model__" : "";
       if (!seen_from.empty()) j.axis = here.linear().transpose() * (inModel(seen_from, *xyz).linear() * j.axis);
       if (j.axis.norm() < 1e-9) xml_.fail(*xyz, "found a zero vector, expected an axis");
       j.axis = tidyAxis(j.axis);
     }
-    if (const XmlElement* const range = child(*axis, "limit"); range && type != "continuous") {
+    if (const XmlElement* const range = xml_.child(*axis, "limit"); range && type != "continuous") {
       j.lower_limit = limit(*range, "lower", j.lower_limit);
       j.upper_limit = limit(*range, "upper", j.upper_limit);
       if (j.lower_limit > j.upper_limit) {
         xml_.fail(*range, fmt::format("found lower {} above upper {}", j.lower_limit, j.upper_limit));
       }
     }
-    if (const XmlElement* const dynamics = child(*axis, "dynamics")) {
+    if (const XmlElement* const dynamics = xml_.child(*axis, "dynamics")) {
       j.viscous_friction = number(*dynamics, "damping", 0.0);
       j.coulomb_friction = number(*dynamics, "friction", 0.0);
       j.spring_stiffness = number(*dynamics, "spring_stiffness", 0.0);
@@ -276,8 +264,8 @@ class SdfArm {
         xml_.fail(*dynamics, "found a number < 0");
       }
     }
-    if (const XmlElement* const mimic = child(*axis, "mimic")) {
-      joint.leader = required(*mimic, "joint");
+    if (const XmlElement* const mimic = xml_.child(*axis, "mimic")) {
+      joint.leader = xml_.required(*mimic, "joint");
       joint.multiplier = number(*mimic, "multiplier", 1.0);
       joint.offset = number(*mimic, "offset", 0.0) - joint.multiplier * number(*mimic, "reference", 0.0);
     }

@@ -46,18 +46,6 @@ class UrdfArm {
   }
 
  private:
-  const XmlElement* child(const XmlElement& element, const char* name) {
-    const XmlElement* const found = element.FirstChildElement(name);
-    if (found != nullptr) xml_.understand(*found);
-    return found;
-  }
-
-  std::string required(const XmlElement& element, const char* attribute) {
-    const char* const value = xml_.find(element, attribute);
-    if (value == nullptr || *value == '\0') xml_.fail(element, fmt::format("found no {}, expected one", attribute));
-    return value;
-  }
-
   double number(const XmlElement& element, const char* attribute, double fallback) {
     const char* const value = xml_.find(element, attribute);
     return value == nullptr ? fallback : xml_.number(element, attribute, value);
@@ -65,7 +53,7 @@ class UrdfArm {
 
   Eigen::Isometry3d origin(const XmlElement& element) {
     Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-    const XmlElement* const at = child(element, "origin");
+    const XmlElement* const at = xml_.child(element, "origin");
     if (at == nullptr) return frame;
     if (const char* xyz = xml_.find(*at, "xyz")) frame.translation() = xml_.vector3(*at, "xyz", xyz);
     if (const char* rpy = xml_.find(*at, "rpy")) {
@@ -76,19 +64,19 @@ class UrdfArm {
 
   void readLink(const XmlElement& element) {
     xml_.understand(element);
-    const std::string name = required(element, "name");
-    const XmlElement* const inertial = child(element, "inertial");
+    const std::string name = xml_.required(element, "name");
+    const XmlElement* const inertial = xml_.child(element, "inertial");
     tree_.addLink(element, name, inertial == nullptr ? MassProperties{} : readInertial(*inertial));
   }
 
   MassProperties readInertial(const XmlElement& element) {
     MassProperties mass;
     const Eigen::Isometry3d frame = origin(element);
-    const XmlElement* const weight = child(element, "mass");
+    const XmlElement* const weight = xml_.child(element, "mass");
     if (weight == nullptr) xml_.fail(element, "found no mass, expected one");
-    mass.mass = xml_.number(*weight, "value", required(*weight, "value").c_str());
+    mass.mass = xml_.number(*weight, "value", xml_.required(*weight, "value").c_str());
     if (mass.mass < 0.0) xml_.fail(*weight, fmt::format("value: found {}, expected >= 0", mass.mass));
-    if (const XmlElement* const i = child(element, "inertia")) {
+    if (const XmlElement* const i = xml_.child(element, "inertia")) {
       const auto entry = [&](const char* name) { return number(*i, name, 0.0); };
       // Read before the matrix is filled: Eigen allows no exception in between.
       const double xx = entry("ixx"), yy = entry("iyy"), zz = entry("izz");
@@ -104,7 +92,7 @@ class UrdfArm {
     xml_.understand(element);
     LinkJoint joint;
     joint.place = xml_.place(element);
-    const std::string name = required(element, "name"), type = required(element, "type");
+    const std::string name = xml_.required(element, "name"), type = xml_.required(element, "type");
     if (type == "floating" || type == "planar") {
       xml_.fail(element, fmt::format("type: found '{}', expected a joint of one axis or none", type));
     }
@@ -126,34 +114,34 @@ class UrdfArm {
     j.type = (kind != nullptr ? kind : findKind(&JointKind::urdf, "revolute"))
                  ->type;  // a continuous one, and what is welded
     j.axis = Eigen::Vector3d::UnitX();
-    if (const XmlElement* const axis = child(element, "axis")) {
-      j.axis = xml_.vector3(*axis, "xyz", required(*axis, "xyz").c_str());
+    if (const XmlElement* const axis = xml_.child(element, "axis")) {
+      j.axis = xml_.vector3(*axis, "xyz", xml_.required(*axis, "xyz").c_str());
       if (j.axis.norm() < 1e-9 && !joint.fixed) xml_.fail(*axis, "xyz: found a zero vector, expected an axis");
       if (std::abs(j.axis.norm() - 1.0) > 1e-12 && j.axis.norm() > 0.0) j.axis.normalize();
     }
-    if (const XmlElement* const limit = child(element, "limit"); limit && type != "continuous") {
+    if (const XmlElement* const limit = xml_.child(element, "limit"); limit && type != "continuous") {
       j.lower_limit = number(*limit, "lower", 0.0);
       j.upper_limit = number(*limit, "upper", 0.0);
       if (j.lower_limit > j.upper_limit) {
         xml_.fail(*limit, fmt::format("found lower {} above upper {}", j.lower_limit, j.upper_limit));
       }
     }
-    if (const XmlElement* const dynamics = child(element, "dynamics")) {
+    if (const XmlElement* const dynamics = xml_.child(element, "dynamics")) {
       j.viscous_friction = number(*dynamics, "damping", 0.0);
       j.coulomb_friction = number(*dynamics, "friction", 0.0);
       if (j.viscous_friction < 0.0 || j.coulomb_friction < 0.0) xml_.fail(*dynamics, "found a number < 0");
     }
-    if (const XmlElement* const mimic = child(element, "mimic")) {
-      joint.leader = required(*mimic, "joint");
+    if (const XmlElement* const mimic = xml_.child(element, "mimic")) {
+      joint.leader = xml_.required(*mimic, "joint");
       joint.multiplier = number(*mimic, "multiplier", 1.0);
       joint.offset = number(*mimic, "offset", 0.0);
     }
   }
 
   std::string linkOf(const XmlElement& element, const char* role) {
-    const XmlElement* const end = child(element, role);
+    const XmlElement* const end = xml_.child(element, role);
     if (end == nullptr) xml_.fail(element, fmt::format("found no {}, expected a link", role));
-    return required(*end, "link");
+    return xml_.required(*end, "link");
   }
 
   XmlRobot xml_;

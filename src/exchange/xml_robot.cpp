@@ -71,6 +71,18 @@ const char* XmlRobot::find(const XmlElement& element, const char* attribute) {
   return found->Value();
 }
 
+std::string XmlRobot::required(const XmlElement& element, const char* attribute) {
+  const char* const value = find(element, attribute);
+  if (value == nullptr || *value == '\0') fail(element, fmt::format("found no {}, expected one", attribute));
+  return value;
+}
+
+const XmlElement* XmlRobot::child(const XmlElement& element, const char* name) {
+  const XmlElement* const found = element.FirstChildElement(name);
+  if (found != nullptr) understand(*found);
+  return found;
+}
+
 void XmlRobot::cover(const XmlElement& element) {
   understood_.insert(&element);
   for (const auto* a = element.FirstAttribute(); a; a = a->Next()) understood_.insert(a);

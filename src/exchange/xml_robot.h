@@ -36,6 +36,10 @@ class XmlRobot {
 
   /// An attribute's text; it counts as understood.
   const char* find(const XmlElement& element, const char* attribute);
+  /// The same of an attribute that has to be there. \throws DataError: it is not, or empty
+  std::string required(const XmlElement& element, const char* attribute);
+  /// The first child of a name; it counts as understood. nullptr: none.
+  const XmlElement* child(const XmlElement& element, const char* name);
   /// The element counts as understood, not so its attributes and children.
   void understand(const XmlElement& element) { understood_.insert(&element); }
   /// The element with all that is in it is left out, or taken in another way.

@@ -147,4 +147,10 @@ std::string alignedTable(const Table& table) {
   return alignedTable(rows);
 }
 
+std::string answerText(const std::string& answer, const std::vector<Table>& tables) {
+  std::string text = answer + "\n\n";
+  for (const Table& table : tables) text += table.caption + "\n" + alignedTable(table) + "\n";
+  return text;
+}
+
 }  // namespace simgap

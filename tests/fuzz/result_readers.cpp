@@ -153,7 +153,7 @@ void readChange(std::string bytes) {
   ArmModel model = forearm();
   const ArmChanges changes = ArmChanges::read(yaml(bytes), model);
   changes.undoes("payload:forearm");
-  changes.withinUncertainty();
+  withinUncertainty(changes);
   changes.apply(model);
 }
 

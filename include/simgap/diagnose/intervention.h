@@ -3,9 +3,13 @@
 /// diagnosis left standing has predicted the recording after the change with nothing refitted; the odds decide.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace simgap {
 
@@ -14,6 +18,20 @@ std::string_view toString(InterventionVerdict verdict);
 
 /// Log odds that decide: 20 to 1.
 inline constexpr double kDecisiveLogOdds = 3.0;
+
+/// Odds to be read: from exp(300) on they all mean the same.
+inline double oddsOf(double log_odds) { return std::exp(std::min(log_odds, 300.0)); }
+
+/// The causes that each candidate holds, the named one first: "payload:forearm".
+using HeldCauses = std::vector<std::set<std::string>>;
+
+/// Which candidates contradict the named one, shape (candidates): one that holds all its causes and more does not,
+/// unless nothing was named.
+std::vector<bool> rivalsOf(const HeldCauses& held);
+
+/// Undoing what no model holds changes nothing in any of them. \param cause  empty: nothing is undone
+/// \throws ConfigError: no candidate holds it.
+void requireHeld(const HeldCauses& held, const std::string& cause);
 
 /// What one candidate said of the recording after the change.
 struct CandidateAnswer {

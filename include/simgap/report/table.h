@@ -27,6 +27,8 @@ std::string numberText(const Json& json, const char* format);
 std::string alignedTable(const std::vector<std::vector<std::string>>& rows);
 /// Header and rows, without the caption.
 std::string alignedTable(const Table& table);
+/// What a command answered, and its tables below, each with its caption.
+std::string answerText(const std::string& answer, const std::vector<Table>& tables);
 
 /// A unit as people write it: "rad_s" is "rad/s", "1_rad" is "1/rad", "A2" is "A²".
 std::string unitTitle(const std::string& unit);

@@ -15,16 +15,6 @@ namespace {
 
 using Options = InterveneOptions;
 
-std::vector<ArmChanges> readChanges(const Options& options, Session& session, const ArmModel& model) {
-  std::vector<ArmChanges> changes;
-  for (const std::string& file : options.changes) {
-    changes.push_back(ArmChanges::read(YamlNode::parse(session.read("change", file).content, file), model));
-    if (changes.back().name.empty()) changes.back().name = std::filesystem::path(file).stem().string();
-  }
-  if (changes.empty()) changes.push_back({"further poses", {}});  // the arm is as it was
-  return changes;
-}
-
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   if (holdsLogCandidates(options.run)) return interveneOnLog(options, argv);
   Session session("intervene", options.common, argv);
@@ -39,7 +29,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
         fmt::format("found {} files of --change with --poses, expected the one that was made", options.changes.size()));
   }
   const PoseEvidence evidence = readPoseEvidence(options.run, session);
-  const std::vector<ArmChanges> changes = readChanges(options, session, evidence.given);
+  const auto read = [&](const YamlNode& node) { return ArmChanges::read(node, evidence.given); };
+  const std::vector<ArmChanges> changes = readChangeFiles<ArmChanges>(options, session, "further poses", read);
   PoseSet after;
   if (!options.poses.empty()) after = readPoses(session, "poses", options.poses, evidence.given, options.table.csv());
   if (options.common.dry_run) {

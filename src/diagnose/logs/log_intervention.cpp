@@ -1,7 +1,6 @@
 #include "simgap/diagnose/logs/log_intervention.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -37,30 +36,10 @@ std::set<std::string> causesOf(const std::string& label) {
   return causes;
 }
 
-/// Which candidates contradict the named one, shape (candidates): one that holds all its causes and more does not,
-/// unless nothing was named.
-std::vector<bool> rivalsOf(const LogEvidence& evidence) {
-  const std::set<std::string> named = causesOf(evidence.candidates.front().known.causes);
-  std::vector<bool> rivals = {false};
-  for (std::size_t c = 1; c < evidence.candidates.size(); ++c) {
-    const std::set<std::string> held = causesOf(evidence.candidates[c].known.causes);
-    rivals.push_back(named.empty() || !std::ranges::includes(held, named));
-  }
-  return rivals;
-}
-
-/// Undoing what no model holds changes nothing in any of them.
-void requireHeld(const LogEvidence& evidence, const LogChanges& changes) {
-  std::set<std::string> held;
-  for (const LogEvidence::Candidate& candidate : evidence.candidates) {
-    for (const std::string& cause : causesOf(candidate.known.causes)) held.insert(cause);
-  }
-  for (const LogChange& change : changes.changes) {
-    if (change.cause.empty() || held.contains(change.cause)) continue;
-    throw ConfigError(fmt::format("found '{}' to undo, which no model of the diagnosis holds; expected one of {}",
-                                  change.cause,
-                                  held.empty() ? "none: nothing was found" : fmt::format("{}", fmt::join(held, ", "))));
-  }
+HeldCauses heldBy(const LogEvidence& evidence) {
+  HeldCauses held;
+  for (const LogEvidence::Candidate& candidate : evidence.candidates) held.push_back(causesOf(candidate.known.causes));
+  return held;
 }
 
 /// What all candidates say of one log.
@@ -71,14 +50,14 @@ struct Answers {
 };
 
 Answers askAll(const LogEvidence& evidence, const LogChanges& change, const CsvTable* recorded) {
-  requireHeld(evidence, change);
+  for (const LogChange& part : change.changes) requireHeld(heldBy(evidence), part.cause);
   const auto rowsOf = [&](const LogChanges& what) {
     return recorded != nullptr ? changedLog(evidence, what, *recorded, true)
                                : changedLog(evidence, what, profileOf(evidence, what), false);
   };
   Answers answers{rowsOf(change), std::vector<PredictedRows>(evidence.candidates.size()), 1.0};
   std::vector<std::pair<ChangedLog, ChangedLog>> moved;
-  for (const auto& [forward, back] : change.withinUncertainty()) {
+  for (const auto& [forward, back] : withinUncertainty(change)) {
     auto& [more, less] = moved.emplace_back(rowsOf(forward), rowsOf(back));
     more.rows = less.rows = answers.changed.rows;  // a bench a little different keeps other rows: the same are compared
   }
@@ -189,7 +168,7 @@ LogIntervention judgeChange(const LogEvidence& evidence, const LogChanges& chang
   const std::vector<Index> compared = comparable(evidence, answers, result.measured);
   result.rows = compared.size();
   result.left_out = static_cast<std::size_t>(result.measured.size()) - compared.size();
-  const std::vector<bool> rival = rivalsOf(evidence);
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
   std::vector<CandidateAnswer> said;
   double named = 0.0;
   for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
@@ -214,7 +193,7 @@ ForeseenLogChange foreseeChange(const LogEvidence& evidence, const LogChanges& c
   result.time = answers.changed.log.data.rows.time(answers.changed.rows);
   result.log_odds.assign(n, std::vector<double>(n, 0.0));
   result.smallest = std::numeric_limits<double>::infinity();
-  const std::vector<bool> rival = rivalsOf(evidence);
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
   for (std::size_t j = 0; j < n; ++j) {
     const double variance = evidence.candidates[j].known.posterior.variance, sd = std::sqrt(variance);
     const MatrixXd a = answers.predicted[j].spread / sd;

@@ -122,6 +122,15 @@ class Asking {
   std::vector<bool> known_;
 };
 
+/// \param recorded  see LogChanges::apply
+LogSetting settingOf(const LogEvidence& evidence, const LogChanges& change, bool recorded) {
+  LogSetting setting;
+  setting.kind = subjectOf(evidence.candidates.front().model).base.kind;
+  setting.bench = evidence.bench;
+  change.apply(setting, recorded);
+  return setting;
+}
+
 /// What was added to constants that the bench lets be fitted, and the gear, which divides every load at the motor.
 void changeLoads(ChangedLog& changed) {
   ActuatorData& data = changed.log.data;
@@ -143,10 +152,7 @@ void changeLoads(ChangedLog& changed) {
 }  // namespace
 
 CsvTable profileOf(const LogEvidence& evidence, const LogChanges& change) {
-  LogSetting setting;
-  setting.kind = subjectOf(evidence.candidates.front().model).base.kind;
-  setting.bench = evidence.bench;
-  change.apply(setting, /*recorded=*/false);
+  const LogSetting setting = settingOf(evidence, change, /*recorded=*/false);
   const CsvTable plain = CsvTable::parse(evidence.reference, evidence.reference_file);
   CsvOptions options;
   for (const auto& [channel, factor] : setting.channels) {
@@ -162,9 +168,7 @@ CsvTable profileOf(const LogEvidence& evidence, const LogChanges& change) {
 ChangedLog changedLog(const LogEvidence& evidence, const LogChanges& change, const CsvTable& table, bool recorded) {
   const FittedModel& model = evidence.candidates.front().model;
   ChangedLog changed;
-  changed.setting.kind = subjectOf(model).base.kind;
-  changed.setting.bench = evidence.bench;
-  change.apply(changed.setting, recorded);
+  changed.setting = settingOf(evidence, change, recorded);
   Bench& bench = changed.setting.bench;
   if (bench.ratio) *bench.ratio *= changed.setting.gear;
   changed.log = prepareLog(table, bench, changed.setting.kind, optionsOf(model));

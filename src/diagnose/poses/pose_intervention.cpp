@@ -1,12 +1,10 @@
 #include "simgap/diagnose/poses/pose_intervention.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "pose_prediction.h"
 #include "simgap/core/joint_kind.h"
@@ -85,22 +83,8 @@ double rootMeanSquare(const std::vector<double>& errors, const std::vector<bool>
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : std::nan("");
 }
 
-/// Undoing what no model holds changes nothing in any of them.
-void requireHeld(const PoseEvidence& evidence, const ArmChanges& changes) {
-  std::set<std::string> held;
-  for (const CandidateModel& candidate : evidence.candidates) {
-    for (const PoseCause& cause : causesBeyond(evidence.given, candidate.model)) held.insert(cause.label());
-  }
-  for (const ArmChange& change : changes.changes) {
-    if (change.cause.empty() || held.contains(change.cause)) continue;
-    throw ConfigError(fmt::format("found '{}' to undo, which no model of the diagnosis holds; expected one of {}",
-                                  change.cause,
-                                  held.empty() ? "none: nothing was found" : fmt::format("{}", fmt::join(held, ", "))));
-  }
-}
-
 std::vector<Predicted> predictAll(const PoseEvidence& evidence, const ArmChanges& change, std::span<const Pose> poses) {
-  requireHeld(evidence, change);
+  for (const ArmChange& part : change.changes) requireHeld(heldBy(evidence), part.cause);
   std::vector<Predicted> predictions(evidence.candidates.size());
   forEach(problemOf(evidence, evidence.candidates.front()), predictions.size(), [&](std::size_t c) {
     predictions[c] = PosePrediction(evidence, evidence.candidates[c]).after(change, poses);
@@ -110,7 +94,7 @@ std::vector<Predicted> predictAll(const PoseEvidence& evidence, const ArmChanges
 
 /// On the candidate that the diagnosis named, by what the poses after the change say alone.
 void decide(const PoseEvidence& evidence, Intervention& result) {
-  const std::vector<bool> rival = rivalsOf(evidence);
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
   std::vector<CandidateAnswer> answers;
   for (std::size_t c = 0; c < result.predictions.size(); ++c) {
     answers.push_back(
@@ -155,7 +139,7 @@ ForeseenChange foreseeChange(const PoseEvidence& evidence, const ArmChanges& cha
   const std::size_t n = predictions.size(), joints = evidence.given.joints.size();
   ForeseenChange result;
   result.log_odds.assign(n, std::vector<double>(n, 0.0));
-  const std::vector<bool> rival = rivalsOf(evidence);
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
   result.smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) {

@@ -28,16 +28,13 @@ PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candid
   return {evidence.given, evidence.parameters, evidence.noise, evidence.threads, candidate.stray_friction};
 }
 
-std::vector<bool> rivalsOf(const PoseEvidence& evidence) {
-  const std::vector<PoseCause> named = causesBeyond(evidence.given, evidence.candidates[0].model);
-  std::vector<bool> rivals = {false};
-  for (const CandidateModel& candidate : std::span(evidence.candidates).subspan(1)) {
-    const std::vector<PoseCause> held = causesBeyond(evidence.given, candidate.model);
-    rivals.push_back(named.empty() || std::ranges::any_of(named, [&](const PoseCause& cause) {
-                       return std::ranges::find(held, cause.label(), &PoseCause::label) == held.end();
-                     }));
+HeldCauses heldBy(const PoseEvidence& evidence) {
+  HeldCauses held;
+  for (const CandidateModel& candidate : evidence.candidates) {
+    std::set<std::string>& causes = held.emplace_back();
+    for (const PoseCause& cause : causesBeyond(evidence.given, candidate.model)) causes.insert(cause.label());
   }
-  return rivals;
+  return held;
 }
 
 /// The fitted numbers of a model with these causes, in the scale of a fit.
@@ -53,7 +50,7 @@ PosePrediction::PosePrediction(const PoseEvidence& evidence, const CandidateMode
 
 Predicted PosePrediction::after(const ArmChanges& change, std::span<const Pose> poses) const {
   Predicted result = predict(change, poses, true);
-  for (const auto& [forward, back] : change.withinUncertainty()) {
+  for (const auto& [forward, back] : withinUncertainty(change)) {
     const VectorXd g = 0.5 * (predict(forward, poses, false, &result).e - predict(back, poses, false, &result).e);
     result.covariance += g * g.transpose();
   }

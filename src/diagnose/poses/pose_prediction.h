@@ -24,9 +24,7 @@ struct Predicted {
 
 /// The causes that a candidate holds beyond the model that was diagnosed.
 std::vector<PoseCause> causesBeyond(const ArmModel& given, const ArmModel& candidate);
-/// Which candidates contradict the named one, shape (candidates): one that holds all its causes and more does not,
-/// unless nothing was named.
-std::vector<bool> rivalsOf(const PoseEvidence& evidence);
+HeldCauses heldBy(const PoseEvidence& evidence);
 PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candidate);
 
 class PosePrediction {

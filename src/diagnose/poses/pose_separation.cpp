@@ -98,7 +98,7 @@ class Sequence {
 
 /// The named model against each that contradicts it, either of them right.
 std::vector<SeparatedPair> pairsOf(const PoseEvidence& evidence) {
-  const std::vector<bool> rival = rivalsOf(evidence);
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
   std::vector<SeparatedPair> pairs;
   for (std::size_t c = 1; c < rival.size(); ++c) {
     if (rival[c]) pairs.insert(pairs.end(), {{0, c, 0.0}, {c, 0, 0.0}});

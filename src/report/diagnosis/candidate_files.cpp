@@ -4,7 +4,7 @@
 
 #include <cctype>
 
-#include "candidate_names.h"
+#include "candidate_entries.h"
 #include "simgap/core/csv.h"
 #include "simgap/model/arm/arm_yaml.h"
 
@@ -46,20 +46,11 @@ CandidateList CandidateList::read(const YamlNode& root) {
   CandidateList list;
   list.excess = root.at("excess").number(Range{-1.0, 1e6, false, "a number in [-1, 1e6]"});
   for (const YamlNode& pose : root.at("used").items()) list.used.push_back(pose.text());
-  const YamlNode entries = root.at("candidates");
-  for (const YamlNode& node : entries.items()) {
-    Entry& entry = list.entries.emplace_back();
-    const YamlNode file = node.at("file");
-    entry.file = file.text();
-    if (entry.file.find('/') != std::string::npos) file.fail("expected a file beside this one");
-    entry.candidate.causes = node.at("causes").text();
-    entry.candidate.role = node.at("role").oneOf({"named", "instead", "refused", "without"});
-    entry.candidate.log_odds = node.at("log_odds").number();
-    entry.candidate.stray_friction = node.at("stray_friction").number(kNonNegative);
-  }
-  if (list.entries.size() < 2) {
-    entries.fail("found fewer than two candidates: the diagnosis had nothing to compare its answer with");
-  }
+  list.entries =
+      readCandidateEntries<Entry>(root.at("candidates"), [](const YamlNode& node, CandidateModel& candidate) {
+        candidate.log_odds = node.at("log_odds").number();
+        candidate.stray_friction = node.at("stray_friction").number(kNonNegative);
+      });
   root.expectAllRead();
   return list;
 }

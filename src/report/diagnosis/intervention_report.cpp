@@ -72,9 +72,7 @@ Json toJson(const std::vector<ForeseenChange>& foreseen, const PoseEvidence& evi
 }
 
 std::string interventionText(const Json& result) {
-  std::string text = interventionAnswer(result) + "\n\n";
-  for (const Table& table : interventionTables(result)) text += table.caption + "\n" + alignedTable(table) + "\n";
-  return text;
+  return answerText(interventionAnswer(result), interventionTables(result));
 }
 
 }  // namespace simgap

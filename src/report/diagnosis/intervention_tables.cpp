@@ -72,7 +72,7 @@ std::string foreseenSentence(const std::string& named, const std::string& change
   if (!std::isfinite(log_odds)) {
     return fmt::format("no model of the diagnosis contradicts {}: there is nothing to tell apart", named);
   }
-  const double odds = std::exp(std::min(log_odds, 300.0));
+  const double odds = oddsOf(log_odds);
   return log_odds > kDecisiveLogOdds
              ? fmt::format("{} would tell {} from every other model (expected odds {:.3g} to 1 at least)", change,
                            named, odds)

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "candidate_names.h"
+#include "candidate_entries.h"
 #include "simgap/report/diagnosis/candidate_files.h"
 
 namespace simgap {
@@ -70,19 +70,9 @@ LogCandidateList LogCandidateList::read(const YamlNode& root) {
   list.correlation_s = root.at("correlation_s").number(kNonNegative);
   list.has_bench = root.at("bench").boolean();
   if (const auto ratio = root.find("transmission_ratio")) list.ratio = ratio->number(kPositive);
-  const YamlNode entries = root.at("candidates");
-  for (const YamlNode& node : entries.items()) {
-    Entry& entry = list.entries.emplace_back();
-    const YamlNode file = node.at("file");
-    entry.file = file.text();
-    if (entry.file.find('/') != std::string::npos) file.fail("expected a file beside this one");
-    entry.candidate.causes = node.at("causes").text();
-    entry.candidate.role = node.at("role").oneOf({"named", "instead", "refused", "without"});
-    entry.candidate.posterior = posteriorOf(node);
-  }
-  if (list.entries.size() < 2) {
-    entries.fail("found fewer than two candidates: the diagnosis had nothing to compare its answer with");
-  }
+  list.entries = readCandidateEntries<Entry>(root.at("candidates"), [](const YamlNode& node, LogCandidate& candidate) {
+    candidate.posterior = posteriorOf(node);
+  });
   root.expectAllRead();
   return list;
 }

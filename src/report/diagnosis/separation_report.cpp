@@ -3,16 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "separation_tables.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/diagnose/intervention.h"
 
 namespace simgap {
 namespace {
-
-double oddsOf(double log_odds) { return std::exp(std::clamp(log_odds, 0.0, 300.0)); }
 
 /// The model that a protocol tells from the named one worst.
 std::string nearestOf(const ForeseenLogChange& foreseen, const LogEvidence& evidence) {
@@ -103,9 +101,7 @@ Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& eviden
 }
 
 std::string separationText(const Json& result) {
-  std::string text = separationAnswer(result) + "\n\n";
-  for (const Table& table : separationTables(result)) text += table.caption + "\n" + alignedTable(table) + "\n";
-  return text;
+  return answerText(separationAnswer(result), separationTables(result));
 }
 
 }  // namespace simgap

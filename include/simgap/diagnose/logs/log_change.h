@@ -12,6 +12,7 @@
 #include "simgap/core/yaml.h"
 #include "simgap/measure/logs/actuator_rows.h"
 #include "simgap/measure/logs/bench.h"
+#include "simgap/model/change_list.h"
 
 namespace simgap {
 
@@ -51,21 +52,17 @@ std::span<const LogChangeKind* const> all();
 }
 
 /// All that was done at once.
-struct LogChanges {
-  std::string name;
-  std::vector<LogChange> changes;
-
+struct LogChanges : ChangeList<LogChange> {
   /// \throws ConfigError as the kinds, and all that YamlNode refuses.
   static LogChanges read(const YamlNode& root);
   /// \param recorded  true: for a log from afterwards; false: for a reference log that shows the bench as it was
   void apply(LogSetting& setting, bool recorded) const;
-  bool undoes(const std::string& cause) const;
-  /// The same with one uncertain number moved by a standard deviation, forward (+1) and back (-1), a pair for each.
-  std::vector<std::pair<LogChanges, LogChanges>> withinUncertainty() const;
 };
 
 /// A size with its standard deviation: keys NAME_UNIT and NAME_sd_UNIT.
 void readSize(const YamlNode& node, const std::string& name, const std::string& unit, const Range& range,
               LogChange& change);
+/// A change of one factor in [0.01, 100]: keys factor and factor_sd.
+LogChange readFactor(const YamlNode& node);
 
 }  // namespace simgap

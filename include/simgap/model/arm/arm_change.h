@@ -9,6 +9,7 @@
 
 #include "simgap/core/yaml.h"
 #include "simgap/model/arm/arm.h"
+#include "simgap/model/change_list.h"
 
 namespace simgap {
 
@@ -36,16 +37,11 @@ std::span<const ArmChangeKind* const> all();
 }
 
 /// All that was done at once.
-struct ArmChanges {
-  std::string name;
-  std::vector<ArmChange> changes;
-
+struct ArmChanges : ChangeList<ArmChange> {
   /// \throws ConfigError as the kinds, and all that YamlNode refuses.
   static ArmChanges read(const YamlNode& root, const ArmModel& model);
   void apply(ArmModel& model) const;
   bool undoes(const std::string& cause) const;  ///< "payload:forearm"
-  /// The same with one uncertain number moved by a standard deviation, forward (+1) and back (-1), a pair for each.
-  std::vector<std::pair<ArmChanges, ArmChanges>> withinUncertainty() const;
 };
 
 /// Index of what a node names. \throws ConfigError: none of that name.

@@ -6,12 +6,6 @@
 namespace simgap::log_changes::gain {
 namespace {
 
-LogChange read(const YamlNode& node) {
-  LogChange change;
-  readSize(node, "factor", "", Range{0.01, 100.0, false, "a factor in [0.01, 100]"}, change);
-  return change;
-}
-
 void apply(const LogChange& change, LogSetting& setting) {
   if (!kindOf(setting.kind).is_drive) {
     throw ConfigError("found a change of gain, expected it of a drive: effort against load");
@@ -22,6 +16,6 @@ void apply(const LogChange& change, LogSetting& setting) {
 }  // namespace
 
 extern const LogChangeKind entry;
-const LogChangeKind entry{"gain", read, apply};
+const LogChangeKind entry{"gain", readFactor, apply};
 
 }  // namespace simgap::log_changes::gain

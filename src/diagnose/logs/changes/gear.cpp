@@ -6,12 +6,6 @@
 namespace simgap::log_changes::gear {
 namespace {
 
-LogChange read(const YamlNode& node) {
-  LogChange change;
-  readSize(node, "factor", "", Range{0.01, 100.0, false, "a factor in [0.01, 100]"}, change);
-  return change;
-}
-
 void apply(const LogChange& change, LogSetting& setting) {
   if (!kindOf(setting.kind).is_drive) throw ConfigError("found a change of gear, expected it of a drive");
   setting.gear *= change.sizes[0];
@@ -20,6 +14,6 @@ void apply(const LogChange& change, LogSetting& setting) {
 }  // namespace
 
 extern const LogChangeKind entry;
-const LogChangeKind entry{"gear", read, apply};
+const LogChangeKind entry{"gear", readFactor, apply};
 
 }  // namespace simgap::log_changes::gear

@@ -4,12 +4,6 @@
 namespace simgap::log_changes::speed {
 namespace {
 
-LogChange read(const YamlNode& node) {
-  LogChange change;
-  readSize(node, "factor", "", Range{0.01, 100.0, false, "a factor in [0.01, 100]"}, change);
-  return change;
-}
-
 void apply(const LogChange& change, LogSetting& setting) {
   const double factor = change.sizes[0];
   setting.channels["time"] = 1.0 / factor;
@@ -20,6 +14,6 @@ void apply(const LogChange& change, LogSetting& setting) {
 }  // namespace
 
 extern const LogChangeKind entry;
-const LogChangeKind entry{"speed", read, apply, true};
+const LogChangeKind entry{"speed", readFactor, apply, true};
 
 }  // namespace simgap::log_changes::speed
