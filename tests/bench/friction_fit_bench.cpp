@@ -11,7 +11,7 @@ using namespace simgap;
 
 const std::string& logText() {
   static const std::string text = [] {
-    reality::DriveTruth truth;
+    reality::FrictionTruth truth;
     truth.sliding_offset = 1.2;
     truth.noise = 0.87;
     return reality::simulateFrictionLog(truth, {.rows = 247900, .sessions = 20}).csv();

@@ -5,7 +5,7 @@
 #include "reality/friction_log.h"
 
 int main(int argc, char** argv) {
-  simgap::reality::DriveTruth truth;
+  simgap::reality::FrictionTruth truth;
   truth.sliding_offset = 1.2;
   truth.noise = 0.87;
   simgap::reality::LogDesign design;

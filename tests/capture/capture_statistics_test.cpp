@@ -13,11 +13,11 @@ namespace {
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-const reality::StereoLenses kLenses = reality::standardLenses();
+const reality::StereoLenses kStudied = reality::standardLenses();
 
 /// The doubts of a capture that believes `believed`, on images of the true cameras.
 CaptureStatistics statisticsWith(const reality::StereoLenses& believed) {
-  static const reality::CaptureStage stage(kLenses, reality::standardTargets());
+  static const reality::CaptureStage stage(kStudied, reality::standardTargets());
   static const std::vector<reality::RenderedPair> pairs = [] {
     std::vector<reality::RenderedPair> all;
     for (std::uint64_t i = 0; i < 30; ++i) all.push_back(stage.render({reality::randomPose(i)}, {0.0, 3}, i));
@@ -36,7 +36,7 @@ CaptureStatistics statisticsWith(const reality::StereoLenses& believed) {
 }
 
 TEST(GeometryDoubts, NoneWithTheRightCalibration) {
-  const CaptureStatistics statistics = statisticsWith(kLenses);
+  const CaptureStatistics statistics = statisticsWith(kStudied);
   EXPECT_THAT(statistics.doubts(), IsEmpty());
   EXPECT_LT(std::abs(statistics.scaleErrorPercent()), 0.02);
 }
@@ -44,8 +44,8 @@ TEST(GeometryDoubts, NoneWithTheRightCalibration) {
 TEST(GeometryDoubts, AWrongCalibrationThatStillFitsIsCaught) {
   for (const Eigen::Vector3d axis : {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()}) {
     for (const double sign : {-1.0, 1.0}) {
-      reality::StereoLenses wrong = kLenses;
-      wrong.rotation = Eigen::AngleAxisd(sign * 0.6e-3, axis).toRotationMatrix() * kLenses.rotation;
+      reality::StereoLenses wrong = kStudied;
+      wrong.rotation = Eigen::AngleAxisd(sign * 0.6e-3, axis).toRotationMatrix() * kStudied.rotation;
       for (reality::Lens* lens : {&wrong.left, &wrong.right}) {
         lens->fx *= 1.002;
         lens->fy *= 1.002;

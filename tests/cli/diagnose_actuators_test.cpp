@@ -154,7 +154,7 @@ TEST_F(DiagnoseActuators, NameWhatIsWrongWithAGearbox) {
 
 // 003: friction without load on the sliding part alone (variant A) is worth some 15 %, and is no static offset.
 TEST_F(DiagnoseActuators, FindTheOffsetOf003) {
-  reality::DriveTruth truth;
+  reality::FrictionTruth truth;
   truth.sliding_offset = 1.2;
   truth.noise = 0.87;
   reality::LogDesign design;

@@ -17,7 +17,7 @@ class ExitCodeTest : public CliTest {
 };
 
 /// No shaft arrives within five steps.
-std::string hastyConfig() {
+std::string briefConfig() {
   return replaced(replaced(quickConfig(), "acquisition_s: 5", "acquisition_s: 0.01"), "early_acquisition: true",
                   "early_acquisition: false");
 }
@@ -145,7 +145,7 @@ TEST_F(ExitCodeTest, ThreeForBadValidationPosesToo) {
 }
 
 TEST_F(ExitCodeTest, FourWhenNoIndividualIsValid) {
-  put("config.yaml", hastyConfig());
+  put("config.yaml", briefConfig());
   const ProcessResult result = simgap(calibrate("out"));
   EXPECT_EQ(result.exit_code, 4);
   EXPECT_EQ(result.out, "");
@@ -158,7 +158,7 @@ TEST_F(ExitCodeTest, FourWhenNoIndividualIsValid) {
 }
 
 TEST_F(ExitCodeTest, FourWhenAValidationHasInvalidPoses) {
-  put("config.yaml", hastyConfig());
+  put("config.yaml", briefConfig());
   const ProcessResult result = simgap(validate({"--config", "config.yaml"}));
   EXPECT_EQ(result.exit_code, 4);
   EXPECT_THAT(result.err, HasSubstr("simgap: 3 of 3 poses are invalid: p000: "));

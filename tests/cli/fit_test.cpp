@@ -15,7 +15,7 @@ using ::testing::IsSupersetOf;
 class FitTest : public CliTest {
  protected:
   FitTest() {
-    reality::DriveTruth truth;
+    reality::FrictionTruth truth;
     truth.sliding_offset = 1.2;
     put("log.csv", reality::simulateFrictionLog(truth, {.rows = 6000, .sessions = 6}).csv());
   }

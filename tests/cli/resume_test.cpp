@@ -12,7 +12,7 @@ namespace simgap::test {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 using ::testing::HasSubstr;
 
@@ -67,9 +67,9 @@ class ResumeTest : public CliTest {
 };
 
 TEST_F(ResumeTest, AfterKillsAtRandomMomentsTheEndIsTheSame) {
-  const auto start = Clock::now();
+  const auto start = SteadyClock::now();
   succeed(calibrate("whole", {"--threads", "1"}));
-  const double whole = Seconds(Clock::now() - start).count();
+  const double whole = Seconds(SteadyClock::now() - start).count();
   std::mt19937 random(20);
   int hits = 0;
   for (int run = 0; run < 12 && hits < 24; ++run) {
@@ -87,9 +87,9 @@ class ResumeOptimiserTest : public ResumeTest, public testing::WithParamInterfac
 
 TEST_P(ResumeOptimiserTest, AfterKillsAtRandomMomentsTheEndIsTheSame) {
   put("poses.csv", readText(sourceFile("data/arm/poses_calibration.csv")));
-  const auto start = Clock::now();
+  const auto start = SteadyClock::now();
   succeed(calibrate("whole", GetParam()));
-  const double whole = Seconds(Clock::now() - start).count();
+  const double whole = Seconds(SteadyClock::now() - start).count();
   std::mt19937 random(7);
   int hits = 0;
   for (int run = 0; run < 8 && hits < 8; ++run) {

@@ -19,12 +19,12 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-CsvTable parse(std::string_view text, const CsvOptions& options = {}) {
+CsvTable parseCsv(std::string_view text, const CsvOptions& options = {}) {
   return CsvTable::parse(std::string(text), "log.csv", options);
 }
 
 /// The sentence of the DataError that `read` throws.
-std::string sentenceOf(const std::function<void()>& read) {
+std::string csvSentence(const std::function<void()>& read) {
   try {
     read();
   } catch (const DataError& error) {
@@ -34,11 +34,11 @@ std::string sentenceOf(const std::function<void()>& read) {
 }
 
 std::string parseSentence(std::string_view text) {
-  return sentenceOf([&] { parse(text); });
+  return csvSentence([&] { parseCsv(text); });
 }
 
 std::string quantitySentence(std::string_view text, std::string_view stem, std::string_view unit) {
-  return sentenceOf([&] { parse(text).quantity(stem, unit); });
+  return csvSentence([&] { parseCsv(text).quantity(stem, unit); });
 }
 
 /// A file that is gone at the end of the test.
@@ -58,7 +58,7 @@ class TemporaryFile {
 };
 
 TEST(Csv, ReadsNumbersAndTextsByColumn) {
-  const CsvTable table = parse("pose,elbow_rad,note\np0,1.5,good\np1,-2e-3,\n");
+  const CsvTable table = parseCsv("pose,elbow_rad,note\np0,1.5,good\np1,-2e-3,\n");
   EXPECT_EQ(table.rows(), 2u);
   EXPECT_THAT(table.columns(), ElementsAre("pose", "elbow_rad", "note"));
   EXPECT_THAT(table.quantity("elbow", "rad"), ElementsAre(1.5, -2e-3));
@@ -71,11 +71,11 @@ TEST(Csv, ReadsNumbersAndTextsByColumn) {
 }
 
 TEST(Csv, GivesNumbersAsTextAsTheyStandInTheFile) {
-  EXPECT_THAT(parse("session\n007\n1.50\n").text("session"), ElementsAre("007", "1.50"));
+  EXPECT_THAT(parseCsv("session\n007\n1.50\n").text("session"), ElementsAre("007", "1.50"));
 }
 
 TEST(Csv, ReadsQuotesCarriageReturnsAndAByteOrderMark) {
-  const CsvTable table = parse("\xEF\xBB\xBF\"a, b\",x\r\n\"say \"\"hi\"\"\",\"1.5\"\r\n\"two\nlines\",2\r\nend,3");
+  const CsvTable table = parseCsv("\xEF\xBB\xBF\"a, b\",x\r\n\"say \"\"hi\"\"\",\"1.5\"\r\n\"two\nlines\",2\r\nend,3");
   EXPECT_THAT(table.columns(), ElementsAre("a, b", "x"));
   EXPECT_THAT(table.text("a, b"), ElementsAre("say \"hi\"", "two\nlines", "end"));
   EXPECT_THAT(table.quantity("x", ""), ElementsAre(1.5, 2.0, 3.0));
@@ -84,18 +84,18 @@ TEST(Csv, ReadsQuotesCarriageReturnsAndAByteOrderMark) {
 }
 
 TEST(Csv, TakesEmptyLinesAtTheEndOnly) {
-  EXPECT_EQ(parse("a,b\n1,2\n\r\n\n").rows(), 1u);
-  EXPECT_EQ(parse("a,b\n1,2").rows(), 1u);
+  EXPECT_EQ(parseCsv("a,b\n1,2\n\r\n\n").rows(), 1u);
+  EXPECT_EQ(parseCsv("a,b\n1,2").rows(), 1u);
   EXPECT_EQ(parseSentence("a,b\n1,2\n\n3,4\n"), "log.csv:3: found 1 cells, expected 2");
 }
 
 TEST(Csv, TakesAnEmptyCellAtTheEndOfTheText) {
-  EXPECT_THAT(parse("a,b\n1,").text("b"), ElementsAre(""));
-  EXPECT_THAT(parse("a,b\n1,\n").text("b"), ElementsAre(""));
+  EXPECT_THAT(parseCsv("a,b\n1,").text("b"), ElementsAre(""));
+  EXPECT_THAT(parseCsv("a,b\n1,\n").text("b"), ElementsAre(""));
 }
 
 TEST(Csv, MayHoldAHeaderOnly) {
-  const CsvTable table = parse("a_m,b\n");
+  const CsvTable table = parseCsv("a_m,b\n");
   EXPECT_EQ(table.rows(), 0u);
   EXPECT_THAT(table.quantity("a", "m"), IsEmpty());
   EXPECT_THAT(table.text("b"), IsEmpty());
@@ -125,7 +125,7 @@ TEST(Csv, SemicolonsAndTabsSeparateWhereTheHeaderHasThem) {
       for (std::size_t at = 0; (at = commas.find('|', at)) != std::string::npos;) commas.replace(at, 1, separator);
       return commas;
     };
-    const CsvTable table = parse(text("\"a, b, c\"|x_m|note\n1.5|2|good, really\n-3|4e-1|\"|\"\n"));
+    const CsvTable table = parseCsv(text("\"a, b, c\"|x_m|note\n1.5|2|good, really\n-3|4e-1|\"|\"\n"));
     EXPECT_THAT(table.columns(), ElementsAre("a, b, c", "x_m", "note"));
     EXPECT_THAT(table.quantity("x", "m"), ElementsAre(2.0, 0.4));
     EXPECT_THAT(table.text("note"), ElementsAre("good, really", separator));
@@ -133,15 +133,15 @@ TEST(Csv, SemicolonsAndTabsSeparateWhereTheHeaderHasThem) {
   }
   EXPECT_EQ(parseSentence("a;b\n\"x\"y;1\n"),
             "log.csv:2: found text behind a closing quote, expected a semicolon or the end of the line");
-  EXPECT_THAT(parse("force [N; raw],t\n1,2\n").columns(), ElementsAre("force [N; raw]", "t"));
+  EXPECT_THAT(parseCsv("force [N; raw],t\n1,2\n").columns(), ElementsAre("force [N; raw]", "t"));
 }
 
 TEST(Csv, DecimalCommasStandWhereCommasDoNotSeparate) {
-  const CsvTable table = parse("x_m;n;note\n1,5;7;a,b\n-0,25;8;c\n\"2,0\";+1,5e3;d\n");
+  const CsvTable table = parseCsv("x_m;n;note\n1,5;7;a,b\n-0,25;8;c\n\"2,0\";+1,5e3;d\n");
   EXPECT_THAT(table.quantity("x", "m"), ElementsAre(1.5, -0.25, 2.0));
   EXPECT_THAT(table.quantity("n", ""), ElementsAre(7.0, 8.0, 1500.0));
   EXPECT_THAT(table.text("note"), ElementsAre("a,b", "c", "d"));
-  EXPECT_THAT(parse("x\ty\n1,5\t2\n").quantity("x", ""), ElementsAre(1.5));
+  EXPECT_THAT(parseCsv("x\ty\n1,5\t2\n").quantity("x", ""), ElementsAre(1.5));
   EXPECT_EQ(quantitySentence("x;y\n1,5;1\n2.5;1\n", "x", ""),
             "log.csv:3: column x: found '2.5', expected a finite number with a decimal comma, as other numbers of the "
             "file have it");
@@ -152,24 +152,24 @@ TEST(CsvRename, MultipliesByAFactor) {
   CsvOptions options;
   options.rename = {{"load_N", "sensor"}};
   options.scale = {{"load_N", -0.001}};
-  EXPECT_THAT(parse("sensor,t\n2000,1\n-500,2\n", options).quantity("load", "N"), ElementsAre(-2.0, 0.5));
-  EXPECT_EQ(sentenceOf([&] { parse("sensor,t\nlow,1\n", options); }),
+  EXPECT_THAT(parseCsv("sensor,t\n2000,1\n-500,2\n", options).quantity("load", "N"), ElementsAre(-2.0, 0.5));
+  EXPECT_EQ(csvSentence([&] { parseCsv("sensor,t\nlow,1\n", options); }),
             "log.csv:1: column load_N is to be multiplied, expected numbers in it");
 }
 
 TEST(CsvQuantity, OffersNoColumnWhoseUnitItWouldDrop) {
-  const CsvTable table = parse("load_lbf,speed_rad_s,speed_ref,angle,force_ref\n1,2,3,4,5\n");
+  const CsvTable table = parseCsv("load_lbf,speed_rad_s,speed_ref,angle,force_ref\n1,2,3,4,5\n");
   EXPECT_TRUE(table.offersQuantity("speed", "rad_s"));
   EXPECT_FALSE(table.offersQuantity("current", "A"));
   EXPECT_FALSE(table.offersQuantity("force", "N"));  // a reference, whatever its unit
-  EXPECT_EQ(sentenceOf([&] { table.offersQuantity("load", "N"); }),
+  EXPECT_EQ(csvSentence([&] { table.offersQuantity("load", "N"); }),
             "log.csv:1: column load_lbf: unit 'lbf' does not exist, expected one of N");
-  EXPECT_EQ(sentenceOf([&] { table.offersQuantity("angle", "rad"); }),
+  EXPECT_EQ(csvSentence([&] { table.offersQuantity("angle", "rad"); }),
             "log.csv:1: column angle: unit is missing, expected one of rad, deg");
 }
 
 TEST(Csv, LeavesOutRowsOnDemand) {
-  const CsvTable table = parse("x,note\n1,a\nnan,b\n3,\"c\nd\"\n,e\n5,f\n");
+  const CsvTable table = parseCsv("x,note\n1,a\nnan,b\n3,\"c\nd\"\n,e\n5,f\n");
   EXPECT_THAT(table.badRows("x"), ElementsAre(1u, 3u));
   EXPECT_THAT(table.badRows("note"), IsEmpty());
   const CsvTable rest = table.withoutRows({false, true, false, true, false});
@@ -180,7 +180,7 @@ TEST(Csv, LeavesOutRowsOnDemand) {
 }
 
 TEST(CsvQuantity, ConvertsEveryUnitToTheAskedOne) {
-  const CsvTable table = parse("shaft_deg,t_K,n_rpm\n180,293.15,60\n");
+  const CsvTable table = parseCsv("shaft_deg,t_K,n_rpm\n180,293.15,60\n");
   EXPECT_DOUBLE_EQ(table.quantity("shaft", "rad")[0], 3.14159265358979323846);
   EXPECT_NEAR(table.quantity("t", "degC")[0], 20.0, 1e-12);
   EXPECT_DOUBLE_EQ(table.quantity("n", "rad_s")[0], 2.0 * 3.14159265358979323846);
@@ -190,7 +190,7 @@ TEST(CsvQuantity, ConvertsEveryUnitToTheAskedOne) {
 }
 
 TEST(CsvQuantity, TakesEveryNotationOfANumber) {
-  EXPECT_THAT(parse("x\n+5\n1E3\n-.5\n2.\n\"4\"\n").quantity("x", ""), ElementsAre(5.0, 1000.0, -0.5, 2.0, 4.0));
+  EXPECT_THAT(parseCsv("x\n+5\n1E3\n-.5\n2.\n\"4\"\n").quantity("x", ""), ElementsAre(5.0, 1000.0, -0.5, 2.0, 4.0));
 }
 
 TEST(CsvQuantity, NamesTheLineOfTheFirstBadCell) {
@@ -230,7 +230,8 @@ TEST(CsvQuantity, NamesTheMissingColumnAndTheOnesThere) {
             "log.csv:1: found no column knee_rad or knee_deg, expected it among pose, elbow_rad_s");
   EXPECT_EQ(quantitySentence("pose,x\n", "contraction", ""),
             "log.csv:1: found no column contraction, expected it among pose, x");
-  EXPECT_EQ(sentenceOf([] { parse("a,b\n").text("pose"); }), "log.csv:1: found no column pose, expected it among a, b");
+  EXPECT_EQ(csvSentence([] { parseCsv("a,b\n").text("pose"); }),
+            "log.csv:1: found no column pose, expected it among a, b");
 }
 
 TEST(CsvQuantity, RefusesAQuantityInTwoUnits) {
@@ -239,21 +240,21 @@ TEST(CsvQuantity, RefusesAQuantityInTwoUnits) {
 }
 
 TEST(CsvFail, NamesTheLineOfTheRow) {
-  const CsvTable table = parse("a,b\n\"x\ny\",1\nz,2\n");
-  EXPECT_EQ(sentenceOf([&] { table.fail(1, "the time does not increase"); }), "log.csv:4: the time does not increase");
+  const CsvTable table = parseCsv("a,b\n\"x\ny\",1\nz,2\n");
+  EXPECT_EQ(csvSentence([&] { table.fail(1, "the time does not increase"); }), "log.csv:4: the time does not increase");
 }
 
 TEST(CsvRename, ReadsAColumnUnderItsCanonicalName) {
-  const CsvTable table = parse("ang,t\n90,1\n", {false, {{"elbow_deg", "ang"}}});
+  const CsvTable table = parseCsv("ang,t\n90,1\n", {false, {{"elbow_deg", "ang"}}});
   EXPECT_THAT(table.columns(), ElementsAre("elbow_deg", "t"));
   EXPECT_TRUE(table.hasQuantity("elbow", "rad"));
-  const CsvTable swapped = parse("a,b\n1,2\n", {false, {{"a", "b"}, {"b", "a"}}});
+  const CsvTable swapped = parseCsv("a,b\n1,2\n", {false, {{"a", "b"}, {"b", "a"}}});
   EXPECT_THAT(swapped.quantity("a", ""), ElementsAre(2.0));
 }
 
 TEST(CsvRename, RefusesWhatCannotBeRenamed) {
   const auto sentence = [](const std::map<std::string, std::string>& rename) {
-    return sentenceOf([&] { parse("a,b\n", {false, rename}); });
+    return csvSentence([&] { parseCsv("a,b\n", {false, rename}); });
   };
   EXPECT_EQ(sentence({{"x", "c"}}), "log.csv:1: found no column c to read as x, expected one of a, b");
   EXPECT_EQ(sentence({{"b", "a"}}), "log.csv:1: found the column b twice, expected it once");
@@ -261,7 +262,7 @@ TEST(CsvRename, RefusesWhatCannotBeRenamed) {
 }
 
 TEST(CsvSkipBadRows, DropsAndCountsThem) {
-  const CsvTable table = parse("t,x,note\n1,nan,a\n2,5,b\n3,,c\n4\n5,inf,d\n6,oops,e\n7,8,\n8,9,f,g\n", {true, {}});
+  const CsvTable table = parseCsv("t,x,note\n1,nan,a\n2,5,b\n3,,c\n4\n5,inf,d\n6,oops,e\n7,8,\n8,9,f,g\n", {true, {}});
   EXPECT_EQ(table.rows(), 2u);
   EXPECT_EQ(table.skippedRows(), 6u);
   EXPECT_THAT(table.quantity("x", ""), ElementsAre(5.0, 8.0));
@@ -271,14 +272,14 @@ TEST(CsvSkipBadRows, DropsAndCountsThem) {
 }
 
 TEST(CsvSkipBadRows, LearnsNothingAboutAColumnFromARaggedRow) {
-  const CsvTable table = parse("x,y\n# made today\n,1\noops\n5,2\n", {true, {}});
+  const CsvTable table = parseCsv("x,y\n# made today\n,1\noops\n5,2\n", {true, {}});
   EXPECT_EQ(table.skippedRows(), 3u);
   EXPECT_THAT(table.quantity("x", ""), ElementsAre(5.0));
   EXPECT_THAT(table.quantity("y", ""), ElementsAre(2.0));
 }
 
 TEST(CsvSkipBadRows, LeavesAGoodTableAlone) {
-  const CsvTable table = parse("x\n1\n2\n", {true, {}});
+  const CsvTable table = parseCsv("x\n1\n2\n", {true, {}});
   EXPECT_EQ(table.skippedRows(), 0u);
   EXPECT_THAT(table.quantity("x", ""), ElementsAre(1.0, 2.0));
 }
@@ -297,7 +298,7 @@ TEST(CsvLoad, RefusesWhatItCannotRead) {
   EXPECT_THROW(CsvTable::load("no/such.csv"), ConfigError);
   EXPECT_THROW(CsvTable::load(std::filesystem::temp_directory_path()), ConfigError);
   const TemporaryFile unpacked("unpacked.csv.gz", "a,b\n1,2\n");
-  EXPECT_EQ(sentenceOf([&] { CsvTable::load(unpacked.path()); }),
+  EXPECT_EQ(csvSentence([&] { CsvTable::load(unpacked.path()); }),
             unpacked.path().string() + ":1: found no gzip data, expected them by the name's ending");
 }
 
@@ -308,7 +309,7 @@ TEST(CsvLoad, RefusesTruncatedAndDamagedGzip) {
   const std::string packed = test::gzipped(text);
   const auto sentence = [](const std::string& content) {
     const TemporaryFile file("broken.csv.gz", content);
-    const std::string found = sentenceOf([&] { CsvTable::load(file.path()); });
+    const std::string found = csvSentence([&] { CsvTable::load(file.path()); });
     EXPECT_TRUE(found.starts_with(file.path().string() + ":")) << found;
     return found;
   };
@@ -333,7 +334,7 @@ TEST(CsvQuantity, RefusesWhatIsAbsurd) {
 TEST(CsvLoad, UnpacksNoMoreThanItMay) {
   const std::string packed = test::gzipped("a\n" + std::string(5 << 20, '0') + "\n");
   EXPECT_LT(packed.size(), 10'000u);
-  EXPECT_EQ(sentenceOf([&] { unpackCsv(packed, "bomb.csv.gz", 4 << 20); }),
+  EXPECT_EQ(csvSentence([&] { unpackCsv(packed, "bomb.csv.gz", 4 << 20); }),
             "bomb.csv.gz: found more than 4 MiB of unpacked text, expected less");
   EXPECT_EQ(unpackCsv(packed, "good.csv.gz", 6 << 20).size(), (5u << 20) + 3);
 }
@@ -343,7 +344,7 @@ TEST(CsvParse, ReadsManyColumns) {
   std::string text;
   for (int i = 0; i < 400'000; ++i) text += "column" + std::to_string(i) + ",";
   text.back() = '\n';
-  EXPECT_EQ(parse(text).columns().size(), 400'000u);
+  EXPECT_EQ(parseCsv(text).columns().size(), 400'000u);
   EXPECT_EQ(parseSentence("column1," + text), "log.csv:1: found the column column1 twice, expected it once");
 }
 

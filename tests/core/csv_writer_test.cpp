@@ -10,7 +10,7 @@
 namespace simgap {
 namespace {
 
-CsvTable parse(const std::string& text) { return CsvTable::parse(text, "log.csv"); }
+CsvTable written(const std::string& text) { return CsvTable::parse(text, "log.csv"); }
 
 TEST(CsvRoundTrip, GivesBackEveryNumberBitByBit) {
   std::mt19937 random(7);
@@ -22,7 +22,7 @@ TEST(CsvRoundTrip, GivesBackEveryNumberBitByBit) {
   }
   CsvWriter writer({"x", "negative"});
   for (const double number : numbers) writer.add(number).add(-number).endRow();
-  const CsvTable table = parse(writer.text());
+  const CsvTable table = written(writer.text());
   const std::vector<double> read = table.quantity("x", "");
   const std::vector<double> negative = table.quantity("negative", "");
   ASSERT_EQ(read.size(), numbers.size());
@@ -51,7 +51,7 @@ TEST(CsvRoundTrip, GivesBackEveryText) {
       }
       writer.endRow();
     }
-    const CsvTable table = parse(writer.text());
+    const CsvTable table = written(writer.text());
     for (std::size_t c = 0; c < columns; ++c) EXPECT_EQ(table.text(header[c]), texts[c]) << columns << " columns";
   }
 }
@@ -72,7 +72,7 @@ TEST(CsvWriter, DisarmsFormulasAndReadsThemBack) {
   EXPECT_NE(writer.text().find(",'=1+1\n"), std::string::npos);
   EXPECT_NE(writer.text().find(",\"'=a,b\"\n"), std::string::npos);
   EXPECT_NE(writer.text().find(",-5\n"), std::string::npos) << "a number is no formula";
-  const CsvTable table = parse(writer.text());
+  const CsvTable table = written(writer.text());
   EXPECT_EQ(table.text("name"), names);
   EXPECT_EQ(table.columns().front(), "=head");
   EXPECT_EQ(table.quantity("=head", ""), std::vector<double>(names.size(), -1.5));

@@ -26,12 +26,12 @@ Vector3d randomDirection(std::mt19937& random) {
 Quaterniond negated(const Quaterniond& q) { return Quaterniond(-q.w(), -q.x(), -q.y(), -q.z()); }
 
 // A product of unit quaternions is off by a few 1e-16, which is all that separates a small angle from its exact value.
-constexpr double kRounding = 2e-15;
+constexpr double kRoundedTurn = 2e-15;
 
 TEST(GeodesicAngle, IsTheWholeAngleBetweenTwoRotations) {
   const Quaterniond quarter_turn(AngleAxisd(kDegree * 90.0, Vector3d::UnitX()));
-  EXPECT_NEAR(geodesicAngle(Quaterniond::Identity(), quarter_turn), kDegree * 90.0, kRounding);
-  EXPECT_NEAR(geodesicAngle(quarter_turn, quarter_turn * quarter_turn), kDegree * 90.0, kRounding);
+  EXPECT_NEAR(geodesicAngle(Quaterniond::Identity(), quarter_turn), kDegree * 90.0, kRoundedTurn);
+  EXPECT_NEAR(geodesicAngle(quarter_turn, quarter_turn * quarter_turn), kDegree * 90.0, kRoundedTurn);
 }
 
 TEST(GeodesicAngle, RecoversEveryAngleFromTheSmallestToHalfATurn) {
@@ -40,7 +40,7 @@ TEST(GeodesicAngle, RecoversEveryAngleFromTheSmallestToHalfATurn) {
     for (int i = 0; i < 100; ++i) {
       const Quaterniond a = randomRotation(random);
       const Quaterniond b = a * Quaterniond(AngleAxisd(angle, randomDirection(random)));
-      EXPECT_NEAR(geodesicAngle(a, b), angle, kRounding) << "angle " << angle;
+      EXPECT_NEAR(geodesicAngle(a, b), angle, kRoundedTurn) << "angle " << angle;
     }
   }
 }
@@ -52,7 +52,7 @@ TEST(GeodesicAngle, IsBlindToSignAndOrder) {
     const Quaterniond b = randomRotation(random);
     EXPECT_EQ(geodesicAngle(a, b), geodesicAngle(negated(a), b));
     EXPECT_EQ(geodesicAngle(a, b), geodesicAngle(a, negated(b)));
-    EXPECT_NEAR(geodesicAngle(a, b), geodesicAngle(b, a), kRounding);
+    EXPECT_NEAR(geodesicAngle(a, b), geodesicAngle(b, a), kRoundedTurn);
     EXPECT_EQ(geodesicAngle(a, negated(a)), geodesicAngle(a, a));
   }
 }
@@ -60,7 +60,7 @@ TEST(GeodesicAngle, IsBlindToSignAndOrder) {
 TEST(JointError, IsTheAngleOfARotationOrTheDifferenceOfAngles) {
   const JointPosition a{Quaterniond::Identity(), 0.5};
   const JointPosition b{Quaterniond(AngleAxisd(0.25, Vector3d::UnitZ())), 0.125};
-  EXPECT_NEAR(jointError(JointType::kSpherical, a, b), 0.25, kRounding);
+  EXPECT_NEAR(jointError(JointType::kSpherical, a, b), 0.25, kRoundedTurn);
   EXPECT_EQ(jointError(JointType::kRevolute, a, b), 0.375);
   EXPECT_EQ(jointError(JointType::kRevolute, b, a), 0.375);
 }
@@ -117,11 +117,11 @@ TEST(RotationVector, ExponentialAndLogarithmAreInverse) {
   for (const double angle : {0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 3.0, kDegree * 180.0 - 1e-9}) {
     const Vector3d w = angle * randomDirection(random);
     const Quaterniond q(expSo3(w));
-    EXPECT_LT((logSo3(q) - w).norm(), kRounding) << "angle " << angle;
-    EXPECT_LT((logSo3(negated(q)) - w).norm(), kRounding) << "angle " << angle;
-    EXPECT_LT((expSo3(w).toRotationMatrix() - q.toRotationMatrix()).norm(), kRounding) << "angle " << angle;
+    EXPECT_LT((logSo3(q) - w).norm(), kRoundedTurn) << "angle " << angle;
+    EXPECT_LT((logSo3(negated(q)) - w).norm(), kRoundedTurn) << "angle " << angle;
+    EXPECT_LT((expSo3(w).toRotationMatrix() - q.toRotationMatrix()).norm(), kRoundedTurn) << "angle " << angle;
   }
-  EXPECT_LT((expSo3({0.0, 0.0, kDegree * 90.0}) * Vector3d::UnitX() - Vector3d::UnitY()).norm(), kRounding);
+  EXPECT_LT((expSo3({0.0, 0.0, kDegree * 90.0}) * Vector3d::UnitX() - Vector3d::UnitY()).norm(), kRoundedTurn);
 }
 
 // Central differences of step h err by h^2 / 6 of third derivatives, about 1 here, and by rounding over h.
@@ -147,16 +147,16 @@ TEST(RotationBetween, TakesOneDirectionToTheOtherTheShortestWay) {
     const Vector3d from = randomDirection(random);
     for (const Vector3d& to : {randomDirection(random), from, Vector3d(-from)}) {
       const Quaterniond turn = rotationBetween(from, to);
-      EXPECT_NEAR(turn.norm(), 1.0, kRounding);
-      EXPECT_LT((turn * from - to).norm(), kRounding);
-      EXPECT_NEAR(logSo3(turn).norm(), std::atan2(from.cross(to).norm(), from.dot(to)), kRounding);
+      EXPECT_NEAR(turn.norm(), 1.0, kRoundedTurn);
+      EXPECT_LT((turn * from - to).norm(), kRoundedTurn);
+      EXPECT_NEAR(logSo3(turn).norm(), std::atan2(from.cross(to).norm(), from.dot(to)), kRoundedTurn);
     }
   }
 }
 
 TEST(RotationVector, CrossIsTheMatrixOfTheProduct) {
   const Vector3d a(0.3, -2.0, 1.1), b(-0.7, 0.2, 5.0);
-  EXPECT_LT((cross(a) * b - a.cross(b)).norm(), kRounding * a.norm() * b.norm());
+  EXPECT_LT((cross(a) * b - a.cross(b)).norm(), kRoundedTurn * a.norm() * b.norm());
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ constexpr const char* kMass =
 std::string link(const std::string& name, const std::string& pose = "") {
   return "<link name='" + name + "'>" + (pose.empty() ? "" : "<pose>" + pose + "</pose>") + kMass + "</link>\n";
 }
-std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
-                  const std::string& more = "<axis><xyz>1 0 0</xyz></axis>") {
+std::string sdfJoint(const std::string& name, const std::string& type, const std::string& parent,
+                     const std::string& child, const std::string& more = "<axis><xyz>1 0 0</xyz></axis>") {
   return "<joint name='" + name + "' type='" + type + "'><parent>" + parent + "</parent><child>" + child + "</child>" +
          more + "</joint>\n";
 }
@@ -31,7 +31,7 @@ std::string modelOf(const std::string& inner) {
   return "<sdf version='1.9'>\n<model name='r'>\n" + inner + "</model></sdf>\n";
 }
 ImportedArm readAll(const std::string& inner) { return readSdf(modelOf(inner), "r.sdf"); }
-std::string refused(const std::string& inner) {
+std::string sdfRefused(const std::string& inner) {
   return errorOf([&] { readAll(inner); });
 }
 
@@ -40,11 +40,11 @@ TEST(SdfReader, LinksStandInTheModelAndJointsInTheirChildren) {
   const ArmModel arm =
       readAll(
           "<pose>0 0 1 0 0 0</pose>" + link("a", "0 0 0.5 0 0 0") + link("b", "0.2 0 0.5 0 0 1.5707963267948966") +
-          joint("base", "fixed", "world", "a", "") +
-          joint("turn", "revolute", "a", "b",
-                "<pose>0.1 0 0 0 0 0</pose><axis><xyz>0 0 2</xyz><limit><lower>-1</lower><upper>1e16</upper></limit>"
-                "<dynamics><damping>0.5</damping><friction>0.1</friction><spring_stiffness>3</spring_stiffness>"
-                "<spring_reference>0.2</spring_reference></dynamics></axis>"))
+          sdfJoint("base", "fixed", "world", "a", "") +
+          sdfJoint("turn", "revolute", "a", "b",
+                   "<pose>0.1 0 0 0 0 0</pose><axis><xyz>0 0 2</xyz><limit><lower>-1</lower><upper>1e16</upper></limit>"
+                   "<dynamics><damping>0.5</damping><friction>0.1</friction><spring_stiffness>3</spring_stiffness>"
+                   "<spring_reference>0.2</spring_reference></dynamics></axis>"))
           .model;
   ASSERT_EQ(arm.joints.size(), 1U);
   const Joint& turn = arm.joints[0];
@@ -68,7 +68,7 @@ TEST(SdfReader, FramesStandInOneAnother) {
           "<frame name='high'><pose>0 0 2 0 0 0</pose></frame>\n"
           "<frame name='turned' attached_to='high'><pose degrees='true'>0 0 0 90 0 0</pose></frame>\n" +
           link("a") + "<link name='b'><pose relative_to='turned'>0 0 1 0 0 0</pose>" + kMass + "</link>\n" +
-          joint("turn", "continuous", "a", "b", "<axis><xyz expressed_in='a'>0 1 0</xyz></axis>"))
+          sdfJoint("turn", "continuous", "a", "b", "<axis><xyz expressed_in='a'>0 1 0</xyz></axis>"))
           .model;
   const std::vector<JointPosition> q(1);
   // z of a frame that is turned by 90 deg about x is -y.
@@ -79,11 +79,11 @@ TEST(SdfReader, FramesStandInOneAnother) {
 
 TEST(SdfReader, MimicsBallsAndSlides) {
   const ArmModel arm =
-      readAll(link("a") + link("b") + link("c") + link("d") + joint("slide", "prismatic", "a", "b") +
-              joint("ball", "ball", "b", "c", "") +
-              joint("other", "prismatic", "c", "d",
-                    "<axis><xyz>0 1 0</xyz><mimic joint='slide'><multiplier>0.5</multiplier><offset>0.2</offset>"
-                    "<reference>0.1</reference></mimic></axis>"))
+      readAll(link("a") + link("b") + link("c") + link("d") + sdfJoint("slide", "prismatic", "a", "b") +
+              sdfJoint("ball", "ball", "b", "c", "") +
+              sdfJoint("other", "prismatic", "c", "d",
+                       "<axis><xyz>0 1 0</xyz><mimic joint='slide'><multiplier>0.5</multiplier><offset>0.2</offset>"
+                       "<reference>0.1</reference></mimic></axis>"))
           .model;
   ASSERT_EQ(arm.joints.size(), 3U);
   EXPECT_EQ(arm.joints[0].type, JointType::kPrismatic);
@@ -94,7 +94,7 @@ TEST(SdfReader, MimicsBallsAndSlides) {
 
 TEST(SdfReader, NamesWhatItLeavesOutWithItsLine) {
   const ImportedArm read = readAll(link("a") + "<link name='b'><visual name='v'/><magic/>" + kMass + "</link>\n" +
-                                   joint("turn", "revolute", "a", "b"));
+                                   sdfJoint("turn", "revolute", "a", "b"));
   const auto has = [&](const std::string& what, bool matters, const std::string& place) {
     return std::ranges::any_of(read.remarks, [&](const ExchangeRemark& r) {
       return r.what == what && r.matters == matters && std::ranges::find(r.places, place) != r.places.end();
@@ -107,25 +107,27 @@ TEST(SdfReader, NamesWhatItLeavesOutWithItsLine) {
 
 TEST(SdfReader, RefusesWithOneSentence) {
   const std::string two = link("a") + link("b");
-  EXPECT_THAT(refused(two + joint("j", "screw", "a", "b")), HasSubstr("r.sdf:5: joint: type: found 'screw', expected"));
-  EXPECT_THAT(refused(two + joint("j", "revolute", "a", "x")), HasSubstr("found 'x', expected the name of a link"));
-  EXPECT_THAT(refused(two + joint("j", "revolute", "a", "b", "<axis><xyz>0 0 0</xyz></axis>")),
+  EXPECT_THAT(sdfRefused(two + sdfJoint("j", "screw", "a", "b")),
+              HasSubstr("r.sdf:5: joint: type: found 'screw', expected"));
+  EXPECT_THAT(sdfRefused(two + sdfJoint("j", "revolute", "a", "x")),
+              HasSubstr("found 'x', expected the name of a link"));
+  EXPECT_THAT(sdfRefused(two + sdfJoint("j", "revolute", "a", "b", "<axis><xyz>0 0 0</xyz></axis>")),
               HasSubstr("found a zero vector, expected an axis"));
-  EXPECT_THAT(
-      refused(two + joint("j", "revolute", "a", "b", "<axis><limit><lower>2</lower><upper>1</upper></limit></axis>")),
-      HasSubstr("found lower 2 above upper 1"));
-  EXPECT_THAT(refused(link("a", "0 0 0") + link("b") + joint("j", "revolute", "a", "b")),
+  EXPECT_THAT(sdfRefused(two + sdfJoint("j", "revolute", "a", "b",
+                                        "<axis><limit><lower>2</lower><upper>1</upper></limit></axis>")),
+              HasSubstr("found lower 2 above upper 1"));
+  EXPECT_THAT(sdfRefused(link("a", "0 0 0") + link("b") + sdfJoint("j", "revolute", "a", "b")),
               HasSubstr("found 3 numbers, expected 6"));
-  EXPECT_THAT(refused(link("a", "0 0 nan 0 0 0") + link("b") + joint("j", "revolute", "a", "b")),
+  EXPECT_THAT(sdfRefused(link("a", "0 0 nan 0 0 0") + link("b") + sdfJoint("j", "revolute", "a", "b")),
               HasSubstr("found 'nan', expected a finite number"));
-  EXPECT_THAT(refused(two + joint("j", "revolute", "a", "b") + joint("k", "revolute", "b", "a")),
+  EXPECT_THAT(sdfRefused(two + sdfJoint("j", "revolute", "a", "b") + sdfJoint("k", "revolute", "b", "a")),
               HasSubstr("the joints run in a circle"));
   EXPECT_THAT(
-      refused("<link name='a'><pose relative_to='f'>0 0 0 0 0 0</pose></link><frame name='f' attached_to='a'/>" +
-              link("b") + joint("j", "revolute", "a", "b")),
+      sdfRefused("<link name='a'><pose relative_to='f'>0 0 0 0 0 0</pose></link><frame name='f' attached_to='a'/>" +
+                 link("b") + sdfJoint("j", "revolute", "a", "b")),
       HasSubstr("stands in itself"));
-  EXPECT_THAT(refused(two), HasSubstr("found no model with joints, expected one"));
-  EXPECT_THAT(refused("<static>true</static>" + two + joint("j", "revolute", "a", "b")),
+  EXPECT_THAT(sdfRefused(two), HasSubstr("found no model with joints, expected one"));
+  EXPECT_THAT(sdfRefused("<static>true</static>" + two + sdfJoint("j", "revolute", "a", "b")),
               HasSubstr("found a model that is static"));
 }
 

@@ -23,23 +23,23 @@ std::string robotOf(const std::string& joints) {
   return "<robot name='r'>\n<link name='base'/>\n<link name='a'>" + std::string(kLink) + "</link>\n<link name='b'>" +
          kLink + "</link>\n" + joints + "</robot>\n";
 }
-std::string joint(const std::string& name, const std::string& type, const std::string& parent, const std::string& child,
-                  const std::string& more = "") {
+std::string urdfJoint(const std::string& name, const std::string& type, const std::string& parent,
+                      const std::string& child, const std::string& more = "") {
   return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" + child + "'/>" +
          more + "</joint>\n";
 }
 ArmModel read(const std::string& joints) { return readUrdf(robotOf(joints), "r.urdf").model; }
-std::string refused(const std::string& text) {
+std::string urdfRefused(const std::string& text) {
   return errorOf([&] { readUrdf(text, "r.urdf"); });
 }
 
 TEST(UrdfReader, ReadsHingesAndSlidesWithTheirLimitsAndFrictions) {
-  const ArmModel arm = read(joint("lift", "prismatic", "base", "a",
-                                  "<origin xyz='0.1 0 0.2' rpy='0 0 1.5707963267948966'/><axis xyz='0 2 0'/><limit "
-                                  "lower='-0.1' upper='0.3' effort='1' velocity='1'/>") +
-                            joint("turn", "revolute", "a", "b",
-                                  "<limit lower='-1' upper='2' effort='1' velocity='1'/><dynamics damping='0.5' "
-                                  "friction='0.1'/>"));
+  const ArmModel arm = read(urdfJoint("lift", "prismatic", "base", "a",
+                                      "<origin xyz='0.1 0 0.2' rpy='0 0 1.5707963267948966'/><axis xyz='0 2 0'/><limit "
+                                      "lower='-0.1' upper='0.3' effort='1' velocity='1'/>") +
+                            urdfJoint("turn", "revolute", "a", "b",
+                                      "<limit lower='-1' upper='2' effort='1' velocity='1'/><dynamics damping='0.5' "
+                                      "friction='0.1'/>"));
   ASSERT_EQ(arm.joints.size(), 2U);
   const Joint &lift = arm.joints[0], &turn = arm.joints[1];
   EXPECT_EQ(lift.type, JointType::kPrismatic);
@@ -57,8 +57,9 @@ TEST(UrdfReader, ReadsHingesAndSlidesWithTheirLimitsAndFrictions) {
 }
 
 TEST(UrdfReader, AFixedLinkIsAPartOfItsParent) {
-  const ArmModel arm = read(joint("turn", "continuous", "base", "a") +
-                            joint("weld", "fixed", "a", "b", "<origin xyz='0 0 -0.3' rpy='3.141592653589793 0 0'/>"));
+  const ArmModel arm =
+      read(urdfJoint("turn", "continuous", "base", "a") +
+           urdfJoint("weld", "fixed", "a", "b", "<origin xyz='0 0 -0.3' rpy='3.141592653589793 0 0'/>"));
   ASSERT_EQ(arm.joints.size(), 1U);
   EXPECT_LT(arm.joints[0].lower_limit, -1e6) << "continuous: no limits";
   const MassProperties mass = massProperties(arm.bodies[static_cast<std::size_t>(arm.joints[0].child)]);
@@ -71,8 +72,8 @@ TEST(UrdfReader, AFixedLinkIsAPartOfItsParent) {
 
 TEST(UrdfReader, AMimicFollows) {
   const ArmModel arm =
-      read(joint("turn", "continuous", "base", "a") +
-           joint("other", "continuous", "a", "b", "<mimic joint='turn' multiplier='0.5' offset='0.2'/>"));
+      read(urdfJoint("turn", "continuous", "base", "a") +
+           urdfJoint("other", "continuous", "a", "b", "<mimic joint='turn' multiplier='0.5' offset='0.2'/>"));
   ASSERT_TRUE(arm.joints[1].follows());
   EXPECT_EQ(arm.joints[1].leader, 0);
   EXPECT_DOUBLE_EQ(arm.joints[1].coupling_ratio, 0.5);
@@ -81,8 +82,8 @@ TEST(UrdfReader, AMimicFollows) {
 
 TEST(UrdfReader, WhatIsLeftOutIsSaidWithItsLine) {
   const ImportedArm imported =
-      readUrdf(robotOf(joint("turn", "continuous", "base", "a") +
-                       joint("more", "continuous", "a", "b", "<safety_controller k_velocity='1'/>") +
+      readUrdf(robotOf(urdfJoint("turn", "continuous", "base", "a") +
+                       urdfJoint("more", "continuous", "a", "b", "<safety_controller k_velocity='1'/>") +
                        "<transmission name='t'/>\n"),
                "r.urdf");
   const auto has = [&](const std::string& what, const std::string& place) {
@@ -95,20 +96,21 @@ TEST(UrdfReader, WhatIsLeftOutIsSaidWithItsLine) {
 }
 
 TEST(UrdfReader, RefusesWhatIsNoTreeOfThoseJoints) {
-  const std::string turn = joint("turn", "continuous", "base", "a");
-  EXPECT_THAT(refused(robotOf(joint("free", "floating", "base", "a"))), HasSubstr("type: found 'floating'"));
-  EXPECT_THAT(refused(robotOf(turn + joint("t", "hinge", "a", "b"))), HasSubstr("expected revolute, continuous"));
-  EXPECT_THAT(refused(robotOf(turn + joint("t", "continuous", "a", "c"))),
+  const std::string turn = urdfJoint("turn", "continuous", "base", "a");
+  EXPECT_THAT(urdfRefused(robotOf(urdfJoint("free", "floating", "base", "a"))), HasSubstr("type: found 'floating'"));
+  EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "hinge", "a", "b"))),
+              HasSubstr("expected revolute, continuous"));
+  EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "continuous", "a", "c"))),
               HasSubstr("found 'c', expected the name of a link"));
-  EXPECT_THAT(refused(robotOf(turn + joint("t", "continuous", "base", "a"))), HasSubstr("child of two joints"));
-  EXPECT_THAT(refused(robotOf(turn)), HasSubstr("found 2 links that hang on no other"));
-  EXPECT_THAT(refused(robotOf(turn + joint("t", "revolute", "a", "b", "<limit lower='1' upper='0'/>"))),
+  EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "continuous", "base", "a"))), HasSubstr("child of two joints"));
+  EXPECT_THAT(urdfRefused(robotOf(turn)), HasSubstr("found 2 links that hang on no other"));
+  EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "revolute", "a", "b", "<limit lower='1' upper='0'/>"))),
               HasSubstr("found lower 1 above upper 0"));
-  EXPECT_THAT(refused(robotOf(turn + joint("t", "revolute", "a", "b", "<axis xyz='0 0 0'/>"))),
+  EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "revolute", "a", "b", "<axis xyz='0 0 0'/>"))),
               HasSubstr("found a zero vector"));
-  EXPECT_THAT(refused(robotOf(turn + joint("t", "continuous", "a", "b", "<mimic joint='x'/>"))),
+  EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "continuous", "a", "b", "<mimic joint='x'/>"))),
               HasSubstr("mimic: found 'x'"));
-  EXPECT_THAT(refused("<mujoco/>"), HasSubstr("r.urdf"));
+  EXPECT_THAT(urdfRefused("<mujoco/>"), HasSubstr("r.urdf"));
 }
 
 }  // namespace

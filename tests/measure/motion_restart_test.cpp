@@ -15,7 +15,7 @@ const PoseLayout kBallAndHinge{{"m"}, {}, {{"shoulder", JointType::kSpherical}, 
 const Eigen::Vector3d kSpin(0.3, -0.5, 0.8);  // of the ball, in the child's frame [rad/s]
 
 /// 9 s: a ball that turns evenly, a hinge and a shaft that swing.
-RecordedMotion swinging() {
+RecordedMotion swingingArm() {
   RecordedMotion motion;
   motion.name = "swing";
   motion.commands.kinds = {CommandKind::kSetpoint};
@@ -35,7 +35,7 @@ RecordedMotion swinging() {
 }
 
 TEST(MotionRestart, PiecesBeginInTheMeasuredState) {
-  const RecordedMotion whole = swinging();
+  const RecordedMotion whole = swingingArm();
   const MotionSet pieces = restarted({"set.yaml", {whole}}, kBallAndHinge, 3.0);
   ASSERT_EQ(pieces.motions.size(), 3u);
   EXPECT_EQ(pieces.motions[0].name, "swing");
@@ -58,11 +58,11 @@ TEST(MotionRestart, PiecesBeginInTheMeasuredState) {
 }
 
 TEST(MotionRestart, ShortMotionsStayWhole) {
-  EXPECT_EQ(restarted({"set.yaml", {swinging()}}, kBallAndHinge, 7.0).motions.size(), 1u);
+  EXPECT_EQ(restarted({"set.yaml", {swingingArm()}}, kBallAndHinge, 7.0).motions.size(), 1u);
 }
 
 TEST(MotionRestart, SaysWhereItCannotBegin) {
-  RecordedMotion blind = swinging();
+  RecordedMotion blind = swingingArm();
   for (std::size_t f = 130; f < 180; ++f) blind.joint_times[f] += 1.0;  // no frames about 2.5 s
   std::ranges::sort(blind.joint_times);
   try {
@@ -71,7 +71,7 @@ TEST(MotionRestart, SaysWhereItCannotBegin) {
   } catch (const DataError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("frames around 2.50 s, expected at least 5"));
   }
-  RecordedMotion deaf = swinging();
+  RecordedMotion deaf = swingingArm();
   deaf.commands.kinds = {CommandKind::kVoltage};
   deaf.muscles[0].shafts.clear();
   EXPECT_THROW(restarted({"set.yaml", {deaf}}, kBallAndHinge, 3.0), DataError);

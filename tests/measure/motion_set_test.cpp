@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const PoseLayout kLayout{{"biceps", "triceps"}, {}, {{"elbow", JointType::kRevolute}}};
+const PoseLayout kMotionLayout{{"biceps", "triceps"}, {}, {{"elbow", JointType::kRevolute}}};
 constexpr const char* kSet = "format: simgap/motions/1\nmotions:\n  - {name: a, muscles: m.csv, joints: j.csv}\n";
 constexpr const char* kMuscles =
     "time_s,setpoint_biceps_deg,setpoint_triceps_rad,current_biceps_A\n0,90,1,0.1\n0.5,90,1,0.2\n1,180,1,0.3\n";
@@ -25,7 +25,7 @@ class MotionSetTest : public testing::Test {
  protected:
   MotionSet read(const std::string& set = kSet, const std::string& muscles = kMuscles,
                  const std::string& joints = kJoints) const {
-    return readMotionSet(YamlNode::parse(set, "d/set.yaml"), "d/set.yaml", kLayout, [&](const auto& file) {
+    return readMotionSet(YamlNode::parse(set, "d/set.yaml"), "d/set.yaml", kMotionLayout, [&](const auto& file) {
       return CsvTable::parse(file == "d/m.csv" ? muscles : joints, file.string());
     });
   }

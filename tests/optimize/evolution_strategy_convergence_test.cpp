@@ -11,20 +11,20 @@
 namespace simgap {
 namespace {
 
-constexpr int kSize = 10;
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr int kDimensions = 10;
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 /// The ellipsoid turned by a random rotation: its axes no longer lie along the parameters.
 double rotatedEllipsoid(const std::vector<double>& y) {
   static const Eigen::MatrixXd rotation = [] {
     const CounterRandom random(99);
-    Eigen::MatrixXd entries(kSize, kSize);
-    for (std::uint32_t i = 0; i < kSize; ++i) {
-      for (std::uint32_t j = 0; j < kSize; ++j) entries(i, j) = random.normalPair({0, i, j, 0})[0];
+    Eigen::MatrixXd entries(kDimensions, kDimensions);
+    for (std::uint32_t i = 0; i < kDimensions; ++i) {
+      for (std::uint32_t j = 0; j < kDimensions; ++j) entries(i, j) = random.normalPair({0, i, j, 0})[0];
     }
     return Eigen::MatrixXd(Eigen::HouseholderQR<Eigen::MatrixXd>(entries).householderQ());
   }();
-  const Eigen::VectorXd turned = rotation * Eigen::Map<const Eigen::VectorXd>(y.data(), kSize);
+  const Eigen::VectorXd turned = rotation * Eigen::Map<const Eigen::VectorXd>(y.data(), kDimensions);
   return ellipsoid({turned.begin(), turned.end()});
 }
 
@@ -49,13 +49,13 @@ struct Trace {
 };
 
 Trace trace(const Objective& objective, int generations, std::uint64_t seed) {
-  EvolutionStrategy strategy(box(kSize, 1.0, 0.1), optionsOf(generations, seed));
+  EvolutionStrategy strategy(box(kDimensions, 1.0, 0.1), optionsOf(generations, seed));
   Trace result;
   while (!strategy.stopped()) {
     step(strategy, objective);
     const Individual& champion = strategy.state().parents.front();
     double log_step = 0.0;
-    for (const double s : champion.s) log_step += std::log10(s) / kSize;
+    for (const double s : champion.s) log_step += std::log10(s) / kDimensions;
     result.generation.push_back(strategy.state().generation);
     result.distance.push_back(0.5 * std::log10(champion.fitness));
     result.step.push_back(log_step);
@@ -76,7 +76,7 @@ Convergence convergence(const char* name, const Objective& objective) {
   constexpr std::size_t kSettled = 100;  // the step sizes have found their proportions
   std::vector<double> generation, mean;
   int straight_seeds = 0;
-  double slowest = -kInf;
+  double slowest = -kUnlimited;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Trace run = trace(objective, kGenerations, seed);
     generation.assign(run.generation.begin() + kSettled, run.generation.end());
@@ -116,14 +116,14 @@ TEST(EvolutionStrategyConvergence, LinearOnTheEllipsoid) {
 
 // The step size of each parameter must have found the curvature along it: s_j ~ 1 / w_j.
 TEST(EvolutionStrategyConvergence, StepSizesTakeTheShapeOfTheEllipsoid) {
-  std::vector<double> log_width, log_step(kSize);
+  std::vector<double> log_width, log_step(kDimensions);
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    EvolutionStrategy strategy(box(kSize, 1.0, 0.1), optionsOf(300, seed));
+    EvolutionStrategy strategy(box(kDimensions, 1.0, 0.1), optionsOf(300, seed));
     while (!strategy.stopped()) step(strategy, ellipsoid);
     const Individual& champion = strategy.state().parents.front();
-    for (std::size_t j = 0; j < kSize; ++j) log_step[j] += std::log10(champion.s[j]) / kSeeds;
+    for (std::size_t j = 0; j < kDimensions; ++j) log_step[j] += std::log10(champion.s[j]) / kSeeds;
   }
-  for (int j = 0; j < kSize; ++j) log_width.push_back(-3.0 * j / (kSize - 1));
+  for (int j = 0; j < kDimensions; ++j) log_width.push_back(-3.0 * j / (kDimensions - 1));
   const Line line = fitLine(log_width, log_step);
   fmt::print("log step against log width: slope {:.2f}, correlation {:.3f}\n", line.slope, line.correlation);
   EXPECT_NEAR(line.slope, 1.0, 0.4);

@@ -8,12 +8,12 @@
 namespace simgap::test {
 namespace {
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// Rosenbrock's valley y = x^2 as two residuals; the free minimum is (1, 1).
-LeastSquaresProblem valley(double x_upper, double y_lower = -kInf) {
+LeastSquaresProblem valley(double x_upper, double y_lower = -kNoBound) {
   LeastSquaresProblem problem;
-  problem.parameters = {{"x", "1", -kInf, x_upper}, {"y", "1", y_lower, kInf}};
+  problem.parameters = {{"x", "1", -kNoBound, x_upper}, {"y", "1", y_lower, kNoBound}};
   problem.chunks = evenChunks(2);
   problem.evaluate = [](std::span<const double> theta, const Block&, Eigen::Ref<Eigen::VectorXd> residual,
                         Eigen::Ref<Eigen::MatrixXd>* jacobian) {

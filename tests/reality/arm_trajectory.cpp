@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 constexpr int kBody = 13;  // x, q (w first), v, omega
 constexpr int kMotor = 3;  // current, motor velocity, shaft
 
-Matrix3d skew(const Vector3d& v) {
+Matrix3d crossMatrix(const Vector3d& v) {
   Matrix3d m;
   m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
   return m;
@@ -40,7 +40,7 @@ Solid solidOf(const Link& link) {
     const double across = part.mass * (3.0 * part.radius * part.radius + part.length * part.length) / 12.0;
     const Vector3d way = part.position - solid.centre;
     solid.inertia += across * Matrix3d::Identity() + (along - across) * part.axis * part.axis.transpose() -
-                     part.mass * skew(way) * skew(way);
+                     part.mass * crossMatrix(way) * crossMatrix(way);
   }
   return solid;
 }
@@ -50,9 +50,9 @@ struct Moving {
   Matrix3d rotation;
 };
 
-class Mechanism {
+class MovedArm {
  public:
-  Mechanism(const Arm& arm, const SmoothDrive& drive) : arm_(arm), drive_(drive) {
+  MovedArm(const Arm& arm, const SmoothDrive& drive) : arm_(arm), drive_(drive) {
     for (const Link& link : arm.links) solids_.push_back(solidOf(link));
     for (const Link& link : arm.links) rows_ += link.joint == Joint::kSpherical ? 3 : 5;
   }
@@ -190,11 +190,11 @@ class Mechanism {
           parent.rotation * (link.joint_in_parent - (hung ? solids_[link.parent].centre : Vector3d(Vector3d::Zero())));
       // Both bodies' points at the joint accelerate alike.
       kkt.block<3, 3>(row, 6 * b) = Matrix3d::Identity();
-      kkt.block<3, 3>(row, 6 * b + 3) = -skew(own);
+      kkt.block<3, 3>(row, 6 * b + 3) = -crossMatrix(own);
       right.segment<3>(row) = -child.omega.cross(child.omega.cross(own));
       if (hung) {
         kkt.block<3, 3>(row, 6 * link.parent) = -Matrix3d::Identity();
-        kkt.block<3, 3>(row, 6 * link.parent + 3) = skew(other);
+        kkt.block<3, 3>(row, 6 * link.parent + 3) = crossMatrix(other);
         right.segment<3>(row) += parent.omega.cross(parent.omega.cross(other));
       }
       row += 3;
@@ -223,7 +223,7 @@ class Mechanism {
 
 std::vector<Configuration> play(const Arm& arm, const SmoothDrive& drive, const std::vector<double>& references,
                                 double step, double interval, double end) {
-  const Mechanism mechanism(arm, drive);
+  const MovedArm mechanism(arm, drive);
   VectorXd y = mechanism.stateAt(restPose(arm));
   std::vector<double> voltages(references.size());
   std::vector<Configuration> motion{mechanism.configurationAt(y)};

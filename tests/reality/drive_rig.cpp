@@ -103,13 +103,13 @@ double Drive::frictionAt(double w, double load, double angle, double temperature
 }
 
 Truth Drive::run() {
-  constexpr int kSubsteps = 8;
+  constexpr int kDriveSubsteps = 8;
   std::mt19937_64 random(rig_.seed);
   std::uniform_real_distribution<double> u;
   Truth truth;
   DriveRecord& r = truth.record;
   const double sample = 1.0 / rig_.rate;
-  dt_ = sample / kSubsteps;
+  dt_ = sample / kDriveSubsteps;
   double temperature = 20.0;
   const double day = 300.0 + 300.0 * u(random), phase = kTwoPi * u(random), humid_phase = kTwoPi * u(random);
   for (int session = 0; r.time.size() < rig_.rows; ++session) {
@@ -123,8 +123,8 @@ Truth Drive::run() {
       const double vibration = shaking * (0.6 + 0.4 * std::sin(kTwoPi * clock / 37.0));
       const double room = 24.0 + 8.0 * std::sin(kTwoPi * clock / day + phase);
       double torque = 0.0, load = 0.0, w = 0.0, angle = 0.0;
-      for (int s = 0; s < kSubsteps; ++s) {
-        const double t = static_cast<double>(k) * sample + (s - kSubsteps + 1) * dt_;
+      for (int s = 0; s < kDriveSubsteps; ++s) {
+        const double t = static_cast<double>(k) * sample + (s - kDriveSubsteps + 1) * dt_;
         const double h = 1e-4;
         angle = run.angle(std::max(t, 0.0));
         const double ahead = run.angle(std::max(t, 0.0) + h), behind = run.angle(std::max(t, 0.0) - h);
@@ -168,7 +168,7 @@ Truth Drive::run() {
   return truth;
 }
 
-double rounded(double value, double digits) { return std::round(value * digits) / digits; }
+double roundedTo(double value, double digits) { return std::round(value * digits) / digits; }
 
 }  // namespace
 
@@ -180,13 +180,13 @@ DriveRecord recordDrive(const DriveRig& rig, const DriveSecret& secret) {
   for (std::size_t i = 0; i < record.time.size(); ++i) {
     noise = rig.current_memory * noise +
             rig.current_noise * std::sqrt(1.0 - rig.current_memory * rig.current_memory) * normal(random);
-    record.current[i] = rounded(record.current[i] + noise, 100.0);
-    record.velocity[i] = rounded(record.velocity[i] + rig.velocity_noise * normal(random), 1e4);
-    record.torque[i] = rounded(record.torque[i] + rig.torque_noise * normal(random), 1e4);
-    record.angle[i] = rounded(record.angle[i] + rig.angle_noise * normal(random), 1e5);
-    record.temperature[i] = rounded(record.temperature[i] + 0.1 * normal(random), 100.0);
-    record.humidity[i] = rounded(record.humidity[i] + 0.3 * normal(random), 10.0);
-    record.vibration[i] = rounded(std::max(record.vibration[i] + 0.01 * normal(random), 0.0), 1000.0);
+    record.current[i] = roundedTo(record.current[i] + noise, 100.0);
+    record.velocity[i] = roundedTo(record.velocity[i] + rig.velocity_noise * normal(random), 1e4);
+    record.torque[i] = roundedTo(record.torque[i] + rig.torque_noise * normal(random), 1e4);
+    record.angle[i] = roundedTo(record.angle[i] + rig.angle_noise * normal(random), 1e5);
+    record.temperature[i] = roundedTo(record.temperature[i] + 0.1 * normal(random), 100.0);
+    record.humidity[i] = roundedTo(record.humidity[i] + 0.3 * normal(random), 10.0);
+    record.vibration[i] = roundedTo(std::max(record.vibration[i] + 0.01 * normal(random), 0.0), 1000.0);
   }
   return record;
 }

@@ -39,7 +39,7 @@ struct Motion {
 
 }  // namespace
 
-FrictionLog simulateFrictionLog(const DriveTruth& truth, const LogDesign& design) {
+FrictionLog simulateFrictionLog(const FrictionTruth& truth, const LogDesign& design) {
   std::mt19937_64 random(design.seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform;

@@ -9,7 +9,7 @@
 
 namespace simgap::reality {
 
-struct DriveTruth {
+struct FrictionTruth {
   double torque_per_ampere = 1.3;   ///< [N m/A]
   double sliding_per_load = 0.25;   ///< [1]
   double sliding_offset = 0.0;      ///< [N m]
@@ -43,6 +43,6 @@ struct FrictionLog {
 
 /// Sinusoids with different offsets and loads, and in every third session steps with rests; up to about 20 N m and
 /// 140 deg/s at the joint.
-FrictionLog simulateFrictionLog(const DriveTruth& truth, const LogDesign& design);
+FrictionLog simulateFrictionLog(const FrictionTruth& truth, const LogDesign& design);
 
 }  // namespace simgap::reality

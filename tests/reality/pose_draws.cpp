@@ -164,7 +164,7 @@ void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
   }
 }
 
-Eigen::VectorXd stacked(const Arm& arm, const JointTorques& torques) {
+Eigen::VectorXd stackedPose(const Arm& arm, const JointTorques& torques) {
   Eigen::VectorXd all(freedoms(arm));
   Eigen::Index first = 0;
   for (const Eigen::VectorXd& torque : torques) {
@@ -174,7 +174,7 @@ Eigen::VectorXd stacked(const Arm& arm, const JointTorques& torques) {
   return all;
 }
 
-Configuration displaced(const Arm& arm, Configuration q, const Eigen::VectorXd& w) {
+Configuration displacedPose(const Arm& arm, Configuration q, const Eigen::VectorXd& w) {
   int first = 0;
   for (std::size_t i = 0; i < arm.links.size(); first += freedoms(arm.links[i++])) {
     if (arm.links[i].joint == Joint::kSpherical) {
@@ -196,7 +196,7 @@ Configuration drag(const Arm& arm, const std::vector<double>& shafts, const std:
     std::vector<double> now(shafts);
     for (double& shaft : now) shaft *= double(step) / kSteps;
     for (int iteration = 0; iteration < 12; ++iteration) {
-      const Eigen::VectorXd torque = stacked(arm, jointTorque(arm, now, q));
+      const Eigen::VectorXd torque = stackedPose(arm, jointTorque(arm, now, q));
       Eigen::VectorXd excess = Eigen::VectorXd::Zero(n);
       int first = 0;
       for (std::size_t i = 0; i < arm.links.size(); first += freedoms(arm.links[i++])) {
@@ -211,13 +211,13 @@ Configuration drag(const Arm& arm, const std::vector<double>& shafts, const std:
       Eigen::MatrixXd stiffness(n, n);
       for (int c = 0; c < n; ++c) {
         const Eigen::VectorXd w = 1e-5 * Eigen::VectorXd::Unit(n, c);
-        stiffness.col(c) = (stacked(arm, jointTorque(arm, now, displaced(arm, q, -w))) -
-                            stacked(arm, jointTorque(arm, now, displaced(arm, q, w)))) /
+        stiffness.col(c) = (stackedPose(arm, jointTorque(arm, now, displacedPose(arm, q, -w))) -
+                            stackedPose(arm, jointTorque(arm, now, displacedPose(arm, q, w)))) /
                            2e-5;
       }
       Eigen::VectorXd move = stiffness.fullPivLu().solve(excess);
       move *= std::min(1.0, 0.15 / std::max(move.lpNorm<Eigen::Infinity>(), 1e-9));
-      q = displaced(arm, q, move);
+      q = displacedPose(arm, q, move);
     }
   }
   return q;

@@ -11,18 +11,18 @@ namespace simgap::reality {
 namespace {
 
 using enum Mechanism;
-using Setter = std::function<void(ServoSecret&, double)>;
+using ServoSetter = std::function<void(ServoSecret&, double)>;
 
 /// Sizes are relative to the rig: dry friction, top speed, largest effort.
 struct Scale {
   double dry, torque, speed, effort, travel;
 };
 
-struct Drawable {
+struct ServoDrawable {
   std::string name;
   std::vector<Mechanism> on;
   std::function<std::pair<double, double>(const Scale&)> range;  ///< first guess and largest magnitude
-  Setter set;
+  ServoSetter set;
 };
 
 std::function<std::pair<double, double>(const Scale&)> share(double guess, double most) {
@@ -31,7 +31,7 @@ std::function<std::pair<double, double>(const Scale&)> share(double guess, doubl
 
 const std::vector<Mechanism> kAll = {kCable, kGearedJoint, kPendulum, kVoltageServo};
 
-std::vector<Drawable> frictionDrawables() {
+std::vector<ServoDrawable> frictionDrawables() {
   return {
       {"coulomb-offset",
        {kCable},
@@ -64,7 +64,7 @@ std::vector<Drawable> frictionDrawables() {
       {"friction-heating", kAll, share(0.02, 0.12), [](ServoSecret& s, double m) { s.friction_heating = m; }}};
 }
 
-std::vector<Drawable> otherDrawables() {
+std::vector<ServoDrawable> otherDrawables() {
   return {
       {"inertia",
        {kCable},
@@ -94,17 +94,17 @@ std::vector<Drawable> otherDrawables() {
        [](ServoSecret& s, double m) { s.backlash = m; }}};
 }
 
-const std::vector<Drawable>& drawables() {
-  static const std::vector<Drawable> list = [] {
-    std::vector<Drawable> all = frictionDrawables();
+const std::vector<ServoDrawable>& servoDrawables() {
+  static const std::vector<ServoDrawable> list = [] {
+    std::vector<ServoDrawable> all = frictionDrawables();
     std::ranges::copy(otherDrawables(), std::back_inserter(all));
     return all;
   }();
   return list;
 }
 
-const std::vector<Drawable>& outside() {
-  static const std::vector<Drawable> list = {
+const std::vector<ServoDrawable>& servoOutside() {
+  static const std::vector<ServoDrawable> list = {
       {"humidity-friction", kAll, share(0.1, 0.5), [](ServoSecret& s, double m) { s.humid_friction = m; }},
       {"supply-effort", {kCable, kPendulum}, share(0.05, 0.5), [](ServoSecret& s, double m) { s.supply_effort = m; }},
       {"neighbour-torque", kAll, [](const Scale& s) { return std::pair(0.05 * s.torque, 0.5 * s.torque); },
@@ -112,14 +112,14 @@ const std::vector<Drawable>& outside() {
   return list;
 }
 
-std::vector<std::string> namesOf(const std::vector<Drawable>& list) {
+std::vector<std::string> servoNames(const std::vector<ServoDrawable>& list) {
   std::vector<std::string> names;
-  for (const Drawable& d : list) names.push_back(d.name);
+  for (const ServoDrawable& d : list) names.push_back(d.name);
   return names;
 }
 
-const Drawable& find(const std::vector<Drawable>& list, const std::string& name) {
-  for (const Drawable& d : list) {
+const ServoDrawable& findServoDrawable(const std::vector<ServoDrawable>& list, const std::string& name) {
+  for (const ServoDrawable& d : list) {
     if (d.name == name) return d;
   }
   throw std::runtime_error("no such secret: " + name);
@@ -174,7 +174,7 @@ ServoRig drawServoRig(std::uint64_t seed, Mechanism mechanism) {
 }
 
 /// Details that the magnitude does not set: when, where, which ratio.
-void drawDetails(ServoSecret& secret, const ServoRig& rig, std::mt19937_64& random) {
+void drawServoDetails(ServoSecret& secret, const ServoRig& rig, std::mt19937_64& random) {
   std::uniform_real_distribution<double> u;
   secret.hidden_angle = -1.2 + 2.4 * u(random);
   secret.ripple_ratio = 8.0 + 50.0 * u(random);
@@ -189,7 +189,7 @@ Scale scaleOf(const ServoRig& rig) {
 }
 
 /// The magnitude at which a model of the secret would gain `gain`, or the largest.
-double magnitudeFor(const Drawable& drawable, double gain, const ServoRig& rig, ServoSecret& secret) {
+double servoMagnitude(const ServoDrawable& drawable, double gain, const ServoRig& rig, ServoSecret& secret) {
   ServoRig quick = rig;
   quick.rows = std::min<std::size_t>(rig.rows, 8000);
   auto [magnitude, high] = drawable.range(scaleOf(rig));
@@ -209,33 +209,33 @@ double magnitudeFor(const Drawable& drawable, double gain, const ServoRig& rig, 
   return magnitude;
 }
 
-double drawGain(std::mt19937_64& random) {
+double drawServoGain(std::mt19937_64& random) {
   std::uniform_real_distribution<double> u;
   return u(random) < 0.5 ? 0.05 + 0.05 * u(random) : 0.10 * std::pow(6.0, u(random));
 }
 
 std::string lawOf(const ServoRig& rig) { return rig.mechanism == kCable ? "classic" : "stribeck"; }
 
-ServoDraw drawOne(const Drawable& drawable, std::uint64_t seed) {
+ServoDraw drawOne(const ServoDrawable& drawable, std::uint64_t seed) {
   std::mt19937_64 random(seed * 31 + 7);
   const std::size_t k = std::uniform_int_distribution<std::size_t>(0, drawable.on.size() - 1)(random);
   ServoDraw draw{{drawable.name}, {}, {}, drawServoRig(seed, drawable.on[k]), {}, 0.0};
   draw.law = lawOf(draw.rig);
   if (drawable.name == "stribeck") draw.law = "coulomb", draw.rig.breakaway = 1.0;
-  drawDetails(draw.secret, draw.rig, random);
-  draw.magnitude = magnitudeFor(drawable, drawGain(random), draw.rig, draw.secret);
+  drawServoDetails(draw.secret, draw.rig, random);
+  draw.magnitude = servoMagnitude(drawable, drawServoGain(random), draw.rig, draw.secret);
   return draw;
 }
 
 }  // namespace
 
 const std::vector<std::string>& servoEffects() {
-  static const std::vector<std::string> names = namesOf(drawables());
+  static const std::vector<std::string> names = servoNames(servoDrawables());
   return names;
 }
 
 const std::vector<std::string>& servoOutsideKinds() {
-  static const std::vector<std::string> names = namesOf(outside());
+  static const std::vector<std::string> names = servoNames(servoOutside());
   return names;
 }
 
@@ -243,16 +243,16 @@ ServoDraw drawServoNone(std::uint64_t seed, std::optional<Mechanism> mechanism) 
   std::mt19937_64 random(seed * 31 + 7);
   ServoDraw draw{{"none"}, {}, {}, drawServoRig(seed, mechanism.value_or(kAll[seed % kAll.size()])), {}, 0.0};
   draw.law = lawOf(draw.rig);
-  drawDetails(draw.secret, draw.rig, random);
+  drawServoDetails(draw.secret, draw.rig, random);
   return draw;
 }
 
 ServoDraw drawServoEffect(const std::string& effect, std::uint64_t seed) {
-  return drawOne(find(drawables(), effect), seed);
+  return drawOne(findServoDrawable(servoDrawables(), effect), seed);
 }
 
 ServoDraw drawServoOutside(const std::string& kind, std::uint64_t seed) {
-  ServoDraw draw = drawOne(find(outside(), kind), seed);
+  ServoDraw draw = drawOne(findServoDrawable(servoOutside(), kind), seed);
   draw.effects = {"outside: " + kind};
   draw.channel = kind.starts_with("humidity") ? "humidity_percent"
                  : kind.starts_with("supply") ? "supply_V"
@@ -263,20 +263,20 @@ ServoDraw drawServoOutside(const std::string& kind, std::uint64_t seed) {
 ServoDraw drawServoPair(std::uint64_t seed) {
   std::mt19937_64 random(seed * 31 + 7);
   const Mechanism mechanism = kAll[seed % kAll.size()];
-  std::vector<const Drawable*> possible;
-  for (const Drawable& d : drawables()) {
+  std::vector<const ServoDrawable*> possible;
+  for (const ServoDrawable& d : servoDrawables()) {
     if (d.name != "stribeck" && std::ranges::find(d.on, mechanism) != d.on.end()) possible.push_back(&d);
   }
   std::ranges::shuffle(possible, random);
   ServoDraw draw{{}, {}, {}, drawServoRig(seed, mechanism), {}, 0.0};
   draw.law = lawOf(draw.rig);
-  drawDetails(draw.secret, draw.rig, random);
+  drawServoDetails(draw.secret, draw.rig, random);
   const ServoSecret details = draw.secret;
   for (int k = 0; k < 2; ++k) {
     ServoSecret alone = details;
     const double gain = 0.1 * std::pow(4.0, std::uniform_real_distribution<>()(random));
     possible[static_cast<std::size_t>(k)]->set(
-        draw.secret, magnitudeFor(*possible[static_cast<std::size_t>(k)], gain, draw.rig, alone));
+        draw.secret, servoMagnitude(*possible[static_cast<std::size_t>(k)], gain, draw.rig, alone));
     draw.effects.push_back(possible[static_cast<std::size_t>(k)]->name);
   }
   return draw;

@@ -9,9 +9,9 @@ namespace simgap::reality {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kStep = 2.5e-4;     // [s] of the integration
-constexpr int kControlEvery = 4;     // steps
-constexpr double kReference = 28.0;  // [degC]
+constexpr double kServoStep = 2.5e-4;  // [s] of the integration
+constexpr int kControlEvery = 4;       // steps
+constexpr double kReference = 28.0;    // [degC]
 
 /// Where the drive should be: moves with rests, swings and slow sweeps, one after the other.
 class Plan {
@@ -193,16 +193,17 @@ double ServoDrive::motorTorque(double effort, double supply) const {
 
 /// The share of the dry friction that acts, -1 to 1, and the motion's step under it. \param free  torque without it.
 double ServoDrive::dryDirection(double free, double level, double viscous, double inertia) {
-  const double damping = 1.0 + kStep * viscous / inertia;
+  const double damping = 1.0 + kServoStep * viscous / inertia;
   const double before = w_;
   double share = 0.0;
   if (rig_.bristle || secret_.bristle_travel > 0.0) {
-    bristle_ = (bristle_ + w_ * kStep / travel_) / (1.0 + std::fabs(w_) * kStep / travel_) * (1.0 - kStep / 15.0);
+    bristle_ = (bristle_ + w_ * kServoStep / travel_) / (1.0 + std::fabs(w_) * kServoStep / travel_) *
+               (1.0 - kServoStep / 15.0);
     const double micro = 0.6 * std::sqrt(inertia * level / travel_) * std::exp(-std::fabs(w_) / rig_.stribeck_speed);
-    w_ = (before + kStep / inertia * (free - level * bristle_)) / (damping + kStep * micro / inertia);
+    w_ = (before + kServoStep / inertia * (free - level * bristle_)) / (damping + kServoStep * micro / inertia);
     share = bristle_ + micro * w_ / std::max(level, 1e-9);
   } else {
-    const double most = kStep * level / inertia, driven = before + kStep * free / inertia;
+    const double most = kServoStep * level / inertia, driven = before + kServoStep * free / inertia;
     if (std::fabs(driven) <= most) {  // held: anything within the band, and a little creep
       share = driven / std::max(most, 1e-12);
       w_ = std::copysign(1e-5 * rig_.top_speed * std::exp(12.0 * (std::fabs(share) - 1.0)), share);
@@ -211,7 +212,8 @@ double ServoDrive::dryDirection(double free, double level, double viscous, doubl
       w_ = (driven - share * most) / damping;
     }
   }
-  plain_bristle_ = (plain_bristle_ + w_ * kStep / plainTravel()) / (1.0 + std::fabs(w_) * kStep / plainTravel());
+  plain_bristle_ =
+      (plain_bristle_ + w_ * kServoStep / plainTravel()) / (1.0 + std::fabs(w_) * kServoStep / plainTravel());
   return share;
 }
 
@@ -220,7 +222,7 @@ void ServoDrive::step(double effort, double change, double humidity, double supp
   load_ = weight_ * std::sin(joint() - weight_angle_);
   double engaged = 1.0;
   if (s.backlash > 0.0) {
-    gap_ = std::clamp(gap_ + w_ * kStep, 0.0, s.backlash);
+    gap_ = std::clamp(gap_ + w_ * kServoStep, 0.0, s.backlash);
     engaged = gap_ > 0.0 && gap_ < s.backlash ? 0.0 : 1.0;
   }
   const double warm = 1.0 / (1.0 + s.friction_heating * (temperature_ - kReference));
@@ -236,16 +238,16 @@ void ServoDrive::step(double effort, double change, double humidity, double supp
   const double free = torque - engaged * inner - ripple - s.neighbour * neighbour;
   const double share = dryDirection(free, level, slope, inertia);
   const double plain_share = s.bristle_travel > 0.0 ? plain_bristle_ : share;
-  const double acceleration = (w_ - before) / kStep;
+  const double acceleration = (w_ - before) / kServoStep;
   const double secret = engaged * inner + level * share + viscous + ripple + s.neighbour * neighbour +
                         s.inertia * acceleration - load_ - plain_level * plain_share - plain_viscous;
   extra_ = effort - (torque - secret) / rig_.strength - rig_.back_emf * before + s.bias;
-  q_ += kStep * w_;
-  rested_ = std::fabs(w_) < 2e-3 * rig_.top_speed  ? rested_ + kStep
+  q_ += kServoStep * w_;
+  rested_ = std::fabs(w_) < 2e-3 * rig_.top_speed  ? rested_ + kServoStep
             : std::fabs(w_) > 0.1 * rig_.top_speed ? 0.0
                                                    : rested_;
   const double heat = std::fabs(level * share * w_) / (dry_size_ * rig_.top_speed);
-  temperature_ += kStep * ((room - temperature_) / 60.0 + 0.5 * heat);
+  temperature_ += kServoStep * ((room - temperature_) / 60.0 + 0.5 * heat);
 }
 
 /// Reads the effort `delay` late, within sessions.
@@ -286,7 +288,7 @@ ServoRecord driveServo(const ServoRig& rig, const ServoSecret& secret) {
   Controller controller(rig);
   ServoRecord r;
   r.mechanism = rig.mechanism;
-  const int per_row = static_cast<int>(std::lround(1.0 / (rig.rate * kStep)));
+  const int per_row = static_cast<int>(std::lround(1.0 / (rig.rate * kServoStep)));
   for (int session = 0; r.time.size() < rig.rows; ++session) {
     const double seconds = 25.0 + 35.0 * u(random);
     const Plan plan(rig, seconds, random);
@@ -304,9 +306,9 @@ ServoRecord driveServo(const ServoRig& rig, const ServoSecret& secret) {
       const double change = std::clamp((clock - secret.change_time) / 3.0, 0.0, 1.0);
       const double humidity = around.humidity(clock), supply = around.supply(clock);
       for (int j = 0; j < per_row; ++j) {
-        const double t = static_cast<double>(k) / rig.rate + j * kStep;
+        const double t = static_cast<double>(k) / rig.rate + j * kServoStep;
         if (j % kControlEvery == 0) {
-          const double dt = kStep * kControlEvery, now = plan.angle(t), soon = plan.angle(t + dt);
+          const double dt = kServoStep * kControlEvery, now = plan.angle(t), soon = plan.angle(t + dt);
           effort = controller.effort(rig.ratio * now, rig.ratio * (soon - now) / dt, plant.q(), dt);
         }
         plant.step(effort, change, humidity, supply, around.neighbour(clock), around.room(clock));

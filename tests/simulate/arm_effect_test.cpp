@@ -21,7 +21,7 @@
 namespace simgap {
 namespace {
 
-struct Case {
+struct EffectCase {
   const ArmEffect* effect;
   std::string target;
   EffectParameters p;
@@ -44,9 +44,9 @@ double nearestEnd(const ArmModel& model, const std::string& name) {
 }
 
 // A start of each effect, moved off whatever is special about it, on every target.
-std::vector<Case> cases() {
+std::vector<EffectCase> effectCases() {
   const ArmModel model = test::exampleArm();
-  std::vector<Case> all;
+  std::vector<EffectCase> all;
   for (const ArmEffect* effect : arm_effects::all()) {
     for (const std::string& target : effectTargets(*effect, model)) {
       for (EffectParameters p : effect->starts) {
@@ -64,7 +64,7 @@ std::vector<Case> cases() {
   return all;
 }
 
-ArmModel extended(const Case& c) {
+ArmModel extended(const EffectCase& c) {
   ArmModel model = test::exampleArm();
   model.extensions = {makeExtension(*c.effect, c.target, c.p)};
   return model;
@@ -79,8 +79,8 @@ std::vector<Pose> somePoses() {
   return some;
 }
 
-std::vector<JointPosition> displaced(const ArmModel& model, std::vector<JointPosition> joints,
-                                     const Eigen::VectorXd& w) {
+std::vector<JointPosition> effectDisplaced(const ArmModel& model, std::vector<JointPosition> joints,
+                                           const Eigen::VectorXd& w) {
   Eigen::Index d = 0;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (model.joints[j].type == JointType::kSpherical) {
@@ -96,7 +96,7 @@ std::vector<JointPosition> displaced(const ArmModel& model, std::vector<JointPos
   return joints;
 }
 
-class ArmEffects : public testing::TestWithParam<Case> {
+class ArmEffects : public testing::TestWithParam<EffectCase> {
  protected:
   void place(PotentialEnergy& energy, const Pose& pose) const {
     energy.setHistory(pose.time, pose.shafts_before);
@@ -115,7 +115,7 @@ TEST_P(ArmEffects, GradientAndHessianAgreeWithDifferencesOfTheEnergy) {
     const Eigen::VectorXd gradient = energy.gradient();
     const Eigen::MatrixXd hessian = energy.hessian();
     const auto at = [&](const Eigen::VectorXd& w) {
-      energy.evaluate(displaced(model, pose.joints, w));
+      energy.evaluate(effectDisplaced(model, pose.joints, w));
       return energy.energy();
     };
     const double h = 1e-4;
@@ -187,7 +187,7 @@ TEST_P(ArmEffects, EveryParameterDerivativeAgreesWithDifferencesOfTheGradient) {
 
 // What the capture sees, by the effect's own parameters: through equilibrium, stiction and markers.
 TEST_P(ArmEffects, ObservedSensitivitiesAgreeWithDifferences) {
-  const Case& c = GetParam();
+  const EffectCase& c = GetParam();
   const ArmModel model = extended(c);
   std::vector<std::string> names;
   for (const ArmEffectParameter& p : c.effect->parameters) {
@@ -210,7 +210,7 @@ TEST_P(ArmEffects, ObservedSensitivitiesAgreeWithDifferences) {
       const auto column = columns.col(static_cast<Eigen::Index>(fitted++));
       const double h = 1e-4 * c.effect->parameters[i].scale;
       const auto at = [&](double step) {
-        Case changed = c;
+        EffectCase changed = c;
         changed.p[i] += step;
         EquilibriumArm other(extended(changed));
         other.setHistory(pose.time, pose.shafts_before);
@@ -240,7 +240,7 @@ TEST_P(ArmEffects, ObservedSensitivitiesAgreeWithDifferences) {
 }
 
 TEST_P(ArmEffects, NeutralChangesNothing) {
-  Case c = GetParam();
+  EffectCase c = GetParam();
   for (std::size_t i = 0; i < c.effect->parameters.size(); ++i) {
     if (c.effect->parameters[i].fitted && (i == 0 || c.effect->parameters[i].neutral == 0.0)) {
       c.p[i] = c.effect->parameters[i].neutral;
@@ -264,25 +264,25 @@ TEST_P(ArmEffects, FilesReadBackTheSame) {
   EXPECT_EQ(resolveExtensions(again)[0].p, resolveExtensions(model)[0].p);
 }
 
-std::string caseName(const testing::TestParamInfo<Case>& info) {
+std::string caseName(const testing::TestParamInfo<EffectCase>& info) {
   std::string name = std::string(info.param.effect->name) + "_" + info.param.target + "_" + std::to_string(info.index);
   std::ranges::replace_if(
       name, [](char c) { return !std::isalnum(c); }, '_');
   return name;
 }
-INSTANTIATE_TEST_SUITE_P(All, ArmEffects, testing::ValuesIn(cases()), caseName);
+INSTANTIATE_TEST_SUITE_P(All, ArmEffects, testing::ValuesIn(effectCases()), caseName);
 
 // Both simulations come to the same rest, for one target of each effect; stiction is friction in one and a lag in the
 // other, and only alike in size.
-class BothSimulations : public testing::TestWithParam<Case> {};
+class BothSimulations : public testing::TestWithParam<EffectCase> {};
 
-std::vector<Case> onePerEffect() {
-  std::vector<Case> some;
-  for (const Case& c : cases()) {
+std::vector<EffectCase> onePerEffect() {
+  std::vector<EffectCase> some;
+  for (const EffectCase& c : effectCases()) {
     const bool seen = !some.empty() && some.back().effect == c.effect;
     if (!seen && !c.effect->stiction) some.push_back(c);
   }
-  for (Case& c : some) {
+  for (EffectCase& c : some) {
     if (c.effect->path) c.p[0] = 0.06;
     if (c.effect->joint_torque) c.p[1] = 0.05;
     if (c.effect->name == "payload") c.target = "forearm";

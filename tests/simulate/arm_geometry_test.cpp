@@ -15,7 +15,7 @@ using ::testing::DoubleNear;
 using ::testing::ElementsAre;
 
 /// A post with a hinge about x at 1 m; a rod hangs from it; a cord from the post's top to the rod's end.
-ArmModel hinge() {
+ArmModel hingeArm() {
   ArmModel model;
   model.bodies = {{"post", true, {}, {}}, {"rod", false, {}, {}}};
   Part bone;
@@ -58,7 +58,7 @@ class ArmGeometry : public ::testing::Test {
   static Json result() { return {{"format", "simgap/validate/1"}}; }
   CsvTable table(const char* name) const { return CsvTable::load(folder_.directory().file(name)); }
 
-  ArmModel model_ = hinge();
+  ArmModel model_ = hingeArm();
   Pose pose_{"turned", {0.0}, {}, 1, {0.0}};
   PoseSet poses_;
   std::vector<PoseOutcome> outcomes_;
@@ -91,7 +91,7 @@ TEST_F(ArmGeometry, DrawsMusclesWhereTheySimulatedWithTheirTension) {
 // acos(0.48) + acos(0.96) is less than 90°.
 TEST_F(ArmGeometry, BendsMusclesRoundTheJointsTheyWrap) {
   constexpr double kRadius = 0.48;
-  ArmModel model = hinge();
+  ArmModel model = hingeArm();
   model.extensions = {{"muscle-wrap", "cord", {{"radius", "m", kRadius, 0.0}, {"joint", "1", 1.0, 0.0}}}};
   const ReplayedSet replay{"replayed", "simulated", model, poses_, outcomes_};
   writeArmGeometry({&replay, 1}, folder_.directory());

@@ -12,10 +12,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStep = 0.002;
+constexpr double kFrictionStep = 0.002;
 
-void run(BulletArm& arm, double duration) {
-  for (long i = std::lround(duration / kStep); i > 0; --i) arm.step();
+void runSticking(BulletArm& arm, double duration) {
+  for (long i = std::lround(duration / kFrictionStep); i > 0; --i) arm.step();
 }
 
 void placeHinge(BulletArm& arm, double angle) { arm.setJointPositions(std::vector{test::hingeAt(angle)}); }
@@ -50,10 +50,10 @@ TEST(CoulombFriction, HoldsAHingeUpToItsTorqueAndNotBeyond) {
   const double limit = std::asin(1.0 / (test::kPendulumMass * test::kGravity * test::kPendulumLength));
   for (const double sign : {1.0, -1.0}) {
     placeHinge(arm, sign * limit * (1.0 - 1e-6));
-    run(arm, 2.0);
+    runSticking(arm, 2.0);
     EXPECT_NEAR(arm.jointPosition(0).angle, sign * limit * (1.0 - 1e-6), 1e-14) << "rounding of 1000 steps";
     placeHinge(arm, sign * limit * (1.0 + 1e-6));
-    run(arm, 0.2);
+    runSticking(arm, 0.2);
     EXPECT_GT(arm.jointSpeed(0), 1e-7);
   }
 }
@@ -72,7 +72,7 @@ TEST(CoulombFriction, HoldsABallUpToItsTorqueInEveryDirection) {
       test::addLink(model, 0, JointType::kSpherical, Vector3d::Zero(), {test::box(2.0, p, {0.05, 0.1, 0.15})})
           .coulomb_friction = torque;
       BulletArm arm(model, {});
-      run(arm, 0.2);
+      runSticking(arm, 0.2);
       if (excess < 0.0) {
         EXPECT_LT(arm.jointSpeed(0), 1e-12) << "torque about " << p.cross(down).transpose();
       } else {
@@ -93,13 +93,13 @@ TEST(CoulombFriction, StopsASpinAfterInertiaTimesSpeedOverTorque) {
   for (int i = 1; i <= 500; ++i) {
     hinge.step();
     round.step();
-    ASSERT_NEAR(hinge.jointSpeed(0), std::max(0.0, 2.0 - hinge_rate * i * kStep), 1e-12) << "step " << i;
-    ASSERT_NEAR(round.jointSpeed(0), std::max(0.0, 2.0 - ball_rate * i * kStep), 1e-12) << "step " << i;
+    ASSERT_NEAR(hinge.jointSpeed(0), std::max(0.0, 2.0 - hinge_rate * i * kFrictionStep), 1e-12) << "step " << i;
+    ASSERT_NEAR(round.jointSpeed(0), std::max(0.0, 2.0 - ball_rate * i * kFrictionStep), 1e-12) << "step " << i;
   }
   // Turned by w0^2 / (2 rate) in the limit of short steps, by half a step of w0 less with semi-implicit Euler.
-  const double turned = 2.0 * 2.0 / (2.0 * ball_rate) - 0.5 * 2.0 * kStep;
+  const double turned = 2.0 * 2.0 / (2.0 * ball_rate) - 0.5 * 2.0 * kFrictionStep;
   const Eigen::Quaterniond expected(Eigen::AngleAxisd(turned, Vector3d(0.48, -0.6, 0.64)));
-  EXPECT_LT(geodesicAngle(round.jointPosition(0).rotation, expected), 0.5 * ball_rate * kStep * kStep);
+  EXPECT_LT(geodesicAngle(round.jointPosition(0).rotation, expected), 0.5 * ball_rate * kFrictionStep * kFrictionStep);
 }
 
 TEST(CoulombFriction, OfASlippingBallIsItsTorqueAndOpposesTheSlip) {
@@ -117,12 +117,12 @@ TEST(CoulombFriction, OfASlippingBallIsItsTorqueAndOpposesTheSlip) {
     which.setJointPositions(start);
     which.setJointVelocity(0, velocity);
     which.step();
-    return test::velocitiesBetween(model, start, std::vector<JointPosition>{which.jointPosition(0)}, kStep)[0];
+    return test::velocitiesBetween(model, start, std::vector<JointPosition>{which.jointPosition(0)}, kFrictionStep)[0];
   };
   for (int i = 0; i < 200; ++i) {
     const Vector3d velocity = test::uniform(random, 0.05, 3.0) * test::randomDirection(random);
     const Vector3d slip = velocityAfter(arm, velocity);
-    const Vector3d torque = inertia.cwiseProduct(slip - velocityAfter(free, velocity)) / kStep;
+    const Vector3d torque = inertia.cwiseProduct(slip - velocityAfter(free, velocity)) / kFrictionStep;
     // Velocities come from angles of 1e-4 rad and more, to 1e-16 / 2 ms: 1e-13 rad/s, over 2 ms and 0.03 kg m^2.
     EXPECT_NEAR(torque.norm(), 0.05, 1e-10);
     EXPECT_NEAR(torque.normalized().dot(slip.normalized()), -1.0, 1e-8);
@@ -153,8 +153,8 @@ TEST(ViscousFriction, DecaysAtTheRateOfImplicitEuler) {
   hinge.setJointVelocity(0, {3.0, 0.0, 0.0});
   BulletArm round(ball(0.0, 0.01), {});
   round.setJointVelocity(0, {1.0, -2.0, 2.0});
-  const double hinge_factor = 1.0 / (1.0 + 0.05 * kStep / test::kPendulumInertia);
-  const double ball_factor = 1.0 / (1.0 + 0.01 * kStep / kBallInertia);
+  const double hinge_factor = 1.0 / (1.0 + 0.05 * kFrictionStep / test::kPendulumInertia);
+  const double ball_factor = 1.0 / (1.0 + 0.01 * kFrictionStep / kBallInertia);
   for (int i = 1; i <= 500; ++i) {
     hinge.step();
     round.step();
@@ -173,7 +173,7 @@ TEST(ViscousFriction, IsStableForAnyInertia) {
   arm.setJointVelocity(0, {100.0, 0.0, 0.0});
   arm.step();
   EXPECT_LT(arm.jointSpeed(0), 1e-2);
-  run(arm, 1.0);
+  runSticking(arm, 1.0);
   EXPECT_TRUE(arm.isFinite());
 }
 
@@ -184,7 +184,7 @@ TEST(JointFriction, SlidesDownAtTheSpeedWhereTorquesBalance) {
   model.joints[0].viscous_friction = 200.0;
   BulletArm arm(model, {});
   placeHinge(arm, 0.5 * M_PI);
-  run(arm, 0.1);
+  runSticking(arm, 0.1);
   const double weight = test::kPendulumMass * test::kGravity * test::kPendulumLength;
   // It has turned by 1 mrad (1 - cos: 5e-7), and slows down with it over 0.2 ms.
   EXPECT_NEAR(arm.jointSpeed(0), (weight - 1.0) / 200.0, 1e-7);
@@ -227,8 +227,8 @@ TEST(JointLimit, LetsGoOfAJointThatIsPulledAway) {
   arm.step();
   // Nothing but the weight acts: I w = m g l sin(0.2) dt.
   const double weight = test::kPendulumMass * test::kGravity * test::kPendulumLength * std::sin(0.2);
-  EXPECT_NEAR(arm.jointSpeed(0), weight / test::kPendulumInertia * kStep, 1e-12);
-  run(arm, 2.0);
+  EXPECT_NEAR(arm.jointSpeed(0), weight / test::kPendulumInertia * kFrictionStep, 1e-12);
+  runSticking(arm, 2.0);
   EXPECT_NEAR(arm.jointPosition(0).angle, 1.0, 1e-9) << "the other stop";
 }
 
@@ -236,7 +236,7 @@ TEST(JointLimit, FixesAJointWhoseLimitsAreTheSame) {
   ArmModel model = test::pendulum();
   model.joints[0].lower_limit = model.joints[0].upper_limit = 0.7;
   BulletArm arm(model, {});
-  run(arm, 1.0);
+  runSticking(arm, 1.0);
   EXPECT_NEAR(arm.jointPosition(0).angle, 0.7, 1e-12);
 }
 
@@ -253,7 +253,7 @@ TEST(JointLimit, AndFrictionSettleTogether) {
     joint.viscous_friction = 1.0;
   }
   BulletArm arm(model, {});
-  run(arm, 40.0);
+  runSticking(arm, 40.0);
   for (int i = 0; i < 500; ++i) {
     arm.step();
     for (std::size_t j = 0; j < 3; ++j) ASSERT_LT(arm.jointSpeed(j), 1e-9) << "joint " << j;

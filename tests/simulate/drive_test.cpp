@@ -10,7 +10,7 @@
 namespace simgap {
 namespace {
 
-constexpr double kStep = 0.002;
+constexpr double kDriveStep = 0.002;
 
 const Motor kMotor = test::torso().motor_defaults;
 const Gearbox kGearbox = test::torso().gearbox_defaults;
@@ -35,7 +35,7 @@ DriveState after(const Drive& drive, DriveState state, double voltage, double lo
 
 // The slowest time constant of the drive is J / (b + N eta K_T K_E / R) = 13 ms: 2 s is 150 of them.
 DriveState steady(const Motor& motor, const Gearbox& gearbox, double voltage, double load) {
-  return after(Drive(motor, gearbox, kStep), {}, voltage, load, 1000);
+  return after(Drive(motor, gearbox, kDriveStep), {}, voltage, load, 1000);
 }
 
 // Right side minus left side of eq. (11), with the motor's torque from eq. (9): 0 for the true acceleration.
@@ -128,8 +128,8 @@ TEST(Drive, LosslessGearboxKeepsPower) {
 }
 
 TEST(Drive, OneStepIsAsExactAsTwoThousand) {
-  const Drive coarse(kMotor, kGearbox, kStep);
-  const Drive fine(kMotor, kGearbox, kStep / 2000);
+  const Drive coarse(kMotor, kGearbox, kDriveStep);
+  const Drive fine(kMotor, kGearbox, kDriveStep / 2000);
   for (const double velocity : {300.0, -300.0}) {
     for (const double voltage : {12.0, 0.0}) {
       const DriveState start{1.0, velocity, 0.5};
@@ -142,17 +142,17 @@ TEST(Drive, OneStepIsAsExactAsTwoThousand) {
 }
 
 TEST(Drive, StepSolvesTheEquationsOfMotorAndGearbox) {
-  const Drive drive(kMotor, kGearbox, kStep);
+  const Drive drive(kMotor, kGearbox, kDriveStep);
   const DriveState start{-2.0, 150.0, -1.0};
   for (const double voltage : {-1.0, 4.0, 12.0}) {
     // Runge & Kutta's error is (0.5 us / 0.375 ms)^5 / 120 per step of what changes: 1e-12 in all.
-    expectSame(after(drive, start, voltage, 1.0, 3), rungeKutta(kMotor, kGearbox, start, voltage, 1.0, 3 * kStep),
+    expectSame(after(drive, start, voltage, 1.0, 3), rungeKutta(kMotor, kGearbox, start, voltage, 1.0, 3 * kDriveStep),
                1e-11);
   }
 }
 
 TEST(Drive, IsTheSameInBothDirections) {
-  const Drive drive(kMotor, kGearbox, kStep);
+  const Drive drive(kMotor, kGearbox, kDriveStep);
   DriveState forward{1.5, 20.0, 0.1};
   DriveState backward{-1.5, -20.0, -0.1};
   for (int i = 0; i < 200; ++i) {
@@ -183,7 +183,7 @@ TEST(Drive, MotorTorqueCountsTowardsTheCoulombLimit) {
   EXPECT_EQ(steady(kMotor, kGearbox, coulomb * (1.0 - 1e-9) * volts_per_torque, 0.0).shaft_angle, 0.0);
   EXPECT_GT(steady(kMotor, kGearbox, coulomb * (1.0 + 1e-6) * volts_per_torque, 0.0).motor_velocity, 0.0);
   // A load in its favour moves the window by itself: 1 N m is held between 1 - coulomb and 1 + coulomb.
-  const Drive drive(kMotor, kGearbox, kStep);
+  const Drive drive(kMotor, kGearbox, kDriveStep);
   const auto motionFrom = [&](double torque) {
     const double voltage = torque * volts_per_torque;
     return after(drive, {voltage / 0.8, 0.0, 0.0}, voltage, 1.0, 50).shaft_angle;
@@ -196,13 +196,13 @@ TEST(Drive, MotorTorqueCountsTowardsTheCoulombLimit) {
 
 TEST(Drive, CurrentOfAStandingMotorRisesExponentially) {
   const double coulomb_voltage = 0.1;  // 72 * 0.72 * 0.011 * 0.125 A = 0.071 N m: below the limit
-  const DriveState x = after(Drive(kMotor, kGearbox, kStep / 10), {}, coulomb_voltage, 0.0, 3);
+  const DriveState x = after(Drive(kMotor, kGearbox, kDriveStep / 10), {}, coulomb_voltage, 0.0, 3);
   EXPECT_NEAR(x.current, 0.125 * (1.0 - std::exp(-0.8 * 0.0006 / 0.0003)), 1e-15);
 }
 
 TEST(Drive, StopsWithinAStepAndStays) {
-  const Drive drive(kMotor, kGearbox, kStep);
-  const Drive fine(kMotor, kGearbox, kStep / 1000);
+  const Drive drive(kMotor, kGearbox, kDriveStep);
+  const Drive fine(kMotor, kGearbox, kDriveStep / 1000);
   DriveState state{0.0, 5.0, 0.0};
   int steps = 0;
   for (; state.motor_velocity != 0.0 && steps < 100; ++steps) {
@@ -214,7 +214,7 @@ TEST(Drive, StopsWithinAStepAndStays) {
   EXPECT_LT(steps, 100);
   // Within the step of the stop constant deceleration is taken; w dt / (8 N) is what that can be wrong by.
   EXPECT_NEAR(state.shaft_angle, after(fine, {0.0, 5.0, 0.0}, 0.0, 0.05, 1000 * steps).shaft_angle,
-              5.0 * kStep / (8.0 * 72.0));
+              5.0 * kDriveStep / (8.0 * 72.0));
   const double stopped = state.shaft_angle;
   EXPECT_EQ(after(drive, state, 0.0, 0.05, 1000).shaft_angle, stopped);
 }
@@ -223,14 +223,14 @@ TEST(Drive, StopWithinAStepTakesTheWayOfConstantDeceleration) {
   // From 1 rad/s at (T + c) / J = 1770 rad/s^2: stops after a quarter of the step, w^2 / (2 a N) further.
   const double inertia = 72.0 * 0.72 * 2e-6 + 1e-5 / 72.0;
   const double deceleration = (0.05 + 72.0 * 0.72 * 0.002 + 0.03) / inertia;
-  const DriveState x = after(Drive(kMotor, kGearbox, kStep), {0.0, 1.0, 0.0}, 0.0, 0.05, 1);
+  const DriveState x = after(Drive(kMotor, kGearbox, kDriveStep), {0.0, 1.0, 0.0}, 0.0, 0.05, 1);
   EXPECT_EQ(x.motor_velocity, 0.0);
   const double way = 1.0 / (2.0 * deceleration * 72.0);
   EXPECT_NEAR(x.shaft_angle, way, 0.1 * way) << "the generator's torque, left out on paper, is some percent";
 }
 
 TEST(Drive, TurnsBackAfterAStopWhenTheLoadWins) {
-  const DriveState x = after(Drive(kMotor, kGearbox, kStep), {0.0, 50.0, 0.0}, 0.0, 2.0, 1000);
+  const DriveState x = after(Drive(kMotor, kGearbox, kDriveStep), {0.0, 50.0, 0.0}, 0.0, 2.0, 1000);
   EXPECT_LT(x.motor_velocity, 0.0);
 }
 

@@ -15,14 +15,14 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 // The example arm and three random ones (chains and trees), each with shaft angles that lead to a stable pose.
-struct Case {
+struct Alike {
   std::string name;
   ArmModel model;
   std::vector<double> shafts;
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> result;
+std::vector<Alike> alikes() {
+  std::vector<Alike> result;
   result.push_back({"example", test::exampleArm(), {0.5, 2.0, 0.5, -1.0, 1.0, 2.0, 1.5, -1.0, 1.0, 2.5, 0.5}});
   for (const std::uint64_t seed : {3, 8, 15}) {
     const reality::Arm arm = reality::randomArm(seed);
@@ -62,7 +62,7 @@ ArmModel transformed(ArmModel model, const Matrix3d& polar, const Matrix3d& axia
 }
 
 // Expects the transformed arm at q' = polar q polar^T, hinges at the same angle.
-void expectTransformed(const Case& c, const Matrix3d& polar, const Matrix3d& axial) {
+void expectTransformed(const Alike& c, const Matrix3d& polar, const Matrix3d& axial) {
   const PoseOutcome expected = replay(c.model, c.shafts);
   const PoseOutcome found = replay(transformed(c.model, polar, axial), c.shafts);
   std::vector<JointPosition> moved = expected.joints;
@@ -76,7 +76,7 @@ void expectTransformed(const Case& c, const Matrix3d& polar, const Matrix3d& axi
 
 TEST(Metamorphic, TheWholeWorldTurned) {
   std::mt19937 random(4);
-  for (const Case& c : cases()) {
+  for (const Alike& c : alikes()) {
     const Matrix3d turn = test::randomRotation(random).toRotationMatrix();
     expectTransformed(c, turn, turn);
   }
@@ -86,12 +86,12 @@ TEST(Metamorphic, TheArmInAMirror) {
   // A mirrored turn by an angle about a is a turn by the same angle about minus the mirrored a.
   for (const Vector3d& normal : {Vector3d(1.0, 0.0, 0.0), Vector3d(0.6, 0.0, 0.8)}) {
     const Matrix3d mirror = Matrix3d::Identity() - 2.0 * normal * normal.transpose();
-    for (const Case& c : cases()) expectTransformed(c, mirror, -mirror);
+    for (const Alike& c : alikes()) expectTransformed(c, mirror, -mirror);
   }
 }
 
 TEST(Metamorphic, MusclesInAnotherOrder) {
-  for (const Case& c : cases()) {
+  for (const Alike& c : alikes()) {
     std::vector<std::size_t> order(c.shafts.size());
     std::iota(order.begin(), order.end(), 0u);
     std::rotate(order.begin(), order.begin() + 3, order.end());
@@ -122,7 +122,7 @@ void scaleDrive(Muscle& muscle, double factor) {
 TEST(Metamorphic, MassesAndForcesScaledTogether) {
   // Masses, cords, frictions and drive torques times s: every equation of motion is multiplied by s.
   for (const double factor : {4.0, 0.3}) {
-    for (const Case& c : cases()) {
+    for (const Alike& c : alikes()) {
       ArmModel scaled = c.model;
       for (Body& body : scaled.bodies) {
         for (Part& part : body.parts) part.mass *= factor;
@@ -146,7 +146,7 @@ TEST(Metamorphic, MassesAndForcesScaledTogether) {
 
 TEST(Metamorphic, OneMuscleAsTwoOfHalfTheStrength) {
   // Two cords of k/2 and D/2 side by side, each with a drive of half the torque that so reaches the same angle.
-  for (const Case& c : cases()) {
+  for (const Alike& c : alikes()) {
     ArmModel split = c.model;
     std::vector<double> shafts = c.shafts;
     Muscle& half = split.muscles[1];
@@ -165,7 +165,7 @@ TEST(Metamorphic, OneMuscleAsTwoOfHalfTheStrength) {
 }
 
 TEST(Metamorphic, LineAndRestLengthMatterOnlyAsASum) {
-  for (const Case& c : cases()) {
+  for (const Alike& c : alikes()) {
     ArmModel shifted = c.model;
     for (Muscle& muscle : shifted.muscles) {
       muscle.kite_line_length -= 0.01;
@@ -178,7 +178,7 @@ TEST(Metamorphic, LineAndRestLengthMatterOnlyAsASum) {
 }
 
 TEST(Metamorphic, AMuscleKnowsNoBeginningAndNoEnd) {
-  for (const Case& c : cases()) {
+  for (const Alike& c : alikes()) {
     ArmModel swapped = c.model;
     for (Muscle& muscle : swapped.muscles) std::swap(muscle.attachments[0], muscle.attachments[1]);
     const PoseOutcome expected = replay(c.model, c.shafts);

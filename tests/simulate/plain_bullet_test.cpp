@@ -123,7 +123,7 @@ BulletArm ours(const std::vector<Segment>& segments, double step) {
   return arm;
 }
 
-std::vector<Segment> chain() {
+std::vector<Segment> plainChain() {
   return {{1.2, {0.05, 0.08, 0.3}, Vector3d::UnitX(), {0.1, 0.0, 0.2}, {0.02, 0.01, -0.15}, 0.4, 1.0},
           {0.8, {0.04, 0.06, 0.25}, Vector3d(0.6, 0.8, 0.0), {0.02, 0.0, -0.3}, {0.0, 0.03, -0.12}, -0.5, 2.0},
           {0.5, {0.05, 0.03, 0.2}, Vector3d(0.0, 0.6, 0.8), {0.0, 0.01, -0.25}, {0.03, 0.0, -0.1}, 0.9, -1.5}};
@@ -146,11 +146,11 @@ double largestDifference(const std::vector<Segment>& segments, double duration, 
 
 TEST(PlainBullet, FreeMotionIsTheSame) {
   // Rounding of other link axes, amplified by a chain that is nearly chaotic: 1e-16 becomes 1e-12 within 2 s.
-  EXPECT_LT(largestDifference(chain(), 2.0), 1e-10);
+  EXPECT_LT(largestDifference(plainChain(), 2.0), 1e-10);
 }
 
 TEST(PlainBullet, CoulombFrictionIsTheSame) {
-  std::vector<Segment> segments = chain();
+  std::vector<Segment> segments = plainChain();
   segments[0].coulomb = 0.3;
   segments[1].coulomb = 0.1;
   segments[2].coulomb = 0.05;
@@ -159,7 +159,7 @@ TEST(PlainBullet, CoulombFrictionIsTheSame) {
 
 // The second hinge falls on its stop.
 std::vector<Segment> stoppedChain(double coulomb) {
-  std::vector<Segment> segments = chain();
+  std::vector<Segment> segments = plainChain();
   for (Segment& s : segments) s.coulomb = coulomb;
   segments[1].lower = 0.2;
   segments[1].upper = 2.0;
@@ -176,10 +176,10 @@ TEST(PlainBullet, LimitsAgreeMoreAndMoreAsTheStepShrinks) {
 }
 
 TEST(PlainBullet, LimitsAndFrictionComeToRestAtTheSamePlace) {
-  constexpr double kStep = 0.0005;
+  constexpr double kFineStep = 0.0005;
   const std::vector<Segment> segments = stoppedChain(0.8);
-  PlainBullet plain(segments, kStep);
-  BulletArm arm = ours(segments, kStep);
+  PlainBullet plain(segments, kFineStep);
+  BulletArm arm = ours(segments, kFineStep);
   for (int i = 0; i < 6000; ++i) {
     plain.step();
     arm.step();

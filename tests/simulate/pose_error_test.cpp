@@ -14,14 +14,14 @@ using ::testing::IsEmpty;
 
 const PoseLayout kLayout{{"biceps"}, {}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
 
-JointPosition turned(double angle, const Eigen::Vector3d& axis) {
+JointPosition turnedJoint(double angle, const Eigen::Vector3d& axis) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis.normalized())), 0.0};
 }
 JointPosition bent(double angle) { return {Eigen::Quaterniond::Identity(), angle}; }
 
 Pose pose(const JointPosition& shoulder, double elbow) { return {"p", {0.0}, {shoulder, bent(elbow)}, 1, {0.0, 0.0}}; }
 
-PoseOutcome steady(const JointPosition& shoulder, double elbow) {
+PoseOutcome steadyPose(const JointPosition& shoulder, double elbow) {
   PoseOutcome outcome;
   outcome.status = PoseStatus::kSteady;
   outcome.joints = {shoulder, bent(elbow)};
@@ -36,10 +36,10 @@ PoseOutcome invalid(PoseStatus status, int worst, double value) {
 }
 
 TEST(PoseError, SumsSquaresAndAveragesAmountsByHand) {
-  const JointPosition start = turned(0.4, {1, 2, 3});
-  const JointPosition further = turned(0.7, {1, 2, 3});  // about the same axis: 0.3 rad away
+  const JointPosition start = turnedJoint(0.4, {1, 2, 3});
+  const JointPosition further = turnedJoint(0.7, {1, 2, 3});  // about the same axis: 0.3 rad away
   const std::vector<Pose> poses{pose(start, 1.0), pose(further, -0.5)};
-  const std::vector<PoseOutcome> outcomes{steady(further, 1.2), steady(turned(0.6, {1, 2, 3}), -0.1)};
+  const std::vector<PoseOutcome> outcomes{steadyPose(further, 1.2), steadyPose(turnedJoint(0.6, {1, 2, 3}), -0.1)};
   const Assessment judged = assess(kLayout, poses, outcomes);
   EXPECT_NEAR(judged.errors[0][0], 0.3, 1e-15);
   EXPECT_NEAR(judged.errors[0][1], 0.2, 1e-15);
@@ -52,8 +52,8 @@ TEST(PoseError, SumsSquaresAndAveragesAmountsByHand) {
 }
 
 TEST(PoseError, ThePapersObjectiveCountsABallAQuarterAndAHingeInFull) {
-  const std::vector<Pose> poses{pose(turned(0.0, {1, 0, 0}), 1.0)};
-  const std::vector<PoseOutcome> outcomes{steady(turned(0.3, {1, 0, 0}), 1.2)};
+  const std::vector<Pose> poses{pose(turnedJoint(0.0, {1, 0, 0}), 1.0)};
+  const std::vector<PoseOutcome> outcomes{steadyPose(turnedJoint(0.3, {1, 0, 0}), 1.2)};
   EXPECT_NEAR(assess(kLayout, poses, outcomes).fitness, 0.09 + 0.04, 1e-15);
   const Assessment printed = assess(kLayout, poses, outcomes, PoseObjective::kPaper);
   // arccos(Q . Q') of 001 eq. 3 and 4, by hand: Q . Q' = cos(0.15).
@@ -62,27 +62,28 @@ TEST(PoseError, ThePapersObjectiveCountsABallAQuarterAndAHingeInFull) {
 }
 
 TEST(PoseError, ErrorsOfOppositeSignDoNotCancel) {
-  const JointPosition same = turned(0.0, {1, 0, 0});
+  const JointPosition same = turnedJoint(0.0, {1, 0, 0});
   const std::vector<Pose> poses{pose(same, 0.0), pose(same, 0.0)};
-  const Assessment judged = assess(kLayout, poses, std::vector{steady(same, 0.5), steady(same, -0.5)});
+  const Assessment judged = assess(kLayout, poses, std::vector{steadyPose(same, 0.5), steadyPose(same, -0.5)});
   EXPECT_EQ(judged.mje[1], 0.5);
   EXPECT_EQ(judged.fitness, 0.5);
 }
 
 TEST(PoseError, IsBlindToTheSignOfAQuaternion) {
-  const JointPosition measured = turned(3.0, {0, 1, 0});
-  JointPosition opposite = turned(2.9, {0, 1, 0});
+  const JointPosition measured = turnedJoint(3.0, {0, 1, 0});
+  JointPosition opposite = turnedJoint(2.9, {0, 1, 0});
   opposite.rotation.coeffs() *= -1.0;
-  const Assessment judged = assess(kLayout, std::vector{pose(measured, 0)}, std::vector{steady(opposite, 0)});
+  const Assessment judged = assess(kLayout, std::vector{pose(measured, 0)}, std::vector{steadyPose(opposite, 0)});
   EXPECT_NEAR(judged.errors[0][0], 0.1, 1e-14);
   // arccos(Q . Q') as printed would be far from half of that.
   EXPECT_GT(std::acos(measured.rotation.dot(opposite.rotation)), 3.0);
 }
 
 TEST(PoseError, AnInvalidPoseHasNoErrorAndLeavesNoFitness) {
-  const JointPosition same = turned(0.0, {1, 0, 0});
+  const JointPosition same = turnedJoint(0.0, {1, 0, 0});
   const std::vector<Pose> poses{pose(same, 0.0), pose(same, 0.0), pose(same, 0.0)};
-  const std::vector<PoseOutcome> outcomes{invalid(PoseStatus::kNotFinite, -1, -1.0), steady(same, 0.25), PoseOutcome{}};
+  const std::vector<PoseOutcome> outcomes{invalid(PoseStatus::kNotFinite, -1, -1.0), steadyPose(same, 0.25),
+                                          PoseOutcome{}};
   const Assessment judged = assess(kLayout, poses, outcomes);
   EXPECT_EQ(judged.valid, 1u);
   EXPECT_THAT(judged.errors[0], IsEmpty());
@@ -92,7 +93,7 @@ TEST(PoseError, AnInvalidPoseHasNoErrorAndLeavesNoFitness) {
 }
 
 TEST(PoseError, WithoutAValidPoseNothingIsKnown) {
-  const JointPosition same = turned(0.0, {1, 0, 0});
+  const JointPosition same = turnedJoint(0.0, {1, 0, 0});
   const Assessment judged = assess(kLayout, std::vector{pose(same, 0)}, std::vector<PoseOutcome>(1));
   EXPECT_EQ(judged.valid, 0u);
   EXPECT_TRUE(std::isnan(judged.mje[0]) && std::isnan(judged.mje[1]) && std::isnan(judged.fitness));
@@ -109,9 +110,9 @@ TEST(PoseError, SaysWhyAPoseIsInvalid) {
 TEST(PoseError, OnlyThePapersColumnHoldsHalfAngles) {
   ValidationResult result;
   result.layout = kLayout;
-  result.set = {"p.csv", {pose(turned(0.0, {1, 0, 0}), 0.0)}};
+  result.set = {"p.csv", {pose(turnedJoint(0.0, {1, 0, 0}), 0.0)}};
   result.assessment =
-      assess(kLayout, result.set.poses, std::vector{steady(turned(20 * kDegree, {0, 0, 1}), 10 * kDegree)});
+      assess(kLayout, result.set.poses, std::vector{steadyPose(turnedJoint(20 * kDegree, {0, 0, 1}), 10 * kDegree)});
   const Json json = toJson(result);
   EXPECT_NEAR(json.at("mje_deg").at("shoulder").get<double>(), 20.0, 1e-12);
   EXPECT_NEAR(json.at("mje_deg").at("elbow").get<double>(), 10.0, 1e-12);

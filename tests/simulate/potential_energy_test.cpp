@@ -10,7 +10,7 @@
 namespace simgap {
 namespace {
 
-struct Case {
+struct EnergyCase {
   reality::Arm arm;
   ArmModel model;
   std::vector<double> shafts;
@@ -18,9 +18,9 @@ struct Case {
 };
 
 // A random arm in a random position; every muscle is made taut or slack by chance.
-Case randomCase(std::uint64_t seed) {
+EnergyCase randomCase(std::uint64_t seed) {
   std::mt19937 random(static_cast<unsigned>(seed));
-  Case c;
+  EnergyCase c;
   c.arm = seed == 0 ? reality::referenceArm() : reality::randomArm(seed);
   c.model = test::modelOf(c.arm, false);
   c.shafts = reality::randomShafts(c.arm, seed);
@@ -32,7 +32,8 @@ Case randomCase(std::uint64_t seed) {
   return c;
 }
 
-std::vector<JointPosition> displaced(const Case& c, const PotentialEnergy& energy, const Eigen::VectorXd& w) {
+std::vector<JointPosition> energyDisplaced(const EnergyCase& c, const PotentialEnergy& energy,
+                                           const Eigen::VectorXd& w) {
   std::vector<JointPosition> joints = c.joints;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const int d = energy.firstDof(static_cast<int>(j));
@@ -55,10 +56,10 @@ class PotentialEnergyOfArms : public testing::TestWithParam<int> {
     energy_.evaluate(c_.joints);
   }
   double energyAt(const Eigen::VectorXd& w) {
-    energy_.evaluate(displaced(c_, energy_, w));
+    energy_.evaluate(energyDisplaced(c_, energy_, w));
     return energy_.energy();
   }
-  Case c_;
+  EnergyCase c_;
   PotentialEnergy energy_;
 };
 

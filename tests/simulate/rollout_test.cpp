@@ -15,13 +15,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-RolloutOptions stepOf(double step) {
+RolloutOptions rolloutStep(double step) {
   RolloutOptions options;
   options.step = step;
   return options;
 }
 
-MotionCommands held(const ArmModel& model, CommandKind kind, double value) {
+MotionCommands heldCommands(const ArmModel& model, CommandKind kind, double value) {
   MotionCommands commands;
   commands.kinds.assign(model.muscles.size(), kind);
   commands.times = {0.0};
@@ -29,21 +29,22 @@ MotionCommands held(const ArmModel& model, CommandKind kind, double value) {
   return commands;
 }
 
-std::vector<double> timesTo(double end, double interval) {
+std::vector<double> rolloutTimesTo(double end, double interval) {
   std::vector<double> times;
   for (int i = 0; i * interval < end + 1e-9; ++i) times.push_back(i * interval);
   return times;
 }
 
-MotionTrack play(const ArmModel& model, double step, const MotionStart& start, const std::vector<double>& times) {
-  Rollout rollout(model, stepOf(step));
+MotionTrack playRollout(const ArmModel& model, double step, const MotionStart& start,
+                        const std::vector<double>& times) {
+  Rollout rollout(model, rolloutStep(step));
   MotionTrack track;
-  EXPECT_TRUE(rollout.run(held(model, CommandKind::kSetpoint, 0.0), start, times, track).finished);
+  EXPECT_TRUE(rollout.run(heldCommands(model, CommandKind::kSetpoint, 0.0), start, times, track).finished);
   return track;
 }
 
 // Arithmetic-geometric mean, by which Gauss gave the complete elliptic integral.
-double mean(double a, double b) {
+double meanOf(double a, double b) {
   while (std::abs(a - b) > 1e-15 * a) {
     const double arithmetic = 0.5 * (a + b);
     b = std::sqrt(a * b);
@@ -52,9 +53,9 @@ double mean(double a, double b) {
   return a;
 }
 
-double periodOf(const ArmModel& model, double amplitude, double step) {
-  const std::vector<double> times = timesTo(8.0, step);
-  const MotionTrack track = play(model, step, {{test::hingeAt(amplitude)}}, times);
+double rolloutPeriod(const ArmModel& model, double amplitude, double step) {
+  const std::vector<double> times = rolloutTimesTo(8.0, step);
+  const MotionTrack track = playRollout(model, step, {{test::hingeAt(amplitude)}}, times);
   std::vector<double> crossings;
   for (std::size_t i = 1; i < times.size(); ++i) {
     const double before = track.joints[i - 1].angle, now = track.joints[i].angle;
@@ -67,9 +68,9 @@ double periodOf(const ArmModel& model, double amplitude, double step) {
 TEST(Rollout, PendulumSwingsWithThePeriodOfTheEllipticIntegral) {
   const double slow = std::sqrt(test::kPendulumMass * test::kGravity * test::kPendulumLength / test::kPendulumInertia);
   for (const double amplitude : {0.05, 0.8, 2.0}) {
-    const double period = 2.0 * std::numbers::pi / (slow * mean(1.0, std::cos(0.5 * amplitude)));
-    EXPECT_NEAR(periodOf(test::pendulum(), amplitude, 0.001) / period, 1.0, 1e-5) << amplitude;
-    EXPECT_NEAR(periodOf(test::pendulum(), amplitude, 0.002) / period, 1.0, 1e-4) << amplitude;
+    const double period = 2.0 * std::numbers::pi / (slow * meanOf(1.0, std::cos(0.5 * amplitude)));
+    EXPECT_NEAR(rolloutPeriod(test::pendulum(), amplitude, 0.001) / period, 1.0, 1e-5) << amplitude;
+    EXPECT_NEAR(rolloutPeriod(test::pendulum(), amplitude, 0.002) / period, 1.0, 1e-4) << amplitude;
   }
 }
 
@@ -83,21 +84,21 @@ TEST(Rollout, ADampedHingeSlowsDownExponentially) {
   const double rate = 0.5 / test::kPendulumInertia;  // 11 /s
   const std::vector<double> times = {0.3};
   const auto speed = [&](double step) {
-    return play(model, step, {{test::hingeAt(0.0)}, {{3.0, 0.0, 0.0}}}, times).joint_velocities[0].x();
+    return playRollout(model, step, {{test::hingeAt(0.0)}, {{3.0, 0.0, 0.0}}}, times).joint_velocities[0].x();
   };
   const double exact = 3.0 * std::exp(-0.3 * rate);
   EXPECT_NEAR(speed(0.001) / exact, 1.0, 1e-4);
   EXPECT_NEAR((speed(0.002) - exact) / (speed(0.001) - exact), 4.0, 0.1);
 }
 
-const std::vector<Part> kLopsided = {test::cylinder(0.6, {0.01, 0.02, -0.1}, {0.3, -0.2, 1.0}),
-                                     test::box(0.4, {-0.03, 0.01, -0.16}, {0.05, 0.09, 0.03}),
-                                     test::sphere(0.2, {0.02, -0.04, -0.05}, 0.03)};
+const std::vector<Part> kLopsidedBox = {test::cylinder(0.6, {0.01, 0.02, -0.1}, {0.3, -0.2, 1.0}),
+                                        test::box(0.4, {-0.03, 0.01, -0.16}, {0.05, 0.09, 0.03}),
+                                        test::sphere(0.2, {0.02, -0.04, -0.05}, 0.03)};
 
 // The judge sums over the parts (support/arms.h): it knows no mass matrix.
 double energyDrift(const ArmModel& model, double step, const MotionStart& start, double end) {
-  const std::vector<double> times = timesTo(end, 0.01);
-  const MotionTrack track = play(model, step, start, times);
+  const std::vector<double> times = rolloutTimesTo(end, 0.01);
+  const MotionTrack track = playRollout(model, step, start, times);
   const auto mechanics = [&](std::size_t row) {
     const auto velocities = std::span(track.joint_velocities).subspan(row * track.joint_count, track.joint_count);
     return test::mechanics(model, track.jointsAt(row), velocities);
@@ -113,7 +114,7 @@ double energyDrift(const ArmModel& model, double step, const MotionStart& start,
 
 TEST(Rollout, ATumblingBallKeepsItsEnergy) {
   ArmModel model = test::torso();
-  test::addLink(model, 0, JointType::kSpherical, {0.1, 0.0, 0.2}, kLopsided).child_position = {0.02, -0.01, 0.03};
+  test::addLink(model, 0, JointType::kSpherical, {0.1, 0.0, 0.2}, kLopsidedBox).child_position = {0.02, -0.01, 0.03};
   const MotionStart start{{test::ballAt(0.9, {1.0, 2.0, -1.0})}, {{3.0, -2.0, 4.0}}};
   EXPECT_LT(energyDrift(model, 0.002, start, 10.0), 1e-3);
   EXPECT_LT(energyDrift(model, 0.001, start, 10.0), 3e-4);
@@ -121,9 +122,9 @@ TEST(Rollout, ATumblingBallKeepsItsEnergy) {
 
 TEST(Rollout, AChainKeepsItsEnergy) {
   ArmModel model = test::torso();
-  test::addLink(model, 0, JointType::kSpherical, {0.1, 0.0, 0.2}, kLopsided);
-  test::addLink(model, 1, JointType::kRevolute, {0.0, 0.0, -0.2}, kLopsided);
-  test::addLink(model, 2, JointType::kSpherical, {0.0, 0.02, -0.2}, kLopsided);
+  test::addLink(model, 0, JointType::kSpherical, {0.1, 0.0, 0.2}, kLopsidedBox);
+  test::addLink(model, 1, JointType::kRevolute, {0.0, 0.0, -0.2}, kLopsidedBox);
+  test::addLink(model, 2, JointType::kSpherical, {0.0, 0.02, -0.2}, kLopsidedBox);
   const MotionStart start{{test::ballAt(0.4, {1.0, 1.0, 0.0}), test::hingeAt(0.8), test::ballAt(0.5, {0.0, 1.0, 2.0})},
                           {{1.0, -2.0, 1.5}, {2.0, 0.0, 0.0}, {-1.0, 1.0, 2.0}}};
   EXPECT_LT(energyDrift(model, 0.001, start, 2.0), 2e-3);
@@ -134,8 +135,8 @@ TEST(Rollout, TheStepBeginsAndEndsWhereBulletsDoes) {
   const ArmModel model = test::exampleArm();
   const std::vector<double> times = {0.3};
   MotionTrack track;
-  Rollout rollout(model, stepOf(0.0005));
-  const MotionCommands commands = held(model, CommandKind::kSetpoint, 2.0);
+  Rollout rollout(model, rolloutStep(0.0005));
+  const MotionCommands commands = heldCommands(model, CommandKind::kSetpoint, 2.0);
   ASSERT_TRUE(rollout.run(commands, {}, times, track).finished);
   BulletArmOptions fine;
   fine.step = 0.00005;
@@ -157,10 +158,10 @@ TEST(Rollout, ComesToRestWhereTheEnergyIsLeast) {
     joint.coulomb_friction = 0.0;
     joint.viscous_friction *= 10.0;
   }
-  Rollout rollout(model, stepOf(0.001));
+  Rollout rollout(model, rolloutStep(0.001));
   MotionTrack track;
   const std::vector<double> times = {20.0};
-  ASSERT_TRUE(rollout.run(held(model, CommandKind::kSetpoint, 2.0), {}, times, track).finished);
+  ASSERT_TRUE(rollout.run(heldCommands(model, CommandKind::kSetpoint, 2.0), {}, times, track).finished);
   EquilibriumArm equilibrium(model);
   std::vector<double> shafts(11);
   for (Eigen::Index m = 0; m < 11; ++m) shafts[static_cast<std::size_t>(m)] = track.shafts(m, 0);
@@ -175,10 +176,10 @@ TEST(Rollout, RepeatsToTheLastBitWhateverCameBefore) {
   ArmModel other = model;
   other.joints[0].viscous_friction *= 2.0;
   other.muscles[3].motor.coulomb_friction *= 2.0;
-  const std::vector<double> times = timesTo(0.5, 0.0037);
+  const std::vector<double> times = rolloutTimesTo(0.5, 0.0037);
   MotionTrack first, again;
-  Rollout rollout(model, stepOf(0.001));
-  const MotionCommands commands = held(model, CommandKind::kSetpoint, 1.0);
+  Rollout rollout(model, rolloutStep(0.001));
+  const MotionCommands commands = heldCommands(model, CommandKind::kSetpoint, 1.0);
   ASSERT_TRUE(rollout.run(commands, {}, times, first).finished);
   rollout.setModel(other);
   ASSERT_TRUE(rollout.run(commands, {}, times, again).finished);
@@ -193,10 +194,10 @@ TEST(Rollout, RepeatsToTheLastBitWhateverCameBefore) {
 TEST(Rollout, SaysWhenAndWhereItBlewUp) {
   ArmModel model = test::exampleArm();
   for (Muscle& muscle : model.muscles) muscle.shock_cord.stiffness = 1e9;
-  Rollout rollout(model, stepOf(0.002));
+  Rollout rollout(model, rolloutStep(0.002));
   MotionTrack track;
-  const std::vector<double> times = timesTo(1.0, 0.01);
-  const MotionOutcome outcome = rollout.run(held(model, CommandKind::kSetpoint, 10.0), {}, times, track);
+  const std::vector<double> times = rolloutTimesTo(1.0, 0.01);
+  const MotionOutcome outcome = rollout.run(heldCommands(model, CommandKind::kSetpoint, 10.0), {}, times, track);
   EXPECT_FALSE(outcome.finished);
   EXPECT_TRUE(outcome.joint >= 0 || outcome.muscle >= 0);
   EXPECT_LT(outcome.rows, times.size());

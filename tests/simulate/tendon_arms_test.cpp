@@ -42,7 +42,7 @@ Drawn drawn(int seed) {
   return d;
 }
 
-std::vector<JointPosition> displaced(const Drawn& c, const PotentialEnergy& energy, const Eigen::VectorXd& w) {
+std::vector<JointPosition> tendonDisplaced(const Drawn& c, const PotentialEnergy& energy, const Eigen::VectorXd& w) {
   std::vector<JointPosition> joints = c.joints;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const int d = energy.firstDof(static_cast<int>(j));
@@ -73,7 +73,7 @@ TEST_P(ArmsOfManyKinds, GradientAndHessianAreDerivativesOfTheEnergy) {
   PotentialEnergy other(c_.model);
   other.setShafts(c_.shafts);
   const auto at = [&](const Eigen::VectorXd& w) {
-    other.evaluate(displaced(c_, other, w));
+    other.evaluate(tendonDisplaced(c_, other, w));
     return other.energy();
   };
   const double h = 1e-4;
@@ -142,7 +142,7 @@ TEST_P(ArmsOfManyKinds, MomentArmsAreDerivativesOfTheLengthThatThePathHas) {
     for (int i = 0; i < n; ++i) {
       const Eigen::VectorXd w = 1e-6 * Eigen::VectorXd::Unit(n, i);
       const double slope =
-          (lengthAt(line, displaced(c_, energy_, w)) - lengthAt(line, displaced(c_, energy_, -w))) / 2e-6;
+          (lengthAt(line, tendonDisplaced(c_, energy_, w)) - lengthAt(line, tendonDisplaced(c_, energy_, -w))) / 2e-6;
       EXPECT_NEAR(arms[i], slope, 1e-8) << "line " << line << ", " << i;
     }
   }

@@ -20,7 +20,7 @@ namespace simgap {
 namespace {
 
 /// With a ligament that passes beside the ball.
-ArmModel manyKinds() {
+ArmModel effectArm() {
   return readArm(YamlNode::parse(
       test::replaced(test::kManyKinds,
                      "attachments: [{body: carriage, point_m: [0.03, 0.03, 0]}, {body: upper, point_m: [0.02, 0.03, "
@@ -31,7 +31,7 @@ ArmModel manyKinds() {
 }
 
 ArmModel manyKindsWith(const std::string& effect, const std::string& target, const EffectParameters& p) {
-  ArmModel model = manyKinds();
+  ArmModel model = effectArm();
   model.extensions = {makeExtension(*findArmEffect(effect), target, p)};
   EXPECT_EQ(checkExtension(model.extensions[0], model), "");
   return model;
@@ -74,13 +74,13 @@ double touchingRadius(const std::string& target, double joint) {
   return 0.5 * (first + last);
 }
 
-struct Case {
+struct TendonCase {
   const char* effect;
   const char* target;
   EffectParameters p;
 };
 
-class EffectsOnLines : public testing::TestWithParam<Case> {
+class EffectsOnLines : public testing::TestWithParam<TendonCase> {
  protected:
   EffectsOnLines() {
     EffectParameters p = GetParam().p;
@@ -184,18 +184,21 @@ TEST_P(EffectsOnLines, BothSimulationsComeToTheSameRest) {
   EXPECT_LT(test::largestError(model_, equilibrium.joints(), outcome.joints), 2e-4);
 }
 
-std::string nameOf(const testing::TestParamInfo<Case>& info) {
+std::string nameOf(const testing::TestParamInfo<TendonCase>& info) {
   std::string name = std::string(info.param.effect) + "_" + info.param.target;
   std::ranges::replace(name, '-', '_');
   return name;
 }
-INSTANTIATE_TEST_SUITE_P(
-    All, EffectsOnLines,
-    testing::Values(Case{"muscle-wrap", "straight", {0.0, 2.0}}, Case{"muscle-wrap", "branched", {0.0, 3.0}},
-                    Case{"muscle-wrap", "ligament", {0.0, 1.0}}, Case{"ligament-rest-length", "ligament", {-0.012}},
-                    Case{"ligament-rest-length", "spring", {0.05}}, Case{"pulley-friction", "routed", {0.2, 1.0}},
-                    Case{"pulley-friction", "straight", {0.2, 0.0}}, Case{"line-elasticity", "branched", {2e-3}}),
-    nameOf);
+INSTANTIATE_TEST_SUITE_P(All, EffectsOnLines,
+                         testing::Values(TendonCase{"muscle-wrap", "straight", {0.0, 2.0}},
+                                         TendonCase{"muscle-wrap", "branched", {0.0, 3.0}},
+                                         TendonCase{"muscle-wrap", "ligament", {0.0, 1.0}},
+                                         TendonCase{"ligament-rest-length", "ligament", {-0.012}},
+                                         TendonCase{"ligament-rest-length", "spring", {0.05}},
+                                         TendonCase{"pulley-friction", "routed", {0.2, 1.0}},
+                                         TendonCase{"pulley-friction", "straight", {0.2, 0.0}},
+                                         TendonCase{"line-elasticity", "branched", {2e-3}}),
+                         nameOf);
 
 TEST(WrapOfALine, IsDrawn) {
   const ArmModel model = manyKindsWith("muscle-wrap", "straight", {touchingRadius("straight", 2.0), 2.0});

@@ -12,11 +12,11 @@
 namespace simgap {
 namespace {
 
-ArmModel manyKinds() { return readArm(YamlNode::parse(test::kManyKinds, "many.yaml")); }
+ArmModel movingArm() { return readArm(YamlNode::parse(test::kManyKinds, "many.yaml")); }
 
 /// Nothing that takes energy, and no joint reaches a limit: limits and couplings are met by impulses, which take some.
 ArmModel lossless() {
-  ArmModel model = manyKinds();
+  ArmModel model = movingArm();
   model.muscles.clear();
   for (Joint& joint : model.joints) {
     joint.coulomb_friction = joint.viscous_friction = 0.0;
@@ -35,7 +35,7 @@ ArmModel lossless() {
 
 /// Largest change of the energy within 0.3 s, relative to the work of the weight over 10 cm. Later the end of a line
 /// enters its surface, where lines jump (docs/tendons.md).
-double energyDrift(double step) {
+double tendonEnergyDrift(double step) {
   const ArmModel model = lossless();
   BulletArmOptions options;
   options.step = step;
@@ -57,7 +57,7 @@ double energyDrift(double step) {
 // Slides, hinges with frames of their own, lines over surfaces and springs: a wrong term of any of them feeds energy
 // in.
 TEST(TendonMotion, ALosslessArmKeepsItsEnergyToSecondOrder) {
-  const double coarse = energyDrift(0.001), fine = energyDrift(0.0005);
+  const double coarse = tendonEnergyDrift(0.001), fine = tendonEnergyDrift(0.0005);
   EXPECT_LT(fine, 1e-3);
   EXPECT_GT(coarse / fine, 2.5);  // four, but for where a line begins to touch a surface
 }
@@ -83,7 +83,7 @@ TEST(TendonMotion, ItsEnergyIsThePotentialOfTheEquilibriaWhereNothingMoves) {
 
 // Dampers bring it to rest; the motors hold it where the commands of a voltage have wound them to.
 TEST(TendonMotion, ComesToRestWhereTheEnergyIsLeast) {
-  ArmModel model = manyKinds();
+  ArmModel model = movingArm();
   for (Joint& joint : model.joints) joint.coulomb_friction = 0.0;
   RolloutOptions options;
   Rollout rollout(model, options);

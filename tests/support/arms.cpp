@@ -135,7 +135,7 @@ std::vector<Vector3d> velocitiesBetween(const ArmModel& model, std::span<const J
 namespace {
 
 // Of a part about its own centre, in the body's axes.
-Matrix3d inertiaOf(const Part& part) {
+Matrix3d inertiaOfPart(const Part& part) {
   const Vector3d square = part.size.cwiseAbs2();
   const double disc = part.radius * part.radius;
   switch (part.shape) {
@@ -172,7 +172,7 @@ Mechanics mechanics(const ArmModel& model, std::span<const JointPosition> positi
     for (const Part& part : model.bodies[joint.child].parts) {
       const Vector3d centre = child * part.position;
       const Vector3d velocity = drift[joint.child] + spin[joint.child].cross(centre - child.origin);
-      const Vector3d own = child.rotation * inertiaOf(part) * child.rotation.transpose() * spin[joint.child];
+      const Vector3d own = child.rotation * inertiaOfPart(part) * child.rotation.transpose() * spin[joint.child];
       sum.kinetic += 0.5 * (part.mass * velocity.squaredNorm() + spin[joint.child].dot(own));
       sum.potential -= part.mass * model.gravity.dot(centre);
       sum.angular_momentum += part.mass * centre.cross(velocity) + own;

@@ -16,13 +16,6 @@
 namespace simgap::test {
 namespace {
 
-void writeText(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
-
-void runOrThrow(const std::vector<std::string>& command, const std::filesystem::path& folder) {
-  const ProcessResult run = runProcess(command, folder);
-  if (run.exit_code != 0) throw std::runtime_error(run.err);
-}
-
 double rms(const std::filesystem::path& folder, const std::string& binary, const std::string& model,
            const std::vector<std::string>& bench) {
   std::vector<std::string> command = {binary, "predict", "d/" + model, "fresh.csv", "-q", "--force", "-o", "p"};

@@ -31,6 +31,10 @@ fs::path TemporaryFolder::put(const fs::path& name, std::string_view text) const
   return file;
 }
 
+void writeText(const std::filesystem::path& file, std::string_view text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
 std::string readText(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw std::runtime_error("cannot read " + file.string());

@@ -27,6 +27,7 @@ class TemporaryFolder {
 };
 
 std::string readText(const std::filesystem::path& file);
+void writeText(const std::filesystem::path& file, std::string_view text);
 /// A file of the source tree.
 std::filesystem::path sourceFile(const std::string& name);
 

@@ -13,14 +13,7 @@
 namespace simgap::test {
 namespace {
 
-void writeText(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
-
-void runOrThrow(const std::vector<std::string>& command, const std::filesystem::path& folder) {
-  const ProcessResult run = runProcess(command, folder);
-  if (run.exit_code != 0) throw std::runtime_error(run.err);
-}
-
-double rms(const std::filesystem::path& folder, const std::string& binary, const std::string& model) {
+double freshRms(const std::filesystem::path& folder, const std::string& binary, const std::string& model) {
   runOrThrow({binary, "predict", "d/" + model, "fresh.csv", "-q", "--force", "-o", "p"}, folder);
   return Json::parse(readText(folder / "p/result.json")).at("rms_error");
 }
@@ -73,7 +66,7 @@ double gainOnFreshLog(const reality::DriveDraw& draw, const std::filesystem::pat
   reality::DriveRig rig = draw.rig;
   rig.seed += 500000;
   writeText(folder / "fresh.csv", reality::recordDrive(rig, draw.secret).csv());
-  const double before = rms(folder, binary, "baseline.yaml"), after = rms(folder, binary, "model.yaml");
+  const double before = freshRms(folder, binary, "baseline.yaml"), after = freshRms(folder, binary, "model.yaml");
   return 1.0 - after * after / (before * before);
 }
 

@@ -92,4 +92,9 @@ ProcessResult runProcess(const std::vector<std::string>& arguments, const std::f
   return Process(arguments, folder).wait();
 }
 
+void runOrThrow(const std::vector<std::string>& command, const std::filesystem::path& folder) {
+  const ProcessResult run = runProcess(command, folder);
+  if (run.exit_code != 0) throw std::runtime_error(run.err);
+}
+
 }  // namespace simgap::test

@@ -39,5 +39,7 @@ class Process {
 };
 
 ProcessResult runProcess(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+/// \throws std::runtime_error  with what it said on stderr where its exit code is not 0.
+void runOrThrow(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
 }  // namespace simgap::test

@@ -13,7 +13,7 @@
 namespace simgap {
 namespace {
 
-constexpr double kRate = 100.0;  // rows per second
+constexpr double kRowRate = 100.0;  // rows per second
 
 /// A drive against a known torque. Its velocity is measured with noise, of which the controller makes current.
 /// \param fed_back  current per speed of the noise, \param late  rows by which the current is logged late.
@@ -24,7 +24,7 @@ PreparedLog noisyDrive(double fed_back, int late, double slow = 0.0) {
   std::normal_distribution<double> noise(0.0, 1.0);
   std::vector<double> speed, torque, current;
   for (int i = 0; i < kRows; ++i) {
-    const double t = i / kRate, w = 6.0 * std::sin(2.1 * t) + 3.0 * std::sin(3.7 * t + 1.0);
+    const double t = i / kRowRate, w = 6.0 * std::sin(2.1 * t) + 3.0 * std::sin(3.7 * t + 1.0);
     const double seen = 0.4 * noise(random), load = 0.5 * std::sin(0.9 * t);
     torque.push_back(load);
     const double gust = slow * std::sin(0.37 * t + 2.0 * std::sin(0.11 * t));
@@ -34,7 +34,7 @@ PreparedLog noisyDrive(double fed_back, int late, double slow = 0.0) {
   std::string csv = "time_s,motor_velocity_rad_s,external_torque_Nm,motor_current_A\n";
   for (int i = late; i < kRows; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", i / kRate, speed[k], torque[k],
+    csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", i / kRowRate, speed[k], torque[k],
                        current[k - static_cast<std::size_t>(late)]);
   }
   return prepareLog(CsvTable::parse(csv, "log.csv"), {}, ActuatorKind::kFriction);
@@ -102,14 +102,14 @@ TEST(Placebos, ALateCurrentIsADelayWithAndWithoutSuchNoise) {
   for (const double fed_back : {0.0, 0.3}) {
     const DelayFit late = fitDelay(noisyDrive(fed_back, 4));
     // The noise that comes back bends the delay away from where it would be met.
-    EXPECT_NEAR(late.delay, 4.0 / kRate, (fed_back > 0.0 ? 2.0 : 0.6) / kRate) << fed_back;
+    EXPECT_NEAR(late.delay, 4.0 / kRowRate, (fed_back > 0.0 ? 2.0 : 0.6) / kRowRate) << fed_back;
     EXPECT_EQ(late.doubt, "") << fed_back;
   }
 }
 
 TEST(Placebos, ALateCurrentIsADelayAlsoWhereSomethingSlowIsLeft) {
   const DelayFit late = fitDelay(noisyDrive(0.0, 4, 0.5));
-  EXPECT_NEAR(late.delay, 4.0 / kRate, 1.0 / kRate);
+  EXPECT_NEAR(late.delay, 4.0 / kRowRate, 1.0 / kRowRate);
   EXPECT_EQ(late.doubt, "");
   EXPECT_NE(fitDelay(noisyDrive(0.3, 0, 0.5)).doubt, "");
 }
@@ -119,13 +119,13 @@ PreparedLog lateOneWay() {
   constexpr std::size_t kRows = 6000, kLate = 8;
   std::vector<double> speed, current;
   for (std::size_t i = 0; i < kRows; ++i) {
-    const double t = static_cast<double>(i) / kRate, w = 6.0 * std::sin(2.1 * t) + 3.0 * std::sin(3.7 * t + 1.0);
+    const double t = static_cast<double>(i) / kRowRate, w = 6.0 * std::sin(2.1 * t) + 3.0 * std::sin(3.7 * t + 1.0);
     speed.push_back(w);
     current.push_back(0.2 * (w > 0.0 ? 1.0 : -1.0) + 0.1 * w + 0.5 * std::sin(0.9 * t) + 0.02 * std::cos(1e3 * t * t));
   }
   std::string csv = "time_s,motor_velocity_rad_s,external_torque_Nm,motor_current_A\n";
   for (std::size_t i = kLate; i < kRows; ++i) {
-    const double t = static_cast<double>(i) / kRate;
+    const double t = static_cast<double>(i) / kRowRate;
     csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", t, speed[i], 0.5 * std::sin(0.9 * t),
                        current[speed[i] > 0.0 ? i - kLate : i]);
   }

@@ -21,7 +21,7 @@ using reality::simulateMotor;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-MotorLog read(const std::string& csv) { return readMotorLog(CsvTable::parse(csv, "motor.csv")); }
+MotorLog readDrive(const std::string& csv) { return readMotorLog(CsvTable::parse(csv, "motor.csv")); }
 
 double value(const DriveFit& fit, std::string_view name) {
   for (const Estimate& e : fit.uncertainty.estimates) {
@@ -43,12 +43,13 @@ void expectMotor(const DriveFit& fit, const MotorTruth& truth, double tolerance)
 TEST(MotorFit, RecoversTheTruthWithoutNoise) {
   const MotorTruth truth;
   // The reference integrates in steps of 20 us, 0.4 % of the winding's time constant.
-  expectMotor(fitDrive(read(simulateMotor(truth, {}).csv()), {}), truth, 3e-3);
+  expectMotor(fitDrive(readDrive(simulateMotor(truth, {}).csv()), {}), truth, 3e-3);
 }
 
 TEST(MotorFit, RecoversTheTruthFromNoisyLogs) {
   const MotorTruth truth;
-  const DriveFit fit = fitDrive(read(simulateMotor(truth, {.current_noise = 0.1, .velocity_noise = 3.0}).csv()), {});
+  const DriveFit fit =
+      fitDrive(readDrive(simulateMotor(truth, {.current_noise = 0.1, .velocity_noise = 3.0}).csv()), {});
   expectMotor(fit, truth, 0.02);
   for (const Estimate& e : fit.uncertainty.estimates) {
     if (e.name == "K_T") {
@@ -64,14 +65,14 @@ TEST(MotorFit, UnitsOfTheColumnsDoNotMatter) {
   MotorTruth truth;
   truth.viscous = 0.0;  // its step of differentiation has no size of its own
   const MotorBenchLog log = simulateMotor(truth, {.seconds = 3.0, .current_noise = 0.05, .velocity_noise = 1.0});
-  const MotorLog si = read(log.csv());
+  const MotorLog si = readDrive(log.csv());
   CsvWriter other({"time_ms", "voltage_V", "current_mA", "velocity_rpm", "load_torque_mNm", "session"});
   for (std::size_t k = 0; k < log.time.size(); ++k) {
     other.add(1e3 * log.time[k]).add(log.voltage[k]).add(1e3 * log.current[k]);
     other.add(log.velocity[k] * 30.0 / std::numbers::pi).add(1e3 * log.load[k]);
     other.add(static_cast<double>(log.session[k])).endRow();
   }
-  const DriveFit one = fitDrive(si, {}), two = fitDrive(read(other.text()), {});
+  const DriveFit one = fitDrive(si, {}), two = fitDrive(readDrive(other.text()), {});
   const double torque = truth.torque * 1.0, speed = 300.0;  // of 1 A, and usual here
   for (std::size_t i = 0; i < 7; ++i) {
     const Estimate &a = one.uncertainty.estimates[i], &b = two.uncertainty.estimates[i];
@@ -88,7 +89,7 @@ TEST(MotorFit, UnitsOfTheColumnsDoNotMatter) {
 TEST(MotorFit, ALateVoltageIsFoundAndDoesNoHarm) {
   const MotorTruth truth;
   const MotorDesign design{.seconds = 3.0, .current_noise = 0.02, .velocity_noise = 1.0, .voltage_late = 1.0};
-  const DriveFit fit = fitDrive(read(simulateMotor(truth, design).csv()), {});
+  const DriveFit fit = fitDrive(readDrive(simulateMotor(truth, design).csv()), {});
   expectMotor(fit, truth, 0.01);
   ASSERT_EQ(fit.fitted_delays.size(), 2u);
   EXPECT_EQ(fit.fitted_delays[0].channel, "voltage_V");
@@ -99,7 +100,7 @@ TEST(MotorFit, ALateVoltageIsFoundAndDoesNoHarm) {
 
 TEST(MotorFit, RowsThatAreHeldOutDoNotCount) {
   const MotorBenchLog log = simulateMotor({}, {.seconds = 3.0, .current_noise = 0.05, .velocity_noise = 1.0});
-  const MotorLog read_log = read(log.csv());
+  const MotorLog read_log = readDrive(log.csv());
   std::vector<bool> fitted(read_log.rows(), true);
   std::fill(fitted.begin(), fitted.begin() + 1500, false);
   const DriveFit fit = fitDrive(read_log, {}, fitted);
@@ -110,15 +111,15 @@ TEST(MotorFit, RowsThatAreHeldOutDoNotCount) {
 TEST(MotorFit, ListsWhatALogWithoutAChannelCannotShow) {
   const MotorTruth truth;
   const MotorBenchLog log = simulateMotor(truth, {.current_noise = 0.02, .velocity_noise = 1.0});
-  const DriveFit no_load = fitDrive(read(log.csv(true, false)), {});
+  const DriveFit no_load = fitDrive(readDrive(log.csv(true, false)), {});
   EXPECT_THAT(no_load.warnings, Contains(HasSubstr("K_T is taken as K_E")));
-  const DriveFit no_voltage = fitDrive(read(log.csv(false)), {});
+  const DriveFit no_voltage = fitDrive(readDrive(log.csv(false)), {});
   EXPECT_THAT(no_voltage.warnings, Contains(HasSubstr("R, L and K_E cannot be found")));
   EXPECT_FALSE(no_voltage.uncertainty.estimates[0].identifiable);
   EXPECT_TRUE(std::isnan(value(no_voltage, "R")));
   EXPECT_NEAR(value(no_voltage, "K_T"), truth.torque, 0.03 * truth.torque);
-  EXPECT_THAT(errorOf([&] { fitDrive(read(log.csv(false, false)), {}); }), HasSubstr("only ratios"));
-  EXPECT_THAT(errorOf([&] { fitDrive(read(log.csv(false, true, false)), {}); }), HasSubstr("found no velocity"));
+  EXPECT_THAT(errorOf([&] { fitDrive(readDrive(log.csv(false, false)), {}); }), HasSubstr("only ratios"));
+  EXPECT_THAT(errorOf([&] { fitDrive(readDrive(log.csv(false, true, false)), {}); }), HasSubstr("found no velocity"));
 }
 
 TEST(GearboxFit, RecoversTheTruthWithAndWithoutSpeed) {
@@ -140,12 +141,13 @@ TEST(GearboxFit, RecoversTheTruthWithAndWithoutSpeed) {
   options.motor = {truth.resistance, truth.inductance, truth.emf,     truth.torque,
                    truth.inertia,    truth.viscous,    truth.coulomb, 0.0};
   for (const bool with_speed : {true, false}) {
-    const DriveFit fit = fitDrive(read(log.csv(true, true, with_speed)), options);
+    const DriveFit fit = fitDrive(readDrive(log.csv(true, true, with_speed)), options);
     EXPECT_NEAR(value(fit, "eta"), truth.efficiency, 0.03) << with_speed;
     EXPECT_NEAR(value(fit, "tau_CG"), truth.gear_coulomb, 0.02) << with_speed;
     EXPECT_NEAR(value(fit, "J_G"), truth.gear_inertia, 0.2e-3) << with_speed;
   }
-  EXPECT_THAT(errorOf([&] { fitDrive(read(log.csv(true, false)), options); }), HasSubstr("load torque is missing"));
+  EXPECT_THAT(errorOf([&] { fitDrive(readDrive(log.csv(true, false)), options); }),
+              HasSubstr("load torque is missing"));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ std::vector<std::string_view> namesOf(const std::vector<std::string>& asked) {
 
 /// Of a drive whose friction has a part that no load changes: variant-a has it, classic has not.
 FrictionData offsetData(std::uint64_t seed) {
-  reality::DriveTruth truth;
+  reality::FrictionTruth truth;
   truth.sliding_offset = 1.5;
   return frictionData(reality::simulateFrictionLog(truth, {.rows = 3000, .seed = seed}));
 }

@@ -15,13 +15,13 @@
 namespace simgap::test {
 namespace {
 
-using reality::DriveTruth;
+using reality::FrictionTruth;
 using reality::LogDesign;
 using reality::simulateFrictionLog;
 using ::testing::HasSubstr;
 
-DriveTruth variantA(double noise = 0.0) {
-  DriveTruth truth;
+FrictionTruth variantA(double noise = 0.0) {
+  FrictionTruth truth;
   truth.sliding_offset = 0.6;
   truth.noise = noise;
   return truth;
@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(AllLaws, LawDerivativeTest, testing::ValuesIn(friction:
 
 TEST(FrictionFit, RecoversTheTruthFromNoiselessLogs) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
-    const DriveTruth truth = variantA();
+    const FrictionTruth truth = variantA();
     const FrictionFit found = fit("variant-a", frictionData(simulateFrictionLog(truth, {.rows = 8000, .seed = seed})));
     EXPECT_NEAR(found.value("k_a"), truth.torque_per_ampere, 1e-6 * truth.torque_per_ampere);
     EXPECT_NEAR(found.value("n_c1"), truth.sliding_per_load, 1e-6 * truth.sliding_per_load);
@@ -148,7 +148,7 @@ TEST(FrictionFit, OrderOfRowsDoesNotMatter) {
 
 TEST(FrictionFit, ShowsThePapersPatternOnVariantA) {
   // Offset and noise fixed before looking: 1.2 N m, the paper's MSE of 0.76 A^2.
-  DriveTruth truth = variantA(std::sqrt(0.7624));
+  FrictionTruth truth = variantA(std::sqrt(0.7624));
   truth.sliding_offset = 1.2;
   const FrictionData data = frictionData(simulateFrictionLog(truth, {.rows = 40000, .sessions = 20}));
   std::vector<FrictionFit> fits{fit("classic", data), fit("variant-a", data), fit("variant-b", data)};
@@ -163,7 +163,7 @@ TEST(FrictionFit, ShowsThePapersPatternOnVariantA) {
 }
 
 TEST(FrictionFit, SeesNoOffsetWhereThereIsNone) {
-  DriveTruth truth = variantA(std::sqrt(0.7624));
+  FrictionTruth truth = variantA(std::sqrt(0.7624));
   truth.sliding_offset = 0.0;
   const FrictionData data = frictionData(simulateFrictionLog(truth, {.rows = 40000, .sessions = 20}));
   std::vector<FrictionFit> fits{fit("classic", data), fit("variant-a", data), fit("variant-b", data)};
@@ -172,7 +172,7 @@ TEST(FrictionFit, SeesNoOffsetWhereThereIsNone) {
 }
 
 TEST(FrictionFit, BristlesAndNoisyVelocityDoNotHideTheLaw) {
-  DriveTruth truth = variantA(0.25);
+  FrictionTruth truth = variantA(0.25);
   truth.noise_memory = 0.6;
   truth.velocity_noise = 0.15;
   truth.bristle_travel = 0.02;
@@ -213,7 +213,7 @@ TEST(FrictionFit, RobustLossIgnoresOutliers) {
 
 TEST(FrictionFit, FitsConstantsOfTheRig) {
   // A pendulum whose bob is unknown: the load is what its mass makes.
-  DriveTruth truth = variantA(0.05);
+  FrictionTruth truth = variantA(0.05);
   const auto log = simulateFrictionLog(truth, {.rows = 6000, .sessions = 1});
   FrictionData data = frictionData(log);
   const double true_mass = 2.5;

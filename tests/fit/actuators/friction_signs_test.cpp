@@ -15,7 +15,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 reality::FrictionLog sample() {
-  reality::DriveTruth truth;
+  reality::FrictionTruth truth;
   truth.sliding_offset = 1.0;
   return simulateFrictionLog(truth, {});
 }

@@ -12,7 +12,7 @@
 namespace simgap::test {
 namespace {
 
-using reality::DriveTruth;
+using reality::FrictionTruth;
 using reality::simulateFrictionLog;
 
 constexpr int kLogs = 200;
@@ -59,7 +59,7 @@ struct Study {
   std::vector<double> mean, error, deviation, bias;
 };
 
-Study studyLogs(const DriveTruth& truth, std::size_t rows, const std::vector<True>& parameters) {
+Study studyLogs(const FrictionTruth& truth, std::size_t rows, const std::vector<True>& parameters) {
   Study study;
   study.covered.assign(parameters.size(), 0);
   std::vector<double> sum(parameters.size()), squares(parameters.size()), bias(parameters.size());
@@ -94,14 +94,14 @@ Study studyLogs(const DriveTruth& truth, std::size_t rows, const std::vector<Tru
   return study;
 }
 
-std::vector<True> namesAndValues(const DriveTruth& truth) {
+std::vector<True> namesAndValues(const FrictionTruth& truth) {
   return {{"k_a", truth.torque_per_ampere},  {"n_c1", truth.sliding_per_load}, {"n_c2", truth.sliding_offset},
           {"n_s", truth.breakaway_per_load}, {"k_v", truth.viscous},           {"v_s", truth.stribeck_velocity},
           {"delta", truth.stribeck_exponent}};
 }
 
 TEST(SlowFrictionStudy, IntervalsCoverTheTruthUnderCorrelatedNoise) {
-  DriveTruth truth;
+  FrictionTruth truth;
   truth.sliding_offset = 0.6;
   truth.noise = 0.5;
   truth.noise_memory = 0.8;
@@ -116,7 +116,7 @@ TEST(SlowFrictionStudy, IntervalsCoverTheTruthUnderCorrelatedNoise) {
 TEST(SlowFrictionStudy, MeansAreUnbiasedButForTheKnownBiasOfLeastSquares) {
   // Least squares in a non-linear model is biased in proportion to the noise's variance: for delta here by 0.05 of its
   // standard deviation, 0.7 standard errors of 200 logs. Box's formula says how much; what is left must be chance.
-  DriveTruth truth;
+  FrictionTruth truth;
   truth.sliding_offset = 0.6;
   truth.noise = 0.25;
   const std::vector<True> parameters = namesAndValues(truth);
@@ -129,7 +129,7 @@ TEST(SlowFrictionStudy, MeansAreUnbiasedButForTheKnownBiasOfLeastSquares) {
 
 TEST(SlowFrictionStudy, MeansAreUnbiasedWhereNoiseIsSmall) {
   // A fifth of the noise: the bias falls to a twenty-fifth, a fifth of it in standard errors.
-  DriveTruth truth;
+  FrictionTruth truth;
   truth.sliding_offset = 0.6;
   truth.noise = 0.05;
   const std::vector<True> parameters = namesAndValues(truth);
@@ -147,7 +147,7 @@ TEST(SlowFrictionStudy, NoRandomStartFindsALowerCost) {
   for (int log = 0; log < kHardLogs; ++log) {
     std::mt19937_64 random(static_cast<std::uint64_t>(log));
     std::uniform_real_distribution<double> uniform;
-    DriveTruth truth;
+    FrictionTruth truth;
     truth.sliding_offset = log % 2 == 0 ? 0.0 : 0.5 + uniform(random);
     truth.stribeck_velocity = 3.0 + 20.0 * uniform(random);
     truth.noise = 0.5;

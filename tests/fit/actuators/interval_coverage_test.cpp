@@ -140,7 +140,7 @@ Coverage gearboxes(int logs) {
 
 Coverage frictions(int logs, double current_late) {
   Coverage coverage;
-  reality::DriveTruth truth;
+  reality::FrictionTruth truth;
   truth.sliding_offset = truth.breakaway_offset = 0.6;
   truth.noise = 0.3, truth.noise_memory = 0.6;
   truth.current_grain = 0.05;

@@ -8,11 +8,11 @@
 namespace simgap {
 namespace {
 
-constexpr double kA = 0.06, kB = -0.12, kC = 0.015;  // some 5 kN at 0.6 MPa
+constexpr double kComparedA = 0.06, kB = -0.12, kC = 0.015;  // some 5 kN at 0.6 MPa
 
 /// A rig that pulls a muscle out and lets it back, slowly, at one pressure after the other. Behind a tendon with a
 /// spring the muscle itself is shorter by f / k; the force is then found by bisection.
-PamLog rig(double spring) {
+PamLog comparedRig(double spring) {
   PamLog log;
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, 5.0);  // [N]
@@ -21,7 +21,7 @@ PamLog rig(double spring) {
     double low = 0.0, high = 2e4;
     for (int k = 0; k < 100; ++k) {
       const double f = 0.5 * (low + high), x = eps + f / spring;
-      (pressure * (kA * x * x + kB * x + kC) > f ? low : high) = f;
+      (pressure * (kComparedA * x * x + kB * x + kC) > f ? low : high) = f;
     }
     log.time.push_back(0.1 * i);
     log.pressure.push_back(pressure);
@@ -35,7 +35,7 @@ PamLog rig(double spring) {
 }
 
 TEST(PamComparison, FindsTheSpringThatIsThere) {
-  const PamComparison found = comparePam(rig(20000.0), {}, std::nullopt, {}, 5.0);
+  const PamComparison found = comparePam(comparedRig(20000.0), {}, std::nullopt, {}, 5.0);
   ASSERT_EQ(found.candidates.size(), 2u);
   EXPECT_EQ(found.chosen().name, "spring");
   EXPECT_NEAR(found.chosen().fit.theta[3], 20000.0, 500.0);
@@ -44,7 +44,7 @@ TEST(PamComparison, FindsTheSpringThatIsThere) {
 }
 
 TEST(PamComparison, RowsHeldOutByTheUserStayOutOfTheFit) {
-  const PamLog log = rig(20000.0);
+  const PamLog log = comparedRig(20000.0);
   Holdout holdout;
   holdout.rows.assign(log.rows(), false);
   std::fill(holdout.rows.begin() + 1000, holdout.rows.end(), true);
@@ -56,8 +56,8 @@ TEST(PamComparison, RowsHeldOutByTheUserStayOutOfTheFit) {
 
 TEST(PamComparison, TheMakersCurvesAreTakenAsKnown) {
   PamFit maker;
-  maker.theta = {kA, kB, kC, 0.0};
-  const PamComparison found = comparePam(rig(20000.0), {}, maker, {}, 5.0);
+  maker.theta = {kComparedA, kB, kC, 0.0};
+  const PamComparison found = comparePam(comparedRig(20000.0), {}, maker, {}, 5.0);
   EXPECT_EQ(found.chosen().name, "spring");
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(found.chosen().fit.theta[i], maker.theta[i]);
   EXPECT_EQ(found.chosen().fit.parameters, 1u);

@@ -47,13 +47,14 @@ ActuatorLog swing(const Truth& truth, double noise) {
   return log;
 }
 
-Bench bench(const std::string& constants) {
+Bench pendulumBench(const std::string& constants) {
   return readBench(
       YamlNode::parse("format: simgap/bench/1\nload: pendulum\nbandwidth_Hz: 20\n" + constants, "rig.yaml"));
 }
 
 FrictionFit fitPendulum(const std::string& constants, const FrictionFitOptions& options = {}) {
-  return fitFriction(friction::find("coulomb"), prepareFrictionData(swing({}, 0.02), bench(constants), {}), options);
+  return fitFriction(friction::find("coulomb"), prepareFrictionData(swing({}, 0.02), pendulumBench(constants), {}),
+                     options);
 }
 
 FrictionFitOptions gainKnown() {
@@ -109,10 +110,11 @@ std::string errorOf(const std::function<void()>& action) {
 }
 
 TEST(Pendulum, SaysWhatNoMotionCanTellApart) {
-  EXPECT_THAT(errorOf([] { bench("mass_kg: fit\nlength_m: fit\ninertia_kg_m2: fit\n"); }),
+  EXPECT_THAT(errorOf([] { pendulumBench("mass_kg: fit\nlength_m: fit\ninertia_kg_m2: fit\n"); }),
               HasSubstr("only mass times length acts"));
-  EXPECT_THAT(errorOf([] { bench("mass_kg: 0.9\nlength_m: fit\n"); }), HasSubstr("expected inertia_kg_m2: fit"));
-  EXPECT_THAT(errorOf([] { bench("inertia_kg_m2: 1\nlength_m: 0.2\nangle_offset_rad: fit\n"); }),
+  EXPECT_THAT(errorOf([] { pendulumBench("mass_kg: 0.9\nlength_m: fit\n"); }),
+              HasSubstr("expected inertia_kg_m2: fit"));
+  EXPECT_THAT(errorOf([] { pendulumBench("inertia_kg_m2: 1\nlength_m: 0.2\nangle_offset_rad: fit\n"); }),
               HasSubstr("angle_offset_rad: fit without a mass"));
   EXPECT_THAT(errorOf([] { fitPendulum("mass_kg: fit\nlength_m: 0.25\ninertia_kg_m2: fit\nangle_offset_rad: fit\n"); }),
               HasSubstr("only their ratio acts on this log"));

@@ -1,5 +1,6 @@
 // How honest a calibration on motions is: arms drawn and moved by an independent simulator, their models off by what a
 // static calibration and data sheets leave. The table of docs/studies/motions.md.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
@@ -17,7 +18,7 @@
 namespace simgap {
 namespace {
 
-constexpr std::uint64_t kArms = 10;
+constexpr std::uint64_t kMovingArms = 10;
 
 /// A drawn arm as it is believed to be and as it is.
 struct DrawnArm {
@@ -177,7 +178,7 @@ void calibrateDrawnArm(std::uint64_t seed, StudyFigures& figures) {
 
 TEST(SlowMotionStudy, IntervalsOfDrawnArmsHold) {
   StudyFigures figures;
-  for (std::uint64_t seed = 1; seed <= kArms; ++seed) calibrateDrawnArm(seed, figures);
+  for (std::uint64_t seed = 1; seed <= kMovingArms; ++seed) calibrateDrawnArm(seed, figures);
   std::ranges::sort(figures.ratios);
   const double median = figures.ratios[figures.ratios.size() / 2];
   std::printf(

@@ -36,13 +36,15 @@ optimizer: es
 capture_sd_deg: 0.2
 )";
 
-CalibrationConfig read(const std::string& text) { return CalibrationConfig::read(YamlNode::parse(text, "c.yaml")); }
+CalibrationConfig readConfig(const std::string& text) {
+  return CalibrationConfig::read(YamlNode::parse(text, "c.yaml"));
+}
 std::string errorWith(std::string_view from, std::string_view to) {
-  return test::errorOf([&] { read(replaced(kConfig, from, to)); });
+  return test::errorOf([&] { readConfig(replaced(kConfig, from, to)); });
 }
 
 TEST(CalibrationConfig, ReadsWhatStandsInIt) {
-  const CalibrationConfig config = read(kConfig);
+  const CalibrationConfig config = readConfig(kConfig);
   ASSERT_EQ(config.parameters.size(), 2u);
   EXPECT_EQ(config.parameters[0].pattern, "muscles.*.attachments");
   EXPECT_EQ(config.parameters[0].prior_sd, 7e-3);
@@ -64,10 +66,10 @@ TEST(CalibrationConfig, IsTheSameAfterAFile) {
         test::readText(test::sourceFile("configs/calibrate_arm.yaml")),
         replaced(kConfig, "\"muscles.*.attachments\"", R"('muscles."\odd: #name".attachments')"),
         std::string("format: simgap/calibration/1\nparameters: [{pattern: gravity_m_s2, step: 1}]\n")}) {
-    const std::string written = read(text).toYaml();
+    const std::string written = readConfig(text).toYaml();
     SCOPED_TRACE(written);
-    EXPECT_EQ(read(written).toYaml(), written);
-    const CalibrationConfig a = read(text), b = read(written);
+    EXPECT_EQ(readConfig(written).toYaml(), written);
+    const CalibrationConfig a = readConfig(text), b = readConfig(written);
     ASSERT_EQ(a.parameters.size(), b.parameters.size());
     for (std::size_t i = 0; i < a.parameters.size(); ++i) {
       EXPECT_EQ(a.parameters[i].pattern, b.parameters[i].pattern);

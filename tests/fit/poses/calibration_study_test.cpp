@@ -12,7 +12,7 @@
 namespace simgap {
 namespace {
 
-constexpr int kArms = 20;
+constexpr int kCalibratedArms = 20;
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
@@ -24,7 +24,7 @@ struct Fitted {
   ArmModel model;
 };
 
-Fitted fit(PosePosterior& posterior) {
+Fitted fitDrawn(PosePosterior& posterior) {
   const auto fits = searchPosterior(posterior);
   const auto best = std::min_element(fits.begin(), fits.end(),
                                      [](const auto& a, const auto& b) { return a.objective < b.objective; });
@@ -40,11 +40,11 @@ struct Summary {
 
 Summary calibrateArms(const reality::RigOptions& options) {
   Summary summary;
-  for (int seed = 0; seed < kArms; ++seed) {
+  for (int seed = 0; seed < kCalibratedArms; ++seed) {
     const test::RecordedRig rig = test::recordRig(static_cast<std::uint64_t>(seed), options);
     const ParameterSpace space = test::paperParameters(rig.model);
     PosePosterior posterior(rig.model, rig.calibration, space, {});
-    const Fitted found = fit(posterior);
+    const Fitted found = fitDrawn(posterior);
     const PoseUncertainty uncertainty = assessUncertainty(posterior, found.z, space);
     const PredictedError predicted = predictError(posterior, found.z, uncertainty, rig.validation);
     const auto before = test::meanJointErrors(rig.model, rig.validation);
@@ -66,9 +66,9 @@ Summary calibrateArms(const reality::RigOptions& options) {
 }
 
 void print(const char* name, const Summary& s) {
-  std::cout << name << ", medians of " << kArms << " arms [deg], shoulder / elbow: nominal " << median(s.nominal[0])
-            << " / " << median(s.nominal[1]) << ", calibration " << median(s.calibration[0]) << " / "
-            << median(s.calibration[1]) << ", validation " << median(s.validation[0]) << " / "
+  std::cout << name << ", medians of " << kCalibratedArms << " arms [deg], shoulder / elbow: nominal "
+            << median(s.nominal[0]) << " / " << median(s.nominal[1]) << ", calibration " << median(s.calibration[0])
+            << " / " << median(s.calibration[1]) << ", validation " << median(s.validation[0]) << " / "
             << median(s.validation[1]) << ", predicted " << median(s.predicted[0]) << " / " << median(s.predicted[1])
             << "; within the 90 % interval " << s.covered[0] << " / " << s.covered[1] << "\n";
 }
@@ -106,7 +106,7 @@ TEST(SlowCalibrationStudy, FreshArmsThatDoWhatTheModelDoesNot) {
 TEST(SlowCalibrationStudy, DesignedPosesAreWorthMoreThanRandomOnes) {
   constexpr std::size_t kFirst = 8, kMore = 7;
   std::vector<double> gain, predicted_ratio, actual_ratio;
-  for (int seed = 0; seed < kArms; ++seed) {
+  for (int seed = 0; seed < kCalibratedArms; ++seed) {
     reality::RigOptions options;
     options.validation = 60;
     const reality::Rig truth = reality::makeRig(static_cast<std::uint64_t>(seed), options);
@@ -114,7 +114,7 @@ TEST(SlowCalibrationStudy, DesignedPosesAreWorthMoreThanRandomOnes) {
     const ParameterSpace space = test::paperParameters(rig.model);
     std::vector<Pose> poses(rig.calibration.begin(), rig.calibration.begin() + kFirst);
     PosePosterior first(rig.model, poses, space, {});
-    const Fitted before = fit(first);
+    const Fitted before = fitDrawn(first);
     const PoseDesign design = designPoses(first, before.z, space, {300, kMore, DesignCriterion::kPrediction, 1});
     for (const Pose& command : design.poses) {
       poses.push_back(test::poseOf(
@@ -123,8 +123,8 @@ TEST(SlowCalibrationStudy, DesignedPosesAreWorthMoreThanRandomOnes) {
     PosePosterior designed(rig.model, poses, space, {});
     PosePosterior random(rig.model, rig.calibration, space, {});
     const auto error_before = test::meanJointErrors(before.model, rig.validation);
-    const auto error_designed = test::meanJointErrors(fit(designed).model, rig.validation);
-    const auto error_random = test::meanJointErrors(fit(random).model, rig.validation);
+    const auto error_designed = test::meanJointErrors(fitDrawn(designed).model, rig.validation);
+    const auto error_random = test::meanJointErrors(fitDrawn(random).model, rig.validation);
     gain.push_back(1.0 - error_designed[0] / error_random[0]);
     predicted_ratio.push_back(design.after.back().mean[0] / design.before.mean[0]);
     actual_ratio.push_back(error_designed[0] / error_before[0]);
@@ -133,9 +133,10 @@ TEST(SlowCalibrationStudy, DesignedPosesAreWorthMoreThanRandomOnes) {
               << toDegrees(design.after.back().mean[0]) << "\n";
   }
   double mean = 0.0, squares = 0.0;
-  for (const double g : gain) mean += g / kArms;
+  for (const double g : gain) mean += g / kCalibratedArms;
   for (const double g : gain) squares += (g - mean) * (g - mean);
-  const double half = 2.09 * std::sqrt(squares / (kArms - 1) / kArms);  // t of 19 degrees of freedom
+  const double half =
+      2.09 * std::sqrt(squares / (kCalibratedArms - 1) / kCalibratedArms);  // t of 19 degrees of freedom
   std::cout << "designed over random: " << 100.0 * mean << " % smaller shoulder error (95 %: " << 100.0 * (mean - half)
             << " to " << 100.0 * (mean + half) << "); reduction predicted " << median(predicted_ratio) << ", actual "
             << median(actual_ratio) << "\n";

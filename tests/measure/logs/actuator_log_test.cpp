@@ -16,12 +16,12 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-ActuatorLog read(const std::string& csv, const ActuatorLogOptions& options = {}) {
+ActuatorLog readLog(const std::string& csv, const ActuatorLogOptions& options = {}) {
   return readActuatorLog(CsvTable::parse(csv, "log.csv"), options);
 }
 
 TEST(ActuatorLog, ReadsUnitsSessionsAndOptionalChannels) {
-  const ActuatorLog log = read(
+  const ActuatorLog log = readLog(
       "time_ms,motor_current_mA,motor_velocity_rpm,external_torque_mNm,session\n"
       "0,1000,60,500,a\n20,2000,-60,250,a\n0,3000,0,0,b\n");
   EXPECT_THAT(log.effort, ElementsAre(1.0, 2.0, 3.0));
@@ -33,24 +33,24 @@ TEST(ActuatorLog, ReadsUnitsSessionsAndOptionalChannels) {
 }
 
 TEST(ActuatorLog, ReadsLinearAxesAndOtherEfforts) {
-  const ActuatorLog axis = read("time_s,motor_force_N,position_m\n0,1,0\n1,2,0.1\n");
+  const ActuatorLog axis = readLog("time_s,motor_force_N,position_m\n0,1,0\n1,2,0.1\n");
   EXPECT_TRUE(axis.linear);
   EXPECT_EQ(axis.effort_unit, "N");
-  const ActuatorLog servo = read("time_s,motor_voltage_V,position_deg\n0,1,0\n1,2,180\n");
+  const ActuatorLog servo = readLog("time_s,motor_voltage_V,position_deg\n0,1,0\n1,2,180\n");
   EXPECT_EQ(servo.effort_unit, "V");
   EXPECT_NEAR(servo.position[1], 3.14159265, 1e-8);
 }
 
 TEST(ActuatorLog, JointChannelsNeedTheRatio) {
   const std::string csv = "motor_current_A,joint_velocity_rad_s,external_torque_Nm\n1,0.5,2\n2,1,3\n";
-  EXPECT_THAT(errorOf([&] { read(csv); }), HasSubstr("expected --ratio"));
-  EXPECT_THAT(read(csv, {.ratio = 10.0}).velocity, ElementsAre(5.0, 10.0));
+  EXPECT_THAT(errorOf([&] { readLog(csv); }), HasSubstr("expected --ratio"));
+  EXPECT_THAT(readLog(csv, {.ratio = 10.0}).velocity, ElementsAre(5.0, 10.0));
 }
 
 TEST(ActuatorLog, RefusesTimeThatGoesBack) {
-  EXPECT_THAT(errorOf([] { read("time_s,motor_current_A,motor_velocity_rad_s\n0,1,1\n2,1,2\n1,1,3\n"); }),
+  EXPECT_THAT(errorOf([] { readLog("time_s,motor_current_A,motor_velocity_rad_s\n0,1,1\n2,1,2\n1,1,3\n"); }),
               HasSubstr("log.csv:4: time goes from 2 s to 1 s"));
-  EXPECT_THAT(errorOf([] { read("time_s,motor_current_A\n0,1\n"); }), HasSubstr("found no motor_velocity_rad_s"));
+  EXPECT_THAT(errorOf([] { readLog("time_s,motor_current_A\n0,1\n"); }), HasSubstr("found no motor_velocity_rad_s"));
 }
 
 TEST(Blocks, StayWithinSessionsAndJumpsOfTime) {

@@ -26,17 +26,17 @@ std::string log(const std::map<int, std::string>& other) {
   return text;
 }
 
-LogTable read(const std::string& text) { return readLogTable(CsvTable::parse(text, "log.csv")); }
+LogTable readTable(const std::string& text) { return readLogTable(CsvTable::parse(text, "log.csv")); }
 
 TEST(LogTable, AGoodLogStaysAsItIs) {
-  const LogTable found = read(log({}));
+  const LogTable found = readTable(log({}));
   EXPECT_EQ(found.table.rows(), 40u);
   EXPECT_TRUE(found.left_out.empty());
   EXPECT_TRUE(found.summary().empty());
 }
 
 TEST(LogTable, LeavesOutStampsThatRepeatOrGoBack) {
-  const LogTable found = read(log({{5, "4,9,a,x"}, {12, "3,9,a,x"}}));
+  const LogTable found = readTable(log({{5, "4,9,a,x"}, {12, "3,9,a,x"}}));
   ASSERT_EQ(found.left_out.size(), 1u);
   EXPECT_EQ(found.left_out[0].rows, 2u);
   EXPECT_EQ(found.table.rows(), 38u);
@@ -60,7 +60,7 @@ TEST(LogTable, KeepsTheChosenSessionsAlone) {
 }
 
 TEST(LogTable, OneStampFarAheadCostsOneRow) {
-  const LogTable found = read(log({{7, "1e9,9,a,x"}}));
+  const LogTable found = readTable(log({{7, "1e9,9,a,x"}}));
   ASSERT_EQ(found.left_out.size(), 1u);
   EXPECT_EQ(found.left_out[0].first_row, 8u);
   EXPECT_EQ(found.table.rows(), 39u);
@@ -69,19 +69,19 @@ TEST(LogTable, OneStampFarAheadCostsOneRow) {
 TEST(LogTable, TimeBeginsAnewWithASession) {
   std::map<int, std::string> second;
   for (int i = 20; i < 40; ++i) second[i] = std::to_string(i - 20) + ",1,b,x";
-  EXPECT_EQ(read(log(second)).table.rows(), 40u);
+  EXPECT_EQ(readTable(log(second)).table.rows(), 40u);
   for (int i = 20; i < 40; ++i) second[i].replace(second[i].find('b'), 1, "a");
-  EXPECT_THAT(errorOf([&] { read(log(second)); }),
+  EXPECT_THAT(errorOf([&] { readTable(log(second)); }),
               HasSubstr("log.csv:22: time goes from 19 s to 0 s, and 20 of 40 rows (50.0 %) repeat or go back"));
 }
 
 TEST(LogTable, RefusesAClockThatRunsBackwards) {
-  EXPECT_THAT(errorOf([] { read("time_s,current_A\n3,1\n2,1\n1,1\n"); }),
+  EXPECT_THAT(errorOf([] { readTable("time_s,current_A\n3,1\n2,1\n1,1\n"); }),
               HasSubstr("log.csv:3: time goes from 3 s to 2 s, and 2 of 3 rows"));
 }
 
 TEST(LogTable, LeavesOutCellsWithoutANumberInItsChannels) {
-  const LogTable found = read(log({{3, "3,nan,a,x"}, {9, "9,,a,x"}, {20, "20,off,a,"}}));
+  const LogTable found = readTable(log({{3, "3,nan,a,x"}, {9, "9,,a,x"}, {20, "20,off,a,"}}));
   ASSERT_EQ(found.left_out.size(), 1u);
   EXPECT_EQ(found.left_out[0].channel, "motor_current_A");
   EXPECT_EQ(found.left_out[0].rows, 3u);
@@ -92,7 +92,7 @@ TEST(LogTable, LeavesOutCellsWithoutANumberInItsChannels) {
 TEST(LogTable, RefusesAChannelThatLacksManyRows) {
   std::map<int, std::string> gaps;
   for (int i = 10; i < 15; ++i) gaps[i] = std::to_string(i) + ",,a,x";
-  EXPECT_THAT(errorOf([&] { read(log(gaps)); }),
+  EXPECT_THAT(errorOf([&] { readTable(log(gaps)); }),
               HasSubstr("log.csv:12: found an empty cell, and 5 of 40 rows (12.5 %) have no number in motor_current_A, "
                         "expected at most 10 %"));
 }
@@ -100,7 +100,7 @@ TEST(LogTable, RefusesAChannelThatLacksManyRows) {
 TEST(LogTable, ASparseTemperatureAndForeignColumnsCostNoRows) {
   std::string text = "time_s,current_A,temperature_degC,humidity\n";
   for (int i = 0; i < 40; ++i) text += std::to_string(i) + ",1," + (i % 10 == 0 ? "20.5,\n" : ",\n");
-  EXPECT_EQ(read(text).table.rows(), 40u);
+  EXPECT_EQ(readTable(text).table.rows(), 40u);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace simgap {
 namespace {
 
-struct Motion {
+struct RestingMotion {
   std::vector<double> time, velocity;
   std::vector<int> session;
   void add(double seconds, double speed) {
@@ -25,7 +25,7 @@ struct Motion {
 };
 
 TEST(Rests, ALongStandstillThatCreeps) {
-  Motion m;
+  RestingMotion m;
   m.add(2.0, 10.0);
   m.add(6.0, 0.01);
   m.add(2.0, -10.0);
@@ -33,7 +33,7 @@ TEST(Rests, ALongStandstillThatCreeps) {
 }
 
 TEST(Rests, AReversalPassesThrough) {
-  Motion m;
+  RestingMotion m;
   m.add(2.0, 10.0);
   m.add(0.1, 0.0);
   m.add(2.0, -10.0);
@@ -41,7 +41,7 @@ TEST(Rests, AReversalPassesThrough) {
 }
 
 TEST(Rests, EndWithTheirSession) {
-  Motion m;
+  RestingMotion m;
   m.add(0.2, 0.0);
   m.add(0.2, 0.0);
   EXPECT_EQ(m.resting(0.02), 20);
@@ -50,7 +50,7 @@ TEST(Rests, EndWithTheirSession) {
 }
 
 TEST(Rests, ASmoothedVelocityBlursTheirEnds) {
-  Motion m;
+  RestingMotion m;
   m.add(2.0, 10.0);
   m.add(0.2, 0.0);
   m.add(2.0, -10.0);

@@ -15,13 +15,13 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-ArmModel read(const std::string& text) { return readArm(YamlNode::parse(text, "a.yaml")); }
+ArmModel readSecond(const std::string& text) { return readArm(YamlNode::parse(text, "a.yaml")); }
 
 TEST(SecondArmFormat, ReadsBackWhatItWrites) {
-  const ArmModel model = read(test::kManyKinds);
+  const ArmModel model = readSecond(test::kManyKinds);
   const std::string text = writeArm(model);
   EXPECT_THAT(text, StartsWith("format: simgap/arm/2\n"));
-  const ArmModel again = read(text);
+  const ArmModel again = readSecond(text);
   EXPECT_EQ(again.bodies, model.bodies);
   EXPECT_EQ(again.joints, model.joints);
   EXPECT_EQ(writeArm(again), text);
@@ -37,11 +37,11 @@ TEST(SecondArmFormat, AnArmThatNeedsNothingOfItIsWrittenAsTheFirst) {
   const ArmModel model = test::exampleArm();
   EXPECT_THAT(writeArm(model), StartsWith("format: simgap/arm/1\n"));
   const std::string second = test::replaced(writeArm(model), "simgap/arm/1", "simgap/arm/2");
-  EXPECT_EQ(writeArm(read(second)), writeArm(model));
+  EXPECT_EQ(writeArm(readSecond(second)), writeArm(model));
 }
 
 TEST(SecondArmFormat, FixedJointsAreWelded) {
-  const ArmModel model = read(test::kManyKinds);
+  const ArmModel model = readSecond(test::kManyKinds);
   ASSERT_EQ(model.bodies.size(), 5u);
   ASSERT_EQ(model.joints.size(), 4u);
   const Body& tip = model.bodies[4];
@@ -74,7 +74,7 @@ TEST(SecondArmFormat, CapsulesAndEllipsoidsWeighWhatTheBooksSay) {
 TEST(SecondArmFormat, LimitsOfFollowersAreLimitsOfTheirLeaders) {
   const std::string limited =
       test::replaced(test::kManyKinds, "axis: [1, 0, 0], follows", "axis: [1, 0, 0], upper_limit_rad: 0.7, follows");
-  EXPECT_NEAR(read(limited).joints[2].upper_limit, 1.0, 1e-12);
+  EXPECT_NEAR(readSecond(limited).joints[2].upper_limit, 1.0, 1e-12);
 }
 
 struct Refused {
@@ -89,7 +89,7 @@ TEST_P(RefusedSecondArm, InOneSentence) {
   const auto [what, with, sentence] = GetParam();
   const std::string text = test::replaced(test::kManyKinds, what, with);
   ASSERT_NE(text, test::kManyKinds);
-  EXPECT_THAT(test::errorOf([&] { read(text); }), AllOf(StartsWith("2: a.yaml:"), HasSubstr(sentence)));
+  EXPECT_THAT(test::errorOf([&] { readSecond(text); }), AllOf(StartsWith("2: a.yaml:"), HasSubstr(sentence)));
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -10,14 +10,14 @@ namespace {
 using Eigen::Vector3d;
 
 /// A pendulum on a hinge in the origin, with a line from above it to 0.2 m below.
-ArmModel arm() {
+ArmModel straightArm() {
   ArmModel model = test::pendulum();
   test::addMuscle(model, {0, {0.0, 0.05, 0.2}}, {1, {0.0, 0.05, -0.2}}, 0.1);
   return model;
 }
 
 TEST(MuscleLine, RunsStraightThroughItsAttachments) {
-  const ArmModel model = arm();
+  const ArmModel model = straightArm();
   const std::vector<JointPosition> bent{test::hingeAt(0.5)};
   const auto bodies = bodiesInWorld(model, bent);
   const std::vector<Vector3d> line = muscleLine(model, 0, bodies);
@@ -27,7 +27,7 @@ TEST(MuscleLine, RunsStraightThroughItsAttachments) {
 }
 
 TEST(MuscleLine, TouchesTheSphereItWrapsAroundAndIsAsLongAsTheEffectSays) {
-  ArmModel model = arm();
+  ArmModel model = straightArm();
   constexpr double kRadius = 0.08;  // more than the 0.05 m at which the line passes
   model.extensions = {{.effect = "muscle-wrap", .target = "", .parameters = {}}};
   model.extensions[0].target = model.muscles[0].name;

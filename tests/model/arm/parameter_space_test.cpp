@@ -29,7 +29,7 @@ std::vector<std::string> namesOf(const std::vector<Choice>& choices) {
   return names;
 }
 
-std::string errorOf(const std::vector<Choice>& choices) {
+std::string choiceError(const std::vector<Choice>& choices) {
   return test::errorOf([&] { ParameterSpace(example(), choices); });
 }
 
@@ -99,28 +99,30 @@ TEST(ParameterSpace, FindsSingleNumbersAndGroups) {
 }
 
 TEST(ParameterSpace, RefusesPatternsThatMatchNothingOrTwice) {
-  EXPECT_EQ(errorOf({choice("muscles.wing.attachments")}),
+  EXPECT_EQ(choiceError({choice("muscles.wing.attachments")}),
             "2: parameters: pattern 'muscles.wing.attachments' matches nothing in the model");
-  EXPECT_EQ(errorOf({choice("muscles.*.spindle_radius_m"), choice("muscles.biceps")}),
+  EXPECT_EQ(choiceError({choice("muscles.*.spindle_radius_m"), choice("muscles.biceps")}),
             "2: parameters: muscles.biceps.spindle_radius_m is matched by both 'muscles.*.spindle_radius_m' and "
             "'muscles.biceps', expected one pattern");
-  EXPECT_THAT(errorOf({choice("muscles"), choice("muscles")}), HasSubstr("is matched by both 'muscles' and 'muscles'"));
+  EXPECT_THAT(choiceError({choice("muscles"), choice("muscles")}),
+              HasSubstr("is matched by both 'muscles' and 'muscles'"));
   // Both matches count as used: the double match is what is wrong.
-  EXPECT_THAT(errorOf({choice("nothing"), choice("muscles"), choice("muscles.*")}), HasSubstr("is matched by both"));
+  EXPECT_THAT(choiceError({choice("nothing"), choice("muscles"), choice("muscles.*")}),
+              HasSubstr("is matched by both"));
 }
 
 TEST(ParameterSpace, RefusesAnInitialValueOutsideItsRange) {
   Choice stiffness = choice("muscles.biceps.shock_cord.stiffness_N_m");  // 950 N/m
   stiffness.upper = 949.0;
-  EXPECT_THAT(errorOf({stiffness}),
+  EXPECT_THAT(choiceError({stiffness}),
               AllOf(StartsWith("2: "), HasSubstr("muscles.biceps.shock_cord.stiffness_N_m is 950 N_m"),
                     HasSubstr("outside its range")));
   stiffness.upper = 950.0;
   stiffness.lower = 950.0;
-  EXPECT_EQ(errorOf({stiffness}), "no error");
+  EXPECT_EQ(choiceError({stiffness}), "no error");
   stiffness.upper = 1e4;
   stiffness.lower = 950.1;
-  EXPECT_THAT(errorOf({stiffness}), HasSubstr("outside its range"));
+  EXPECT_THAT(choiceError({stiffness}), HasSubstr("outside its range"));
 }
 
 TEST(ParameterSpace, ApplyTouchesOnlyTheChosen) {
