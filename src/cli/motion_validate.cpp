@@ -52,7 +52,7 @@ ExitCode validateMotions(const MotionValidateOptions& options, const std::vector
   result.rms = motionRms(set.motions, result.played, layout);
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
     const JointKind& kind = kindOf(layout.joints[j].type);
-    const auto& limit = layout.joints[j].type == JointType::kPrismatic ? options.max_rms_mm : options.max_rms;
+    const auto& limit = kind.slides ? options.max_rms_mm : options.max_rms;
     if (!limit) continue;
     result.criteria.push_back({fmt::format("rms_{} of {}", kind.error_unit, layout.joints[j].name), *limit,
                                kind.shown(result.rms.joints[j])});

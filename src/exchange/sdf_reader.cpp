@@ -9,6 +9,7 @@
 #include "arm_exchange.h"
 #include "link_tree.h"
 #include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/text.h"
 
 namespace simgap {
@@ -204,13 +205,10 @@ class SdfArm {
     joint.place = xml_.place(element);
     const std::string name = xml_.required(element, "name"), type = xml_.required(element, "type");
     joint.fixed = type == "fixed";
-    if (type == "ball") {
-      joint.joint.type = JointType::kSpherical;
-    } else if (type == "prismatic") {
-      joint.joint.type = JointType::kPrismatic;
-    } else if (joint.fixed || type == "revolute" || type == "continuous") {
-      joint.joint.type = JointType::kRevolute;
-    } else {
+    const bool unlimited = type == "continuous";
+    if (const JointKind* const kind = findKind(&JointKind::sdf, unlimited ? "revolute" : type)) {
+      joint.joint.type = kind->type;
+    } else if (!joint.fixed) {
       xml_.fail(element, fmt::format("type: found '{}', expected revolute, continuous, prismatic, ball or fixed",
                                      abridged(type)));
     }

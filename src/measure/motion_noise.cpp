@@ -49,7 +49,7 @@ MotionNoise estimateNoise(std::span<const RecordedMotion> motions, const PoseLay
       }
     }
     const JointKind& kind = kindOf(layout.joints[j].type);
-    const std::optional<double>& stated = layout.joints[j].type == JointType::kPrismatic ? known.slides : known.joints;
+    const std::optional<double>& stated = kind.slides ? known.slides : known.joints;
     noise.joints.push_back(stated.value_or(noiseOf(std::move(sizes), kSmallestAngle / kind.counted)));
   }
   std::vector<double> shafts, currents;

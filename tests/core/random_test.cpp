@@ -6,23 +6,12 @@
 #include <set>
 #include <vector>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 namespace {
 
 using Words = std::array<std::uint64_t, 2>;
-
-double correlation(const std::vector<double>& a, const std::vector<double>& b) {
-  const double n = static_cast<double>(a.size());
-  double mean_a = 0.0, mean_b = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) mean_a += a[i] / n, mean_b += b[i] / n;
-  double ab = 0.0, aa = 0.0, bb = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    ab += (a[i] - mean_a) * (b[i] - mean_b);
-    aa += (a[i] - mean_a) * (a[i] - mean_a);
-    bb += (b[i] - mean_b) * (b[i] - mean_b);
-  }
-  return ab / std::sqrt(aa * bb);
-}
 
 // The known answer that the authors of Threefry-2x64-20 publish for key 0 and counter 0.
 TEST(CounterRandom, GivesThePublishedAnswer) {

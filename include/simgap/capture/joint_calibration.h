@@ -31,7 +31,7 @@ struct JointCalibrationOptions {
 /// A joint as both of its targets see it.
 struct FunctionalJoint {
   std::string name;
-  JointType type = JointType::kSpherical;
+  JointType type{};
   std::size_t frames = 0;
   Eigen::Vector3d in_parent = Eigen::Vector3d::Zero();  ///< centre, or a point of the axis [m], target's frame
   Eigen::Vector3d in_child = Eigen::Vector3d::Zero();

@@ -40,7 +40,7 @@ struct ScaleBar {
 /// A joint between two targets.
 struct CaptureJoint {
   std::string name;
-  JointType type = JointType::kSpherical;
+  JointType type{};
   int parent = 0;                                   ///< target index
   int child = 0;                                    ///< target index
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< revolute: in the parent's frame, unit length

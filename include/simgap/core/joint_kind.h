@@ -19,6 +19,7 @@ struct JointKind {
   const char* name;                           ///< in files: "revolute"
   int degrees_of_freedom;                     ///< numbers that a measured position holds, too
   bool has_axis;                              ///< one coordinate about or along an axis of its own, between limits
+  bool slides;                                ///< that coordinate is a way, not an angle
   std::string_view unit;                      ///< of its coordinates: "rad", "m"
   std::string_view error_unit;                ///< of its errors in reports: "deg", "mm"
   double error_size;                          ///< one of those in the unit of its coordinates
@@ -28,6 +29,7 @@ struct JointKind {
   std::span<const std::string_view> velocity_columns;  ///< of its velocity: "_velocity_rad_s"
   const char* mjcf;                                    ///< what MuJoCo's files call it
   const char* urdf;                                    ///< what URDF calls it between limits; nullptr: it has none
+  const char* sdf;                                     ///< what SDF calls it between limits
 
   /// The positions of that joint in a table, shape (rows). \throws DataError: a column is missing, a cell no position.
   std::vector<JointPosition> (*read)(const CsvTable& table, const std::string& joint);
@@ -59,7 +61,7 @@ const JointKind& kindOf(JointType type);
 /// The kind that a file names. \throws ConfigError: none of that name.
 JointType readJointType(const YamlNode& node);
 
-/// The kind whose name in another format, member mjcf or urdf, this is; nullptr: none.
+/// The kind whose name in another format, member mjcf, urdf or sdf, this is; nullptr: none.
 const JointKind* findKind(const char* JointKind::*format, std::string_view name);
 
 /// Error of a joint: geodesic angle in [0, pi], size of a hinge's turn [rad], distance of a slide [m].

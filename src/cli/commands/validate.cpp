@@ -34,7 +34,7 @@ ValidationResult judge(const Options& options, const ArmModel& model, const Pose
   for (std::size_t j = 0; j < result.layout.joints.size(); ++j) {
     const auto& [name, type] = result.layout.joints[j];
     const JointKind& kind = kindOf(type);
-    const std::optional<double>& limit = type == JointType::kPrismatic ? options.max_mje_mm : options.max_mje;
+    const std::optional<double>& limit = kind.slides ? options.max_mje_mm : options.max_mje;
     if (!limit) continue;
     result.criteria.push_back(
         {fmt::format("mje_{} of {}", kind.error_unit, name), *limit, kind.shown(result.assessment.mje[j])});

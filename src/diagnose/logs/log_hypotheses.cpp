@@ -191,7 +191,7 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
     for (std::size_t k = 0; k < effects[e]->parameters.size(); ++k) start[first + k] = effects[e]->parameters[k].start;
   }
   const std::size_t speed = model->linear();
-  if (base_.kind == ActuatorKind::kSpring && !effects.empty()) return fitInTurn(effects);
+  if (kindOf(base_.kind).fits_in_turn && !effects.empty()) return fitInTurn(effects);
   if (!base_.hasStribeck()) return fitFromStarts(model, {start});
   for (const double v_s : {0.003, 0.01, 0.03, 0.1, 0.3, 1.0}) {
     for (const double delta : {0.6, 1.0, 2.0}) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "log_causes.h"
+#include "simgap/measure/logs/log_kind.h"
 #include "simgap/optimize/uncertainty.h"
 #include "testable.h"
 
@@ -19,8 +20,8 @@ constexpr double kDerived = 1e-9;  // of the joint's range: one angle was worked
 void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const LogSplit& split,
                      const LogDiagnosisOptions& options, LogDiagnosis& result) {
   Diagnosis& d = result.diagnosis;
-  if (subject.base.kind != ActuatorKind::kFriction) return;
-  ActuatorModel transmission{actuator_equations::transmission, {}, {}};
+  if (!kindOf(subject.base.kind).at_joint) return;
+  ActuatorModel transmission{*actuator_equations::find(ActuatorKind::kTransmission), {}, {}};
   for (const Extension& own : subject.of_angles) {
     transmission.effects.push_back(&actuator_effects::find(own.effect, own.form));
     for (LogFit* fit : {&result.baseline, &result.extended}) fit->extensions.push_back(own);

@@ -6,23 +6,25 @@
 #include <limits>
 
 #include "simgap/core/error.h"
+#include "simgap/measure/logs/log_kind.h"
 
 namespace simgap {
 namespace {
 
 ActuatorBase baseOf(std::string_view name) {
-  if (name == "pam") return actuator_equations::muscle;
-  if (name == "motor") return actuator_equations::winding;
-  if (name == "spring") return actuator_equations::spring;
-  if (name == "gearbox") return {friction::find("coulomb"), ActuatorKind::kGearbox};
-  return friction::find(name);
+  const auto kind = std::ranges::find(log_kinds::all(), name, &LogKind::name);
+  if (kind == log_kinds::all().end() || (*kind)->prepare == nullptr) return friction::find(name);
+  if (const ActuatorEquation* const equation = actuator_equations::find((*kind)->kind)) return *equation;
+  return {friction::find((*kind)->law != nullptr ? (*kind)->law : name), (*kind)->kind};
 }
 
 }  // namespace
 
 ActuatorModel subjectOf(std::string_view name) {
   ActuatorModel subject{baseOf(name), {}, {}};
-  if (subject.base.kind == ActuatorKind::kGearbox) subject.effects.push_back(&actuator_effects::find("inertia"));
+  if (const char* const effect = kindOf(subject.base.kind).effect) {
+    subject.effects.push_back(&actuator_effects::find(effect));
+  }
   return subject;
 }
 
@@ -39,7 +41,8 @@ ActuatorModel subjectOf(const FittedModel& model) {
   }
   for (const Extension& extension : model.extensions) {
     const ActuatorEffect& effect = actuator_effects::find(extension.effect, extension.form);
-    const bool of_angles = effect.kind == ActuatorKind::kTransmission;
+    const bool of_angles = kindOf(effect.kind).prepare == nullptr  // made of both angles
+        ;
     if (of_angles) {
       subject.of_angles.push_back(extension);
     } else {

@@ -9,6 +9,7 @@
 #include "simgap/core/interrupt.h"
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/fit/actuators/actuator_regression.h"
+#include "simgap/measure/logs/log_kind.h"
 #include "simgap/measure/logs/rig_load.h"
 
 namespace simgap {
@@ -124,7 +125,7 @@ class FreeDrive {
 };
 
 void requireMemoryless(const ActuatorModel& subject) {
-  if (subject.base.kind != ActuatorKind::kFriction) {
+  if (!kindOf(subject.base.kind).at_joint) {
     throw ConfigError("found a model of no drive with --simulate, expected one of fit-friction or diagnose");
   }
   for (const ActuatorEffect* effect : subject.effects) {

@@ -19,9 +19,9 @@ MotionResiduals::MotionResiduals(const RecordedMotion& motion, const PoseLayout&
   using enum ChannelGroup;
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
     types_.push_back(layout.joints[j].type);
-    const bool slides = types_.back() == JointType::kPrismatic;
-    addBlocks(kJoint, j, motion.joint_times, kindOf(types_.back()).degrees_of_freedom, noise.joints[j],
-              slides ? discrepancy.slides : discrepancy.joints);
+    const JointKind& kind = kindOf(types_.back());
+    addBlocks(kJoint, j, motion.joint_times, kind.degrees_of_freedom, noise.joints[j],
+              kind.slides ? discrepancy.slides : discrepancy.joints);
   }
   for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
     const MuscleRecord& muscle = motion.muscles[m];

@@ -6,6 +6,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/core/statistics.h"
 #include "simgap/fit/poses/calibration.h"
 
@@ -81,8 +82,8 @@ void Calibration::runCmaEs(const AfterGeneration& after_generation) {
   const ScaledParameters scaled(space_);
   // Finite, and worse than any arm whose poses are all steady: a joint is at most pi from where it should be, a slide
   // some metres.
-  const bool slides = std::ranges::any_of(
-      layout_.joints, [](const JointChannel& joint) { return joint.type == JointType::kPrismatic; });
+  const bool slides =
+      std::ranges::any_of(layout_.joints, [](const JointChannel& joint) { return kindOf(joint.type).slides; });
   const double invalid = (slides ? 1e4 : 10.0) * static_cast<double>(poses_.size() * layout_.joints.size());
   const auto values = [&](const std::vector<double>& z) {
     return scaled.values(Eigen::Map<const Eigen::VectorXd>(z.data(), std::ssize(z)));

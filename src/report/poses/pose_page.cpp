@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "pose_tables.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
@@ -23,12 +24,13 @@ PoseErrorTables::PoseErrorTables(const CsvTable& table, std::vector<std::string>
   std::vector<std::pair<std::string, std::string>> columns;  // joint and unit
   const std::string ending = "_error" + suffix(states_.back());
   for (const std::string& column : table.columns()) {
-    for (const auto& [unit, type] :
-         {std::pair{"_deg", JointType::kRevolute}, std::pair{"_mm", JointType::kPrismatic}}) {
+    for (const JointKind* kind : joint_kinds::all()) {
+      const std::string unit = fmt::format("_{}", kind->error_unit);
       if (!column.ends_with(ending + unit)) continue;
-      const std::string joint = column.substr(0, column.size() - ending.size() - std::string_view(unit).size());
-      joints_.push_back(jointLabel({joint, type}));
+      const std::string joint = column.substr(0, column.size() - ending.size() - unit.size());
+      joints_.push_back(jointLabel({joint, kind->type}));
       columns.push_back({joint, unit});
+      break;  // kinds with the same unit look the same from here
     }
   }
   const std::vector<std::string> poses = table.text("pose");

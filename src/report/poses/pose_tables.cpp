@@ -62,7 +62,7 @@ Json ofAllJoints(const Json& result, const std::string& name) {
 }
 
 std::string jointLabel(const JointChannel& joint) {
-  return joint.type == JointType::kPrismatic ? joint.name + std::string(kSlideLabel) : joint.name;
+  return kindOf(joint.type).slides ? joint.name + std::string(kSlideLabel) : joint.name;
 }
 
 std::string errorText(const Json& error, const std::string& label) {

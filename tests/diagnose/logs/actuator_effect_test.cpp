@@ -58,7 +58,7 @@ class DriveEffectContract : public testing::TestWithParam<const ActuatorEffect*>
     return std::nullopt;
   }
   static ActuatorBase base() {
-    if (GetParam()->kind == ActuatorKind::kTransmission) return actuator_equations::transmission;
+    if (GetParam()->kind == ActuatorKind::kTransmission) return *actuator_equations::find(ActuatorKind::kTransmission);
     return subjectOf(modelOf(*GetParam())).base;
   }
   static std::vector<double> middle(const ActuatorRegression& model, const ActuatorRows& rows) {

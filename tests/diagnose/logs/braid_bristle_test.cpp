@@ -36,7 +36,8 @@ PreparedLog braidedMuscle() {
 TEST(BraidBristle, IsFoundWithItsForceAndItsSlip) {
   const PreparedLog log = braidedMuscle();
   const LogDiagnosisOptions options;
-  const LogSearch search(actuator_equations::muscle, log.data, splitLog(log, options).training, options);
+  const LogSearch search(*actuator_equations::find(ActuatorKind::kPam), log.data, splitLog(log, options).training,
+                         options);
   Fitted rest = search.fit({}, nullptr);
   search.validate(rest);
   const ActuatorEffect& sign = actuator_effects::find("contraction-hysteresis", "sign");

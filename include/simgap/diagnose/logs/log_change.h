@@ -18,7 +18,7 @@ namespace simgap {
 
 /// The bench as the models have to see it.
 struct LogSetting {
-  ActuatorKind kind = ActuatorKind::kFriction;
+  ActuatorKind kind{};
   Bench bench;
   std::vector<std::string> undone;              ///< causes that are gone
   std::map<std::string, double> added = {};     ///< to constants that were fitted, known only by what they gave: "mass"

@@ -2,7 +2,7 @@
 /// What separates a recorded pose from the equilibrium of the model.
 #pragma once
 
-#include "simgap/core/rotation.h"
+#include "simgap/core/joint_kind.h"
 
 namespace simgap {
 
@@ -11,7 +11,7 @@ struct PoseNoise {
   bool joint_friction = true;         ///< false: S_p = S_capture
   double slide_sd = 1e-3;             ///< of a slide's measured position [m]
 
-  double sdOf(JointType type) const { return type == JointType::kPrismatic ? slide_sd : capture_sd; }
+  double sdOf(JointType type) const { return kindOf(type).slides ? slide_sd : capture_sd; }
 };
 
 }  // namespace simgap

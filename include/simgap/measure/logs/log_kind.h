@@ -25,7 +25,11 @@ struct LogKind {
   FaultChecks checks;
   const char* answer = "";                                        ///< column of what answers to the levels
   Eigen::ArrayXd ActuatorRows::*answers = &ActuatorRows::effort;  ///< its rows
-  bool is_drive = false;  ///< effort against load, dry and viscous friction: presliding is in all of them
+  bool is_drive = false;         ///< effort against load, dry and viscous friction: presliding is in all of them
+  bool at_joint = false;         ///< a drive that may know its joint's angle, and that can be played freely
+  bool fits_in_turn = false;     ///< a cause bends what the one before it left: they are fitted one after another
+  const char* law = nullptr;     ///< friction law of a model that bears the kind's name
+  const char* effect = nullptr;  ///< that every model of this kind has
 };
 
 const LogKind& kindOf(ActuatorKind kind);

@@ -44,7 +44,7 @@ struct ContextChannel {
 };
 
 struct PreparedLog {
-  ActuatorKind kind = ActuatorKind::kFriction;
+  ActuatorKind kind{};
   ActuatorData data;
   std::vector<Block> blocks;            ///< of 4 to 20 s, shorter in short logs; held out together
   std::vector<ContextChannel> context;  ///< in the order of ActuatorRows::context

@@ -3,6 +3,8 @@
 /// which are linear in their parameters:
 ///
 ///     effort = sum_j c_j x_j
+///
+/// One file of src/model/actuator/equations per kind of log, found by CMake.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,17 +25,14 @@ struct ActuatorEquation {
 };
 
 namespace actuator_equations {
-extern const ActuatorEquation winding;  ///< V = R i + L di/dt + K_E w (000 eq. 8)
-extern const ActuatorEquation muscle;   ///< f = p (a e^2 + b e + c), e the muscle's own contraction (002 eq. 14)
-/// F = stiffness x + offset + damping dx/dt (000 eq. 2-3), x the deflection, counted from anywhere.
-extern const ActuatorEquation spring;
-/// theta = theta_M / r + offset - lag w_M: a rigid transmission whose two encoders are not read at the same moment.
-extern const ActuatorEquation transmission;
+std::span<const ActuatorEquation* const> all();
+/// The equation of a kind of log; nullptr where a friction law explains it.
+const ActuatorEquation* find(ActuatorKind kind);
 }  // namespace actuator_equations
 
 /// Either of the two.
 struct ActuatorBase {
-  ActuatorBase(const FrictionLaw& friction, ActuatorKind of = ActuatorKind::kFriction) : law(&friction), kind(of) {}
+  ActuatorBase(const FrictionLaw& friction, ActuatorKind of = {}) : law(&friction), kind(of) {}
   ActuatorBase(const ActuatorEquation& other) : equation(&other), kind(other.kind) {}
 
   std::string_view name() const { return law != nullptr ? law->name : equation->name; }

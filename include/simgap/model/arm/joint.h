@@ -25,7 +25,7 @@ struct BallStop {
 /// with Q the rotation of a hinge or ball and d = axis q the way of a slide.
 struct Joint {
   std::string name;
-  JointType type = JointType::kSpherical;
+  JointType type{};
   int parent = 0;                                             ///< index into bodies
   int child = 0;                                              ///< index into bodies
   Eigen::Vector3d parent_position = Eigen::Vector3d::Zero();  ///< [m] in the parent's frame

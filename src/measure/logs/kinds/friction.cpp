@@ -9,6 +9,7 @@ const LogKind entry{.kind = ActuatorKind::kFriction,
                     .name = "friction",
                     .prepare = prepareDrive,
                     .checks = FaultChecks::kMotion,
-                    .is_drive = true};
+                    .is_drive = true,
+                    .at_joint = true};
 
 }  // namespace simgap::log_kinds::friction

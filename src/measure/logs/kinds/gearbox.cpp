@@ -19,6 +19,8 @@ const LogKind entry{.kind = ActuatorKind::kGearbox,
                     .name = "gearbox",
                     .prepare = prepare,
                     .checks = FaultChecks::kMotion,
-                    .is_drive = true};
+                    .is_drive = true,
+                    .law = "coulomb",
+                    .effect = "inertia"};
 
 }  // namespace simgap::log_kinds::gearbox

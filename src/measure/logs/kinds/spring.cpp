@@ -64,7 +64,10 @@ PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const Frictio
 }  // namespace
 
 extern const LogKind entry;
-const LogKind entry{
-    .kind = ActuatorKind::kSpring, .name = "spring", .prepare = prepare, .checks = FaultChecks::kDeflection};
+const LogKind entry{.kind = ActuatorKind::kSpring,
+                    .name = "spring",
+                    .prepare = prepare,
+                    .checks = FaultChecks::kDeflection,
+                    .fits_in_turn = true};
 
 }  // namespace simgap::log_kinds::spring
