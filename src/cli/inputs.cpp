@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "simgap/core/error.h"
@@ -49,6 +50,22 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
   const CsvTable table = CsvTable::parse(session.read(role, file).content, file, csv);
   warnOfSkippedRows(table);
   return readPosesFor(model, table);
+}
+
+PoseSet readPoses(Session& session, const std::string& role, const std::vector<std::string>& files,
+                  const ArmModel& model, const CsvOptions& csv) {
+  PoseSet all;
+  for (const std::string& file : files) {
+    for (Pose& pose : readPoses(session, role, file, model, csv).poses) {
+      if (std::ranges::find(all.poses, pose.name, &Pose::name) != all.poses.end()) {
+        throw DataError(fmt::format("{}: found a pose {}, which {} has, too; expected names of its own", file,
+                                    pose.name, all.file));
+      }
+      all.poses.push_back(std::move(pose));
+    }
+    all.file += (all.file.empty() ? "" : ", ") + file;
+  }
+  return all;
 }
 
 MotionSet readMotions(Session& session, const std::string& role, const std::string& file, const ArmModel& model,

@@ -26,6 +26,9 @@ CalibrationConfig readConfig(Session& session, const std::string& file, const Ar
 /// Recorded poses for that model; warns of rows that were left out. \throws ConfigError, DataError as readPosesFor.
 PoseSet readPoses(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
                   const CsvOptions& csv);
+/// Those of several files, one behind the other. \throws DataError: a name that two files give a pose.
+PoseSet readPoses(Session& session, const std::string& role, const std::vector<std::string>& files,
+                  const ArmModel& model, const CsvOptions& csv);
 
 /// Recorded motions for that model, with the tables that the set names. \throws ConfigError, DataError as
 /// readMotionsFor. \param restart  [s], 0: never

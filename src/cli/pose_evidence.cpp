@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "cli/inputs.h"
+#include "simgap/core/error.h"
 #include "simgap/report/diagnosis/candidate_files.h"
 
 namespace simgap {
@@ -26,7 +27,9 @@ PoseEvidence readPoseEvidence(const std::filesystem::path& run, Session& session
   const CalibrationConfig settings = readConfig(session, config.string(), &evidence.given);
   evidence.parameters = settings.parameters;
   evidence.noise = settings.noise;
-  const PoseSet poses = readPoses(session, "poses before", (folder / kGivenPoses).string(), evidence.given, {});
+  std::vector<std::string> files;
+  for (const std::string& file : list.poses) files.push_back((folder / file).string());
+  const PoseSet poses = readPoses(session, "poses before", files, evidence.given, {});
   for (const std::string& name : list.used) {
     const auto pose = std::ranges::find(poses.poses, name, &Pose::name);
     if (pose == poses.poses.end()) {

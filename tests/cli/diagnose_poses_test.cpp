@@ -27,6 +27,29 @@ TEST_F(DiagnosePoses, WritesAResultAndAModelThatValidates) {
   succeed({"validate", "d/model.yaml", "--poses", "poses.csv", "--evaluator", "equilibrium", "-q", "-o", "v"});
 }
 
+TEST_F(DiagnosePoses, OldAndNewPosesTogetherAreTheSameAsOneFile) {
+  const std::string all = text("poses.csv"), header = firstLines(all, 1);
+  const std::string old_ones = firstLines(all, 21);
+  put("old.csv", old_ones);
+  put("new.csv", header + all.substr(old_ones.size()));
+  const Arguments rest = {"--effects", "payload", "-q"};
+  const auto diagnosed = [&](Arguments command, const std::string& directory) {
+    command.insert(command.end(), rest.begin(), rest.end());
+    command.insert(command.end(), {"-o", directory});
+    succeed(command);
+    return text(directory + "/hypotheses.csv");
+  };
+  EXPECT_EQ(diagnosed({"diagnose", "arm.yaml", "--poses", "old.csv", "--poses", "new.csv"}, "two"),
+            diagnosed({"diagnose", "arm.yaml", "--poses", "poses.csv"}, "one"));
+  EXPECT_EQ(text("two/candidates/poses.csv"), text("old.csv"));
+  EXPECT_EQ(text("two/candidates/poses_2.csv"), text("new.csv"));
+  put("change.yaml",
+      "format: simgap/change/1\nchanges:\n  - {kind: mass, body: forearm, at_m: [0, 0, -0.1], mass_kg: 0.5}\n");
+  succeed({"intervene", "two", "--change", "change.yaml", "-q", "-o", "foreseen"});
+  expectRefused({"diagnose", "arm.yaml", "--poses", "old.csv", "--poses", "old.csv", "-o", "d"}, 3,
+                "expected names of its own");
+}
+
 TEST_F(DiagnosePoses, RefusesWhatItCannotUse) {
   expectRefused(diagnose({"--log", "poses.csv"}), 2, "expected one of them");
   expectRefused({"diagnose", "arm.yaml", "-o", "d"}, 2, "expected one of them");

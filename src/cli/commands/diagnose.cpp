@@ -3,13 +3,16 @@
 #include <spdlog/spdlog.h>
 
 #include <optional>
+#include <span>
 
 #include "cli/fit_options.h"
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
+#include "simgap/core/run_directory.h"
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/holdout.h"
+#include "simgap/measure/logs/joined_logs.h"
 #include "simgap/report/diagnosis/candidate_files.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
 #include "simgap/simulate/arm_geometry.h"
@@ -21,7 +24,8 @@ namespace {
 struct Options {
   CommonOptions common;
   LogFileOptions table;
-  std::string model, log, bench, poses, config;
+  std::string model, bench, config;
+  std::vector<std::string> logs, poses;
   std::optional<double> ratio;
   std::optional<int> max_causes;
   std::string holdout;
@@ -37,6 +41,14 @@ void keepMemory() {
 #endif
 }
 
+std::vector<std::string> contentsOf(std::span<const Input> inputs, std::string_view role) {
+  std::vector<std::string> contents;
+  for (const Input& input : inputs) {
+    if (input.role == role) contents.push_back(input.content);
+  }
+  return contents;
+}
+
 /// What both kinds of data end with.
 void finish(const Diagnosis& diagnosis, Session& session) {
   for (const std::string& warning : diagnosis.warnings) spdlog::warn("{}", warning);
@@ -48,7 +60,9 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   FittedModel given;
   const ActuatorModel subject = readSubject(session, options.model, given);
   const Bench bench = readRig(session, options.bench, options.ratio);
-  LogTable file_rows = readLog(session, "log", options.log, options.table);
+  std::vector<LogTable> files;
+  for (const std::string& file : options.logs) files.push_back(readLog(session, "log", file, options.table));
+  LogTable file_rows = joinedLogs(std::move(files));
   const CsvTable& table = file_rows.table;
   PreparedLog log = prepareLog(table, bench, subject.base.kind);
   log.left_out = std::move(file_rows.left_out);
@@ -61,7 +75,7 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   requireDiagnosable(log, diagnose);
   if (options.common.dry_run) {
     session.print(fmt::format("would diagnose {} on {} rows of {}; nothing was written\n", subject.base.name(),
-                              table.rows(), options.log));
+                              table.rows(), table.name()));
     return ExitCode::kDone;
   }
   session.begin(diagnose.seed);
@@ -71,7 +85,8 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
     progress->update(static_cast<std::size_t>(100.0 * done), what);
   });
   const Input& file = session.input("log");
-  const LogSource source{file.file.filename().string(), file.sha256, result.diagnosis.samples};
+  LogSource source{file.file.filename().string(), file.sha256, result.diagnosis.samples};
+  if (options.logs.size() > 1) source = {table.name(), sha256(logCsv(table)), source.rows};
   writeLogDiagnosis(result, given, subject, log, source, session.directory());
   if (result.candidates.size() > 1) {
     writeLogCandidates(result, given, subject, log, source, logCsv(table),
@@ -118,7 +133,7 @@ ExitCode runPoses(const Options& options, Session& session) {
       model, set, config.parameters, config.noise, diagnose,
       [&](const std::string& what, double done) { progress->update(static_cast<std::size_t>(100.0 * done), what); });
   writePoseDiagnosis(result, session.directory());
-  writeCandidates(result, model, session.input("poses").content, session.directory());
+  writeCandidates(result, model, contentsOf(session.inputs(), "poses"), session.directory());
   const std::unique_ptr<Evaluator> evaluator = makeEvaluator("equilibrium", {});
   const Assessment before = replayAll(*evaluator, model, set), after = replayAll(*evaluator, result.model, set);
   const ReplayedSet replays[] = {{"all", "given", model, set, before.outcomes},
@@ -131,10 +146,10 @@ ExitCode runPoses(const Options& options, Session& session) {
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("diagnose", options.common, argv);
-  if (options.log.empty() == options.poses.empty()) {
+  if (options.logs.empty() == options.poses.empty()) {
     throw ConfigError("found neither or both of --log and --poses, expected one of them");
   }
-  if (options.log.empty() && !options.table.topics.empty()) {
+  if (options.logs.empty() && !options.table.topics.empty()) {
     throw ConfigError("found --topic with --poses, expected it with --log");
   }
   return options.poses.empty() ? runLog(options, session, app) : runPoses(options, session);
@@ -147,8 +162,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
          "fitted model of a drive, motor, gearbox, muscle or spring, or arm model (YAML); or a name: a friction law "
          "(classic, variant-a, …), motor, gearbox, pam or spring")
       ->required();
-  app.add_option("--log", options->log, "measured log (CSV) of a drive, muscle or spring");
-  app.add_option("--poses", options->poses, "recorded poses (CSV) of an arm");
+  app.add_option("--log", options->logs,
+                 "measured log (CSV) of a drive, muscle or spring; several: sessions of one rig");
+  app.add_option("--poses", options->poses, "recorded poses (CSV) of an arm; several files: of one and the same arm");
   app.add_option("--config", options->config,
                  "of --poses: calibration config with parameters and priors (default: the paper's)");
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML; default: external_torque_Nm)");

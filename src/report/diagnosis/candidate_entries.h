@@ -12,6 +12,9 @@ namespace simgap {
 /// "01-payload_forearm.yaml"
 std::string candidateFileName(std::size_t number, const std::string& causes);
 
+/// The name of a file beside the list. \throws ConfigError: it lies elsewhere
+std::string fileNameOf(const YamlNode& node);
+
 /// A list's entries: file, causes and role of each; `readRest` reads what a kind has besides.
 /// \tparam Entry  with file and candidate {causes, role}. \throws ConfigError: fewer than two, a file elsewhere
 template <class Entry, class ReadRest>
@@ -19,9 +22,7 @@ std::vector<Entry> readCandidateEntries(const YamlNode& list, const ReadRest& re
   std::vector<Entry> entries;
   for (const YamlNode& node : list.items()) {
     Entry& entry = entries.emplace_back();
-    const YamlNode file = node.at("file");
-    entry.file = file.text();
-    if (entry.file.find('/') != std::string::npos) file.fail("expected a file beside this one");
+    entry.file = fileNameOf(node.at("file"));
     entry.candidate.causes = node.at("causes").text();
     entry.candidate.role = node.at("role").oneOf({"named", "instead", "refused", "without"});
     readRest(node, entry.candidate);

@@ -18,13 +18,25 @@ std::string candidateFileName(std::size_t number, const std::string& causes) {
   return name.substr(0, 60) + ".yaml";
 }
 
-void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, const std::string& poses_csv,
+std::string fileNameOf(const YamlNode& node) {
+  std::string name = node.text();
+  if (name.find('/') != std::string::npos) node.fail("expected a file beside this one");
+  return name;
+}
+
+void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, std::span<const std::string> poses_csv,
                      const RunDirectory& directory) {
   const auto write = [&](const std::string& name, const std::string& content) {
     directory.write(fmt::format("{}/{}", kCandidateFolder, name), content);
   };
   std::string list = fmt::format("format: simgap/candidates/1\nexcess: {}\nused: [", result.excess);
   for (std::size_t p = 0; p < result.used.size(); ++p) list += (p > 0 ? ", " : "") + yamlText(result.used[p]);
+  list += "]\nposes: [";
+  for (std::size_t i = 0; i < poses_csv.size(); ++i) {
+    const std::string file = i == 0 ? kGivenPoses : fmt::format("poses_{}.csv", i + 1);
+    write(file, poses_csv[i]);
+    list += (i > 0 ? ", " : "") + file;
+  }
   list += "]\ncandidates:\n";
   for (std::size_t c = 0; c < result.candidates.size(); ++c) {
     const CandidateModel& candidate = result.candidates[c];
@@ -34,7 +46,6 @@ void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, const s
                         yamlText(candidate.causes), candidate.role, candidate.log_odds, candidate.stray_friction);
   }
   write(kGivenModel, writeArm(given));
-  write(kGivenPoses, poses_csv);
   write(kCandidateList, list);
 }
 
@@ -46,6 +57,7 @@ CandidateList CandidateList::read(const YamlNode& root) {
   CandidateList list;
   list.excess = root.at("excess").number(Range{-1.0, 1e6, false, "a number in [-1, 1e6]"});
   for (const YamlNode& pose : root.at("used").items()) list.used.push_back(pose.text());
+  for (const YamlNode& file : root.at("poses").items()) list.poses.push_back(fileNameOf(file));
   list.entries =
       readCandidateEntries<Entry>(root.at("candidates"), [](const YamlNode& node, CandidateModel& candidate) {
         candidate.log_odds = node.at("log_odds").number();

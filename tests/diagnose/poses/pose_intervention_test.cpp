@@ -25,6 +25,20 @@ TEST(PoseIntervention, ConfirmsTheCauseThatWasTakenAway) {
   EXPECT_LT(result.predictions[1].log_odds, -3.0);
 }
 
+// The edit test: the model that holds the payload survives its removal as well as one that never knew any.
+TEST(PoseIntervention, APayloadsModelSurvivesItsRemoval) {
+  reality::PoseDrawOptions with = payload(), without = payload();
+  with.cured = true;
+  without.causes = 0;
+  without.effect.clear();
+  const Judged told(seedOfAForearm(), without, {"none"});
+  const double truth =
+      told.judge("  - {kind: mass, body: link2, at_m: [0, 0, 0], mass_kg: 1.0e-6}\n").predictions[0].rms;
+  const Intervention edited = Judged(seedOfAForearm(), with, kPayloadFirst).judge(kPayloadOff);
+  EXPECT_LT(edited.predictions[0].rms, 1.3 * truth);
+  EXPECT_GT(edited.predictions[3].rms, 1.3 * truth) << "without a payload to take off";
+}
+
 TEST(PoseIntervention, RefutesALookAlikeWhoseRemovalChangedNothing) {
   reality::PoseDrawOptions options = payload();
   options.change = [](reality::Arm&) {};

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,13 +19,13 @@ namespace simgap {
 inline constexpr const char* kCandidateFolder = "candidates";
 inline constexpr const char* kCandidateList = "candidates.yaml";
 inline constexpr const char* kGivenModel = "given.yaml";
-inline constexpr const char* kGivenPoses = "poses.csv";
+inline constexpr const char* kGivenPoses = "poses.csv";  ///< the first file
 inline constexpr const char* kGivenLog = "log.csv";
 inline constexpr const char* kGivenBench = "bench.yaml";
 inline constexpr const char* kLogCandidates = "simgap/log-candidates/1";
 
-/// \param poses_csv  as the user gave it
-void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, const std::string& poses_csv,
+/// \param poses_csv  the files as the user gave them
+void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, std::span<const std::string> poses_csv,
                      const RunDirectory& directory);
 
 /// The list without its models.
@@ -34,7 +35,8 @@ struct CandidateList {
     CandidateModel candidate;  ///< its model is still to be read
   };
   std::vector<Entry> entries;
-  std::vector<std::string> used;  ///< poses without a fault
+  std::vector<std::string> poses;  ///< files of this folder
+  std::vector<std::string> used;   ///< poses without a fault
   double excess = 0.0;
 
   /// \throws ConfigError: fewer than two candidates, and all that YamlNode refuses.

@@ -1,0 +1,89 @@
+#include "simgap/measure/logs/joined_logs.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::string_view kSession = "session";
+
+bool wholeIn(const LogTable& log, const std::string& column) {
+  return log.table.has(column) && (!log.table.isNumeric(column) || log.table.badRows(column).empty());
+}
+
+/// The columns that every log has, without gaps where they are numbers; `session` is written anew.
+std::vector<std::string> sharedColumns(std::span<const LogTable> logs) {
+  std::vector<std::string> shared;
+  for (const std::string& column : logs[0].table.columns()) {
+    if (column == kSession) continue;
+    const auto lacking = std::ranges::find_if(logs, [&](const LogTable& log) { return !wholeIn(log, column); });
+    if (lacking == logs.end()) {
+      shared.push_back(column);
+    } else if (isLogChannel(column)) {
+      throw DataError(fmt::format("{}: found no whole column {}, which {} has; expected the same channels in every log",
+                                  lacking->table.name(), column, logs[0].table.name()));
+    }
+  }
+  return shared;
+}
+
+/// A log's own sessions behind the name of its file.
+std::vector<std::string> sessionsOf(const CsvTable& table, std::size_t number) {
+  const std::string file = fmt::format("{}-{}", number + 1, std::filesystem::path(table.name()).stem().string());
+  if (!table.has(kSession)) return std::vector(table.rows(), file);
+  std::vector<std::string> sessions = table.text(kSession);
+  for (std::string& session : sessions) session = fmt::format("{}-{}", file, session);
+  return sessions;
+}
+
+void appendRows(const CsvTable& table, std::size_t number, std::span<const std::string> columns, CsvWriter& csv) {
+  std::vector<std::vector<double>> numbers(columns.size());
+  std::vector<std::vector<std::string>> texts(columns.size());
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (table.isNumeric(columns[k])) {
+      numbers[k] = table.quantity(columns[k], "");
+    } else {
+      texts[k] = table.text(columns[k]);
+    }
+  }
+  const std::vector<std::string> sessions = sessionsOf(table, number);
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      if (texts[k].empty()) {
+        csv.add(numbers[k][row]);
+      } else {
+        csv.add(texts[k][row]);
+      }
+    }
+    csv.add(sessions[row]).endRow();
+  }
+}
+
+}  // namespace
+
+LogTable joinedLogs(std::vector<LogTable> logs) {
+  if (logs.size() == 1) return std::move(logs[0]);
+  const std::vector<std::string> columns = sharedColumns(logs);
+  std::vector<std::string> header = columns, names;
+  header.emplace_back(kSession);
+  CsvWriter csv(header);
+  std::vector<LeftOutRows> left_out;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    appendRows(logs[i].table, i, columns, csv);
+    names.push_back(logs[i].table.name());
+    for (LeftOutRows& rows : logs[i].left_out) {
+      rows.sentence = fmt::format("{}: {}", names.back(), rows.sentence);
+      left_out.push_back(std::move(rows));
+    }
+  }
+  return {CsvTable::parse(csv.text(), fmt::format("{}", fmt::join(names, " and "))), std::move(left_out)};
+}
+
+}  // namespace simgap
