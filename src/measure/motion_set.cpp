@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "motion_checks.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/measure/joint_columns.h"
@@ -44,15 +45,6 @@ void readJoints(const CsvTable& table, const PoseLayout& layout, RecordedMotion&
     const std::vector<JointPosition> positions = kindOf(joint.type).read(table, joint.name);
     for (std::size_t f = 0; f < positions.size(); ++f) motion.joints[f].push_back(positions[f]);
   }
-}
-
-void refuseClocksApart(const RecordedMotion& motion) {
-  if (motion.joint_times.front() <= motion.times().back() && motion.joint_times.back() >= motion.times().front())
-    return;
-  throw DataError(fmt::format(
-      "{}: found times from {} to {} s, expected some between {} and {} s, the times of {}: the clocks do not overlap",
-      motion.joints_file.string(), motion.joint_times.front(), motion.joint_times.back(), motion.times().front(),
-      motion.times().back(), motion.muscles_file.string()));
 }
 
 /// Speed of a joint over its first frames by a straight line, with its standard error [per second].
@@ -175,6 +167,7 @@ MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file,
     readMuscles(table(motion.muscles_file), layout, motion);
     readJoints(table(motion.joints_file), layout, motion);
     refuseClocksApart(motion);
+    refuseShaftsApart(motion, layout.muscles);
     if (!motion.start) refuseMovingStart(motion, layout);
   }
   return set;

@@ -83,6 +83,24 @@ TEST_F(MotionSetTest, ClocksOverlap) {
               AllOf(StartsWith("3: d/j.csv: found times from 100.1 to 100.6 s"), HasSubstr("do not overlap")));
 }
 
+TEST_F(MotionSetTest, TwoRowsOfCommandsAreNoMotion) {
+  EXPECT_THAT(refusal(kSet, firstLines(replaced(kMuscles, "0.5,90", "0.01,90"), 3)),
+              HasSubstr("expected at least 0.3 s of them between 0 and 0.01 s"));
+}
+
+TEST_F(MotionSetTest, ShaftsThatFollowInAnotherUnitAreNamed) {
+  const auto shafts = [](double scale) {
+    return fmt::format(
+        "time_s,setpoint_biceps_rad,setpoint_triceps_rad,shaft_triceps_rad\n0,1,1,{}\n0.5,1,1,{}\n1,2,2,{}\n",
+        1.01 * scale, 0.99 * scale, 1.95 * scale);
+  };
+  EXPECT_EQ(refusal(kSet, shafts(1.0)), "no error");
+  EXPECT_THAT(refusal(kSet, shafts(kDegree)),
+              HasSubstr("setpoint_triceps_rad: found shafts of 0.0172 times the "
+                        "set-points, expected about 1: the set-points look like degrees"));
+  EXPECT_THAT(refusal(kSet, shafts(1.0 / kDegree)), HasSubstr("the shafts look like degrees"));
+}
+
 TEST_F(MotionSetTest, EveryMuscleOfTheModelHasOneCommandAndNoOtherIsThere) {
   EXPECT_THAT(refusal(kSet, replaced(kMuscles, "setpoint_triceps_rad", "note")),
               StartsWith("3: d/m.csv:1: muscle triceps: found no command, expected one of setpoint_triceps_rad"));
