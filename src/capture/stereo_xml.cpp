@@ -3,13 +3,13 @@
 #include <tinyxml2.h>
 
 #include <cmath>
-#include <sstream>
 
 #include "camera_formats.h"
 #include "camera_storage.h"
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
 #include "simgap/core/units.h"
+#include "simgap/core/words.h"
 
 namespace simgap {
 namespace {
@@ -63,9 +63,9 @@ class XmlStorage : public CameraStorage {
   }
 
   std::vector<double> numbersOfElement(const tinyxml2::XMLElement& element) const {
-    std::istringstream words(element.GetText() == nullptr ? "" : element.GetText());
+    Words words(element.GetText() == nullptr ? "" : element.GetText());
     std::vector<double> numbers;
-    for (std::string word; words >> word;) {
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
       const std::optional<double> number = parseNumber(word);
       if (!number || !(std::abs(*number) <= kLensNumber.upper)) {
         fail(element, fmt::format("found '{}', expected {}", abridged(word), kLensNumber.expected));

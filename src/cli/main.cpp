@@ -14,6 +14,7 @@
 #include "shell_files.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/memory.h"
 #include "simgap/core/progress.h"
 #include "simgap/core/ranks.h"
 #include "simgap/core/text.h"
@@ -131,7 +132,7 @@ int runOnRanks(int argc, char** argv, std::string& failure) try {
 } catch (const simgap::Error& error) {
   return fail(error.code(), failure = error.what());
 } catch (const std::bad_alloc&) {
-  return fail(ExitCode::kUsage, failure = "not enough memory: the input needs more than the system grants");
+  return fail(ExitCode::kUsage, failure = simgap::kNoMemory);
 } catch (const std::system_error& error) {  // a folder that may not be looked into, no more threads
   return fail(ExitCode::kUsage, failure = std::string("the system refused: ") + error.what());
 } catch (const std::exception& error) {
@@ -146,6 +147,7 @@ int main(int argc, char** argv) {
   mallopt(M_TRIM_THRESHOLD, 1 << 26);  // the small ones of chunks stay, or every chunk would fault its pages in anew
   FLAGS_minloglevel = google::GLOG_FATAL;  // Ceres' log; what matters of it is in its summaries
   simgap::installInterruptHandlers();
+  simgap::installNoMemoryHandler();
   ignoreWriteSignals();
   std::string failure;
   const int code = runOnRanks(argc, argv, failure);

@@ -157,14 +157,15 @@ std::string readFile(const fs::path& file, std::size_t largest) {
 }
 
 Json readJson(const fs::path& file) {
-  constexpr int kDeepest = 64;  // what writes or shows JSON calls itself once per level
+  constexpr int kDeepest = 64;                              // what writes or shows JSON calls itself once per level
+  constexpr std::size_t kLargest = std::size_t{64} << 20U;  // values take up to sixteen times the room of their text
   const auto refuseDepth = [&](int depth, Json::parse_event_t, Json&) {
     if (depth > kDeepest) {
       throw DataError(fmt::format("{}: found JSON nested more than {} deep, expected less", file.string(), kDeepest));
     }
     return true;
   };
-  Json json = Json::parse(readFile(file), refuseDepth, /*allow_exceptions=*/false);
+  Json json = Json::parse(readFile(file, kLargest), refuseDepth, /*allow_exceptions=*/false);
   if (json.is_discarded()) throw DataError(fmt::format("{}: found no JSON, expected it", file.string()));
   return json;
 }

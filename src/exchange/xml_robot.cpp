@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
 #include "simgap/core/units.h"
+#include "simgap/core/words.h"
 
 namespace simgap {
 namespace {
@@ -130,9 +130,9 @@ std::vector<ExchangeRemark> XmlRobot::finish(const std::map<std::string, std::st
 }
 
 std::vector<double> XmlRobot::numbers(const XmlElement& element, const char* attribute, const char* text) const {
-  std::istringstream words(text);
+  Words words(text);
   std::vector<double> values;
-  for (std::string word; words >> word;) {
+  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
     const std::optional<double> value = parseNumber(word);
     if (!value || std::abs(*value) > kLargestRobotNumber) {
       fail(element, fmt::format("{}: found '{}', expected a finite number", attribute, abridged(word)));

@@ -2,10 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <sstream>
-
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
+#include "simgap/core/words.h"
 #include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap {
@@ -35,10 +34,11 @@ ArmModel withMuscles(ArmModel model, const RobotFile& muscles) {
   model.extensions.clear();
   model.motor_defaults = {};
   model.gearbox_defaults = {};
-  std::istringstream lines(writeArm(model));
+  const std::string text = writeArm(model);
   std::string skeleton;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("muscles:", 0) != 0) skeleton += line + "\n";
+  for (std::string_view left = text; !left.empty();) {
+    const std::string_view line = takeLine(left);
+    if (!line.starts_with("muscles:")) skeleton.append(line).append("\n");
   }
   return readArm(YamlNode::parse(muscles.text + "\n" + skeleton, muscles.file.string()));
 }

@@ -7,6 +7,7 @@
 
 #include "fuzz/readers.h"
 #include "simgap/core/error.h"
+#include "simgap/diagnose/logs/log_change.h"
 #include "simgap/fit/motions/motion_calibration.h"
 #include "simgap/fit/poses/calibration.h"
 #include "simgap/model/arm/arm_change.h"
@@ -159,6 +160,19 @@ void readChange(std::string bytes) {
 
 void readCandidates(std::string bytes) { CandidateList::read(yaml(bytes)); }
 
+/// What was done to a bench, done to a drive on a pendulum, before and after it.
+void readLogChange(std::string bytes) {
+  const LogChanges changes = LogChanges::read(yaml(bytes));
+  withinUncertainty(changes);
+  for (const bool recorded : {false, true}) {
+    LogSetting setting;
+    setting.bench.load = BenchLoad::kPendulum;
+    changes.apply(setting, recorded);
+  }
+}
+
+void readLogCandidates(std::string bytes) { LogCandidateList::read(yaml(bytes)); }
+
 constexpr std::array kReaders = {
     Reader{"state", readState},
     Reader{"calibration", readCalibration},
@@ -173,6 +187,8 @@ constexpr std::array kReaders = {
     Reader{"serve", serve},
     Reader{"change", readChange},
     Reader{"candidates", readCandidates},
+    Reader{"log_change", readLogChange},
+    Reader{"log_candidates", readLogCandidates},
 };
 
 }  // namespace

@@ -4,13 +4,17 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <map>
-#include <sstream>
+#include <optional>
+#include <string_view>
 
 #include "simgap/core/error.h"
+#include "simgap/core/units.h"
+#include "simgap/core/words.h"
 
 namespace simgap {
 namespace {
@@ -72,22 +76,22 @@ Mesh readBinaryStl(const std::string& text, const std::string& name) {
   return builder.finish();
 }
 
-Eigen::Vector3d readPlace(std::istringstream& words, const std::string& name, std::size_t line) {
+Eigen::Vector3d readPlace(Words& words, const std::string& name, std::size_t line) {
   Eigen::Vector3d p;
-  if (!(words >> p.x() >> p.y() >> p.z())) failMesh(name, line, "found a corner that is not three numbers");
+  for (double& coordinate : p) {
+    const std::optional<double> number = parseNumber(words.next());
+    if (!number) failMesh(name, line, "found a corner that is not three numbers");
+    coordinate = *number;
+  }
   return p;
 }
 
 /// Calls action(number, first word, the words behind it), lines counted from 1.
 template <class Action>
-void forEachLine(const std::string& text, const Action& action) {
-  std::istringstream lines(text);
-  std::size_t number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
+void forEachLine(std::string_view text, const Action& action) {
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    Words words(takeLine(text));
+    const std::string_view word = words.next();
     action(number, word, words);
   }
 }
@@ -95,7 +99,7 @@ void forEachLine(const std::string& text, const Action& action) {
 Mesh readAsciiStl(const std::string& text, const std::string& name) {
   MeshBuilder builder(name);
   std::vector<int> corners;
-  forEachLine(text, [&](std::size_t number, const std::string& word, std::istringstream& words) {
+  forEachLine(text, [&](std::size_t number, std::string_view word, Words& words) {
     if (word == "vertex") corners.push_back(builder.point(readPlace(words, name, number), number));
     if (word != "endloop") return;
     if (corners.size() != 3) failMesh(name, number, fmt::format("found a facet of {} corners", corners.size()));
@@ -109,12 +113,13 @@ Mesh readAsciiStl(const std::string& text, const std::string& name) {
 Mesh readObj(const std::string& text, const std::string& name) {
   MeshBuilder builder(name);
   std::vector<int> places;  // of the file
-  forEachLine(text, [&](std::size_t number, const std::string& word, std::istringstream& words) {
+  forEachLine(text, [&](std::size_t number, std::string_view word, Words& words) {
     if (word == "v") places.push_back(builder.point(readPlace(words, name, number), number));
     if (word != "f") return;
     std::vector<int> corners;
-    for (std::string corner; words >> corner;) {
-      const long index = std::strtol(corner.c_str(), nullptr, 10);
+    for (std::string_view corner = words.next(); !corner.empty(); corner = words.next()) {
+      long index = 0;  // stays so where no number stands
+      std::from_chars(corner.data(), corner.data() + corner.size(), index);
       const long at = index < 0 ? std::ssize(places) + index : index - 1;
       if (at < 0 || at >= std::ssize(places)) failMesh(name, number, fmt::format("found no corner '{}'", corner));
       corners.push_back(places[static_cast<std::size_t>(at)]);

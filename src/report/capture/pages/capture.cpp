@@ -26,6 +26,7 @@ CsvTable pairsTable(const ResultFiles& files, const char* name) {
   const std::size_t stride = strideOf(files.result());
   if (stride == 1) return files.table(name);
   std::ifstream file(files.directory() / name);
+  file.exceptions(std::ios::badbit);  // no memory for a line is no end of the file
   std::string text, line;
   std::getline(file, text);
   while (std::getline(file, line)) {
