@@ -127,7 +127,7 @@ std::string jointsCsvHeader(const std::vector<CaptureJoint>& joints) {
     for (const std::string& column : positionColumns(joint.type, joint.name)) text += "," + column;
   }
   for (const CaptureJoint& joint : joints) {
-    text += fmt::format(",{}_sd_rad", joint.name);
+    text += fmt::format(",{}_sd_{}", joint.name, kindOf(joint.type).unit);
     if (kindOf(joint.type).has_axis) text += fmt::format(",{}_off_axis_rad", joint.name);
   }
   return text + "\n";

@@ -50,11 +50,14 @@ double residualOf(const std::vector<TargetPose>& poses, const Vector6& centre) {
 }
 
 void expectRange(const FunctionalJoint& joint, const JointCalibrationOptions& options) {
-  if (joint.range < options.min_range) {
-    throw DataError(fmt::format("joint {}: the motion spans only {:.1f} deg about {}, expected at least {:.1f} deg",
-                                joint.name, toDegrees(joint.range),
-                                kindOf(joint.type).has_axis ? "its axis" : "its second axis",
-                                toDegrees(options.min_range)));
+  const JointKind& kind = kindOf(joint.type);
+  if (kind.counted * joint.range < options.min_range) {
+    throw DataError(fmt::format("joint {}: the motion spans only {:.1f} {} {}, expected at least {:.1f} {}", joint.name,
+                                kind.shown(joint.range), kind.error_unit,
+                                joint.type == JointType::kPrismatic ? "along its axis"
+                                : kind.has_axis                     ? "about its axis"
+                                                                    : "about its second axis",
+                                kind.shown(options.min_range / kind.counted), kind.error_unit));
   }
   if (!(joint.centre_sd <= options.max_centre_sd)) {
     throw DataError(
@@ -62,6 +65,39 @@ void expectRange(const FunctionalJoint& joint, const JointCalibrationOptions& op
                     "and about more axes",
                     joint.name, 1e3 * joint.centre_sd, 1e3 * options.max_centre_sd));
   }
+}
+
+/// The child moves along one direction of the parent's target and does not turn.
+void calibrateSlide(const CaptureJoint& joint, const std::vector<TargetPose>& poses,
+                    const JointCalibrationOptions& options, FunctionalJoint& result) {
+  const auto n = static_cast<double>(poses.size());
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const TargetPose& pose : poses) mean += pose.origin / n;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const TargetPose& pose : poses) covariance += (pose.origin - mean) * (pose.origin - mean).transpose() / n;
+  const SymmetricEigen ways = symmetricEigen(covariance);
+  const Eigen::Vector3d spread = ways.values.cwiseMax(0.0).cwiseSqrt();  // smallest first
+  result.range = 4.0 * spread[2];
+  result.residual = std::hypot(spread[0], spread[1]);
+  result.centre_sd = result.residual / std::sqrt(n);
+  result.axis_sd = result.residual / std::max(spread[2] * std::sqrt(n), 1e-12);
+  result.condition = ways.values[2] / std::max(ways.values.sum(), 1e-30);
+  result.axis_in_parent = ways.vectors.col(2);
+  result.axis_in_child = meanRotation(poses).conjugate() * result.axis_in_parent;
+  // Where it is at 0: as the rig has it, until frames of a zero pose say so.
+  if (result.axis_in_parent.dot(joint.axis) < 0.0) {
+    result.axis_in_parent *= -1.0;
+    result.axis_in_child *= -1.0;
+  }
+  result.in_parent = mean + (joint.zero - mean.dot(result.axis_in_parent)) * result.axis_in_parent;
+  const double turned = 4.0 * rotationSpread(poses)[2];
+  if (turned > options.min_range) {
+    throw DataError(
+        fmt::format("joint {}: its target turns by {:.1f} deg in the other's, expected a slide, which turns "
+                    "nothing",
+                    joint.name, toDegrees(turned)));
+  }
+  expectRange(result, options);
 }
 
 }  // namespace
@@ -117,6 +153,10 @@ FunctionalJoint calibrateJoint(const CaptureJoint& joint, const std::vector<Moti
   if (poses.size() < kFewestFrames) {
     throw DataError(fmt::format("joint {}: both targets were seen in {} frames, expected at least {}", joint.name,
                                 poses.size(), kFewestFrames));
+  }
+  if (joint.type == JointType::kPrismatic) {
+    calibrateSlide(joint, poses, options, result);
+    return result;
   }
   const bool revolute = kindOf(joint.type).has_axis;
   const Eigen::Vector3d spread = rotationSpread(poses);

@@ -45,8 +45,10 @@ class RigFrames {
     sortFromRoots();
     result_.zero_pose = options_.zero_first >= 0;
     for (const CaptureJoint& joint : rig_.joints) result_.joints.push_back(calibrateJoint(joint, motion_, options_));
+    if (result_.zero_pose) zeroSlides();
     placeOrigins();
     turnBones();
+    measureZeros();
     result_.targets = targets_;
     for (std::size_t t = 0; t < targets_.targets.size(); ++t) {
       if (joint_of_[t] < 0 && !isParent(static_cast<int>(t))) continue;
@@ -84,6 +86,30 @@ class RigFrames {
     }
   }
 
+  bool slides(std::size_t j) const { return rig_.joints[j].type == JointType::kPrismatic; }
+
+  void zeroSlides() {
+    for (std::size_t j = 0; j < rig_.joints.size(); ++j) {
+      if (!slides(j)) continue;
+      FunctionalJoint& found = result_.joints[j];
+      const std::vector<TargetPose> poses = zeroPoses(rig_.joints[j]);
+      double along = 0.0;
+      for (const TargetPose& pose : poses) {
+        along += (pose.origin - found.in_parent).dot(found.axis_in_parent) / static_cast<double>(poses.size());
+      }
+      found.in_parent += along * found.axis_in_parent;
+    }
+  }
+
+  void measureZeros() {
+    for (std::size_t j = 0; j < rig_.joints.size(); ++j) {
+      const CaptureJoint& joint = rig_.joints[j];
+      const FunctionalJoint& found = result_.joints[j];
+      result_.zeros.push_back(
+          slides(j) ? joint.axis.dot(bone_[joint.parent] * (found.in_parent - origin_[joint.parent])) : 0.0);
+    }
+  }
+
   /// The origins of the bones in their targets' frames, and the senses of the axes.
   void placeOrigins() {
     origin_.assign(targets_.targets.size(), Eigen::Vector3d::Zero());
@@ -92,7 +118,7 @@ class RigFrames {
       const CaptureJoint& joint = rig_.joints[j];
       FunctionalJoint& found = result_.joints[j];
       const Eigen::Vector3d& parent_origin = origin_[joint.parent];
-      if (kindOf(joint.type).has_axis) {
+      if (kindOf(joint.type).has_axis && !slides(j)) {
         if (found.axis_in_parent.dot(joint.axis) < 0.0) {  // SARA knows the axis but not its sense
           found.axis_in_parent *= -1.0;
           found.axis_in_child *= -1.0;
@@ -110,18 +136,21 @@ class RigFrames {
     }
   }
 
-  /// How the child's target is turned in the parent's in the zero pose; as the target file has them without one.
-  Eigen::Matrix3d zeroRotation(const CaptureJoint& joint) const {
+  std::vector<TargetPose> zeroPoses(const CaptureJoint& joint) const {
     std::vector<MotionFrame> still;
     for (const MotionFrame& frame : motion_) {
       if (frame.frame >= options_.zero_first && frame.frame <= options_.zero_last) still.push_back(frame);
     }
-    const std::vector<TargetPose> poses = relativePoses(joint, still);
+    std::vector<TargetPose> poses = relativePoses(joint, still);
     if (poses.empty()) {
       throw DataError(fmt::format("no frame from {} to {} shows both targets of joint {}: the zero pose is unknown",
                                   options_.zero_first, options_.zero_last, joint.name));
     }
-    return meanRotation(poses).toRotationMatrix();
+    return poses;
+  }
+  /// How the child's target is turned in the parent's in the zero pose; as the target file has them without one.
+  Eigen::Matrix3d zeroRotation(const CaptureJoint& joint) const {
+    return meanRotation(zeroPoses(joint)).toRotationMatrix();
   }
 
   /// What the joints that a bone carries say of its frame.
@@ -133,7 +162,7 @@ class RigFrames {
       const FunctionalJoint& found = result_.joints[j];
       const bool axis = kindOf(joint.type).has_axis;
       if (axis) directions.push_back({found.axis_in_parent, joint.axis});
-      if (!joint.along) continue;
+      if (!joint.along || slides(j)) continue;
       Eigen::Vector3d named = *joint.along;
       if (axis) named -= named.dot(joint.axis) * joint.axis;  // the origin is the axis' nearest point
       const Eigen::Vector3d way = found.in_parent - origin_[target];
@@ -153,6 +182,10 @@ class RigFrames {
     for (const std::size_t j : order_) {  // each turns about exactly the axis that the rig names
       const CaptureJoint& joint = rig_.joints[j];
       if (!kindOf(joint.type).has_axis) continue;
+      if (slides(j)) {  // never turns
+        bone_[joint.child] = bone_[joint.parent] * meanRotation(relativePoses(joint, motion_)).toRotationMatrix();
+        continue;
+      }
       const Eigen::Vector3d axis = bone_[joint.child] * result_.joints[j].axis_in_child;
       bone_[joint.child] = rotationBetween(axis.normalized(), joint.axis).toRotationMatrix() * bone_[joint.child];
     }

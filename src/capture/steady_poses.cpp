@@ -21,16 +21,17 @@ bool isSteady(Samples window, const std::vector<CaptureJoint>& joints, const Ste
   const auto n = static_cast<double>(window.size());
   const JointSample& middle = window[window.size() / 2];
   for (std::size_t j = 0; j < joints.size(); ++j) {
+    const JointKind& kind = kindOf(joints[j].type);
     double mean_time = 0.0;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const JointSample& s : window) {
       mean_time += s.time / n;
-      mean += kindOf(joints[j].type).difference(middle.joints[j], s.joints[j]) / n;
+      mean += kind.counted * kind.difference(middle.joints[j], s.joints[j]) / n;
     }
     Eigen::Vector3d slope = Eigen::Vector3d::Zero();
     double squares = 0.0;
     for (const JointSample& s : window) {
-      const Eigen::Vector3d off = kindOf(joints[j].type).difference(middle.joints[j], s.joints[j]) - mean;
+      const Eigen::Vector3d off = kind.counted * kind.difference(middle.joints[j], s.joints[j]) - mean;
       if (off.norm() > options.max_speed * options.duration) return false;
       slope += (s.time - mean_time) * off;
       squares += (s.time - mean_time) * (s.time - mean_time);
@@ -198,7 +199,8 @@ void JointSpeeds::add(const JointSample& sample) {
     const double step = sample.time - last_->time;
     double squares = 0.0;
     for (std::size_t j = 0; j < joints_.size(); ++j) {
-      squares += kindOf(joints_[j].type).difference(last_->joints[j], sample.joints[j]).squaredNorm();
+      const JointKind& kind = kindOf(joints_[j].type);
+      squares += (kind.counted * kind.difference(last_->joints[j], sample.joints[j])).squaredNorm();
     }
     speeds_.times.push_back(0.5 * (sample.time + last_->time));
     speeds_.values.push_back(std::sqrt(squares) / step);
@@ -238,7 +240,8 @@ std::string posesCsv(std::span<const SteadyPose> poses, const std::vector<Captur
   for (const CaptureJoint& joint : joints) {
     for (std::string& column : positionColumns(joint.type, joint.name)) header.push_back(std::move(column));
   }
-  for (const CaptureJoint& joint : joints) header.push_back(joint.name + "_spread_rad");
+  for (const CaptureJoint& joint : joints)
+    header.push_back(fmt::format("{}_spread_{}", joint.name, kindOf(joint.type).unit));
   header.emplace_back("samples");
   CsvWriter csv(header);
   for (std::size_t p = 0; p < poses.size(); ++p) {

@@ -300,6 +300,9 @@ class MjcfWriter {
   }
 
   void nameWhatIsLost() {
+    if (std::ranges::any_of(model_.muscles, &Muscle::rope)) {
+      remarks_.add("line: rope", "a straight line: MuJoCo's tendons bend over surfaces that are named, not over bones");
+    }
     for (const Extension& extension : model_.extensions) {
       remarks_.add(fmt::format("extension '{}'", extension.effect), "left out: MJCF has no such effect");
     }

@@ -74,14 +74,15 @@ std::vector<double> readRisingTimes(const CsvTable& table) {
   return times;
 }
 
-void refuseForeignMuscles(const CsvTable& table, std::span<const std::string> muscles,
-                          std::span<const std::string_view> stems) {
-  const std::vector<std::string> names(muscles.begin(), muscles.end());
+void refuseForeignMuscles(const CsvTable& table, const PoseLayout& layout, std::span<const std::string_view> stems) {
+  const std::vector<std::string>& names = layout.muscles;
   for (const std::string& column : table.columns()) {
     for (const std::string_view stem : stems) {
       const std::string before = std::string(stem) + "_";
       if (!column.starts_with(before)) continue;
       const std::string named = splitUnit(column).stem;
+      // A motor at a joint is commanded by a current, as a muscle's is measured.
+      if (std::ranges::find(layout.lines, named, &CommandChannel::stem) != layout.lines.end()) continue;
       const std::string muscle = (named.starts_with(before) ? named : column).substr(before.size());
       if (std::ranges::find(names, muscle) != names.end()) continue;
       const std::string nearest = nearestName(muscle, names);
@@ -91,21 +92,24 @@ void refuseForeignMuscles(const CsvTable& table, std::span<const std::string> mu
   }
 }
 
-MotionCommands readCommands(const CsvTable& table, std::span<const std::string> muscles, bool linear) {
+MotionCommands readCommands(const CsvTable& table, const PoseLayout& layout, bool linear) {
   if (table.rows() == 0) throw DataError(table.name() + ": no rows, expected commands over time");
   constexpr std::array<std::string_view, 3> kStems = {"setpoint", "voltage", "force"};
-  refuseForeignMuscles(table, muscles, kStems);
+  refuseForeignMuscles(table, layout, kStems);
   MotionCommands commands;
   commands.linear = linear;
   commands.times = readRisingTimes(table);
-  commands.values.resize(std::ssize(muscles), std::ssize(commands.times));
-  for (std::size_t m = 0; m < muscles.size(); ++m) {
-    const CommandKind kind = kindOfCommand(table, muscles[m]);
-    const std::vector<double> values = table.quantity(stemOf(kind, muscles[m]), columnOf(kind).unit);
-    commands.kinds.push_back(kind);
-    commands.values.row(static_cast<Eigen::Index>(m)) =
-        Eigen::Map<const Eigen::RowVectorXd>(values.data(), std::ssize(values));
+  commands.values.resize(std::ssize(layout.muscles) + std::ssize(layout.lines), std::ssize(commands.times));
+  Eigen::Index next = 0;
+  const auto add = [&](const std::string& stem, std::string_view unit) {
+    const std::vector<double> values = table.quantity(stem, unit);
+    commands.values.row(next++) = Eigen::Map<const Eigen::RowVectorXd>(values.data(), std::ssize(values));
+  };
+  for (const std::string& muscle : layout.muscles) {
+    commands.kinds.push_back(kindOfCommand(table, muscle));
+    add(stemOf(commands.kinds.back(), muscle), columnOf(commands.kinds.back()).unit);
   }
+  for (const CommandChannel& line : layout.lines) add(line.stem, line.unit);
   return commands;
 }
 

@@ -31,8 +31,8 @@ void expectTwoRows(const CsvTable& table) {
 void readMuscles(const CsvTable& table, const PoseLayout& layout, RecordedMotion& motion) {
   constexpr std::array<std::string_view, 3> kMeasured = {"shaft", "current", "measured_force"};
   expectTwoRows(table);
-  refuseForeignMuscles(table, layout.muscles, kMeasured);
-  motion.commands = readCommands(table, layout.muscles, motion.commands.linear);
+  refuseForeignMuscles(table, layout, kMeasured);
+  motion.commands = readCommands(table, layout, motion.commands.linear);
   for (const std::string& muscle : layout.muscles) motion.muscles.push_back(readMuscle(table, muscle));
 }
 
@@ -117,6 +117,7 @@ RecordedStart readStart(const YamlNode& node, const PoseLayout& layout) {
     }
     start.joints.push_back(position);
   }
+  if (layout.muscles.empty()) return start;
   const YamlNode shafts = node.at("shafts");
   for (const std::string& muscle : layout.muscles) start.shafts.push_back(shafts.quantity(muscle, "rad"));
   return start;

@@ -17,10 +17,11 @@ struct Arm::Simulation {
   Rollout rollout;
   std::vector<std::string> muscles, joints;
   std::vector<CommandKind> kinds;
+  std::vector<const PassiveTendon*> lines;  // of the model, that take a command
 
   Simulation(const ArmModel& arm, const RolloutOptions& options)
       : model(arm), rollout(arm, options), kinds(arm.muscles.size(), CommandKind::kSetpoint) {
-    refuseOtherDrives(arm);
+    for (const PassiveTendon* line : commandedLines(model)) lines.push_back(line);
     for (const Muscle& muscle : arm.muscles) muscles.push_back(muscle.name);
     for (const Joint& joint : arm.joints) joints.push_back(joint.name);
     rollout.begin(kinds, {});
@@ -63,8 +64,14 @@ void Arm::reset(Command command) {
 
 void Arm::step(const std::vector<double>& commands) {
   const std::vector<Muscle>& muscles = simulation_->model.muscles;
-  if (commands.size() != muscles.size()) {
-    throw std::runtime_error(fmt::format("found {} commands, expected {}", commands.size(), muscles.size()));
+  const std::vector<const PassiveTendon*>& lines = simulation_->lines;
+  if (commands.size() != muscles.size() + lines.size()) {
+    throw std::runtime_error(
+        fmt::format("found {} commands, expected {}", commands.size(), muscles.size() + lines.size()));
+  }
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const std::string problem = problemOf(*lines[l], commands[muscles.size() + l]);
+    if (!problem.empty()) throw std::runtime_error(fmt::format("{}: {}", lines[l]->name, problem));
   }
   for (std::size_t m = 0; m < muscles.size(); ++m) {
     const std::string problem = problemOf(muscles[m], simulation_->kinds[m], commands[m]);

@@ -83,25 +83,32 @@ void BulletArm::setModel(const ArmModel& model) {
   for (const Muscle& muscle : plain.muscles) {
     way_.push_back(muscle.straight() && !muscle.wrap ? PathParts{} : partsOf(muscle));
   }
+  rope_of_.clear();
+  ropes_.reset();
+  if (std::ranges::any_of(plain.muscles, &Muscle::rope)) {
+    int ropes = 0;
+    for (const Muscle& muscle : plain.muscles) rope_of_.push_back(muscle.rope ? ropes++ : -1);
+  }
   if (passive_.size() != model.tendons.size()) motion_.reset();
   passive_.clear();
-  for (const PassiveTendon& tendon : plain.tendons) passive_.push_back({tendon.kind, tendon.p, partsOf(tendon)});
+  commanded_.clear();
+  for (const PassiveTendon& tendon : plain.tendons) {
+    if (tendon.kind->command) commanded_.push_back(passive_.size());
+    passive_.push_back({tendon.kind, tendon.p, partsOf(tendon)});
+  }
   reset();
 }
 
 void BulletArm::reset() {
   for (MuscleState& muscle : muscles_) muscle.reset();
-  for (Passive& line : passive_) line.command = 0.0;
+  for (Passive& line : passive_) line.command = line.told = line.force = 0.0;
   steps_ = 0;
   setJointPositions(start_);
 }
 
 void BulletArm::setShaftReferences(std::span<const double> references) {
   for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].reference = references[m];
-  std::size_t next = muscles_.size();
-  for (Passive& line : passive_) {
-    if (line.kind->command && next < references.size()) line.command = references[next++];
-  }
+  setLineCommands(references.subspan(muscles_.size()), true);
 }
 
 void BulletArm::setJointPositions(std::span<const JointPosition> joints) {
@@ -117,6 +124,7 @@ void BulletArm::setJointPositions(std::span<const JointPosition> joints) {
   world_->solver.reset();
   forgetMotion();
   updateKinematics();
+  layRopes();
 }
 
 void BulletArm::setJointVelocity(std::size_t joint, const Eigen::Vector3d& velocity) {

@@ -92,14 +92,31 @@ void BulletArm::setShafts(std::span<const double> shafts) {
   }
 }
 
+void BulletArm::setLineCommands(std::span<const double> commands, bool at_once) {
+  for (std::size_t i = 0; i < std::min(commands.size(), commanded_.size()); ++i) {
+    Passive& line = passive_[commanded_[i]];
+    line.told = commands[i];
+    if (at_once) line.command = line.told;
+  }
+}
+
+/// dp/dt = (p_ref - p)/T, exactly for a command that holds.
+void BulletArm::followCommands(double step) {
+  for (const std::size_t i : commanded_) {
+    Passive& line = passive_[i];
+    const int lag = line.kind->command.lag;
+    const double time = lag < 0 ? 0.0 : line.p[static_cast<std::size_t>(lag)];
+    line.command = time > 0.0 ? line.told + (line.command - line.told) * std::exp(-step / time) : line.told;
+  }
+}
+
 void BulletArm::setVoltage(std::size_t muscle, double voltage) {
   const double supply = muscles_[muscle].supply_voltage;
   muscles_[muscle].voltage = std::clamp(voltage, -supply, supply);
 }
 
-/// Length of a line of any number of points [m]. \param[out] row  dL/dq, shape (dof)
-double BulletArm::followRow(const PathParts& way, Eigen::VectorXd& row) {
-  const double length = followPath(way).length;
+/// dL/dq of the line that was followed last, over those wheels. \param[out] row  shape (dof)
+void BulletArm::touchRow(const PathParts& way, Eigen::VectorXd& row) {
   row.setZero();
   for (const Touch& touch : touches_) {
     motion_->dynamics.addSlope(touch.body, frames_[touch.body].origin + touch.arm, touch.slope, row);
@@ -107,13 +124,11 @@ double BulletArm::followRow(const PathParts& way, Eigen::VectorXd& row) {
   for (const PathWheel& wheel : way.wheels) {
     row[motion_->dynamics.firstDof(static_cast<std::size_t>(wheel.joint))] += wheel.weight * wheel.radius;
   }
-  return length;
 }
 
 double BulletArm::pathLength(std::size_t muscle) {
-  const PathParts& way = way_[muscle];
-  const bool straight = way.empty();
-  return straight ? linePath(muscles_[muscle], static_cast<int>(muscle)).length : followPath(way).length;
+  const bool straight = way_[muscle].empty() && ropeOf(muscle) < 0;
+  return straight ? linePath(muscles_[muscle], static_cast<int>(muscle)).length : followLine(muscle).length;
 }
 
 void BulletArm::placePull(std::size_t index, const DriveState& middle) {
@@ -121,7 +136,7 @@ void BulletArm::placePull(std::size_t index, const DriveState& middle) {
   MuscleState& muscle = muscles_[index];
   const PathParts& way = way_[index];
   double length = 0.0;
-  if (way.empty()) {
+  if (way.empty() && ropeOf(index) < 0) {
     const LinePath path = linePath(muscle, static_cast<int>(index));
     length = path.length;
     pull.row.setZero();
@@ -131,7 +146,8 @@ void BulletArm::placePull(std::size_t index, const DriveState& middle) {
     for (const Touch& end : path.ends) add(end);
     if (path.centre) add(*path.centre);
   } else {
-    length = followRow(way, pull.row);
+    length = followLine(index).length;
+    touchRow(way, pull.row);
   }
 
   // The force has two velocities: v_n, where the damper's part begins, and what v_n+1/2 is expected to be, which says
@@ -149,7 +165,9 @@ void BulletArm::placePull(std::size_t index, const DriveState& middle) {
 void BulletArm::placePassive(std::size_t index) {
   Motion::Pull& pull = motion_->pulls[muscles_.size() + index];
   const Passive& tendon = passive_[index];
-  const double length = followRow(tendon.way, pull.row), rate = pull.row.dot(motion_->v);
+  const double length = followPath(tendon.way).length;
+  touchRow(tendon.way, pull.row);
+  const double rate = pull.row.dot(motion_->v);
   pull.force = tendon.kind->force(tendon.p, length, rate, tendon.command);
   pull.damping = tendon.kind->force(tendon.p, length, rate + 1.0, tendon.command) - pull.force;
   pull.taut = pull.force != 0.0;  // a spring pushes, too
@@ -219,6 +237,7 @@ void BulletArm::stepMotion() {
   body.stepPositionsMultiDof(0.5 * step);
   updateKinematics();
   m.dynamics.place(frames_);
+  if (ropes_) moveRopes();
   for (std::size_t i = 0; i < muscles_.size(); ++i) {
     const MuscleState& muscle = muscles_[i];
     DriveState end = muscle.state;  // were the load that of the step before
@@ -226,8 +245,10 @@ void BulletArm::stepMotion() {
     placePull(i, {0.5 * (muscle.state.current + end.current), 0.5 * (muscle.state.motor_velocity + end.motor_velocity),
                   0.5 * (muscle.state.shaft_angle + end.shaft_angle)});
   }
+  followCommands(0.5 * step);
   for (std::size_t t = 0; t < passive_.size(); ++t) placePassive(t);
   moveJoints(step);
+  followCommands(0.5 * step);
 
   m.change = m.next - m.v;
   for (std::size_t i = 0; i < muscles_.size(); ++i) {
@@ -235,6 +256,10 @@ void BulletArm::stepMotion() {
     const Motion::Pull& pull = m.pulls[i];
     muscle.force = pull.taut ? std::max(0.0, pull.force + 0.5 * pull.damping * pull.row.dot(m.change)) : 0.0;
     muscle.stepDrive(muscle.state, muscle.force * pull.winding_radius);
+  }
+  for (const std::size_t line : commanded_) {
+    const Motion::Pull& pull = m.pulls[muscles_.size() + line];
+    passive_[line].force = pull.taut ? pull.force + 0.5 * pull.damping * pull.row.dot(m.change) : 0.0;
   }
   Eigen::Map<Eigen::VectorXd>(const_cast<btScalar*>(body.getVelocityVector()) + 6, m.v.size()) = m.next;
   body.stepPositionsMultiDof(0.5 * step);

@@ -113,7 +113,7 @@ void BulletArm::applyTendons() {
 
 void BulletArm::applyMuscle(MuscleState& muscle, int index) {
   const PathParts& way = way_[static_cast<std::size_t>(index)];
-  const bool straight = way.empty();
+  const bool straight = way.empty() && ropeOf(static_cast<std::size_t>(index)) < 0;
   LinePath path;
   double rate = 0.0;
   if (straight) {
@@ -125,7 +125,7 @@ void BulletArm::applyMuscle(MuscleState& muscle, int index) {
     for (const Touch& end : path.ends) addRate(end);
     if (path.centre) addRate(*path.centre);
   } else {
-    const PathState state = followPath(way);
+    const PathState state = followLine(static_cast<std::size_t>(index));
     path.length = state.length;
     rate = state.rate;
   }
@@ -152,7 +152,13 @@ void BulletArm::applyMuscle(MuscleState& muscle, int index) {
   muscle.drive.step(muscle.state, muscle.voltage, muscle.force * cord.winding_radius);
 }
 
+BulletArm::PathState BulletArm::followLine(std::size_t muscle) {
+  const int rope = ropeOf(muscle);
+  return rope < 0 ? followPath(way_[muscle]) : followRope(rope);
+}
+
 void BulletArm::applyMuscles() {
+  if (ropes_) moveRopes();
   for (std::size_t m = 0; m < muscles_.size(); ++m) applyMuscle(muscles_[m], static_cast<int>(m));
   applyTendons();
 }
@@ -169,10 +175,11 @@ double BulletArm::potentiometer(std::size_t muscle) const {
 double BulletArm::force(std::size_t muscle) const { return muscles_[muscle].force; }
 double BulletArm::current(std::size_t muscle) const { return muscles_[muscle].state.current; }
 void BulletArm::addLineCommands(std::vector<double>& commands) const {
-  for (const Passive& line : passive_) {
-    if (line.kind->command) commands.push_back(line.command);
-  }
+  for (const std::size_t line : commanded_) commands.push_back(passive_[line].command);
 }
+std::size_t BulletArm::lines() const { return commanded_.size(); }
+double BulletArm::lineCommand(std::size_t line) const { return passive_[commanded_[line]].command; }
+double BulletArm::lineForce(std::size_t line) const { return passive_[commanded_[line]].force; }
 double BulletArm::cordExpansion(std::size_t muscle) const {
   return muscles_[muscle].expansion / muscles_[muscle].shock_cord.rest_length;
 }

@@ -1,8 +1,11 @@
 #include "simgap/simulate/equilibrium_arm.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/random.h"
@@ -41,6 +44,17 @@ void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
 }
 
 }  // namespace
+
+const ArmModel& withoutRopes(const ArmModel& model) {
+  for (const Muscle& muscle : model.muscles) {
+    if (!muscle.rope) continue;
+    throw ConfigError(
+        fmt::format("{}: muscle '{}' is a rope (line: rope), which equilibria do not know, expected "
+                    "evaluator bullet (of calibrate with optimizer es or cma-es)",
+                    model.name, muscle.name));
+  }
+  return model;
+}
 
 EquilibriumArm::EquilibriumArm(const ArmModel& model)
     : energy_(model), observation_(model), shafts_(model.commands()), factor_(energy_.degreesOfFreedom()) {

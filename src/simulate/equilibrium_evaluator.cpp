@@ -6,7 +6,7 @@ namespace {
 
 struct EquilibriumReplay {
   using Arm = EquilibriumArm;
-  Arm makeArm(const ArmModel& model) const { return Arm(model); }
+  Arm makeArm(const ArmModel& model) const { return Arm(withoutRopes(model)); }
   PoseOutcome operator()(Arm& arm, const Pose& pose) const {
     PoseOutcome outcome;
     arm.setHistory(pose.time, pose.shafts_before);

@@ -22,8 +22,12 @@ void JointTargets::at(double time, const std::vector<Joint>& kinds, std::vector<
   }
 }
 
-bool hasJointTargets(const CsvTable& table) {
-  return std::ranges::any_of(table.columns(), [](const std::string& column) { return column.starts_with("target_"); });
+bool hasJointTargets(const CsvTable& table, const ArmModel& model) {
+  const std::vector<CommandChannel> lines = model.poseLayout().lines;  // a servo at a joint has a target, too
+  return std::ranges::any_of(table.columns(), [&](const std::string& column) {
+    return column.starts_with("target_") &&
+           std::ranges::find(lines, splitUnit(column).stem, &CommandChannel::stem) == lines.end();
+  });
 }
 
 JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool linear) {
@@ -34,6 +38,13 @@ JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool
       throw DataError(fmt::format("{}:1: found both target_… and {}, expected joints or muscles to be commanded",
                                   table.name(), column));
     }
+  }
+  for (const PassiveTendon& tendon : model.tendons) {
+    if (!tendon.kind->command) continue;
+    throw DataError(
+        fmt::format("{}:1: found target_…, but '{}' is a {}: joints are led by muscles that a motor winds alone, "
+                    "expected {}_{} and the commands of all others",
+                    table.name(), tendon.name, tendon.kind->name, tendon.commandStem(), tendon.kind->command.unit));
   }
   JointTargets targets{readRisingTimes(table), {}, linear};
   const std::size_t joints = model.joints.size();

@@ -69,7 +69,6 @@ std::string MotionOptions::toYaml(const std::string& indent) const {
 
 MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std::filesystem::path& file,
                          const TableReader& table, double restart) {
-  refuseOtherDrives(model);
   MotionSet set = readMotionSet(root, file, model.poseLayout(), table);
   for (const RecordedMotion& motion : set.motions) {
     refuseImpossible(model, motion.commands, [&](std::size_t row, const std::string& sentence) {
@@ -138,6 +137,10 @@ MotionStart MotionPlayer::startOf(const PlayableMotion& playable) const {
   for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
     const double gain = options_.rollout.controllers.shaft_gain;
     start.shafts.push_back(restingShaft(playable, m, model_.muscles[m].motor, gain));
+  }
+  const Eigen::MatrixXd& commands = motion.commands.values;
+  for (Eigen::Index line = std::ssize(motion.muscles); line < commands.rows(); ++line) {
+    start.shafts.push_back(commands(line, 0));
   }
   start.joints = playable.rest;
   if (start.joints.empty()) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 
 namespace simgap {
 namespace {
@@ -24,9 +25,11 @@ struct Segment {
   }
 };
 
-/// One muscle's command over time.
+/// One command over time, of a muscle or of a line that takes one.
 struct Line {
   CommandKind kind = CommandKind::kSetpoint;
+  std::string own_unit = {};  ///< of a line's command; empty: a muscle's
+  std::string_view unit() const { return own_unit.empty() ? columnOf(kind).unit : std::string_view(own_unit); }
   std::vector<Segment> segments;
   double end() const { return segments.empty() ? 0.0 : segments.back().begin + segments.back().duration; }
   double last() const { return segments.empty() ? 0.0 : segments.back().to; }
@@ -56,7 +59,7 @@ Segment beginSegment(const YamlNode& node, const Line& line) {
 }
 
 Segment readSegment(const YamlNode& node, const Line& line) {
-  const std::string_view unit = columnOf(line.kind).unit;
+  const std::string_view unit = line.unit();
   Segment segment = beginSegment(node, line);
   if (const auto value = node.findQuantity("hold", unit)) {
     segment.from = segment.to = *value;
@@ -85,19 +88,21 @@ std::string muscleNames(const ArmModel& model) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// `all:` segments lead every muscle: to a pose, or hold a value.
+/// `all:` segments lead every muscle: to a pose, lines too, or hold a value.
 void readAll(const YamlNode& node, const PoseSet* poses, std::vector<Line>& lines) {
   for (const YamlNode& item : node.items()) {
     const auto name = item.find("pose");
     if (!name) {
-      for (Line& line : lines) line.segments.push_back(readSegment(item, line));
+      for (Line& line : lines) {
+        if (line.own_unit.empty()) line.segments.push_back(readSegment(item, line));
+      }
       continue;
     }
     if (poses == nullptr) name->fail("found a pose, expected `poses: FILE` beside `all`, which has it");
     const auto pose = std::ranges::find(poses->poses, name->text(), &Pose::name);
     if (pose == poses->poses.end()) name->fail(fmt::format("{} has no pose '{}'", poses->file, name->text()));
     for (std::size_t m = 0; m < lines.size(); ++m) {
-      if (lines[m].kind != CommandKind::kSetpoint)
+      if (lines[m].own_unit.empty() && lines[m].kind != CommandKind::kSetpoint)
         name->fail("a pose is made of set-points, expected command: setpoint");
       Segment segment = beginSegment(item, lines[m]);
       segment.to = pose->shafts[m];
@@ -122,6 +127,17 @@ void readMuscles(const YamlNode& node, const ArmModel& model, std::vector<Line>&
   }
 }
 
+void readLines(const YamlNode& node, const ArmModel& model, std::span<Line> lines) {
+  const std::vector<const PassiveTendon*> tendons = commandedLines(model);
+  for (const std::string& name : node.keys()) {
+    const YamlNode entry = node.at(name);
+    const auto found = std::ranges::find(tendons, name, &PassiveTendon::name);
+    if (found == tendons.end()) entry.fail(model.name + " has no such line that takes a command");
+    Line& line = lines[static_cast<std::size_t>(found - tendons.begin())];
+    for (const YamlNode& item : entry.at("segments").items()) line.segments.push_back(readSegment(item, line));
+  }
+}
+
 MotionCommands sampled(const YamlNode& root, const ArmModel& model, const std::vector<Line>& lines, double duration,
                        double rate) {
   constexpr double kMostRows = 1e7;
@@ -133,17 +149,15 @@ MotionCommands sampled(const YamlNode& root, const ArmModel& model, const std::v
   commands.values.resize(std::ssize(lines), rows);
   for (Eigen::Index row = 0; row < rows; ++row) commands.times.push_back(static_cast<double>(row) / rate);
   for (std::size_t m = 0; m < lines.size(); ++m) {
-    commands.kinds.push_back(lines[m].kind);
+    if (lines[m].own_unit.empty()) commands.kinds.push_back(lines[m].kind);
     for (Eigen::Index row = 0; row < rows; ++row) {
       const double value = lines[m].at(commands.times[static_cast<std::size_t>(row)]);
       commands.values(static_cast<Eigen::Index>(m), row) = value;
-      const std::string problem = problemOf(model.muscles[m], lines[m].kind, value);
-      if (!problem.empty()) {
-        root.fail(fmt::format("{} at {:g} s: {}", model.muscles[m].name, commands.times[static_cast<std::size_t>(row)],
-                              problem));
-      }
     }
   }
+  refuseImpossible(model, commands, [&](std::size_t row, const std::string& sentence) {
+    root.fail(fmt::format("at {:g} s {}", commands.times[row], sentence));
+  });
   return commands;
 }
 
@@ -158,13 +172,23 @@ MotionCommands readSchedule(const YamlNode& root, const ArmModel& model, double 
     const CommandKind all = readKind(*kind);
     for (Line& line : lines) line.kind = all;
   }
+  for (const PassiveTendon* tendon : commandedLines(model)) {
+    lines.emplace_back().own_unit = tendon->kind->command.unit;
+  }
   std::optional<PoseSet> set;
   if (const auto file = root.find("poses")) set = poses(file->text());
   if (const auto all = root.find("all")) readAll(*all, set ? &*set : nullptr, lines);
   if (const auto muscles = root.find("muscles")) readMuscles(*muscles, model, lines);
+  if (const auto tendons = root.find("tendons")) {
+    readLines(*tendons, model, std::span(lines).subspan(model.muscles.size()));
+  }
   double end = 0.0;
   for (std::size_t m = 0; m < lines.size(); ++m) {
-    if (lines[m].segments.empty()) root.fail(fmt::format("no command for muscle {}", model.muscles[m].name));
+    if (lines[m].segments.empty()) {
+      root.fail(m < model.muscles.size() ? fmt::format("no command for muscle {}", model.muscles[m].name)
+                                         : fmt::format("no command for {} (under tendons:)",
+                                                       commandedLines(model)[m - model.muscles.size()]->name));
+    }
     end = std::max(end, lines[m].end());
   }
   const double duration = root.findQuantity("duration", "s", kPositive).value_or(end);

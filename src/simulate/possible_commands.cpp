@@ -17,31 +17,40 @@ std::string problemOf(const Muscle& muscle, CommandKind kind, double value) {
   return "";
 }
 
-void refuseOtherDrives(const ArmModel& model) {
+std::string problemOf(const PassiveTendon& tendon, double value) {
+  const TendonCommand& command = tendon.kind->command;
+  if (value >= command.lowest) return "";
+  return fmt::format("{:g} {}, expected >= {:g}", value, command.unit, command.lowest);
+}
+
+std::vector<const PassiveTendon*> commandedLines(const ArmModel& model) {
+  std::vector<const PassiveTendon*> lines;
   for (const PassiveTendon& tendon : model.tendons) {
-    if (!tendon.kind->command) continue;
-    throw ConfigError(fmt::format(
-        "{}: '{}' is a {}, which no motion has a command for, expected muscles that a motor winds; poses command it "
-        "(validate, calibrate, design, diagnose)",
-        model.name, tendon.name, tendon.kind->name));
+    if (tendon.kind->command) lines.push_back(&tendon);
   }
+  return lines;
 }
 
 void refuseImpossible(const ArmModel& model, const MotionCommands& commands,
                       const std::function<void(std::size_t row, const std::string& sentence)>& fail) {
-  for (std::size_t m = 0; m < model.muscles.size(); ++m) {
-    const Muscle& muscle = model.muscles[m];
+  const std::vector<const PassiveTendon*> lines = commandedLines(model);
+  const std::size_t muscles = model.muscles.size();
+  for (std::size_t i = 0; i < muscles + lines.size(); ++i) {
     for (std::size_t row = 0; row < commands.times.size(); ++row) {
-      const double value = commands.values(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(row));
-      const std::string problem = problemOf(muscle, commands.kinds[m], value);
+      const double value = commands.values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(row));
+      const std::string problem =
+          i < muscles ? problemOf(model.muscles[i], commands.kinds[i], value) : problemOf(*lines[i - muscles], value);
       if (problem.empty()) continue;
-      fail(row, fmt::format("{}_{}: {}", columnOf(commands.kinds[m]).stem, muscle.name, problem));
+      const std::string column = i < muscles
+                                     ? fmt::format("{}_{}", columnOf(commands.kinds[i]).stem, model.muscles[i].name)
+                                     : lines[i - muscles]->commandStem();
+      fail(row, fmt::format("{}: {}", column, problem));
     }
   }
 }
 
 MotionCommands readCommands(const CsvTable& table, const ArmModel& model, bool linear) {
-  MotionCommands commands = readCommands(table, model.poseLayout().muscles, linear);
+  MotionCommands commands = readCommands(table, model.poseLayout(), linear);
   refuseImpossible(model, commands, [&](std::size_t row, const std::string& sentence) { table.fail(row, sentence); });
   return commands;
 }

@@ -70,6 +70,7 @@ std::vector<std::string> stretchedCords(std::span<const PoseOutcome> outcomes, c
 
 std::string otherEquilibria(const ArmModel& model, const PoseSet& set, std::span<const PoseOutcome> outcomes) {
   constexpr std::size_t kMostNamed = 8;
+  if (std::ranges::any_of(model.muscles, &Muscle::rope)) return "";  // equilibria know no ropes
   EquilibriumArm arm(model);
   std::vector<std::string> poses;
   for (std::size_t p = 0; p < outcomes.size(); ++p) {

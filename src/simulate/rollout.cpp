@@ -34,9 +34,11 @@ bool driveIsSound(const BulletArm& arm, const Motor& motor, std::size_t muscle) 
 struct Rollout::Sample {
   std::vector<JointPosition> joints;
   std::vector<Eigen::Vector3d> joint_velocities;
-  Eigen::VectorXd shafts, shaft_velocities, cord_lengths, forces, currents, voltages;
+  Eigen::VectorXd shafts, shaft_velocities, cord_lengths, forces, currents, voltages, line_commands, line_forces;
 
-  Sample(std::size_t joint_count, std::size_t muscles) : joints(joint_count), joint_velocities(joint_count) {
+  Sample(std::size_t joint_count, std::size_t muscles, std::size_t lines)
+      : joints(joint_count), joint_velocities(joint_count) {
+    for (Eigen::VectorXd* values : {&line_commands, &line_forces}) values->resize(static_cast<Eigen::Index>(lines));
     for (Eigen::VectorXd* values : {&shafts, &shaft_velocities, &cord_lengths, &forces, &currents, &voltages}) {
       values->resize(static_cast<Eigen::Index>(muscles));
     }
@@ -45,7 +47,7 @@ struct Rollout::Sample {
 
 void RolloutOptions::validate() const { armOptions(*this).validate(); }
 
-void MotionTrack::resize(std::size_t rows, std::size_t joints_of_arm, std::size_t muscles) {
+void MotionTrack::resize(std::size_t rows, std::size_t joints_of_arm, std::size_t muscles, std::size_t lines) {
   joint_count = joints_of_arm;
   times.resize(rows);
   joints.resize(rows * joint_count);
@@ -53,14 +55,17 @@ void MotionTrack::resize(std::size_t rows, std::size_t joints_of_arm, std::size_
   for (Eigen::MatrixXd* values : {&shafts, &shaft_velocities, &cord_lengths, &forces, &currents, &voltages}) {
     values->resize(static_cast<Eigen::Index>(muscles), static_cast<Eigen::Index>(rows));
   }
+  for (Eigen::MatrixXd* values : {&line_commands, &line_forces}) {
+    values->resize(static_cast<Eigen::Index>(lines), static_cast<Eigen::Index>(rows));
+  }
 }
 
 Rollout::Rollout(const ArmModel& model, const RolloutOptions& options)
     : options_(options), arm_(model, armOptions(options)), muscles_(model.muscles) {
   for (const Joint& joint : model.joints) types_.push_back(joint.type);
-  commands_.resize(muscles_.size());
-  before_ = std::make_unique<Sample>(types_.size(), muscles_.size());
-  now_ = std::make_unique<Sample>(types_.size(), muscles_.size());
+  commands_.resize(muscles_.size() + arm_.lines());
+  before_ = std::make_unique<Sample>(types_.size(), muscles_.size(), arm_.lines());
+  now_ = std::make_unique<Sample>(types_.size(), muscles_.size(), arm_.lines());
   if (options.targets) {
     pilot_ = std::make_unique<JointPositionController>(model, options.targets, options.controllers);
   }
@@ -115,6 +120,7 @@ void Rollout::control(std::span<const double> commands) {
     sensors.cord_expansion = arm_.cordLength(m) - muscles_[m].shock_cord.rest_length;
     arm_.setVoltage(m, controllers_[m]->voltage(commands[m], sensors));
   }
+  arm_.setLineCommands(commands.subspan(muscles_.size()), false);
 }
 
 bool Rollout::step(std::span<const double> commands) {
@@ -139,12 +145,15 @@ MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& st
                            MotionTrack& track) {
   assert(times.empty() || times.front() >= start.time);
   if (track.times.size() != times.size() || track.joint_count != types_.size() ||
-      track.shafts.rows() != std::ssize(muscles_)) {
-    track.resize(times.size(), types_.size(), muscles_.size());
+      track.shafts.rows() != std::ssize(muscles_) ||
+      static_cast<std::size_t>(track.line_commands.rows()) != arm_.lines()) {
+    track.resize(times.size(), types_.size(), muscles_.size(), arm_.lines());
   }
   std::ranges::copy(times, track.times.begin());
   begin(commands.kinds, start);
   std::size_t command_row = 0, row = 0;
+  commandAt(start.time, commands, command_row);
+  arm_.setLineCommands(std::span<const double>(commands_).subspan(muscles_.size()), true);
   while (steps_ < 0) {
     if (steps_ % tick_ == 0) commandAt(start.time, commands, command_row);
     if (!step(commands_)) return stopped();
@@ -181,6 +190,10 @@ void Rollout::take(Sample& sample) {
     sample.currents[i] = arm_.current(m);
     sample.voltages[i] = arm_.voltage(m);
   }
+  for (std::size_t l = 0; l < arm_.lines(); ++l) {
+    sample.line_commands[static_cast<Eigen::Index>(l)] = arm_.lineCommand(l);
+    sample.line_forces[static_cast<Eigen::Index>(l)] = arm_.lineForce(l);
+  }
 }
 
 void Rollout::write(double part, MotionTrack& track, std::size_t row) const {
@@ -207,6 +220,8 @@ void Rollout::write(double part, MotionTrack& track, std::size_t row) const {
   blend(track.forces, before_->forces, now_->forces);
   blend(track.currents, before_->currents, now_->currents);
   track.voltages.col(column) = now_->voltages;
+  blend(track.line_commands, before_->line_commands, now_->line_commands);
+  blend(track.line_forces, before_->line_forces, now_->line_forces);
 }
 
 MotionOutcome Rollout::stopped() const {

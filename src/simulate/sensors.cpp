@@ -92,14 +92,18 @@ std::string musclesCsv(const ArmModel& model, const MotionCommands& commands, bo
   for (const Muscle& muscle : model.muscles) header.push_back(fmt::format("shaft_{}_rad", muscle.name));
   for (const Muscle& muscle : model.muscles) header.push_back(fmt::format("current_{}_A", muscle.name));
   for (const Muscle& muscle : model.muscles) header.push_back(fmt::format("measured_force_{}_N", muscle.name));
+  const std::vector<CommandChannel> lines = model.poseLayout().lines;
+  for (std::size_t l = 0; with_commands && l < lines.size(); ++l) {
+    header.push_back(fmt::format("{}_{}", lines[l].stem, lines[l].unit));
+  }
   CsvWriter csv(header);
-  std::vector<double> values(model.muscles.size());
+  std::vector<double> values(model.commands());
   std::size_t command_row = 0;
   for (std::size_t row = 0; row < track.times.size(); ++row) {
     const auto column = static_cast<Eigen::Index>(row);
     csv.add(options.muscles.reads(track.times[row]));
     commands.at(track.times[row], command_row, values);
-    for (std::size_t m = 0; with_commands && m < values.size(); ++m) csv.add(values[m]);
+    for (std::size_t m = 0; with_commands && m < model.muscles.size(); ++m) csv.add(values[m]);
     const auto add = [&](const Eigen::MatrixXd& truth, const SensorNoise& sensor, Channel channel) {
       for (Eigen::Index m = 0; m < truth.rows(); ++m) {
         csv.add(sensed(truth(m, column), sensor, normal(random, channel, row, static_cast<std::size_t>(m))));
@@ -108,6 +112,7 @@ std::string musclesCsv(const ArmModel& model, const MotionCommands& commands, bo
     add(track.shafts, options.shaft, Channel::kShaft);
     add(track.currents, options.current, Channel::kCurrent);
     add(track.forces, options.force, Channel::kForce);
+    for (std::size_t l = 0; with_commands && l < lines.size(); ++l) csv.add(values[model.muscles.size() + l]);
     csv.endRow();
   }
   return csv.text();

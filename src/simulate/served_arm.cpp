@@ -46,10 +46,32 @@ ServedArm::ServedArm(const ArmModel& model, const RolloutOptions& options)
       options_(options),
       rollout_(model, options),
       kinds_(model.muscles.size(), CommandKind::kSetpoint),
-      commands_(model.muscles.size(), 0.0) {
+      commands_(model.commands(), 0.0) {
   for (const Joint& joint : model.joints) joint_keys_.push_back(Json(joint.name).dump());
   for (const Muscle& muscle : model.muscles) muscle_keys_.push_back(Json(muscle.name).dump());
+  for (const PassiveTendon* line : commandedLines(model_)) {
+    lines_.push_back(line);
+    line_keys_.push_back(Json(line->name).dump());
+  }
   rollout_.begin(kinds_, {});
+}
+
+/// A line's command, `{"pressure_Pa": 2e5}`. \returns false: no line has that name
+bool ServedArm::readLine(const std::string& name, const Json& command, Request& request) const {
+  for (std::size_t l = 0; l < lines_.size(); ++l) {
+    if (lines_[l]->name != name) continue;
+    const TendonCommand& kind = lines_[l]->kind->command;
+    const std::string key = fmt::format("{}_{}", kind.quantity, kind.unit);
+    if (!command.is_object() || command.size() != 1 || command.begin().key() != key) {
+      throw DataError(fmt::format("{}: expected {}", name, key));
+    }
+    const double value = numberIn(command.begin().value(), name);
+    const std::string problem = problemOf(*lines_[l], value);
+    if (!problem.empty()) throw DataError(fmt::format("{}: {}", name, problem));
+    request.commands[kinds_.size() + l] = value;
+    return true;
+  }
+  return false;
 }
 
 ServedArm::Request ServedArm::read(std::string_view line) const {
@@ -83,6 +105,7 @@ ServedArm::Request ServedArm::read(std::string_view line) const {
     } else if (key == "commands") {
       if (!value.is_object()) throw DataError("commands: expected an object of muscles");
       for (const auto& [name, command] : value.items()) {
+        if (readLine(name, command, request)) continue;
         const auto muscle = std::ranges::find(model_.muscles, name, &Muscle::name);
         if (muscle == model_.muscles.end()) throw DataError(fmt::format("commands: no muscle '{}'", name));
         if (!command.is_object() || command.size() != 1) {
@@ -169,6 +192,22 @@ std::string ServedArm::state() const {
   list("shaft_rad", muscle_keys_, [&](std::size_t m) { number(arm.shaftAngle(m)); });
   list("force_N", muscle_keys_, [&](std::size_t m) { number(arm.force(m)); });
   list("current_A", muscle_keys_, [&](std::size_t m) { number(arm.current(m)); });
+  const auto lines = [&](std::string_view name, bool at_joint) {  // as in motion.csv: along a line, about a joint
+    bool first = true;
+    for (std::size_t l = 0; l < lines_.size(); ++l) {
+      if (lines_[l]->kind->at_joint != at_joint) continue;
+      if (first) {
+        fmt::format_to(out, FMT_COMPILE(R"(,"{}":{{)"), name);
+      } else {
+        text.push_back(',');
+      }
+      fmt::format_to(out, FMT_COMPILE("{}:{}"), line_keys_[l], (at_joint ? -1.0 : 1.0) * arm.lineForce(l));
+      first = false;
+    }
+    if (!first) text.push_back('}');
+  };
+  lines("tension_N", false);
+  lines("torque_Nm", true);
   text.push_back('}');
   return fmt::to_string(text);
 }

@@ -9,6 +9,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/simulate/equilibrium_arm.h"
+#include "simgap/simulate/possible_commands.h"
 
 namespace simgap {
 namespace {
@@ -62,6 +63,8 @@ std::vector<double> energies(const ArmModel& model, const MotionTrack& track) {
     }
     Eigen::Map<Eigen::VectorXd>(shafts.data(), std::ssize(shafts)) = track.shafts.col(static_cast<Eigen::Index>(row));
     arm.setShafts(shafts);
+    const auto acting = track.line_commands.col(static_cast<Eigen::Index>(row));
+    arm.setLineCommands(std::span(acting.data(), static_cast<std::size_t>(acting.size())), true);
     energy.push_back(arm.mechanicalEnergy());
   }
   return energy;
@@ -118,10 +121,10 @@ MotionStart restUnder(const ArmModel& model, const MotionCommands& commands, dou
   MotionStart start;
   start.time = time;
   start.settle = settle;
-  start.shafts.resize(model.muscles.size());
+  start.shafts.resize(model.commands());
   std::size_t row = 0;
   commands.at(time, row, start.shafts);
-  for (std::size_t m = 0; m < start.shafts.size(); ++m) {
+  for (std::size_t m = 0; m < model.muscles.size(); ++m) {
     if (commands.kinds[m] != CommandKind::kSetpoint) start.shafts[m] = 0.0;
   }
   EquilibriumArm equilibrium(model);
@@ -193,6 +196,12 @@ std::string motionCsv(const ArmModel& model, const MotionTrack& track) {
   for (const auto& [stem, unit, values] : channels) {
     for (const Muscle& muscle : model.muscles) header.push_back(fmt::format("{}_{}_{}", stem, muscle.name, unit));
   }
+  const std::vector<const PassiveTendon*> lines = commandedLines(model);
+  for (const PassiveTendon* line : lines) {
+    header.push_back(fmt::format("{}_{}", line->commandStem(), line->kind->command.unit));
+    header.push_back(line->kind->at_joint ? fmt::format("torque_{}_Nm", line->name)
+                                          : fmt::format("tension_{}_N", line->name));
+  }
   CsvWriter csv(header);
   for (std::size_t row = 0; row < track.times.size(); ++row) {
     csv.add(track.times[row]);
@@ -205,6 +214,12 @@ std::string motionCsv(const ArmModel& model, const MotionTrack& track) {
     }
     for (const auto& [stem, unit, values] : channels) {
       for (Eigen::Index m = 0; m < values->rows(); ++m) csv.add((*values)(m, static_cast<Eigen::Index>(row)));
+    }
+    for (Eigen::Index l = 0; l < track.line_commands.rows(); ++l) {
+      const auto column = static_cast<Eigen::Index>(row);
+      // What acts along a line pulls its ends together; about a joint, a torque turns it forwards.
+      const double sign = lines[static_cast<std::size_t>(l)]->kind->at_joint ? -1.0 : 1.0;
+      csv.add(track.line_commands(l, column)).add(sign * track.line_forces(l, column));
     }
     csv.endRow();
   }

@@ -9,7 +9,7 @@ stop where their friction holds them, and each is measured with 0.3 deg of noise
 independent minimiser: energy and kinematics are written here anew, derivatives are differences.
 
 Files: arm.yaml; poses_right.csv and poses_left.csv (only that arm's shafts are moved, the other arm hangs),
-poses_both.csv and poses_validation.csv (both).
+poses_both.csv and poses_validation.csv (both), poses_all.csv (the first three in one file, under names of their own).
 """
 import copy
 import math
@@ -243,6 +243,15 @@ def yaml(arms):
     return text
 
 
+def write_all(data):
+    """The steps' poses in one file: r000 of the right arm, l000 of the left, b000 of both."""
+    rows = []
+    for name in ('right', 'left', 'both'):
+        header, *poses = open(f'{data}/poses_{name}.csv').read().splitlines()
+        rows += [name[0] + pose[1:] for pose in poses]
+    open(f'{data}/poses_all.csv', 'w').write('\n'.join([header] + rows) + '\n')
+
+
 def main():
     data = sys.argv[1]
     dice = random.Random(22)
@@ -253,6 +262,7 @@ def main():
     write_poses(f'{data}/poses_left.csv', truth, 20, 'l', dice)
     write_poses(f'{data}/poses_both.csv', truth, 30, 'rl', dice)
     write_poses(f'{data}/poses_validation.csv', truth, 15, 'rl', dice)
+    write_all(data)
 
 
 if __name__ == '__main__':

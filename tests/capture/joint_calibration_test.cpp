@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "simgap/capture/joint_angles.h"
 #include "simgap/capture/rig_calibration.h"
 #include "support/arms.h"
 #include "support/capture_study.h"
@@ -173,6 +174,113 @@ TEST_F(HandCalibration, FindsTheBonesOfATree) {
   ASSERT_EQ(found.bones.size(), 1u);
   EXPECT_EQ(found.bones[0].from + " " + found.bones[0].to, "finger tip");
   EXPECT_NEAR(found.bones[0].length, std::hypot(0.03, 0.08), 1e-9);
+}
+
+/// A carriage on a rail that a hinge carries, with a hinge of its own: targets placed by eye.
+class SlideCalibration : public ::testing::Test {
+ protected:
+  static constexpr double kZero = 0.12;  // [m] along the rail, from the arm's origin
+  SlideCalibration() {
+    motion_.targets.marker_radius = 0.004;
+    for (const char* name : {"base", "arm", "carriage", "hand"}) {
+      const Eigen::AngleAxisd turn(uniform(random_, 0.05, 0.2), randomDirection(random_));
+      motion_.bone_in_target.push_back({turn.matrix(), 0.02 * randomDirection(random_)});
+      MarkerTarget target{name, name, {}};
+      for (int m = 0; m < 4; ++m) {
+        target.markers.push_back(motion_.bone_in_target.back() * (0.03 * randomDirection(random_)));
+      }
+      motion_.targets.targets.push_back(target);
+    }
+    const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), z = Eigen::Vector3d::UnitZ();
+    rig_.joints = {{"turn", JointType::kRevolute, 0, 1, z},
+                   {"rail", JointType::kPrismatic, 1, 2, x},
+                   {"wrist", JointType::kRevolute, 2, 3, z}};
+    options_.zero_first = 0;
+    options_.zero_last = 9;
+  }
+
+  /// \param way  of the carriage beyond its zero [m]; noise of origins [m]
+  MotionFrame frame(int number, double turn, double way, double wrist, double noise = 0.0) {
+    std::normal_distribution<double> normal(0.0, noise);
+    std::vector<TargetPose> bones(4);
+    bones[0] = {Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 2, 3).normalized()).matrix(), {0.1, 0.0, 1.0}};
+    const auto carry = [](const TargetPose& parent, const Eigen::Vector3d& at, double angle) {
+      return TargetPose{parent.rotation * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).matrix(), parent * at};
+    };
+    bones[1] = carry(bones[0], {0.0, 0.0, 0.0}, turn);
+    bones[2] = carry(bones[1], {kZero + way, 0.05, 0.02}, 0.0);
+    bones[3] = carry(bones[2], {0.04, 0.0, 0.01}, wrist);
+    MotionFrame seen{number, {}};
+    for (std::size_t t = 0; t < 4; ++t) {
+      const TargetPose& b = motion_.bone_in_target[t];
+      const Eigen::Matrix3d rotation = bones[t].rotation * b.rotation.transpose();
+      Eigen::Vector3d jitter = Eigen::Vector3d::Zero();
+      if (noise > 0.0) jitter = Eigen::Vector3d(normal(random_), normal(random_), normal(random_));
+      seen.targets.push_back(TargetPose{rotation, bones[t].origin - rotation * b.origin + jitter});
+    }
+    return seen;
+  }
+  void record(double noise, double reach = 0.1) {
+    for (int f = 0; f < 150; ++f) {
+      const double part = f < 10 ? 0.0 : 1.0;
+      motion_.frames.push_back(frame(f, part * uniform(random_, -0.6, 0.9), part * uniform(random_, -reach, reach),
+                                     part * uniform(random_, -1.0, 0.4), noise));
+    }
+  }
+  /// What a capture reads on the calibrated rig.
+  JointSample read(const RigCalibration& found, const MotionFrame& seen) {
+    Rig rig = rig_;
+    for (std::size_t j = 0; j < 3; ++j) rig.joints[j].zero = found.zeros[j];
+    std::vector<TargetFrame> frames(4);
+    for (std::size_t t = 0; t < 4; ++t) {  // the bone's frame, from where the calibration puts the markers
+      std::vector<Eigen::Vector3d> points;
+      for (const Eigen::Vector3d& m : motion_.targets.targets[t].markers) points.push_back(*seen.targets[t] * m);
+      frames[t].found = true;
+      frames[t].pose = umeyama(found.targets.targets[t].markers, points);
+    }
+    return *jointAngles(rig, frames, 0, 0.0);
+  }
+
+  std::mt19937 random_{5};
+  Motion motion_;
+  Rig rig_;
+  JointCalibrationOptions options_;
+};
+
+TEST_F(SlideCalibration, ReadsTheWayOfACarriageOnATurningArm) {
+  record(0.0);
+  const RigCalibration found = calibrateRig(rig_, motion_.targets, motion_.frames, options_);
+  EXPECT_GT(found.joints[1].range, 0.15);
+  for (const auto& [turn, way, wrist] : {std::array{0.3, 0.07, -0.5}, std::array{-0.4, -0.05, 0.3}}) {
+    const JointSample sample = read(found, frame(999, turn, way, wrist));
+    EXPECT_NEAR(sample.joints[0].angle, turn, 1e-9);
+    EXPECT_NEAR(sample.joints[1].angle, way, 1e-9);
+    EXPECT_NEAR(sample.joints[2].angle, wrist, 1e-9);
+    for (const double off : sample.off_axis) EXPECT_LT(off, 1e-7);
+  }
+}
+
+TEST_F(SlideCalibration, AxisSdIsOfTheOrderOfTheError) {
+  record(5e-4);
+  const RigCalibration found = calibrateRig(rig_, motion_.targets, motion_.frames, options_);
+  const FunctionalJoint& rail = found.joints[1];
+  const Eigen::Vector3d truth = motion_.bone_in_target[1].rotation * Eigen::Vector3d::UnitX();
+  const double error = std::acos(std::min(1.0, rail.axis_in_parent.dot(truth)));
+  EXPECT_LT(error, 4.0 * rail.axis_sd);
+  EXPECT_GT(error, 0.05 * rail.axis_sd);
+  EXPECT_NEAR(read(found, frame(999, 0.3, 0.07, -0.5)).joints[1].angle, 0.07, 1e-3);
+}
+
+TEST_F(SlideCalibration, RefusesAShortWayAndATargetThatTurns) {
+  const auto sentence = [&] { return errorOf([&] { calibrateRig(rig_, motion_.targets, motion_.frames, options_); }); };
+  record(0.0, 0.01);
+  EXPECT_THAT(sentence(), HasSubstr("3: joint rail: the motion spans only"));
+  EXPECT_THAT(sentence(), HasSubstr("mm along its axis, expected at least 35.0 mm"));
+  rig_.joints[2].type = JointType::kPrismatic;
+  EXPECT_THAT(sentence(), HasSubstr("expected"));
+  motion_.frames.clear();
+  record(0.0);
+  EXPECT_THAT(sentence(), HasSubstr("3: joint wrist: its target turns by"));
 }
 
 TEST_F(HandCalibration, RefusesWhatIsNoTree) {

@@ -70,6 +70,39 @@ TEST_F(SimulateTest, PlaysSchedulesOfShaftsAndForces) {
   EXPECT_NEAR(result().at("muscles").at("brachialis").at("last_tension_N").get<double>(), 22.0, 1.0);
 }
 
+// Pneumatic muscles, motors and servos at joints: played, played again as logged, and fitted.
+TEST_F(SimulateTest, PlaysAndFitsWhatIsNotWound) {
+  const std::string arm = readText(sourceFile("data/pneumatic/arm.yaml"));
+  const auto filling = [&](const std::string& time) {
+    std::string text = arm;
+    const std::string after = "    damping_Ns_m: 60\n";
+    for (std::size_t at = 0; (at = text.find(after, at)) != std::string::npos; at += after.size()) {
+      text.insert(at + after.size(), "    fill_time_s: " + time + "\n");
+    }
+    return text;
+  };
+  put("built.yaml", filling("0.1"));
+  put("drawn.yaml", filling("0.05"));
+  put("pressures.yaml", readText(sourceFile("data/pneumatic/schedule.yaml")));
+  succeed({"simulate", "built.yaml", "--commands", "pressures.yaml", "-q", "-o", "run"});
+  EXPECT_EQ(result().at("lines").size(), 4U);
+  EXPECT_GT(result().at("lines").at("biceps").at("highest_tension_N").get<double>(), 10.0);
+  put("motions.yaml",
+      "format: simgap/motions/1\nmotions:\n"
+      "  - {name: lift, muscles: run/muscles.csv, joints: run/joints.csv}\n");
+  put("fit.yaml",
+      "format: simgap/calibration/1\nparameters:\n"
+      "  - {pattern: tendons.*.fill_time_s, step: 0.01, lower: 0, prior_sd: 0.05}\n"
+      "motions: {joint_sd_deg: 0.05}\n");
+  succeed({"calibrate", "drawn.yaml", "--motions", "motions.yaml", "--config", "fit.yaml", "-q", "-o", "fit"});
+  const std::vector<double> found = table("fit/parameters.csv").quantity("value", "");
+  ASSERT_GE(found.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(found[i], 0.1, 0.01);
+  put("joints_led.csv", "time_s,target_shoulder_rad,target_elbow_rad,target_wrist_rad\n0,0,0,0\n1,0,0,0\n");
+  expectRefused({"simulate", "built.yaml", "--commands", "joints_led.csv", "-q", "-o", "led"}, 3,
+                "'shoulder' is a joint-motor: joints are led by muscles that a motor winds alone");
+}
+
 TEST_F(SimulateTest, RefusesCommandsThatNoMuscleCanFollow) {
   const std::string head = "time_s,setpoint_biceps_rad,setpoint_brachialis_rad,voltage_triceps_V\n";
   put("supply.csv", head + "0,0,0,0\n0.5,0,0,13\n");

@@ -81,7 +81,7 @@ void readCommandTable(std::string bytes) {
   tryReading([&] { readMotionStart(table, forearm(), ""); });
   tryReading([&] { readMeasuredJoints(table, forearm(), 0.0, 1.0); });
   tryReading([&] {
-    if (hasJointTargets(table)) readJointTargets(table, forearm(), /*linear=*/true);
+    if (hasJointTargets(table, forearm())) readJointTargets(table, forearm(), /*linear=*/true);
   });
   motionEnd(readCommands(table, forearm(), /*linear=*/true), "input.csv", {});
 }

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -13,6 +15,7 @@
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/model/arm/kinematics.h"
 #include "simgap/model/arm/tendon_path.h"
+#include "simgap/simulate/bullet_arm.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "support/files.h"
 #include "support/process.h"
@@ -264,6 +267,33 @@ TEST(MujocoOracle, TheSampleArmRestsThereWhereItDoesHere) {
   for (std::size_t i = 0; i < rests.size(); ++i) {
     EXPECT_LT(answers[i + 1]["speed"].get<double>(), 1e-6);
     EXPECT_LT(largestTurn(arm, rests[i], positionOf(arm, answers[i + 1]["qpos"])), 0.05) << "pose " << i;
+  }
+}
+
+/// Processor time of a step of a motion [us].
+double ourStep(const ArmModel& arm) {
+  constexpr int kSteps = 5000;
+  BulletArmOptions options;
+  options.step = 0.001;
+  BulletArm bullet(arm, options);
+  const std::clock_t begin = std::clock();
+  for (int i = 0; i < kSteps; ++i) bullet.stepMotion();
+  EXPECT_TRUE(bullet.isFinite());
+  return 1e6 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kSteps;
+}
+
+// Says what a step takes there and here (docs/performance.md); the machine decides, so there is no limit but sanity.
+TEST(MujocoOracle, TakesStepsOfTheSameLengthInTheTimeThatIsPrinted) {
+  SIMGAP_NEEDS_MUJOCO();
+  for (const char* name : {"arm", "finger"}) {
+    const std::filesystem::path file = sourceFile(std::string("data/") + name + "/arm.yaml");
+    const ArmModel arm = readArm(YamlNode::parse(readText(file), "arm.yaml"));
+    const Json answer = askMujoco({{"xml", writeMjcf(arm).text}, {"time_steps", 5000}}).at(0);
+    const double theirs = answer.at("step_us").get<double>(), ours = ourStep(arm);
+    std::printf("%s: MuJoCo (WebAssembly) %.1f us, here %.1f us for a step of 1 ms\n", name, theirs, ours);
+    EXPECT_EQ(answer.at("timestep_s").get<double>(), 0.001);
+    EXPECT_GT(theirs, 0.0);
+    EXPECT_LT(std::max(ours, theirs), 1000.0) << "slower than the movement itself";
   }
 }
 

@@ -16,8 +16,9 @@ struct JointSample {
   std::size_t frame = 0;  ///< number of the image pair
   double time = 0.0;      ///< [s]
   std::vector<JointPosition> joints;
-  std::vector<double> sd;        ///< shape (joints) [rad]: root mean square angle of the error; revolute: of the angle
-  std::vector<double> off_axis;  ///< shape (joints) [rad]: rotation a revolute joint cannot make; 0 for spherical ones
+  std::vector<double> sd;  ///< shape (joints) [rad]: root mean square angle of the error; revolute: of the angle; of a
+                           ///< slide of its way [m]
+  std::vector<double> off_axis;  ///< shape (joints) [rad]: rotation a hinge or slide cannot make; 0 for spherical ones
 };
 
 /// Rotation as an angle about `axis`, in (-pi, pi], and the angle of what is left (swing). [rad]

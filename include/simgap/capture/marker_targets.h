@@ -43,8 +43,9 @@ struct CaptureJoint {
   JointType type{};
   int parent = 0;                                   ///< target index
   int child = 0;                                    ///< target index
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< revolute: in the parent's frame, unit length
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< of one that has it: in the parent's frame, unit length
   std::optional<Eigen::Vector3d> along = {};        ///< unit length: from the parent's origin to this joint, if known
+  double zero = 0.0;  ///< of a slide: how far along its axis the child's origin stands from the parent's at 0 [m]
 };
 
 struct Rig {

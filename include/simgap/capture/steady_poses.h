@@ -15,7 +15,8 @@ namespace simgap {
 
 struct SteadyOptions {
   double duration = 0.1;    ///< [s] a rest is at least this long (001: t_d)
-  double max_speed = 0.05;  ///< [rad/s] of any joint, by a straight line through `duration` (001: omega_max)
+  double max_speed = 0.05;  ///< [rad/s] of any joint, of a slide as JointKind::counted, by a straight line through
+                            ///< `duration` (001: omega_max)
 };
 
 /// A rest of the arm.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "simgap/core/csv.h"
+#include "simgap/measure/pose_set.h"
 
 namespace simgap {
 
@@ -23,15 +24,16 @@ struct CommandColumn {
 };
 CommandColumn columnOf(CommandKind kind);
 
-/// Commands of all muscles at rising times. Before the first row its values hold, behind the last row its own.
+/// Commands of all muscles, and of the lines that take one, at rising times. Before the first row its values hold,
+/// behind the last row its own.
 struct MotionCommands {
   std::vector<CommandKind> kinds;  ///< shape (muscles)
   std::vector<double> times;       ///< shape (rows) [s]
-  Eigen::MatrixXd values;          ///< shape (muscles, rows)
+  Eigen::MatrixXd values;          ///< shape (muscles + lines, rows)
   bool linear = false;             ///< between rows; else a row holds until the next
 
   /// The values at a time. \param[in,out] row  where the search begins: the row of the call before, or 0
-  /// \param[out] values  shape (muscles)
+  /// \param[out] values  shape (muscles + lines), or the first of them
   void at(double time, std::size_t& row, std::span<double> values) const;
   double end() const { return times.back(); }  ///< [s]
 };
@@ -41,12 +43,12 @@ std::vector<double> readRisingTimes(const CsvTable& table);
 
 /// A column of a muscle that the model does not have belongs to another arm, or is misspelt.
 /// \param stems  "setpoint", …: what stands before the muscle's name  \throws DataError
-void refuseForeignMuscles(const CsvTable& table, std::span<const std::string> muscles,
-                          std::span<const std::string_view> stems);
+void refuseForeignMuscles(const CsvTable& table, const PoseLayout& layout, std::span<const std::string_view> stems);
 
-/// Reads `time_s` and per muscle setpoint_<m>_rad, voltage_<m>_V or force_<m>_N. Other columns are left alone.
-/// \throws DataError: no rows, times that do not rise, a muscle without a command or with two, a command for a muscle
-/// that is none of `muscles`, and all that CsvTable refuses.
-MotionCommands readCommands(const CsvTable& table, std::span<const std::string> muscles, bool linear);
+/// Reads `time_s`, per muscle setpoint_<m>_rad, voltage_<m>_V or force_<m>_N, and the commands of the layout's lines.
+/// Other columns are left alone.
+/// \throws DataError: no rows, times that do not rise, a muscle without a command or with two, a line without one, a
+/// command for a muscle that the layout does not have, and all that CsvTable refuses.
+MotionCommands readCommands(const CsvTable& table, const PoseLayout& layout, bool linear);
 
 }  // namespace simgap

@@ -34,7 +34,7 @@ struct RecordedStart {
 /// One motion. Muscles and joints have clocks of their own.
 struct RecordedMotion {
   std::string name;
-  MotionCommands commands;                         ///< shape (muscles of the layout, rows)
+  MotionCommands commands;                         ///< shape (muscles and lines of the layout, rows)
   std::vector<MuscleRecord> muscles;               ///< shape (muscles of the layout)
   std::vector<double> joint_times;                 ///< shape (frames) [s], rising
   std::vector<std::vector<JointPosition>> joints;  ///< shape (frames, joints of the layout)

@@ -43,7 +43,8 @@ class Arm {
 
   /// Time 0, shafts at 0, joints where every pose begins.
   void reset(Command command);
-  /// One step. \param commands  shape (muscles); controllers look at them when they tick
+  /// One step. \param commands  shape (muscles), behind them those of pneumatic muscles and motors at joints, in the
+  /// order of the file [Pa, A, rad]; controllers look at them when they tick
   /// \throws when the simulation has blown up: a smaller step may hold it
   void step(const std::vector<double>& commands);
 

@@ -57,6 +57,14 @@ class BulletArm {
   ///@{
   void setShafts(std::span<const double> shafts);  ///< places them, at rest and without current; shape (muscles) [rad]
   void setVoltage(std::size_t muscle, double voltage);  ///< of stepMotion(), held until it is set again [V]
+  /// \name Lines that take a command, in the order of PoseLayout::lines
+  ///@{
+  /// What they follow from now on; `at_once`: and have followed. \param commands  shape (lines)
+  void setLineCommands(std::span<const double> commands, bool at_once);
+  std::size_t lines() const;
+  double lineCommand(std::size_t line) const;  ///< what acts now: the pressure in a muscle that fills
+  double lineForce(std::size_t line) const;    ///< [N], at a joint [N m], as of the last step of a motion
+  ///@}
   /// Advances one physics step by an integrator of second order. The voltages are setVoltage()'s: no controller acts.
   void stepMotion();
   /// As setJointVelocity().
@@ -121,7 +129,7 @@ class BulletArm {
   Motion& motion();
   void forgetMotion();
   double pathLength(std::size_t muscle);  ///< [m]
-  double followRow(const PathParts& way, Eigen::VectorXd& row);
+  void touchRow(const PathParts& way, Eigen::VectorXd& row);
   void placePull(std::size_t index, const DriveState& middle);
   void placePassive(std::size_t index);
   void addJointGradient(std::size_t joint, const Eigen::Vector3d& gradient);
@@ -139,10 +147,24 @@ class BulletArm {
     const TendonKind* kind;
     TendonParameters p;
     PathParts way;
-    double command = 0.0;
+    double command = 0.0, told = 0.0;  ///< what acts, and what it follows
+    double force = 0.0;
   };
+  void followCommands(double step);
+  struct Ropes;
+  struct RopesDeleter {
+    void operator()(Ropes* ropes) const;
+  };
+  void layRopes();
+  void moveRopes();
+  PathState followRope(int rope);
+  PathState followLine(std::size_t muscle);  ///< of one that is not straight
+  int ropeOf(std::size_t muscle) const { return rope_of_.empty() ? -1 : rope_of_[muscle]; }
+  std::vector<int> rope_of_;  ///< shape (muscles): -1 without one; empty: no muscle has one
+  std::unique_ptr<Ropes, RopesDeleter> ropes_;
   std::vector<PathParts> way_;             ///< shape (muscles), empty: straight
   std::vector<Passive> passive_;           ///< lines without motors
+  std::vector<std::size_t> commanded_;     ///< those of them that take a command
   std::vector<Touch> touches_;             ///< of the line that followPath() was last called for
   std::vector<std::vector<int>> crossed_;  ///< per extension with a path: the joints its muscle crosses
   ArmObservation observation_;

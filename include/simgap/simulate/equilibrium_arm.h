@@ -21,6 +21,10 @@ struct EquilibriumSolution {
   double torque = 0.0;  ///< largest component of the gradient that no joint stop holds, at the last evaluation [N m]
 };
 
+/// The model, where all equilibria know it: they take a rope (Muscle::rope) for a straight line, which is good enough
+/// to begin from, not to judge by. \throws ConfigError: a muscle is a rope
+const ArmModel& withoutRopes(const ArmModel& model);
+
 /// Damped Newton on SO(3)^n x R^m with joint limits as an active set; joints that follow others are eliminated. Memory
 /// is taken in the constructor only.
 class EquilibriumArm {

@@ -22,7 +22,7 @@ struct JointTargets {
 };
 
 /// Whether a table commands joints: it has a column `target_…`.
-bool hasJointTargets(const CsvTable& table);
+bool hasJointTargets(const CsvTable& table, const ArmModel& model);
 /// Reads `time_s` and per joint what a table of joints has, with `target_` before it: target_elbow_rad,
 /// target_shoulder_qw, … \throws DataError: no rows, times that do not rise, a joint without its columns, a muscle's
 /// command beside them

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "simgap/measure/motion_commands.h"
 #include "simgap/model/arm/arm.h"
@@ -13,16 +14,17 @@ namespace simgap {
 /// What a muscle cannot be told: a voltage beyond its supply, a force that pushes; empty when it can.
 std::string problemOf(const Muscle& muscle, CommandKind kind, double value);
 
-/// Poses command pneumatic muscles and motors at joints, motions only muscles that a motor winds.
-/// \throws ConfigError: the model has others
-void refuseOtherDrives(const ArmModel& model);
+/// The same of a line that takes a command: a pressure below 0.
+std::string problemOf(const PassiveTendon& tendon, double value);
+/// Lines that take a command, in the order of PoseLayout::lines.
+std::vector<const PassiveTendon*> commandedLines(const ArmModel& model);
 
-/// Calls `fail` with the row and a sentence at the first command that a muscle cannot be told.
+/// Calls `fail` with the row and a sentence at the first command that a muscle or line cannot be told.
 void refuseImpossible(const ArmModel& model, const MotionCommands& commands,
                       const std::function<void(std::size_t row, const std::string& sentence)>& fail);
 
-/// Reads the commands of an arm's muscles. \throws DataError as the reader of a table (measure/motion_commands.h), and
-/// as refuseImpossible
+/// Reads the commands of an arm's muscles and lines. \throws DataError as the reader of a table
+/// (measure/motion_commands.h), and as refuseImpossible
 MotionCommands readCommands(const CsvTable& table, const ArmModel& model, bool linear);
 
 }  // namespace simgap

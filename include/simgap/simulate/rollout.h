@@ -29,7 +29,7 @@ struct RolloutOptions {
 struct MotionStart {
   std::vector<JointPosition> joints;                   ///< shape (joints); empty: startPosition()
   std::vector<Eigen::Vector3d> joint_velocities = {};  ///< shape (joints), as BulletArm::setJointVelocity; empty: rest
-  std::vector<double> shafts = {};                     ///< shape (muscles) [rad]; empty: 0
+  std::vector<double> shafts = {};                     ///< shape (muscles) or model.commands() [rad]; empty: 0
   double time = 0.0;                                   ///< of the commands' clock [s]
   double settle = 0.0;  ///< before `time` the arm is held by the commands of `time` for so long [s]
 };
@@ -45,9 +45,11 @@ struct MotionTrack {
   Eigen::MatrixXd forces;                         ///< shape (muscles, rows) [N], of the middle of a step
   Eigen::MatrixXd currents;                       ///< shape (muscles, rows) [A]
   Eigen::MatrixXd voltages;                       ///< shape (muscles, rows) [V], as set by the last tick
+  Eigen::MatrixXd line_commands;                  ///< shape (lines, rows), what acts: BulletArm::lineCommand
+  Eigen::MatrixXd line_forces;                    ///< shape (lines, rows) [N], at joints [N m]
   std::size_t joint_count = 0;
 
-  void resize(std::size_t rows, std::size_t joints, std::size_t muscles);
+  void resize(std::size_t rows, std::size_t joints, std::size_t muscles, std::size_t lines);
   std::span<const JointPosition> jointsAt(std::size_t row) const {
     return std::span(joints).subspan(row * joint_count, joint_count);
   }
@@ -76,14 +78,15 @@ class Rollout {
   void setModel(const ArmModel& model);
 
   /// Plays until the last of `times`. Nothing is allocated when the track has its size and the kinds of commands are
-  /// those of the call before. \param times  rising, none before start.time [s]
+  /// those of the call before. Lines that take a command have followed the first one when it begins. \param times
+  /// rising, none before start.time [s]
   MotionOutcome run(const MotionCommands& commands, const MotionStart& start, std::span<const double> times,
                     MotionTrack& track);
 
   /// \name The same step by step, for those who make their commands as they go
   ///@{
   void begin(std::span<const CommandKind> kinds, const MotionStart& start);
-  /// One physics step under commands of shape (muscles); they are looked at when the controllers tick.
+  /// One physics step under commands of shape (muscles + lines); they are looked at when the controllers tick.
   /// \returns false once the simulation has blown up
   bool step(std::span<const double> commands);
   double time() const;  ///< [s]
@@ -107,7 +110,7 @@ class Rollout {
   std::vector<CommandKind> kinds_;
   std::vector<std::unique_ptr<MuscleController>> controllers_;
   std::unique_ptr<JointPositionController> pilot_;  ///< of the targets
-  std::vector<double> commands_;                    ///< scratch, shape (muscles)
+  std::vector<double> commands_;                    ///< scratch, shape (muscles + lines)
   std::unique_ptr<Sample> before_, now_;
   double origin_ = 0.0;  ///< time of step 0 [s]
   long steps_ = 0;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "simgap/core/run_directory.h"
 #include "simgap/simulate/rollout.h"
 
 namespace simgap {
@@ -23,14 +24,16 @@ class ServedArm {
  private:
   struct Request;
   Request read(std::string_view line) const;
+  bool readLine(const std::string& name, const Json& command, Request& request) const;
   std::string state() const;
 
   ArmModel model_;
   RolloutOptions options_;
   Rollout rollout_;
-  std::vector<CommandKind> kinds_;                     ///< shape (muscles)
-  std::vector<double> commands_;                       ///< shape (muscles)
-  std::vector<std::string> joint_keys_, muscle_keys_;  ///< names as JSON
+  std::vector<CommandKind> kinds_;                                 ///< shape (muscles)
+  std::vector<double> commands_;                                   ///< shape (muscles + lines)
+  std::vector<const PassiveTendon*> lines_;                        ///< of the model that take a command
+  std::vector<std::string> joint_keys_, muscle_keys_, line_keys_;  ///< names as JSON
   bool blown_up_ = false;
 };
 

@@ -49,6 +49,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   // A rig of its own: capture runs on it as it stands.
   rig.stereo_file = "stereo.yaml";
   rig.targets_file = "targets.yaml";
+  for (std::size_t j = 0; j < rig.joints.size(); ++j) rig.joints[j].zero = result.zeros[j];
   session.directory().write("stereo.yaml", cameras.yaml);
   session.directory().write(
       "targets.yaml", writeTargets(result.targets, {"markers in the frames of the bones: simgap calibrate-joints"}));

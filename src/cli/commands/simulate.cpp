@@ -48,7 +48,7 @@ MotionCommands readMotionCommands(Session& session, const Options& options, cons
   if (!options.commands.ends_with(".yaml") && !options.commands.ends_with(".yml")) {
     const CsvTable table = CsvTable::parse(text, options.commands, options.table.csv());
     const bool linear = options.hold == "linear";
-    if (!hasJointTargets(table)) return readCommands(table, model, linear);
+    if (!hasJointTargets(table, model)) return readCommands(table, model, linear);
     settings.rollout.targets = std::make_shared<JointTargets>(readJointTargets(table, model, linear));
     return commandsFor(*settings.rollout.targets, model.muscles.size());
   }
@@ -135,7 +135,6 @@ ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("simulate", options.common, argv);
   const ArmModel model = readArmFile(session, "model", options.model);
-  refuseOtherDrives(model);
   SimulationOptions settings = settingsOf(session, options);
   if (options.serve) return serve(model, settings.rollout);
   if (options.commands.empty()) throw ConfigError("found neither --commands nor --serve, expected one of them");
@@ -177,7 +176,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option(
       "--commands", options->commands,
       "per muscle over time: setpoint_<m>_rad, voltage_<m>_V or force_<m>_N (CSV), or a schedule (YAML); or per "
-      "joint its position, target_<joint>_rad, … (CSV)");
+      "joint its position, target_<joint>_rad, … (CSV); pneumatic muscles and motors at joints: as in pose sets");
   app.add_flag("--serve", options->serve, "answer lines of JSON on stdin (commands) by lines on stdout (sensors)");
   app.add_option("--config", options->config, "step, controllers and sensors (YAML)");
   app.add_option("--hold", options->hold, "between the rows of the commands: step or linear")

@@ -25,6 +25,8 @@ struct Options {
   std::optional<double> settle;                  ///< [s]
 };
 
+constexpr double kPatience = 60.0;  // longest settling where nobody has said one [s]
+
 ValidationResult judge(const Options& options, const ArmModel& model, const PoseSet& set,
                        const PoseProtocol& protocol) {
   ValidationResult result{model.poseLayout(), set, {}, {}};
@@ -54,7 +56,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const ArmModel model = readArmFile(session, "model", options.model);
   const PoseSet set = readPoses(session, "poses", options.poses, model, options.table.csv());
   PoseProtocol protocol = options.config.empty() ? PoseProtocol{} : readConfig(session, options.config).protocol;
-  if (options.settle) protocol.settle = *options.settle;
+  // Steady poses end their settling by themselves: a longer limit gives slow arms time and changes no other outcome.
+  protocol.settle = options.settle.value_or(options.config.empty() ? kPatience : protocol.settle);
   if (options.common.dry_run) {
     session.print(fmt::format("would replay {} poses of {} on {}; nothing was written\n", set.poses.size(), set.file,
                               model.name));
@@ -105,7 +108,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--evaluator", options->evaluator, "bullet: simulate; equilibrium: minimise the potential energy")
       ->check(CLI::IsMember({"bullet", "equilibrium"}));
   app.add_option("--settle-s", options->settle,
-                 "longest time that joints may take to come to rest (default: the config's) [s]")
+                 "longest time that joints may take to come to rest (default: the config's; without one 60) [s]")
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--max-mje", options->max_mje, "exit 1 when a joint's mean error exceeds this [deg]")
       ->check(CLI::PositiveNumber & finiteNumber());

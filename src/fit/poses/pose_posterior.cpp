@@ -122,7 +122,7 @@ PosePosterior::PosePosterior(const ArmModel& model, std::span<const Pose> poses,
       noise_(noise),
       static_parameters_(staticParameters(model, names(space))),
       slopes_(Eigen::VectorXd::Zero(scaled_.size())),
-      arm_(model) {
+      arm_(withoutRopes(model)) {
   const int n = arm_.energy().degreesOfFreedom();
   whitening_.assign(poses.size(), Eigen::MatrixXd::Identity(n, n) / noise.capture_sd);
   stiffness_.assign(poses.size(), Eigen::MatrixXd::Identity(n, n));

@@ -58,6 +58,10 @@ Muscle readMuscle(const YamlNode& node, const ArmModel& model, const YamlNode& r
   muscle.name = readName(node, names);
   static_cast<TendonPath&>(muscle) = readPath(node.at("attachments"), model, places, second_version);
   if (const auto path = node.find("path")) path->oneOf({"straight"});
+  if (const auto line = second_version ? node.find("line") : std::nullopt) {
+    muscle.rope = line->oneOf({"straight", "rope"}) == "rope";
+    if (muscle.rope && !muscle.straight()) line->fail("found a rope over points or surfaces, expected two attachments");
+  }
   muscle.kite_line_length = node.quantity("kite_line_length", "m");
   const YamlNode cord = node.at("shock_cord");
   muscle.shock_cord.rest_length = cord.quantity("rest_length", "m", kPositive);

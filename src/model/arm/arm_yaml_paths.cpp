@@ -220,8 +220,12 @@ PassiveTendon readTendon(const YamlNode& node, const ArmModel& model, const Plac
                                                            : readPath(node.at("attachments"), model, places, true);
   for (std::size_t i = 0; i < tendon.kind->parameters.size(); ++i) {
     const TendonParameter& parameter = tendon.kind->parameters[i];
-    tendon.p[i] = parameter.unit == "1" ? node.at(parameter.key).number(parameter.range)
-                                        : node.quantity(parameter.name, parameter.unit, parameter.range);
+    if (parameter.otherwise) {
+      tendon.p[i] = node.findQuantity(parameter.name, parameter.unit, parameter.range).value_or(*parameter.otherwise);
+    } else {
+      tendon.p[i] = parameter.unit == "1" ? node.at(parameter.key).number(parameter.range)
+                                          : node.quantity(parameter.name, parameter.unit, parameter.range);
+    }
   }
   return tendon;
 }

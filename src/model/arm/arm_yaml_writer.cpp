@@ -159,7 +159,7 @@ bool needsSecondVersion(const ArmModel& model) {
     return !b.surfaces.empty() || (b.parts.empty() && !b.fixed) || std::ranges::any_of(b.parts, newShape);
   }) || std::ranges::any_of(model.joints, [&](const Joint& j) {
     return j.slides() || !springAndLeader(j, model).empty();
-  }) || !std::ranges::all_of(model.muscles, &Muscle::straight);
+  }) || !std::ranges::all_of(model.muscles, [](const Muscle& m) { return m.straight() && !m.rope; });
 }
 
 std::string motor(const Motor& m) {
@@ -179,6 +179,7 @@ std::string gearbox(const Gearbox& g) {
 std::string muscle(const Muscle& m, const ArmModel& model, const std::string& motor_default,
                    const std::string& gearbox_default) {
   std::string text = fmt::format("  - name: {}\n", yamlText(m.name)) + attachments(m, model);
+  if (m.rope) text += "    line: rope\n";
   text += fmt::format(
       "    kite_line_length_m: {}\n    shock_cord: {{rest_length_m: {}, stiffness_N_m: {}, damping_Ns_m: {}}}\n"
       "    spindle_radius_m: {}\n",

@@ -51,15 +51,18 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
   Json poses = Json::array();
   for (std::size_t p = 0; p < result.poses.size(); ++p) {
     const SteadyPose& pose = result.poses[p];
-    Json spread = Json::object();
+    Json spread = Json::object(), slide_spread = Json::object();
     for (std::size_t j = 0; j < result.rig.joints.size(); ++j) {
-      spread[result.rig.joints[j].name] = toDegrees(pose.spread[j]);
+      const CaptureJoint& joint = result.rig.joints[j];
+      (joint.type == JointType::kPrismatic ? slide_spread : spread)[joint.name] =
+          kindOf(joint.type).shown(pose.spread[j]);
     }
     poses.push_back({{"pose", fmt::format("p{:03}", p)},
                      {"start_s", pose.start},
                      {"end_s", pose.end},
                      {"samples", pose.samples},
                      {"spread_deg", spread}});
+    if (!slide_spread.empty()) poses.back()["spread_mm"] = slide_spread;
   }
   Json live = nullptr;
   if (result.live) live = liveJson(*result.live);

@@ -15,7 +15,7 @@ Json vectorJson(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.
 Json jointJson(const FunctionalJoint& j) {
   Json json = {{"name", j.name},
                {"frames", j.frames},
-               {"range_deg", toDegrees(j.range)},
+               {fmt::format("range_{}", kindOf(j.type).error_unit), kindOf(j.type).shown(j.range)},
                {"residual_mm", 1e3 * j.residual},
                {"centre_sd_mm", 1e3 * j.centre_sd},
                {"condition", j.condition},

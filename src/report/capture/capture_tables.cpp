@@ -88,7 +88,13 @@ Table captureFigures(const Json& result) {
   return table;
 }
 
+/// How far from 0 [deg], of a slide [mm].
 std::vector<double> jointAngles(const CsvTable& table, const std::string& joint) {
+  if (table.has(joint + "_m")) {
+    std::vector<double> ways = numbersOf(table, joint + "_m");
+    for (double& way : ways) way *= 1e3;
+    return ways;
+  }
   const bool revolute = table.has(joint + "_rad");
   std::vector<double> angles = numbersOf(table, joint + (revolute ? "_rad" : "_qw"));
   for (double& angle : angles) angle = toDegrees(revolute ? angle : 2.0 * std::acos(std::min(std::abs(angle), 1.0)));
@@ -102,10 +108,11 @@ Table poseTable(const Json& result, const CsvTable& poses) {
         {pose.at("pose"), fixedText(pose.at("start_s"), 3), fixedText(pose.at("end_s"), 3), pose.at("samples").dump()});
   }
   for (const auto& [joint, type] : result.at("joint_types").items()) {
-    table.header.insert(table.header.end(), {joint + " [deg]", "spread"});
+    const std::string unit = type == "prismatic" ? "mm" : "deg";
+    table.header.insert(table.header.end(), {fmt::format("{} [{}]", joint, unit), "spread"});
     const std::vector<double> angles = jointAngles(poses, joint);
     for (std::size_t p = 0; p < table.rows.size(); ++p) {
-      const Json& spread = result.at("poses").at(p).at("spread_deg").at(joint);
+      const Json& spread = result.at("poses").at(p).at("spread_" + unit).at(joint);
       table.rows[p].insert(table.rows[p].end(), {fmt::format("{:.2f}", angles.at(p)), fixedText(spread, 3)});
     }
   }
@@ -171,14 +178,14 @@ std::string jointAnswer(const Json& result) {
 }
 
 Table jointTable(const Json& result) {
-  Table table{"Joints",
-              {"joint", "frames", "range [deg]", "residual [mm]", "centre sd [mm]", "axis sd [deg]", "condition"},
-              {}};
+  Table table{
+      "Joints", {"joint", "frames", "range", "residual [mm]", "centre sd [mm]", "axis sd [deg]", "condition"}, {}};
   for (const Json& j : result.at("joints")) {
-    table.rows.push_back({j.at("name"), j.at("frames").dump(), fixedText(j.at("range_deg"), 1),
-                          fixedText(j.at("residual_mm"), 3), fixedText(j.at("centre_sd_mm"), 3),
-                          j.contains("axis_sd_deg") ? fixedText(j.at("axis_sd_deg"), 3) : "-",
-                          fixedText(j.at("condition"), 3)});
+    table.rows.push_back(
+        {j.at("name"), j.at("frames").dump(),
+         j.contains("range_mm") ? fixedText(j.at("range_mm"), 1) + " mm" : fixedText(j.at("range_deg"), 1) + " deg",
+         fixedText(j.at("residual_mm"), 3), fixedText(j.at("centre_sd_mm"), 3),
+         j.contains("axis_sd_deg") ? fixedText(j.at("axis_sd_deg"), 3) : "-", fixedText(j.at("condition"), 3)});
   }
   return table;
 }

@@ -7,6 +7,7 @@
 #include "simgap/core/joint_kind.h"
 #include "simgap/report/poses/simulation_report.h"
 #include "simgap/simulate/arm_geometry.h"
+#include "simgap/simulate/possible_commands.h"
 
 namespace simgap {
 namespace {
@@ -45,6 +46,10 @@ void writeScene(const SimulationResult& result, const RunDirectory& directory) {
       const double length = track.cord_lengths(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(row));
       outcome.cord_expansion.push_back(length / model.muscles[m].shock_cord.rest_length - 1.0);
     }
+    const auto column = static_cast<Eigen::Index>(row);
+    outcome.shafts.resize(model.commands());
+    Eigen::Map<Eigen::VectorXd>(outcome.shafts.data(), std::ssize(outcome.shafts)) << track.shafts.col(column),
+        track.line_commands.col(column);
     pose.joints = outcome.joints;
     if (result.measured) {
       const std::size_t nearest = nearestRow(result.measured->times, track.times[row]);
@@ -116,6 +121,24 @@ Json musclesJson(const SimulationResult& result) {
   return muscles;
 }
 
+Json linesJson(const SimulationResult& result) {
+  const MotionTrack& track = result.simulation.motion;
+  Json lines = Json::object();
+  Eigen::Index i = 0;
+  for (const PassiveTendon* line : commandedLines(result.model)) {
+    const double sign = line->kind->at_joint ? -1.0 : 1.0;  // as in motion.csv
+    const Eigen::RowVectorXd forces = sign * track.line_forces.row(i);
+    const std::string unit = line->kind->at_joint ? "torque_Nm" : "tension_N";
+    lines[line->name] = {{"command", fmt::format("{}_{}", line->kind->command.quantity, line->kind->command.unit)},
+                         {"last_command", track.line_commands(i, forces.size() - 1)},
+                         {"lowest_" + unit, forces.minCoeff()},
+                         {"highest_" + unit, forces.maxCoeff()},
+                         {"last_" + unit, forces[forces.size() - 1]}};
+    ++i;
+  }
+  return lines;
+}
+
 std::string measuredCsv(const SimulationResult& result) {
   const MeasuredMotion& measured = *result.measured;
   std::vector<std::string> header{"time_s"};
@@ -158,6 +181,7 @@ Json toJson(const SimulationResult& result) {
         {"energy_percent", numberOrNull(simulation.check.finished ? 100.0 * simulation.check.energy_change : NAN)}}},
       {"joints", jointsJson(result)},
       {"muscles", musclesJson(result)},
+      {"lines", linesJson(result)},
       {"measured", result.measured ? Json(result.measured->file) : Json(nullptr)},
       {"notes", result.notes}};
 }
@@ -198,12 +222,29 @@ Table muscleMotionTable(const Json& result) {
   return table;
 }
 
+Table lineMotionTable(const Json& result) {
+  Table table{
+      "Other drives", {"drive", "command", "last command", "pulls or turns by", "lowest", "highest", "last"}, {}};
+  if (!result.contains("lines")) return table;  // of a run before there were any
+  for (const auto& [name, line] : result.at("lines").items()) {
+    const std::string unit = line.contains("last_torque_Nm") ? "torque_Nm" : "tension_N";
+    std::vector<std::string> row{name, line.at("command").get<std::string>(),
+                                 numberText(line.at("last_command"), "{:g}"), unit};
+    for (const char* key : {"lowest_", "highest_", "last_"}) row.push_back(numberText(line.at(key + unit), "{:.2f}"));
+    table.rows.push_back(row);
+  }
+  return table;
+}
+
 std::string terminalTable(const SimulationResult& result) {
   const Json json = toJson(result);
   std::string text = fmt::format("{} s of {}, {:.0f} times as fast as real time on one core\n\n",
                                  numberText(result.simulation.end - result.simulation.start, "{:g}"), result.model.name,
                                  result.simulation.realTimeFactor());
-  return text + alignedTable(jointMotionTable(json)) + "\n" + alignedTable(muscleMotionTable(json));
+  text += alignedTable(jointMotionTable(json));
+  if (!json.at("muscles").empty()) text += "\n" + alignedTable(muscleMotionTable(json));
+  if (!json.at("lines").empty()) text += "\n" + alignedTable(lineMotionTable(json));
+  return text;
 }
 
 void writeSimulation(const SimulationResult& result, std::uint64_t seed, const RunDirectory& directory) {

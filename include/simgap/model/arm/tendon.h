@@ -99,6 +99,7 @@ struct TendonPath {
 /// DC motor, gearbox, kite line wound on a spindle, shock cord (000 section V).
 struct Muscle : TendonPath {
   std::string name;
+  bool rope = false;  ///< a chain of nodes that collides with the parts of bodies (000 eq. 7); in Bullet alone
   double kite_line_length = 0.0;  ///< L_K0 [m]; may be negative: the straight, virtual line leaves out the bones
   ShockCord shock_cord;
   double spindle_radius = 0.0;         ///< r [m]

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <array>
+#include <limits>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -20,13 +22,16 @@ struct TendonParameter {
   std::string_view unit;
   std::string_view key;  ///< with it: "rest_length_m"
   Range range;
+  std::optional<double> otherwise = {};  ///< where the file does not say
 };
 
-/// What a kind is told to do, one number per pose: a column `<quantity>_<line>_<unit>` of pose sets.
+/// What a kind is told to do, one number per pose or row of a motion: a column `<quantity>_<line>_<unit>` of pose sets.
 struct TendonCommand {
   std::string_view quantity;  ///< "pressure"; empty: the kind takes no command
   std::string_view unit;      ///< "Pa"
   double typical = 0.0;       ///< of that size commands are, where some have to be made up
+  double lowest = -std::numeric_limits<double>::infinity();
+  int lag = -1;  ///< parameter: time constant [s] by which what acts follows the command in motions; -1: at once
   explicit operator bool() const { return !quantity.empty(); }
 };
 

@@ -31,5 +31,6 @@ void writeSimulation(const SimulationResult& result, std::uint64_t seed, const R
 /// Per joint and per muscle, from the JSON.
 Table jointMotionTable(const Json& result);
 Table muscleMotionTable(const Json& result);
+Table lineMotionTable(const Json& result);  ///< of what takes a command besides muscles
 
 }  // namespace simgap

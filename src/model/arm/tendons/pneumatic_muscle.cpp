@@ -10,6 +10,9 @@
 ///
 /// Between the muscle's range of contraction and x_e the parabola is continued; beyond x_e the muscle is slack. Where
 /// g never falls to 0, x_e is its lowest place, and the force there lasts.
+///
+/// In motions the pressure follows its command as a valve fills the muscle, dp/dt = (p_ref - p)/fill_time: the
+/// isothermal filling of a constant volume through a linear throttle.
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +28,9 @@ constexpr TendonParameter kParameters[] = {{"a", "m2", "a_m2", kNonNegative},
                                            {"k", "N", "k_N", kPositive},
                                            {"muscle_length", "m", "muscle_length_m", kPositive},
                                            {"rest_length", "m", "rest_length_m", kAnyNumber},
-                                           {"damping", "Ns_m", "damping_Ns_m", kNonNegative}};
+                                           {"damping", "Ns_m", "damping_Ns_m", kNonNegative},
+                                           {"fill_time", "s", "fill_time_s", kNonNegative, 0.0}};
+constexpr int kFillTime = 7;
 
 struct Law {
   double a, b, c, k, length, rest;
@@ -65,7 +70,7 @@ TendonPull pull(const TendonParameters& p, double line_length, double command) {
   const double by_area = area > 0.0 ? pressure * share : 0.0;
   pull.by_parameter = {
       by_area * x * x,     by_area * x, by_area, -by_eps * force / (law.k * law.k), -by_eps * eps / law.length,
-      by_eps / law.length, 0.0};
+      by_eps / law.length, 0.0,         0.0};
   pull.by_command = command < 0.0 ? 0.0 : area * share;
   return pull;
 }
@@ -78,12 +83,13 @@ double force(const TendonParameters& p, double line_length, double rate, double 
 }  // namespace
 
 extern const TendonKind entry;
-const TendonKind entry{.name = "pneumatic-muscle",
-                       .what = "a pneumatic artificial muscle with its tendon, under a pressure",
-                       .equation = "F = p g(eps + F/k), g(x) = a x^2 + b x + c, eps = (rest_length - L)/muscle_length",
-                       .parameters = kParameters,
-                       .pull = pull,
-                       .force = force,
-                       .command = {"pressure", "Pa", 2e5}};
+const TendonKind entry{
+    .name = "pneumatic-muscle",
+    .what = "a pneumatic artificial muscle with its tendon, under a pressure",
+    .equation = "F = p g(eps + F/k), g(x) = a x^2 + b x + c, eps = (rest_length - L)/muscle_length",
+    .parameters = kParameters,
+    .pull = pull,
+    .force = force,
+    .command = {.quantity = "pressure", .unit = "Pa", .typical = 2e5, .lowest = 0.0, .lag = kFillTime}};
 
 }  // namespace simgap::tendon_kinds::pneumatic_muscle

@@ -88,9 +88,12 @@ Page make(const ResultFiles& files) {
   addChart(motion, "Shafts", "shaft_", "_rad", "shaft angle [rad]", page);
   addChart(motion, "Motor currents", "current_", "_A", "current [A]", page);
   addChart(motion, "Motor voltages", "voltage_", "_V", "voltage [V]", page);
+  addChart(motion, "Pressures in muscles", "pressure_", "_Pa", "pressure [Pa]", page);
+  addChart(motion, "Torques of motors and servos at joints", "torque_", "_Nm", "torque [Nm]", page);
   page.addSection("Numbers");
   page.add(jointMotionTable(result));
-  page.add(muscleMotionTable(result));
+  if (!result.at("muscles").empty()) page.add(muscleMotionTable(result));
+  if (const Table drives = lineMotionTable(result); !drives.rows.empty()) page.add(drives);
   return page;
 }
 
