@@ -201,6 +201,10 @@ TEST(SpeedLimit, IsACeilingOnlyWhereTheEffortStandsAtOne) {
   EXPECT_FALSE(ceiling.counts({&limit, 1}, rows));  // it goes on growing
   rows.effort = rows.effort.min(7.5).max(-7.5);
   EXPECT_TRUE(ceiling.counts({&limit, 1}, rows));
+  const Eigen::ArrayXd clipped = rows.effort;
+  rows.effort = 40.0 + 0.1 * clipped;
+  EXPECT_FALSE(ceiling.counts({&limit, 1}, rows));  // a constant force stands there always, at any speed
+  rows.effort = clipped;
   const double nowhere = 2.0 * rows.speed.abs().maxCoeff();
   EXPECT_FALSE(ceiling.counts({&nowhere, 1}, rows));
 }

@@ -41,15 +41,17 @@ void applyCeiling(std::span<const double> p, const ActuatorRows& rows, ActuatorT
 }
 
 /// A ceiling is seen: beyond the limit the effort stands at its largest, but for how far a supply sags, more often than
-/// not. Without one a viscous term that saturates is `viscous-nonlinearity`.
+/// not, and seldom below it (a constant force would always). Without one a viscous term that saturates is
+/// `viscous-nonlinearity`.
 bool standsAtItsCeiling(std::span<const double> p, const ActuatorRows& rows) {
-  constexpr double kSag = 0.05, kMostly = 0.5;
+  constexpr double kSag = 0.05, kMostly = 0.5, kSeldom = 0.2;
   std::vector<double> sizes(static_cast<std::size_t>(rows.rows()));
   for (Eigen::Index i = 0; i < rows.rows(); ++i) sizes[static_cast<std::size_t>(i)] = std::abs(rows.effort[i]);
   const double ceiling = (1.0 - kSag) * quantile(std::move(sizes), 0.99);
-  const auto fast = rows.speed.abs() > p[0];
-  const auto at_ceiling = fast && rows.effort * rows.direction > ceiling;
-  return static_cast<double>(at_ceiling.count()) > kMostly * static_cast<double>(fast.count());
+  const Eigen::ArrayXd fast = (rows.speed.abs() > p[0]).cast<double>();
+  const Eigen::ArrayXd at_ceiling = (rows.effort * rows.direction > ceiling).cast<double>();
+  const double beyond = (fast * at_ceiling).sum(), below = ((1.0 - fast) * at_ceiling).sum();
+  return beyond > kMostly * fast.sum() && below < kSeldom * (1.0 - fast).sum();
 }
 
 constexpr ActuatorEffect kUsual = {
