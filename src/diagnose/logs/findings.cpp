@@ -12,6 +12,7 @@
 #include "log_conclusion.h"
 #include "placebos.h"
 #include "slow_friction.h"
+#include "weight_friction.h"
 
 namespace simgap {
 namespace {
@@ -163,6 +164,9 @@ class Judge {
       if (doubt.empty()) continue;
       const std::string_view name = selection_.chosen.model->effects()[own_ + k]->name;
       found_.candidates.push_back({std::string(name), {}, doubt, gainOf(k)});
+      if (isLost(selection_.ambiguous_with[k])) {
+        lost_ = std::max(lost_, errors_without_[k].mse() - found_.heldout.back().mse());
+      }
       std::erase_if(hypotheses_, [&](const Hypothesis& h) { return h.effect->name == name; });
       dropCause(search_, own_, k, selection_);
       measure();
@@ -200,6 +204,7 @@ class Judge {
     std::string not_late = doubtOfDelay(search_, full, without_[cause], effect);
     if (!not_late.empty()) return not_late;
     if (std::string slow = doubtOfSlowMotion(cause); !slow.empty()) return slow;
+    if (std::string weight = doubtOfWeight(cause); !weight.empty()) return weight;
     const PlaceboTest placebos = testPlacebos(search_, full, without_[cause], effect, options_.seed);
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
@@ -212,14 +217,36 @@ class Judge {
     if (selection_.chosen.model->effects()[own_ + cause]->in_every_drive) return {};
     const auto slow = besideSlowFriction(search_, selection_.baseline, without_[cause], selection_.chosen);
     if (!slow) return {};
-    const std::vector<GroupErrors> errors =
-        heldOutErrors(search_, {slow->rest, slow->full}, split_.heldout, log_.data.rows.session);
-    const Interval gain = predictedGain(errors[0].sum, errors[1].sum, options_.seed);
-    const double p = heldOutP(slow->rest, errors[0], slow->full, errors[1]);
-    if (gain.value >= options_.least_gain && p < levelOf(gain)) return {};
+    const Beside beside = gainBeside(slow->rest, slow->full);
+    if (beside.holds) return {};
     return fmt::format(
         "beside friction of any shape in slow motion (below {:.2g} {}) it may explain nothing ({:.1f} %, p = {:.2g})",
-        slow->below, log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s", 100.0 * gain.value, p);
+        slow->below, log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s", 100.0 * beside.gain, beside.p);
+  }
+
+  /// Why a cause may only be friction that grows with a weight of which nobody knows how large it is.
+  std::string doubtOfWeight(std::size_t cause) const {
+    const auto weight = besideWeightFriction(search_, without_[cause], selection_.chosen);
+    if (!weight) return {};
+    const Beside beside = gainBeside(weight->rest, weight->full);
+    if (beside.holds) return {};
+    return fmt::format(
+        "beside friction that grows with the fitted weight it may explain nothing ({:.1f} %, p = {:.2g}): with a "
+        "weight that is known, load-dependence can be told",
+        100.0 * beside.gain, beside.p);
+  }
+
+  /// What a cause gains on held-out data beside something that is none, and whether that is a gain.
+  struct Beside {
+    double gain, p;
+    bool holds;
+  };
+  Beside gainBeside(const Fitted& rest, const Fitted& full) const {
+    const std::vector<GroupErrors> errors =
+        heldOutErrors(search_, {rest, full}, split_.heldout, log_.data.rows.session);
+    const Interval gain = predictedGain(errors[0].sum, errors[1].sum, options_.seed);
+    const double p = heldOutP(rest, errors[0], full, errors[1]);
+    return {gain.value, p, gain.value >= options_.least_gain && p < levelOf(gain)};
   }
 
   /// By blocks or, as a short log has few of those, by pieces of them, whose neighbours are more alike.
@@ -235,14 +262,15 @@ class Judge {
     return search_.errors(fitted, split_.heldout, std::min(LogSearch::kPieceSeconds, seconds / kPieces));
   }
 
-  /// What is left and has no name may be what the cause only stands in for, unless that is clearly smaller.
+  /// What is left and has no name may be what the cause only stands in for, unless that is clearly smaller. It is what
+  /// forests see, or what a group too large to name explained: that is there, whatever it is.
   std::string shadowOver(std::size_t cause) {
     constexpr double kClearly = 1.25;
     if (!found_.left) {
       found_.left = explainable(log_, evidenceChannels(log_), residualOf(found_.on_all_rows), options_.seed);
     }
     const double before = errors_without_[cause].mse(), after = found_.heldout.back().mse();
-    const double left = shareLeft(selection_, *found_.left) * found_.heldout.back().mse();
+    const double left = std::max(lost_, shareLeft(selection_, *found_.left) * found_.heldout.back().mse());
     if (before - after >= kClearly * left || gainOf(cause).lower95 * before >= left) return {};
     return fmt::format("it explains {:.0f} %, and what is left without a name {:.0f} %: it may only stand in for that",
                        100.0 * (before - after) / before, 100.0 * left / before);
@@ -256,7 +284,8 @@ class Judge {
   const LogDiagnosisOptions& options_;
   Selection& selection_;
   Findings found_;
-  std::vector<Fitted> without_;              ///< shape (causes): the model without each of them
+  double lost_ = 0.0;            ///< mean squared error that a group too large to name explained, the largest
+  std::vector<Fitted> without_;  ///< shape (causes): the model without each of them
   std::vector<GroupErrors> errors_without_;  ///< theirs, on the held-out blocks
 };
 

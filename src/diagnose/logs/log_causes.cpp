@@ -25,6 +25,23 @@ bool isScanned(const ActuatorEffect& effect, std::string_view parameter) {
   return found != effect.parameters.end() && found->kind == EffectParameter::Kind::kScanned;
 }
 
+/// A delay has not the residuals' uncertainty alone. Where between two rows a reversal lies, and for how long a held
+/// command or a counted position stood, no row says: a reading of that resolution is uncertain by step / sqrt(12)
+/// (JCGM 100:2008, F.2.2.1), however many rows repeat it, as all of them err to the same side.
+void addResolution(const Fitted& fitted, double step, Eigen::MatrixXd& covariance) {
+  const ActuatorRegression& model = *fitted.model;
+  for (std::size_t e = 0; e < model.effects().size(); ++e) {
+    std::vector<double> at_once = fitted.theta;
+    const std::size_t first = model.firstParameter(e);
+    for (std::size_t k = 0; k < model.effects()[e]->parameters.size(); ++k) {
+      at_once[first + k] = model.effects()[e]->parameters[k].neutral;
+    }
+    if (model.delay(at_once) == model.delay(fitted.theta)) continue;
+    const auto i = static_cast<Eigen::Index>(first);
+    covariance(i, i) += step * step / 12.0;
+  }
+}
+
 }  // namespace
 
 LogFit describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted) {
@@ -33,7 +50,8 @@ LogFit describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted)
 
 std::pair<LogFit, Eigen::MatrixXd> describeFully(const LogSearch& search, const PreparedLog& log, Fitted& fitted) {
   LogFit fit;
-  const Eigen::MatrixXd covariance = search.refit(fitted, log.blocks);
+  Eigen::MatrixXd covariance = search.refit(fitted, log.blocks);
+  addResolution(fitted, search.step(), covariance);
   fit.effects = fitted.model->effects();
   fit.theta = fitted.theta;
   fit.parameters = fitted.model->physical(fitted.theta, covariance);

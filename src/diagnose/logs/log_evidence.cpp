@@ -29,15 +29,17 @@ std::vector<std::size_t> keptRows(const PreparedLog& log) {
   return rows;
 }
 
-/// Rows where a drive turns, and as far from them as a smoother blurs the jump of its acceleration there, are no
-/// evidence of structure: what a model lacks in them is as likely the smoother's.
+/// Rows where a drive turns, stops or starts, and as far from them as a smoother blurs the jump of its acceleration
+/// there, are no evidence of structure: what a model lacks in them is as likely the smoother's. Where it stops and
+/// starts, rows that count (of motion) border on rows that do not.
 void leaveOutTurns(const PreparedLog& log, std::vector<std::size_t>& kept) {
   if (log.blurred_seconds <= 0.0) return;
   const ActuatorRows& rows = log.data.rows;
   std::vector<bool> blurred(log.data.keep.size(), false);
   const auto reach = static_cast<Index>(std::ceil(log.blurred_seconds / rows.step));
   for (Index i = 1; i < rows.rows(); ++i) {
-    if (rows.direction[i] == rows.direction[i - 1]) continue;
+    const auto at = static_cast<std::size_t>(i);
+    if (rows.direction[i] == rows.direction[i - 1] && log.data.keep[at] == log.data.keep[at - 1]) continue;
     for (Index k = std::max<Index>(0, i - reach); k < std::min(rows.rows(), i + reach); ++k) {
       blurred[static_cast<std::size_t>(k)] = true;
     }

@@ -11,6 +11,12 @@ namespace {
 /// Two causes whose validation errors differ by less than that share of the gain cannot be told apart.
 constexpr double kTie = 0.03;
 
+/// How many numbers a cause fits.
+std::size_t sizesOf(const ActuatorEffect& effect) {
+  const auto fitted = [](const EffectParameter& p) { return p.kind != EffectParameter::Kind::kConstant; };
+  return effect.columns.size() + static_cast<std::size_t>(std::ranges::count_if(effect.parameters, fitted));
+}
+
 /// Models with the first cause, the first two … of `selection.chosen`.
 void rebuildSteps(const LogSearch& search, std::size_t own, Selection& selection) {
   selection.steps = {selection.baseline};
@@ -193,8 +199,11 @@ void Selector::review() {
     const ActuatorEffect* present = selection_.chosen.model->effects()[own_ + k];
     const auto current = std::ranges::find_if(trials, [&](const Trial& t) { return t.hypothesis.effect == present; });
     const auto at = static_cast<std::size_t>(current - trials.begin());
-    const bool swap = *winner != at && (!current->gain || pairedP(current->fitted.validation,
-                                                                  trials[*winner].fitted.validation) < options_.level);
+    // What says more by fewer numbers stands for its group: of those that data cannot tell apart, the simplest.
+    const bool simpler = sizesOf(*trials[*winner].hypothesis.effect) < sizesOf(*present);
+    const bool swap =
+        *winner != at && (!current->gain || simpler ||
+                          pairedP(current->fitted.validation, trials[*winner].fitted.validation) < options_.level);
     const std::size_t chosen = swap ? *winner : at;
     selection_.ambiguous_with[k] = rivals(trials, chosen);
     selection_.instead[k] = runnersUp(trials, chosen);

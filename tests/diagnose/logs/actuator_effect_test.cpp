@@ -189,6 +189,26 @@ TEST(PositionRipple, CountsFromOnePeriodInTheRangeOn) {
   EXPECT_TRUE(ripple.counts({&real, 1}, log.data.rows));
 }
 
+TEST(SpeedLimit, IsACeilingOnlyWhereTheEffortStandsAtOne) {
+  PreparedLog log = smallLog(ActuatorKind::kFriction);
+  ActuatorRows& rows = log.data.rows;
+  const ActuatorEffect& ceiling = actuator_effects::find("speed-limit", "ceiling");
+  const Eigen::ArrayXd phase = Eigen::ArrayXd::LinSpaced(rows.rows(), 0.0, 60.0);
+  rows.speed = rows.top_speed * phase.sin();
+  rows.direction = (rows.speed > 0.0).select(Eigen::ArrayXd::Ones(rows.rows()), -Eigen::ArrayXd::Ones(rows.rows()));
+  const double limit = 0.7 * rows.top_speed;
+  rows.effort = 0.5 * rows.direction + 10.0 * rows.speed / rows.top_speed;
+  EXPECT_FALSE(ceiling.counts({&limit, 1}, rows));  // it goes on growing
+  rows.effort = rows.effort.min(7.5).max(-7.5);
+  EXPECT_TRUE(ceiling.counts({&limit, 1}, rows));
+  const Eigen::ArrayXd clipped = rows.effort;
+  rows.effort = 40.0 + 0.1 * clipped;
+  EXPECT_FALSE(ceiling.counts({&limit, 1}, rows));  // a constant force stands there always, at any speed
+  rows.effort = clipped;
+  const double nowhere = 2.0 * rows.speed.abs().maxCoeff();
+  EXPECT_FALSE(ceiling.counts({&nowhere, 1}, rows));
+}
+
 std::vector<const ActuatorEffect*> everyForm() {
   std::vector<const ActuatorEffect*> list;
   for (const ActuatorEffect* effect : actuator_effects::all()) {

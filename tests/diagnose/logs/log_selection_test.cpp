@@ -4,6 +4,8 @@
 
 #include "diagnose/logs/held_out.h"
 #include "prepared_logs.h"
+#include "reality/spring_rig.h"
+#include "simgap/fit/actuators/actuator_model.h"
 
 namespace simgap::test {
 namespace {
@@ -62,6 +64,27 @@ TEST(LogSelection, ReviewPutsABetterRivalInACausesPlace) {
   EXPECT_EQ(selection.chosen.model->effects()[0]->name, "current-bias");
   ASSERT_EQ(selection.steps.size(), 2u);
   EXPECT_LT(selection.steps[1].mse, 0.5 * selection.baseline.mse);
+}
+
+TEST(LogSelection, ReviewPutsTheSimplestOfThoseThatDataCannotTellApartFirst) {
+  reality::SpringTruth truth;
+  truth.curve = {{-1.0, -210.0}, {0.0, 0.0}, {1.0, 150.0}};
+  const PreparedLog log = prepareLog(CsvTable::parse(reality::recordSpring(truth, {.seed = 4}).csv(), "log.csv"), {},
+                                     ActuatorKind::kSpring);
+  const std::vector<Hypothesis> sides = {{&actuator_effects::find("spring-hardening"), {}, {}},
+                                         {&actuator_effects::find("spring-direction"), {}, {}}};
+  LogDiagnosisOptions options;
+  options.level = 1e-30;  // nothing is told apart by errors at this level
+  const LogSearch search(subjectOf("spring").base, log.data, splitLog(log, options).training, options);
+  Selection selection;
+  selection.baseline = search.fit({}, nullptr);
+  search.validate(selection.baseline);
+  selection.chosen = search.tryAll(selection.baseline, sides)[0].fitted;
+  selection.p_adjusted = {0.01};
+  selection.ambiguous_with.resize(1);
+  selection.instead.resize(1);
+  reviewCauses(search, 0, sides, options, selection);
+  EXPECT_EQ(selection.chosen.model->effects()[0]->name, "spring-direction");
 }
 
 TEST(LogSelection, DetectionFactorHasAFloor) {

@@ -39,6 +39,22 @@ TEST_F(Turns, AreNoStructureWithinASmoothersReach) {
   EXPECT_LT(share(at_turns_, 4.0), 0.05);
 }
 
+TEST_F(Turns, AreStopsAndStartsToo) {
+  const Eigen::ArrayXd& direction = log_.data.rows.direction;
+  const double top = log_.data.rows.acceleration.abs().maxCoeff();
+  Eigen::VectorXd at_stops = noise_;
+  for (Eigen::Index i = 100; i + 13 < at_stops.size(); i += 60) {  // stands for ten rows, then goes on
+    if ((direction.segment(i - 10, 24) != direction[i]).any()) continue;
+    for (Eigen::Index k = i; k < i + 10; ++k) log_.data.keep[static_cast<std::size_t>(k)] = false;
+    for (Eigen::Index k = i - 3; k < i + 13; ++k) {  // the smoother's answer to both jumps
+      log_.data.rows.acceleration[k] = 10.0 * top * direction[k];
+      at_stops[k] += 4.0 * direction[k];
+    }
+  }
+  EXPECT_GT(share(at_stops, 0.0), 0.05);
+  EXPECT_LT(share(at_stops, 4.0), 0.05);
+}
+
 TEST_F(Turns, LeaveWhatIsElsewhere) {
   const Eigen::VectorXd structure = noise_ + 0.2 * log_.data.rows.speed.matrix();
   const double whole = share(structure, 0.0);
