@@ -49,7 +49,7 @@ std::optional<JointSample> jointAngles(const Rig& rig, std::span<const TargetFra
     const Eigen::Matrix3d covariance = parent.pose.rotation.transpose() * in_camera * parent.pose.rotation;
     double off_axis = 0.0;
     double variance = covariance.trace();
-    if (joint.type == JointType::kPrismatic) {
+    if (kindOf(joint.type).slides) {
       off_axis = 2.0 * std::atan2(position.rotation.vec().norm(), position.rotation.w());
       position = wayOf(joint, parent, child, variance);
     } else if (kindOf(joint.type).has_axis) {

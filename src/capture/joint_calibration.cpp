@@ -54,9 +54,9 @@ void expectRange(const FunctionalJoint& joint, const JointCalibrationOptions& op
   if (kind.counted * joint.range < options.min_range) {
     throw DataError(fmt::format("joint {}: the motion spans only {:.1f} {} {}, expected at least {:.1f} {}", joint.name,
                                 kind.shown(joint.range), kind.error_unit,
-                                joint.type == JointType::kPrismatic ? "along its axis"
-                                : kind.has_axis                     ? "about its axis"
-                                                                    : "about its second axis",
+                                kindOf(joint.type).slides ? "along its axis"
+                                : kind.has_axis           ? "about its axis"
+                                                          : "about its second axis",
                                 kind.shown(options.min_range / kind.counted), kind.error_unit));
   }
   if (!(joint.centre_sd <= options.max_centre_sd)) {
@@ -154,7 +154,7 @@ FunctionalJoint calibrateJoint(const CaptureJoint& joint, const std::vector<Moti
     throw DataError(fmt::format("joint {}: both targets were seen in {} frames, expected at least {}", joint.name,
                                 poses.size(), kFewestFrames));
   }
-  if (joint.type == JointType::kPrismatic) {
+  if (kindOf(joint.type).slides) {
     calibrateSlide(joint, poses, options, result);
     return result;
   }

@@ -81,7 +81,7 @@ CaptureJoint readJoint(const YamlNode& node, const TargetSet& targets) {
   if (kindOf(joint.type).has_axis) {
     joint.axis = directionOf(node.at("axis"));
   }
-  if (joint.type == JointType::kPrismatic) joint.zero = node.findQuantity("zero", "m").value_or(0.0);
+  if (kindOf(joint.type).slides) joint.zero = node.findQuantity("zero", "m").value_or(0.0);
   if (const auto along = node.find("along")) joint.along = directionOf(*along);
   return joint;
 }
@@ -192,7 +192,7 @@ std::string writeRig(const Rig& rig, const TargetSet& targets) {
                         name(joint.parent), name(joint.child));
     if (kind.has_axis) text += ", axis: " + numbers(joint.axis);
     if (joint.along) text += ", along: " + numbers(*joint.along);
-    if (joint.type == JointType::kPrismatic) text += fmt::format(", zero_m: {}", joint.zero);
+    if (kindOf(joint.type).slides) text += fmt::format(", zero_m: {}", joint.zero);
     text += "}\n";
   }
   return text;

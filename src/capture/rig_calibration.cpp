@@ -86,7 +86,7 @@ class RigFrames {
     }
   }
 
-  bool slides(std::size_t j) const { return rig_.joints[j].type == JointType::kPrismatic; }
+  bool slides(std::size_t j) const { return kindOf(rig_.joints[j].type).slides; }
 
   void zeroSlides() {
     for (std::size_t j = 0; j < rig_.joints.size(); ++j) {

@@ -54,8 +54,7 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
     Json spread = Json::object(), slide_spread = Json::object();
     for (std::size_t j = 0; j < result.rig.joints.size(); ++j) {
       const CaptureJoint& joint = result.rig.joints[j];
-      (joint.type == JointType::kPrismatic ? slide_spread : spread)[joint.name] =
-          kindOf(joint.type).shown(pose.spread[j]);
+      (kindOf(joint.type).slides ? slide_spread : spread)[joint.name] = kindOf(joint.type).shown(pose.spread[j]);
     }
     poses.push_back({{"pose", fmt::format("p{:03}", p)},
                      {"start_s", pose.start},
