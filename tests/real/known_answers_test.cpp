@@ -100,13 +100,12 @@ TEST_F(RealLogs, LockedSpringsHaveNoCauseOfMotion) {
 /// Six ramps of growing amplitude on one spring, each a session.
 TEST_F(RealLogs, TheSpringSoftensWithHysteresis) {
   SKIP_WITHOUT_LOGS();
-  LogTable pooled, largest;
+  LogTable pooled;
   for (int ramp = 1; ramp <= 6; ++ramp) {
     LogTable one = LogTable::load(*realFolder() / fmt::format("sea_rmd_x8_spring/spring5_ramp{}.csv.gz", ramp), 1);
     one.header.emplace_back("session");
     one.columns.emplace_back(one.columns[0].size(), ramp);
     pooled.append(one);
-    largest = std::move(one);
   }
   pooled.save(folder_.path() / "ramps.csv");
   const RealLog log{"spring5",
@@ -120,16 +119,8 @@ TEST_F(RealLogs, TheSpringSoftensWithHysteresis) {
   const RealAnswer answer = diagnoseReal(log, "ramps.csv", folder_.path(), SIMGAP_BINARY);
   fmt::print("{:<24} {}\n", log.name, answer.text());
   EXPECT_TRUE(answer.names("spring-hysteresis")) << answer.text();
-  // Its sides differ, as the largest ramp shows without any model: 1,370 N m/rad to one end, 1,900 to the other.
-  const auto stiffnessTo = [&](auto end) {
-    std::vector<double>&torque = largest.column("measured_torque_Nm"), &angle = largest.column("spring_deflection_rad");
-    const auto at = static_cast<std::size_t>(end(torque) - torque.begin());
-    return torque[at] / angle[at];
-  };
-  EXPECT_GT(stiffnessTo(std::ranges::min_element), 1.3 * stiffnessTo(std::ranges::max_element));
   for (const auto& group : answer.named) {
-    EXPECT_TRUE(group[0] == "spring-hysteresis" || group[0] == "spring-softening" || group[0] == "spring-direction")
-        << answer.text();
+    EXPECT_TRUE(group[0] == "spring-hysteresis" || group[0] == "spring-softening") << answer.text();
   }
 }
 
