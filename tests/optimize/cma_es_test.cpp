@@ -5,7 +5,7 @@
 namespace simgap {
 namespace {
 
-double ellipsoid(const std::vector<double>& x) {
+double shiftedEllipsoid(const std::vector<double>& x) {
   double sum = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) sum += static_cast<double>(1 + 10 * i) * (x[i] - 2.0) * (x[i] - 2.0);
   return sum;
@@ -14,9 +14,9 @@ double ellipsoid(const std::vector<double>& x) {
 TEST(CmaEs, FindsTheMinimumOfAnEllipsoid) {
   double best = 0.0;
   int generations = 0;
-  minimiseByCmaEs(ellipsoid, 10, {24, 300, 1.0, 1}, [&](const CmaEsGeneration& generation) {
+  minimiseByCmaEs(shiftedEllipsoid, 10, {24, 300, 1.0, 1}, [&](const CmaEsGeneration& generation) {
     best = generation.best_objective;
-    EXPECT_EQ(generation.best_objective, ellipsoid(generation.best));
+    EXPECT_EQ(generation.best_objective, shiftedEllipsoid(generation.best));
     EXPECT_EQ(generation.objectives.size(), 24u);
     ++generations;
     return best < 1e-12;
@@ -28,7 +28,7 @@ TEST(CmaEs, FindsTheMinimumOfAnEllipsoid) {
 TEST(CmaEs, RepeatsItselfWithTheSameSeedOnly) {
   const auto run = [](std::uint64_t seed) {
     double best = 0.0;
-    minimiseByCmaEs(ellipsoid, 5, {12, 10, 1.0, seed}, [&](const CmaEsGeneration& generation) {
+    minimiseByCmaEs(shiftedEllipsoid, 5, {12, 10, 1.0, seed}, [&](const CmaEsGeneration& generation) {
       best = generation.best_objective;
       return false;
     });
