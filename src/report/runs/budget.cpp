@@ -83,7 +83,7 @@ Finding checkParameter(const BudgetLimit& limit, const Json& result) {
   std::string outside;
   std::size_t met = 0, outsiders = 0;
   for (const Json& p : result.value("parameters", Json::array())) {
-    const std::string name = p.value("name", "");
+    const std::string name = cellText(p.value("name", Json("")));
     if (!matchesGlob(limit.subject, name)) continue;
     ++met;
     const double value = numberOf(p.value("value", Json(nullptr))), sd = numberOf(p.value("sd", Json(nullptr)));
@@ -111,7 +111,7 @@ Finding checkCause(const BudgetLimit& limit, const Json& result) {
   if (!result.contains("causes")) return {false, "no causes: the run is no diagnosis"};
   Finding finding{true, ""};
   for (const Json& cause : result.at("causes")) {
-    const std::string name = cause.value("effect", "");
+    const std::string name = cellText(cause.value("effect", Json("")));
     if (!matchesGlob(limit.subject, name)) continue;
     const double gain = numberOf(cause.value("gain_heldout_percent", Json(nullptr)));
     finding.found += fmt::format("{}{}, {:.3g} %", finding.found.empty() ? "" : "; ", name, gain);
