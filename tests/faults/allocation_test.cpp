@@ -48,6 +48,26 @@ void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); 
 namespace simgap::test {
 namespace {
 
+struct Attempt {
+  bool reached;  ///< the reader came to that allocation
+  bool failed;   ///< and said so
+};
+/// Reads while that allocation fails.
+Attempt readWithout(const Reader& reader, std::string bytes, long at) {
+  bool failed = false;
+  allocations_left = at;
+  try {
+    reader.read(std::move(bytes));
+  } catch (const std::bad_alloc&) {
+    failed = true;
+  } catch (const Error&) {
+    failed = true;
+  }
+  const bool reached = allocations_left < 0;
+  allocations_left = -1;
+  return {reached, failed};
+}
+
 class Allocation : public testing::TestWithParam<Reader> {};
 
 TEST_P(Allocation, FailsOnceInTurn) {
@@ -57,18 +77,7 @@ TEST_P(Allocation, FailsOnceInTurn) {
   constexpr long kMost = 2'000'000;
   long refused = 0;
   for (long at = 0; at < kMost; at += 1 + at / 100) {  // all of the first hundred, then one in a hundred
-    std::string bytes = seed;
-    bool failed = false;
-    allocations_left = at;
-    try {
-      GetParam().read(std::move(bytes));
-    } catch (const std::bad_alloc&) {
-      failed = true;
-    } catch (const Error&) {
-      failed = true;
-    }
-    const bool reached = allocations_left < 0;
-    allocations_left = -1;
+    const auto [reached, failed] = readWithout(GetParam(), seed, at);
     if (!reached) {
       EXPECT_FALSE(failed);
       EXPECT_GT(refused, 0);
@@ -110,18 +119,7 @@ void readWithFailures(const Reader& reader, const std::string& seed, Tally& tall
   installNoMemoryHandler();
   reader.read(seed);
   for (;; tally.at = tally.at + 1 + tally.at / 100) {
-    std::string bytes = seed;
-    bool failed = false;
-    allocations_left = tally.at;
-    try {
-      reader.read(std::move(bytes));
-    } catch (const std::bad_alloc&) {
-      failed = true;
-    } catch (const Error&) {
-      failed = true;
-    }
-    const bool reached = allocations_left < 0;
-    allocations_left = -1;
+    const auto [reached, failed] = readWithout(reader, seed, tally.at);
     if (!reached) ::_exit(failed ? kOtherException : 0);
     if (!failed) ::_exit(kUnnoticed);
     ++tally.refused;

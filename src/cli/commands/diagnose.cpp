@@ -85,11 +85,13 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
     progress->update(static_cast<std::size_t>(100.0 * done), what);
   });
   const Input& file = session.input("log");
+  const bool joined = options.logs.size() > 1, kept = result.candidates.size() > 1;
+  const std::string csv = joined || kept ? logCsv(table) : "";
   LogSource source{file.file.filename().string(), file.sha256, result.diagnosis.samples};
-  if (options.logs.size() > 1) source = {table.name(), sha256(logCsv(table)), source.rows};
+  if (joined) source = {table.name(), sha256(csv), source.rows};
   writeLogDiagnosis(result, given, subject, log, source, session.directory());
-  if (result.candidates.size() > 1) {
-    writeLogCandidates(result, given, subject, log, source, logCsv(table),
+  if (kept) {
+    writeLogCandidates(result, given, subject, log, source, csv,
                        options.bench.empty() ? "" : session.input("bench").content, options.ratio, session.directory());
   }
   progress.reset();  // the result stands below its line

@@ -50,7 +50,8 @@ struct Answers {
 };
 
 Answers askAll(const LogEvidence& evidence, const LogChanges& change, const CsvTable* recorded) {
-  for (const LogChange& part : change.changes) requireHeld(heldBy(evidence), part.cause);
+  const HeldCauses held = heldBy(evidence);
+  for (const LogChange& part : change.changes) requireHeld(held, part.cause);
   const auto rowsOf = [&](const LogChanges& what) {
     return recorded != nullptr ? changedLog(evidence, what, *recorded, true)
                                : changedLog(evidence, what, profileOf(evidence, what), false);

@@ -84,7 +84,8 @@ double rootMeanSquare(const std::vector<double>& errors, const std::vector<bool>
 }
 
 std::vector<Predicted> predictAll(const PoseEvidence& evidence, const ArmChanges& change, std::span<const Pose> poses) {
-  for (const ArmChange& part : change.changes) requireHeld(heldBy(evidence), part.cause);
+  const HeldCauses held = heldBy(evidence);
+  for (const ArmChange& part : change.changes) requireHeld(held, part.cause);
   std::vector<Predicted> predictions(evidence.candidates.size());
   forEach(problemOf(evidence, evidence.candidates.front()), predictions.size(), [&](std::size_t c) {
     predictions[c] = PosePrediction(evidence, evidence.candidates[c]).after(change, poses);

@@ -8,22 +8,19 @@
 #include <utility>
 
 #include "simgap/core/error.h"
+#include "whole_columns.h"
 
 namespace simgap {
 namespace {
 
 constexpr std::string_view kSession = "session";
 
-bool wholeIn(const LogTable& log, const std::string& column) {
-  return log.table.has(column) && (!log.table.isNumeric(column) || log.table.badRows(column).empty());
-}
-
 /// The columns that every log has, without gaps where they are numbers; `session` is written anew.
 std::vector<std::string> sharedColumns(std::span<const LogTable> logs) {
   std::vector<std::string> shared;
   for (const std::string& column : logs[0].table.columns()) {
     if (column == kSession) continue;
-    const auto lacking = std::ranges::find_if(logs, [&](const LogTable& log) { return !wholeIn(log, column); });
+    const auto lacking = std::ranges::find_if(logs, [&](const LogTable& log) { return !isWhole(log.table, column); });
     if (lacking == logs.end()) {
       shared.push_back(column);
     } else if (isLogChannel(column)) {
@@ -43,25 +40,11 @@ std::vector<std::string> sessionsOf(const CsvTable& table, std::size_t number) {
   return sessions;
 }
 
-void appendRows(const CsvTable& table, std::size_t number, std::span<const std::string> columns, CsvWriter& csv) {
-  std::vector<std::vector<double>> numbers(columns.size());
-  std::vector<std::vector<std::string>> texts(columns.size());
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    if (table.isNumeric(columns[k])) {
-      numbers[k] = table.quantity(columns[k], "");
-    } else {
-      texts[k] = table.text(columns[k]);
-    }
-  }
+void appendRows(const CsvTable& table, std::size_t number, const std::vector<std::string>& names, CsvWriter& csv) {
+  const WholeColumns columns(table, names);
   const std::vector<std::string> sessions = sessionsOf(table, number);
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      if (texts[k].empty()) {
-        csv.add(numbers[k][row]);
-      } else {
-        csv.add(texts[k][row]);
-      }
-    }
+    columns.addTo(csv, row);
     csv.add(sessions[row]).endRow();
   }
 }

@@ -9,6 +9,7 @@
 #include "simgap/core/blocks.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/actuator_log.h"
+#include "whole_columns.h"
 
 namespace simgap {
 namespace {
@@ -155,25 +156,12 @@ LogTable readLogTable(CsvTable table, const std::vector<std::string>& sessions) 
 }
 
 std::string logCsv(const CsvTable& table) {
-  std::vector<std::string> header;
-  std::vector<std::vector<double>> numbers;
-  std::vector<std::vector<std::string>> texts;  // shape (columns): empty where there are numbers
-  for (const std::string& column : table.columns()) {
-    const bool numeric = table.isNumeric(column);
-    if (numeric && !table.badRows(column).empty()) continue;
-    header.push_back(column);
-    numbers.push_back(numeric ? table.quantity(column, "") : std::vector<double>());
-    texts.push_back(numeric ? std::vector<std::string>() : table.text(column));
-  }
-  CsvWriter csv(header);
+  std::vector<std::string> names = table.columns();
+  std::erase_if(names, [&](const std::string& name) { return !isWhole(table, name); });
+  const WholeColumns columns(table, names);
+  CsvWriter csv(names);
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    for (std::size_t k = 0; k < header.size(); ++k) {
-      if (texts[k].empty()) {
-        csv.add(numbers[k][row]);
-      } else {
-        csv.add(texts[k][row]);
-      }
-    }
+    columns.addTo(csv, row);
     csv.endRow();
   }
   return csv.text();

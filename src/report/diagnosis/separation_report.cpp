@@ -12,6 +12,9 @@
 namespace simgap {
 namespace {
 
+/// Even ones at least: nothing that is recorded is expected to speak for the wrong model.
+double promisedOdds(double log_odds) { return oddsOf(std::max(log_odds, 0.0)); }
+
 /// The model that a protocol tells from the named one worst.
 std::string nearestOf(const ForeseenLogChange& foreseen, const LogEvidence& evidence) {
   for (std::size_t c = 1; c < evidence.candidates.size(); ++c) {
@@ -44,10 +47,10 @@ Json toJson(const PoseSeparation& result, const PoseEvidence& evidence) {
   }
   return {
       {"format", "simgap/separate/1"},
-      {"sentence",
-       fmt::format("These {} poses are expected to tell {} from every model that contradicts it by odds "
-                   "of {:.3g} to 1 at least, whichever is right; as many random ones by {:.3g} to 1",
-                   result.poses.size(), named, oddsOf(result.smallest.back()), oddsOf(result.smallest_random.back()))},
+      {"sentence", fmt::format("These {} poses are expected to tell {} from every model that contradicts it by odds "
+                               "of {:.3g} to 1 at least, whichever is right; as many random ones by {:.3g} to 1",
+                               result.poses.size(), named, promisedOdds(result.smallest.back()),
+                               promisedOdds(result.smallest_random.back()))},
       {"named", named},
       {"recorded", evidence.poses.size()},
       {"smallest", result.smallest},
@@ -93,7 +96,7 @@ Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& eviden
       {"sentence",
        fmt::format("The motion {:g} times as fast under {:g} times the load is expected to tell {} from every model "
                    "that contradicts it by odds of {:.3g} to 1 at least, whichever is right",
-                   best.speed, best.load, named, oddsOf(best.foreseen.smallest))},
+                   best.speed, best.load, named, promisedOdds(best.foreseen.smallest))},
       {"named", named},
       {"unit", best.foreseen.unit},
       {"best", {{"speed", best.speed}, {"load", best.load}}},
