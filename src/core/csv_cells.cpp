@@ -22,6 +22,8 @@ namespace {
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::string_view kGzipMagic = "\x1F\x8B";
 constexpr int kGzipOnly = 15 + 16;  // window bits, see zlib.h
+// What is denser is no table, whose times alone take a few bytes a row: it is refused before it takes the memory.
+constexpr std::size_t kDensest = 200, kHarmless = std::size_t{64} << 20U;
 constexpr unsigned kReadSize = 1U << 20;
 
 /// What the header has most of outside quotes; a comma where it has one column only.
@@ -85,6 +87,12 @@ std::string unpackCsv(std::string packed, const std::string& file, std::size_t l
     text.append(piece, 0, kReadSize - stream.avail_out);
     if (text.size() > largest) {
       throw DataError(fmt::format("{}: found more than {} MiB of unpacked text, expected less", file, largest >> 20U));
+    }
+    if (text.size() > std::max(kHarmless, kDensest * (bytes.size() - stream.avail_in))) {
+      throw DataError(
+          fmt::format("{}: found gzip data that unpack to more than {} times their size, expected a table "
+                      "(rows of one take a few bytes each)",
+                      file, kDensest));
     }
     // Packed files may stand one behind the other.
     const std::string_view rest = bytes.substr(bytes.size() - stream.avail_in);

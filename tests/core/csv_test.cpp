@@ -339,6 +339,14 @@ TEST(CsvLoad, UnpacksNoMoreThanItMay) {
   EXPECT_EQ(unpackCsv(packed, "good.csv.gz", 6 << 20).size(), (5u << 20) + 3);
 }
 
+// A bomb below the limit of 4 GiB took all of it before it was refused.
+TEST(CsvLoad, NoTableIsAsDenseAsThis) {
+  const std::string packed = test::gzipped("a\n" + std::string(80 << 20, '0') + "\n");
+  EXPECT_EQ(csvSentence([&] { unpackCsv(packed, "bomb.csv.gz", std::size_t{4} << 30U); }),
+            "bomb.csv.gz: found gzip data that unpack to more than 200 times their size, expected a table (rows of one "
+            "take a few bytes each)");
+}
+
 // The check of the header was quadratic: 50,000 columns took 19 s, these would outlast ctest's limit.
 TEST(CsvParse, ReadsManyColumns) {
   std::string text;
