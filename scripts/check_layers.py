@@ -9,7 +9,7 @@ import pathlib
 import re
 import sys
 
-ROOMS = ["core", "optimize", "capture", "measure", "model", "exchange", "simulate", "fit", "diagnose", "report", "cli"]
+ROOMS = ["core", "optimize", "capture", "decode", "measure", "model", "exchange", "simulate", "fit", "diagnose", "report", "cli"]
 # Families inside a room that know nothing of each other.
 APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("diagnose/poses", "diagnose/logs"),
         ("model/arm", "model/friction"), ("exchange", "model/friction"), ("exchange", "model/actuator"),
@@ -17,6 +17,8 @@ APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("dia
         ("report/diagnosis", "report/actuators")]
 # Images become joint angles without a model, and nothing that models or fits sees an image.
 APART += [("capture", room) for room in ("optimize", "measure", "model", "exchange", "simulate", "fit", "diagnose")]
+# What a head says is decoded without a robot.
+APART += [("decode", room) for room in ("capture", "measure", "model", "exchange", "simulate", "fit", "diagnose")]
 # What a room's families share never includes one of them.
 SHARED = {"diagnose": ["poses", "logs"], "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?:simgap/)?([\w/]+)/\w+\.h[">]')

@@ -19,34 +19,36 @@ const std::set<std::string> kImageEndings = {".png", ".jpg", ".jpeg", ".pgm", ".
 
 class FolderSource : public ImageSource {
  public:
-  explicit FolderSource(const fs::path& folder) {
+  explicit FolderSource(const fs::path& folder) : folder_(folder.string()) {
     for (const auto& entry : fs::directory_iterator(folder)) {
       std::string ending = entry.path().extension().string();
       std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-      if (entry.is_regular_file() && kImageEndings.contains(ending)) files_.push_back(entry.path());
+      if (entry.is_regular_file() && kImageEndings.contains(ending)) names_.push_back(entry.path().filename().string());
     }
-    if (files_.empty()) {
+    names_.shrink_to_fit();
+    if (names_.empty()) {
       throw DataError(fmt::format("{}: found no image, expected files that end in {}", folder.string(),
                                   fmt::join(kImageEndings, ", ")));
     }
     // As people count: 9.png before 10.png.
-    std::sort(files_.begin(), files_.end(),
-              [](const fs::path& a, const fs::path& b) { return strverscmp(a.c_str(), b.c_str()) < 0; });
+    std::ranges::sort(names_, [](const auto& a, const auto& b) { return strverscmp(a.c_str(), b.c_str()) < 0; });
   }
 
-  std::optional<std::size_t> size() const override { return files_.size(); }
-  std::string name() const override { return files_[next_ - 1].string(); }
+  std::optional<std::size_t> size() const override { return names_.size(); }
+  std::string name() const override { return (fs::path(folder_) / names_[next_ - 1]).string(); }
 
   bool next(cv::Mat& image) override {
-    if (next_ == files_.size()) return false;
-    if (!imageModule().read(files_[next_++].c_str(), image)) {
+    if (next_ == names_.size()) return false;
+    ++next_;
+    if (!imageModule().read(name().c_str(), image)) {
       throw DataError(fmt::format("{}: cannot be read as an image", name()));
     }
     return true;
   }
 
  private:
-  std::vector<fs::path> files_;
+  std::string folder_;
+  std::vector<std::string> names_;  // a path holds each of its parts again, half a kilobyte a file
   std::size_t next_ = 0;
 };
 

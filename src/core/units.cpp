@@ -62,6 +62,8 @@ constexpr Unit kUnits[] = {
     {"A", Dimension::kCurrent, 1.0},
     {"mA", Dimension::kCurrent, 1e-3},
     {"V", Dimension::kVoltage, 1.0},
+    {"mV", Dimension::kVoltage, 1e-3},
+    {"uV", Dimension::kVoltage, 1e-6},
     {"N", Dimension::kForce, 1.0},
     {"Nm", Dimension::kTorque, 1.0},
     {"mNm", Dimension::kTorque, 1e-3},

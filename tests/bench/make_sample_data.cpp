@@ -1,6 +1,6 @@
 // Writes the sample data of data/ that need no robot, from the simulators of tests/reality:
-//   make_sample_data DIRECTORY      logs/*.csv, boards/{left,right,bar-left,bar-right}/*.pgm
-// data/logs holds the logs packed (gzip -9n), data/boards the pictures as PNG.
+//   make_sample_data DIRECTORY      logs/*.csv, eeg/*.csv, boards/{left,right,bar-left,bar-right}/*.pgm
+// data/logs and data/eeg hold them packed (gzip -9n), data/boards the pictures as PNG.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +9,7 @@
 #include <string>
 
 #include "reality/board_scene.h"
+#include "reality/eeg.h"
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
 
@@ -40,6 +41,14 @@ void writeLogs(const std::filesystem::path& folder) {
   muscle.tendon = 20000.0;
   std::ofstream(folder / "muscle.csv")
       << recordPam(muscle, {.sessions = 4, .rows = 600, .rate = 20.0, .seed = 14}).csv();
+}
+
+void writeEeg(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  EegDesign design{.channels = 8, .rate = 96.0, .trials = 24, .trial_s = 3.0, .seed = 1};
+  std::ofstream(folder / "imagery.csv") << recordEeg(design).csv();
+  design.trials = 12, design.seed = 2;
+  std::ofstream(folder / "imagery-later.csv") << recordEeg(design).csv();
 }
 
 /// A board turned about the cameras' common view: place [m], turn [rad].
@@ -107,6 +116,7 @@ int main(int argc, char** argv) {
   }
   const std::filesystem::path directory = argv[1];
   writeLogs(directory / "logs");
+  writeEeg(directory / "eeg");
   writeBoards(directory / "boards");
   return 0;
 }

@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::size_t kMostFrames = 100;  // of the three-dimensional view
 
-constexpr std::size_t kMostPairs = 20'000;  // of the charts: a page of a longer recording takes no more memory
+// Of the charts, whose lines hold 2,000 points: the page of a longer recording takes no more memory.
+constexpr std::size_t kMostPairs = 5'000;
 
 /// Of how many pairs the charts show one.
 std::size_t strideOf(const Json& result) { return 1 + result.at("pairs").get<std::size_t>() / kMostPairs; }
