@@ -11,8 +11,8 @@ namespace simgap {
 /// Faults that the channels show by themselves and against each other.
 std::vector<DataFault> findFaults(PreparedLog& log);
 
-/// Single rows far off the model, away from reversals: they are taken out of `log` (and said so) when they are few.
-/// \param residual  shape (rows) of a fitted model, 0 where a row does not count.
+/// Rows far off the model that stand alone or a few together, away from reversals: they are taken out of `log` (and
+/// said so) when they are few. \param residual  shape (rows) of a fitted model, 0 where a row does not count.
 std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual);
 
 /// Rows within the dead band whose effort lies clearly between what both directions of motion would need, or is what

@@ -76,6 +76,27 @@ TEST(LogFaults, LeavesAMisfitWithNeighboursAlone) {
   EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
 }
 
+TEST(LogFaults, TakesOutAFewThatStandTogether) {
+  Misfit misfit;
+  misfit.residual.segment(500, 4) << 5.0, -4.0, 6.0, 5.0;
+  EXPECT_EQ(takeOutSpikes(misfit.log, misfit.residual).size(), 1u);
+  EXPECT_EQ(std::ranges::count(misfit.log.data.keep, false), 4);
+}
+
+TEST(LogFaults, LeavesAFewAfterATurn) {  // play and bristles leave such bursts
+  Misfit misfit;
+  misfit.residual.segment(500, 4).setConstant(5.0);
+  misfit.log.data.rows.direction.head(494) = -1.0;
+  EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
+}
+
+TEST(LogFaults, LeavesAFewBesideARest) {
+  Misfit misfit;
+  misfit.residual.segment(500, 4).setConstant(5.0);
+  misfit.residual.segment(480, 19).setZero();  // rows of a rest do not count
+  EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
+}
+
 TEST(LogFaults, ManySpikesDoNotStopADiagnosis) {
   Misfit misfit;
   std::ptrdiff_t spikes = 0;
