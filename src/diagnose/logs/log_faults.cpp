@@ -262,12 +262,15 @@ std::size_t takeOutUndecided(PreparedLog& log, const Eigen::VectorXd& residual, 
   return rows;
 }
 
-std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual) {
+std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual,
+                                     const Eigen::VectorXd& flipped) {
   const ActuatorRows& rows = log.data.rows;
   const double limit = kSpike * deviationOf(residual);
   std::vector<bool> far(static_cast<std::size_t>(residual.size()));
   for (Index i = 0; i < residual.size(); ++i) {
-    far[static_cast<std::size_t>(i)] = std::abs(residual[i]) > limit && std::abs(rows.speed[i]) >= 3.0 * log.dead_band;
+    const bool sure = std::abs(rows.speed[i]) >= 3.0 * log.dead_band;  // of the direction; else neither explains it
+    const bool neither = flipped.size() > 0 && std::abs(flipped[i]) > limit && residual[i] * flipped[i] > 0.0;
+    far[static_cast<std::size_t>(i)] = std::abs(residual[i]) > limit && (sure || neither);
   }
   const std::vector<Index> spikes = standingAlone(log, residual, far);
   if (spikes.empty()) return {};
