@@ -44,7 +44,8 @@ ServoRecord recordServo(const ServoRig& rig, const ServoSecret& secret) {
   for (std::size_t i = 0; i < r.time.size(); ++i) {
     const double memory = rig.effort_memory;
     noise = memory * noise + rig.effort_noise * std::sqrt(1.0 - memory * memory) * normal(random);
-    r.effort[i] += noise;
+    const bool off = rig.off_every > 0.0 && r.effort[i] == 0.0;  // what is off reports nothing, not even noise
+    if (!off) r.effort[i] += noise;
     r.position[i] = std::floor(r.position[i] / count) * count;
     r.load[i] += rig.load_noise * normal(random);
     r.joint[i] += 5e-4 * normal(random);

@@ -12,6 +12,7 @@ constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr double kServoStep = 2.5e-4;  // [s] of the integration
 constexpr int kControlEvery = 4;       // steps
 constexpr double kReference = 28.0;    // [degC]
+constexpr double kOffSeconds = 1.5;    // switched off
 
 /// Where the drive should be: moves with rests, swings and slow sweeps, one after the other.
 class Plan {
@@ -130,6 +131,8 @@ class ServoDrive {
     q_ = q, w_ = 0.0, bristle_ = plain_bristle_ = 0.0, rested_ = 0.0, weight_ = weight, weight_angle_ = weight_angle;
     gap_ = 0.5 * secret_.backlash;
   }
+  /// Its terminals are open from now on, or no more: no current, whatever its speed.
+  void switchOff(bool off) { off_ = off; }
   /// One step under the controller's effort. \param change  how far a change of regime has come, 0 to 1.
   void step(double effort, double change, double humidity, double supply, double neighbour, double room);
 
@@ -151,6 +154,7 @@ class ServoDrive {
 
   const ServoRig& rig_;
   const ServoSecret& secret_;
+  bool off_ = false;
   double dry_size_, travel_;
   double q_ = 0.0, w_ = 0.0, bristle_ = 0.0, plain_bristle_ = 0.0, rested_ = 0.0, gap_ = 0.0;
   double weight_ = 0.0, weight_angle_ = 0.0, temperature_ = 22.0, load_ = 0.0, extra_ = 0.0;
@@ -232,7 +236,7 @@ void ServoDrive::step(double effort, double change, double humidity, double supp
   const double level = engaged * warm * secretLevel(w_, inner, change, humidity);
   const double viscous = warm * secretViscous(w_);
   const double slope = w_ != 0.0 ? viscous / w_ : warm * rig_.viscous;
-  const double torque = motorTorque(effort, supply);
+  const double torque = off_ ? 0.0 : motorTorque(effort, supply);
   const double inertia = rig_.inertia + s.inertia, before = w_, plain_viscous = rig_.viscous * w_;
   const double plain_level = plainLevel(w_);
   const double free = torque - engaged * inner - ripple - s.neighbour * neighbour;
@@ -311,6 +315,9 @@ ServoRecord driveServo(const ServoRig& rig, const ServoSecret& secret) {
           const double dt = kServoStep * kControlEvery, now = plan.angle(t), soon = plan.angle(t + dt);
           effort = controller.effort(rig.ratio * now, rig.ratio * (soon - now) / dt, plant.q(), dt);
         }
+        const bool off = rig.off_every > 0.0 && std::fmod(t, rig.off_every) > rig.off_every - kOffSeconds;
+        if (off) effort = 0.0;
+        plant.switchOff(off);
         plant.step(effort, change, humidity, supply, around.neighbour(clock), around.room(clock));
         if (j == sampled) logRow(r, clock + late / rig.rate, session, effort + secret.bias, plant);
       }

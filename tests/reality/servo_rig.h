@@ -85,7 +85,8 @@ struct ServoRig {
   double gap = 12.0;           ///< [s] that are lost once
   double clipped_share = 0.0;  ///< of rows whose effort is beyond the converter
   ///@}
-  double rate = 50.0;  ///< [Hz]
+  double off_every = 0.0;  ///< [s] after which the motor is switched off for 1.5 s: it logs 0 and falls; 0: never
+  double rate = 50.0;      ///< [Hz]
   std::size_t rows = 16000;
   std::uint64_t seed = 1;
 };

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "diagnose/verdict.h"
+#include "load_friction.h"
 #include "log_conclusion.h"
 #include "placebos.h"
 #include "slow_friction.h"
@@ -205,6 +206,7 @@ class Judge {
     if (!not_late.empty()) return not_late;
     if (std::string slow = doubtOfSlowMotion(cause); !slow.empty()) return slow;
     if (std::string weight = doubtOfWeight(cause); !weight.empty()) return weight;
+    if (std::string load = doubtOfLoad(cause); !load.empty()) return load;
     const PlaceboTest placebos = testPlacebos(search_, full, without_[cause], effect, options_.seed);
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
@@ -234,6 +236,17 @@ class Judge {
         "beside friction that grows with the fitted weight it may explain nothing ({:.1f} %, p = {:.2g}): with a "
         "weight that is known, load-dependence can be told",
         100.0 * beside.gain, beside.p);
+  }
+
+  /// Why a cause may only stand in for friction that grows with the load, which the law lacks.
+  std::string doubtOfLoad(std::size_t cause) const {
+    const ActuatorEffect& effect = *selection_.chosen.model->effects()[own_ + cause];
+    const auto load = besideLoadFriction(search_, without_[cause], selection_.chosen, effect);
+    if (!load) return {};
+    const Beside beside = gainBeside(load->rest, load->full);
+    if (beside.holds) return {};
+    return fmt::format("beside friction that grows with the load it may explain nothing ({:.1f} %, p = {:.2g})",
+                       100.0 * beside.gain, beside.p);
   }
 
   /// What a cause gains on held-out data beside something that is none, and whether that is a gain.

@@ -71,18 +71,18 @@ void warnOfWeight(const PreparedLog& log, const LogFit& fit, Diagnosis& d) {
 /// Leaves out rows near rest whose direction of motion a first fit cannot decide, then spikes.
 void takeOutRows(const ActuatorModel& subject, const LogSearch& search, PreparedLog& log, Diagnosis& d) {
   const Fitted first = search.fit(subject.effects, nullptr);
+  Eigen::VectorXd flipped;
   if (subject.base.law != nullptr) {
     ActuatorData backwards = log.data;
     backwards.rows.direction *= -1.0;
     const ActuatorRegression mirror(subject.base, subject.effects, backwards, 1.0);
-    Eigen::VectorXd flipped;
     mirror.evaluate(mirror.startFrom(*first.model, first.theta), flipped, nullptr);
     if (const std::size_t rows = takeOutUndecided(log, residualOf(first), flipped); rows > 0) {
       d.warnings.push_back(
           fmt::format("{} rows near rest were left out: their direction of motion cannot be decided", rows));
     }
   }
-  for (const DataFault& fault : takeOutSpikes(log, residualOf(first))) d.faults.push_back(fault);
+  for (const DataFault& fault : takeOutSpikes(log, residualOf(first), flipped)) d.faults.push_back(fault);
 }
 
 /// Something acts that no channel shows, such as a push or a wind: most rows are farther off than their neighbours

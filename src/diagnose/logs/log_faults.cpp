@@ -184,6 +184,36 @@ double deviationOf(const Eigen::VectorXd& residual) {
   return values.empty() ? 0.0 : robustDeviation(std::move(values));
 }
 
+/// Whether the drive keeps its direction from `first` to `last`.
+bool keepsDirection(const ActuatorRows& rows, Index first, Index last) {
+  return (rows.direction.segment(first, last - first + 1) == rows.direction[first]).all();
+}
+
+/// Rows that stand alone, one or a few together: the rows beside them are far smaller. What lasts longer is a misfit.
+/// \param far  shape (rows): rows beyond every noise, at a speed
+std::vector<Index> standingAlone(const PreparedLog& log, const Eigen::VectorXd& residual,
+                                 const std::vector<bool>& far) {
+  constexpr Index kTogether = 5;     // rows
+  constexpr double kBeside = 0.3;    // of the largest of them
+  constexpr double kFromTurn = 0.3;  // [s] between a turn and rows together: play and bristles leave bursts, too
+  const ActuatorRows& rows = log.data.rows;
+  const auto reach = static_cast<Index>(std::ceil(kFromTurn / rows.step));
+  std::vector<Index> alone;
+  for (Index i = 2, end = 0; i + 2 < residual.size(); i = std::max(end, i + 1)) {
+    end = i;
+    while (end + 2 < residual.size() && far[static_cast<std::size_t>(end)]) ++end;
+    if (end == i || end - i > kTogether) continue;
+    const Index last = end - 1;
+    const bool single = last == i, counts = residual[i - 2] != 0.0 && residual[last + 2] != 0.0;
+    const Index near = single ? 2 : reach;
+    if (!keepsDirection(rows, std::max<Index>(0, i - near), std::min(rows.rows() - 1, last + near))) continue;
+    const double around = std::max(std::abs(residual[i - 2]), std::abs(residual[last + 2]));
+    if (around >= kBeside * residual.segment(i, end - i).cwiseAbs().maxCoeff() || !(single || counts)) continue;
+    for (Index k = i; k < end; ++k) alone.push_back(k);
+  }
+  return alone;
+}
+
 }  // namespace
 
 std::vector<DataFault> findFaults(PreparedLog& log) {
@@ -232,17 +262,17 @@ std::size_t takeOutUndecided(PreparedLog& log, const Eigen::VectorXd& residual, 
   return rows;
 }
 
-std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual) {
+std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual,
+                                     const Eigen::VectorXd& flipped) {
   const ActuatorRows& rows = log.data.rows;
   const double limit = kSpike * deviationOf(residual);
-  std::vector<Index> spikes;
-  for (Index i = 2; i + 2 < residual.size(); ++i) {
-    if (std::abs(residual[i]) <= limit || std::abs(rows.speed[i]) < 3.0 * log.dead_band) continue;
-    // A spike stands alone; a misfit has neighbours.
-    const double around = std::max({std::abs(residual[i - 2]), std::abs(residual[i + 2])});
-    const bool reversal = rows.direction[i - 2] != rows.direction[i + 2];
-    if (around < 0.3 * std::abs(residual[i]) && !reversal) spikes.push_back(i);
+  std::vector<bool> far(static_cast<std::size_t>(residual.size()));
+  for (Index i = 0; i < residual.size(); ++i) {
+    const bool sure = std::abs(rows.speed[i]) >= 3.0 * log.dead_band;  // of the direction; else neither explains it
+    const bool neither = flipped.size() > 0 && std::abs(flipped[i]) > limit && residual[i] * flipped[i] > 0.0;
+    far[static_cast<std::size_t>(i)] = std::abs(residual[i]) > limit && (sure || neither);
   }
+  const std::vector<Index> spikes = standingAlone(log, residual, far);
   if (spikes.empty()) return {};
   std::vector<DataFault> faults;
   leaveOut(log.effort_column,

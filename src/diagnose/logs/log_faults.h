@@ -11,9 +11,12 @@ namespace simgap {
 /// Faults that the channels show by themselves and against each other.
 std::vector<DataFault> findFaults(PreparedLog& log);
 
-/// Single rows far off the model, away from reversals: they are taken out of `log` (and said so) when they are few.
-/// \param residual  shape (rows) of a fitted model, 0 where a row does not count.
-std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual);
+/// Rows far off the model that stand alone or a few together, away from reversals: they are taken out of `log` (and
+/// said so) when they are few. \param residual  shape (rows) of a fitted model, 0 where a row does not count. \param
+/// flipped of the same model with all directions reversed, or empty: then rows of slow motion stay, whose direction may
+/// be wrong.
+std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& residual,
+                                     const Eigen::VectorXd& flipped = {});
 
 /// Rows within the dead band whose effort lies clearly between what both directions of motion would need, or is what
 /// the other one needs: a reversal too slow to be seen. They are taken out of `log`. \param residual  of a fitted

@@ -159,6 +159,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   data.dead_band = sign.dead_band;
   data.reversals = sign.reversals;
   leaveOutRests(log, derived_velocity, options, sign, data);
+  leaveOutSwitchedOff(log, options, sign, data);
   leaveOutSpikes(options, sign, data);
   const std::size_t rows = log.rows();
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);

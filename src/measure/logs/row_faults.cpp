@@ -99,4 +99,31 @@ void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptio
   data.warnings.push_back(found + ": its rests were fitted, too, and a held drive's effort is no friction in motion");
 }
 
+void leaveOutSwitchedOff(const ActuatorLog& log, const FrictionDataOptions& options, MotionSign& sign,
+                         FrictionData& data) {
+  constexpr double kLeast = 0.2;              // [s] of exactly nothing: a controller only passes zero
+  constexpr std::size_t kFewest = 10;         // rows of it
+  constexpr double kMoves = 2.0;              // dead bands
+  constexpr std::ptrdiff_t kFewestLeft = 50;  // rows of motion
+  if (options.raw_sign || !log.has_time || log.effort_unit != "V") return;
+  std::vector<bool> driven = sign.keep;
+  for (std::size_t begin = 0, end = 0; begin < log.rows(); begin = std::max(end, begin + 1)) {
+    bool moves = false;
+    for (end = begin; end < log.rows() && log.session[end] == log.session[begin] && log.effort[end] == 0.0; ++end) {
+      moves = moves || std::abs(log.velocity[end]) > kMoves * sign.dead_band;
+    }
+    if (!moves || end - begin < kFewest || log.time[end - 1] - log.time[begin] < kLeast) continue;
+    std::fill(driven.begin() + begin, driven.begin() + end, false);
+  }
+  const auto off = std::ranges::count(sign.keep, true) - std::ranges::count(driven, true);
+  if (off == 0 || std::ranges::count(driven, true) < kFewestLeft) return;
+  sign.keep = std::move(driven);
+  data.warnings.push_back(
+      fmt::format("{} is exactly 0 in {} rows of motion ({:.1f} %), for {} s and longer: they are left out, because a "
+                  "motor that is "
+                  "switched off has open terminals, and 0 is not their voltage",
+                  quantityName(log.effort_name, log.effort_unit), off,
+                  100.0 * static_cast<double>(off) / static_cast<double>(log.rows()), kLeast));
+}
+
 }  // namespace simgap

@@ -1,5 +1,5 @@
 /// \file
-/// Rows of a drive's log that mean nothing to a kinetic law: samples that stand alone, and rests.
+/// Rows of a drive's log that mean nothing to a kinetic law: samples that stand alone, rests, a motor that is off.
 #pragma once
 
 #include <span>
@@ -27,5 +27,10 @@ void putSpikesRight(ActuatorLog& log, FrictionData& data);
 void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data);
 void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
                    FrictionData& data);
+
+/// Takes the rows out of `sign.keep` in which a motor that is driven by a voltage is switched off while it moves, and
+/// says so in `data`: its open terminals carry no current, whatever its speed, and the zero of the log is no voltage.
+void leaveOutSwitchedOff(const ActuatorLog& log, const FrictionDataOptions& options, MotionSign& sign,
+                         FrictionData& data);
 
 }  // namespace simgap

@@ -76,6 +76,40 @@ TEST(LogFaults, LeavesAMisfitWithNeighboursAlone) {
   EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
 }
 
+TEST(LogFaults, TakesOutAFewThatStandTogether) {
+  Misfit misfit;
+  misfit.residual.segment(500, 4) << 5.0, -4.0, 6.0, 5.0;
+  EXPECT_EQ(takeOutSpikes(misfit.log, misfit.residual).size(), 1u);
+  EXPECT_EQ(std::ranges::count(misfit.log.data.keep, false), 4);
+}
+
+TEST(LogFaults, TakesOutSlowRowsThatNeitherDirectionExplains) {
+  Misfit misfit;
+  misfit.log.data.rows.speed.segment(400, 400) = 0.0;
+  Eigen::VectorXd flipped = -10.0 * misfit.residual;
+  misfit.residual.segment(500, 3).setConstant(5.0);
+  misfit.residual.segment(600, 3).setConstant(5.0);
+  flipped.segment(500, 3).setConstant(4.0);
+  flipped.segment(600, 3).setConstant(-4.0);  // between the two: a direction that is wrong or not yet clear
+  EXPECT_EQ(takeOutSpikes(misfit.log, misfit.residual, flipped).size(), 1u);
+  EXPECT_FALSE(misfit.log.data.keep[501]);
+  EXPECT_TRUE(misfit.log.data.keep[601]);
+}
+
+TEST(LogFaults, LeavesAFewAfterATurn) {  // play and bristles leave such bursts
+  Misfit misfit;
+  misfit.residual.segment(500, 4).setConstant(5.0);
+  misfit.log.data.rows.direction.head(494) = -1.0;
+  EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
+}
+
+TEST(LogFaults, LeavesAFewBesideARest) {
+  Misfit misfit;
+  misfit.residual.segment(500, 4).setConstant(5.0);
+  misfit.residual.segment(480, 19).setZero();  // rows of a rest do not count
+  EXPECT_TRUE(takeOutSpikes(misfit.log, misfit.residual).empty());
+}
+
 TEST(LogFaults, ManySpikesDoNotStopADiagnosis) {
   Misfit misfit;
   std::ptrdiff_t spikes = 0;

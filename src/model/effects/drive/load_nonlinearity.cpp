@@ -1,6 +1,8 @@
 /// \file
-/// Friction that grows faster or slower than the load: + n_2 tau_ext^2.
+/// Friction that grows faster or slower than the load: + n_2 tau_ext^2 beside a law's term in proportion to it. A law
+/// without that term has nothing that this could be faster than: there it is a form of load-dependence.
 #include "simgap/model/effects/actuator_effect.h"
+#include "simgap/model/friction/friction_law.h"
 
 namespace simgap::actuator_effects::load_nonlinearity {
 namespace {
@@ -12,6 +14,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const Act
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = terms.load.square() * terms.dry;
 }
+
+bool withoutMeaning(const FrictionLaw& law) { return !law.needsLoad(); }
 
 }  // namespace
 
@@ -26,6 +30,7 @@ const ActuatorEffect entry = {
     .separates = "the same motion under at least four loads from zero to the largest",
     .columns = kColumns,
     .needs = kNeeds,
+    .contained_in = withoutMeaning,
     .fill = fill,
 };
 
