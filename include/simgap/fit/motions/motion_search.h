@@ -42,8 +42,8 @@ MotionSearchState beginSearch(const MotionPosterior& posterior);
 
 /// What was found, with its curvature. Derivatives are means of differences forwards and backwards there. Stick and
 /// slip leave noise in them, which would pass for information along directions of which the motions tell nothing; what
-/// both differ by says how much: (forwards - backwards)^2 / 12 per number is left out of the curvature, at most a
-/// thousandth of it: a response that bends differs, too.
+/// is rough over time in what both differ by says how much: (forwards - backwards)^2 / 12 per number is left out of the
+/// curvature. What is smooth in it is a response that bends.
 struct MotionFit {
   Eigen::VectorXd z;
   double objective = 0.0;
@@ -58,6 +58,26 @@ struct MotionSearchNews {
   std::size_t rollouts;  ///< in this round
   std::size_t of;
 };
+
+/// \name Parts of a search, for those who choose when derivatives are made anew
+///@{
+/// Residuals and derivatives, and where they stand.
+struct MotionLinearisation {
+  Eigen::VectorXd z;
+  MotionEvaluation at;
+  std::vector<RowMajorF> jacobians;  ///< shape (motions)
+};
+/// \throws NumericsError: the motions cannot be played with these parameters; InterruptedError
+MotionLinearisation linearise(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                              const std::function<void(const MotionSearchNews&)>& news);
+/// Marquardt's steps with one set of derivatives, which each corrects, until it promises little more.
+/// \param[in,out] rollouts  counts them  \returns how many steps were accepted  \throws InterruptedError
+int descend(const MotionPosterior& posterior, MotionLinearisation& here, double& damping, long& rollouts);
+/// Steps of the next differences: about a standard deviation of what will be known, in z.
+Eigen::VectorXd differenceSteps(const MotionPosterior& posterior, const MotionLinearisation& here);
+/// Inverse of the curvature at `here`.
+Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinearisation& here);
+///@}
 
 /// Searches to the end, or for `max_rounds`. \param after_round  to store the state
 /// \throws NumericsError: the motions cannot be played with the parameters it begins with; InterruptedError
