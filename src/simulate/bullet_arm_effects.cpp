@@ -12,17 +12,17 @@ void BulletArm::setMotionEffects() {
   for (std::size_t m = 0; m < muscles_.size(); ++m) {
     MuscleState& muscle = muscles_[m];
     MotorTerm term;
-    muscle.guide_loss = 0.0;
+    muscle.guide = {};
     muscle.relaxation = {0.0, 1.0};
     for (const auto& [effect, target, p] : extensions_) {
       if (target >= 0 && target != static_cast<int>(m)) continue;
       if (effect->motor) effect->motor(p, term);
-      if (effect->guide_loss) muscle.guide_loss += effect->guide_loss(p);
+      if (effect->guide) muscle.guide = effect->guide(p);
       if (effect->relaxation) muscle.relaxation = effect->relaxation(p);
     }
     muscle.setTerm(term, options_.step);
     muscle.relaxing = -std::expm1(-options_.step / muscle.relaxation.time);
-    guided_ |= muscle.guide_loss > 0.0;
+    guided_ |= muscle.guide.loss > 0.0;
     yielding_ |= muscle.relaxation.share > 0.0;
   }
   for (const ArmExtension& extension : extensions_) {
@@ -41,8 +41,24 @@ void BulletArm::sagSupply() {
   for (MuscleState& muscle : muscles_) muscle.supplied += part * (settled - muscle.supplied);
 }
 
-/// Between cord and body guides take up to `loss` of the tension: impulses that stop a line, or act against its slip.
-/// One after the other until nothing changes (projected Gauss-Seidel).
+namespace {
+
+/// v of v + most give s(v) = free, s(v) = v / sqrt(v^2 + creep^2): the slip that friction leaves of one that would be
+/// `free`. Newton's steps from below the root, where the left side is concave, stay below it.
+double slipLeft(double free, double most, double creep) {
+  const double sign = free < 0.0 ? -1.0 : 1.0, wanted = sign * free;
+  double v = std::max(wanted - most, wanted / (1.0 + most / creep));
+  for (int i = 0; i < 8; ++i) {
+    const double root = std::hypot(v, creep);
+    v += (wanted - v - most * v / root) / (1.0 + most * creep * creep / (root * root * root));
+  }
+  return sign * v;
+}
+
+}  // namespace
+
+/// Between cord and body guides take up to `loss` of the tension, as impulses against the slip that they leave. One
+/// after the other until nothing changes (Gauss-Seidel).
 void BulletArm::slipGuides(double step) {
   Motion& m = *motion_;
   constexpr int kMostSweeps = 30;
@@ -52,15 +68,16 @@ void BulletArm::slipGuides(double step) {
     double changed = 0.0;
     for (std::size_t i = 0; i < muscles_.size(); ++i) {
       Motion::Pull& pull = m.pulls[i];
-      if (!pull.taut || muscles_[i].guide_loss <= 0.0) continue;
+      const GuideTerm& guide = muscles_[i].guide;
+      if (!pull.taut || guide.loss <= 0.0) continue;
       m.scratch.noalias() = m.mobility.lazyProduct(pull.row);
       const double give = pull.row.dot(m.scratch);
       if (!(give > 0.0)) continue;
-      const double most = step * muscles_[i].guide_loss * std::max(0.0, pull.force);
-      const double next = std::clamp(pull.guided - pull.row.dot(m.next) / give, -most, most);
-      m.next += (next - pull.guided) * m.scratch;
-      changed = std::max(changed, std::abs(next - pull.guided) * give);
-      pull.guided = next;
+      const double slip = pull.row.dot(m.next), free = slip - give * pull.guided;
+      const double left = slipLeft(free, give * step * guide.loss * std::max(0.0, pull.force), guide.creep);
+      m.next += (left - slip) / give * m.scratch;
+      pull.guided += (left - slip) / give;
+      changed = std::max(changed, std::abs(left - slip));
     }
     if (changed < kStill) return;
   }

@@ -132,7 +132,7 @@ struct BulletArm::MuscleState {
   Drive drive_part;                                ///< of a step in which the rotor starts or stops
   std::optional<Drive> returning, returning_part;  ///< while the load drives the motor, where that differs
   MotorTerm term;
-  double guide_loss = 0.0;          ///< [1]
+  GuideTerm guide;
   Relaxation relaxation{0.0, 1.0};  ///< of the cord
   double relaxing = 0.0;            ///< 1 - exp(-step / time)
   double yielded = -1.0;            ///< what its damper has given way, y; < 0: all it can [m]

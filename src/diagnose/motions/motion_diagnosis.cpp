@@ -22,6 +22,7 @@ constexpr double kClearEvidence = 12.0;    // in nats: of some hundred hypothese
 constexpr double kLeastGain = 0.01;        // of the held-out mean square
 constexpr double kKnownClocks = 0.005;     // [s] to which clocks agree where nothing is wrong with them
 constexpr double kLargeRest = 1.5 * 1.5;   // of the noise's variance: what no model of noise leaves
+constexpr double kMostOfIt = 60.0;         // [%] of the error that named causes have to explain, if much is left
 constexpr double kUsualRollouts = 2000.0;  // per motion, for the progress
 
 /// The motions that select and those that judge.
@@ -59,6 +60,7 @@ class MotionDiagnosing {
   void conclude();
   void fillErrors();
   void sayWhatIsLeft();
+  void withdrawPartial();
 
   MotionProblem problem_;
   const MotionDiagnosisOptions& options_;
@@ -227,9 +229,30 @@ void MotionDiagnosing::sayWhatIsLeft() {
       worst->motion);
 }
 
+/// A cause that takes a part of an error, of which much is left, may stand for another one that no fit has found.
+void MotionDiagnosing::withdrawPartial() {
+  Diagnosis& d = result_.diagnosis;
+  if (d.causes.empty() || d.unexplained.empty() || d.explained_percent >= kMostOfIt) return;
+  for (const Cause& cause : d.causes) {
+    d.candidates.push_back({cause.effect, cause.target,
+                            fmt::format("explains, with all that was found, only {:.0f} % of what is missing: "
+                                        "something else may look like it",
+                                        d.explained_percent),
+                            cause.gain_heldout});
+  }
+  d.causes.clear();
+  last_.reset();
+  found_.clear();
+  d.unexplained.clear();
+  d.left_over_percent = 0.0;
+  result_.motions.clear();
+  fillErrors();
+}
+
 void MotionDiagnosing::conclude() {
   Diagnosis& d = result_.diagnosis;
   fillErrors();
+  withdrawPartial();
   if (last_) {
     d.extensions = last_->extensions();
     fillParameters(d);

@@ -177,7 +177,8 @@ std::vector<std::size_t> Scanner::promising() const {
   std::map<const ArmEffect*, std::size_t> of_effect;
   for (const auto& [gain, hypothesis] : order) {
     if (chosen.size() == kRefined) break;
-    if (++of_effect[hypotheses_[hypothesis].effect] <= kPerEffect) chosen.push_back(hypothesis);
+    const MotionHypothesis& one = hypotheses_[hypothesis];
+    if (one.target.empty() || ++of_effect[one.effect] <= kPerEffect) chosen.push_back(hypothesis);
   }
   return chosen;
 }

@@ -9,7 +9,7 @@
 namespace simgap {
 namespace {
 
-constexpr int kPlainRounds = 8;     // of derivatives made anew
+constexpr int kPlainRounds = 7;     // of derivatives made anew
 constexpr int kRefreshRounds = 2;   // of a fit that may win
 constexpr std::size_t kRefits = 6;  // with derivatives of the model without the cause
 constexpr std::size_t kOfOneEffect = 2;
@@ -47,10 +47,12 @@ void MotionSelector::count(long rollouts) {
   if (news_) news_(rollouts_);
 }
 
-void MotionSelector::converge(MotionCauseFit& fit, int rounds) {
-  for (int round = 0; round < rounds; ++round) {
-    if (enough(fit.refresh(newsOf()), fit.objective())) return;
+/// \returns how many rounds that took
+int MotionSelector::converge(MotionCauseFit& fit, int most) {
+  for (int round = 1; round <= most; ++round) {
+    if (enough(fit.refresh(newsOf()), fit.objective())) return round;
   }
+  return most;
 }
 
 std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
@@ -72,12 +74,15 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
   for (const MotionTrial& trial : scan.trials) {
     if (refits.size() == kRefits || trial.gain < kHopelessGain) break;
     const MotionHypothesis& hypothesis = open[trial.hypothesis];
-    if (++of_effect[hypothesis.effect] > kOfOneEffect) continue;
+    // The whole arm's stands for all its muscles, which alone may each look better where the fit is far off.
+    if (!hypothesis.target.empty() && ++of_effect[hypothesis.effect] > kOfOneEffect) continue;
     std::vector<ArmCause> causes = base.causes();
     causes.push_back({hypothesis.effect, hypothesis.target, trial.start});
     std::unique_ptr<MotionCauseFit> best;
     const Eigen::VectorXd stay = Eigen::VectorXd::Zero(base.here().z.size());
-    for (const auto& [point, step] : {std::pair(trial.point, &trial.step), std::pair(std::size_t{0}, &stay)}) {
+    std::vector<std::pair<std::size_t, const Eigen::VectorXd*>> begins = {{trial.point, &trial.step}};
+    for (std::size_t point = 0; point < points.size(); ++point) begins.emplace_back(point, &stay);
+    for (const auto& [point, step] : begins) {
       auto fit = std::make_unique<MotionCauseFit>(problem_, causes);
       const bool begun = fit->beginBeside(points[point], *step);
       if (begun) fit->descend();
@@ -97,7 +102,8 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
 void MotionSelector::settle(std::vector<Refit>& refits) {
   const auto byObjective = [](const Refit& a, const Refit& b) { return a.fit->objective() < b.fit->objective(); };
   double most_gained = 0.0;
-  for (std::size_t refreshed = 0; refreshed < kRefreshed; ++refreshed) {
+  int rounds = 0;
+  for (std::size_t refreshed = 0; refreshed < kRefreshed && rounds < kMostRefreshes; ++refreshed) {
     std::ranges::stable_sort(refits, byObjective);
     const auto next = std::ranges::find(refits, false, &Refit::fresh);
     if (next == refits.end()) return;
@@ -105,7 +111,7 @@ void MotionSelector::settle(std::vector<Refit>& refits) {
     if (lead > most_gained + kTellApart * std::max(1.0, refits.front().fit->misfit())) return;
     const double before = next->fit->objective();
     const long played = next->fit->rollouts();
-    converge(*next->fit, kRefreshRounds);
+    rounds += converge(*next->fit, std::min(kRefreshRounds, kMostRefreshes - rounds));
     count(next->fit->rollouts() - played);
     next->fresh = true;
     most_gained = std::max(most_gained, before - next->fit->objective());

@@ -20,8 +20,8 @@ reality::Setpoints variedSetpoints(std::uint64_t draw) {
   const auto drawn = [&](std::uint32_t i, double from, double to) {
     return from + (to - from) * random.uniform({i, 0, 0, 95});
   };
-  const double tension = drawn(0, 2.4, 4.2), swing = drawn(1, 0.3, 1.3), rate = drawn(2, 0.3, 1.8);
-  const double step = drawn(3, 0.5, 1.6) * (draw % 2 ? 1.0 : -1.0), tenser = drawn(4, -0.6, 0.8);
+  const double tension = drawn(0, 3.0, 4.4), swing = drawn(1, 0.2, 0.7), rate = drawn(2, 0.3, 1.8);
+  const double step = drawn(3, 0.3, 0.8) * (draw % 2 ? 1.0 : -1.0), tenser = drawn(4, -0.6, 0.8);
   return [=](double time) {
     double co = tension, difference = 0.0;
     if (time >= 0.4) difference = swing * std::sin(2.0 * M_PI * rate * (time - 0.4));
@@ -50,6 +50,11 @@ std::string answerOf(const MotionDiagnosis& result) {
     for (const std::string& rival : cause.ambiguous_with) text += " | " + rival;
     for (const CauseParameter& p : cause.parameters) text += " " + p.name + "=" + std::to_string(p.value.value);
   }
+  for (const HypothesisRecord& h : result.diagnosis.hypotheses) {
+    text += "\n  " + h.effect + ":" + h.target + " " + h.outcome + " " + std::to_string(h.log_odds.value_or(NAN));
+  }
+  text += "\n  heldout " + std::to_string(result.diagnosis.baseline.mse_heldout) + " -> " +
+          std::to_string(result.diagnosis.extended.mse_heldout);
   for (const Candidate& candidate : result.diagnosis.candidates) {
     text += "; candidate " + candidate.effect + ":" + candidate.target + " " + candidate.reason;
   }

@@ -103,6 +103,12 @@ struct Relaxation {
   double time;  ///< in which the branch gives up its force [s]
 };
 
+/// A guide between cord and body, against the way in which the line slips.
+struct GuideTerm {
+  double loss = 0.0;   ///< of the tension [1]
+  double creep = 1.0;  ///< speed below which it grows with the slip [m/s]
+};
+
 /// A supply all motors hang on.
 struct SupplyTerm {
   double resistance;  ///< [ohm]
@@ -159,8 +165,7 @@ struct ArmEffect {
   double (*command_delay)(const EffectParameters& p) = nullptr;  ///< commands act that much later [s]
   double (*frame_delay)(const EffectParameters& p) = nullptr;    ///< joints are seen that much later than stamped [s]
   void (*motor)(const EffectParameters& p, MotorTerm& term) = nullptr;
-  /// Share of the tension that a guide takes between cord and body, against the way in which the line slips.
-  double (*guide_loss)(const EffectParameters& p) = nullptr;
+  GuideTerm (*guide)(const EffectParameters& p) = nullptr;
   Relaxation (*relaxation)(const EffectParameters& p) = nullptr;
   SupplyTerm (*supply)(const EffectParameters& p) = nullptr;
   ///@}
