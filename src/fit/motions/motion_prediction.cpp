@@ -143,18 +143,14 @@ std::optional<MotionPrediction> predictMotions(const MotionPosterior& posterior,
   const auto joints = std::ssize(fitted.front().joints);
   const Eigen::Index groups = joints + 2;
   const Eigen::MatrixXd covariance = covarianceAt(misfit, posterior, fit.covariance);
-  std::vector<Eigen::VectorXd> draws = drawParameters(posterior, fit.z, covariance);
-  const PlayedDraws seen = playDraws(posterior, fit.z, draws, groups);
-
-  // A fit takes no more away than as many parameters as it can tell. Where the draws change the motions fitted by more,
-  // the covariance is too wide for them (the curvature is without its noise, the response bends): those of unseen
-  // motions are nearer by as much.
-  const double most = misfit * misfit * toldParameters(posterior, covariance);
-  const double apart = std::min(1.0, most / std::max(most, seen.weighed));
-  for (Eigen::VectorXd& z : draws) z = fit.z + std::sqrt(apart) * (z - fit.z);
-  const PlayedDraws held_out = playDraws(unseen, fit.z, draws, groups);
+  const std::vector<Eigen::VectorXd> draws = drawParameters(posterior, fit.z, covariance);
+  const PlayedDraws seen = playDraws(posterior, fit.z, draws, groups),
+                    held_out = playDraws(unseen, fit.z, draws, groups);
   if (fitted.size() < 2 || seen.ways.empty() || held_out.ways.empty()) return std::nullopt;
-  const double part = apart / static_cast<double>(seen.ways.size());
+
+  // A fit takes no more away than as many parameters as it can tell.
+  const double most = misfit * misfit * toldParameters(posterior, covariance);
+  const double part = std::min(1.0, most / std::max(most, seen.weighed)) / static_cast<double>(seen.ways.size());
   Eigen::MatrixXd left = Eigen::MatrixXd::Zero(groups, std::ssize(fitted));
   for (const Eigen::MatrixXd& way : seen.ways) left += part * way;
   for (std::size_t m = 0; m < fitted.size(); ++m) left.col(static_cast<Eigen::Index>(m)) += squaresOf(fitted[m]);

@@ -22,6 +22,8 @@ constexpr double kEnough = 0.05;  // of the gain promised: below it the derivati
 constexpr double kLittle = 3e-4;  // of the objective: a round that gains less was the last
 constexpr double kCertain = 0.5;  // [negative log posterior] as well
 constexpr double kMostDamping = 1e6;
+// Of a parameter's information: where forward and backward differences differ by more, the response is bent, not noisy.
+constexpr double kMostNoise = 1e-3;
 constexpr float kFallen = 100.0F;  // ratio of the squares of differences forwards and backwards
 
 /// J += (dr - J dz) dz^T / |dz|^2
@@ -80,20 +82,6 @@ Eigen::VectorXd differenceSteps(const Eigen::MatrixXd& covariance) {
   return covariance.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseMax(kSmallestStep).cwiseMin(kLargestStep);
 }
 
-/// Sum of the squares of what is rough in a column, weighed: half the squared differences of neighbouring windows of a
-/// channel. White noise has as many squares; a response that bends is smooth over time and has next to none.
-double roughSquares(const MotionResiduals& motion, const Eigen::VectorXf& weights, const Eigen::VectorXf& column) {
-  double sum = 0.0;
-  const std::vector<ResidualBlock>& blocks = motion.blocks();
-  for (std::size_t b = 1; b < blocks.size(); ++b) {
-    const ResidualBlock &before = blocks[b - 1], &now = blocks[b];
-    if (before.group != now.group || before.item != now.item) continue;
-    const auto change = column.segment(now.first, now.size) - column.segment(before.first, now.size);
-    sum += 0.5 * static_cast<double>(change.cwiseAbs2().dot(weights.segment(now.first, now.size)));
-  }
-  return sum;
-}
-
 /// Squares of the noise of central differences, summed over all residuals as they are weighed. Forwards and backwards
 /// differ by r+ + r- - 2 r0 over the step, six variances, their mean by r+ - r- over two steps, half of one.
 /// Where one side is much larger the arm fell into another rest there: the other side is taken.
@@ -111,7 +99,7 @@ Eigen::VectorXd meanWithNoise(const MotionPosterior& posterior, const MotionEval
         continue;
       }
       const Eigen::VectorXf difference = forward[m].col(i) - backward[m].col(i);
-      noise[i] += roughSquares(posterior.motions()[m], weights, difference) / 12.0;
+      noise[i] += static_cast<double>(difference.cwiseAbs2().dot(weights)) / 12.0;
       forward[m].col(i) -= 0.5F * difference;
     }
   }
@@ -125,7 +113,7 @@ Eigen::MatrixXd covarianceWithout(const Eigen::VectorXd& noise, const MotionPost
   Eigen::VectorXd prior = Eigen::VectorXd::Zero(noise.size());
   for (Eigen::Index i = 0; i < prior.size(); ++i) prior[i] = posterior.hasPrior(i) ? 1.0 : 0.0;
   information.diagonal() -= prior;
-  information.diagonal() -= noise;
+  information.diagonal() -= noise.cwiseMin(kMostNoise * information.diagonal());
   const SymmetricEigen told = symmetricEigen(information);
   const Eigen::VectorXd kept = told.values.cwiseMax(1e-12 * told.values.maxCoeff());
   information = told.vectors * kept.asDiagonal() * told.vectors.transpose();

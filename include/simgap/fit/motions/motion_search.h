@@ -42,8 +42,8 @@ MotionSearchState beginSearch(const MotionPosterior& posterior);
 
 /// What was found, with its curvature. Derivatives are means of differences forwards and backwards there. Stick and
 /// slip leave noise in them, which would pass for information along directions of which the motions tell nothing; what
-/// is rough over time in what both differ by says how much: (forwards - backwards)^2 / 12 per number is left out of the
-/// curvature. What is smooth in it is a response that bends.
+/// both differ by says how much: (forwards - backwards)^2 / 12 per number is left out of the curvature, at most a
+/// thousandth of it: a response that bends differs, too.
 struct MotionFit {
   Eigen::VectorXd z;
   double objective = 0.0;
