@@ -10,7 +10,8 @@ namespace simgap {
 namespace {
 
 constexpr int kPlainRounds = 7;     // of derivatives made anew
-constexpr int kRefreshRounds = 2;   // of a fit that may win
+constexpr int kRefreshRounds = 4;   // of a fit that may win
+constexpr int kMostRefreshes = 8;   // of all fits of a step together
 constexpr std::size_t kRefits = 6;  // with derivatives of the model without the cause
 constexpr std::size_t kOfOneEffect = 2;
 constexpr std::size_t kRefreshed = 4;                 // at most, with derivatives of their own
