@@ -123,7 +123,8 @@ TEST_F(MotionPathTest, MotionsUnderForceControlAreCalibrated) {
       "5.0e-3, lower: 1.0e-4, upper: 10, prior_sd_percent: 50}\nmotions: {step_s: 0.001}\n");
   succeed(with(with(calibration("forces"), "motions.yaml", "forces.yaml"), "forearm_config.yaml", "friction.yaml"));
   const std::string name = "joints.joint1.viscous_friction_Nms";
-  // From 0.03, at the rig's own step of 1 ms: at 2 ms the force controllers, whose sampled feedback is fast, are others.
+  // From 0.03, at the rig's own step of 1 ms: at 2 ms the force controllers, whose sampled feedback is fast, are
+  // others.
   EXPECT_NEAR(parameter("forces", name, "value"), 0.06, 3.0 * parameter("forces", name, "sd"));
 }
 
