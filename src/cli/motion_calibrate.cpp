@@ -18,12 +18,8 @@ namespace {
 constexpr const char* kKeptFile = "inputs/motions.json";
 constexpr const char* kMotionState = "state.json";
 
-MotionCalibrationConfig readMotionConfig(Session& session, const MotionCalibrateOptions& options) {
-  const bool built_in = options.config.empty();
-  const std::string name = built_in ? "configs/calibrate_motions.yaml" : options.config;
-  const std::string text =
-      built_in ? std::string(assets::calibrate_motions_yaml()) : session.read("config", options.config).content;
-  MotionCalibrationConfig config = MotionCalibrationConfig::read(YamlNode::parse(text, name));
+MotionCalibrationConfig searchConfig(Session& session, const MotionCalibrateOptions& options, const ArmModel& model) {
+  MotionCalibrationConfig config = readMotionConfig(session, options.config, model);
   if (options.optimizer) {
     if (options.optimizer == "hybrid") {
       throw ConfigError("found --optimizer hybrid with --motions, expected lm, es or cma-es");
@@ -48,27 +44,12 @@ MotionCalibrationTask readMotionTask(Session& session, const MotionCalibrateOpti
   if (options.model.empty()) throw ConfigError("calibrate needs MODEL and --motions (see simgap calibrate --help)");
   MotionCalibrationTask task;
   task.model = readArmFile(session, "model", options.model);
-  task.config = readMotionConfig(session, options);
-  try {
-    ParameterSpace(task.model, task.config.parameters);
-  } catch (const ConfigError& error) {
-    const bool built_in = options.config.empty();
-    throw ConfigError(
-        fmt::format("{}: {}{}", built_in ? "configs/calibrate_motions.yaml" : options.config, error.what(),
-                    built_in ? " (these parameters are the built-in ones; --config FILE gives others)" : ""));
-  }
+  task.config = searchConfig(session, options, task.model);
   const double restart = task.config.motions.motion.restart;
   task.motions = readMotions(session, "motions", options.motions, task.model, options.skip_bad_rows, restart);
   if (!options.validation_motions.empty()) {
-    if (std::filesystem::weakly_canonical(options.validation_motions) ==
-        std::filesystem::weakly_canonical(options.motions)) {
-      throw ConfigError(
-          fmt::format("--validation-motions {}: found the motions of --motions, expected others: what a "
-                      "search has seen validates nothing",
-                      options.validation_motions));
-    }
-    task.validation =
-        readMotions(session, "validation", options.validation_motions, task.model, options.skip_bad_rows, restart);
+    task.validation = readOtherMotions(session, options.validation_motions, options.motions, task.model,
+                                       options.skip_bad_rows, restart);
   }
   if (!options.poses.empty()) {
     CsvOptions csv;
@@ -193,6 +174,33 @@ MotionCalibrationResult calibrated(MotionCalibration& calibration, const MotionC
 }
 
 }  // namespace
+
+MotionCalibrationConfig readMotionConfig(Session& session, const std::string& file, const ArmModel& model) {
+  const bool built_in = file.empty();
+  const std::string name = built_in ? "configs/calibrate_motions.yaml" : file;
+  const std::string text =
+      built_in ? std::string(assets::calibrate_motions_yaml()) : session.read("config", file).content;
+  MotionCalibrationConfig config = MotionCalibrationConfig::read(YamlNode::parse(text, name));
+  try {
+    ParameterSpace(model, config.parameters);
+  } catch (const ConfigError& error) {
+    throw ConfigError(
+        fmt::format("{}: {}{}", name, error.what(),
+                    built_in ? " (these parameters are the built-in ones; --config FILE gives others)" : ""));
+  }
+  return config;
+}
+
+MotionSet readOtherMotions(Session& session, const std::string& file, const std::string& first, const ArmModel& model,
+                           bool skip_bad_rows, double restart) {
+  if (std::filesystem::weakly_canonical(file) == std::filesystem::weakly_canonical(first)) {
+    throw ConfigError(
+        fmt::format("--validation-motions {}: found the motions of --motions, expected others: what a "
+                    "search has seen validates nothing",
+                    file));
+  }
+  return readMotions(session, "validation", file, model, skip_bad_rows, restart);
+}
 
 bool holdsMotionCalibration(const std::filesystem::path& directory) {
   if (directory.empty()) return false;

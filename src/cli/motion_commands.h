@@ -1,5 +1,5 @@
 /// \file
-/// `calibrate` and `validate` with --motions.
+/// `calibrate`, `validate` and `diagnose` with --motions.
 #pragma once
 
 #include <filesystem>
@@ -9,6 +9,7 @@
 
 #include "simgap/cli/session.h"
 #include "simgap/core/error.h"
+#include "simgap/diagnose/motions/motion_diagnosis.h"
 
 namespace simgap {
 
@@ -33,5 +34,20 @@ struct MotionValidateOptions {
   std::optional<double> max_rms_mm;  ///< of every joint that slides
 };
 ExitCode validateMotions(const MotionValidateOptions& options, const std::vector<std::string>& argv);
+
+struct MotionDiagnoseOptions {
+  CommonOptions common;
+  bool skip_bad_rows = false;
+  std::string model, motions, validation_motions, config;
+  MotionDiagnosisOptions diagnose;
+};
+ExitCode diagnoseMotionSet(const MotionDiagnoseOptions& options, Session& session);
+
+/// Calibration settings for motions: those the user named, or the built-in ones. \throws ConfigError: also for
+/// parameters that `model` does not have
+MotionCalibrationConfig readMotionConfig(Session& session, const std::string& file, const ArmModel& model);
+/// Another set to judge by. \throws ConfigError: it is the first one
+MotionSet readOtherMotions(Session& session, const std::string& file, const std::string& first, const ArmModel& model,
+                           bool skip_bad_rows, double restart);
 
 }  // namespace simgap

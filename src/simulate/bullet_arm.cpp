@@ -73,12 +73,13 @@ void BulletArm::setModel(const ArmModel& model) {
     if (extensions_[e].effect->path) crossed_[e] = jointsCrossed(model, lineOf(model, extensions_[e].target));
   }
   if (muscles_.size() == model.muscles.size()) {
-    for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].setModel(model.muscles[m], options_.step);
+    for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].setModel(plain.muscles[m], options_.step);
   } else {
     muscles_.clear();
-    for (const Muscle& muscle : model.muscles) muscles_.emplace_back(muscle, options_.step);
+    for (const Muscle& muscle : plain.muscles) muscles_.emplace_back(muscle, options_.step);
     motion_.reset();
   }
+  setMotionEffects();
   way_.clear();
   for (const Muscle& muscle : plain.muscles) {
     way_.push_back(muscle.straight() && !muscle.wrap ? PathParts{} : partsOf(muscle));

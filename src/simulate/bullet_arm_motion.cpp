@@ -11,8 +11,7 @@
 // Bullet's multibody and the solver of the joints' constraints. The drives are exact for a constant load (drive.h).
 #include <cmath>
 
-#include "arm_dynamics.h"
-#include "bullet_arm_state.h"
+#include "bullet_arm_motion_state.h"
 
 namespace simgap {
 namespace {
@@ -39,38 +38,6 @@ void invertInPlace(Eigen::MatrixXd& a) {
 }
 
 }  // namespace
-
-struct BulletArm::Motion {
-  /// A taut cord at the middle of a step: F + D J . (v - v_n) at the velocity v of the joints.
-  struct Pull {
-    Eigen::VectorXd row;  ///< J = dL/dq, shape (dof) [m/rad]
-    double force = 0.0;   ///< F, at v_n [N]
-    double damping = 0.0;
-    double winding_radius = 0.0;
-    bool taut = false;
-  };
-  ArmDynamics dynamics;
-  std::vector<Pull> pulls;  ///< shape (muscles + lines without motors)
-  Eigen::MatrixXd mobility;
-  Eigen::VectorXd viscous, v, change, next, middle, tau, bias, scratch;
-  Eigen::VectorXd pushed;  ///< what friction, limits and couplings added to v in the step before
-
-  Motion(const std::vector<Body>& bodies, const std::vector<Joint>& joints, const std::vector<BulletLink>& links,
-         std::size_t lines) {
-    dynamics.setArm(bodies, joints, links);
-    const int n = dynamics.degreesOfFreedom();
-    mobility = Eigen::MatrixXd::Zero(n, n);
-    viscous = Eigen::VectorXd::Zero(n);
-    int first = 0;
-    for (const Joint& joint : joints) {
-      viscous.segment(first, joint.degreesOfFreedom()).setConstant(joint.viscous_friction);
-      first += joint.degreesOfFreedom();
-    }
-    v = change = next = middle = tau = bias = scratch = pushed = Eigen::VectorXd::Zero(n);
-    pulls.resize(lines);
-    for (Pull& pull : pulls) pull.row = Eigen::VectorXd::Zero(n);
-  }
-};
 
 void BulletArm::MotionDeleter::operator()(Motion* motion) const { delete motion; }
 
@@ -223,6 +190,7 @@ void BulletArm::moveJoints(double step) {
     if (!((m.next - m.middle).lpNorm<Eigen::Infinity>() > kTolerance * (1.0 + m.next.lpNorm<Eigen::Infinity>()))) break;
   }
   m.middle = m.next;
+  if (guided_) slipGuides(step);
   world_->solver.addFrictionAndLimits(m.mobility, m.next, step);
   m.pushed = m.next - m.middle;
 }
@@ -234,6 +202,7 @@ void BulletArm::stepMotion() {
   const Eigen::Map<const Eigen::VectorXd> velocity(body.getVelocityVector() + 6, m.v.size());
   m.v = velocity;
 
+  if (supply_.resistance > 0.0) sagSupply();
   body.stepPositionsMultiDof(0.5 * step);
   updateKinematics();
   m.dynamics.place(frames_);
@@ -262,6 +231,7 @@ void BulletArm::stepMotion() {
     passive_[line].force = pull.taut ? pull.force + 0.5 * pull.damping * pull.row.dot(m.change) : 0.0;
   }
   Eigen::Map<Eigen::VectorXd>(const_cast<btScalar*>(body.getVelocityVector()) + 6, m.v.size()) = m.next;
+  if (yielding_) yieldCords();
   body.stepPositionsMultiDof(0.5 * step);
   updateKinematics();
   ++steps_;

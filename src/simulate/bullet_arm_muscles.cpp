@@ -93,6 +93,9 @@ BulletArm::CordState BulletArm::cordState(const MuscleState& muscle, int index, 
     if (cord.expansion <= 0.0 || !extension.effect->cord || !extension.on(index)) continue;
     cord.elastic += extension.effect->cord(extension.p, cord.expansion, muscle.shock_cord, line).force;
   }
+  if (muscle.yielded >= 0.0 && cord.expansion > 0.0) {
+    cord.elastic += muscle.relaxation.share * muscle.shock_cord.stiffness * (cord.expansion - muscle.yielded);
+  }
   return cord;
 }
 

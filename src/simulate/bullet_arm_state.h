@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "bullet_joint.h"
+#include "simgap/model/arm/arm_effect.h"
 #include "simgap/simulate/bullet_arm.h"
 #include "simgap/simulate/joint_constraint_solver.h"
 
@@ -82,15 +83,41 @@ struct BulletArm::MuscleState {
   void reset() {
     state = {};
     reference = voltage = force = expansion = 0.0;
+    yielded = -1.0;
+    supplied = 1.0;
+  }
+
+  /// What effects make of its motor.
+  void setTerm(const MotorTerm& changed, double step) {
+    if (changed.returned != term.returned) {
+      Gearbox back = gearbox;
+      back.efficiency *= changed.returned;
+      returning = changed.returned == 1.0 ? std::nullopt : std::optional<Drive>(std::in_place, motor, back, step);
+      returning_part =
+          changed.returned == 1.0 ? std::nullopt : std::optional<Drive>(std::in_place, motor, back, step / kDriveParts);
+    }
+    term = changed;
+  }
+
+  /// The voltage across the motor: the controller's, of a supply that may sag, from an amplifier that limits i.
+  double motorVoltage(const DriveState& now) const {
+    const double given = voltage * supplied;
+    if (term.current_limit == kInfinity) return given;
+    const double back_emf = motor.back_emf_constant * now.motor_velocity, most = motor.resistance * term.current_limit;
+    return std::clamp(given, back_emf - most, back_emf + most);
   }
 
   /// A motion's step of the drive; in parts where the rotor starts or stops within it, so that it does at its time.
   void stepDrive(DriveState& now, double load) const {
     const DriveState before = now;
-    drive.step(now, voltage, load);
+    const bool returns = returning && now.current * now.motor_velocity < 0.0;
+    (returns ? *returning : drive).step(now, motorVoltage(before), load);
     if ((before.motor_velocity == 0.0) == (now.motor_velocity == 0.0)) return;
     now = before;
-    for (int part = 0; part < kDriveParts; ++part) drive_part.step(now, voltage, load);
+    for (int part = 0; part < kDriveParts; ++part) {
+      const bool back = returning && now.current * now.motor_velocity < 0.0;
+      (back ? *returning_part : drive_part).step(now, motorVoltage(now), load);
+    }
   }
 
   std::array<Attachment, 2> attachments;
@@ -102,7 +129,14 @@ struct BulletArm::MuscleState {
   Motor motor;
   Gearbox gearbox;
   Drive drive;
-  Drive drive_part;  ///< of a step in which the rotor starts or stops
+  Drive drive_part;                                ///< of a step in which the rotor starts or stops
+  std::optional<Drive> returning, returning_part;  ///< while the load drives the motor, where that differs
+  MotorTerm term;
+  GuideTerm guide;
+  Relaxation relaxation{0.0, 1.0};  ///< of the cord
+  double relaxing = 0.0;            ///< 1 - exp(-step / time)
+  double yielded = -1.0;            ///< what its damper has given way, y; < 0: all it can [m]
+  double supplied = 1.0;            ///< the supply's voltage, of what it is without load
   DriveState state;
   double reference = 0.0;  ///< [rad]
   double voltage = 0.0;    ///< [V], held between controller ticks

@@ -11,6 +11,7 @@
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/position_bytes.h"
 #include "simgap/measure/motion_restart.h"
+#include "simgap/model/arm/arm_effect.h"
 #include "simgap/simulate/equilibrium_arm.h"
 
 namespace simgap {
@@ -135,7 +136,7 @@ MotionStart MotionPlayer::startOf(const PlayableMotion& playable) const {
   }
   start.settle = options_.settle;
   for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
-    const double gain = options_.rollout.controllers.shaft_gain;
+    const double gain = options_.rollout.controllers.shaft_gain * rollout_.arm().controllerGain(m);
     start.shafts.push_back(restingShaft(playable, m, model_.muscles[m].motor, gain));
   }
   const Eigen::MatrixXd& commands = motion.commands.values;
@@ -153,6 +154,9 @@ MotionStart MotionPlayer::startOf(const PlayableMotion& playable) const {
 void MotionPlayer::play(const PlayableMotion& playable, double capture_delay, PlayedMotion& played) {
   const RecordedMotion& motion = *playable.motion;
   const MotionStart start = startOf(playable);
+  for (const ArmExtension& extension : resolveExtensions(model_)) {
+    if (extension.effect->frame_delay) capture_delay += extension.effect->frame_delay(extension.p);
+  }
   const Moments moments = momentsOf(motion, capture_delay);
   played.outcome = rollout_.run(motion.commands, start, moments.times, track_);
   played.valid = played.outcome.finished;

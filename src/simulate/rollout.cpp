@@ -7,6 +7,7 @@
 #include "controllers/joint_position.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
 namespace {
@@ -26,6 +27,15 @@ constexpr double kMostStallCurrents = 50.0;
 bool driveIsSound(const BulletArm& arm, const Motor& motor, std::size_t muscle) {
   return std::abs(arm.current(muscle)) * motor.resistance < kMostStallCurrents * motor.supply_voltage &&
          std::isfinite(arm.shaftAngle(muscle)) && std::isfinite(arm.force(muscle));
+}
+
+/// By how much commands act late [s].
+double commandDelay(const ArmModel& model) {
+  double delay = 0.0;
+  for (const ArmExtension& extension : resolveExtensions(model)) {
+    if (extension.effect->command_delay) delay += extension.effect->command_delay(extension.p);
+  }
+  return delay;
 }
 
 }  // namespace
@@ -63,7 +73,9 @@ void MotionTrack::resize(std::size_t rows, std::size_t joints_of_arm, std::size_
 Rollout::Rollout(const ArmModel& model, const RolloutOptions& options)
     : options_(options), arm_(model, armOptions(options)), muscles_(model.muscles) {
   for (const Joint& joint : model.joints) types_.push_back(joint.type);
+  delay_ = commandDelay(model);
   commands_.resize(muscles_.size() + arm_.lines());
+  later_.resize(commands_.size());
   before_ = std::make_unique<Sample>(types_.size(), muscles_.size(), arm_.lines());
   now_ = std::make_unique<Sample>(types_.size(), muscles_.size(), arm_.lines());
   if (options.targets) {
@@ -81,6 +93,7 @@ void Rollout::setModel(const ArmModel& model) {
   arm_.setModel(model);
   muscles_ = model.muscles;
   controllers_.clear();  // a controller may be made for its muscle
+  delay_ = commandDelay(model);
   if (pilot_) pilot_ = std::make_unique<JointPositionController>(model, options_.targets, options_.controllers);
 }
 
@@ -118,7 +131,8 @@ void Rollout::control(std::span<const double> commands) {
     sensors.force = arm_.force(m);
     sensors.current = arm_.current(m);
     sensors.cord_expansion = arm_.cordLength(m) - muscles_[m].shock_cord.rest_length;
-    arm_.setVoltage(m, controllers_[m]->voltage(commands[m], sensors));
+    const double gain = kinds_[m] == CommandKind::kSetpoint ? arm_.controllerGain(m) : 1.0;
+    arm_.setVoltage(m, gain * controllers_[m]->voltage(commands[m], sensors));
   }
   arm_.setLineCommands(commands.subspan(muscles_.size()), false);
 }
@@ -136,8 +150,16 @@ bool Rollout::step(std::span<const double> commands) {
 void Rollout::commandAt(double time, const MotionCommands& commands, std::size_t& row) {
   if (pilot_) {
     pilot_->forces(time, arm_, commands_);
-  } else {
+  } else if (delay_ == 0.0) {
     commands.at(time, row, commands_);
+  } else {
+    // Between the two ticks it falls between, so that a search sees a part of a tick.
+    const double period = static_cast<double>(tick_) * options_.step, ticks = delay_ / period;
+    const double whole = std::floor(ticks), part = ticks - whole;
+    commands.at(time - whole * period, row, commands_);
+    std::size_t earlier = row > 0 ? row - 1 : 0;
+    commands.at(time - (whole + 1.0) * period, earlier, later_);
+    for (std::size_t i = 0; i < commands_.size(); ++i) commands_[i] += part * (later_[i] - commands_[i]);
   }
 }
 

@@ -44,7 +44,8 @@ struct LinkMotion {
 
 class Simulation {
  public:
-  Simulation(const MovingArm& arm, double gain) : arm_(arm.arm), drives_(arm.drives), gain_(gain) {
+  Simulation(const MovingArm& arm, double gain)
+      : arm_(arm.arm), drives_(arm.drives), hidden_(arm.hidden), gain_(gain), yielded_(arm.arm.muscles.size(), 0.0) {
     for (const Link& link : arm_.links) {
       first_.push_back(dofs_);
       dofs_ += link.joint == Joint::kSpherical ? 3 : 1;
@@ -65,11 +66,13 @@ class Simulation {
   void setVoltages(const std::vector<double>& voltages) { voltage_ = voltages; }
   void control(const std::vector<double>& setpoints) {
     for (std::size_t m = 0; m < shaft_.size(); ++m) {
-      voltage_[m] = std::clamp(gain_ * (setpoints[m] - shaft_[m]), -drives_[m].supply, drives_[m].supply);
+      const double gain = gain_ * (hidden_.gains.empty() ? 1.0 : hidden_.gains[m]);
+      voltage_[m] = std::clamp(gain * (setpoints[m] - shaft_[m]), -drives_[m].supply, drives_[m].supply);
     }
   }
   void step() {
     const Eigen::VectorXd torque = pull();
+    sag();
     for (std::size_t m = 0; m < shaft_.size(); ++m) {
       for (int i = 0; i < kSubsteps; ++i) drive(m, kStep / kSubsteps);
     }
@@ -149,20 +152,39 @@ class Simulation {
       const Eigen::RowVectorXd slope = (line / length).transpose() * (to - from);
       const double expansion = length - muscle.kite_line + muscle.spindle_radius * shaft_[m] - muscle.cord_rest;
       const double rate = slope.dot(v_) + muscle.spindle_radius * speed_[m] / drives_[m].ratio;
-      force_[m] = expansion > 0.0 ? std::max(0.0, muscle.stiffness * expansion + muscle.damping * rate) : 0.0;
-      torque -= force_[m] * slope.transpose();
+      const double stretched = std::max(0.0, expansion);
+      if (time_ == 0) yielded_[m] = stretched;
+      yielded_[m] += kStep / hidden_.relaxing_time * (stretched - yielded_[m]);
+      const double branch = hidden_.relaxing_share * muscle.stiffness * (stretched - yielded_[m]);
+      force_[m] = expansion > 0.0 ? std::max(0.0, muscle.stiffness * expansion + branch + muscle.damping * rate) : 0.0;
+      constexpr double kCreep = 1e-3;  // [m/s]
+      const double slip = slope.dot(v_), share = hidden_.guide_loss * slip / std::hypot(slip, kCreep);
+      torque -= (1.0 + share) * force_[m] * slope.transpose();
     }
+    ++time_;
+    if (hidden_.elbow_drag) torque[dofs_ - 1] += hidden_.elbow_drag(pose_.back().angle, v_[dofs_ - 1]);
     return torque;
+  }
+
+  /// The supply's voltage as a share of what it is without load.
+  void sag() {
+    double power = 0.0;
+    for (std::size_t m = 0; m < voltage_.size(); ++m) power += supplied_ * voltage_[m] * current_[m];
+    const double full = drives_.front().supply;
+    const double now = full * supplied_, settled = full - hidden_.supply_resistance * power / now;
+    supplied_ = std::clamp((now + kStep / hidden_.supply_time * (settled - now)) / full, 0.1, 1.5);
   }
 
   void drive(std::size_t m, double dt) {
     const DriveTruth& d = drives_[m];
-    const double gain = d.ratio * d.efficiency;
+    const bool returning = current_[m] * speed_[m] < 0.0;
+    const double gain = d.ratio * d.efficiency * (returning ? hidden_.returned_efficiency : 1.0);
     const double inertia = gain * d.inertia + d.gear_inertia / d.ratio;
     const double viscous = gain * d.viscous + d.gear_viscous / d.ratio;
     const double dry = gain * d.coulomb + d.gear_coulomb;
-    current_[m] = (current_[m] + dt / d.inductance * (voltage_[m] - d.back_emf * speed_[m])) /
+    current_[m] = (current_[m] + dt / d.inductance * (supplied_ * voltage_[m] - d.back_emf * speed_[m])) /
                   (1.0 + dt * d.resistance / d.inductance);
+    current_[m] = std::clamp(current_[m], -hidden_.current_limit, hidden_.current_limit);
     const double push = gain * d.torque_constant * current_[m] - force_[m] * arm_.muscles[m].spindle_radius;
     const double free = (speed_[m] + dt / inertia * push) / (1.0 + dt * viscous / inertia);
     const double most = dt * dry / inertia;  // speed that friction can take away
@@ -222,7 +244,10 @@ class Simulation {
 
   Arm arm_;
   std::vector<DriveTruth> drives_;
-  double gain_;
+  HiddenCauses hidden_;
+  double gain_, supplied_ = 1.0;
+  long time_ = 0;  // steps
+  std::vector<double> yielded_;
   int dofs_ = 0;
   std::vector<int> first_;
   Eigen::VectorXd v_;
@@ -281,7 +306,12 @@ MotionLog recordMotion(const MovingArm& arm, const Setpoints& setpoints, const M
       next_frame += 1.0 / options.capture_rate;
     }
     if (i % kTick == 0) {
-      const std::vector<double> commands = i < 0 ? setpoints(0.0) : log.setpoints.back();
+      std::vector<double> commands = i < 0 ? setpoints(0.0) : log.setpoints.back();
+      if (i >= 0 && arm.hidden.command_delay > 0.0) {  // the last row that has arrived
+        const double late = time - arm.hidden.command_delay;
+        const auto row = static_cast<std::size_t>(std::max(0.0, std::floor(late * options.muscle_rate + 1e-9)));
+        commands = late < 0.0 ? setpoints(0.0) : log.setpoints[std::min(row, log.setpoints.size() - 1)];
+      }
       by_voltage ? simulation.setVoltages(commands) : simulation.control(commands);
     }
     simulation.step();

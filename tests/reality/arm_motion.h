@@ -26,9 +26,24 @@ struct DriveTruth {
   double ratio = 72.0, efficiency = 0.72, gear_inertia = 1.0e-5, gear_viscous = 0.002, gear_coulomb = 0.03;
 };
 
+/// What a model of the arm may not know; each by its own law, none from the model's.
+struct HiddenCauses {
+  /// Share of the tension that guides take on the way to the body, s/sqrt(s^2 + 1 mm/s) of it against the slip s.
+  double guide_loss = 0.0;
+  double command_delay = 0.0;                           ///< [s]
+  double current_limit = 1e9;                           ///< of every amplifier, at once [A]
+  double relaxing_share = 0.0, relaxing_time = 0.5;     ///< Maxwell branch of every cord, of k; [s]
+  double supply_resistance = 0.0, supply_time = 0.005;  ///< [ohm], [s]
+  double returned_efficiency = 1.0;                     ///< of the gear while the load drives the motor
+  std::vector<double> gains = {};                       ///< factors on K_p, shape (muscles); empty: 1
+  std::function<double(double angle, double speed)> elbow_drag =
+      {};  ///< torque on the last hinge [N m], of no catalogue
+};
+
 struct MovingArm {
   Arm arm;
   std::vector<DriveTruth> drives;  ///< shape (muscles)
+  HiddenCauses hidden = {};
 };
 
 /// Set-points at a time on the controllers' clock, shape (muscles) [rad].

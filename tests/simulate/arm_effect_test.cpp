@@ -48,6 +48,7 @@ std::vector<EffectCase> effectCases() {
   const ArmModel model = test::exampleArm();
   std::vector<EffectCase> all;
   for (const ArmEffect* effect : arm_effects::all()) {
+    if (effect->needs_motion) continue;  // motion_effect_test.cpp
     for (const std::string& target : effectTargets(*effect, model)) {
       for (EffectParameters p : effect->starts) {
         for (std::size_t i = 0; i < effect->parameters.size(); ++i) {

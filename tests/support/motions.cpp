@@ -1,6 +1,7 @@
 #include "support/motions.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <functional>
@@ -48,6 +49,23 @@ reality::Setpoints forearmSetpoints(int draw) {
     if (time >= 2.0) swing = draw % 2 ? 1.2 : -1.0;
     return std::vector<double>{pulled + swing, pulled - swing};
   };
+}
+
+MotionSet recordMotions(const reality::MovingArm& truth, const ArmModel& model,
+                        const std::function<reality::Setpoints(std::uint64_t)>& commands, std::uint64_t first,
+                        std::size_t count, const reality::MotionRigOptions& options) {
+  std::vector<std::string> muscles(count), joints(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const auto log = reality::recordMotion(truth, commands(first + i), options, first + i);
+    muscles[i] = reality::musclesCsv(log);
+    joints[i] = reality::jointsCsv(log, truth.arm);
+  });
+  std::string set = "format: simgap/motions/1\nmotions:\n";
+  for (std::size_t i = 0; i < count; ++i) set += fmt::format("  - {{name: m{0}, muscles: m{0}, joints: j{0}}}\n", i);
+  return readMotionsFor(model, YamlNode::parse(set, "set.yaml"), "set.yaml", [&](const std::filesystem::path& file) {
+    const std::string name = file.string();
+    return CsvTable::parse((name[0] == 'm' ? muscles : joints)[std::stoul(name.substr(1))], name);
+  });
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "reality/arm_motion.h"
+#include "simgap/simulate/motion_player.h"
 #include "support/files.h"
 
 namespace simgap::test {
@@ -15,6 +16,11 @@ reality::MovingArm trueForearm();
 
 /// Steps of co-contraction and a sine, set by `draw`.
 reality::Setpoints forearmSetpoints(int draw);
+
+/// `count` motions of an arm as the rig logs them, read for its model; number i has the commands of `commands(i)`.
+MotionSet recordMotions(const reality::MovingArm& truth, const ArmModel& model,
+                        const std::function<reality::Setpoints(std::uint64_t)>& commands, std::uint64_t first,
+                        std::size_t count, const reality::MotionRigOptions& options);
 
 /// A motion set of `count` motions of the true forearm in `folder`/NAME.yaml, drawn from `first` on.
 void putMotions(const TemporaryFolder& folder, const std::string& name, int first, int count,

@@ -69,10 +69,11 @@ class BulletArm {
   void stepMotion();
   /// As setJointVelocity().
   Eigen::Vector3d jointVelocity(std::size_t joint) const;
-  double shaftVelocity(std::size_t muscle) const;  ///< [rad/s]
-  double voltage(std::size_t muscle) const;        ///< [V]
-  double cordLength(std::size_t muscle) const;     ///< L_S [m], as of the last step
-  double mechanicalEnergy();                       ///< of bodies, their weight and linear cords [J]
+  double shaftVelocity(std::size_t muscle) const;   ///< [rad/s]
+  double voltage(std::size_t muscle) const;         ///< [V]
+  double controllerGain(std::size_t muscle) const;  ///< by which effects change a shaft controller's, a factor
+  double cordLength(std::size_t muscle) const;      ///< L_S [m], as of the last step
+  double mechanicalEnergy();                        ///< of bodies, their weight and linear cords [J]
   ///@}
 
   double time() const;  ///< [s] since reset
@@ -129,6 +130,10 @@ class BulletArm {
   Motion& motion();
   void forgetMotion();
   double pathLength(std::size_t muscle);  ///< [m]
+  void setMotionEffects();
+  void sagSupply();
+  void slipGuides(double step);
+  void yieldCords();
   void touchRow(const PathParts& way, Eigen::VectorXd& row);
   void placePull(std::size_t index, const DriveState& middle);
   void placePassive(std::size_t index);
@@ -168,6 +173,8 @@ class BulletArm {
   std::vector<Touch> touches_;             ///< of the line that followPath() was last called for
   std::vector<std::vector<int>> crossed_;  ///< per extension with a path: the joints its muscle crosses
   ArmObservation observation_;
+  SupplyTerm supply_{0.0, 1.0};
+  bool guided_ = false, yielding_ = false;  ///< whether any line loses at guides, any cord relaxes
   double pose_time_ = 0.0;
   std::vector<double> shafts_before_;
   std::vector<BodyInWorld> frames_;     ///< shape (bodies)

@@ -110,7 +110,8 @@ class Rollout {
   std::vector<CommandKind> kinds_;
   std::vector<std::unique_ptr<MuscleController>> controllers_;
   std::unique_ptr<JointPositionController> pilot_;  ///< of the targets
-  std::vector<double> commands_;                    ///< scratch, shape (muscles + lines)
+  std::vector<double> commands_, later_;            ///< scratch, shape (muscles + lines)
+  double delay_ = 0.0;                              ///< of the commands [s]
   std::unique_ptr<Sample> before_, now_;
   double origin_ = 0.0;  ///< time of step 0 [s]
   long steps_ = 0;

@@ -7,6 +7,7 @@
 
 #include "cli/fit_options.h"
 #include "cli/inputs.h"
+#include "cli/motion_commands.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/core/run_directory.h"
@@ -24,7 +25,7 @@ namespace {
 struct Options {
   CommonOptions common;
   LogFileOptions table;
-  std::string model, bench, config;
+  std::string model, bench, config, motions, validation_motions;
   std::vector<std::string> logs, poses;
   std::optional<double> ratio;
   std::optional<int> max_causes;
@@ -146,14 +147,46 @@ ExitCode runPoses(const Options& options, Session& session) {
   return ExitCode::kDone;
 }
 
+ExitCode runMotions(const Options& options, Session& session) {
+  MotionDiagnoseOptions motion{options.common,
+                               options.table.skip_bad_rows,
+                               options.model,
+                               options.motions,
+                               options.validation_motions,
+                               options.config,
+                               {}};
+  if (options.diagnose.self_tests > 0)
+    throw ConfigError("found --self-test with --motions, expected it with --log or --poses");
+  motion.diagnose.effects = options.diagnose.effects;
+  if (options.max_causes) motion.diagnose.max_causes = static_cast<std::size_t>(*options.max_causes);
+  motion.diagnose.level = options.diagnose.level;
+  motion.diagnose.ignore_faults = options.diagnose.ignore_faults;
+  motion.diagnose.seed = options.common.seed.value_or(1);
+  if (!options.holdout.empty()) {
+    const auto fraction = parseNumber(options.holdout);
+    if (!fraction || !options.validation_motions.empty()) {
+      throw ConfigError(
+          fmt::format("--holdout: found '{}', expected a fraction of the motions, without "
+                      "--validation-motions",
+                      options.holdout));
+    }
+    motion.diagnose.holdout = *fraction;
+  }
+  return diagnoseMotionSet(motion, session);
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("diagnose", options.common, argv);
-  if (options.logs.empty() == options.poses.empty()) {
-    throw ConfigError("found neither or both of --log and --poses, expected one of them");
+  if (int{!options.logs.empty()} + int{!options.poses.empty()} + int{!options.motions.empty()} != 1) {
+    throw ConfigError("found none or several of --log, --poses and --motions, expected one of them");
   }
   if (options.logs.empty() && !options.table.topics.empty()) {
-    throw ConfigError("found --topic with --poses, expected it with --log");
+    throw ConfigError("found --topic without --log, expected it with --log");
   }
+  if (options.motions.empty() && !options.validation_motions.empty()) {
+    throw ConfigError("found --validation-motions without --motions, expected both");
+  }
+  if (!options.motions.empty()) return runMotions(options, session);
   return options.poses.empty() ? runLog(options, session, app) : runPoses(options, session);
 }
 
@@ -167,8 +200,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--log", options->logs,
                  "measured log (CSV) of a drive, muscle or spring; several: sessions of one rig");
   app.add_option("--poses", options->poses, "recorded poses (CSV) of an arm; several files: of one and the same arm");
+  app.add_option("--motions", options->motions, "recorded motions (YAML) of an arm");
+  app.add_option("--validation-motions", options->validation_motions,
+                 "other motions that only measure the gain (default: 30 % of --motions)");
   app.add_option("--config", options->config,
-                 "of --poses: calibration config with parameters and priors (default: the paper's)");
+                 "of --poses and --motions: calibration config with parameters and priors (default: built in)");
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML; default: external_torque_Nm)");
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")
       ->check(CLI::PositiveNumber & finiteNumber());
@@ -176,7 +212,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       "--holdout", options->holdout,
       "what only measures the gain: a fraction of the blocks or poses (default 0.25), or COLUMN=VALUE,… of a log");
   app.add_option("--effects", options->diagnose.effects, "try these causes only (comma-separated)")->delimiter(',');
-  app.add_option("--max-causes", options->max_causes, "stop after so many causes (default 4, of poses 8)")
+  app.add_option("--max-causes", options->max_causes, "stop after so many causes (default 4, of poses 8, of motions 2)")
       ->check(CLI::Range(1, 10));
   app.add_option("--level", options->diagnose.level, "false-alarm rate of each step")->check(CLI::Range(1e-6, 0.5));
   app.add_option("--self-test", options->diagnose.self_tests,
@@ -195,7 +231,10 @@ const Command entry{"diagnose", "what the model gets wrong, the physical cause, 
                     "  simgap diagnose classic --log data/logs/bend-friction.csv.gz \\\n"
                     "    -o runs/diagnosis\n"
                     "  simgap diagnose data/arm-dense/arm.yaml \\\n"
-                    "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm",
+                    "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm\n"
+                    "  simgap diagnose data/motions/arm.yaml --dry-run \\\n"
+                    "    --motions data/motions/open-none/calibration/motions.yaml \\\n"
+                    "    --validation-motions data/motions/open-none/validation/motions.yaml",
                     define};
 
 }  // namespace simgap::commands::diagnose

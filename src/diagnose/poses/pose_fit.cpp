@@ -12,47 +12,23 @@ namespace {
 constexpr double kUnbounded = 1e-9;     // curvature, in prior units, of what nothing bounds
 constexpr double kNoEquilibrium = 1e4;  // d_p^2 of a pose the model cannot take
 
-ArmModel withCauses(const PoseProblem& problem, const std::vector<PoseCause>& causes) {
-  ArmModel model = problem.nominal;
+ArmModel priorModel(const PoseProblem& problem, const std::vector<PoseCause>& causes) {
+  ArmModel model = withCauses(problem.nominal, causes);
   for (Joint& joint : model.joints) joint.coulomb_friction *= problem.stray_friction;
-  for (const PoseCause& cause : causes) {
-    EffectParameters p{};
-    for (std::size_t i = 0; i < cause.effect->parameters.size(); ++i) {
-      const ArmEffectParameter& parameter = cause.effect->parameters[i];
-      p[i] = parameter.fitted ? parameter.neutral : cause.start[i];
-    }
-    model.extensions.push_back(makeExtension(*cause.effect, cause.target, p));
-  }
   return model;
-}
-
-ParameterSpace spaceOf(const PoseProblem& problem, const ArmModel& model, const std::vector<PoseCause>& causes) {
-  std::vector<ParameterSpace::Choice> choices = problem.parameters;
-  for (const PoseCause& cause : causes) {
-    for (const ArmEffectParameter& p : cause.effect->parameters) {
-      if (!p.fitted) continue;
-      choices.push_back(
-          {"extensions." + cause.label() + "." + std::string(p.name), 0.1 * p.scale, {}, {}, p.scale, {}});
-    }
-  }
-  return ParameterSpace(model, choices);
-}
-
-Eigen::Index fittedParameters(const PoseCause& cause) {
-  return std::ranges::count_if(cause.effect->parameters, [](const auto& p) { return p.fitted; });
 }
 
 }  // namespace
 
 PoseFit::PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::vector<PoseCause> causes)
-    : prior_(withCauses(problem, causes)),
+    : prior_(priorModel(problem, causes)),
       nominal_joints_(problem.nominal.joints),
       causes_(std::move(causes)),
-      space_(spaceOf(problem, prior_, causes_)),
+      space_(prior_, choicesWith(problem.parameters, causes_)),
       posterior_(prior_, poses, space_, problem.noise),
       ordinary_(space_.size()),
       z_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(space_.size()))) {
-  for (const PoseCause& cause : causes_) ordinary_ -= static_cast<std::size_t>(fittedParameters(cause));
+  for (const PoseCause& cause : causes_) ordinary_ -= static_cast<std::size_t>(fittedParameters(*cause.effect));
 }
 
 ArmModel PoseFit::model() const {
@@ -79,8 +55,8 @@ Eigen::VectorXd PoseFit::extended(const Eigen::VectorXd& z) const {
 
 Eigen::VectorXd PoseFit::solutionWithout(std::size_t cause) const {
   auto first = static_cast<Eigen::Index>(ordinary_);
-  for (std::size_t c = 0; c < cause; ++c) first += fittedParameters(causes_[c]);
-  const Eigen::Index gone = fittedParameters(causes_[cause]);
+  for (std::size_t c = 0; c < cause; ++c) first += fittedParameters(*causes_[c].effect);
+  const Eigen::Index gone = fittedParameters(*causes_[cause].effect);
   Eigen::VectorXd rest(z_.size() - gone);
   rest << z_.head(first), z_.tail(z_.size() - first - gone);
   return rest;

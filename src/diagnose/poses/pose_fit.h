@@ -10,23 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "diagnose/arm_cause.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/ranks.h"
 #include "simgap/fit/poses/levenberg_marquardt.h"
-#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
 
-/// A cause with its choices made, and where the fit of it begins.
-struct PoseCause {
-  const ArmEffect* effect = nullptr;
-  std::string target;
-  EffectParameters start{};
-  std::string label() const {
-    return target.empty() ? std::string(effect->name) : std::string(effect->name) + ":" + target;
-  }
-};
+using PoseCause = ArmCause;
 
 /// What all fits of a diagnosis share.
 struct PoseProblem {

@@ -32,10 +32,6 @@ constexpr double kMostLeftOut = 0.1;  // of the poses: where more have no rest, 
 constexpr std::size_t kKept = 3;      // models of other causes that are kept beside each
 constexpr std::size_t kTried = 6;     // candidates of a step that are cross-validated until one passes
 
-int fittedParameters(const ArmEffect& effect) {
-  return static_cast<int>(std::ranges::count_if(effect.parameters, [](const auto& p) { return p.fitted; }));
-}
-
 class PoseSelector {
  public:
   PoseSelector(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<PoseHypothesis>& hypotheses,
@@ -177,7 +173,7 @@ double PoseSelector::share(const PoseHypothesis& hypothesis) const {
 }
 
 double PoseSelector::pAdjusted(const PoseCandidate& candidate) const {
-  const int freedom = fittedParameters(*candidate.cause.effect);
+  const auto freedom = static_cast<int>(fittedParameters(*candidate.cause.effect));
   return std::min(1.0, chiSquaredTail(2.0 * candidate.likelihood, freedom) / candidate.share);
 }
 
@@ -372,6 +368,10 @@ std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<cons
   std::vector<PoseHypothesis> hypotheses;
   for (const ArmEffect* effect : arm_effects::all()) {
     if (!effects.empty() && std::ranges::find(effects, effect->name) == effects.end()) continue;
+    if (effect->needs_motion) {
+      if (!effects.empty()) not_testable.push_back({std::string(effect->name), "needs motions"});
+      continue;
+    }
     if (effect->needs_time && !timed) {
       not_testable.push_back({std::string(effect->name), "needs time_s"});
       continue;

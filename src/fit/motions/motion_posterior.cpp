@@ -159,6 +159,19 @@ std::vector<double> MotionPosterior::objectives(std::span<const Eigen::VectorXd>
   return objectives;
 }
 
+std::vector<std::vector<Eigen::VectorXd>> MotionPosterior::residualsOf(std::span<const ArmModel> models,
+                                                                       std::span<const double> delays) const {
+  const std::size_t motions = motions_.size();
+  std::vector<Eigen::VectorXd> flat(models.size() * motions);
+  computeOnRanks(
+      std::span(flat),
+      [&](std::size_t task) { return residualsOf(models[task / motions], delays[task / motions], task % motions); },
+      /*one_by_one=*/false);
+  std::vector<std::vector<Eigen::VectorXd>> residuals(models.size());
+  for (std::size_t task = 0; task < flat.size(); ++task) residuals[task / motions].push_back(std::move(flat[task]));
+  return residuals;
+}
+
 double MotionPosterior::objectiveOf(const MotionEvaluation& evaluation, const Eigen::VectorXd& z) const {
   if (!evaluation.valid) return kInfinity;
   double sum = 0.0;

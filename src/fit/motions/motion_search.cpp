@@ -26,13 +26,6 @@ constexpr double kMostDamping = 1e6;
 constexpr double kMostNoise = 1e-3;
 constexpr float kFallen = 100.0F;  // ratio of the squares of differences forwards and backwards
 
-/// The derivatives at hand, and where they stand.
-struct MotionLinearisation {
-  Eigen::VectorXd z;
-  MotionEvaluation at;
-  std::vector<RowMajorF> jacobians;
-};
-
 /// J += (dr - J dz) dz^T / |dz|^2
 void learnFromStep(MotionLinearisation& here, const Eigen::VectorXd& step, const MotionEvaluation& there) {
   const Eigen::VectorXf direction = (step / step.squaredNorm()).cast<float>();
@@ -87,19 +80,6 @@ Eigen::MatrixXd covarianceOf(const MotionPosterior::NormalEquations& normal) {
 /// ones are bent.
 Eigen::VectorXd differenceSteps(const Eigen::MatrixXd& covariance) {
   return covariance.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseMax(kSmallestStep).cwiseMin(kLargestStep);
-}
-
-MotionLinearisation linearise(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
-                              const std::function<void(const MotionSearchNews&)>& news) {
-  MotionLinearisation here{z, posterior.evaluate(z), {}};
-  if (interruptRequested()) throw InterruptedError("interrupted");
-  if (!here.at.valid) throw NumericsError("the motions cannot be played with these parameters");
-  const std::size_t of = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
-  here.jacobians = posterior.jacobian(z, steps, here.at, [&](std::size_t done) {
-    if (news) news({done, of});
-  });
-  if (interruptRequested()) throw InterruptedError("interrupted");
-  return here;
 }
 
 /// Squares of the noise of central differences, summed over all residuals as they are weighed. Forwards and backwards
@@ -157,7 +137,21 @@ MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, c
           left,   from_optimum};
 }
 
-/// Steps with one set of derivatives. \returns how many were accepted
+}  // namespace
+
+MotionLinearisation linearise(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                              const std::function<void(const MotionSearchNews&)>& news) {
+  MotionLinearisation here{z, posterior.evaluate(z), {}};
+  if (interruptRequested()) throw InterruptedError("interrupted");
+  if (!here.at.valid) throw NumericsError("the motions cannot be played with these parameters");
+  const std::size_t of = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
+  here.jacobians = posterior.jacobian(z, steps, here.at, [&](std::size_t done) {
+    if (news) news({done, of});
+  });
+  if (interruptRequested()) throw InterruptedError("interrupted");
+  return here;
+}
+
 int descend(const MotionPosterior& posterior, MotionLinearisation& here, double& damping, long& rollouts) {
   int accepted = 0;
   for (int i = 0; i < kMostSteps && damping < kMostDamping; ++i) {
@@ -184,7 +178,13 @@ int descend(const MotionPosterior& posterior, MotionLinearisation& here, double&
   return accepted;
 }
 
-}  // namespace
+Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinearisation& here) {
+  return covarianceOf(posterior.normalEquations(here.z, here.at, here.jacobians));
+}
+
+Eigen::VectorXd differenceSteps(const MotionPosterior& posterior, const MotionLinearisation& here) {
+  return differenceSteps(covarianceAt(posterior, here));
+}
 
 MotionSearchState beginSearch(const MotionPosterior& posterior) {
   MotionSearchState state;

@@ -226,6 +226,7 @@ void wrapLine(const EffectParameters& p, int line, ArmModel& model) {
 
 void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model) {
   for (const auto& [effect, target, p] : extensions) {
+    if (effect->change) effect->change(p, target, model);
     if (effect->gravity) model.gravity = effect->gravity(p, model.gravity).gravity;
     if (effect->joint_shift) model.joints[target].parent_position += effect->joint_shift(p);
     if (effect->path && wrapsAsSurface(model, target)) wrapLine(p, target, model);

@@ -3,6 +3,7 @@
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
 #include "simgap/report/log_predictions.h"
+#include "simgap/report/motions/motion_report.h"
 
 namespace simgap {
 namespace {
@@ -39,6 +40,16 @@ void writeLogDiagnosis(const LogDiagnosis& result, const FittedModel& given, con
                   predictionsCsv(log, {{"before", &result.predicted_before}, {"after", &result.predicted_after}}));
   writeDiagnosisTables(result.diagnosis, directory);
   writeLeftovers(result.diagnosis, directory);
+}
+
+void writeMotionDiagnosis(const MotionDiagnosis& result, const RunDirectory& directory) {
+  if (result.after.empty()) return;
+  directory.write("baseline.yaml", writeArm(result.baseline));
+  directory.write("model.yaml", writeArm(result.model));
+  const PlayedSet before{"held out", "before", &result.held_out, &result.before},
+      after{"held out", "with the causes", &result.held_out, &result.after};
+  directory.write("residuals.csv", residualsCsv(result.layout, {before, after}));
+  writeDiagnosisTables(result.diagnosis, directory);
 }
 
 void writePoseDiagnosis(const PoseDiagnosis& result, const RunDirectory& directory) {

@@ -2,7 +2,6 @@
 // static calibration and data sheets leave. The table of docs/studies/motions.md.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -101,18 +100,8 @@ reality::Setpoints drawMovement(const reality::Arm& arm, std::uint64_t draw) {
 /// `count` recorded movements of the true arm.
 MotionSet record(const reality::MovingArm& truth, const ArmModel& model, std::uint64_t first, std::size_t count,
                  const reality::MotionRigOptions& options) {
-  std::vector<std::string> muscles(count), joints(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    const auto log = reality::recordMotion(truth, drawMovement(truth.arm, first + i), options, first + i);
-    muscles[i] = reality::musclesCsv(log);
-    joints[i] = reality::jointsCsv(log, truth.arm);
-  });
-  std::string set = "format: simgap/motions/1\nmotions:\n";
-  for (std::size_t i = 0; i < count; ++i) set += fmt::format("  - {{name: m{0}, muscles: m{0}, joints: j{0}}}\n", i);
-  return readMotionsFor(model, YamlNode::parse(set, "set.yaml"), "set.yaml", [&](const std::filesystem::path& file) {
-    const std::string name = file.string();
-    return CsvTable::parse((name[0] == 'm' ? muscles : joints)[std::stoul(name.substr(1))], name);
-  });
+  const auto movement = [&](std::uint64_t draw) { return drawMovement(truth.arm, draw); };
+  return test::recordMotions(truth, model, movement, first, count, options);
 }
 
 bool isDynamic(const std::string& name) {

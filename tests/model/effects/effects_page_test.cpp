@@ -111,8 +111,10 @@ std::string entry(const ArmEffect& effect) {
 
 std::string entries(const std::string& group) {
   std::string text;
-  if (group == "arm") {
-    for (const ArmEffect* effect : arm_effects::all()) text += entry(*effect);
+  if (group == "arm" || group == "motion") {
+    for (const ArmEffect* effect : arm_effects::all()) {
+      if (effect->needs_motion == (group == "motion")) text += entry(*effect);
+    }
     return text;
   }
   for (const ActuatorEffect* effect : actuator_effects::all()) {

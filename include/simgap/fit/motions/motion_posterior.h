@@ -61,6 +61,11 @@ class MotionPosterior {
   /// The objective alone, of many z at once: models x motions in parallel. Infinite where a motion cannot be played.
   std::vector<double> objectives(std::span<const Eigen::VectorXd> z) const;
 
+  /// Residuals of all motions with other models of this arm, shape (models)(motions)(numbers); empty where a motion
+  /// cannot be played. \param delays  of the capture's clock, shape (models) [s]
+  std::vector<std::vector<Eigen::VectorXd>> residualsOf(std::span<const ArmModel> models,
+                                                        std::span<const double> delays) const;
+
   /// d residuals / d z of every motion, shape (motions) of (numbers, size()), by rollouts with each parameter moved by
   /// its step; and of the poses, which go into `at.poses`.
   /// \param steps  shape (size()), in z, of either sign  \param progress  called with the number of rollouts done, of

@@ -59,6 +59,26 @@ struct MotionSearchNews {
   std::size_t of;
 };
 
+/// \name Parts of a search, for those who choose when derivatives are made anew
+///@{
+/// Residuals and derivatives, and where they stand.
+struct MotionLinearisation {
+  Eigen::VectorXd z;
+  MotionEvaluation at;
+  std::vector<RowMajorF> jacobians;  ///< shape (motions)
+};
+/// \throws NumericsError: the motions cannot be played with these parameters; InterruptedError
+MotionLinearisation linearise(const MotionPosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                              const std::function<void(const MotionSearchNews&)>& news);
+/// Marquardt's steps with one set of derivatives, which each corrects, until it promises little more.
+/// \param[in,out] rollouts  counts them  \returns how many steps were accepted  \throws InterruptedError
+int descend(const MotionPosterior& posterior, MotionLinearisation& here, double& damping, long& rollouts);
+/// Steps of the next differences: about a standard deviation of what will be known, in z.
+Eigen::VectorXd differenceSteps(const MotionPosterior& posterior, const MotionLinearisation& here);
+/// Inverse of the curvature at `here`.
+Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinearisation& here);
+///@}
+
 /// Searches to the end, or for `max_rounds`. \param after_round  to store the state
 /// \throws NumericsError: the motions cannot be played with the parameters it begins with; InterruptedError
 MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& state, int max_rounds,

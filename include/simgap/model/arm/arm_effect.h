@@ -90,6 +90,30 @@ struct Stiction {
   double torque;       ///< [N m]
   bool from_previous;  ///< comes from the pose before; else from rest
 };
+/// What a muscle's motor and controller do otherwise.
+struct MotorTerm {
+  double gain = 1.0;                 ///< of its shaft controller, as a factor
+  double current_limit = kInfinity;  ///< [A]
+  double returned = 1.0;             ///< efficiency while the load drives the motor, of that while the motor drives
+};
+
+/// A cord that goes on yielding under a steady pull: a spring of `share` of its stiffness in line with a damper.
+struct Relaxation {
+  double share;
+  double time;  ///< in which the branch gives up its force [s]
+};
+
+/// A guide between cord and body, against the way in which the line slips.
+struct GuideTerm {
+  double loss = 0.0;   ///< of the tension [1]
+  double creep = 1.0;  ///< speed below which it grows with the slip [m/s]
+};
+
+/// A supply all motors hang on.
+struct SupplyTerm {
+  double resistance;  ///< [ohm]
+  double time;        ///< of its capacitors, in which the voltage follows [s]
+};
 ///@}
 
 /// A named physical cause and what it changes. Exactly one hook is set. All are pure, allocate nothing, throw nothing.
@@ -112,6 +136,7 @@ struct ArmEffect {
   bool needs_time = false;                        ///< of every pose
   bool from_moment = false;     ///< acts from a moment on, its second parameter, that a diagnosis has to search
   bool in_every_joint = false;  ///< of a real arm: to find it is no false alarm
+  bool needs_motion = false;    ///< it acts while the arm moves: no pose shows it
   int from_previous = -1;  ///< parameter that says whether what it does depends on the pose before, which needs times
 
   Lengthening (*line)(const EffectParameters& p, const LineState& state) = nullptr;
@@ -132,6 +157,18 @@ struct ArmEffect {
   /// Rotation vector from the body's bones to its markers, in the body's frame [rad]; its derivative is the identity.
   Eigen::Vector3d (*marker_turn)(const EffectParameters& p) = nullptr;
   Stiction (*stiction)(const EffectParameters& p) = nullptr;
+
+  /// \name Of effects that need motion: no derivatives, these come from differences of rollouts
+  ///@{
+  /// Numbers of the model itself.
+  void (*change)(const EffectParameters& p, int target, ArmModel& model) = nullptr;
+  double (*command_delay)(const EffectParameters& p) = nullptr;  ///< commands act that much later [s]
+  double (*frame_delay)(const EffectParameters& p) = nullptr;    ///< joints are seen that much later than stamped [s]
+  void (*motor)(const EffectParameters& p, MotorTerm& term) = nullptr;
+  GuideTerm (*guide)(const EffectParameters& p) = nullptr;
+  Relaxation (*relaxation)(const EffectParameters& p) = nullptr;
+  SupplyTerm (*supply)(const EffectParameters& p) = nullptr;
+  ///@}
 
   /// Whether a choice makes sense for a target; null: always. \returns what is expected instead, empty when it does
   std::string (*expected)(const EffectParameters& p, const ArmModel& model, int target) = nullptr;

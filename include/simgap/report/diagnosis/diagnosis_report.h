@@ -6,6 +6,7 @@
 
 #include "simgap/core/run_directory.h"
 #include "simgap/diagnose/logs/refitted_model.h"
+#include "simgap/diagnose/motions/motion_diagnosis.h"
 #include "simgap/diagnose/poses/pose_diagnosis.h"
 
 namespace simgap {
@@ -22,5 +23,13 @@ void writeLogDiagnosis(const LogDiagnosis& result, const FittedModel& given, con
                        const PreparedLog& log, const LogSource& source, const RunDirectory& directory);
 /// model.yaml, poses.csv and the tables of hypotheses and evidence.
 void writePoseDiagnosis(const PoseDiagnosis& result, const RunDirectory& directory);
+
+/// \name On motions: the same, and what each motion says
+///@{
+Json toJson(const MotionDiagnosis& result);
+std::string terminalTable(const MotionDiagnosis& result);
+/// baseline.yaml, model.yaml, residuals.csv and the tables of hypotheses and evidence; nothing where data are at fault.
+void writeMotionDiagnosis(const MotionDiagnosis& result, const RunDirectory& directory);
+///@}
 
 }  // namespace simgap

@@ -5,6 +5,8 @@
 #include <map>
 
 #include "report/diagnosis/cause_table.h"
+#include "report/diagnosis/motion_says.h"
+#include "report/motions/motion_tables.h"
 #include "report/poses/arm_scene.h"
 #include "simgap/report/html/result_page.h"
 
@@ -347,6 +349,15 @@ PageVerdict verdictOf(const ResultFiles& files) {
   return shown;
 }
 
+/// Which motion spoke for which cause, and the errors over time.
+void addMotions(const ResultFiles& files, Page& page) {
+  if (!files.result().contains("motions")) return;
+  page.addSection("Motions");
+  Table says = motionSays(files.result());
+  page.add(std::move(says));
+  if (files.has("residuals.csv")) addResidualCharts(files, page);
+}
+
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   const std::string sentence = text(result, "sentence");
@@ -369,6 +380,7 @@ Page make(const ResultFiles& files) {
   addArm(files, page);
   addEvidence(files, evidence, page);
   addPredictions(files, page);
+  addMotions(files, page);
   addSelfTest(result, page);
   addHypotheses(files, page);
   addLimits(result, page);

@@ -1,0 +1,52 @@
+/// \file
+/// What a model of an arm gets wrong while it moves, and what causes it (docs/diagnose-motions.md). Every effect of the
+/// catalogue that acts over seconds, on every target, is scanned by rollouts; the best are refitted with all
+/// parameters; a cause is named only if motions that took no part in any of that are missed by less with it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "simgap/diagnose/diagnosis.h"
+#include "simgap/fit/motions/motion_calibration.h"
+
+namespace simgap {
+
+struct MotionDiagnosisOptions {
+  std::vector<std::string> effects;  ///< names to test; empty: all
+  std::size_t max_causes = 2;
+  double level = 0.05;         ///< of placebos
+  double holdout = 0.3;        ///< fraction of the motions that only measure the gain, without a set of their own
+  bool ignore_faults = false;  ///< go on without the faulty motions
+  std::uint64_t seed = 1;
+  /// \throws ConfigError: an unknown effect, a level or a fraction outside (0, 1)
+  void validate() const;
+};
+
+/// What one motion says.
+struct MotionSay {
+  std::string motion;
+  bool held_out;
+  double before, after;  ///< mean square of its residuals, in variances of the noise
+  double evidence;       ///< its part of the evidence for the causes; of held-out ones NaN
+  std::string worst;     ///< "elbow at 3.2 s": where it is missed most with the causes
+};
+
+struct MotionDiagnosis {
+  Diagnosis diagnosis;
+  std::vector<MotionSay> motions;
+  ArmModel model;                           ///< with the causes
+  ArmModel baseline;                        ///< without, fitted to the same motions
+  MotionSet held_out;                       ///< by which it was judged
+  std::vector<PlayedMotion> before, after;  ///< of these
+  PoseLayout layout;
+  long rollouts = 0;
+};
+
+/// \param held_out  given: those judge, and all of `motions` select; else a fraction of `motions`
+/// \throws DataError: fewer than 4 motions to select with or 3 to judge by. NumericsError: the motions cannot be played
+MotionDiagnosis diagnoseMotions(const ArmModel& model, const MotionSet& motions, const MotionSet* held_out,
+                                const MotionCalibrationConfig& config, const MotionDiagnosisOptions& options,
+                                const DiagnosisProgress& progress);
+
+}  // namespace simgap

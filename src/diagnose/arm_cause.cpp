@@ -1,0 +1,37 @@
+#include "arm_cause.h"
+
+#include <algorithm>
+
+namespace simgap {
+
+Eigen::Index fittedParameters(const ArmEffect& effect) {
+  return std::ranges::count_if(effect.parameters, [](const ArmEffectParameter& p) { return p.fitted; });
+}
+
+ArmModel withCauses(const ArmModel& model, const std::vector<ArmCause>& causes) {
+  ArmModel extended = model;
+  for (const ArmCause& cause : causes) {
+    EffectParameters p{};
+    for (std::size_t i = 0; i < cause.effect->parameters.size(); ++i) {
+      const ArmEffectParameter& parameter = cause.effect->parameters[i];
+      p[i] = parameter.fitted ? parameter.neutral : cause.start[i];
+    }
+    extended.extensions.push_back(makeExtension(*cause.effect, cause.target, p));
+  }
+  return extended;
+}
+
+std::vector<ParameterSpace::Choice> choicesWith(const std::vector<ParameterSpace::Choice>& parameters,
+                                                const std::vector<ArmCause>& causes) {
+  std::vector<ParameterSpace::Choice> choices = parameters;
+  for (const ArmCause& cause : causes) {
+    for (const ArmEffectParameter& p : cause.effect->parameters) {
+      if (!p.fitted) continue;
+      choices.push_back(
+          {"extensions." + cause.label() + "." + std::string(p.name), 0.1 * p.scale, {}, {}, p.scale, {}});
+    }
+  }
+  return choices;
+}
+
+}  // namespace simgap

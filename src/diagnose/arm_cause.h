@@ -1,0 +1,32 @@
+/// \file
+/// A physical cause put into the model of an arm, and its parameters among those of a fit.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "simgap/model/arm/arm_effect.h"
+#include "simgap/model/arm/parameter_space.h"
+
+namespace simgap {
+
+/// A cause with its choices made, and where the fit of it begins.
+struct ArmCause {
+  const ArmEffect* effect = nullptr;
+  std::string target;
+  EffectParameters start{};
+  std::string label() const {
+    return target.empty() ? std::string(effect->name) : std::string(effect->name) + ":" + target;
+  }
+};
+
+/// What a search changes of a cause: without a choice or a moment.
+Eigen::Index fittedParameters(const ArmEffect& effect);
+
+/// The model with causes at their expected values, choices as they were made.
+ArmModel withCauses(const ArmModel& model, const std::vector<ArmCause>& causes);
+/// The parameters of a fit with theirs, each with the prior that the effect states.
+std::vector<ParameterSpace::Choice> choicesWith(const std::vector<ParameterSpace::Choice>& parameters,
+                                                const std::vector<ArmCause>& causes);
+
+}  // namespace simgap

@@ -1,0 +1,317 @@
+#include "simgap/diagnose/motions/motion_diagnosis.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/verdict.h"
+#include "motion_evidence.h"
+#include "motion_faults.h"
+#include "motion_heldout.h"
+#include "motion_selection.h"
+#include "simgap/core/error.h"
+#include "simgap/core/text.h"
+
+namespace simgap {
+namespace {
+
+constexpr std::size_t kFewestSelecting = 4, kFewestJudging = 3;
+constexpr double kClearEvidence = 12.0;    // in nats: of some hundred hypotheses one gains 8 by chance
+constexpr double kLeastGain = 0.01;        // of the held-out mean square
+constexpr double kKnownClocks = 0.005;     // [s] to which clocks agree where nothing is wrong with them
+constexpr double kLargeRest = 1.5 * 1.5;   // of the noise's variance: what no model of noise leaves
+constexpr double kMostOfIt = 60.0;         // [%] of the error that named causes have to explain, if much is left
+constexpr double kUsualRollouts = 2000.0;  // per motion, for the progress
+
+/// The motions that select and those that judge.
+struct MotionSplit {
+  MotionSet selecting, judging;
+};
+
+MotionSplit splitMotions(const MotionSet& motions, const MotionSet* held_out, double fraction) {
+  MotionSplit split{{motions.file, {}}, {motions.file, {}}};
+  if (held_out) return {motions, *held_out};
+  double owed = 0.5;  // spread evenly over the order of the set
+  for (const RecordedMotion& motion : motions.motions) {
+    owed += fraction;
+    const bool judges = owed >= 1.0 - 1e-12;
+    if (judges) owed -= 1.0;
+    (judges ? split.judging : split.selecting).motions.push_back(motion);
+  }
+  return split;
+}
+
+class MotionDiagnosing {
+ public:
+  MotionDiagnosing(const ArmModel& model, const MotionCalibrationConfig& config, const MotionDiagnosisOptions& options,
+                   const DiagnosisProgress& progress)
+      : problem_{model, config.parameters, config.motions, {}}, options_(options), progress_(progress) {
+    double& delay = problem_.options.capture_delay_sd;
+    delay = std::min(delay, kKnownClocks);  // more is a cause: joint-clock-offset
+  }
+  MotionDiagnosis run(const MotionSet& motions, const MotionSet* held_out);
+
+ private:
+  bool faulty(const MotionSet& motions, const MotionSet* held_out);
+  void search();
+  bool judge(const MotionCauseFit& base, const FoundCause& found);
+  void conclude();
+  void fillErrors();
+  void sayWhatIsLeft();
+  void withdrawPartial();
+
+  MotionProblem problem_;
+  const MotionDiagnosisOptions& options_;
+  const DiagnosisProgress& progress_;
+  MotionSplit split_;
+  std::vector<MotionHypothesis> hypotheses_;
+  std::unique_ptr<MotionCauseFit> plain_, last_;  // last_: with all named causes, null without any
+  std::vector<FoundCause> found_;                 // named; their fits have moved to last_
+  MotionDiagnosis result_;
+};
+
+/// Looks for faults. \returns whether they end the diagnosis
+bool MotionDiagnosing::faulty(const MotionSet& motions, const MotionSet* held_out) {
+  const PoseLayout layout = problem_.nominal.poseLayout();
+  split_ = splitMotions(motions, held_out, options_.holdout);
+  std::vector<DataFault>& faults = result_.diagnosis.faults;
+  for (MotionSet* set : {&split_.selecting, &split_.judging}) {
+    std::vector<bool> wrong;
+    for (DataFault& fault : findMotionFaults(*set, layout, wrong)) {
+      fault.corrected = options_.ignore_faults;
+      faults.push_back(std::move(fault));
+    }
+    std::size_t i = 0;
+    std::erase_if(set->motions, [&](const RecordedMotion&) { return wrong[i++]; });
+  }
+  if (const DataFault* fault = openFault(faults)) {
+    result_.diagnosis.verdict = DiagnosisVerdict::kDataFault;
+    result_.diagnosis.sentence = fault->sentence;
+    result_.diagnosis.next_experiment =
+        "mend what is said and record these motions again; --ignore-faults goes on without them";
+    return true;
+  }
+  const auto refuse = [&](const char* what, std::size_t found, std::size_t fewest) {
+    throw DataError(fmt::format("{}: found {} motions to {}, expected at least {}{}", motions.file, found, what, fewest,
+                                held_out ? "" : " (of one set 30 % judge; --validation-motions gives others)"));
+  };
+  if (split_.selecting.motions.size() < kFewestSelecting) {
+    refuse("select causes with", split_.selecting.motions.size(), kFewestSelecting);
+  }
+  if (split_.judging.motions.size() < kFewestJudging) {
+    refuse("judge them by", split_.judging.motions.size(), kFewestJudging);
+  }
+  return false;
+}
+
+/// Whether a cause is named: the evidence, its placebos, and motions that took no part. What is not is a candidate.
+bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found) {
+  const ArmCause& arm = found.fit->causes().back();
+  const Eigen::MatrixXd before = unseenSquares(base, problem_, split_.judging.motions),
+                        after = unseenSquares(*found.fit, problem_, split_.judging.motions);
+  const Interval gain = gainOf(logGains(before, after));
+  HypothesisRecord record{
+      base.causes().size() + 1, std::string(arm.effect->name), arm.target, gain, found.p, "", found.evidence};
+  if (found.evidence < kClearEvidence) {
+    record.outcome = fmt::format("rejected: evidence {:.1f}", found.evidence);
+  } else if (found.p > options_.level) {
+    record.outcome = "rejected: no better than its placebos";
+  } else if (!(gain.lower95 > 0.0) || gain.value < kLeastGain) {
+    record.outcome = "rejected: no sure gain on held-out motions";
+  } else {
+    record.outcome = fmt::format("accepted: evidence {:.1f}", found.evidence);
+  }
+  Diagnosis& d = result_.diagnosis;
+  std::erase_if(d.hypotheses, [](const HypothesisRecord& r) { return r.outcome == "best"; });
+  d.hypotheses.push_back(record);
+  if (!record.outcome.starts_with("accepted")) {
+    if (found.evidence >= kClearEvidence) {
+      d.candidates.push_back({record.effect, record.target, record.outcome.substr(10), gain});
+    }
+    return false;
+  }
+  Cause cause;
+  cause.effect = record.effect;
+  cause.target = record.target;
+  cause.sentence = arm.effect->cause;
+  cause.gain_heldout = gain;
+  cause.p_adjusted = found.p;
+  cause.ambiguous_with = found.rivals;
+  d.causes.push_back(std::move(cause));
+  return true;
+}
+
+/// Causes one after the other, as long as each is worth naming.
+void MotionDiagnosing::search() {
+  problem_.motions = split_.selecting.motions;
+  const double usual = kUsualRollouts * static_cast<double>(problem_.motions.size());
+  std::string stage = "without causes";
+  MotionSelector selector(problem_, hypotheses_, options_.seed, [&](long rollouts) {
+    progress_(stage, std::min(0.99, static_cast<double>(rollouts) / usual));
+  });
+  plain_ = selector.fitPlain();
+  while (result_.diagnosis.causes.size() < options_.max_causes) {
+    stage = fmt::format("cause {}", result_.diagnosis.causes.size() + 1);
+    MotionCauseFit& base = last_ ? *last_ : *plain_;
+    std::optional<FoundCause> found = selector.step(base, result_.diagnosis.hypotheses);
+    if (!found || !judge(base, *found)) break;
+    last_ = std::move(found->fit);
+    found_.push_back(std::move(*found));
+  }
+  result_.rollouts = selector.rollouts();
+}
+
+void MotionDiagnosing::fillErrors() {
+  const MotionCauseFit& after = last_ ? *last_ : *plain_;
+  Diagnosis& d = result_.diagnosis;
+  const Eigen::MatrixXd seen_before = groupSquares(plain_->posterior(), plain_->here().at),
+                        seen_after = groupSquares(after.posterior(), after.here().at),
+                        before = unseenSquares(*plain_, problem_, split_.judging.motions),
+                        unseen = unseenSquares(after, problem_, split_.judging.motions);
+  d.error_unit = "noise2";
+  d.noise_floor = 1.0;
+  d.samples = split_.selecting.motions.size() + split_.judging.motions.size();
+  d.effective_samples = static_cast<double>(d.samples);
+  d.baseline = {meanSquare(seen_before), meanSquare(before)};
+  d.extended = {meanSquare(seen_after), meanSquare(unseen)};
+  const double gap = d.baseline.mse_heldout - std::min(1.0, d.extended.mse_heldout);
+  d.explained_percent = gap > 0.0 ? 100.0 * (d.baseline.mse_heldout - d.extended.mse_heldout) / gap : 0.0;
+  d.explainable_percent = 100.0 * std::max(0.0, 1.0 - 1.0 / d.baseline.mse_heldout);
+  result_.baseline = plain_->model();
+  result_.model = after.model();
+  result_.held_out = split_.judging;
+  const MotionOptions& playing = problem_.options.motion;
+  const auto play = [&](const MotionCauseFit& fit, const MotionSet& set) {
+    return playAll(fit.model(), set.motions, playing, fit.posterior().captureDelay(fit.here().z));
+  };
+  result_.before = play(*plain_, split_.judging);
+  result_.after = play(after, split_.judging);
+  const std::vector<PlayedMotion> selected = play(after, split_.selecting);
+  const auto say = [&](const MotionSet& set, bool held_out, const Eigen::MatrixXd& was, const Eigen::MatrixXd& is,
+                       const std::vector<PlayedMotion>& played) {
+    for (std::size_t m = 0; m < set.motions.size(); ++m) {
+      const auto column = static_cast<Eigen::Index>(m);
+      double evidence = held_out ? std::nan("") : 0.0;
+      for (const FoundCause& found : found_)
+        evidence += found.by_motion[held_out ? 0 : column] * (held_out ? 0.0 : 1.0);
+      result_.motions.push_back({set.motions[m].name, held_out, was.col(column).mean(), is.col(column).mean(), evidence,
+                                 worstMoment(set.motions[m], played[m], result_.layout)});
+    }
+  };
+  say(split_.selecting, false, seen_before, seen_after, selected);
+  say(split_.judging, true, before, unseen, result_.after);
+  // Drives that saturate leave more in the currents than a model does; joints and shafts show what is missing.
+  for (Eigen::Index g = 0; g + 1 < unseen.rows(); ++g) {
+    const double left = unseen.row(g).mean();
+    if (!(left > kLargeRest)) continue;
+    const std::string name = g + 2 < unseen.rows() ? "joint " + result_.layout.joints[static_cast<std::size_t>(g)].name
+                                                   : std::string("shafts");
+    d.unexplained.push_back({name, 1.0 - 1.0 / left, ""});
+    d.left_over_percent += 100.0 * (left - 1.0) / static_cast<double>(unseen.rows()) / d.baseline.mse_heldout;
+  }
+}
+
+void MotionDiagnosing::sayWhatIsLeft() {
+  Diagnosis& d = result_.diagnosis;
+  const auto worst = std::ranges::max_element(
+      result_.motions, {}, [](const MotionSay& say) { return std::isfinite(say.after) ? say.after : kInfinity; });
+  std::vector<std::string> channels;
+  for (const Leftover& left : d.unexplained) channels.push_back(left.channel);
+  d.sentence = fmt::format(
+      "{} is missed by more than noise leaves, and no cause of the catalogue explains it; worst: "
+      "{}, {}",
+      fmt::join(channels, ", "), worst->motion, worst->worst);
+  d.next_experiment = fmt::format(
+      "repeat motion {}: what returns at the same moment is the arm's, what does not came "
+      "from outside",
+      worst->motion);
+}
+
+/// A cause that takes a part of an error, of which much is left, may stand for another one that no fit has found.
+void MotionDiagnosing::withdrawPartial() {
+  Diagnosis& d = result_.diagnosis;
+  if (d.causes.empty() || d.unexplained.empty() || d.explained_percent >= kMostOfIt) return;
+  for (const Cause& cause : d.causes) {
+    d.candidates.push_back({cause.effect, cause.target,
+                            fmt::format("explains, with all that was found, only {:.0f} % of what is missing: "
+                                        "something else may look like it",
+                                        d.explained_percent),
+                            cause.gain_heldout});
+  }
+  d.causes.clear();
+  last_.reset();
+  found_.clear();
+  d.unexplained.clear();
+  d.left_over_percent = 0.0;
+  result_.motions.clear();
+  fillErrors();
+}
+
+void MotionDiagnosing::conclude() {
+  Diagnosis& d = result_.diagnosis;
+  fillErrors();
+  withdrawPartial();
+  if (last_) {
+    d.extensions = last_->extensions();
+    fillParameters(d);
+    d.causes.front().absorbed_by = shiftsBetween(*plain_, *last_);
+  }
+  d.evidence = errorsOverTime(split_.judging, result_.before, result_.after, result_.layout);
+  d.verdict = verdictOf(d.causes, !d.unexplained.empty());
+  if (!d.causes.empty()) {
+    const Cause& first = d.causes.front();
+    const std::string name = first.target.empty() ? first.effect : first.effect + ":" + first.target;
+    std::vector<std::string> group = first.ambiguous_with;
+    group.insert(group.begin(), name);
+    d.sentence = first.ambiguous_with.empty() ? first.sentence
+                 : isLost(first.ambiguous_with)
+                     ? "something of the catalogue is missing, but too many causes would explain it alike"
+                     : fmt::format("one of {}: these motions do not tell which", fmt::join(group, ", "));
+    const ArmEffect* effect = findArmEffect(first.effect);
+    d.next_experiment = std::string(effect->separates_by);
+  } else if (!d.unexplained.empty()) {
+    sayWhatIsLeft();
+  } else {
+    d.sentence = "no cause of the catalogue improves the model on motions it has not seen";
+    d.next_experiment =
+        "nothing to separate; faster and slower movements, under more and less co-contraction, would show smaller "
+        "causes";
+  }
+  warnOfHarm(d);
+}
+
+MotionDiagnosis MotionDiagnosing::run(const MotionSet& motions, const MotionSet* held_out) {
+  result_.layout = problem_.nominal.poseLayout();
+  result_.model = result_.baseline = problem_.nominal;
+  hypotheses_ = motionHypotheses(problem_.nominal, options_.effects, result_.diagnosis.not_testable);
+  if (faulty(motions, held_out)) return std::move(result_);
+  search();
+  conclude();
+  return std::move(result_);
+}
+
+}  // namespace
+
+void MotionDiagnosisOptions::validate() const {
+  for (const std::string& name : effects) {
+    if (findArmEffect(name)) continue;
+    std::vector<std::string_view> known;
+    for (const ArmEffect* effect : arm_effects::all()) known.push_back(effect->name);
+    throw ConfigError(fmt::format("--effects: found '{}', expected some of {}", name, fmt::join(known, ", ")));
+  }
+  const auto refuse = [](const char* what, double found) {
+    throw ConfigError(fmt::format("{}: found {}, expected a number between 0 and 1", what, found));
+  };
+  if (!(level > 0.0 && level < 1.0)) refuse("--level", level);
+  if (!(holdout > 0.0 && holdout < 1.0)) refuse("--holdout", holdout);
+}
+
+MotionDiagnosis diagnoseMotions(const ArmModel& model, const MotionSet& motions, const MotionSet* held_out,
+                                const MotionCalibrationConfig& config, const MotionDiagnosisOptions& options,
+                                const DiagnosisProgress& progress) {
+  return MotionDiagnosing(model, config, options, progress).run(motions, held_out);
+}
+
+}  // namespace simgap

@@ -1,0 +1,97 @@
+#include "motion_evidence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/verdict.h"
+#include "simgap/core/joint_kind.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kBin = 0.25;  // [s]
+
+/// Root mean square of a series over a bin, and how many samples it has.
+std::pair<double, std::size_t> binned(const ErrorSeries& series, double begin) {
+  double squares = 0.0;
+  std::size_t samples = 0;
+  for (std::size_t i = 0; i < series.times.size(); ++i) {
+    if (series.times[i] < begin || series.times[i] >= begin + kBin) continue;
+    squares += series.errors[i].squaredNorm();
+    ++samples;
+  }
+  return {samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0.0, samples};
+}
+
+}  // namespace
+
+std::string worstMoment(const RecordedMotion& motion, const PlayedMotion& played, const PoseLayout& layout) {
+  if (!played.valid) return "it cannot be played";
+  const ErrorSeries* worst = nullptr;
+  ChannelError error{};
+  double size = -1.0;
+  const std::vector<ErrorSeries> all = errorSeries(motion, played, layout);
+  for (const ErrorSeries& series : all) {
+    if (series.group != ChannelGroup::kJoint) continue;
+    const ChannelError one = summarise(series);
+    const double counted = one.worst_second * kindOf(layout.joints[series.item].type).counted;
+    if (counted <= size) continue;
+    size = counted;
+    worst = &series;
+    error = one;
+  }
+  if (!worst) return "no joint was measured";
+  const JointKind& kind = kindOf(layout.joints[worst->item].type);
+  return fmt::format("{}, {:.2f} {} in the second from {:.1f} s on", layout.joints[worst->item].name,
+                     kind.shown(error.worst_second), kind.error_unit, error.worst_at);
+}
+
+std::vector<EvidenceBin> errorsOverTime(const MotionSet& set, const std::vector<PlayedMotion>& before,
+                                        const std::vector<PlayedMotion>& after, const PoseLayout& layout) {
+  std::vector<EvidenceBin> bins;
+  for (std::size_t m = 0; m < set.motions.size(); ++m) {
+    if (!before[m].valid || !after[m].valid) continue;
+    const std::vector<ErrorSeries> was = errorSeries(set.motions[m], before[m], layout),
+                                   is = errorSeries(set.motions[m], after[m], layout);
+    for (std::size_t s = 0; s < was.size(); ++s) {
+      if (was[s].group != ChannelGroup::kJoint) continue;
+      const JointKind& kind = kindOf(layout.joints[was[s].item].type);
+      const std::string against = fmt::format("error of {} [{}] against time in {}", layout.joints[was[s].item].name,
+                                              kind.error_unit, set.motions[m].name);
+      for (double begin = was[s].times.front(); begin < was[s].times.back(); begin += kBin) {
+        const auto [old_error, samples] = binned(was[s], begin);
+        const auto [new_error, same] = binned(is[s], begin);
+        if (samples == 0) continue;
+        const double root = std::sqrt(2.0 * static_cast<double>(samples));
+        bins.push_back({against, begin + 0.5 * kBin, kind.shown(old_error), 1.96 * kind.shown(old_error) / root,
+                        kind.shown(new_error), 1.96 * kind.shown(new_error) / root, samples, "s"});
+      }
+    }
+  }
+  return bins;
+}
+
+void fillParameters(Diagnosis& diagnosis) {
+  for (std::size_t c = 0; c < diagnosis.causes.size(); ++c) {
+    for (const Estimate& p : diagnosis.extensions[c].parameters) {
+      const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
+      diagnosis.causes[c].parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
+    }
+  }
+}
+
+std::vector<Absorption> shiftsBetween(const MotionCauseFit& plain, const MotionCauseFit& with) {
+  const Eigen::MatrixXd known = with.covariance();
+  std::vector<Absorption> shifts;
+  const Eigen::Index ordinary = plain.here().z.size() - 1;
+  for (Eigen::Index i = 0; i < ordinary; ++i) {
+    const double sd = std::sqrt(std::max(1e-12, known(i, i)));
+    shifts.push_back({plain.posterior().space().parameters()[static_cast<std::size_t>(i)].name,
+                      (with.here().z[i] - plain.here().z[i]) / sd});
+  }
+  return absorbed(std::move(shifts));
+}
+
+}  // namespace simgap

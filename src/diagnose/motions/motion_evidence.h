@@ -1,0 +1,23 @@
+/// \file
+/// What a report shows of a diagnosis on motions.
+#pragma once
+
+#include "motion_fit.h"
+#include "simgap/diagnose/diagnosis.h"
+
+namespace simgap {
+
+/// "elbow, 3.1 deg at 4.2 s": the joint and the second that a motion is missed most at.
+std::string worstMoment(const RecordedMotion& motion, const PlayedMotion& played, const PoseLayout& layout);
+
+/// Root mean square errors of every joint over time, a row per quarter of a second.
+std::vector<EvidenceBin> errorsOverTime(const MotionSet& set, const std::vector<PlayedMotion>& before,
+                                        const std::vector<PlayedMotion>& after, const PoseLayout& layout);
+
+/// The causes' parameters with 95 % intervals, from the extensions.
+void fillParameters(Diagnosis& diagnosis);
+
+/// By how much the ordinary parameters moved when the causes came in.
+std::vector<Absorption> shiftsBetween(const MotionCauseFit& plain, const MotionCauseFit& with);
+
+}  // namespace simgap

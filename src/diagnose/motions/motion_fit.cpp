@@ -1,0 +1,213 @@
+#include "motion_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/interrupt.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kFirstDifference = 0.1;  // of derivatives, in prior standard deviations
+
+/// The cause's parameters stand behind the ordinary ones, before the capture's delay.
+Eigen::VectorXd withRoom(const Eigen::VectorXd& z, Eigen::Index room) {
+  Eigen::VectorXd longer = Eigen::VectorXd::Zero(z.size() + room);
+  longer.head(z.size() - 1) = z.head(z.size() - 1);
+  longer[longer.size() - 1] = z[z.size() - 1];
+  return longer;
+}
+
+Eigen::VectorXd squeezed(const Eigen::VectorXd& z, Eigen::Index room) {
+  Eigen::VectorXd shorter(z.size() - room);
+  shorter.head(shorter.size() - 1) = z.head(shorter.size() - 1);
+  shorter[shorter.size() - 1] = z[z.size() - 1];
+  return shorter;
+}
+
+}  // namespace
+
+MotionPoint::MotionPoint(const MotionPosterior& posterior, const MotionLinearisation& here)
+    : posterior_(&posterior), here_(&here) {
+  for (std::size_t m = 0; m < posterior.motions().size(); ++m) {
+    weights_.push_back(posterior.weights(m, here.at.residuals[m]).cast<float>());
+  }
+  curvature_ = posterior.normalEquations(here.z, here.at, here.jacobians).curvature;
+  factor_.compute(curvature_);
+}
+
+Eigen::VectorXd MotionPoint::projected(std::span<const Eigen::VectorXf> x) const {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(here_->z.size());
+  for (std::size_t m = 0; m < x.size(); ++m) {
+    sum += (here_->jacobians[m].transpose() * weights_[m].cwiseProduct(x[m])).cast<double>();
+  }
+  return sum;
+}
+
+double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals, Eigen::VectorXd& step) const {
+  const Eigen::VectorXd& z = here_->z;
+  std::vector<Eigen::VectorXf> x;
+  double objective = 0.0;
+  for (std::size_t m = 0; m < residuals.size(); ++m) {
+    if (residuals[m].size() == 0) return kInfinity;
+    x.push_back(residuals[m].cast<float>());
+    objective += 0.5 * weights_[m].cast<double>().dot(residuals[m].cwiseAbs2());
+  }
+  Eigen::VectorXd gradient = projected(x);
+  for (Eigen::Index i = 0; i < z.size(); ++i) {
+    if (!posterior_->hasPrior(i)) continue;
+    gradient[i] += z[i];
+    objective += 0.5 * z[i] * z[i];
+  }
+  step = -factor_.solve(gradient);
+  for (Eigen::Index i = 0; i < z.size(); ++i) {
+    step[i] = std::clamp(z[i] + step[i], posterior_->lower(i), posterior_->upper(i)) - z[i];
+  }
+  return objective + gradient.dot(step) + 0.5 * step.dot(curvature_ * step);
+}
+
+MotionCauseFit::MotionCauseFit(const MotionProblem& problem, std::vector<ArmCause> causes)
+    : problem_(&problem),
+      causes_(std::move(causes)),
+      posterior_(std::make_unique<MotionPosterior>(withCauses(problem.nominal, causes_), problem.motions,
+                                                   std::span<const Pose>(), choicesWith(problem.parameters, causes_),
+                                                   PoseNoise{}, problem.options)) {}
+
+Eigen::Index MotionCauseFit::ordinary() const {
+  Eigen::Index of_causes = 0;
+  for (const ArmCause& cause : causes_) of_causes += fittedParameters(*cause.effect);
+  return posterior_->size() - 1 - of_causes;
+}
+
+void MotionCauseFit::begin(const News& news) {
+  const MotionSearchState state = beginSearch(*posterior_);
+  here_ = linearise(*posterior_, state.z, state.steps, [&](const MotionSearchNews& now) {
+    if (news) news(rollouts_ + static_cast<long>(now.rollouts));
+  });
+  rollouts_ += (posterior_->size() + 1) * std::ssize(posterior_->motions());
+}
+
+bool MotionCauseFit::beginBeside(const MotionPoint& point, const Eigen::VectorXd& step) {
+  const ArmCause& cause = causes_.back();
+  const Eigen::Index room = fittedParameters(*cause.effect), first = posterior_->size() - 1 - room;
+  Eigen::VectorXd z = withRoom(point.here().z + step, room);
+  Eigen::Index i = first;
+  for (std::size_t k = 0; k < cause.effect->parameters.size(); ++k) {
+    if (!cause.effect->parameters[k].fitted) continue;
+    z[i] = posterior_->parameters().scaled(i, cause.start[k]);
+    z[i] = std::clamp(z[i], posterior_->lower(i), posterior_->upper(i));
+    ++i;
+  }
+  here_.z = z;
+  here_.at = posterior_->evaluate(z);
+  rollouts_ += (1 + room) * std::ssize(posterior_->motions());
+  stopIfInterrupted();
+  if (!here_.at.valid) return false;
+  std::vector<MotionEvaluation> moved;
+  for (Eigen::Index k = first; k < first + room; ++k) {
+    Eigen::VectorXd there = z;
+    const double difference = z[k] + kFirstDifference <= posterior_->upper(k) ? kFirstDifference : -kFirstDifference;
+    there[k] += difference;
+    moved.push_back(posterior_->evaluate(there));
+    stopIfInterrupted();
+    if (!moved.back().valid) return false;
+    for (std::size_t m = 0; m < moved.back().residuals.size(); ++m) {
+      Eigen::VectorXd& column = moved.back().residuals[m];
+      column = (column - here_.at.residuals[m]) / difference;
+    }
+  }
+  here_.jacobians.clear();
+  for (std::size_t m = 0; m < point.here().jacobians.size(); ++m) {
+    const RowMajorF& known = point.here().jacobians[m];
+    RowMajorF wider(known.rows(), known.cols() + room);
+    wider.leftCols(first) = known.leftCols(first);
+    for (Eigen::Index k = 0; k < room; ++k) {
+      wider.col(first + k) = moved[static_cast<std::size_t>(k)].residuals[m].cast<float>();
+    }
+    wider.rightCols(1) = known.rightCols(1);
+    here_.jacobians.push_back(std::move(wider));
+  }
+  return true;
+}
+
+double MotionCauseFit::descend() {
+  const double before = objective();
+  damping_ = std::min(damping_, 1.0);
+  simgap::descend(*posterior_, here_, damping_, rollouts_);
+  return before - objective();
+}
+
+double MotionCauseFit::refresh(const News& news) {
+  const Eigen::VectorXd steps = differenceSteps(*posterior_, here_);
+  const double before = objective();
+  here_ = linearise(*posterior_, here_.z, steps, [&](const MotionSearchNews& now) {
+    if (news) news(rollouts_ + static_cast<long>(now.rollouts));
+  });
+  rollouts_ += (posterior_->size() + 1) * std::ssize(posterior_->motions());
+  descend();
+  return before - objective();
+}
+
+bool MotionCauseFit::moveTo(const Eigen::VectorXd& z) {
+  MotionEvaluation there = posterior_->evaluate(z);
+  rollouts_ += std::ssize(posterior_->motions());
+  stopIfInterrupted();
+  if (!there.valid || !(there.objective < objective())) return false;
+  here_.z = z;
+  here_.at = std::move(there);
+  return true;
+}
+
+Eigen::VectorXd MotionCauseFit::withoutLast() const {
+  return squeezed(here_.z, fittedParameters(*causes_.back().effect));
+}
+
+std::vector<Eigen::VectorXd> MotionCauseFit::residualsWithoutLast() const {
+  ArmModel without = model();
+  without.extensions.pop_back();
+  const double delay = posterior_->captureDelay(here_.z);
+  return posterior_->residualsOf({&without, 1}, {&delay, 1}).front();
+}
+
+double MotionCauseFit::misfit() const {
+  double squares = 0.0, numbers = 0.0;
+  for (std::size_t m = 0; m < here_.at.residuals.size(); ++m) {
+    squares += posterior_->weights(m, here_.at.residuals[m]).dot(here_.at.residuals[m].cwiseAbs2()) /
+               posterior_->motions()[m].motion().weight;
+    numbers += static_cast<double>(here_.at.residuals[m].size());
+  }
+  return squares / numbers;
+}
+
+Eigen::VectorXd MotionCauseFit::losses() const {
+  Eigen::VectorXd losses(std::ssize(here_.at.residuals));
+  for (std::size_t m = 0; m < here_.at.residuals.size(); ++m) {
+    double loss = 0.0;
+    for (const ResidualBlock& block : posterior_->motions()[m].blocks()) {
+      loss += robustLoss(here_.at.residuals[m].segment(block.first, block.size).squaredNorm());
+    }
+    losses[static_cast<Eigen::Index>(m)] = 0.5 * posterior_->motions()[m].motion().weight * loss;
+  }
+  return losses;
+}
+
+Eigen::MatrixXd MotionCauseFit::covariance() const {
+  return std::max(1.0, misfit()) * covarianceAt(*posterior_, here_);
+}
+
+std::vector<Extension> MotionCauseFit::extensions() const {
+  const Eigen::MatrixXd known = covariance();
+  const std::vector<Extension> all = model().extensions;
+  std::vector<Extension> found(all.end() - std::ssize(causes_), all.end());
+  Eigen::Index i = ordinary();
+  for (std::size_t c = 0; c < causes_.size(); ++c) {
+    for (std::size_t k = 0; k < causes_[c].effect->parameters.size(); ++k) {
+      if (!causes_[c].effect->parameters[k].fitted) continue;
+      found[c].parameters[k].sd = posterior_->parameters().slope(i, here_.z[i]) * std::sqrt(known(i, i));
+      ++i;
+    }
+  }
+  return found;
+}
+
+}  // namespace simgap

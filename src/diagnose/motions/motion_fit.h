@@ -1,0 +1,93 @@
+/// \file
+/// An arm with causes fitted to motions, step by step: a diagnosis chooses which fits are worth new derivatives.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "diagnose/arm_cause.h"
+#include "simgap/fit/motions/motion_search.h"
+
+namespace simgap {
+
+/// What all fits of a diagnosis share.
+struct MotionProblem {
+  ArmModel nominal;
+  std::vector<ParameterSpace::Choice> parameters;
+  MotionPosterior::Options options;
+  std::span<const RecordedMotion> motions;  ///< to select with
+};
+
+/// A posterior's numbers at one place, with the quadratic that its derivatives promise; for many trials at once.
+class MotionPoint {
+ public:
+  MotionPoint(const MotionPosterior& posterior, const MotionLinearisation& here);
+  /// The least objective that other residuals leave once the ordinary parameters have followed them.
+  /// \param[out] step  of z, within the bounds
+  double predicted(std::span<const Eigen::VectorXd> residuals, Eigen::VectorXd& step) const;
+  const MotionPosterior& posterior() const { return *posterior_; }
+  const MotionLinearisation& here() const { return *here_; }
+  const std::vector<Eigen::VectorXf>& weights() const { return weights_; }  ///< shape (motions) of (numbers)
+  /// J^T W x, x of shape (motions) of (numbers)
+  Eigen::VectorXd projected(std::span<const Eigen::VectorXf> x) const;
+  Eigen::VectorXd solved(const Eigen::VectorXd& gradient) const { return factor_.solve(gradient); }
+
+ private:
+  const MotionPosterior* posterior_;
+  const MotionLinearisation* here_;
+  std::vector<Eigen::VectorXf> weights_;
+  Eigen::MatrixXd curvature_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+class MotionCauseFit {
+ public:
+  using News = std::function<void(long rollouts)>;
+  /// \param problem  must outlive it
+  MotionCauseFit(const MotionProblem& problem, std::vector<ArmCause> causes);
+
+  const std::vector<ArmCause>& causes() const { return causes_; }
+  const MotionPosterior& posterior() const { return *posterior_; }
+  const MotionLinearisation& here() const { return here_; }
+  double objective() const { return here_.at.objective; }
+  long rollouts() const { return rollouts_; }
+
+  /// Begins at the prior's mean with derivatives of its own.
+  void begin(const News& news);
+  /// Begins beside a fit with one cause less: at its point moved by `step`, the cause at its start, with its
+  /// derivatives. \returns false where the motions cannot be played there
+  bool beginBeside(const MotionPoint& point, const Eigen::VectorXd& step);
+  /// Steps with the derivatives at hand. \returns what they gained
+  double descend();
+  /// Derivatives made anew, then steps. \returns what these gained
+  double refresh(const News& news);
+  /// Another place, if it is better; derivatives stay.
+  bool moveTo(const Eigen::VectorXd& z);
+
+  /// z of the fit without the last cause.
+  Eigen::VectorXd withoutLast() const;
+  ArmModel model() const { return posterior_->modelAt(here_.z); }
+  /// The same motions, played without the last cause.
+  std::vector<Eigen::VectorXd> residualsWithoutLast() const;
+  /// Mean square of the whitened residuals as they are weighed.
+  double misfit() const;
+  /// Each motion's part of the objective.
+  Eigen::VectorXd losses() const;
+  /// Of z; wider where residuals are larger than their weights assume.
+  Eigen::MatrixXd covariance() const;
+  /// The causes with their values and standard deviations.
+  std::vector<Extension> extensions() const;
+
+ private:
+  Eigen::Index ordinary() const;  ///< parameters before the causes'
+  const MotionProblem* problem_;
+  std::vector<ArmCause> causes_;
+  std::unique_ptr<MotionPosterior> posterior_;
+  MotionLinearisation here_;
+  double damping_ = 1e-3;
+  long rollouts_ = 0;
+};
+
+}  // namespace simgap

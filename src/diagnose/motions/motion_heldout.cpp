@@ -1,0 +1,76 @@
+#include "motion_heldout.h"
+
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "simgap/core/interrupt.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kLost = 3.0;  // log gain of a motion that only one of two models can play
+
+}  // namespace
+
+Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvaluation& at) {
+  const auto joints = std::ssize(posterior.model().joints);
+  const auto motions = std::ssize(posterior.motions());
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(joints + 2, motions), counts = sums;
+  for (Eigen::Index m = 0; m < motions; ++m) {
+    const auto motion = static_cast<std::size_t>(m);
+    for (const ResidualBlock& block : posterior.motions()[motion].blocks()) {
+      const Eigen::Index group = block.group == ChannelGroup::kJoint   ? static_cast<Eigen::Index>(block.item)
+                                 : block.group == ChannelGroup::kShaft ? joints
+                                                                       : joints + 1;
+      sums(group, m) += at.residuals[motion].segment(block.first, block.size).squaredNorm();
+      counts(group, m) += static_cast<double>(block.size);
+    }
+  }
+  if (!at.valid) sums.setConstant(std::nan(""));
+  return sums.cwiseQuotient(counts);  // 0 / 0: NaN
+}
+
+Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const MotionProblem& problem,
+                              std::span<const RecordedMotion> motions) {
+  const MotionPosterior unseen(withCauses(problem.nominal, fit.causes()), motions, {},
+                               choicesWith(problem.parameters, fit.causes()), PoseNoise{}, problem.options);
+  const MotionEvaluation at = unseen.evaluate(fit.here().z);
+  stopIfInterrupted();
+  return groupSquares(unseen, at);
+}
+
+Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
+  Eigen::ArrayXd gains(before.cols());
+  for (Eigen::Index m = 0; m < before.cols(); ++m) {
+    double sum = 0.0, groups = 0.0;
+    for (Eigen::Index g = 0; g < before.rows(); ++g) {
+      const bool was = std::isfinite(before(g, m)), is = std::isfinite(after(g, m));
+      if (!was && !is) continue;
+      sum += was && is ? std::log(before(g, m) / after(g, m)) : is ? kLost : -kLost;
+      groups += 1.0;
+    }
+    gains[m] = groups > 0.0 ? sum / groups : 0.0;
+  }
+  return gains;
+}
+
+Interval gainOf(const Eigen::ArrayXd& log_gains) {
+  const auto count = static_cast<double>(log_gains.size());
+  const double mean = log_gains.mean();
+  const double variance = (log_gains - mean).square().sum() / (count - 1.0);
+  const double quantile = boost::math::quantile(boost::math::students_t(count - 1.0), 0.975);
+  const double half = quantile * std::sqrt(variance / count);
+  return {-std::expm1(-mean), -std::expm1(half - mean), -std::expm1(-half - mean)};
+}
+
+double meanSquare(const Eigen::MatrixXd& squares) {
+  double sum = 0.0, count = 0.0;
+  for (const double value : squares.reshaped()) {
+    if (!std::isfinite(value)) continue;
+    sum += value;
+    count += 1.0;
+  }
+  return sum / count;
+}
+
+}  // namespace simgap

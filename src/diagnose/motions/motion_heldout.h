@@ -1,0 +1,25 @@
+/// \file
+/// How well a fit does on motions that took no part in it.
+#pragma once
+
+#include "motion_fit.h"
+#include "simgap/diagnose/diagnosis.h"
+
+namespace simgap {
+
+/// Mean squares of the whitened residuals, each joint, the shafts and the currents counting alike: in one sum the many
+/// channels of drives would drown the joints. Shape (groups, motions); NaN: not measured.
+Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvaluation& at);
+/// The same of other motions played with the fit's model; NaN where one cannot be played.
+Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const MotionProblem& problem,
+                              std::span<const RecordedMotion> motions);
+
+/// By how much less `after` misses than `before`, of each motion: the mean logarithm of the groups' ratios, shape
+/// (motions). A motion that only one can play counts for that one.
+Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);
+/// Its mean as a fraction of the mean square, with a 95 % interval by Student's t over motions.
+Interval gainOf(const Eigen::ArrayXd& log_gains);
+/// Mean over groups and motions; what cannot be played left out.
+double meanSquare(const Eigen::MatrixXd& squares);
+
+}  // namespace simgap

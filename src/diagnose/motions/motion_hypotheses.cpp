@@ -1,0 +1,46 @@
+#include "motion_hypotheses.h"
+
+#include <algorithm>
+
+namespace simgap {
+namespace {
+
+/// Why motions do not show an effect; empty when they do.
+std::string_view hiddenFromMotions(const ArmEffect& effect) {
+  if (effect.needs_time || effect.from_moment) return "needs poses: it acts over a session, not within seconds";
+  if (effect.stiction) return "is the joint's Coulomb friction while it moves, a parameter of every fit";
+  if (effect.from_previous >= 0) return "is guide-friction while the arm moves";
+  return {};
+}
+
+bool hasAlready(const ArmModel& model, const Extension& extension) {
+  return std::ranges::any_of(
+      model.extensions, [&](const Extension& given) { return extensionLabel(given) == extensionLabel(extension); });
+}
+
+}  // namespace
+
+std::vector<MotionHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,
+                                               std::vector<NotTestable>& not_testable) {
+  std::vector<MotionHypothesis> hypotheses;
+  for (const ArmEffect* effect : arm_effects::all()) {
+    if (!effects.empty() && std::ranges::find(effects, effect->name) == effects.end()) continue;
+    if (const std::string_view why = hiddenFromMotions(*effect); !why.empty()) {
+      not_testable.push_back({std::string(effect->name), std::string(why)});
+      continue;
+    }
+    for (const std::string& target : effectTargets(*effect, model)) {
+      MotionHypothesis hypothesis{effect, target, {}};
+      for (const EffectParameters& start : effect->starts) {
+        Extension extension = makeExtension(*effect, target, start);
+        if (checkExtension(extension, model).empty() && !hasAlready(model, extension)) {
+          hypothesis.starts.push_back(start);
+        }
+      }
+      if (!hypothesis.starts.empty()) hypotheses.push_back(std::move(hypothesis));
+    }
+  }
+  return hypotheses;
+}
+
+}  // namespace simgap

@@ -1,0 +1,23 @@
+/// \file
+/// The causes that motions are asked about.
+#pragma once
+
+#include <vector>
+
+#include "diagnose/arm_cause.h"
+#include "simgap/diagnose/diagnosis.h"
+
+namespace simgap {
+
+struct MotionHypothesis {
+  const ArmEffect* effect = nullptr;
+  std::string target;
+  std::vector<EffectParameters> starts;  ///< where fits of it begin, the first where it is most easily seen
+};
+
+/// Every effect that acts while an arm moves, on every target that the model does not have it on already.
+/// \param effects  names; empty: all  \param[out] not_testable  those that motions do not show
+std::vector<MotionHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,
+                                               std::vector<NotTestable>& not_testable);
+
+}  // namespace simgap

@@ -1,0 +1,172 @@
+#include "motion_selection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace simgap {
+namespace {
+
+constexpr int kPlainRounds = 7;     // of derivatives made anew
+constexpr int kRefreshRounds = 4;   // of a fit that may win
+constexpr int kMostRefreshes = 8;   // of all fits of a step together
+constexpr std::size_t kRefits = 6;  // with derivatives of the model without the cause
+constexpr std::size_t kOfOneEffect = 2;
+constexpr std::size_t kRefreshed = 4;                 // at most, with derivatives of their own
+constexpr double kHopelessGain = 3.0;                 // promised by the scan [negative log posterior]
+constexpr double kTellApart = 6.0;                    // evidence by which a cause has to lead
+constexpr double kSteady = 2.0;                       // and standard errors over motions
+constexpr double kGained = 0.5, kGainedShare = 3e-4;  // a round that gains less was the last
+
+bool enough(double gain, double objective) { return gain < std::max(kGained, kGainedShare * objective); }
+
+/// Whether motions tell two fits apart: by how much, and whether most of them say so.
+bool toldApart(const MotionCauseFit& better, const MotionCauseFit& worse, double variance) {
+  if ((worse.objective() - better.objective()) / variance < kTellApart) return false;
+  const Eigen::ArrayXd lead = worse.losses() - better.losses();
+  const double count = static_cast<double>(lead.size());
+  const double error = std::sqrt((lead - lead.mean()).square().sum() / (count * std::max(1.0, count - 1.0)));
+  return lead.mean() > kSteady * error;
+}
+
+}  // namespace
+
+MotionSelector::MotionSelector(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses,
+                               std::uint64_t seed, News news)
+    : problem_(problem), hypotheses_(hypotheses), seed_(seed), news_(std::move(news)) {}
+
+MotionCauseFit::News MotionSelector::newsOf() const {
+  return [this](long rollouts) {
+    if (news_) news_(rollouts_ + rollouts);
+  };
+}
+
+void MotionSelector::count(long rollouts) {
+  rollouts_ += rollouts;
+  if (news_) news_(rollouts_);
+}
+
+/// \returns how many rounds that took
+int MotionSelector::converge(MotionCauseFit& fit, int most) {
+  for (int round = 1; round <= most; ++round) {
+    if (enough(fit.refresh(newsOf()), fit.objective())) return round;
+  }
+  return most;
+}
+
+std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
+  auto fit = std::make_unique<MotionCauseFit>(problem_, std::vector<ArmCause>{});
+  fit->begin(newsOf());
+  first_ = fit->here();
+  fit->descend();
+  converge(*fit, kPlainRounds);
+  count(fit->rollouts());
+  return fit;
+}
+
+/// Fits of the causes that the scan likes best, from where it likes them and from where the model without them ended.
+std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& base,
+                                                         std::span<const MotionPoint> points, const MotionScan& scan,
+                                                         const std::vector<MotionHypothesis>& open) {
+  std::vector<Refit> refits;
+  std::map<const ArmEffect*, std::size_t> of_effect;
+  for (const MotionTrial& trial : scan.trials) {
+    if (refits.size() == kRefits || trial.gain < kHopelessGain) break;
+    const MotionHypothesis& hypothesis = open[trial.hypothesis];
+    // The whole arm's stands for all its muscles, which alone may each look better where the fit is far off.
+    if (!hypothesis.target.empty() && ++of_effect[hypothesis.effect] > kOfOneEffect) continue;
+    std::vector<ArmCause> causes = base.causes();
+    causes.push_back({hypothesis.effect, hypothesis.target, trial.start});
+    std::unique_ptr<MotionCauseFit> best;
+    const Eigen::VectorXd stay = Eigen::VectorXd::Zero(base.here().z.size());
+    std::vector<std::pair<std::size_t, const Eigen::VectorXd*>> begins = {{trial.point, &trial.step}};
+    for (std::size_t point = 0; point < points.size(); ++point) begins.emplace_back(point, &stay);
+    for (const auto& [point, step] : begins) {
+      auto fit = std::make_unique<MotionCauseFit>(problem_, causes);
+      const bool begun = fit->beginBeside(points[point], *step);
+      if (begun) fit->descend();
+      count(fit->rollouts());
+      if (begun && (!best || fit->objective() < best->objective())) best = std::move(fit);
+    }
+    if (!best) continue;
+    const long before = best->rollouts();
+    best->descend();
+    count(best->rollouts() - before);
+    refits.push_back({std::move(best), trial.gain});
+  }
+  return refits;
+}
+
+/// New derivatives for the best and for all that might still pass it, as far as refreshing gained until now.
+void MotionSelector::settle(std::vector<Refit>& refits) {
+  const auto byObjective = [](const Refit& a, const Refit& b) { return a.fit->objective() < b.fit->objective(); };
+  double most_gained = 0.0;
+  int rounds = 0;
+  for (std::size_t refreshed = 0; refreshed < kRefreshed && rounds < kMostRefreshes; ++refreshed) {
+    std::ranges::stable_sort(refits, byObjective);
+    const auto next = std::ranges::find(refits, false, &Refit::fresh);
+    if (next == refits.end()) return;
+    const double lead = next->fit->objective() - refits.front().fit->objective();
+    if (lead > most_gained + kTellApart * std::max(1.0, refits.front().fit->misfit())) return;
+    const double before = next->fit->objective();
+    const long played = next->fit->rollouts();
+    rounds += converge(*next->fit, std::min(kRefreshRounds, kMostRefreshes - rounds));
+    count(next->fit->rollouts() - played);
+    next->fresh = true;
+    most_gained = std::max(most_gained, before - next->fit->objective());
+  }
+  std::ranges::stable_sort(refits, byObjective);
+}
+
+/// What a fit with a cause gained without it, the model without it may have as well.
+void MotionSelector::improveBase(MotionCauseFit& base, const MotionCauseFit& with) {
+  const long before = base.rollouts();
+  if (base.moveTo(with.withoutLast())) converge(base, kRefreshRounds);
+  count(base.rollouts() - before);
+}
+
+std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector<HypothesisRecord>& records) {
+  std::vector<MotionHypothesis> open = hypotheses_;
+  std::erase_if(open, [&](const MotionHypothesis& hypothesis) {
+    return std::ranges::any_of(base.causes(), [&](const ArmCause& cause) { return cause.effect == hypothesis.effect; });
+  });
+  if (open.empty()) return std::nullopt;
+  std::vector<MotionPoint> points;
+  points.emplace_back(base.posterior(), base.here());
+  if (base.causes().empty()) points.emplace_back(base.posterior(), first_);
+  const long before = rollouts_;
+  const MotionScan scan = scanMotions(points, open, seed_, [&](long rollouts) {
+    if (news_) news_(before + rollouts);
+  });
+  count(scan.rollouts);
+  std::vector<Refit> refits = refit(base, points, scan, open);
+  points.clear();
+  if (refits.empty()) return std::nullopt;
+  settle(refits);
+  improveBase(base, *refits.front().fit);
+  FoundCause found;
+  Refit& best = refits.front();
+  const double variance = std::max(1.0, best.fit->misfit());
+  found.evidence = (base.objective() - best.fit->objective()) / variance;
+  found.by_motion = (base.losses() - best.fit->losses()) / variance;
+  const auto as_good = std::ranges::count_if(scan.placebos, [&](double gain) { return gain >= best.promised; });
+  found.p = (1.0 + static_cast<double>(as_good)) / (1.0 + static_cast<double>(scan.placebos.size()));
+  for (const Refit& one : refits) {
+    const ArmCause& cause = one.fit->causes().back();
+    const double odds = (base.objective() - one.fit->objective()) / variance;
+    const bool rival = &one != &best && !toldApart(*best.fit, *one.fit, variance);
+    if (rival) found.rivals.push_back(cause.label());
+    records.push_back({base.causes().size() + 1, std::string(cause.effect->name), cause.target, kNotMeasured,
+                       &one == &best ? found.p : 1.0,
+                       &one == &best ? "best"
+                       : rival       ? "ambiguous"
+                                     : fmt::format("rejected: {:.1f} behind the best", found.evidence - odds),
+                       odds});
+  }
+  found.fit = std::move(best.fit);
+  return found;
+}
+
+}  // namespace simgap

@@ -1,0 +1,62 @@
+/// \file
+/// Which cause the motions of the selection speak for: a scan, refits of the best, new derivatives for those that may
+/// win.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "motion_scan.h"
+
+namespace simgap {
+
+/// A cause found beside those that a model has.
+struct FoundCause {
+  std::unique_ptr<MotionCauseFit> fit;  ///< with it, the last of its causes
+  double evidence = 0.0;                ///< gain of the log posterior, at the variance that the residuals show
+  double p = 1.0;                       ///< how often placebos promise as much
+  std::vector<std::string> rivals;      ///< that do about as well in its place, "effect:target"
+  Eigen::VectorXd by_motion;            ///< each motion's part of the evidence, shape (motions)
+};
+
+class MotionSelector {
+ public:
+  /// Called with the rollouts played so far.
+  using News = std::function<void(long rollouts)>;
+  /// \param problem, hypotheses  must outlive it
+  MotionSelector(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses, std::uint64_t seed,
+                 News news);
+
+  /// The model without causes, fitted until nothing is gained. \throws NumericsError, InterruptedError
+  std::unique_ptr<MotionCauseFit> fitPlain();
+  /// The best cause beside those of `base`, whether or not it is worth naming; none where no hypothesis is open or any
+  /// better. \param[in,out] base  a fit with the cause may show it a better place \param[out] records  of all refits
+  std::optional<FoundCause> step(MotionCauseFit& base, std::vector<HypothesisRecord>& records);
+  long rollouts() const { return rollouts_; }
+
+ private:
+  struct Refit {
+    std::unique_ptr<MotionCauseFit> fit;
+    double promised;
+    bool fresh = false;
+  };
+  std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points, const MotionScan& scan,
+                           const std::vector<MotionHypothesis>& open);
+  void settle(std::vector<Refit>& refits);
+  int converge(MotionCauseFit& fit, int most);
+  void improveBase(MotionCauseFit& base, const MotionCauseFit& with);
+  MotionCauseFit::News newsOf() const;
+  void count(long rollouts);
+
+  const MotionProblem& problem_;
+  const std::vector<MotionHypothesis>& hypotheses_;
+  std::uint64_t seed_;
+  News news_;
+  MotionLinearisation first_;  ///< at the prior's mean, without causes
+  long rollouts_ = 0;
+};
+
+}  // namespace simgap

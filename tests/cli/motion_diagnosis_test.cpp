@@ -1,0 +1,67 @@
+// `diagnose --motions` from end to end, and what it refuses.
+#include "cli/cli_fixture.h"
+#include "simgap/core/run_directory.h"
+#include "support/motions.h"
+
+namespace simgap::test {
+namespace {
+
+using testing::HasSubstr;
+
+class MotionDiagnosisTest : public CliTest {
+ protected:
+  MotionDiagnosisTest() {
+    reality::MotionRigOptions options;
+    options.duration = 3.0;
+    options.capture_delay = 0.05;
+    put("forearm.yaml", reality::toYaml(movingForearm().arm));
+    put("forearm_config.yaml", forearmConfig());
+    putMotions(folder_, "motions.yaml", 0, 4, options);
+    putMotions(folder_, "unseen.yaml", 4, 3, options);
+  }
+  Arguments diagnosis(const std::string& directory, const Arguments& more = {}) const {
+    Arguments all{"diagnose",    "forearm.yaml", "--motions",           "motions.yaml", "--validation-motions",
+                  "unseen.yaml", "--config",     "forearm_config.yaml", "-q",           "-o",
+                  directory};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+};
+
+TEST_F(MotionDiagnosisTest, WritesAModelThatPlaysAndThreadsDoNotChangeABit) {
+  const Arguments effects{"--effects", "joint-clock-offset,payload,command-latency"};
+  succeed(diagnosis("out", effects));
+  const Json result = Json::parse(text("out/result.json"));
+  EXPECT_EQ(result.at("format"), "simgap/diagnose/1");
+  EXPECT_EQ(result.at("motions").size(), 7u);
+  for (const char* file : {"model.yaml", "baseline.yaml", "hypotheses.csv", "evidence.csv", "residuals.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(path(std::string("out/") + file))) << file;
+  }
+  EXPECT_THAT(text("out/report.html"), HasSubstr("What each motion says"));
+  if (result.at("causes").empty()) {
+    EXPECT_EQ(text("out/model.yaml"), text("out/baseline.yaml"));
+  }
+  succeed({"validate", "out/model.yaml", "--motions", "unseen.yaml", "-q", "-o", "played"});
+  succeed(diagnosis("again", {effects[0], effects[1], "--threads", "1"}));
+  EXPECT_EQ(text("again/model.yaml"), text("out/model.yaml"));
+}
+
+TEST_F(MotionDiagnosisTest, WhatItCannotTakeIsSaid) {
+  const auto with = [&](const std::string& from, const std::string& to, const Arguments& more = {}) {
+    Arguments all = diagnosis("no", more);
+    *std::ranges::find(all, from) = to;
+    return all;
+  };
+  expectRefused(with("motions.yaml", "none.yaml"), 2, "none.yaml");
+  expectRefused(with("unseen.yaml", "motions.yaml"), 2, "found the motions of --motions, expected others");
+  expectRefused(diagnosis("no", {"--effects", "payloads"}), 2, "--effects: found 'payloads', expected some of");
+  expectRefused(diagnosis("no", {"--self-test", "2"}), 2, "found --self-test with --motions");
+  expectRefused(diagnosis("no", {"--holdout", "0.3"}), 2, "--holdout: found '0.3'");
+  expectRefused(diagnosis("no", {"--poses", "p.csv"}), 2, "found none or several of --log, --poses and --motions");
+  put("degrees.yaml", replaced(text("motions.yaml"), "motions_m0_muscles.csv", "short.csv"));
+  put("short.csv", "time_s,setpoint_muscle1_rad\n0,1\n1,2\n");
+  expectRefused(with("motions.yaml", "degrees.yaml"), 3, "short.csv:1: muscle muscle2: found no command");
+}
+
+}  // namespace
+}  // namespace simgap::test

@@ -1,0 +1,112 @@
+// Diagnoses of motions that the independent simulator recorded, with nothing hidden and with one cause hidden.
+#include "simgap/diagnose/motions/motion_diagnosis.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/core/random.h"
+#include "simgap/core/yaml.h"
+#include "support/motions.h"
+#include "support/statics.h"
+
+namespace simgap {
+namespace {
+
+/// Steps and sines between tense and slack, fast and slow.
+reality::Setpoints variedSetpoints(std::uint64_t draw) {
+  const CounterRandom random(draw);
+  const auto drawn = [&](std::uint32_t i, double from, double to) {
+    return from + (to - from) * random.uniform({i, 0, 0, 95});
+  };
+  const double tension = drawn(0, 3.0, 4.4), swing = drawn(1, 0.2, 0.7), rate = drawn(2, 0.3, 1.8);
+  const double step = drawn(3, 0.3, 0.8) * (draw % 2 ? 1.0 : -1.0), tenser = drawn(4, -0.6, 0.8);
+  return [=](double time) {
+    double co = tension, difference = 0.0;
+    if (time >= 0.4) difference = swing * std::sin(2.0 * M_PI * rate * (time - 0.4));
+    if (time >= 2.2) difference = step;
+    if (time >= 3.2) co += tenser;
+    return std::vector<double>{co + difference, co - difference};
+  };
+}
+
+MotionDiagnosis diagnoseForearm(const reality::MovingArm& truth, reality::MotionRigOptions rig = {},
+                                const std::vector<std::string>& effects = {}) {
+  const ArmModel model = test::modelOf(test::movingForearm().arm, true);
+  const MotionSet selecting = test::recordMotions(truth, model, variedSetpoints, 0, 8, rig),
+                  judging = test::recordMotions(truth, model, variedSetpoints, 100, 5, rig);
+  MotionDiagnosisOptions options;
+  options.effects = effects;
+  return diagnoseMotions(model, selecting, &judging,
+                         MotionCalibrationConfig::read(YamlNode::parse(test::forearmConfig(), "forearm_config.yaml")),
+                         options, [](const std::string&, double) {});
+}
+
+std::string answerOf(const MotionDiagnosis& result) {
+  std::string text(toString(result.diagnosis.verdict));
+  for (const Cause& cause : result.diagnosis.causes) {
+    text += "; " + cause.effect + ":" + cause.target;
+    for (const std::string& rival : cause.ambiguous_with) text += " | " + rival;
+    for (const CauseParameter& p : cause.parameters) text += " " + p.name + "=" + std::to_string(p.value.value);
+  }
+  for (const HypothesisRecord& h : result.diagnosis.hypotheses) {
+    text += "\n  " + h.effect + ":" + h.target + " " + h.outcome + " " + std::to_string(h.log_odds.value_or(NAN));
+  }
+  text += "\n  heldout " + std::to_string(result.diagnosis.baseline.mse_heldout) + " -> " +
+          std::to_string(result.diagnosis.extended.mse_heldout);
+  for (const Candidate& candidate : result.diagnosis.candidates) {
+    text += "; candidate " + candidate.effect + ":" + candidate.target + " " + candidate.reason;
+  }
+  return text;
+}
+
+/// The first cause is this one, or one of those that could not be told from it. \returns its first parameter
+double expectFound(const MotionDiagnosis& result, const std::string& effect) {
+  if (result.diagnosis.causes.empty()) {
+    ADD_FAILURE() << "nothing found: " << answerOf(result);
+    return NAN;
+  }
+  const Cause& first = result.diagnosis.causes.front();
+  EXPECT_EQ(first.effect, effect) << answerOf(result);
+  EXPECT_GT(first.gain_heldout.lower95, 0.0);
+  EXPECT_LE(result.diagnosis.causes.size(), 1u) << answerOf(result);
+  return first.parameters.front().value.value;
+}
+
+TEST(MotionDiagnosis, WhereNothingIsHiddenNothingIsNamed) {
+  const MotionDiagnosis result = diagnoseForearm(test::trueForearm());
+  EXPECT_EQ(result.diagnosis.verdict, DiagnosisVerdict::kNothingFound) << answerOf(result);
+  EXPECT_TRUE(result.diagnosis.causes.empty());
+  EXPECT_LT(result.diagnosis.baseline.mse_heldout, 1.5);
+}
+
+TEST(MotionDiagnosis, FindsTheClockOfTheCapture) {
+  reality::MotionRigOptions rig;
+  rig.capture_delay = 0.05;
+  EXPECT_NEAR(expectFound(diagnoseForearm(test::trueForearm(), rig), "joint-clock-offset"), 0.05, 0.003);
+}
+
+TEST(MotionDiagnosis, FindsLateCommands) {
+  reality::MovingArm truth = test::trueForearm();
+  truth.hidden.command_delay = 0.04;
+  expectFound(diagnoseForearm(truth),
+              "command-latency");  // the delay itself ends a row short: docs/diagnose-motions.md
+}
+
+TEST(MotionDiagnosis, AStuckShaftIsAFaultOfTheData) {
+  const ArmModel model = test::modelOf(test::movingForearm().arm, true);
+  MotionSet set = test::recordMotions(test::trueForearm(), model, variedSetpoints, 0, 8, {});
+  std::vector<double>& shafts = set.motions[2].muscles[1].shafts;
+  std::ranges::fill(shafts, shafts.front());
+  const MotionCalibrationConfig config =
+      MotionCalibrationConfig::read(YamlNode::parse(test::forearmConfig(), "forearm_config.yaml"));
+  const MotionDiagnosis result = diagnoseMotions(model, set, nullptr, config, {}, [](const std::string&, double) {});
+  EXPECT_EQ(result.diagnosis.verdict, DiagnosisVerdict::kDataFault);
+  ASSERT_FALSE(result.diagnosis.faults.empty());
+  EXPECT_EQ(result.diagnosis.faults.front().channel, "shaft_muscle2_rad");
+  EXPECT_NE(result.diagnosis.faults.front().sentence.find("motion m2"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace simgap
