@@ -1,5 +1,5 @@
 /// \file
-/// data/robot: a robot of five hinges as somebody has drawn it, the log of one trajectory to fit it to and another's to
+/// data/robot: a robot of four hinges as somebody has drawn it, the log of one trajectory to fit it to and another's to
 /// judge it by; by tests/reality. make_robot_data DIR
 #include <cstdio>
 #include <filesystem>

@@ -21,7 +21,7 @@ class ShellFiles(unittest.TestCase):
 
     def test_man_pages_render(self):
         pages = sorted((self.share / "man/man1").iterdir())
-        self.assertEqual(len(pages), 21)
+        self.assertEqual(len(pages), 22)
         if not shutil.which("man"):
             self.skipTest("there is no man")
         for page in pages:

@@ -47,10 +47,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "J_velocity_rad_s where it was measured); several: trajectories of one robot")
       ->required();
   app.add_option("--law", options->fit.law, "friction of every joint: coulomb or stribeck")->default_val("coulomb");
-  app.add_option(
-         "--torque-constants", options->torque_constants,
-         "torque per current at each joint, in the robot's order (comma-separated) [Nm/A]; default: relative to "
-         "the masses of its file")
+  app.add_option("--torque-constants", options->torque_constants,
+                 "torque per current at each joint, in the robot's order (comma-separated) [Nm/A]; for a log of "
+                 "currents")
       ->delimiter(',')
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--gravity", options->gravity, "X,Y,Z: gravity in the robot's base, instead of its file's [m/s^2]");

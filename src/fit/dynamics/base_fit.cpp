@@ -15,6 +15,7 @@ using Eigen::VectorXd;
 
 constexpr double kWeakest = 1e-11;  // of the largest eigenvalue of the scaled normal matrix
 constexpr double kPart = 0.1;       // of a direction that the log does not determine
+constexpr double kRounding = 1e-9;  // of the effort's squares: finer no rigid body is known to explain a log
 
 /// A x = b of all joints, weighed.
 struct NormalEquations {
@@ -90,7 +91,7 @@ BaseSolution solveBase(const DynamicsData& data, const std::vector<JointSums>& s
       const double squares = constants[c] * constants[c] * p(p.rows() - 1, p.cols() - 1);
       const double error = squaredError(sums[c], data.base.acts[c], solution.x, constants[c]);
       const double free = std::max(1.0, sums[c].rows - static_cast<double>(data.base.acts[c].size()));
-      solution.variance[c] = std::max(error, 1e-14 * squares) / free;  // sums of squares have no more digits
+      solution.variance[c] = std::max(error, kRounding * squares) / free;
     }
   }
   return solution;

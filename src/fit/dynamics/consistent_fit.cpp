@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 // How well a drawing is known: masses to a factor of 2, lengths of second moments to one of 1.5, and centres to half of
 // the body's size. A log of some seconds outweighs this wherever it says anything.
-constexpr double kMassSd = 0.35, kMomentSd = 0.4, kCentreSd = 0.5, kConstantSd = 1.0;
+constexpr double kMassSd = 0.35, kMomentSd = 0.4, kCentreSd = 0.5;
 
 /// A factor F of a joint's sums, F^T F = products / variance.
 MatrixXd factorOf(const MatrixXd& products, double variance) {
@@ -26,10 +26,10 @@ MatrixXd factorOf(const MatrixXd& products, double variance) {
   return roots.asDiagonal() * eigen.vectors.transpose() * back.asDiagonal();
 }
 
-/// Where the numbers that are searched stand: per body with mass ten, per joint offset, friction, rotor and constant.
+/// Where the numbers that are searched stand: per body with mass ten, per joint offset, friction and rotor.
 class Layout {
  public:
-  Layout(const RobotRegressor& regressor, bool constants) : regressor_(regressor), constants_(constants) {
+  explicit Layout(const RobotRegressor& regressor) : regressor_(regressor) {
     for (std::size_t b = 0; b < regressor.bodies(); ++b) {
       if (!regressor.massless(b)) bodies_.push_back(b);
     }
@@ -38,9 +38,7 @@ class Layout {
   Index body(std::size_t place) const { return kBodyParameters * static_cast<Index>(place); }
   Index own() const { return 1 + std::ssize(regressor_.law().terms); }
   Index drive(std::size_t c) const { return body(bodies_.size()) + (own() + 1) * static_cast<Index>(c); }
-  Index constant(std::size_t c) const { return drive(regressor_.coordinates()) + static_cast<Index>(c); }
-  Index size() const { return drive(regressor_.coordinates()) + (constants_ ? coordinates() : 0); }
-  Index coordinates() const { return std::ssize(regressor_.dynamics().joints()); }
+  Index size() const { return drive(regressor_.coordinates()); }
 
   /// All parameters, shape (P), and, unless null, their derivatives, shape (P, size).
   VectorXd parameters(const Eigen::Ref<const VectorXd>& theta, MatrixXd* jacobian) const {
@@ -65,7 +63,6 @@ class Layout {
 
  private:
   const RobotRegressor& regressor_;
-  bool constants_;
   std::vector<std::size_t> bodies_;
 };
 
@@ -75,7 +72,7 @@ struct Priors {
 };
 
 Priors priorsOf(const DynamicsData& data, const std::vector<JointSums>& sums, const Layout& layout,
-                const std::vector<double>& constants, bool fit_constants) {
+                const std::vector<double>& constants) {
   Priors priors{VectorXd::Zero(layout.size()), VectorXd::Ones(layout.size())};
   const VectorXd file = data.regressor.dynamics().parametersOf(data.arm);
   for (std::size_t k = 0; k < layout.bodies().size(); ++k) {
@@ -100,9 +97,6 @@ Priors priorsOf(const DynamicsData& data, const std::vector<JointSums>& sums, co
       }
       priors.sd[layout.drive(c) + i] = std::max(effort, 1e-9) / std::max(size, 1e-9);
     }
-    if (!fit_constants) continue;
-    priors.mean[layout.constant(c)] = std::log(constants[c]);
-    priors.sd[layout.constant(c)] = kConstantSd;
   }
   return priors;
 }
@@ -110,12 +104,8 @@ Priors priorsOf(const DynamicsData& data, const std::vector<JointSums>& sums, co
 class ConsistentProblem {
  public:
   ConsistentProblem(const DynamicsData& data, const std::vector<JointSums>& sums, const std::vector<double>& variance,
-                    double inflation, std::vector<double> constants, bool fit_constants)
-      : data_(data),
-        layout_(data.regressor, fit_constants),
-        priors_(priorsOf(data, sums, layout_, constants, fit_constants)),
-        constants_(std::move(constants)),
-        fit_constants_(fit_constants) {
+                    double inflation, const std::vector<double>& constants)
+      : data_(data), layout_(data.regressor), priors_(priorsOf(data, sums, layout_, constants)), constants_(constants) {
     for (std::size_t c = 0; c < sums.size(); ++c)
       factors_.push_back(factorOf(sums[c].products, inflation * variance[c]));
   }
@@ -152,18 +142,12 @@ class ConsistentProblem {
       const MatrixXd& f = factors_[c];
       const std::vector<std::size_t>& acts = data_.base.acts[c];
       const Index known = std::ssize(acts), rows = f.rows();
-      // k i - tau where k is given; i - tau / k where it is found, or k = 0 would fit best.
-      const double divisor = fit_constants_ ? std::exp(theta[layout_.constant(c)]) : 1.0;
       VectorXd v(known + 2);
-      for (Index i = 0; i < known; ++i) v[i] = -x[acts[i]] / divisor;
-      v[known] = -1.0 / divisor;
-      v[known + 1] = fit_constants_ ? 1.0 : constants_[c];
+      for (Index i = 0; i < known; ++i) v[i] = -x[acts[i]];
+      v[known] = -1.0;
+      v[known + 1] = constants_[c];
       residual.segment(row, rows) = f * v;
-      if (jacobian != nullptr) {
-        jacobian->middleRows(row, rows) = -(f.leftCols(known) * slopes(acts, Eigen::all)) / divisor;
-        if (fit_constants_)
-          jacobian->block(row, layout_.constant(c), rows, 1) = -f.leftCols(known + 1) * v.head(known + 1);
-      }
+      if (jacobian != nullptr) jacobian->middleRows(row, rows) = -f.leftCols(known) * slopes(acts, Eigen::all);
       row += rows;
     }
     residual.tail(layout_.size()) = (theta - priors_.mean).cwiseQuotient(priors_.sd);
@@ -174,32 +158,36 @@ class ConsistentProblem {
   Layout layout_;
   Priors priors_;
   std::vector<double> constants_;
-  bool fit_constants_;
   std::vector<MatrixXd> factors_;
 };
 
 }  // namespace
 
 ConsistentFit fitConsistent(const DynamicsData& data, const std::vector<JointSums>& sums,
-                            const std::vector<double>& variance, double inflation, const std::vector<double>& constants,
-                            bool fit_constants) {
-  const ConsistentProblem search(data, sums, variance, inflation, constants, fit_constants);
+                            const std::vector<double>& variance, double inflation,
+                            const std::vector<double>& constants) {
+  LeastSquaresOptions options;
+  options.max_iterations = 300;
+  options.function_tolerance = 1e-8;  // the cost is a chi squared: of a thousand, 1e-5 means nothing
+  options.parameter_tolerance = 1e-8;
+  // A sharp log makes a narrow, curved valley of bodies that explain it: the way there begins where the priors rule,
+  // and follows the valley as the log gains weight.
+  LeastSquaresResult result;
+  for (const double weight : {1e4, 1e3, 1e2, 10.0, 1.0}) {
+    const ConsistentProblem relaxed(data, sums, variance, weight * inflation, constants);
+    const VectorXd& mean = relaxed.priors().mean;
+    if (result.theta.empty()) result.theta.assign(mean.begin(), mean.end());
+    result = minimise(relaxed.problem(), result.theta, options);
+  }
+  const ConsistentProblem search(data, sums, variance, inflation, constants);
   const LeastSquaresProblem problem = search.problem();
   const Layout& layout = search.layout();
-  std::vector<double> start(search.priors().mean.begin(), search.priors().mean.end());
-  LeastSquaresOptions options;
-  options.max_iterations = 500;
-  options.function_tolerance = 1e-11;  // what the log leaves open creeps along its priors
-  options.parameter_tolerance = 1e-9;
-  const LeastSquaresResult result = minimise(problem, start, options);
   const Eigen::Map<const VectorXd> theta(result.theta.data(), layout.size());
 
   ConsistentFit fit;
   fit.converged = result.converged;
-  if (getenv("DYN_DEBUG")) fprintf(stderr, "cost %g it %d %s\n", result.cost, result.iterations, result.message.c_str());
   MatrixXd slopes;
-  fit.model.parameters = layout.parameters(theta, &slopes);
-  fit.model.torque_constants = constants;
+  fit.parameters = layout.parameters(theta, &slopes);
   const Linearisation at = linearise(problem, result.theta, problem.chunks);
   const MatrixXd covariance = inverse(at.factor.transpose() * at.factor);
   const auto deviations = [&](const MatrixXd& of) {
@@ -207,41 +195,7 @@ ConsistentFit fitConsistent(const DynamicsData& data, const std::vector<JointSum
   };
   fit.sd = deviations(covariance);
   fit.prior_sd = deviations(MatrixXd(search.priors().sd.cwiseAbs2().asDiagonal()));
-  fit.constant_sd.assign(constants.size(), 0.0);
-  for (std::size_t c = 0; c < constants.size() && fit_constants; ++c) {
-    const Index place = layout.constant(c);
-    fit.model.torque_constants[c] = std::exp(theta[place]);
-    fit.constant_sd[c] = std::sqrt(covariance(place, place));
-  }
   return fit;
-}
-
-std::vector<double> guessConstants(const DynamicsData& data, const std::vector<JointSums>& sums) {
-  VectorXd file = VectorXd::Zero(data.regressor.columns());
-  file.segment(data.regressor.bodyColumn(0), data.regressor.dynamics().parameters()) =
-      data.regressor.dynamics().parametersOf(data.arm);
-  const VectorXd x = data.base.combination * file;
-  std::vector<double> constants;
-  for (std::size_t c = 0; c < sums.size(); ++c) {
-    // i = a tau_file + own friction, by least squares: the effort and the torque without what friction explains of it.
-    const std::vector<std::size_t>& acts = data.base.acts[c];
-    const MatrixXd& p = sums[c].products;
-    VectorXd torque = VectorXd::Zero(p.cols());
-    for (Index i = 0; i < std::ssize(acts); ++i) torque[i] = x[acts[i]];
-    torque[std::ssize(acts)] = 1.0;
-    MatrixXd basis = MatrixXd::Zero(p.cols(), 2 + std::ssize(data.regressor.law().terms));
-    basis.col(0) = torque;
-    for (Index i = 0, at = 1; i < std::ssize(acts); ++i) {
-      const Index own = data.base.columns[acts[i]] - data.regressor.offsetColumn(c);
-      if (own >= 0 && own <= std::ssize(data.regressor.law().terms)) basis(i, at++) = 1.0;
-    }
-    MatrixXd a = basis.transpose() * p * basis;
-    const VectorXd b = basis.transpose() * p.col(p.cols() - 1);
-    a.diagonal().array() += 1e-12 * a.diagonal().maxCoeff() + 1e-300;
-    const double slope = solveLeastSquares(a, b)(0, 0);
-    constants.push_back(slope > 0.0 ? std::clamp(1.0 / slope, 1e-3, 1e3) : 10.0);
-  }
-  return constants;
 }
 
 }  // namespace simgap

@@ -23,24 +23,13 @@ struct BothFits {
   ConsistentFit consistent;
 };
 
-BothFits fitBoth(const DynamicsData& data, const std::vector<bool>& used,
-                 const std::optional<std::vector<double>>& given, bool currents) {
+BothFits fitBoth(const DynamicsData& data, const std::vector<bool>& used, const std::vector<double>& constants) {
   BothFits fits;
   const std::vector<JointSums> sums = data.sums.total(used);
-  const std::size_t n = sums.size();
-  std::vector<double> constants = given ? *given : std::vector<double>(n, 1.0);
-  const bool find = currents && !given;
-  if (find) constants = guessConstants(data, sums);
-  constexpr int kPasses = 2;
-  for (int pass = 0; pass < (find ? kPasses : 1); ++pass) {
-    fits.base = solveBase(data, sums, constants);
-    fits.covariance = jackknifeCovariance(data, fits.base, constants, used);
-    fits.inflation = inflationOf(data, sums, fits.base, fits.covariance);
-    std::vector<double> variance = fits.base.variance;
-    for (std::size_t c = 0; c < n && find; ++c) variance[c] /= constants[c] * constants[c];
-    fits.consistent = fitConsistent(data, sums, variance, fits.inflation, constants, find);
-    constants = fits.consistent.model.torque_constants;
-  }
+  fits.base = solveBase(data, sums, constants);
+  fits.covariance = jackknifeCovariance(data, fits.base, constants, used);
+  fits.inflation = inflationOf(data, sums, fits.base, fits.covariance);
+  fits.consistent = fitConsistent(data, sums, fits.base.variance, fits.inflation, constants);
   return fits;
 }
 
@@ -66,17 +55,14 @@ BaseEstimate baseEstimate(const DynamicsData& data, const BothFits& fits, Index 
 
 }  // namespace
 
-DynamicsFit fitDynamics(const DynamicsData& data, const std::optional<std::vector<double>>& torque_constants,
-                        bool currents) {
+DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& torque_constants) {
   const std::vector<bool> all(data.sums.blocks.size(), true);
   const std::vector<JointSums> sums = data.sums.total(all);
-  const BothFits fits = fitBoth(data, all, torque_constants, currents);
+  const BothFits fits = fitBoth(data, all, torque_constants);
   DynamicsFit fit;
-  fit.model = fits.consistent.model;
+  fit.model = {fits.consistent.parameters, torque_constants};
   fit.sd = fits.consistent.sd;
   fit.prior_sd = fits.consistent.prior_sd;
-  fit.constant_sd = fits.consistent.constant_sd;
-  fit.found_constants = currents && !torque_constants;
   fit.inflation = fits.inflation;
   fit.converged = fits.consistent.converged;
   const double quantile = studentQuantile(static_cast<double>(data.sums.blocks.size()) - 1.0);
@@ -99,8 +85,8 @@ DynamicsFit fitDynamics(const DynamicsData& data, const std::optional<std::vecto
   return fit;
 }
 
-HeldOutErrors crossValidate(const DynamicsData& data, const std::optional<std::vector<double>>& torque_constants,
-                            bool currents, const std::vector<int>& fold) {
+HeldOutErrors crossValidate(const DynamicsData& data, const std::vector<double>& torque_constants,
+                            const std::vector<int>& fold) {
   const int folds = *std::ranges::max_element(fold) + 1;
   const std::size_t n = data.regressor.coordinates();
   MatrixXd alone(folds, n), model(folds, n), squares(folds, n);
@@ -111,11 +97,11 @@ HeldOutErrors crossValidate(const DynamicsData& data, const std::optional<std::v
       held_out.push_back(of_block == f);
     }
     const std::vector<JointSums> others = data.sums.total(fitted), own = data.sums.total(held_out);
-    const BothFits fits = fitBoth(data, fitted, torque_constants, currents);
-    const VectorXd x = data.base.combination * fits.consistent.model.parameters;
+    const BothFits fits = fitBoth(data, fitted, torque_constants);
+    const VectorXd x = data.base.combination * fits.consistent.parameters;
     for (std::size_t c = 0; c < n; ++c) {
       const Index column = c;
-      const double constant = fits.consistent.model.torque_constants[c];
+      const double constant = torque_constants[c];
       squares(f, column) = effortSquares(own[c]);
       alone(f, column) = squaredErrorAlone(own[c], fitAlone(data, others[c], c));
       model(f, column) = squaredError(own[c], data.base.acts[c], x, constant) / (constant * constant);

@@ -21,6 +21,12 @@ void checkLogOfRobot(const RobotLog& log, const RobotFitOptions& options) {
   if (options.torque_constants && !currents) {
     throw ConfigError(log.file + ": found torques and torque constants, expected constants with currents only");
   }
+  if (!options.torque_constants && currents) {
+    throw ConfigError(fmt::format(
+        "{}: found currents, expected --torque-constants too, one for each of {} joints [Nm/A]: currents alone tell "
+        "constants and masses only as products",
+        log.file, log.joints.size()));
+  }
   if (options.torque_constants && options.torque_constants->size() != log.joints.size()) {
     throw ConfigError(fmt::format("found {} torque constants, expected {}: one for each joint, in the robot's order",
                                   options.torque_constants->size(), log.joints.size()));
@@ -103,12 +109,6 @@ std::vector<std::string> warningsOf(const RobotLog& log, const RobotFit& found) 
     warnings.push_back(
         fmt::format("these motions do not determine {}: the model has the file's values there", fmt::join(open, ", ")));
   }
-  if (found.fit.found_constants) {
-    warnings.emplace_back(
-        "currents alone do not determine the torque constants: they are relative to the masses of the robot's file, "
-        "and "
-        "a common factor of all constants and masses is as uncertain as those (--torque-constants)");
-  }
   return warnings;
 }
 
@@ -127,15 +127,16 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   found.model.curves = findCurves(log, regressor, base);
   const DynamicsSums sums = sumDynamics(log, regressor, base, found.model.curves);
   const DynamicsData data{arm, regressor, base, sums};
-  found.fit = fitDynamics(data, options.torque_constants, currents);
+  const std::vector<double> constants = options.torque_constants.value_or(std::vector<double>(log.joints.size(), 1.0));
+  found.fit = fitDynamics(data, constants);
   if (!found.fit.converged) {
     throw NumericsError("the search for bodies that can exist did not converge: is the log of this robot?");
   }
-  found.heldout = crossValidate(data, options.torque_constants, currents, foldsOverBlocks(log.blocks.size()));
+  found.heldout = crossValidate(data, constants, foldsOverBlocks(log.blocks.size()));
   if (log.session_names.size() > 1) {
     std::vector<int> of_session;
     for (const Block& block : log.blocks) of_session.push_back(log.session[block.begin]);
-    found.over_logs = crossValidate(data, options.torque_constants, currents, of_session);
+    found.over_logs = crossValidate(data, constants, of_session);
   }
   found.model.arm = armWith(arm, regressor, found.fit.model.parameters);
   found.model.law = options.law;

@@ -115,8 +115,9 @@ RobotModel readRobotModel(const YamlNode& root) {
 
 std::vector<LoggedJoint> loggedJoints(const ArmModel& arm) {
   std::vector<LoggedJoint> joints;
-  for (const Joint& joint : arm.joints) {
-    if (!joint.follows()) joints.push_back({joint.name, joint.slides(), joint.lower_limit, joint.upper_limit});
+  for (const int index : InverseDynamics(arm).joints()) {
+    const Joint& joint = arm.joints[index];
+    joints.push_back({joint.name, joint.slides(), joint.lower_limit, joint.upper_limit});
   }
   return joints;
 }

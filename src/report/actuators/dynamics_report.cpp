@@ -20,22 +20,18 @@ Json jointRecord(const DynamicsReport& report, std::size_t c) {
   const RobotJointLog& joint = report.log.joints[c];
   const DynamicsFit& fit = report.found.fit;
   const bool currents = report.found.model.currents;
-  const double constant = fit.model.torque_constants[c];
-  return {
-      {"name", joint.name},
-      {"effort_unit", joint.effort_unit},
-      {"rows", static_cast<long>(fit.rows[c])},
-      {"resting", joint.resting},
-      {"velocity", joint.measured_velocity ? "measured" : "worked out from the position"},
-      {"bandwidth_Hz", numberOrNull(joint.bandwidth)},
-      {"noise", numberOrNull(fit.noise[c])},
-      {"error_alone", numberOrNull(report.found.heldout.alone[c])},
-      {"error_heldout", numberOrNull(report.found.heldout.model[c])},
-      {"error_other_logs", report.found.over_logs ? numberOrNull(report.found.over_logs->model[c]) : Json(nullptr)},
-      {"error_fitted", numberOrNull(fit.error[c])},
-      {"torque_constant_Nm_A", currents ? Json(constant) : Json(nullptr)},
-      {"torque_constant_found", fit.found_constants},
-      {"torque_constant_sd_Nm_A", fit.found_constants ? numberOrNull(fit.constant_sd[c] * constant) : Json(nullptr)}};
+  return {{"name", joint.name},
+          {"effort_unit", joint.effort_unit},
+          {"rows", static_cast<long>(fit.rows[c])},
+          {"resting", joint.resting},
+          {"velocity", joint.measured_velocity ? "measured" : "worked out from the position"},
+          {"bandwidth_Hz", numberOrNull(joint.bandwidth)},
+          {"noise", numberOrNull(fit.noise[c])},
+          {"error_alone", numberOrNull(report.found.heldout.alone[c])},
+          {"error_heldout", numberOrNull(report.found.heldout.model[c])},
+          {"error_other_logs", report.found.over_logs ? numberOrNull(report.found.over_logs->model[c]) : Json(nullptr)},
+          {"error_fitted", numberOrNull(fit.error[c])},
+          {"torque_constant_Nm_A", currents ? Json(fit.model.torque_constants[c]) : Json(nullptr)}};
 }
 
 Json bodyRecord(const DynamicsReport& report, const RobotRegressor& regressor, const ArmModel& file, std::size_t b) {

@@ -90,10 +90,8 @@ Table dynamicsDrives(const Json& result) {
   }
   for (const Json& joint : result.at("joints")) {
     if (joint.at("torque_constant_Nm_A").is_null()) continue;
-    const bool found = joint.at("torque_constant_found");
     table.rows.push_back({joint.at("name").get<std::string>() + ".torque_constant", "Nm/A",
-                          numberText(joint.at("torque_constant_Nm_A"), "{:.4g}"),
-                          found ? numberText(joint.at("torque_constant_sd_Nm_A"), "{:.2g}") : "given"});
+                          numberText(joint.at("torque_constant_Nm_A"), "{:.4g}"), "given"});
   }
   return table;
 }

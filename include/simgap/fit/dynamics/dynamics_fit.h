@@ -6,7 +6,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,10 +38,8 @@ struct DynamicsModel {
 
 struct DynamicsFit {
   DynamicsModel model;
-  Eigen::VectorXd sd;               ///< shape (P): of the parameters, given the priors
-  Eigen::VectorXd prior_sd;         ///< shape (P): of the priors alone, 0 without one
-  std::vector<double> constant_sd;  ///< shape (N), relative; 0 for constants that were given
-  bool found_constants = false;     ///< currents without torque constants
+  Eigen::VectorXd sd;        ///< shape (P): of the parameters, given the priors
+  Eigen::VectorXd prior_sd;  ///< shape (P): of the priors alone, 0 without one
   std::vector<BaseEstimate> base;
   std::vector<double> noise;  ///< shape (N): deviation of the residual in the log's unit
   std::vector<double> rows;   ///< shape (N): rows that count
@@ -57,14 +54,12 @@ struct HeldOutErrors {
   std::vector<double> model;
 };
 
-/// \param torque_constants  shape (N) [N m/A]; none: the log holds torques, or they are found relative to the file's
-/// masses. \param currents  the log holds currents.
-DynamicsFit fitDynamics(const DynamicsData& data, const std::optional<std::vector<double>>& torque_constants,
-                        bool currents);
+/// \param torque_constants  shape (N) [N m/A]; 1 where the log holds torques
+DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& torque_constants);
 
 /// \param fold  shape (blocks): each fold is predicted by a fit to the others.
-HeldOutErrors crossValidate(const DynamicsData& data, const std::optional<std::vector<double>>& torque_constants,
-                            bool currents, const std::vector<int>& fold);
+HeldOutErrors crossValidate(const DynamicsData& data, const std::vector<double>& torque_constants,
+                            const std::vector<int>& fold);
 
 /// The bodies of the arm with other inertial parameters, and its joints with the friction that an arm file knows.
 ArmModel armWith(const ArmModel& arm, const RobotRegressor& regressor, const Eigen::VectorXd& parameters);

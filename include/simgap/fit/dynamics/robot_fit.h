@@ -26,8 +26,8 @@ struct RobotFit {
   std::vector<std::string> warnings;
 };
 
-/// \throws ConfigError: constants of another number, or beside torques; DataError: too short a log, nothing that moves,
-/// gravity that the log contradicts; NumericsError: the search did not converge
+/// \throws ConfigError: currents without constants, constants of another number or beside torques; DataError: too short
+/// a log, nothing that moves, gravity that the log contradicts; NumericsError: the search did not converge
 RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options);
 
 /// The direction in which the log's torques say that gravity pulls on the bodies of the file, [m/s^2] as far as their

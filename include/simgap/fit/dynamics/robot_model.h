@@ -30,7 +30,7 @@ std::string writeRobotModel(const RobotModel& model);
 /// \throws ConfigError: also when its parameters are not those of its robot
 RobotModel readRobotModel(const YamlNode& root);
 
-/// The joints whose channels a log has to hold: those that follow no other.
+/// The joints whose channels a log has to hold: those that follow no other. \throws ConfigError: a ball
 std::vector<LoggedJoint> loggedJoints(const ArmModel& arm);
 
 /// Effort of every joint in every row of a log, shape (rows, N), in the model's unit.
