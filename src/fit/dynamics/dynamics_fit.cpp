@@ -85,10 +85,11 @@ DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& tor
   return fit;
 }
 
-HeldOutErrors crossValidate(const DynamicsData& data, const std::vector<double>& torque_constants,
+HeldOutErrors crossValidate(const ArmModel& arm, const RobotRegressor& regressor, const BaseParameters& base,
+                            const SumsOfFold& sums_of, const std::vector<double>& torque_constants,
                             const std::vector<int>& fold) {
   const int folds = *std::ranges::max_element(fold) + 1;
-  const std::size_t n = data.regressor.coordinates();
+  const std::size_t n = regressor.coordinates();
   MatrixXd alone(folds, n), model(folds, n), squares(folds, n);
   tbb::parallel_for(0, folds, [&](int f) {
     std::vector<bool> fitted, held_out;
@@ -96,7 +97,9 @@ HeldOutErrors crossValidate(const DynamicsData& data, const std::vector<double>&
       fitted.push_back(of_block != f);
       held_out.push_back(of_block == f);
     }
-    const std::vector<JointSums> others = data.sums.total(fitted), own = data.sums.total(held_out);
+    const std::shared_ptr<const DynamicsSums> sums = sums_of(fitted);
+    const DynamicsData data{arm, regressor, base, *sums};
+    const std::vector<JointSums> others = sums->total(fitted), own = sums->total(held_out);
     const BothFits fits = fitBoth(data, fitted, torque_constants);
     const VectorXd x = data.base.combination * fits.consistent.parameters;
     for (std::size_t c = 0; c < n; ++c) {

@@ -18,6 +18,7 @@ struct JointChunk {
   Index filled = 0;
 
   void addTo(JointSums& sums) {
+    if (filled == 0) return;  // Eigen divides by the number of rows
     sums.products.selfadjointView<Eigen::Lower>().rankUpdate(rows.topRows(filled).transpose());
     sums.rows += static_cast<double>(filled);
     filled = 0;
@@ -89,11 +90,13 @@ std::vector<JointSums> DynamicsSums::total(const std::vector<bool>& used) const 
 }
 
 DynamicsSums sumDynamics(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
-                         std::span<const StribeckCurve> curves) {
+                         std::span<const StribeckCurve> curves, const std::vector<bool>& used) {
   DynamicsSums sums;
   sums.blocks.resize(log.blocks.size());
   tbb::parallel_for(std::size_t{0}, log.blocks.size(), [&](std::size_t b) {
-    if (!interruptRequested()) sumBlock(log, log.blocks[b], regressor, base, curves, sums.blocks[b]);
+    if (interruptRequested()) return;
+    const Block rows = used[b] ? log.blocks[b] : Block{log.blocks[b].begin, log.blocks[b].begin};
+    sumBlock(log, rows, regressor, base, curves, sums.blocks[b]);
   });
   stopIfInterrupted();
   return sums;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "base_fit.h"
 #include "simgap/core/error.h"
@@ -54,27 +55,37 @@ void checkGravity(const ArmModel& arm, const RobotLog& log) {
       log.file, seen.x(), seen.y(), seen.z(), arm.gravity.x(), arm.gravity.y(), arm.gravity.z()));
 }
 
-/// Of each joint the curve with which all columns that act on it leave least, among speeds that it reaches.
-std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor& regressor,
-                                      const BaseParameters& base) {
+/// Some of the blocks, so that a search over curves goes through a few thousand rows.
+std::vector<bool> thinnedBlocks(const RobotLog& log, const std::vector<bool>& used) {
+  constexpr std::size_t kMostRows = 8000;
+  std::size_t rows = 0, seen = 0;
+  for (std::size_t b = 0; b < used.size(); ++b) rows += used[b] ? log.blocks[b].size() : 0;
+  const std::size_t stride = 1 + rows / kMostRows;
+  std::vector<bool> some = used;
+  for (std::size_t b = 0; b < used.size(); ++b) some[b] = used[b] && seen++ % stride == 0;
+  return some;
+}
+
+/// Of each joint the curve with which all columns that act on it leave least in some blocks, among speeds that it
+/// reaches.
+std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
+                                      const std::vector<double>& constants, const std::vector<bool>& used) {
   std::vector<StribeckCurve> best(regressor.coordinates());
   if (!regressor.law().hasStribeck()) return best;
   std::vector<double> lowest(best.size(), INFINITY), top;
   for (const RobotJointLog& joint : log.joints) {
-    double speed = 0.0;
+    double speed = 1e-6;
     for (const double v : joint.velocity) speed = std::max(speed, std::abs(v));
     top.push_back(speed);
   }
-  const ArmModel none;
-  const DynamicsSums no_sums;
-  const DynamicsData data{none, regressor, base, no_sums};
+  const std::vector<bool> some = thinnedBlocks(log, used);
+  const ArmModel no_arm;
   for (const double delta : {1.0, 2.0}) {
     for (double share = 0.01; share < 0.7; share *= 2.0) {
       std::vector<StribeckCurve> curves;
       for (const double speed : top) curves.push_back({share * speed, delta});
-      const DynamicsSums sums = sumDynamics(log, regressor, base, curves);
-      const std::vector<JointSums> all = sums.total(std::vector<bool>(sums.blocks.size(), true));
-      const BaseSolution solution = solveBase(data, all, std::vector<double>(best.size(), 1.0));
+      const DynamicsSums sums = sumDynamics(log, regressor, base, curves, some);
+      const BaseSolution solution = solveBase({no_arm, regressor, base, sums}, sums.total(some), constants);
       for (std::size_t c = 0; c < best.size(); ++c) {
         if (solution.variance[c] >= lowest[c]) continue;
         lowest[c] = solution.variance[c];
@@ -124,19 +135,28 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   found.names = regressor.names();
   found.units = regressor.units();
   found.without_effect = base.without_effect;
-  found.model.curves = findCurves(log, regressor, base);
-  const DynamicsSums sums = sumDynamics(log, regressor, base, found.model.curves);
-  const DynamicsData data{arm, regressor, base, sums};
   const std::vector<double> constants = options.torque_constants.value_or(std::vector<double>(log.joints.size(), 1.0));
-  found.fit = fitDynamics(data, constants);
+  const std::vector<bool> all(log.blocks.size(), true);
+  found.model.curves = findCurves(log, regressor, base, constants, all);
+  const auto sums = std::make_shared<const DynamicsSums>(sumDynamics(log, regressor, base, found.model.curves, all));
+  found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
   if (!found.fit.converged) {
     throw NumericsError("the search for bodies that can exist did not converge: is the log of this robot?");
   }
-  found.heldout = crossValidate(data, constants, foldsOverBlocks(log.blocks.size()));
+  // Held-out blocks have no part in choosing the curves that are to predict them.
+  const SumsOfFold sums_of = [&](const std::vector<bool>& fitted) {
+    if (!regressor.law().hasStribeck()) return sums;
+    const std::vector<StribeckCurve> curves = findCurves(log, regressor, base, constants, fitted);
+    return std::make_shared<const DynamicsSums>(sumDynamics(log, regressor, base, curves, all));
+  };
+  const auto judge = [&](const std::vector<int>& fold) {
+    return crossValidate(arm, regressor, base, sums_of, constants, fold);
+  };
+  found.heldout = judge(foldsOverBlocks(log.blocks.size()));
   if (log.session_names.size() > 1) {
     std::vector<int> of_session;
     for (const Block& block : log.blocks) of_session.push_back(log.session[block.begin]);
-    found.over_logs = crossValidate(data, constants, of_session);
+    found.over_logs = judge(of_session);
   }
   found.model.arm = armWith(arm, regressor, found.fit.model.parameters);
   found.model.law = options.law;

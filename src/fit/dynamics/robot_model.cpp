@@ -115,7 +115,8 @@ RobotModel readRobotModel(const YamlNode& root) {
 
 std::vector<LoggedJoint> loggedJoints(const ArmModel& arm) {
   std::vector<LoggedJoint> joints;
-  for (const int index : InverseDynamics(arm).joints()) {
+  const InverseDynamics dynamics(arm);
+  for (const int index : dynamics.joints()) {
     const Joint& joint = arm.joints[index];
     joints.push_back({joint.name, joint.slides(), joint.lower_limit, joint.upper_limit});
   }

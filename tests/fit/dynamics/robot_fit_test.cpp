@@ -180,6 +180,22 @@ TEST(RobotFit, CurrentsWithTheirConstants) {
   }
 }
 
+/// The log says nothing of a joint that is held, and what it says of the others stays right.
+TEST(RobotFit, AJointThatNeverMoves) {
+  reality::Robot robot = reality::randomRobot(17, 3, false, false);
+  robot.links[1].lower = 0.4;
+  robot.links[1].upper = 0.4;
+  const ArmModel arm = test::drawnArm(robot, 7);
+  const RobotFit found = fitRobot(arm, test::robotLog(arm, reality::recordRobot(robot, {}, 7)), {});
+  EXPECT_TRUE(std::isnan(found.heldout.model[1]));
+  EXPECT_LT(found.heldout.model[0], 0.03);
+  EXPECT_LT(found.heldout.model[2], 0.03);
+  EXPECT_EQ(std::ranges::count(found.warnings, "joint j2 does not move in any row: nothing is known of its drive"), 1);
+  const Estimate& offset = found.fit.base[3].estimate;
+  EXPECT_EQ(offset.name, "j2.offset");
+  EXPECT_FALSE(offset.identifiable);
+}
+
 std::string refusal(const ArmModel& arm, const std::string& csv, const RobotFitOptions& options = {}) {
   try {
     fitRobot(arm, test::robotLog(arm, csv), options);

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -57,8 +59,13 @@ struct HeldOutErrors {
 /// \param torque_constants  shape (N) [N m/A]; 1 where the log holds torques
 DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& torque_constants);
 
+/// The sums that a fit to some blocks works on: where a law is not linear in all it has, its curves are chosen by those
+/// blocks alone. \param fitted  shape (blocks)
+using SumsOfFold = std::function<std::shared_ptr<const DynamicsSums>(const std::vector<bool>& fitted)>;
+
 /// \param fold  shape (blocks): each fold is predicted by a fit to the others.
-HeldOutErrors crossValidate(const DynamicsData& data, const std::vector<double>& torque_constants,
+HeldOutErrors crossValidate(const ArmModel& arm, const RobotRegressor& regressor, const BaseParameters& base,
+                            const SumsOfFold& sums_of, const std::vector<double>& torque_constants,
                             const std::vector<int>& fold);
 
 /// The bodies of the arm with other inertial parameters, and its joints with the friction that an arm file knows.

@@ -33,8 +33,9 @@ struct DynamicsSums {
 };
 
 /// Rows in which a joint moves, and all joints' motions are known, count for it. \throws InterruptedError
+/// \param used  shape (blocks): others stay empty
 DynamicsSums sumDynamics(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
-                         std::span<const StribeckCurve> curves);
+                         std::span<const StribeckCurve> curves, const std::vector<bool>& used);
 
 /// Torque of every joint in the rows [begin, end), shape (end - begin, N), of all parameters p, shape (P).
 Eigen::MatrixXd predictTorques(const RobotLog& log, const RobotRegressor& regressor, const Eigen::VectorXd& p,
