@@ -130,7 +130,8 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   const FrictionDataOptions options;
   std::optional<double> dead_band;
   if (!joint.measured_velocity) {
-    dead_band = derivedDeadBand(log, runs, notes.bandwidth, options.dead_band_widths);
+    constexpr double kRounding = 1e-9;  // [rad/s] what smoothing makes of a joint that is held
+    dead_band = std::max(kRounding, derivedDeadBand(log, runs, notes.bandwidth, options.dead_band_widths));
   }
   MotionSign sign = holdSign(log.velocity, options.dead_band_widths, dead_band);
   joint.dead_band = sign.dead_band;
