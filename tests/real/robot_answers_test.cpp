@@ -1,4 +1,4 @@
-// All joints of the UR10e at once, on its 14-harmonic motion, with the torque constants that were published with it.
+// All joints of the UR10e at once, on its 14-harmonic motion, with the torque constants that others use with it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
