@@ -21,7 +21,7 @@ class ShellFiles(unittest.TestCase):
 
     def test_man_pages_render(self):
         pages = sorted((self.share / "man/man1").iterdir())
-        self.assertEqual(len(pages), 22)
+        self.assertEqual(len(pages), 23)
         if not shutil.which("man"):
             self.skipTest("there is no man")
         for page in pages:

@@ -3,11 +3,13 @@
 
 #include "cli/fit_options.h"
 #include "cli/inputs.h"
+#include "cli/robot_inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/fitted_drive.h"
 #include "simgap/fit/actuators/free_run.h"
 #include "simgap/report/actuators/prediction_report.h"
+#include "simgap/report/actuators/robot_prediction_report.h"
 
 namespace simgap::commands::predict {
 namespace {
@@ -52,9 +54,31 @@ Prediction predictLog(const FittedModel& model, const Options& options, Session&
   return diagnosed ? predictDiagnosed(model, table, rig()) : predictFriction(model, table, rig());
 }
 
+/// All joints of a robot at once.
+ExitCode runRobot(const RobotModel& model, const Options& options, Session& session, const CLI::App& app) {
+  if (options.simulate || options.inverse || options.ratio || !options.motor.empty() || !options.bench.empty()) {
+    throw ConfigError(options.model +
+                      ": found a robot, expected no --simulate, --inverse, --ratio, --motor or --bench");
+  }
+  const RobotPrediction prediction =
+      predictRobot(model, readRobotLogs(session, model.arm, {options.log}, options.table));
+  if (options.common.dry_run) {
+    session.print(
+        fmt::format("would predict {} rows of {}; nothing was written\n", prediction.log.rows(), options.log));
+    return ExitCode::kDone;
+  }
+  session.begin(options.common.seed.value_or(0));
+  const RunDirectory& directory = session.directory();
+  directory.write("config.resolved.yaml", resolvedOptions(app));
+  directory.write("prediction.csv", predictionCsv(prediction));
+  session.finish(toJson(prediction), terminalTable(prediction, directory.file("prediction.csv").string()));
+  return ExitCode::kDone;
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("predict", options.common, argv);
-  const FittedModel model = readModel(session, "model", options.model);
+  if (const auto robot = findRobotModel(session, options.model)) return runRobot(*robot, options, session, app);
+  const FittedModel model = readFittedModel(YamlNode::parse(session.input("model").content, options.model));
   const Prediction prediction = predictLog(model, options, session);
   if (options.common.dry_run) {
     session.print(
@@ -71,8 +95,10 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("MODEL", options->model, "fitted model (YAML of a fit-* command)")->required();
-  app.add_option("LOG", options->log, "what to predict for (CSV)")->required();
+  app.add_option("MODEL", options->model,
+                 "fitted model (YAML of a fit-* command), or a robot (YAML of fit-dynamics, arm, MJCF, URDF, SDF)")
+      ->required();
+  app.add_option("LOG,--log", options->log, "what to predict for (CSV)")->required();
   app.add_option("--motor", options->motor, "the motor's model, for a gearbox");
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML)");
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")

@@ -33,7 +33,9 @@ std::vector<std::string> sharedColumns(std::span<const LogTable> logs) {
 
 /// A log's own sessions behind the name of its file.
 std::vector<std::string> sessionsOf(const CsvTable& table, std::size_t number) {
-  const std::string file = fmt::format("{}-{}", number + 1, std::filesystem::path(table.name()).stem().string());
+  std::filesystem::path name = std::filesystem::path(table.name()).filename();
+  if (name.extension() == ".gz") name = name.stem();
+  const std::string file = fmt::format("{}-{}", number + 1, name.stem().string());
   if (!table.has(kSession)) return std::vector(table.rows(), file);
   std::vector<std::string> sessions = table.text(kSession);
   for (std::string& session : sessions) session = fmt::format("{}-{}", file, session);
@@ -66,7 +68,8 @@ LogTable joinedLogs(std::vector<LogTable> logs) {
       left_out.push_back(std::move(rows));
     }
   }
-  return {CsvTable::parse(csv.text(), fmt::format("{}", fmt::join(names, " and "))), std::move(left_out)};
+  // Two packed files are no packed text: the name may not end as theirs.
+  return {CsvTable::parse(csv.text(), fmt::format("{} (together)", fmt::join(names, " and "))), std::move(left_out)};
 }
 
 }  // namespace simgap

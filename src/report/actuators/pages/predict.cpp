@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "report/actuators/dynamics_tables.h"
 #include "report/actuators/fit_page.h"
 #include "report/actuators/response_page.h"
 #include "simgap/core/units.h"
@@ -8,8 +9,22 @@
 namespace simgap::pages::predict {
 namespace {
 
+Page robotPage(const ResultFiles& files) {
+  const Json& result = files.result();
+  Page page{
+      "simgap predict",
+      fmt::format("The robot's efforts over {} rows, {} from the log (of the effort, over all joints).",
+                  result.at("rows").get<long>(), numberText(numberOf(result.at("relative_error")) * 100.0, "{:.3g} %")),
+      result.at("warnings").get<std::vector<std::string>>()};
+  page.verdict = {PageVerdict::Level::kGood, "done", "Each joint's error stands below.", ""};
+  page.add(robotPredictionJoints(result));
+  addResponses(files.table("prediction.csv"), "_measured", "_predicted", page);
+  return page;
+}
+
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
+  if (result.at("model") == "robot") return robotPage(files);
   const UnitName target = splitUnit(result.at("predicts").get<std::string>());
   Page page{"simgap predict",
             fmt::format("The {} model predicts {} for {} rows", result.at("model").get<std::string>(), target.stem,

@@ -1,0 +1,171 @@
+#include "simgap/fit/dynamics/robot_fit.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "base_fit.h"
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kFewestBlocks = 10;
+
+void checkLogOfRobot(const RobotLog& log, const RobotFitOptions& options) {
+  const bool currents = log.joints.front().effort_unit == "A";
+  if (options.torque_constants && !currents) {
+    throw ConfigError(log.file + ": found torques and torque constants, expected constants with currents only");
+  }
+  if (!options.torque_constants && currents) {
+    throw ConfigError(fmt::format(
+        "{}: found currents, expected --torque-constants too, one for each of {} joints [Nm/A]: currents alone tell "
+        "constants and masses only as products",
+        log.file, log.joints.size()));
+  }
+  if (options.torque_constants && options.torque_constants->size() != log.joints.size()) {
+    throw ConfigError(fmt::format("found {} torque constants, expected {}: one for each joint, in the robot's order",
+                                  options.torque_constants->size(), log.joints.size()));
+  }
+  if (log.blocks.size() < kFewestBlocks) {
+    throw DataError(fmt::format("{}: found {} rows in {} blocks, expected a log of at least {} blocks of 50 rows",
+                                log.file, log.rows(), log.blocks.size(), kFewestBlocks));
+  }
+  const bool moves = std::ranges::any_of(log.joints, [](const RobotJointLog& joint) {
+    return std::ranges::any_of(joint.moves, [](bool moving) { return moving; });
+  });
+  if (!moves) throw DataError(log.file + ": no joint moves in any row, expected motion: nothing can be found");
+}
+
+/// \throws DataError: gravity of the log points away from that of the file.
+void checkGravity(const ArmModel& arm, const RobotLog& log) {
+  constexpr double kFar = 0.5;  // cosine: 60 degrees
+  const std::optional<Vector3d> found = gravityOfLog(arm, log);
+  if (!found || arm.gravity.norm() == 0.0) return;
+  if (found->normalized().dot(arm.gravity.normalized()) > kFar) return;
+  const Vector3d seen = arm.gravity.norm() * found->normalized();
+  throw DataError(fmt::format(
+      "{}: the torques are those of gravity along ({:.1f}, {:.1f}, {:.1f}) m/s^2, but the robot has ({:.1f}, {:.1f}, "
+      "{:.1f}), expected the same direction: say how it stood with --gravity, or turn the sign of the efforts (--map)",
+      log.file, seen.x(), seen.y(), seen.z(), arm.gravity.x(), arm.gravity.y(), arm.gravity.z()));
+}
+
+/// Some of the blocks, so that a search over curves goes through a few thousand rows.
+std::vector<bool> thinnedBlocks(const RobotLog& log, const std::vector<bool>& used) {
+  constexpr std::size_t kMostRows = 8000;
+  std::size_t rows = 0, seen = 0;
+  for (std::size_t b = 0; b < used.size(); ++b) rows += used[b] ? log.blocks[b].size() : 0;
+  const std::size_t stride = 1 + rows / kMostRows;
+  std::vector<bool> some = used;
+  for (std::size_t b = 0; b < used.size(); ++b) some[b] = used[b] && seen++ % stride == 0;
+  return some;
+}
+
+/// Of each joint the curve with which all columns that act on it leave least in some blocks, among speeds that it
+/// reaches.
+std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
+                                      const std::vector<double>& constants, const std::vector<bool>& used) {
+  std::vector<StribeckCurve> best(regressor.coordinates());
+  if (!regressor.law().hasStribeck()) return best;
+  std::vector<double> lowest(best.size(), INFINITY), top;
+  for (const RobotJointLog& joint : log.joints) {
+    double speed = 1e-6;
+    for (const double v : joint.velocity) speed = std::max(speed, std::abs(v));
+    top.push_back(speed);
+  }
+  const std::vector<bool> some = thinnedBlocks(log, used);
+  const ArmModel no_arm;
+  for (const double delta : {1.0, 2.0}) {
+    for (double share = 0.01; share < 0.7; share *= 2.0) {
+      std::vector<StribeckCurve> curves;
+      for (const double speed : top) curves.push_back({share * speed, delta});
+      const DynamicsSums sums = sumDynamics(log, regressor, base, curves, some);
+      const BaseSolution solution = solveBase({no_arm, regressor, base, sums}, sums.total(some), constants);
+      for (std::size_t c = 0; c < best.size(); ++c) {
+        if (solution.variance[c] >= lowest[c]) continue;
+        lowest[c] = solution.variance[c];
+        best[c] = curves[c];
+      }
+    }
+  }
+  return best;
+}
+
+/// Stretches of four neighbouring blocks go to folds in turn: what is alike over seconds is held out together.
+std::vector<int> foldsOverBlocks(std::size_t blocks) {
+  constexpr std::size_t kFolds = 5, kStretch = 4;
+  const std::size_t stretch = blocks >= 2 * kFolds * kStretch ? kStretch : 1;
+  std::vector<int> folds;
+  for (std::size_t b = 0; b < blocks; ++b) folds.push_back(static_cast<int>(b / stretch % kFolds));
+  return folds;
+}
+
+std::vector<std::string> warningsOf(const RobotLog& log, const RobotFit& found) {
+  std::vector<std::string> warnings = log.warnings;
+  for (std::size_t c = 0; c < log.joints.size(); ++c) {
+    if (found.fit.rows[c] > 0.0) continue;
+    warnings.push_back(
+        fmt::format("joint {} does not move in any row: nothing is known of its drive", log.joints[c].name));
+  }
+  std::vector<std::string> open;
+  for (const BaseEstimate& base : found.fit.base) {
+    if (!base.estimate.identifiable) open.push_back(base.estimate.name);
+  }
+  if (!open.empty()) {
+    warnings.push_back(
+        fmt::format("these motions do not determine {}: the model has the file's values there", fmt::join(open, ", ")));
+  }
+  return warnings;
+}
+
+}  // namespace
+
+RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options) {
+  checkLogOfRobot(log, options);
+  const RobotRegressor regressor(arm, friction::find(options.law));
+  const BaseParameters base = baseParameters(regressor, arm);
+  checkGravity(arm, log);
+  const bool currents = log.joints.front().effort_unit == "A";
+  RobotFit found;
+  found.names = regressor.names();
+  found.units = regressor.units();
+  found.without_effect = base.without_effect;
+  const std::vector<double> constants = options.torque_constants.value_or(std::vector<double>(log.joints.size(), 1.0));
+  const std::vector<bool> all(log.blocks.size(), true);
+  found.model.curves = findCurves(log, regressor, base, constants, all);
+  const auto sums = std::make_shared<const DynamicsSums>(sumDynamics(log, regressor, base, found.model.curves, all));
+  found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
+  if (!found.fit.converged) {
+    throw NumericsError("the search for bodies that can exist did not converge: is the log of this robot?");
+  }
+  // Held-out blocks have no part in choosing the curves that are to predict them.
+  const SumsOfFold sums_of = [&](const std::vector<bool>& fitted) {
+    if (!regressor.law().hasStribeck()) return sums;
+    const std::vector<StribeckCurve> curves = findCurves(log, regressor, base, constants, fitted);
+    return std::make_shared<const DynamicsSums>(sumDynamics(log, regressor, base, curves, all));
+  };
+  const auto judge = [&](const std::vector<int>& fold) {
+    return crossValidate(arm, regressor, base, sums_of, constants, fold);
+  };
+  found.heldout = judge(foldsOverBlocks(log.blocks.size()));
+  if (log.session_names.size() > 1) {
+    std::vector<int> of_session;
+    for (const Block& block : log.blocks) of_session.push_back(log.session[block.begin]);
+    found.over_logs = judge(of_session);
+  }
+  found.model.arm = armWith(arm, regressor, found.fit.model.parameters);
+  found.model.law = options.law;
+  found.model.currents = currents;
+  if (currents) found.model.torque_constants = found.fit.model.torque_constants;
+  found.model.parameters = found.fit.model.parameters;
+  found.model.sd = found.fit.sd;
+  found.warnings = warningsOf(log, found);
+  return found;
+}
+
+}  // namespace simgap

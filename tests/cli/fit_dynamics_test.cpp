@@ -1,0 +1,74 @@
+// fit-dynamics and predict on the sample robot, as a user runs them.
+#include "cli_fixture.h"
+#include "simgap/core/run_directory.h"
+
+namespace simgap::test {
+namespace {
+
+std::string robotFile(const std::string& name) { return sourceFile("data/robot/" + name).string(); }
+
+class FitDynamicsTest : public CliTest {
+ protected:
+  Json fit(const Arguments& more) const {
+    Arguments all{"fit-dynamics", robotFile("robot.urdf"), "--log", robotFile("log.csv.gz"), "-q", "-o", "fit"};
+    all.insert(all.end(), more.begin(), more.end());
+    succeed(all);
+    return Json::parse(text("fit/result.json"));
+  }
+};
+
+TEST_F(FitDynamicsTest, ExplainsWhatOneJointCannot) {
+  const Json result = fit({});
+  EXPECT_EQ(result.at("format"), "simgap/fit-dynamics/1");
+  for (const Json& joint : result.at("joints")) {
+    EXPECT_LT(joint.at("error_heldout").get<double>(), 0.5 * joint.at("error_alone").get<double>()) << joint;
+    EXPECT_GT(joint.at("resting").get<int>(), 0) << joint;
+  }
+  for (const Json& body : result.at("bodies")) EXPECT_GT(body.at("smallest_moment").get<double>(), 0.0) << body;
+  for (const char* file : {"model.yaml", "arm.yaml", "base_parameters.csv", "parameters.csv", "predictions.csv",
+                           "report.html", "config.resolved.yaml"}) {
+    EXPECT_TRUE(std::filesystem::exists(path("fit") / file)) << file;
+  }
+  // The robot it found is an arm that others read.
+  succeed({"convert", "fit/arm.yaml", "found.urdf"});
+}
+
+TEST_F(FitDynamicsTest, PredictsAnotherTrajectory) {
+  fit({});
+  succeed({"predict", "fit/model.yaml", "--log", robotFile("other_log.csv.gz"), "-q", "-o", "predicted"});
+  succeed({"predict", robotFile("robot.urdf"), robotFile("other_log.csv.gz"), "-q", "-o", "drawn"});
+  const Json found = Json::parse(text("predicted/result.json")), drawn = Json::parse(text("drawn/result.json"));
+  for (std::size_t c = 0; c < found.at("joints").size(); ++c) {
+    EXPECT_LT(found.at("joints")[c].at("relative_error").get<double>(), 0.1);
+    EXPECT_GT(drawn.at("joints")[c].at("relative_error").get<double>(), 0.2);
+  }
+}
+
+TEST_F(FitDynamicsTest, SeveralLogsAreJudgedByEachOther) {
+  const Json result = fit({"--log", robotFile("other_log.csv.gz")});
+  EXPECT_EQ(result.at("logs").size(), 2u);
+  for (const Json& joint : result.at("joints")) {
+    EXPECT_LT(joint.at("error_other_logs").get<double>(), 2.0 * joint.at("error_heldout").get<double>()) << joint;
+  }
+}
+
+TEST_F(FitDynamicsTest, SameForAnyNumberOfThreads) {
+  fit({"--threads", "1"});
+  const std::string one = text("fit/result.json"), model = text("fit/model.yaml");
+  fit({"--threads", "2", "--force"});
+  EXPECT_EQ(text("fit/result.json"), one);
+  EXPECT_EQ(text("fit/model.yaml"), model);
+}
+
+TEST_F(FitDynamicsTest, WhatCannotBeIsOneSentence) {
+  const std::string log = robotFile("log.csv.gz"), robot = robotFile("robot.urdf");
+  expectRefused({"fit-dynamics", robot, "--log", log, "--gravity", "0,0,9.81"}, 3, "gravity along");
+  expectRefused({"fit-dynamics", robot, "--log", log, "--law", "classic"}, 2, "expected one without a load");
+  expectRefused({"fit-dynamics", robot, "--log", log, "--torque-constants", "1,2"}, 2, "constants with currents only");
+  expectRefused({"fit-dynamics", "arm.yaml", "--log", log}, 2, "found a ball");
+  put("short.csv", "time_s,j1_rad\n0,0\n");
+  expectRefused({"fit-dynamics", robot, "--log", "short.csv"}, 3, "found no torque or current of joint j1");
+}
+
+}  // namespace
+}  // namespace simgap::test

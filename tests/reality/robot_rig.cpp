@@ -1,0 +1,335 @@
+#include "reality/robot_rig.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "simgap/core/random.h"
+
+namespace simgap::reality {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Index;
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::MatrixXd;
+using Eigen::Translation3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+class RobotDraws {
+ public:
+  RobotDraws(std::uint64_t seed, std::uint32_t purpose) : random_(seed), purpose_(purpose) {}
+  double normal() { return random_.normalPair({next_++, 0, 0, purpose_})[0]; }
+  double between(double lower, double upper) {
+    return lower + (upper - lower) * random_.uniform({next_++, 0, 1, purpose_});
+  }
+  Vector3d direction() {
+    const double x = normal(), y = normal(), z = normal();
+    return Vector3d(x, y, z).normalized();
+  }
+
+ private:
+  CounterRandom random_;
+  std::uint32_t purpose_, next_ = 0;
+};
+
+std::vector<Isometry3d> linkPoses(const Robot& robot, const VectorXd& q) {
+  std::vector<Isometry3d> poses;
+  for (std::size_t k = 0; k < robot.links.size(); ++k) {
+    const RobotLink& link = robot.links[k];
+    const Isometry3d parent = link.parent < 0 ? Isometry3d::Identity() : poses[link.parent];
+    const double position = q[static_cast<Index>(k)];
+    Isometry3d motion = Isometry3d::Identity();
+    if (link.slides) {
+      motion.translation() = position * link.axis;
+    } else {
+      motion.linear() = AngleAxisd(position, link.axis).toRotationMatrix();
+    }
+    poses.push_back(parent * link.origin * motion);
+  }
+  return poses;
+}
+
+/// Velocities of a link's centre and of its turning per joint rate, shape (3, links) each.
+struct LinkJacobian {
+  MatrixXd way, turn;
+};
+
+LinkJacobian jacobianOf(const Robot& robot, const std::vector<Isometry3d>& poses, int link) {
+  const Index n = std::ssize(robot.links);
+  LinkJacobian jacobian{MatrixXd::Zero(3, n), MatrixXd::Zero(3, n)};
+  const Vector3d centre = poses[link] * robot.links[link].centre;
+  for (int j = link; j >= 0; j = robot.links[j].parent) {
+    const Vector3d axis = poses[j].linear() * robot.links[j].axis;
+    if (robot.links[j].slides) {
+      jacobian.way.col(j) = axis;
+    } else {
+      jacobian.turn.col(j) = axis;
+      jacobian.way.col(j) = axis.cross(centre - poses[j].translation());
+    }
+  }
+  return jacobian;
+}
+
+MatrixXd massMatrix(const Robot& robot, const VectorXd& q) {
+  const std::vector<Isometry3d> poses = linkPoses(robot, q);
+  MatrixXd mass = MatrixXd::Zero(q.size(), q.size());
+  for (int k = 0; k < std::ssize(robot.links); ++k) {
+    const LinkJacobian j = jacobianOf(robot, poses, k);
+    const Matrix3d inertia = poses[k].linear() * robot.links[k].inertia * poses[k].linear().transpose();
+    mass += robot.links[k].mass * j.way.transpose() * j.way + j.turn.transpose() * inertia * j.turn;
+  }
+  return mass;
+}
+
+Matrix3d solidInertia(double mass, const Vector3d& edges) {
+  const Vector3d s = edges.cwiseAbs2();
+  return (mass / 12.0 * Vector3d(s.y() + s.z(), s.x() + s.z(), s.x() + s.y())).asDiagonal();
+}
+
+/// What the trajectory of a joint goes along: its own time, which stops now and then.
+struct OwnTime {
+  double time, rate, rate_change;
+};
+
+double smoothStep(double x) { return x * x * x * (10.0 + x * (6.0 * x - 15.0)); }
+double smoothStepSlope(double x) { return 30.0 * x * x * (1.0 - x) * (1.0 - x); }
+
+/// Share of a stop at time t, 1 while it lasts, and its rate of change.
+std::pair<double, double> stopAt(double t, double begin, double end) {
+  constexpr double kRamp = 0.6;  // [s]
+  if (t <= begin || t >= end + 2.0 * kRamp) return {0.0, 0.0};
+  if (t < begin + kRamp) {
+    const double x = (t - begin) / kRamp;
+    return {smoothStep(x), smoothStepSlope(x) / kRamp};
+  }
+  if (t <= end + kRamp) return {1.0, 0.0};
+  const double x = (t - end - kRamp) / kRamp;
+  return {1.0 - smoothStep(x), -smoothStepSlope(x) / kRamp};
+}
+
+std::vector<OwnTime> ownTimes(const RobotRigOptions& options, RobotDraws& draws) {
+  constexpr int kFine = 20;  // steps between rows
+  std::vector<std::pair<double, double>> stops;
+  for (double t = draws.between(2.0, 8.0); options.stops && t < options.duration; t += draws.between(8.0, 16.0)) {
+    stops.emplace_back(t, t + draws.between(0.3, 1.5));
+  }
+  const auto stopped = [&](double t) {
+    double share = 0.0, change = 0.0;
+    for (const auto& [begin, end] : stops) {
+      const auto [s, c] = stopAt(t, begin, end);
+      share += s;
+      change += c;
+    }
+    return std::pair(share, change);
+  };
+  std::vector<OwnTime> times;
+  const double step = 1.0 / options.rate / kFine;
+  double own = options.start;
+  for (int i = 0; i < static_cast<int>(options.duration * options.rate); ++i) {
+    const double t = i / options.rate;
+    const auto [share, change] = stopped(t);
+    times.push_back({own, 1.0 - share, -change});
+    for (int k = 0; k < kFine; ++k) {  // Simpson
+      const double at = t + k * step;
+      own += step * (1.0 - (stopped(at).first + 4.0 * stopped(at + 0.5 * step).first + stopped(at + step).first) / 6.0);
+    }
+  }
+  return times;
+}
+
+/// A Fourier series within a joint's limits and speed.
+struct JointSeries {
+  std::vector<double> sine, cosine;
+  double centre = 0.0, base = 1.0;
+
+  std::array<double, 3> at(double t) const {
+    std::array<double, 3> value = {centre, 0.0, 0.0};
+    for (std::size_t h = 0; h < sine.size(); ++h) {
+      const double w = base * static_cast<double>(h + 1), s = std::sin(w * t), c = std::cos(w * t);
+      value[0] += sine[h] * s + cosine[h] * c;
+      value[1] += w * (sine[h] * c - cosine[h] * s);
+      value[2] -= w * w * (sine[h] * s + cosine[h] * c);
+    }
+    return value;
+  }
+};
+
+JointSeries drawSeries(const RobotLink& link, const RobotRigOptions& options, RobotDraws& draws) {
+  JointSeries series;
+  series.base = kTurn / options.period;
+  for (int h = 1; h <= options.harmonics; ++h) {
+    series.sine.push_back(draws.normal() / h);
+    series.cosine.push_back(draws.normal() / h);
+  }
+  double reach = 0.0, speed = 0.0;
+  for (double t = 0.0; t < options.period; t += 0.01) {
+    const auto [q, v, a] = series.at(t);
+    reach = std::max(reach, std::abs(q));
+    speed = std::max(speed, std::abs(v));
+  }
+  const double top = link.slides ? 0.2 * options.top_speed : options.top_speed;
+  const double scale = std::min(0.45 * (link.upper - link.lower) / reach, top / speed);
+  for (std::vector<double>* part : {&series.sine, &series.cosine}) {
+    for (double& factor : *part) factor *= scale;
+  }
+  series.centre = 0.5 * (link.lower + link.upper);
+  return series;
+}
+
+double frictionOf(const RobotLink& link, double v, double left) {
+  if (std::abs(v) < 1e-9) return left * (link.coulomb + link.more_static);
+  const double ratio = v / link.stribeck_speed;
+  return (link.coulomb + link.more_static / (1.0 + ratio * ratio)) * (v > 0.0 ? 1.0 : -1.0) + link.viscous * v;
+}
+
+/// Everything that the robot did, shape (rows, links) each.
+struct RobotRecord {
+  MatrixXd q, v, a, torque;
+};
+
+RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotDraws& draws) {
+  const Index n = std::ssize(robot.links), rows = static_cast<Index>(options.duration * options.rate);
+  RobotRecord record{MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n)};
+  for (Index j = 0; j < n; ++j) {
+    const JointSeries series = drawSeries(robot.links[j], options, draws);
+    const std::vector<OwnTime> own = ownTimes(options, draws);
+    for (Index i = 0; i < rows; ++i) {
+      const auto [q, v, a] = series.at(own[i].time);
+      record.q(i, j) = q;
+      record.v(i, j) = v * own[i].rate;
+      record.a(i, j) = a * own[i].rate * own[i].rate + v * own[i].rate_change;
+    }
+  }
+  std::vector<double> left(robot.links.size(), 0.0);
+  for (Index i = 0; i < rows; ++i) {
+    record.torque.row(i) =
+        rigidTorques(robot, record.q.row(i).transpose(), record.v.row(i).transpose(), record.a.row(i).transpose());
+    for (Index j = 0; j < n; ++j) {
+      const RobotLink& link = robot.links[j];
+      const bool rests = std::abs(record.v(i, j)) < 1e-9;
+      if (rests && (i == 0 || std::abs(record.v(i - 1, j)) >= 1e-9)) left[j] = draws.between(-1.0, 1.0);
+      record.torque(i, j) += link.rotor * record.a(i, j) + link.offset + frictionOf(link, record.v(i, j), left[j]);
+    }
+  }
+  return record;
+}
+
+}  // namespace
+
+VectorXd rigidTorques(const Robot& robot, const VectorXd& q, const VectorXd& v, const VectorXd& a) {
+  constexpr double kStep = 1e-5;
+  VectorXd torque = massMatrix(robot, q) * a;
+  for (Index k = 0; k < q.size(); ++k) {
+    VectorXd before = q, after = q;
+    before[k] -= kStep;
+    after[k] += kStep;
+    const MatrixXd slope = (massMatrix(robot, after) - massMatrix(robot, before)) / (2.0 * kStep);
+    torque += v[k] * slope * v;
+    torque[k] -= 0.5 * v.dot(slope * v);
+  }
+  const std::vector<Isometry3d> poses = linkPoses(robot, q);
+  for (int k = 0; k < std::ssize(robot.links); ++k) {
+    torque -= robot.links[k].mass * jacobianOf(robot, poses, k).way.transpose() * robot.gravity;
+  }
+  return torque;
+}
+
+Robot randomRobot(std::uint64_t seed, int joints, bool tree, bool slides) {
+  RobotDraws draws(seed, 1);
+  Robot robot;
+  for (int k = 0; k < joints; ++k) {
+    RobotLink link;
+    link.parent = tree && k > 1 ? static_cast<int>(draws.between(0.0, k - 1e-6)) : k - 1;
+    const Vector3d way = k == 0 ? Vector3d(0.0, 0.0, 0.2) : Vector3d(draws.between(0.15, 0.4) * draws.direction());
+    link.origin = Translation3d(way) * AngleAxisd(draws.between(-2.0, 2.0), draws.direction());
+    link.axis = Vector3d::Unit(static_cast<Index>(draws.between(0.0, 2.999)));
+    link.slides = slides && k > 0 && draws.between(0.0, 1.0) < 0.25;
+    if (link.slides) {
+      link.lower = -0.2;
+      link.upper = 0.3;
+    }
+    link.mass = 8.0 * std::pow(0.75, k) * draws.between(0.7, 1.4);
+    link.centre = draws.between(0.05, 0.2) * draws.direction();
+    const Matrix3d turn = AngleAxisd(draws.between(-3.0, 3.0), draws.direction()).toRotationMatrix();
+    const double x = draws.between(0.1, 0.3), y = draws.between(0.1, 0.3), z = draws.between(0.1, 0.3);
+    link.inertia = turn * solidInertia(link.mass, {x, y, z}) * turn.transpose();
+    const double size = link.slides ? 20.0 : 3.0 * std::pow(0.75, k);
+    link.rotor = 0.1 * size * draws.between(0.5, 1.5);
+    link.coulomb = size * draws.between(0.5, 1.5);
+    link.viscous = size * draws.between(0.5, 1.5);
+    link.offset = 0.3 * size * draws.between(-1.0, 1.0);
+    robot.links.push_back(link);
+  }
+  return robot;
+}
+
+std::string recordRobot(const Robot& robot, const RobotRigOptions& options, std::uint64_t draw,
+                        const std::vector<double>& constants) {
+  RobotDraws draws(draw, 2);
+  const RobotRecord record = moveRobot(robot, options, draws);
+  const Index n = record.q.cols();
+  std::string text = "time_s";
+  for (Index j = 0; j < n; ++j) {
+    const bool slides = robot.links[j].slides;
+    text += fmt::format(",j{}_{}", j + 1, slides ? "m" : "rad");
+    if (options.log_velocity) text += fmt::format(",j{}_velocity_{}", j + 1, slides ? "m_s" : "rad_s");
+    if (options.current) {
+      text += fmt::format(",current_j{}_A", j + 1);
+    } else {
+      text += fmt::format(",{}_j{}_{}", slides ? "force" : "torque", j + 1, slides ? "N" : "Nm");
+    }
+  }
+  const VectorXd sizes = (record.torque.cwiseAbs2().colwise().mean()).cwiseSqrt().transpose() * options.torque_noise;
+  VectorXd noise = VectorXd::Zero(n);
+  const double fresh = std::sqrt(1.0 - options.correlation * options.correlation);
+  for (Index i = 0; i < record.q.rows(); ++i) {
+    text += fmt::format("\n{:.4f}", static_cast<double>(i) / options.rate);
+    for (Index j = 0; j < n; ++j) {
+      const double quantum = options.position_quantum * (robot.links[j].slides ? 0.2 : 1.0);
+      noise[j] = options.correlation * noise[j] + fresh * draws.normal();
+      const double torque = record.torque(i, j) + sizes[j] * noise[j];
+      text += fmt::format(",{:.8g}", quantum > 0.0 ? quantum * std::round(record.q(i, j) / quantum) : record.q(i, j));
+      if (options.log_velocity) text += fmt::format(",{:.5f}", record.v(i, j) + 0.002 * draws.normal());
+      text += fmt::format(",{:.5g}", options.current ? torque / constants[j] : torque);
+    }
+  }
+  return text + "\n";
+}
+
+std::string drawnUrdf(const Robot& robot, std::uint64_t draw) {
+  RobotDraws draws(draw, 3);
+  const double wrong = draw == 0 ? 0.0 : 1.0;
+  std::string text = "<robot name=\"robot\">\n<link name=\"base\"/>\n";
+  for (std::size_t k = 0; k < robot.links.size(); ++k) {
+    const RobotLink& link = robot.links[k];
+    const double mass = link.mass * std::exp(0.2 * wrong * draws.normal());
+    const Vector3d centre = link.centre + 0.02 * wrong * draws.direction();
+    const Matrix3d i = link.inertia * std::exp(0.3 * wrong * draws.normal());
+    const Vector3d o = link.origin.translation();
+    // Fixed-axis angles roll, pitch, yaw: R = R_z R_y R_x.
+    const Matrix3d r = link.origin.linear();
+    const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
+    const double roll = std::atan2(r(2, 1), r(2, 2)), yaw = std::atan2(r(1, 0), r(0, 0));
+    text += fmt::format(
+        "<link name=\"link{}\"><inertial><origin xyz=\"{} {} {}\"/><mass value=\"{}\"/>\n"
+        "<inertia ixx=\"{}\" iyy=\"{}\" izz=\"{}\" ixy=\"{}\" ixz=\"{}\" iyz=\"{}\"/></inertial></link>\n",
+        k + 1, centre.x(), centre.y(), centre.z(), mass, i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2));
+    text += fmt::format(
+        "<joint name=\"j{}\" type=\"{}\"><parent link=\"{}\"/><child link=\"link{}\"/>\n"
+        "<origin xyz=\"{} {} {}\" rpy=\"{} {} {}\"/><axis xyz=\"{} {} {}\"/>\n"
+        "<limit lower=\"{}\" upper=\"{}\" effort=\"1000\" velocity=\"10\"/></joint>\n",
+        k + 1, link.slides ? "prismatic" : "revolute",
+        link.parent < 0 ? "base" : fmt::format("link{}", link.parent + 1), k + 1, o.x(), o.y(), o.z(), roll, pitch, yaw,
+        link.axis.x(), link.axis.y(), link.axis.z(), link.lower, link.upper);
+  }
+  return text + "</robot>\n";
+}
+
+}  // namespace simgap::reality
