@@ -95,9 +95,8 @@ void addServos(std::vector<RealLog>& logs) {
                     pendulum(mass, length),
                     words,
                     {"channel-delay"},
-                    {"speed-limit", "load-dependence", "viscous-nonlinearity", "stribeck"},
-                    "cross-correlation of voltage and motion: 40 to 51 ms; the speed ends at 4.2 to 4.4 rad/s; its "
-                    "recorders fit load-dependent Stribeck friction (K-Scale Labs, STS_3215_V12_20250317, model M6)"});
+                    {"speed-limit", "load-dependence", "viscous-nonlinearity"},
+                    "cross-correlation of voltage and motion: 40 to 51 ms; the speed ends at 4.2 to 4.4 rad/s"});
   };
   add("sts3215-0535", 0.535, 0.1, "reported_pwm_voltage_V");
   add("sts3215-0741", 0.741, 0.15, "reported_pwm_voltage_V");
