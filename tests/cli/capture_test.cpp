@@ -31,7 +31,7 @@ TEST_F(CaptureTest, APageOfALongRecordingShowsOneInSeveralPairs) {
   succeed(capture({"--rate", "60"}));
   const std::string whole = text("out/report.html");
   Json result = Json::parse(text("out/result.json"));
-  result["pairs"] = 40'000;  // what decides how many of them are drawn: one in three
+  result["pairs"] = 10'000;  // what decides how many of them are drawn: one in three
   put("out/result.json", toText(result));
   succeed({"report", "out"});
   const std::string thinned = text("out/report.html");

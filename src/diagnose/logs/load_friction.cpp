@@ -37,7 +37,9 @@ std::optional<BesideLoad> besideLoadFriction(const LogSearch& search, const Fitt
                                              const ActuatorEffect& cause) {
   const FrictionLaw* law = search.base().law;
   const bool known = search.data().rows.has(OptionalChannel::kLoad) && !search.data().fits_weight;
-  if (law == nullptr || law->needsLoad() || !known || isByTheLoad(cause)) return std::nullopt;
+  // A gearbox loses by the load, too, but that is a cause of its own there.
+  const bool drive = search.base().kind == ActuatorKind::kFriction;
+  if (law == nullptr || !drive || law->needsLoad() || !known || isByTheLoad(cause)) return std::nullopt;
   const Hypothesis load{&kLoadFriction, {}, {}};
   // Each from the other's end as well: a curve that stays where it was would be the cause's gain.
   const Fitted first = search.beside(full, load);

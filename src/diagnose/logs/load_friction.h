@@ -14,8 +14,8 @@ struct BesideLoad {
   Fitted rest, full;
 };
 
-/// \param full, rest  a model with a cause and without it. None where the law has friction by the load, where no load
-/// is known, and for a cause that is this friction.
+/// \param full, rest  a model with a cause and without it. None for a gearbox, where the law has friction by the load,
+/// where no load is known, and for a cause that is this friction.
 std::optional<BesideLoad> besideLoadFriction(const LogSearch& search, const Fitted& rest, const Fitted& full,
                                              const ActuatorEffect& cause);
 
