@@ -7,7 +7,9 @@
 
 #include "fuzz/readers.h"
 #include "simgap/core/error.h"
+#include "simgap/decode/decoder.h"
 #include "simgap/diagnose/logs/log_change.h"
+#include "simgap/fit/dynamics/robot_model.h"
 #include "simgap/fit/motions/motion_calibration.h"
 #include "simgap/fit/poses/calibration.h"
 #include "simgap/model/arm/arm_change.h"
@@ -173,6 +175,18 @@ void readLogChange(std::string bytes) {
 
 void readLogCandidates(std::string bytes) { LogCandidateList::read(yaml(bytes)); }
 
+void readRobot(std::string bytes) { readRobotModel(yaml(bytes)); }
+void readEegDecoder(std::string bytes) { readDecoder(yaml(bytes)); }
+
+/// What is read is decoded, by a decoder of its own channels and rate.
+void readHead(std::string bytes) {
+  const EegRecording recording = readEeg(CsvTable::parse(std::move(bytes), "input.csv"), {});
+  const auto channels = static_cast<Eigen::Index>(recording.channels.size());
+  Decoder decoder{{}, recording.channels, recording.rate, Eigen::MatrixXd::Identity(channels, channels), 0.0, 1.0};
+  decoder.settings.window = 0.25;
+  if (channels < 100) decode(decoder, recording);
+}
+
 constexpr std::array kReaders = {
     Reader{"state", readState},
     Reader{"calibration", readCalibration},
@@ -189,6 +203,9 @@ constexpr std::array kReaders = {
     Reader{"candidates", readCandidates},
     Reader{"log_change", readLogChange},
     Reader{"log_candidates", readLogCandidates},
+    Reader{"robot", readRobot},
+    Reader{"decoder", readEegDecoder},
+    Reader{"eeg", readHead},
 };
 
 }  // namespace
