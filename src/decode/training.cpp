@@ -224,8 +224,7 @@ Training trainDecoder(const EegRecording& recording, const TrainingOptions& opti
   const Index dimension = windows[0].covariance.rows();
   Decoder& decoder = training.decoder;
   decoder = {options.settings, recording.channels, recording.rate, {}, 0.0, 0.0};
-  decoder.penalty =
-      options.penalty.value_or(bestPart(training.penalties) * largestTraceNormPenalty(packed, labels, dimension));
+  decoder.penalty = bestPart(training.penalties) * largestTraceNormPenalty(packed, labels, dimension);
   const TraceNormFit fit = fitTraceNormLogistic(packed, labels, dimension, decoder.penalty, {kDeliveredGap, 20'000});
   if (!fit.converged) {
     throw NumericsError(fmt::format("{}: the duality gap is {:.2g} of the objective after {} steps, expected {:.0e}",

@@ -55,8 +55,7 @@ std::vector<LabelledCovariance> labelledWindows(const EegRecording& recording, c
 
 struct TrainingOptions {
   DecoderSettings settings;
-  int folds = 5;                  ///< of whole trials, for the accuracy; each chooses its penalty by folds of its own
-  std::optional<double> penalty;  ///< of the paper's; empty: chosen
+  int folds = 5;  ///< of whole trials, for the accuracy; each chooses its penalty by folds of its own
 };
 
 /// Held-out loss of one penalty, as a part of the least one that leaves nothing.

@@ -77,8 +77,6 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--threshold", settings.threshold, "probability at which the state switches")
       ->check(CLI::Range(0.5, 1.0));
   app.add_option("--folds", options->training.folds, "parts that are held out in turn")->check(CLI::Range(2, 20));
-  app.add_option("--penalty", options->training.penalty, "the penalty, where it is not to be chosen")
-      ->check(CLI::PositiveNumber & finiteNumber());
   options->table.add(app);
   options->common.add(app);
   return [options, argv] {

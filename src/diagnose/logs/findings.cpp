@@ -219,23 +219,17 @@ class Judge {
     if (selection_.chosen.model->effects()[own_ + cause]->in_every_drive) return {};
     const auto slow = besideSlowFriction(search_, selection_.baseline, without_[cause], selection_.chosen);
     if (!slow) return {};
-    const Beside beside = gainBeside(slow->rest, slow->full);
-    if (beside.holds) return {};
-    return fmt::format(
-        "beside friction of any shape in slow motion (below {:.2g} {}) it may explain nothing ({:.1f} %, p = {:.2g})",
-        slow->below, log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s", 100.0 * beside.gain, beside.p);
+    return doubtBeside(slow->rest, slow->full,
+                       fmt::format("friction of any shape in slow motion (below {:.2g} {})", slow->below,
+                                   log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s"));
   }
 
   /// Why a cause may only be friction that grows with a weight of which nobody knows how large it is.
   std::string doubtOfWeight(std::size_t cause) const {
     const auto weight = besideWeightFriction(search_, without_[cause], selection_.chosen);
     if (!weight) return {};
-    const Beside beside = gainBeside(weight->rest, weight->full);
-    if (beside.holds) return {};
-    return fmt::format(
-        "beside friction that grows with the fitted weight it may explain nothing ({:.1f} %, p = {:.2g}): with a "
-        "weight that is known, load-dependence can be told",
-        100.0 * beside.gain, beside.p);
+    const std::string doubt = doubtBeside(weight->rest, weight->full, "friction that grows with the fitted weight");
+    return doubt.empty() ? doubt : doubt + ": with a weight that is known, load-dependence can be told";
   }
 
   /// Why a cause may only stand in for friction that grows with the load, which the law lacks.
@@ -243,23 +237,17 @@ class Judge {
     const ActuatorEffect& effect = *selection_.chosen.model->effects()[own_ + cause];
     const auto load = besideLoadFriction(search_, without_[cause], selection_.chosen, effect);
     if (!load) return {};
-    const Beside beside = gainBeside(load->rest, load->full);
-    if (beside.holds) return {};
-    return fmt::format("beside friction that grows with the load it may explain nothing ({:.1f} %, p = {:.2g})",
-                       100.0 * beside.gain, beside.p);
+    return doubtBeside(load->rest, load->full, "friction that grows with the load");
   }
 
-  /// What a cause gains on held-out data beside something that is none, and whether that is a gain.
-  struct Beside {
-    double gain, p;
-    bool holds;
-  };
-  Beside gainBeside(const Fitted& rest, const Fitted& full) const {
+  /// Empty where a cause gains on held-out data beside something that is none.
+  std::string doubtBeside(const Fitted& rest, const Fitted& full, const std::string& what) const {
     const std::vector<GroupErrors> errors =
         heldOutErrors(search_, {rest, full}, split_.heldout, log_.data.rows.session);
     const Interval gain = predictedGain(errors[0].sum, errors[1].sum, options_.seed);
     const double p = heldOutP(rest, errors[0], full, errors[1]);
-    return {gain.value, p, gain.value >= options_.least_gain && p < levelOf(gain)};
+    if (gain.value >= options_.least_gain && p < levelOf(gain)) return {};
+    return fmt::format("beside {} it may explain nothing ({:.1f} %, p = {:.2g})", what, 100.0 * gain.value, p);
   }
 
   /// By blocks or, as a short log has few of those, by pieces of them, whose neighbours are more alike.

@@ -79,16 +79,14 @@ BaseSolution solveBase(const DynamicsData& data, const std::vector<JointSums>& s
   solution.determined.assign(data.base.columns.size(), true);
   solution.variance.assign(sums.size(), 1.0);
   for (std::size_t c = 0; c < sums.size(); ++c) {
-    const MatrixXd& p = sums[c].products;
-    const double squares = constants[c] * constants[c] * p(p.rows() - 1, p.cols() - 1);
+    const double squares = constants[c] * constants[c] * sums[c].effortSquares();
     solution.variance[c] = squares > 0.0 ? squares / std::max(sums[c].rows, 1.0) : 1.0;
   }
   for (int pass = 0; pass < kPasses; ++pass) {
     solveNormal(normalEquations(data, sums, solution.variance, constants), solution);
     for (std::size_t c = 0; c < sums.size(); ++c) {
       if (sums[c].rows == 0.0) continue;
-      const MatrixXd& p = sums[c].products;
-      const double squares = constants[c] * constants[c] * p(p.rows() - 1, p.cols() - 1);
+      const double squares = constants[c] * constants[c] * sums[c].effortSquares();
       const double error = squaredError(sums[c], data.base.acts[c], solution.x, constants[c]);
       const double free = std::max(1.0, sums[c].rows - static_cast<double>(data.base.acts[c].size()));
       solution.variance[c] = std::max(error, kRounding * squares) / free;

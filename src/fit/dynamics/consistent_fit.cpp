@@ -88,7 +88,7 @@ Priors priorsOf(const DynamicsData& data, const std::vector<JointSums>& sums, co
   for (std::size_t c = 0; c < sums.size(); ++c) {
     const std::vector<std::size_t>& acts = data.base.acts[c];
     const MatrixXd& p = sums[c].products;
-    const double effort = constants[c] * std::sqrt(p(p.rows() - 1, p.cols() - 1) / std::max(1.0, sums[c].rows));
+    const double effort = constants[c] * std::sqrt(sums[c].effortSquares() / std::max(1.0, sums[c].rows));
     for (Index i = 0; i <= layout.own(); ++i) {
       const Index column = i < layout.own() ? data.regressor.offsetColumn(c) + i : data.regressor.rotorColumn(c);
       double size = 1.0;  // of a column that the base does not keep

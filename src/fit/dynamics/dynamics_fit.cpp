@@ -17,6 +17,7 @@ using Eigen::VectorXd;
 
 /// Both fits to some blocks: what the log says alone, and the robot that can exist.
 struct BothFits {
+  std::vector<JointSums> sums;  ///< of those blocks
   BaseSolution base;
   MatrixXd covariance;
   double inflation = 1.0;
@@ -25,16 +26,13 @@ struct BothFits {
 
 BothFits fitBoth(const DynamicsData& data, const std::vector<bool>& used, const std::vector<double>& constants) {
   BothFits fits;
-  const std::vector<JointSums> sums = data.sums.total(used);
+  fits.sums = data.sums.total(used);
+  const std::vector<JointSums>& sums = fits.sums;
   fits.base = solveBase(data, sums, constants);
   fits.covariance = jackknifeCovariance(data, fits.base, constants, used);
   fits.inflation = inflationOf(data, sums, fits.base, fits.covariance);
   fits.consistent = fitConsistent(data, sums, fits.base.variance, fits.inflation, constants);
   return fits;
-}
-
-double effortSquares(const JointSums& sums) {
-  return sums.products(sums.products.rows() - 1, sums.products.cols() - 1);
 }
 
 double relative(double squares, double of) { return of > 0.0 ? std::sqrt(squares / of) : std::nan(""); }
@@ -57,8 +55,8 @@ BaseEstimate baseEstimate(const DynamicsData& data, const BothFits& fits, Index 
 
 DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& torque_constants) {
   const std::vector<bool> all(data.sums.blocks.size(), true);
-  const std::vector<JointSums> sums = data.sums.total(all);
   const BothFits fits = fitBoth(data, all, torque_constants);
+  const std::vector<JointSums>& sums = fits.sums;
   DynamicsFit fit;
   fit.model = {fits.consistent.parameters, torque_constants};
   fit.sd = fits.consistent.sd;
@@ -80,7 +78,7 @@ DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& tor
     const double error = squaredError(sums[c], data.base.acts[c], in_model, constant) / (constant * constant);
     fit.rows.push_back(sums[c].rows);
     fit.noise.push_back(std::sqrt(error / std::max(1.0, sums[c].rows)));
-    fit.error.push_back(relative(error, effortSquares(sums[c])));
+    fit.error.push_back(relative(error, sums[c].effortSquares()));
   }
   return fit;
 }
@@ -99,14 +97,14 @@ HeldOutErrors crossValidate(const ArmModel& arm, const RobotRegressor& regressor
     }
     const std::shared_ptr<const DynamicsSums> sums = sums_of(fitted);
     const DynamicsData data{arm, regressor, base, *sums};
-    const std::vector<JointSums> others = sums->total(fitted), own = sums->total(held_out);
+    const std::vector<JointSums> own = sums->total(held_out);
     const BothFits fits = fitBoth(data, fitted, torque_constants);
     const VectorXd x = data.base.combination * fits.consistent.parameters;
     for (std::size_t c = 0; c < n; ++c) {
       const Index column = c;
       const double constant = torque_constants[c];
-      squares(f, column) = effortSquares(own[c]);
-      alone(f, column) = squaredErrorAlone(own[c], fitAlone(data, others[c], c));
+      squares(f, column) = own[c].effortSquares();
+      alone(f, column) = squaredErrorAlone(own[c], fitAlone(data, fits.sums[c], c));
       model(f, column) = squaredError(own[c], data.base.acts[c], x, constant) / (constant * constant);
     }
   });

@@ -57,10 +57,10 @@ void checkGravity(const ArmModel& arm, const RobotLog& log) {
 
 /// Some of the blocks, so that a search over curves goes through a few thousand rows.
 std::vector<bool> thinnedBlocks(const RobotLog& log, const std::vector<bool>& used) {
-  constexpr std::size_t kMostRows = 8000;
+  constexpr std::size_t kEnoughRows = 8000;
   std::size_t rows = 0, seen = 0;
   for (std::size_t b = 0; b < used.size(); ++b) rows += used[b] ? log.blocks[b].size() : 0;
-  const std::size_t stride = 1 + rows / kMostRows;
+  const std::size_t stride = 1 + rows / kEnoughRows;
   std::vector<bool> some = used;
   for (std::size_t b = 0; b < used.size(); ++b) some[b] = used[b] && seen++ % stride == 0;
   return some;

@@ -142,8 +142,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;
   }
   joint.resting = static_cast<std::size_t>(std::ranges::count(sign.keep, false));
-  for (const Block& run : runs) {
-    if (!joint.measured_velocity) break;
+  for (const Block& run : joint.measured_velocity ? runs : std::span<const Block>()) {
     const auto part = [&](std::vector<double>& values) { return std::span(values).subspan(run.begin, run.size()); };
     std::ranges::copy(smooth(part(log.time), part(log.velocity), notes.bandwidth),
                       log.velocity.begin() + static_cast<std::ptrdiff_t>(run.begin));

@@ -18,6 +18,7 @@ struct JointSums {
   Eigen::MatrixXd products;  ///< shape (A + 2, A + 2): columns, known torque, effort
   double rows = 0.0;
 
+  double effortSquares() const { return products(products.rows() - 1, products.cols() - 1); }
   JointSums& operator+=(const JointSums& other) {
     products += other.products;
     rows += other.rows;
