@@ -1,4 +1,5 @@
 /// A body resists turning more, or less, than its model: its mass lies farther out, at the same centre.
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include "simgap/model/arm/arm_effect.h"
