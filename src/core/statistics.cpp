@@ -45,6 +45,17 @@ double studentQuantile(double degrees_of_freedom) {
 
 double normalTail(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
+double studentTail(double t, double degrees_of_freedom) {
+  if (!std::isfinite(t)) return std::isnan(t) ? t : t > 0.0 ? 0.0 : 1.0;
+  return boost::math::cdf(boost::math::complement(boost::math::students_t(std::max(degrees_of_freedom, 1.0)), t));
+}
+
+double combinedP(std::span<const double> p) {
+  double mean = 0.0;  // of cotangents of p pi, standard Cauchy variables, hence one itself
+  for (const double one : p) mean += 1.0 / (std::tan(one * std::numbers::pi) * static_cast<double>(p.size()));
+  return mean > 1.0 ? std::atan(1.0 / mean) / std::numbers::pi : 0.5 - std::atan(mean) / std::numbers::pi;
+}
+
 double chiSquaredTail(double value, int degrees_of_freedom) {
   if (value <= 0.0) return 1.0;
   if (!std::isfinite(value)) return std::isnan(value) ? value : 0.0;

@@ -133,7 +133,7 @@ double meanTest(const std::vector<double>& values) {
   for (const double v : values) mean += v / n;
   for (const double v : values) squares += (v - mean) * (v - mean);
   if (squares <= 0.0) return mean > 0.0 ? 0.0 : 1.0;
-  return normalTail(mean / std::sqrt(squares / (n - 1.0) / n * inflation(values, mean)));
+  return studentTail(mean / std::sqrt(squares / (n - 1.0) / n * inflation(values, mean)), n - 1.0);
 }
 
 /// The same of a symmetric distribution's centre, by signed ranks (Wilcoxon 1945).
@@ -162,7 +162,8 @@ double pairedP(const GroupErrors& before, const GroupErrors& after) {
     differences.push_back(before.sum[k] - after.sum[k]);
     ratios.push_back(std::log(std::max(before.sum[k], 1e-300) / std::max(after.sum[k], 1e-300)));
   }
-  return std::min(1.0, 3.0 * std::min({meanTest(differences), meanTest(ratios), rankTest(differences)}));
+  const double tests[] = {meanTest(differences), meanTest(ratios), rankTest(differences)};
+  return combinedP(tests);
 }
 
 }  // namespace simgap

@@ -37,8 +37,8 @@ double resampledGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, 
 /// the gain itself; upwards the wider counts. A pure function of its arguments.
 Interval predictedGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, std::uint64_t seed);
 
-/// One-sided p-value of "after is no better than before", the correlation of neighbouring pieces (AR(1)) counted: the
-/// smallest of three tests, times three. The mean difference is what the error is made of, but a few pieces under large
+/// One-sided p-value of "after is no better than before", the correlation of neighbouring pieces (AR(1)) counted:
+/// three tests as one. The mean difference is what the error is made of, but a few pieces under large
 /// loads rule it; the mean log ratio counts every piece alike; signed ranks find what only some pieces show.
 double pairedP(const GroupErrors& before, const GroupErrors& after);
 

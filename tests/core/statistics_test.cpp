@@ -56,6 +56,40 @@ TEST(Correlation, ByHand) {
   EXPECT_EQ(correlation(x, std::vector<double>(3, 7.0)), 0.0);
 }
 
+TEST(StudentTail, IsTheQuantilesInverse) {
+  for (const double dof : {1.0, 4.0, 60.0}) EXPECT_NEAR(studentTail(studentQuantile(dof), dof), 0.025, 1e-12);
+  EXPECT_EQ(studentTail(0.0, 3.0), 0.5);
+  EXPECT_EQ(studentTail(std::numeric_limits<double>::infinity(), 3.0), 0.0);
+}
+
+TEST(CombinedP, OfOneTestIsItsOwn) {
+  for (const double p : {0.0, 1e-300, 1e-20, 1e-8, 0.03, 0.5, 0.97, 1.0}) {
+    EXPECT_NEAR(combinedP(std::vector<double>{p}), p, 1e-9 * p) << p;
+    EXPECT_NEAR(combinedP(std::vector<double>(3, p)), p, 1e-9 * p) << p;
+  }
+}
+
+/// Three tests of pure chance: alike, dependent or independent, the combined one keeps its level.
+TEST(CombinedP, KeepsItsLevelHoweverTestsDepend) {
+  for (const double shared : {0.0, 0.7, 0.99}) {
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> normal;
+    int at_5 = 0, at_1 = 0;
+    constexpr int kTrials = 20000;
+    for (int i = 0; i < kTrials; ++i) {
+      const double common = std::sqrt(shared) * normal(random);
+      std::vector<double> p;
+      for (int k = 0; k < 3; ++k) p.push_back(normalTail(common + std::sqrt(1.0 - shared) * normal(random)));
+      const double combined = combinedP(p);
+      at_5 += combined < 0.05 ? 1 : 0;
+      at_1 += combined < 0.01 ? 1 : 0;
+    }
+    EXPECT_LT(at_5, 0.062 * kTrials) << shared;  // known to be a little liberal at 5 % where tests half depend
+    EXPECT_LT(at_1, 0.0125 * kTrials) << shared;
+    EXPECT_GT(at_5, 0.04 * kTrials) << shared;
+  }
+}
+
 TEST(ChiSquaredTail, AgreesWithTheTable) {
   EXPECT_NEAR(chiSquaredTail(3.84146, 1), 0.05, 1e-6);
   EXPECT_NEAR(chiSquaredTail(5.99146, 2), 0.05, 1e-6);

@@ -55,15 +55,18 @@ TEST(PairedError, FindsWhatOnlySomePiecesShow) {
   EXPECT_LT(pairedP(before, after), 1e-4);
 }
 
-// 1000 pairs of models that differ by chance alone: few small p-values, also with correlated neighbours.
+// 2000 pairs of models that differ by chance alone: few small p-values, with correlated neighbours and of few pieces.
 TEST(PairedError, KeepsItsLevelUnderChance) {
-  for (const double memory : {0.0, 0.5}) {
-    int alarms = 0;
-    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-      const GroupErrors before = pieces(120, 1.0, 2 * seed, memory), after = pieces(120, 1.0, 2 * seed + 1, memory);
-      alarms += pairedP(before, after) < 0.05 ? 1 : 0;
+  for (const auto& [count, memory] : {std::pair(120u, 0.0), std::pair(120u, 0.5), std::pair(12u, 0.0)}) {
+    int at_5 = 0, at_1 = 0;
+    for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+      const GroupErrors before = pieces(count, 1.0, 2 * seed, memory), after = pieces(count, 1.0, 2 * seed + 1, memory);
+      const double p = pairedP(before, after);
+      at_5 += p < 0.05 ? 1 : 0;
+      at_1 += p < 0.01 ? 1 : 0;
     }
-    EXPECT_LE(alarms, 65) << memory;  // 50 expected at most; 2 standard deviations of a binomial are 14
+    EXPECT_LE(at_5, 130) << count << ' ' << memory;  // 100 expected; three standard deviations of a binomial are 29
+    EXPECT_LE(at_1, 34) << count << ' ' << memory;   // 20 and 13
   }
 }
 

@@ -38,6 +38,13 @@ inline constexpr double kNormalQuantile = 1.959963984540054;
 /// P(x > z) of a standard normal x.
 double normalTail(double z);
 
+/// P(x > t) of Student's t. \param degrees_of_freedom  below 1 counts as 1
+double studentTail(double t, double degrees_of_freedom);
+
+/// One p-value of several tests of the same hypothesis, however much they depend on each other (Liu & Xie 2020).
+/// \param p  not empty, in [0, 1]
+double combinedP(std::span<const double> p);
+
 /// P(x > value) of a chi-squared x. \param degrees_of_freedom  >= 1
 double chiSquaredTail(double value, int degrees_of_freedom);
 

@@ -176,9 +176,13 @@ class Judge {
     return false;
   }
 
-  /// Of a second look, on a fifth of the data, at what the first found significant. Small gains are what a law's shape
-  /// leaves: they have to be surer.
-  static double levelOf(const Interval& gain) { return gain.value < 0.1 ? 0.05 : 0.25; }
+  /// Whether a second look, on a fifth of the data, confirms what the first found significant. Small gains are what a
+  /// law's shape leaves: they have to be surer, and not next to nothing on another log.
+  bool isConfirmed(const Interval& gain, double p) const {
+    constexpr double kSmall = 0.1, kNextToNothing = 0.01;
+    if (gain.value < options_.least_gain) return false;
+    return gain.value < kSmall ? p < 0.05 && gain.lower95 >= kNextToNothing : p < 0.25;
+  }
 
   /// Why a cause is no finding; empty when it is one.
   std::string doubtOf(std::size_t cause) const {
@@ -194,8 +198,8 @@ class Judge {
     if (!beyond.empty()) return beyond;
     const Interval gain = gainOf(cause);
     const double p = heldOutP(without_[cause], errors_without_[cause], full, found_.heldout.back());
-    if (gain.value < options_.least_gain || p > levelOf(gain)) {
-      return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.0f} to {:.0f}, p = {:.2g})",
+    if (!isConfirmed(gain, p)) {
+      return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.1f} to {:.0f}, p = {:.2g})",
                          100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
     }
     if (selection_.unnamed && selection_.unnamed->gain->value > gain.value) {
@@ -240,13 +244,18 @@ class Judge {
     return doubtBeside(load->rest, load->full, "friction that grows with the load");
   }
 
-  /// Empty where a cause gains on held-out data beside something that is none.
-  std::string doubtBeside(const Fitted& rest, const Fitted& full, const std::string& what) const {
+  /// Empty where a cause gains on held-out data beside something that is none. \param rest, both  with that, without
+  /// the cause and with it. Where it explains nothing beside the cause it stays out there: terms that nothing
+  /// determines only scatter on data that had no part in the fit.
+  std::string doubtBeside(const Fitted& rest, const Fitted& both, const std::string& what) const {
+    const auto trained = [&](const Fitted& fitted) { return search_.errors(fitted, split_.training).mse(); };
+    const bool needed = trained(both) < (1.0 - options_.least_gain) * trained(selection_.chosen);
+    const Fitted& full = needed ? both : selection_.chosen;
     const std::vector<GroupErrors> errors =
         heldOutErrors(search_, {rest, full}, split_.heldout, log_.data.rows.session);
     const Interval gain = predictedGain(errors[0].sum, errors[1].sum, options_.seed);
     const double p = heldOutP(rest, errors[0], full, errors[1]);
-    if (gain.value >= options_.least_gain && p < levelOf(gain)) return {};
+    if (isConfirmed(gain, p)) return {};
     return fmt::format("beside {} it may explain nothing ({:.1f} %, p = {:.2g})", what, 100.0 * gain.value, p);
   }
 

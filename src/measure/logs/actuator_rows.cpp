@@ -12,6 +12,8 @@ std::string_view toString(OptionalChannel channel) {
       return "temperature_degC";
     case OptionalChannel::kLoad:
       return "a load that changes";
+    case OptionalChannel::kLoadSensor:
+      return "a load that a sensor measures";
     case OptionalChannel::kRest:
       return "rests of 1 s and longer";
     case OptionalChannel::kTime:
@@ -30,6 +32,8 @@ bool ActuatorRows::has(OptionalChannel channel) const {
       return temperature.size() > 0;
     case OptionalChannel::kLoad:
       return top_load != 0.0;
+    case OptionalChannel::kLoadSensor:
+      return load_measured;
     case OptionalChannel::kRest:
       return (rest > 0.5).any();
     case OptionalChannel::kTime:

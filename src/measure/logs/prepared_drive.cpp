@@ -110,6 +110,7 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   addRig(friction, data);
   rows.top_speed = rows.speed.abs().maxCoeff();
   rows.top_load = rows.load.abs().maxCoeff();
+  rows.load_measured = !drive.load.empty();
   rows.acceleration = slopeOf(rows, rows.speed, options.bandwidth.value_or(speedBandwidth(friction, rows)));
   rows.travel = travelOf(rows);
   rows.rest = restOf(rows, log.dead_band);

@@ -54,6 +54,14 @@ TEST(Testable, WhatTheLogLacks) {
   EXPECT_EQ(asked.reason("stiction-ageing"), "needs rests of 1 s and longer");
 }
 
+// A pendulum's load is worked out from its weight: what no sensor reads has no sensor's offset.
+TEST(Testable, ASensorThatIsNotThereHasNoOffset) {
+  PreparedLog log = preparedLog(smallRig(1500));
+  EXPECT_TRUE(ask(subjectOf("classic"), log).has("torque-bias"));
+  log.data.rows.load_measured = false;
+  EXPECT_EQ(ask(subjectOf("classic"), log).reason("torque-bias"), "needs a load that a sensor measures");
+}
+
 TEST(Testable, AnOffsetOfTheFitTakesTheBiasAway) {
   PreparedLog log = preparedLog(smallRig(1500));
   log.data.offset = false;

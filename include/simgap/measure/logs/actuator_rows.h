@@ -29,9 +29,10 @@ enum class OptionalChannel {
   kJointAngle,
   kMotorAngle,
   kTemperature,
-  kLoad,  ///< that changes
-  kRest,  ///< of 1 s and longer
-  kTime,  ///< without it a log is rows in their order
+  kLoad,        ///< that changes
+  kLoadSensor,  ///< a load that was measured, not worked out from a bench's weights
+  kRest,        ///< of 1 s and longer
+  kTime,        ///< without it a log is rows in their order
 };
 std::string_view toString(OptionalChannel channel);
 
@@ -59,6 +60,7 @@ struct ActuatorRows {
   double top_speed = 0.0;               ///< [rad/s]
   double top_load = 0.0;                ///< [N m]
   bool timed = true;                    ///< false: `time` counts rows
+  bool load_measured = false;           ///< false: worked out, or none
 
   Eigen::Index rows() const { return time.size(); }
   bool has(OptionalChannel channel) const;

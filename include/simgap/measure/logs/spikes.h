@@ -17,14 +17,24 @@ struct ChannelSpikes {
   std::vector<std::size_t> rows;  ///< of the log, from 0, rising; never empty
 };
 
-/// Rows whose value stands alone: its distance from the line between its neighbours is many times what that distance
-/// is elsewhere, and its neighbours' own distances are the -1/2 of it that a single wrong sample causes.
-/// \param time  [s] rising, shape (n).  \param values  shape (n).
-std::vector<std::size_t> findSpikes(std::span<const double> time, std::span<const double> values);
+/// How many may stand near to each other: no mass jumps there and back, but an effort may change for two rows.
+inline constexpr std::size_t kMotionSpikes = 3, kEffortSpikes = 1;
 
-/// The same, looked for session by session; each is replaced by the line between its neighbours.
-/// \param session  shape (n).
+/// A sample that cannot be right, and what was likely there.
+struct Spike {
+  std::size_t row;
+  double likely;
+};
+
+/// Rows that stand off a smooth curve (a cubic) through the rows on both sides of them: by many times what rows are
+/// usually off the line between their neighbours, here and in the whole channel, while all rows around lie on it.
+/// \param time  [s] rising, shape (n).  \param values  shape (n).
+/// \param most  wrong rows that may stand near to each other
+std::vector<Spike> findSpikes(std::span<const double> time, std::span<const double> values, std::size_t most);
+
+/// The same, looked for session by session, and replaced by what was likely there.
+/// \param session  shape (n).  \returns the rows
 std::vector<std::size_t> repairSpikes(std::span<const double> time, const std::vector<int>& session,
-                                      std::span<double> values);
+                                      std::span<double> values, std::size_t most);
 
 }  // namespace simgap

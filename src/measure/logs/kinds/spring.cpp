@@ -15,8 +15,8 @@ using Eigen::Index;
 /// spring that remembers would carry them on, and a limit is not where they are.
 void leaveOutBadSamples(SpringLog& spring, PreparedLog& log) {
   const ChannelSpikes deflection{quantityName("deflection", spring.deflectionUnit()),
-                                 repairSpikes(spring.time, spring.session, spring.deflection)};
-  const ChannelSpikes force{log.effort_column, repairSpikes(spring.time, spring.session, spring.force)};
+                                 repairSpikes(spring.time, spring.session, spring.deflection, kMotionSpikes)};
+  const ChannelSpikes force{log.effort_column, repairSpikes(spring.time, spring.session, spring.force, kEffortSpikes)};
   const ChannelSpikes ends[] = {{deflection.channel, findClipped(spring.deflection, spring.force, spring.session)},
                                 {force.channel, findClipped(spring.force, spring.deflection, spring.session)}};
   for (const ChannelSpikes& channel : {deflection, force}) {

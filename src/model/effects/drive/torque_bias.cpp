@@ -5,6 +5,7 @@
 namespace simgap::actuator_effects::torque_bias {
 namespace {
 
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kLoadSensor};
 constexpr EffectParameter kParameters[] = {{"tau_0", "Nm", -1e4, 1e4, 0.0, 0.0}};
 
 void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) { terms.load += p[0]; }
@@ -21,6 +22,7 @@ const ActuatorEffect entry = {
     .look_alikes = "current-bias, joint-gravity, direction-asymmetry",
     .separates = "rows with nothing attached to the sensor, and loads that pass through zero",
     .parameters = kParameters,
+    .needs = kNeeds,
     .apply = apply,
 };
 
