@@ -15,6 +15,11 @@ target_compile_options(simgap_options INTERFACE -ffp-contract=off)
 if(SIMGAP_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
+  # Eigen brings an aligned malloc of its own where it sees this sanitizer; pagmo and DART, compiled without, would free
+  # what ours allocated. The sanitizer's malloc aligns to 16 bytes.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  # What GCC 12 invents about std::regex between instrumented instructions.
+  add_compile_options($<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 endif()
 if(SIMGAP_FUZZ)  # coverage everywhere, the fuzzer itself in its targets
   set(third_party ${CMAKE_SOURCE_DIR}/tests/fuzz/third_party.txt)

@@ -57,7 +57,11 @@ const ArmModel& withoutRopes(const ArmModel& model) {
 }
 
 EquilibriumArm::EquilibriumArm(const ArmModel& model)
-    : energy_(model), observation_(model), shafts_(model.commands()), factor_(energy_.degreesOfFreedom()) {
+    : energy_(model),
+      observation_(model),
+      shafts_(model.commands()),
+      // Computed, not only sized: what is copied before it is used is initialised.
+      factor_(Eigen::MatrixXd::Identity(energy_.degreesOfFreedom(), energy_.degreesOfFreedom())) {
   const int n = energy_.degreesOfFreedom();
   joints_ = before_ = reached_ = rest_ = start_ = startPosition(model);
   held_.assign(static_cast<std::size_t>(n), 0);

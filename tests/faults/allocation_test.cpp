@@ -19,6 +19,9 @@
 #include "simgap/core/memory.h"
 #include "support/files.h"
 
+/// OpenCV's own, where the second of the allocations of a matrix fails.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libopencv_core\n"; }
+
 namespace {
 
 thread_local long allocations_left = -1;  ///< until the one that fails; below 0 none does

@@ -96,6 +96,7 @@ TEST(CalibrateReport, PrintsATableForTheTerminal) {
   CalibrationResult result = knownCalibration();
   result.sets[1].final = result.sets[1].initial;
   result.parameters.resize(9, result.parameters[0]);  // 2 poses x (3 + 1) numbers
+  result.state.strategy.best.y.resize(9, 1.0);
   EXPECT_THAT(terminalTable(result),
               HasSubstr("\nvalidation pose <far>: acquisition error of biceps, 12.3 deg\n8 measured "
                         "numbers for 9 parameters: the calibration error alone proves nothing"));

@@ -75,7 +75,7 @@ const KnownCause kKnown[] = {
      }},
     {"inertia-error", "link1", {3.0}, [](auto& arm, auto&) {
        // Two discs far out and a hole at the centre: as much mass at the same centre.
-       const auto& rod = arm.arm.links[0].parts[0];
+       const auto rod = arm.arm.links[0].parts[0];  // a copy: the list grows
        const double across = rod.mass * (3.0 * rod.radius * rod.radius + rod.length * rod.length) / 12.0;
        const double mass = across / (0.2 * 0.2);  // 2 m d^2 = 2 I
        for (const double side : {-0.2, 0.2}) {
