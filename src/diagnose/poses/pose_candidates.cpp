@@ -34,7 +34,6 @@ std::vector<CandidateModel> candidateModels(const PoseProblem& problem, PoseFit&
     std::vector<PoseCause> kept = fit.causes();
     kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(c));
     for (const PoseCause& instead : selection.causes[c].instead) {
-      if (holds(kept, instead)) continue;  // named since, in the place of another one
       Other& other = others.emplace_back(Other{kept, fit.solutionWithout(c), "instead"});
       other.causes.push_back(instead);
     }

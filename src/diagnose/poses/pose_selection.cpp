@@ -340,6 +340,7 @@ PoseSelection PoseSelector::run(const Eigen::VectorXd& start, const std::functio
   stage("rivals");
   exchange(fit, selection);
   prune(fit, selection);
+  dropNamedRivals(selection);
   selection.z = fit.z();
   selection.stray = problem_.stray_friction;
   const CrossValidation last = folds_.validate(problem_, fit.causes(), fit.z(), fit.causes(), fit.z());
@@ -354,6 +355,16 @@ PoseSelection PoseSelector::run(const Eigen::VectorXd& start, const std::functio
 }
 
 }  // namespace
+
+void dropNamedRivals(PoseSelection& selection) {
+  for (AcceptedCause& accepted : selection.causes) {
+    for (const AcceptedCause& other : selection.causes) {
+      const std::string named = other.cause.label();
+      std::erase(accepted.rivals, named);
+      std::erase_if(accepted.instead, [&](const PoseCause& cause) { return cause.label() == named; });
+    }
+  }
+}
 
 PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> poses,
                            const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,

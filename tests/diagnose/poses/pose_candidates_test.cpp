@@ -27,10 +27,13 @@ TEST(PoseCandidates, NoneHoldsACauseTwice) {
   PoseSelection selection;
   selection.causes.resize(2);
   selection.causes[0].cause = payload;
+  selection.causes[0].rivals = {tilt.label(), passive.label()};
   selection.causes[0].instead = {tilt, passive};
   selection.causes[1].cause = tilt;
   selection.causes[1].instead = {payload};
   selection.refused = {payload, passive};
+  dropNamedRivals(selection);
+  EXPECT_THAT(selection.causes[0].rivals, ElementsAre(passive.label()));
   const std::vector<CandidateModel> candidates = candidateModels(rig.problem, rig.plain, 1.0, fit, selection);
   std::vector<std::string> names;
   for (const CandidateModel& candidate : candidates) names.push_back(candidate.causes);
