@@ -12,6 +12,18 @@ namespace {
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
+// Motor and gearbox of data/elbow-movement and data/step-response (000 eq. 8-11).
+constexpr double kDriveGain = 72 * 0.72;                   // N eta
+constexpr double kDriveDry = kDriveGain * 0.002 + 0.03;    // dry friction, at the shaft [N m]
+constexpr double kDriveTorque = kDriveGain * 0.011 / 0.8;  // of a volt at rest, at the shaft [N m/V]
+constexpr double kSpindle = 0.006;                         // [m]
+
+/// A shaft rests where dry friction holds the difference between what its controller's 50 V/rad pull and its line.
+void expectHeldByFriction(double setpoint, double shaft, double tension) {
+  EXPECT_LE(std::abs(50.0 * kDriveTorque * (setpoint - shaft) - tension * kSpindle), kDriveDry)
+      << "at " << shaft << " rad, " << tension << " N";
+}
+
 class SimulateTest : public CliTest {
  protected:
   SimulateTest() {
@@ -45,7 +57,8 @@ TEST_F(SimulateTest, LeavesTheMovementAndWhatARigWouldLog) {
   double sum = 0.0;
   for (std::size_t i = 0; i < shaft.size(); ++i) sum += (shaft[i] - truth[i]) * (shaft[i] - truth[i]);
   const double expected = std::hypot(0.3, 0.35 / std::sqrt(12.0)) * M_PI / 180.0;
-  EXPECT_NEAR(std::sqrt(sum / static_cast<double>(shaft.size())) / expected, 1.0, 0.3);
+  const auto samples = static_cast<double>(shaft.size());  // the deviation of n numbers is known within 1 / sqrt(2 n)
+  EXPECT_NEAR(std::sqrt(sum / samples) / expected, 1.0, 4.0 / std::sqrt(2.0 * samples));
   EXPECT_LT(result().at("joints").at("elbow").at("half_step_deg").get<double>(), 0.05);
 }
 
@@ -65,9 +78,24 @@ TEST_F(SimulateTest, RepeatsToTheLastByteAndPlaysItsOwnLog) {
 
 TEST_F(SimulateTest, PlaysSchedulesOfShaftsAndForces) {
   succeed(simulate("schedule.yaml"));
-  EXPECT_NEAR(result().at("muscles").at("biceps").at("last_shaft_rad").get<double>(), 6.0, 0.05);
+  for (const auto& [muscle, setpoint] :
+       std::map<std::string, double>{{"biceps", 6.0}, {"brachialis", 4.0}, {"triceps", 0.0}}) {
+    const Json last = result().at("muscles").at(muscle);
+    expectHeldByFriction(setpoint, last.at("last_shaft_rad"), last.at("last_tension_N"));
+  }
   succeed(simulate("force.yaml", {"--force"}));
-  EXPECT_NEAR(result().at("muscles").at("brachialis").at("last_tension_N").get<double>(), 22.0, 1.0);
+  // No force is missing at rest, as the controller's observer integrates. Where the elbow turns at speed w, a line of
+  // stiffness k on a lever r gains up to k r w a second, and each pole p lets that pass for 1 / p.
+  constexpr double kTurning = 1e-6;  // [rad/s]
+  EXPECT_LT(std::abs(table("run/motion.csv").quantity("elbow_velocity", "rad_s").back()), kTurning);
+  double lag = 0.0;
+  for (const double pole : {60.0, 80.0, 1500.0, 200.0, 250.0, 300.0, 2000.0}) lag += 1.0 / pole;
+  constexpr double kStiffness = 950.0, kLongestLever = 0.053;  // [N/m], from the elbow to an attachment [m]
+  for (const auto& [muscle, force] :
+       std::map<std::string, double>{{"biceps", 12.0}, {"brachialis", 22.0}, {"triceps", 18.0}}) {
+    EXPECT_NEAR(result().at("muscles").at(muscle).at("last_tension_N").get<double>(), force,
+                kStiffness * kLongestLever * kTurning * lag);
+  }
 }
 
 // Pneumatic muscles, motors and servos at joints: played, played again as logged, and fitted.
@@ -150,7 +178,7 @@ TEST_F(SimulateTest, ServesAnArmLineByLine) {
   std::istringstream lines(served.out);
   for (std::string line; std::getline(lines, line);) answers.push_back(Json::parse(line));
   ASSERT_EQ(answers.size(), 7U);
-  EXPECT_NEAR(answers[0].at("shaft_rad").at("biceps").get<double>(), 5.0, 0.1);
+  expectHeldByFriction(5.0, answers[0].at("shaft_rad").at("biceps"), answers[0].at("force_N").at("biceps"));
   EXPECT_THAT(answers[1].at("error").get<std::string>(), HasSubstr("found no JSON"));
   EXPECT_THAT(answers[2].at("error").get<std::string>(), HasSubstr("no muscle 'soleus'"));
   EXPECT_THAT(answers[3].at("error").get<std::string>(), HasSubstr("beyond the supply of 12 V"));
@@ -165,17 +193,18 @@ TEST_F(SimulateTest, MotorAndGearboxAnswerAStepAsTheirEquationsSay) {
   succeed({"simulate", sourceFile("data/step-response/arm.yaml").string(), "--commands",
            sourceFile("data/step-response/schedule.yaml").string(), "--rate", "1000", "-q", "-o", "run"});
   const CsvTable motion = table("run/motion.csv");
-  constexpr double kGain = 72 * 0.72, kViscous = kGain * 1e-6 + 0.002 / 72, kDry = kGain * 0.002 + 0.03;
-  constexpr double kResistance = 0.8, kEmf = 0.011, kTorque = 0.011, kVoltage = 9.0;
+  constexpr double kViscous = kDriveGain * 1e-6 + 0.002 / 72, kResistance = 0.8, kEmf = 0.011, kVoltage = 9.0;
+  // Half a second behind the step, 38 time constants of the rotor's inertia, nothing but rounding is left.
+  constexpr double kRounding = 1e-11;
   for (const auto& [muscle, load] :
        std::map<std::string, double>{{"light", 50.0}, {"middle", 100.0}, {"heavy", 150.0}}) {
-    const double velocity = (kVoltage * kGain * kTorque / kResistance - kDry - load * 0.006) /
-                            (kViscous + kGain * kTorque * kEmf / kResistance);
+    const double velocity = (kVoltage * kDriveTorque - kDriveDry - load * kSpindle) / (kViscous + kDriveTorque * kEmf);
     const std::vector<double> found = motion.quantity("motor_velocity_" + muscle, "rad_s");
-    EXPECT_NEAR(found.back(), velocity, 1e-3 * velocity) << muscle;
+    EXPECT_NEAR(found.back(), velocity, kRounding * velocity) << muscle;
     EXPECT_EQ(found[100], 0.0) << "friction and voltage hold the weight";
-    EXPECT_NEAR(motion.quantity("current_" + muscle, "A").back(), (kVoltage - kEmf * velocity) / kResistance, 1e-3);
-    EXPECT_LT(*std::ranges::max_element(found), 1.001 * velocity) << "no overshoot";
+    EXPECT_NEAR(motion.quantity("current_" + muscle, "A").back(), (kVoltage - kEmf * velocity) / kResistance,
+                kRounding);
+    EXPECT_LT(*std::ranges::max_element(found), (1.0 + kRounding) * velocity) << "no overshoot";
   }
 }
 
@@ -184,10 +213,13 @@ TEST_F(SimulateTest, JointsFollowTheirTargetsThroughTheTendonJacobian) {
   succeed(simulate("targets.csv", {"--hold", "linear"}));
   const CsvTable motion = table("run/motion.csv");
   const std::vector<double> elbow = motion.quantity("elbow", "rad");
-  EXPECT_NEAR(elbow[100], 40.0 * kDegree, 2.0 * kDegree);
-  EXPECT_NEAR(elbow.back(), 70.0 * kDegree, 2.0 * kDegree);
-  for (const char* muscle : {"biceps", "brachialis", "triceps"}) {
-    EXPECT_GT(motion.quantity(std::string("tension_") + muscle, "N").back(), 3.0) << muscle;
+  // It stops where 30 N m/rad of the controller no longer overcome 0.02 N m of dry friction. It is seen 0.2 % beyond
+  // that, for a reason not found: the one percent is not derived.
+  constexpr double kHeld = 1.01 * 0.02 / 30.0;
+  EXPECT_NEAR(elbow[100], 40.0 * kDegree, kHeld);
+  EXPECT_NEAR(elbow.back(), 70.0 * kDegree, kHeld);
+  for (const char* muscle : {"biceps", "brachialis", "triceps"}) {  // none below the least force of 5 N
+    EXPECT_GT(motion.quantity(std::string("tension_") + muscle, "N").back(), 5.0 - 1e-6) << muscle;
   }
   EXPECT_FALSE(table("run/muscles.csv").has("force_biceps_N"));
   put("both.csv", "time_s,target_elbow_deg,force_biceps_N\n0,40,3\n1,40,3\n");
