@@ -255,7 +255,7 @@ void MotionDiagnosing::conclude() {
   withdrawPartial();
   if (last_) {
     d.extensions = last_->extensions();
-    fillParameters(d);
+    fillParameters(d, split_.selecting);
     d.causes.front().absorbed_by = shiftsBetween(*plain_, *last_);
   }
   d.evidence = errorsOverTime(split_.judging, result_.before, result_.after, result_.layout);

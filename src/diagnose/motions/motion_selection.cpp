@@ -12,7 +12,7 @@ namespace {
 constexpr int kPlainRounds = 7;     // of derivatives made anew
 constexpr int kRefreshRounds = 4;   // of a fit that may win
 constexpr int kMostRefreshes = 8;   // of all fits of a step together
-constexpr std::size_t kRefits = 6;  // with derivatives of the model without the cause
+constexpr std::size_t kRefits = 8;  // with derivatives of the model without the cause
 constexpr std::size_t kOfOneEffect = 2;
 constexpr std::size_t kRefreshed = 4;                 // at most, with derivatives of their own
 constexpr double kHopelessGain = 3.0;                 // promised by the scan [negative log posterior]
@@ -66,7 +66,7 @@ std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
   return fit;
 }
 
-/// Fits of the causes that the scan likes best, from where it likes them and from where the model without them ended.
+/// Fits of the causes that the scan likes best, from where the model without them ended and from the prior's mean.
 std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& base,
                                                          std::span<const MotionPoint> points, const MotionScan& scan,
                                                          const std::vector<MotionHypothesis>& open) {
@@ -80,12 +80,9 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
     std::vector<ArmCause> causes = base.causes();
     causes.push_back({hypothesis.effect, hypothesis.target, trial.start});
     std::unique_ptr<MotionCauseFit> best;
-    const Eigen::VectorXd stay = Eigen::VectorXd::Zero(base.here().z.size());
-    std::vector<std::pair<std::size_t, const Eigen::VectorXd*>> begins = {{trial.point, &trial.step}};
-    for (std::size_t point = 0; point < points.size(); ++point) begins.emplace_back(point, &stay);
-    for (const auto& [point, step] : begins) {
+    for (const MotionPoint& point : points) {
       auto fit = std::make_unique<MotionCauseFit>(problem_, causes);
-      const bool begun = fit->beginBeside(points[point], *step);
+      const bool begun = fit->beginBeside(point);
       if (begun) fit->descend();
       count(fit->rollouts());
       if (begun && (!best || fit->objective() < best->objective())) best = std::move(fit);
