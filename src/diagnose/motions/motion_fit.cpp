@@ -9,7 +9,7 @@ namespace simgap {
 namespace {
 
 constexpr double kMostOfNoise = 1.645;     // what nine of ten normal residuals stay within [sd]
-constexpr int kSearches = 3, kPlaces = 7;  // along a cause, each four times as fine as the one before
+constexpr int kSearches = 4, kPlaces = 7;  // along a cause, each four times as fine as the one before
 constexpr double kFirstDifference = 0.1;   // of derivatives, in prior standard deviations
 
 /// The cause's parameters stand behind the ordinary ones, before the capture's delay.
@@ -121,8 +121,8 @@ bool MotionCauseFit::place(const Eigen::VectorXd& z) {
   return true;
 }
 
-/// The best value of one parameter, from nothing to three times what it has, while the others stay: with derivatives
-/// alone these would take over what it should explain, and be far away before it has its size.
+/// The best value of one parameter, from nothing upwards, while the others stay: with derivatives alone these would
+/// take over what it should explain, and be far away before it has its size.
 void MotionCauseFit::searchAlong(Eigen::Index i) {
   double spacing = 0.5 * here_.z[i], from = 0.0;
   for (int search = 0; search < kSearches; ++search) {
@@ -136,7 +136,7 @@ void MotionCauseFit::searchAlong(Eigen::Index i) {
     stopIfInterrupted();
     const auto best = std::ranges::min_element(objectives) - objectives.begin();
     if (objectives[static_cast<std::size_t>(best)] < here_.at.objective) place(places[static_cast<std::size_t>(best)]);
-    spacing *= 0.25;
+    if (best + 1 < kPlaces) spacing *= 0.25;  // else it may be larger still
     from = here_.z[i] - kPlaces / 2 * spacing;
   }
 }

@@ -158,7 +158,7 @@ std::string causesOf(const Diagnosis& said) {
     }
   }
   for (const Candidate& candidate : said.candidates)
-    text += " (candidate " + candidate.effect + ":" + candidate.target + ")";
+    text += " (candidate " + candidate.effect + ":" + candidate.target + ": " + candidate.reason + ")";
   return text;
 }
 
