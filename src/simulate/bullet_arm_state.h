@@ -66,7 +66,8 @@ struct BulletArm::MuscleState {
         motor(muscle.motor),
         gearbox(muscle.gearbox),
         drive(muscle.motor, muscle.gearbox, step),
-        drive_part(muscle.motor, muscle.gearbox, step / kDriveParts) {}
+        drive_part(muscle.motor, muscle.gearbox, step / kDriveParts),
+        part_seconds(step / kDriveParts) {}
 
   void setModel(const Muscle& muscle, double step) {
     if (muscle.motor != motor || muscle.gearbox != gearbox) {
@@ -99,24 +100,38 @@ struct BulletArm::MuscleState {
     term = changed;
   }
 
-  /// The voltage across the motor: the controller's, of a supply that may sag, from an amplifier that limits i.
-  double motorVoltage(const DriveState& now) const {
-    const double given = voltage * supplied;
-    if (term.current_limit == kInfinity) return given;
-    const double back_emf = motor.back_emf_constant * now.motor_velocity, most = motor.resistance * term.current_limit;
-    return std::clamp(given, back_emf - most, back_emf + most);
+  bool limits(const DriveState& now) const {
+    const double driving = voltage * supplied - motor.back_emf_constant * now.motor_velocity;
+    return std::abs(driving) > motor.resistance * term.current_limit;
   }
 
-  /// A motion's step of the drive; in parts where the rotor starts or stops within it, so that it does at its time.
+  /// The voltage across the motor over the next `seconds`: the controller's, of a supply that may sag, from an
+  /// amplifier that takes the current to its limit and no further.
+  double motorVoltage(const DriveState& now, double seconds) const {
+    const double given = voltage * supplied;
+    if (term.current_limit == kInfinity) return given;
+    const double kept =
+        std::exp(-motor.resistance * seconds / motor.inductance);  // of the current, where it is not fed
+    const auto towards = [&](double current) {
+      const double drop = motor.resistance * (current - kept * now.current) / (1.0 - kept);
+      return motor.back_emf_constant * now.motor_velocity + drop;
+    };
+    return std::clamp(given, towards(-term.current_limit), towards(term.current_limit));
+  }
+
+  /// A motion's step of the drive; in parts where the rotor starts or stops within it, so that it does at its time, and
+  /// where the current is limited, whose voltage follows the speed.
   void stepDrive(DriveState& now, double load) const {
     const DriveState before = now;
-    const bool returns = returning && now.current * now.motor_velocity < 0.0;
-    (returns ? *returning : drive).step(now, motorVoltage(before), load);
-    if ((before.motor_velocity == 0.0) == (now.motor_velocity == 0.0)) return;
-    now = before;
+    if (!limits(before)) {
+      const bool returns = returning && now.current * now.motor_velocity < 0.0;
+      (returns ? *returning : drive).step(now, voltage * supplied, load);
+      if ((before.motor_velocity == 0.0) == (now.motor_velocity == 0.0)) return;
+      now = before;
+    }
     for (int part = 0; part < kDriveParts; ++part) {
       const bool back = returning && now.current * now.motor_velocity < 0.0;
-      (back ? *returning_part : drive_part).step(now, motorVoltage(now), load);
+      (back ? *returning_part : drive_part).step(now, motorVoltage(now, part_seconds), load);
     }
   }
 
@@ -129,7 +144,8 @@ struct BulletArm::MuscleState {
   Motor motor;
   Gearbox gearbox;
   Drive drive;
-  Drive drive_part;                                ///< of a step in which the rotor starts or stops
+  Drive drive_part;  ///< of a step in which the rotor starts or stops
+  double part_seconds;
   std::optional<Drive> returning, returning_part;  ///< while the load drives the motor, where that differs
   MotorTerm term;
   GuideTerm guide;

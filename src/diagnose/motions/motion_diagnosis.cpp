@@ -22,7 +22,7 @@ constexpr double kClearEvidence = 12.0;    // in nats: of some hundred hypothese
 constexpr double kLeastGain = 0.01;        // of the held-out mean square
 constexpr double kKnownClocks = 0.005;     // [s] to which clocks agree where nothing is wrong with them
 constexpr double kLargeRest = 1.5 * 1.5;   // of the noise's variance: what no model of noise leaves
-constexpr double kMostOfIt = 60.0;         // [%] of the error that named causes have to explain, if much is left
+constexpr double kMostOfIt = 95.0;         // [%] of the error that named causes have to explain, if much is left
 constexpr double kUsualRollouts = 2000.0;  // per motion, for the progress
 
 /// The motions that select and those that judge.
@@ -255,7 +255,7 @@ void MotionDiagnosing::conclude() {
   withdrawPartial();
   if (last_) {
     d.extensions = last_->extensions();
-    fillParameters(d);
+    fillParameters(d, split_.selecting);
     d.causes.front().absorbed_by = shiftsBetween(*plain_, *last_);
   }
   d.evidence = errorsOverTime(split_.judging, result_.before, result_.after, result_.layout);

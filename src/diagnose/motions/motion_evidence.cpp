@@ -73,10 +73,16 @@ std::vector<EvidenceBin> errorsOverTime(const MotionSet& set, const std::vector<
   return bins;
 }
 
-void fillParameters(Diagnosis& diagnosis) {
+void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
+  double row = 0.0;  // the longest time between two [s]
+  for (const RecordedMotion& motion : set.motions) {
+    for (std::size_t r = 1; r < motion.times().size(); ++r)
+      row = std::max(row, motion.times()[r] - motion.times()[r - 1]);
+  }
   for (std::size_t c = 0; c < diagnosis.causes.size(); ++c) {
+    const bool by_rows = findArmEffect(diagnosis.causes[c].effect)->command_delay;
     for (const Estimate& p : diagnosis.extensions[c].parameters) {
-      const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
+      const double half = (std::isfinite(p.sd) ? 1.96 * p.sd : 0.0) + (by_rows ? row : 0.0);
       diagnosis.causes[c].parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
     }
   }

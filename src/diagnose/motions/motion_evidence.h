@@ -14,8 +14,9 @@ std::string worstMoment(const RecordedMotion& motion, const PlayedMotion& played
 std::vector<EvidenceBin> errorsOverTime(const MotionSet& set, const std::vector<PlayedMotion>& before,
                                         const std::vector<PlayedMotion>& after, const PoseLayout& layout);
 
-/// The causes' parameters with 95 % intervals, from the extensions.
-void fillParameters(Diagnosis& diagnosis);
+/// The causes' parameters with 95 % intervals, from the extensions. When a command changed is known to a row of the set
+/// only, and so is how late it acts.
+void fillParameters(Diagnosis& diagnosis, const MotionSet& set);
 
 /// By how much the ordinary parameters moved when the causes came in.
 std::vector<Absorption> shiftsBetween(const MotionCauseFit& plain, const MotionCauseFit& with);

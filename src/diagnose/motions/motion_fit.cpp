@@ -8,7 +8,9 @@
 namespace simgap {
 namespace {
 
-constexpr double kFirstDifference = 0.1;  // of derivatives, in prior standard deviations
+constexpr double kMostOfNoise = 1.645;     // what nine of ten normal residuals stay within [sd]
+constexpr int kSearches = 4, kPlaces = 7;  // along a cause, each four times as fine as the one before
+constexpr double kFirstDifference = 0.1;   // of derivatives, in prior standard deviations
 
 /// The cause's parameters stand behind the ordinary ones, before the capture's delay.
 Eigen::VectorXd withRoom(const Eigen::VectorXd& z, Eigen::Index room) {
@@ -23,6 +25,20 @@ Eigen::VectorXd squeezed(const Eigen::VectorXd& z, Eigen::Index room) {
   shorter.head(shorter.size() - 1) = z.head(shorter.size() - 1);
   shorter[shorter.size() - 1] = z[z.size() - 1];
   return shorter;
+}
+
+/// Square of what nine of ten windows stay within.
+double squareOfMost(const MotionPosterior& posterior, const MotionEvaluation& at) {
+  std::vector<double> squares;
+  for (std::size_t m = 0; m < at.residuals.size(); ++m) {
+    for (const ResidualBlock& block : posterior.motions()[m].blocks()) {
+      squares.push_back(at.residuals[m].segment(block.first, block.size).squaredNorm() /
+                        static_cast<double>(block.size));
+    }
+  }
+  const auto most = squares.begin() + std::ssize(squares) * 9 / 10;
+  std::ranges::nth_element(squares, most);
+  return *most;
 }
 
 }  // namespace
@@ -44,7 +60,7 @@ Eigen::VectorXd MotionPoint::projected(std::span<const Eigen::VectorXf> x) const
   return sum;
 }
 
-double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals, Eigen::VectorXd& step) const {
+double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals) const {
   const Eigen::VectorXd& z = here_->z;
   std::vector<Eigen::VectorXf> x;
   double objective = 0.0;
@@ -59,7 +75,7 @@ double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals, Eigen:
     gradient[i] += z[i];
     objective += 0.5 * z[i] * z[i];
   }
-  step = -factor_.solve(gradient);
+  Eigen::VectorXd step = -factor_.solve(gradient);
   for (Eigen::Index i = 0; i < z.size(); ++i) {
     step[i] = std::clamp(z[i] + step[i], posterior_->lower(i), posterior_->upper(i)) - z[i];
   }
@@ -79,18 +95,65 @@ Eigen::Index MotionCauseFit::ordinary() const {
   return posterior_->size() - 1 - of_causes;
 }
 
+double MotionCauseFit::objective() const {
+  double sum = losses().sum();
+  for (Eigen::Index i = 0; i < here_.z.size(); ++i)
+    sum += posterior_->hasPrior(i) ? 0.5 * here_.z[i] * here_.z[i] : 0.0;
+  return sum;
+}
+
+/// A loss as wide as most residuals are: what is far off counts until it is near, then outliers count little again.
+void MotionCauseFit::narrow() {
+  const double scale = kRobustScale * std::max(1.0, std::sqrt(squareOfMost(*posterior_, here_.at)) / kMostOfNoise);
+  posterior_->setRobustScale(scale);
+  here_.at.objective = posterior_->objectiveOf(here_.at, here_.z);
+}
+
+/// \returns false where the motions cannot be played
+bool MotionCauseFit::place(const Eigen::VectorXd& z) {
+  MotionEvaluation at = posterior_->evaluate(z);
+  rollouts_ += std::ssize(posterior_->motions());
+  stopIfInterrupted();
+  if (!at.valid) return false;
+  here_.z = z;
+  here_.at = std::move(at);
+  narrow();
+  return true;
+}
+
+/// The best value of one parameter, from nothing upwards, while the others stay: with derivatives alone these would
+/// take over what it should explain, and be far away before it has its size.
+void MotionCauseFit::searchAlong(Eigen::Index i) {
+  double spacing = 0.5 * here_.z[i], from = 0.0;
+  for (int search = 0; search < kSearches; ++search) {
+    std::vector<Eigen::VectorXd> places(kPlaces, here_.z);
+    for (int k = 0; k < kPlaces; ++k) {
+      places[static_cast<std::size_t>(k)][i] =
+          std::clamp(from + k * spacing, posterior_->lower(i), posterior_->upper(i));
+    }
+    const std::vector<double> objectives = posterior_->objectives(places);
+    rollouts_ += kPlaces * std::ssize(posterior_->motions());
+    stopIfInterrupted();
+    const auto best = std::ranges::min_element(objectives) - objectives.begin();
+    if (objectives[static_cast<std::size_t>(best)] < here_.at.objective) place(places[static_cast<std::size_t>(best)]);
+    if (best + 1 < kPlaces) spacing *= 0.25;  // else it may be larger still
+    from = here_.z[i] - kPlaces / 2 * spacing;
+  }
+}
+
 void MotionCauseFit::begin(const News& news) {
   const MotionSearchState state = beginSearch(*posterior_);
   here_ = linearise(*posterior_, state.z, state.steps, [&](const MotionSearchNews& now) {
     if (news) news(rollouts_ + static_cast<long>(now.rollouts));
   });
   rollouts_ += (posterior_->size() + 1) * std::ssize(posterior_->motions());
+  narrow();
 }
 
-bool MotionCauseFit::beginBeside(const MotionPoint& point, const Eigen::VectorXd& step) {
+bool MotionCauseFit::beginBeside(const MotionPoint& point) {
   const ArmCause& cause = causes_.back();
   const Eigen::Index room = fittedParameters(*cause.effect), first = posterior_->size() - 1 - room;
-  Eigen::VectorXd z = withRoom(point.here().z + step, room);
+  Eigen::VectorXd z = withRoom(point.here().z, room);
   Eigen::Index i = first;
   for (std::size_t k = 0; k < cause.effect->parameters.size(); ++k) {
     if (!cause.effect->parameters[k].fitted) continue;
@@ -98,12 +161,11 @@ bool MotionCauseFit::beginBeside(const MotionPoint& point, const Eigen::VectorXd
     z[i] = std::clamp(z[i], posterior_->lower(i), posterior_->upper(i));
     ++i;
   }
-  here_.z = z;
-  here_.at = posterior_->evaluate(z);
-  rollouts_ += (1 + room) * std::ssize(posterior_->motions());
-  stopIfInterrupted();
-  if (!here_.at.valid) return false;
+  if (!place(z)) return false;
+  searchAlong(first);
+  z = here_.z;
   std::vector<MotionEvaluation> moved;
+  rollouts_ += room * std::ssize(posterior_->motions());
   for (Eigen::Index k = first; k < first + room; ++k) {
     Eigen::VectorXd there = z;
     const double difference = z[k] + kFirstDifference <= posterior_->upper(k) ? kFirstDifference : -kFirstDifference;
@@ -131,28 +193,27 @@ bool MotionCauseFit::beginBeside(const MotionPoint& point, const Eigen::VectorXd
 }
 
 double MotionCauseFit::descend() {
-  const double before = objective();
+  const double before = here_.at.objective;
   damping_ = std::min(damping_, 1.0);
   simgap::descend(*posterior_, here_, damping_, rollouts_);
-  return before - objective();
+  return before - here_.at.objective;
 }
 
 double MotionCauseFit::refresh(const News& news) {
+  narrow();
   const Eigen::VectorXd steps = differenceSteps(*posterior_, here_);
-  const double before = objective();
   here_ = linearise(*posterior_, here_.z, steps, [&](const MotionSearchNews& now) {
     if (news) news(rollouts_ + static_cast<long>(now.rollouts));
   });
   rollouts_ += (posterior_->size() + 1) * std::ssize(posterior_->motions());
-  descend();
-  return before - objective();
+  return descend();
 }
 
 bool MotionCauseFit::moveTo(const Eigen::VectorXd& z) {
   MotionEvaluation there = posterior_->evaluate(z);
   rollouts_ += std::ssize(posterior_->motions());
   stopIfInterrupted();
-  if (!there.valid || !(there.objective < objective())) return false;
+  if (!there.valid || !(there.objective < here_.at.objective)) return false;
   here_.z = z;
   here_.at = std::move(there);
   return true;

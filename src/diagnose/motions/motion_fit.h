@@ -24,9 +24,9 @@ struct MotionProblem {
 class MotionPoint {
  public:
   MotionPoint(const MotionPosterior& posterior, const MotionLinearisation& here);
-  /// The least objective that other residuals leave once the ordinary parameters have followed them.
-  /// \param[out] step  of z, within the bounds
-  double predicted(std::span<const Eigen::VectorXd> residuals, Eigen::VectorXd& step) const;
+  /// The least objective that other residuals leave once the ordinary parameters have followed them within their
+  /// bounds.
+  double predicted(std::span<const Eigen::VectorXd> residuals) const;
   const MotionPosterior& posterior() const { return *posterior_; }
   const MotionLinearisation& here() const { return *here_; }
   const std::vector<Eigen::VectorXf>& weights() const { return weights_; }  ///< shape (motions) of (numbers)
@@ -51,14 +51,14 @@ class MotionCauseFit {
   const std::vector<ArmCause>& causes() const { return causes_; }
   const MotionPosterior& posterior() const { return *posterior_; }
   const MotionLinearisation& here() const { return here_; }
-  double objective() const { return here_.at.objective; }
+  double objective() const;  ///< with the same robust loss for all fits
   long rollouts() const { return rollouts_; }
 
   /// Begins at the prior's mean with derivatives of its own.
   void begin(const News& news);
-  /// Begins beside a fit with one cause less: at its point moved by `step`, the cause at its start, with its
-  /// derivatives. \returns false where the motions cannot be played there
-  bool beginBeside(const MotionPoint& point, const Eigen::VectorXd& step);
+  /// Begins beside a fit with one cause less: at its point, the cause where a search along its first parameter finds it
+  /// from its start, with derivatives of its own. \returns false where the motions cannot be played there
+  bool beginBeside(const MotionPoint& point);
   /// Steps with the derivatives at hand. \returns what they gained
   double descend();
   /// Derivatives made anew, then steps. \returns what these gained
@@ -82,6 +82,9 @@ class MotionCauseFit {
 
  private:
   Eigen::Index ordinary() const;  ///< parameters before the causes'
+  void narrow();
+  bool place(const Eigen::VectorXd& z);
+  void searchAlong(Eigen::Index i);
   const MotionProblem* problem_;
   std::vector<ArmCause> causes_;
   std::unique_ptr<MotionPosterior> posterior_;

@@ -54,10 +54,9 @@ class Scanner {
           const std::function<void(long)>& news)
       : points_(points), hypotheses_(hypotheses), random_(seed), news_(news) {
     for (const MotionPoint& point : points_) {
-      Eigen::VectorXd step;
       Column plain;
       for (const Eigen::VectorXd& r : point.here().at.residuals) plain.push_back(r.cast<float>());
-      without_.push_back(point.predicted(point.here().at.residuals, step));
+      without_.push_back(point.predicted(point.here().at.residuals));
       Eigen::VectorXd gradient = point.projected(plain);
       for (Eigen::Index i = 0; i < gradient.size(); ++i) {
         if (point.posterior().hasPrior(i)) gradient[i] += point.here().z[i];
@@ -133,8 +132,8 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
     for (std::size_t i = 0; i < count; ++i) {
       const Try& one = tries[first + i];
       const ArmEffect& effect = *hypotheses_[one.hypothesis].effect;
-      MotionTrial trial{one.hypothesis, one.start, one.point, {}, 0.0};
-      const double objective = points_[one.point].predicted(played[i], trial.step);
+      MotionTrial trial{one.hypothesis, one.start, 0.0};
+      const double objective = points_[one.point].predicted(played[i]);
       if (!std::isfinite(objective)) continue;
       trial.gain = without_[one.point] - objective - priorOf(effect, one.start);
       keep(trial);

@@ -16,9 +16,7 @@ namespace simgap {
 struct MotionTrial {
   std::size_t hypothesis = 0;
   EffectParameters start{};
-  std::size_t point = 0;  ///< from which a fit of it should begin
-  Eigen::VectorXd step;   ///< of that point's parameters
-  double gain = 0.0;      ///< promised [negative log posterior]
+  double gain = 0.0;  ///< promised [negative log posterior]
 };
 
 /// What a scan found.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -10,15 +11,14 @@ namespace simgap {
 namespace {
 
 constexpr int kPlainRounds = 7;     // of derivatives made anew
-constexpr int kRefreshRounds = 4;   // of a fit that may win
-constexpr int kMostRefreshes = 8;   // of all fits of a step together
-constexpr std::size_t kRefits = 6;  // with derivatives of the model without the cause
+constexpr int kRefreshRounds = 4;   // of it, from a better place
+constexpr std::size_t kRefits = 8;  // with derivatives of the model without the cause
 constexpr std::size_t kOfOneEffect = 2;
-constexpr std::size_t kRefreshed = 4;                 // at most, with derivatives of their own
-constexpr double kHopelessGain = 3.0;                 // promised by the scan [negative log posterior]
-constexpr double kTellApart = 6.0;                    // evidence by which a cause has to lead
-constexpr double kSteady = 2.0;                       // and standard errors over motions
-constexpr double kGained = 0.5, kGainedShare = 3e-4;  // a round that gains less was the last
+constexpr std::array<std::size_t, 6> kRefreshed = {4, 3, 2, 2, 1, 1};  // at most, with derivatives of their own
+constexpr double kHopelessGain = 3.0;                                  // promised by the scan [negative log posterior]
+constexpr double kTellApart = 6.0;                                     // evidence by which a cause has to lead
+constexpr double kSteady = 2.0;                                        // and standard errors over motions
+constexpr double kGained = 0.5, kGainedShare = 3e-4;                   // a round that gains less was the last
 
 bool enough(double gain, double objective) { return gain < std::max(kGained, kGainedShare * objective); }
 
@@ -48,12 +48,10 @@ void MotionSelector::count(long rollouts) {
   if (news_) news_(rollouts_);
 }
 
-/// \returns how many rounds that took
-int MotionSelector::converge(MotionCauseFit& fit, int most) {
+void MotionSelector::converge(MotionCauseFit& fit, int most) {
   for (int round = 1; round <= most; ++round) {
-    if (enough(fit.refresh(newsOf()), fit.objective())) return round;
+    if (enough(fit.refresh(newsOf()), fit.objective())) return;
   }
-  return most;
 }
 
 std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
@@ -66,7 +64,7 @@ std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
   return fit;
 }
 
-/// Fits of the causes that the scan likes best, from where it likes them and from where the model without them ended.
+/// Fits of the causes that the scan likes best, from where the model without them ended and from the prior's mean.
 std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& base,
                                                          std::span<const MotionPoint> points, const MotionScan& scan,
                                                          const std::vector<MotionHypothesis>& open) {
@@ -80,12 +78,9 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
     std::vector<ArmCause> causes = base.causes();
     causes.push_back({hypothesis.effect, hypothesis.target, trial.start});
     std::unique_ptr<MotionCauseFit> best;
-    const Eigen::VectorXd stay = Eigen::VectorXd::Zero(base.here().z.size());
-    std::vector<std::pair<std::size_t, const Eigen::VectorXd*>> begins = {{trial.point, &trial.step}};
-    for (std::size_t point = 0; point < points.size(); ++point) begins.emplace_back(point, &stay);
-    for (const auto& [point, step] : begins) {
+    for (const MotionPoint& point : points) {
       auto fit = std::make_unique<MotionCauseFit>(problem_, causes);
-      const bool begun = fit->beginBeside(points[point], *step);
+      const bool begun = fit->beginBeside(point);
       if (begun) fit->descend();
       count(fit->rollouts());
       if (begun && (!best || fit->objective() < best->objective())) best = std::move(fit);
@@ -99,23 +94,23 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
   return refits;
 }
 
-/// New derivatives for the best and for all that might still pass it, as far as refreshing gained until now.
+/// New derivatives for the best and for all that might still pass it, as far as refreshing gained until now: several
+/// once, the best of them again. Derivatives of the model without the cause rank badly where it is large.
 void MotionSelector::settle(std::vector<Refit>& refits) {
   const auto byObjective = [](const Refit& a, const Refit& b) { return a.fit->objective() < b.fit->objective(); };
   double most_gained = 0.0;
-  int rounds = 0;
-  for (std::size_t refreshed = 0; refreshed < kRefreshed && rounds < kMostRefreshes; ++refreshed) {
+  for (const std::size_t among : kRefreshed) {
     std::ranges::stable_sort(refits, byObjective);
-    const auto next = std::ranges::find(refits, false, &Refit::fresh);
-    if (next == refits.end()) return;
-    const double lead = next->fit->objective() - refits.front().fit->objective();
-    if (lead > most_gained + kTellApart * std::max(1.0, refits.front().fit->misfit())) return;
-    const double before = next->fit->objective();
-    const long played = next->fit->rollouts();
-    rounds += converge(*next->fit, std::min(kRefreshRounds, kMostRefreshes - rounds));
-    count(next->fit->rollouts() - played);
-    next->fresh = true;
-    most_gained = std::max(most_gained, before - next->fit->objective());
+    const double best = refits.front().fit->objective(), variance = std::max(1.0, refits.front().fit->misfit());
+    for (std::size_t i = 0; i < std::min(among, refits.size()); ++i) {
+      MotionCauseFit& fit = *refits[i].fit;
+      if (refits[i].settled || fit.objective() - best > most_gained + kTellApart * variance) continue;
+      const double before = fit.objective();
+      const long played = fit.rollouts();
+      refits[i].settled = enough(fit.refresh(newsOf()), fit.objective());
+      count(fit.rollouts() - played);
+      most_gained = std::max(most_gained, before - fit.objective());
+    }
   }
   std::ranges::stable_sort(refits, byObjective);
 }

@@ -41,12 +41,12 @@ class MotionSelector {
   struct Refit {
     std::unique_ptr<MotionCauseFit> fit;
     double promised;
-    bool fresh = false;
+    bool settled = false;  ///< its last derivatives gained nothing
   };
   std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points, const MotionScan& scan,
                            const std::vector<MotionHypothesis>& open);
   void settle(std::vector<Refit>& refits);
-  int converge(MotionCauseFit& fit, int most);
+  void converge(MotionCauseFit& fit, int most);
   void improveBase(MotionCauseFit& base, const MotionCauseFit& with);
   MotionCauseFit::News newsOf() const;
   void count(long rollouts);

@@ -136,17 +136,13 @@ std::vector<double> MotionPosterior::objectives(std::span<const Eigen::VectorXd>
   std::vector<double> losses(z.size() * motions_.size(), kInfinity), objectives(z.size());
   std::vector<ArmModel> models;
   for (const Eigen::VectorXd& one : z) models.push_back(modelAt(one));
-  const auto lossOf = [&](std::size_t task) {
+  const auto lossAt = [&](std::size_t task) {
     const std::size_t k = task / motions_.size(), m = task % motions_.size();
     const Eigen::VectorXd residuals = residualsOf(models[k], captureDelay(z[k]), m);
     if (residuals.size() == 0) return kInfinity;
-    double loss = 0.0;
-    for (const ResidualBlock& block : motions_[m].blocks()) {
-      loss += robustLoss(residuals.segment(block.first, block.size).squaredNorm());
-    }
-    return loss * motions_[m].motion().weight;
+    return lossOf(m, residuals);
   };
-  computeOnRanks(std::span(losses), lossOf, /*one_by_one=*/false, digestOf(z));
+  computeOnRanks(std::span(losses), lossAt, /*one_by_one=*/false, digestOf(z));
   for (std::size_t k = 0; k < z.size(); ++k) {
     double sum = 0.0;
     for (std::size_t m = 0; m < motions_.size(); ++m) sum += losses[k * motions_.size() + m];
@@ -172,16 +168,19 @@ std::vector<std::vector<Eigen::VectorXd>> MotionPosterior::residualsOf(std::span
   return residuals;
 }
 
+double MotionPosterior::lossOf(std::size_t motion, const Eigen::VectorXd& residuals) const {
+  const double narrower = std::pow(kRobustScale / robust_scale_, 2);
+  double loss = 0.0;
+  for (const ResidualBlock& block : motions_[motion].blocks()) {
+    loss += robustLoss(narrower * residuals.segment(block.first, block.size).squaredNorm());
+  }
+  return motions_[motion].motion().weight * loss / narrower;
+}
+
 double MotionPosterior::objectiveOf(const MotionEvaluation& evaluation, const Eigen::VectorXd& z) const {
   if (!evaluation.valid) return kInfinity;
   double sum = 0.0;
-  for (std::size_t m = 0; m < motions_.size(); ++m) {
-    double of_motion = 0.0;
-    for (const ResidualBlock& block : motions_[m].blocks()) {
-      of_motion += robustLoss(evaluation.residuals[m].segment(block.first, block.size).squaredNorm());
-    }
-    sum += motions_[m].motion().weight * of_motion;
-  }
+  for (std::size_t m = 0; m < motions_.size(); ++m) sum += lossOf(m, evaluation.residuals[m]);
   for (const PoseResidual& pose : evaluation.poses) sum += robustLoss(pose.error.squaredNorm());
   for (Eigen::Index i = 0; i < z.size(); ++i) sum += hasPrior(i) ? z[i] * z[i] : 0.0;
   return 0.5 * sum;
@@ -227,8 +226,9 @@ std::vector<RowMajorF> MotionPosterior::jacobian(const Eigen::VectorXd& z, const
 
 Eigen::VectorXd MotionPosterior::weights(std::size_t motion, const Eigen::VectorXd& residuals) const {
   Eigen::VectorXd weights(residuals.size());
+  const double narrower = std::pow(kRobustScale / robust_scale_, 2);
   for (const ResidualBlock& block : motions_[motion].blocks()) {
-    const double weight = robustWeight(residuals.segment(block.first, block.size).squaredNorm());
+    const double weight = robustWeight(narrower * residuals.segment(block.first, block.size).squaredNorm());
     weights.segment(block.first, block.size).setConstant(motions_[motion].motion().weight * weight);
   }
   return weights;

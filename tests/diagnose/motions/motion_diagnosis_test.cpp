@@ -90,8 +90,12 @@ TEST(MotionDiagnosis, FindsTheClockOfTheCapture) {
 TEST(MotionDiagnosis, FindsLateCommands) {
   reality::MovingArm truth = test::trueForearm();
   truth.hidden.command_delay = 0.04;
-  expectFound(diagnoseForearm(truth),
-              "command-latency");  // the delay itself ends a row short: docs/diagnose-motions.md
+  const MotionDiagnosis result = diagnoseForearm(truth);
+  EXPECT_NEAR(expectFound(result, "command-latency"), 0.04, 0.002);
+  ASSERT_FALSE(result.diagnosis.causes.empty());
+  const Interval& delay = result.diagnosis.causes.front().parameters.front().value;
+  EXPECT_LE(delay.upper95 - delay.value, 0.012);  // a row of the commands is 10 ms
+  EXPECT_GE(delay.upper95 - delay.value, 0.010);
 }
 
 TEST(MotionDiagnosis, AStuckShaftIsAFaultOfTheData) {

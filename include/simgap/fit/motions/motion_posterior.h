@@ -83,12 +83,16 @@ class MotionPosterior {
                                   std::span<const RowMajorF> jacobians) const;
   /// Robust weight of every number of a motion.
   Eigen::VectorXd weights(std::size_t motion, const Eigen::VectorXd& residuals) const;
+  /// c of rho. A search that begins far off needs a wide one: windows beyond some c say nearly nothing of the way.
+  void setRobustScale(double scale) { robust_scale_ = scale; }
+  double robustScale() const { return robust_scale_; }
 
  private:
   struct Workers;
   Eigen::VectorXd residualsOf(const ArmModel& model, double delay, std::size_t motion) const;
   void playOne(const ArmModel& model, double delay, std::size_t motion, PlayedMotion& played) const;
   std::vector<PoseResidual> evaluatePoses(const Eigen::VectorXd& z, bool jacobians) const;
+  double lossOf(std::size_t motion, const Eigen::VectorXd& residuals) const;  ///< sum of rho, times its weight
 
   ArmModel model_;
   ParameterSpace space_;
@@ -100,6 +104,7 @@ class MotionPosterior {
   mutable std::optional<PosePosterior> poses_;  ///< each number that the parameters choose is one of its own there
   std::vector<std::size_t> owners_;             ///< the parameter it belongs to
   std::shared_ptr<Workers> workers_;
+  double robust_scale_ = kRobustScale;
 };
 
 }  // namespace simgap
