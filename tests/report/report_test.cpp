@@ -13,8 +13,10 @@ namespace {
 
 using test::knownCalibration;
 using test::knownValidation;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::vector<std::string> keysOf(const Json& json) {
   std::vector<std::string> keys;
@@ -149,6 +151,32 @@ TEST(CalibrateReport, SaysHowFarSearcherAndJudgeDisagree) {
   EXPECT_EQ(difference.at("mean").at("shoulder"), 0.0);
   EXPECT_THAT(verificationTable(toJson(result)).rows.front(),
               ElementsAre("calibration", "2.00", "0.00", "0.00", "1.00", "1.00", "1.50"));
+}
+
+TEST(CalibrateReport, BlamesNotTheModelWhereItsTwoSimulationsRestApart) {
+  // The elbow misses by 4 deg where 2 were expected; Bullet and the equilibrium of the same model lie 1 and 3 apart.
+  CalibrationResult result = knownCalibration();
+  result.uncertainty = PoseUncertainty{};
+  result.uncertainty->parameters = {{100.0, 20.0, Verdict::kWeak}, {1.0, 1.0, Verdict::kWeak}};
+  result.config.evaluator = "equilibrium";
+  SetResult& unseen = result.sets[1];
+  unseen.predicted = PredictedError{{kDegree, kDegree}, {kDegree, kDegree}, {3.5 * kDegree, 2 * kDegree}};
+  const auto notes = [&](double apart) {
+    for (SetResult& set : result.sets) {
+      for (PoseOutcome& outcome : set.final.outcomes) {
+        outcome.joints.resize(2);
+        outcome.status = PoseStatus::kSteady;
+      }
+      set.searched = set.final;
+      for (PoseOutcome& outcome : set.searched->outcomes) outcome.joints[1].angle = apart;
+    }
+    return surprises(toJson(result));
+  };
+  ASSERT_EQ(notes(kDegree).size(), 1u);
+  EXPECT_THAT(notes(kDegree)[0], HasSubstr("was to be expected: something is not in the model."));
+  ASSERT_EQ(notes(3 * kDegree).size(), 1u);
+  EXPECT_THAT(notes(3 * kDegree)[0],
+              AllOf(HasSubstr("bullet comes to rest elsewhere"), Not(HasSubstr("not in the model"))));
 }
 
 TEST(ValidateReport, ResultHasTheFieldsOtherProgramsRead) {

@@ -138,6 +138,7 @@ PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorX
   PosePosterior there(posterior, poses);
   there.whiten(z);
   const std::vector<PoseResidual> residuals = there.evaluate(z, true);  // whitened: noise and friction are N(0, 1)
+  if (std::ranges::none_of(residuals, &PoseResidual::valid)) return {};
   const Eigen::MatrixXd spread = uncertainty.covariance.llt().matrixL();
   const std::vector<Joint>& joints = posterior.model().joints;
   std::vector<std::vector<double>> mje(joints.size(), std::vector<double>(kErrorDraws, 0.0));
@@ -166,7 +167,7 @@ PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorX
         d += components;
       }
     }
-    for (auto& of_joint : mje) of_joint[draw] /= std::max(1, valid);
+    for (auto& of_joint : mje) of_joint[draw] /= valid;
   }
   PredictedError predicted;
   for (std::vector<double>& of_joint : mje) {

@@ -33,11 +33,15 @@ Json uncertaintyJson(const CalibrationResult& result) {
   for (const Verdict verdict : kVerdicts) verdicts[std::string(toString(verdict))] = count(uncertainty, verdict);
   Json predicted = Json::object();
   for (const std::string& unit : errorUnits(result.layout)) {
-    Json& sets = predicted["predicted_mje_" + unit];
-    sets["unseen"] = predictionJson(result.layout, result.predicted_unseen, unit);
+    Json sets = Json::object();
+    const auto add = [&](const std::string& name, const PredictedError& error) {
+      if (!error.mean.empty()) sets[name] = predictionJson(result.layout, error, unit);
+    };
+    add("unseen", result.predicted_unseen);
     for (const SetResult& set : result.sets) {
-      if (set.predicted) sets[set.name] = predictionJson(result.layout, *set.predicted, unit);
+      if (set.predicted) add(set.name, *set.predicted);
     }
+    if (!sets.empty()) predicted["predicted_mje_" + unit] = sets;
   }
   Json outlying = Json::array();
   for (std::size_t p = 0; p < uncertainty.distances.size(); ++p) {
@@ -48,7 +52,6 @@ Json uncertaintyJson(const CalibrationResult& result) {
   known.update({{"identifiability", verdicts},
                 {"combinations", combinations},
                 {"singular_values", uncertainty.singular_values},
-                {"predicted_mje_deg", predicted.at("predicted_mje_deg")},
                 {"outlying_poses", outlying}});
   known.update(predicted);
   return known;

@@ -142,5 +142,23 @@ TEST(Identifiability, WhatMovesNoEquilibriumHasNoEffect) {
   EXPECT_EQ(f.verdict("muscles.muscle9.kite_line_length_m"), Verdict::kIdentifiable);
 }
 
+TEST(Prediction, WithoutCommandsThereIsNoneInPlaceOfAnErrorOfZero) {
+  // Cords so short that every recorded pose stretches one beyond its linear range: no command like them may be drawn.
+  ArmModel model = test::recordRig(2).model;
+  for (Muscle& muscle : model.muscles) {
+    muscle.kite_line_length += 0.99 * muscle.shock_cord.rest_length;
+    muscle.shock_cord.rest_length *= 0.01;
+  }
+  const Fixture f({choice("muscles.*.kite_line_length_m", 0.011)}, model, manyPoses());
+  const PosePosterior posterior(f.model, f.poses, f.space, {});
+  const Eigen::VectorXd z = Eigen::VectorXd::Zero(posterior.parameters().size());
+  const std::vector<Pose> commands = drawCommands(posterior, z, 20, 1);
+  EXPECT_TRUE(commands.empty());
+  EXPECT_TRUE(predictError(posterior, z, f.uncertainty, commands).mean.empty());
+  const PredictedError recorded = predictError(posterior, z, f.uncertainty, f.poses);
+  ASSERT_EQ(recorded.mean.size(), f.model.joints.size());
+  for (const double mean : recorded.mean) EXPECT_GT(mean, 0.0);
+}
+
 }  // namespace
 }  // namespace simgap

@@ -42,7 +42,8 @@ struct CalibrationResult {
   /// How far the parameters found are from the most probable ones [sd]; NaN: no pose has a stable equilibrium.
   double from_optimum = std::numeric_limits<double>::quiet_NaN();
   std::optional<PoseUncertainty> uncertainty = {};  ///< only of the most probable parameters, see kAtOptimum
-  PredictedError predicted_unseen = {};             ///< of commands like the recorded ones; empty without uncertainty
+  PredictedError predicted_unseen =
+      {};  ///< of commands like the recorded ones; empty without uncertainty or such commands
 };
 
 /// Laplace's approximation says nothing of parameters farther than this from the most probable ones [sd].

@@ -58,6 +58,7 @@ struct PredictedError {
 };
 
 /// \param uncertainty  of the fit at z  \param poses  their shafts and measured joints (equilibria start there)
+/// \returns nothing (no joints) when none of the poses has an equilibrium at z
 PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorXd& z,
                             const PoseUncertainty& uncertainty, std::span<const Pose> poses);
 

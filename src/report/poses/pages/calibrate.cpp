@@ -173,7 +173,7 @@ PageVerdict verdictOf(const ResultFiles& files) {
   }
   if (const std::string doubt = notConverged(result); !doubt.empty()) return {kDoubtful, "not converged", doubt, again};
   if (!surprises(result).empty()) {
-    return {kDoubtful, "something is not in the model", "Poses are missed by more than the model's own uncertainty.",
+    return {kDoubtful, "missed by more than expected", "Poses are missed by more than the model's own uncertainty.",
             fmt::format("simgap diagnose {} --poses {}", model, poses)};
   }
   if (!held_out) {
