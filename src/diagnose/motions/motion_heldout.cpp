@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -61,6 +62,17 @@ Interval gainOf(const Eigen::ArrayXd& log_gains) {
   const double quantile = boost::math::quantile(boost::math::students_t(count - 1.0), 0.975);
   const double half = quantile * std::sqrt(variance / count);
   return {-std::expm1(-mean), -std::expm1(half - mean), -std::expm1(-half - mean)};
+}
+
+double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
+  std::vector<double> shares;
+  for (Eigen::Index m = 0; m < before.cols(); ++m) {
+    const double was = meanSquare(before.col(m)), is = meanSquare(after.col(m));
+    if (!std::isfinite(was) && !std::isfinite(is)) continue;
+    const double gap = was - std::min(1.0, is);
+    shares.push_back(!std::isfinite(was) ? 1.0 : !std::isfinite(is) || gap <= 0.0 ? 0.0 : (was - is) / gap);
+  }
+  return shares.empty() ? 0.0 : median(std::move(shares));
 }
 
 double meanSquare(const Eigen::MatrixXd& squares) {
