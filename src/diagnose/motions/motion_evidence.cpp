@@ -12,6 +12,9 @@ namespace simgap {
 namespace {
 
 constexpr double kBin = 0.25;  // [s]
+/// Of a cause's size, as a standard deviation: what the model's steps and law leave of it that no curvature knows. On
+/// forearms of an independent simulator sizes were 2, 2, 8 and 9 % off where the curvature said 2 %.
+constexpr double kModel = 0.05;
 
 /// Root mean square of a series over a bin, and how many samples it has.
 std::pair<double, std::size_t> binned(const ErrorSeries& series, double begin) {
@@ -80,9 +83,12 @@ void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
       row = std::max(row, motion.times()[r] - motion.times()[r - 1]);
   }
   for (std::size_t c = 0; c < diagnosis.causes.size(); ++c) {
-    const bool by_rows = findArmEffect(diagnosis.causes[c].effect)->command_delay;
-    for (const Estimate& p : diagnosis.extensions[c].parameters) {
-      const double half = (std::isfinite(p.sd) ? 1.96 * p.sd : 0.0) + (by_rows ? row : 0.0);
+    const ArmEffect& effect = *findArmEffect(diagnosis.causes[c].effect);
+    for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+      const Estimate& p = diagnosis.extensions[c].parameters[i];
+      const double of_model = effect.command_delay ? 0.0 : kModel * (p.value - effect.parameters[i].neutral);
+      const double half =
+          (std::isfinite(p.sd) ? 1.96 * std::hypot(p.sd, of_model) : 0.0) + (effect.command_delay ? row : 0.0);
       diagnosis.causes[c].parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
     }
   }

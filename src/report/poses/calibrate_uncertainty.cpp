@@ -85,6 +85,7 @@ std::string uncertaintyText(const Json& json) {
     text += fmt::format("  {}{} combinations of parameters that no pose tells apart: see report.html\n",
                         named ? "and " : "", json.at("combinations").size() - named);
   }
+  if (!json.contains("predicted_mje_deg")) return text;  // no command that the arm can take was drawn
   const Table predicted = predictionTable(json);
   return text + predicted.caption + "\n" + alignedTable(predicted);
 }
