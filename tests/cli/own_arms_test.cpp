@@ -64,7 +64,8 @@ TEST_F(OwnArmsTest, AnArmOfThreeHingesThroughEveryCommand) {
   expectBetter(printed, 24);
   // Half angles are those of ball joints, of which there is none.
   EXPECT_THAT(printed, Not(HasSubstr("half angles")));
-  for (const auto& [joint, degrees] : result().at("mje_deg").at("validation").at("final").items()) {
+  const Json calibrated = result();  // outlives the range over it
+  for (const auto& [joint, degrees] : calibrated.at("mje_deg").at("validation").at("final").items()) {
     EXPECT_LT(degrees.get<double>(), 2.0) << joint;
   }
   const std::string validated = succeed({"validate", "out/model.yaml", "--poses", "unseen.csv", "-q", "-o", "judged"});
