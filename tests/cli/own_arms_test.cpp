@@ -59,9 +59,9 @@ class OwnArmsTest : public CliTest {
 };
 
 TEST_F(OwnArmsTest, AnArmOfThreeHingesThroughEveryCommand) {
-  record(reality::threeHingeArm());
+  record(reality::threeHingeArm(), 48);  // of 24, the turn about the upper arm is not learned: 3.4 deg unseen
   const std::string printed = succeed(withPoses({}));
-  expectBetter(printed, 24);
+  expectBetter(printed, 48);
   // Half angles are those of ball joints, of which there is none.
   EXPECT_THAT(printed, Not(HasSubstr("half angles")));
   const Json calibrated = result();  // outlives the range over it
@@ -69,7 +69,7 @@ TEST_F(OwnArmsTest, AnArmOfThreeHingesThroughEveryCommand) {
     EXPECT_LT(degrees.get<double>(), 2.0) << joint;
   }
   const std::string validated = succeed({"validate", "out/model.yaml", "--poses", "unseen.csv", "-q", "-o", "judged"});
-  EXPECT_THAT(validated, AllOf(HasSubstr("24 of 24 poses"), Not(HasSubstr("half angles"))));
+  EXPECT_THAT(validated, AllOf(HasSubstr("48 of 48 poses"), Not(HasSubstr("half angles"))));
   succeed({"design", "arm.yaml", "--poses", "all.csv", "--count", "2", "-q", "-o", "next"});
   EXPECT_EQ(result("next").at("poses").size(), 2u);
   succeed({"diagnose", "arm.yaml", "--poses", "all.csv", "-q", "-o", "why"});
