@@ -81,15 +81,15 @@ struct Placement {
 };
 
 // sqrt(a^2 + R^2 - 2 a R cos(alpha)) - R alpha: a straight piece from a point at distance a to the circle's point at
-// angle alpha from it, less the arc that it saves. Its minimum over alpha makes the line shortest; by the envelope
-// theorem the derivatives of the minimum by `a` are those at fixed alpha, so alpha may be found in real numbers.
+// angle alpha from it, less the arc that it saves. It is stationary where the piece is a tangent; by the envelope
+// theorem the derivatives by `a` there are those at fixed alpha, so alpha may be found in real numbers. It is no
+// minimum: beyond the tangent the piece would cut through the circle and be shorter still.
 template <typename Scalar>
 Scalar shortestToCircle(const Scalar& a, double radius) {
   double low = 0.0, high = 1.57079632679489662;
   for (int halving = 0; halving < 60; ++halving) {
-    const double alpha = 0.5 * (low + high), real = std::real(a);
-    const double straight = std::sqrt(real * real + radius * radius - 2.0 * real * radius * std::cos(alpha));
-    (real * std::sin(alpha) < straight ? low : high) = alpha;
+    const double alpha = 0.5 * (low + high);
+    (std::real(a) * std::cos(alpha) > radius ? low : high) = alpha;
   }
   const double alpha = 0.5 * (low + high);
   return std::sqrt(a * a + radius * radius - 2.0 * a * radius * std::cos(alpha)) - radius * alpha;
