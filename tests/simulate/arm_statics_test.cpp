@@ -8,6 +8,9 @@
 #include <cmath>
 #include <sstream>
 
+#include "reality/arm_placement.h"
+#include "reality/taut_string.h"
+
 namespace simgap::reality {
 namespace {
 
@@ -53,6 +56,27 @@ Configuration somePose(const Arm& arm, double size) {
   for (std::size_t i = 0; i < q.size(); ++i)
     q = displaced(arm, q, i, size * Vector3d(0.5, -0.4 + 0.1 * double(i), 0.3));
   return q;
+}
+
+TEST(ArmStatics, AMuscleThatBendsRoundAJointIsATautString) {
+  for (const Joint joint : {Joint::kSpherical, Joint::kRevolute}) {
+    Arm arm = pendulum(joint);
+    Muscle& muscle = arm.muscles.emplace_back();
+    muscle.from = {kTorso, {0.01, 0.03, 0.07}};
+    muscle.to = {0, {-0.03, 0.02, -0.09}};
+    muscle.wrap_link = 0;
+    muscle.wrap_radius = 0.05;
+    const Vector3d along = joint == Joint::kRevolute ? arm.links[0].axis : Vector3d::Zero();
+    const auto fromMiddle = [&](const Vector3d& x) { return Vector3d(x - x.dot(along) * along); };
+    for (const double size : {0.0, 0.4, -0.3}) {
+      const Configuration q = somePose(arm, size);
+      const Placement<double> placement(arm, q, Displacement<double>::Zero(freedoms(arm)));
+      const Vector3d from = placement.at(muscle.from), to = placement.at(muscle.to);
+      const double string = tautString(from, to, {0.0, 0.08, 0.0}, muscle.wrap_radius, fromMiddle);
+      EXPECT_GT(string, (to - from).norm() + 1e-4) << "it has to bend";
+      EXPECT_NEAR(lineLength<double>(muscle, arm, placement), string, 2e-6);
+    }
+  }
 }
 
 TEST(ArmStatics, PendulumWithOneMuscleRestsWhereThePaperSays) {

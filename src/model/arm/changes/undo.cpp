@@ -28,7 +28,10 @@ ArmChange read(const YamlNode& node, const ArmModel& model) {
 void apply(const ArmChange& change, ArmModel& model) {
   for (Extension& extension : model.extensions) {
     if (change.cause != extensionLabel(extension)) continue;
-    extension.parameters[0].value = findArmEffect(extension.effect)->parameters[0].neutral;  // changes nothing there
+    const ArmEffect& effect = *findArmEffect(extension.effect);
+    for (std::size_t k = 0; k < effect.parameters.size(); ++k) {  // a turn or a shift has several that must be nothing
+      if (effect.parameters[k].fitted) extension.parameters[k].value = effect.parameters[k].neutral;
+    }
   }
 }
 
