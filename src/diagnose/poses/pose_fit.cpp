@@ -106,8 +106,14 @@ double PoseFit::logEvidence() {
   for (std::size_t p = 0; p < posterior_.poses().size(); ++p) {
     density += posterior_.whitening(p).diagonal().array().log().sum();  // triangular
   }
+  double prior = 0.0;
+  for (Eigen::Index i = 0; i < z_.size(); ++i) {
+    prior += posterior_.parameters().hasPrior(i) ? 0.5 * z_[i] * z_[i] : 0.0;
+  }
+  // Of normal errors the robust loss is too small a part, by which the noise would look smaller than it is.
+  const double misfit = robustConsistency(static_cast<int>(posterior_.degreesOfFreedom())) * (objective_ - prior);
   const Eigen::LLT<Eigen::MatrixXd> factor(curvature());
-  return density - objective_ - factor.matrixLLT().diagonal().array().log().sum();
+  return density - misfit - prior - factor.matrixLLT().diagonal().array().log().sum();
 }
 
 std::vector<Extension> PoseFit::extensions() {

@@ -13,6 +13,7 @@
 #include "pose_score.h"
 #include "pose_validation.h"
 #include "simgap/core/statistics.h"
+#include "simgap/fit/poses/levenberg_marquardt.h"
 
 namespace simgap {
 namespace {
@@ -46,6 +47,7 @@ class PoseSelector {
   PoseFit settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z);
   std::vector<PoseHypothesis> openBeside(const std::vector<PoseCause>& causes) const;
   std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const;
+  void lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidates) const;
   bool improveBase(PoseFit& fit, const PoseCandidate& candidate) const;
   double share(const PoseHypothesis& hypothesis) const;
   double pAdjusted(const PoseCandidate& candidate) const;
@@ -88,7 +90,8 @@ PoseFit PoseSelector::settled(const std::vector<PoseCause>& causes, const Eigen:
   double share = problem_.stray_friction;
   PoseFit best = fitWith(share);
   double highest = logPosterior(best, share);
-  for (const double factor : {1.0 / kShareStep, kShareStep}) {
+  const double half_step = std::sqrt(kShareStep);
+  for (const double factor : {1.0 / kShareStep, kShareStep, 1.0 / half_step, half_step}) {
     bool better = true;
     for (double next = share * factor; better && next > kSmallestShare && next < kLargestShare; next *= factor) {
       PoseFit other = fitWith(next);
@@ -153,6 +156,35 @@ std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<
   return best;
 }
 
+/// The first few once more, from where the torques at the measured poses balance: a descent that may lose no pose's
+/// rest on its way can be held up far from a minimum.
+void PoseSelector::lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidates) const {
+  const double evidence = fit.logEvidence();
+  /// The solution, and behind it log evidence and objective.
+  const auto again = [&](std::size_t c) {
+    std::vector<PoseCause> causes = fit.causes();
+    causes.push_back(candidates[c].cause);
+    PoseFit more(problem_, poses_, causes);
+    more.posterior().whitenLike(fit.posterior());
+    PosePosterior balancing = more.posterior();  // which changes the whitening
+    more.descend(balanceTorques(balancing, candidates[c].z), kTryTolerance);
+    Eigen::VectorXd found(more.z().size() + 2);
+    found << more.z(), more.logEvidence(), more.objective();
+    return found;
+  };
+  const std::size_t count = std::min(kTried, candidates.size());
+  forEachOnRanks(problem_, count, fit.z(), again, [&](std::size_t c, const Eigen::VectorXd& found) {
+    if (found.size() == 0) return;  // interrupted
+    const Eigen::Index n = found.size() - 2;
+    const double odds = found[n] - evidence + std::log(candidates[c].share);
+    if (!(odds > candidates[c].odds)) return;
+    candidates[c].z = found.head(n);
+    candidates[c].odds = odds;
+    candidates[c].likelihood = fit.objective() - found[n + 1];
+  });
+  std::ranges::stable_sort(candidates, std::greater<>(), &PoseCandidate::odds);
+}
+
 /// The share of all hypotheses that one has before any data: every effect is as likely as any other, and so is each of
 /// its targets and moments; an effect on all muscles is as likely as on some one of them.
 double PoseSelector::share(const PoseHypothesis& hypothesis) const {
@@ -208,8 +240,10 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
   std::vector<PoseHypothesis> open = openBeside(fit.causes());
   placeMoments(problem_, fit, open);
   std::vector<PoseCandidate> candidates = tryAll(fit, open);
+  lookAgain(fit, candidates);
   for (int round = 0; round < kBetterBases && !candidates.empty() && improveBase(fit, candidates.front()); ++round) {
     candidates = tryAll(fit, open);
+    lookAgain(fit, candidates);
   }
   if (fit.causes().empty()) {
     selection.z_plain = fit.z();

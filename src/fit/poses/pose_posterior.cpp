@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <cmath>
 #include <limits>
 
@@ -71,6 +73,13 @@ double robustLoss(double squared) {
   return kRobustScale * kRobustScale * std::log1p(squared / (kRobustScale * kRobustScale));
 }
 double robustWeight(double squared) { return 1.0 / (1.0 + squared / (kRobustScale * kRobustScale)); }
+
+double robustConsistency(int n) {
+  const boost::math::chi_squared_distribution<double> normal(n);
+  const auto weighed = [&](double s) { return s * robustWeight(s) * boost::math::pdf(normal, s); };
+  const double far = boost::math::quantile(boost::math::complement(normal, 1e-12));
+  return n / boost::math::quadrature::gauss_kronrod<double, 61>::integrate(weighed, 0.0, far, 5, 1e-8);
+}
 
 ScaledParameters::ScaledParameters(const ParameterSpace& space) : parameters_(space.parameters()) {
   for (const SearchParameter& p : parameters_) {

@@ -59,6 +59,9 @@ inline constexpr double kRobustScale = 6.0;  ///< c: poses beyond some 6 sd coun
 double robustLoss(double squared);
 double robustWeight(double squared);
 
+/// n / E[s rho'(s)], s ~ chi^2_n: times the loss, errors that are normal tell their own size.
+double robustConsistency(int n);
+
 class PosePosterior {
  public:
   /// \param poses  must outlive it.
