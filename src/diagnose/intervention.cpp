@@ -12,6 +12,18 @@ namespace {
 
 constexpr double kImprobable = 1e-3;  // of a distance, were the candidate right: it is refuted
 constexpr double kDoubtful = 1e-2;    // and no longer confirmed
+constexpr double kBeyondDoubt = 1e9;  // odds of which nobody needs the number
+
+/// What is added to the named causes has to be worth it with what was recorded before, too: there it was not.
+double oddsOfAll(const CandidateAnswer& answer) {
+  return answer.rival ? answer.log_odds : answer.log_odds + std::min(0.0, answer.before);
+}
+
+std::string saidOdds(double log_odds) {
+  const double odds = oddsOf(log_odds);
+  return odds > kBeyondDoubt ? fmt::format("odds beyond {:.0e} to 1", kBeyondDoubt)
+                             : fmt::format("odds {:.3g} to 1", odds);
+}
 
 }  // namespace
 
@@ -49,7 +61,7 @@ Judgement judgeCandidates(std::span<const CandidateAnswer> answers, std::string_
   std::size_t best = 0;
   double runner_up = -std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < answers.size(); ++c) {
-    if (answers[c].log_odds > answers[best].log_odds) best = c;
+    if (oddsOfAll(answers[c]) > oddsOfAll(answers[best])) best = c;
     if (answers[c].rival) runner_up = std::max(runner_up, answers[c].log_odds);
   }
   const CandidateAnswer& first = answers[best];
@@ -59,19 +71,25 @@ Judgement judgeCandidates(std::span<const CandidateAnswer> answers, std::string_
                         "them says",
                         answers.size(), data)};
   }
-  if (best > 0 && !first.rival && first.log_odds > kDecisiveLogOdds) {
-    return {InterventionVerdict::kCannotTell,
-            fmt::format("{} predicts these {} better than {} alone (odds {:.3g} to 1)", first.causes, data,
-                        named.causes, oddsOf(first.log_odds))};
+  const bool named_fails = oddsOfAll(first) > kDecisiveLogOdds || named.p < kImprobable;
+  if (named_fails && best > 0 && !first.rival) {  // another with the same causes is no refutation of them
+    return {InterventionVerdict::kCannotTell, fmt::format("{} predicts these {} better than {} alone ({})",
+                                                          first.causes, data, named.causes, saidOdds(first.log_odds))};
   }
-  if (first.log_odds > kDecisiveLogOdds || named.p < kImprobable) {
-    return {InterventionVerdict::kRefuted, fmt::format("{} predicts these {}, {} does not (odds {:.3g} to 1)",
-                                                       first.causes, data, named.causes, oddsOf(first.log_odds))};
+  if (named_fails) {
+    return {InterventionVerdict::kRefuted, fmt::format("{} predicts these {}, {} does not ({})", first.causes, data,
+                                                       named.causes, saidOdds(first.log_odds))};
   }
   if (named.p >= kDoubtful && runner_up < -kDecisiveLogOdds) {
     return {InterventionVerdict::kConfirmed,
-            fmt::format("{} predicts these {} with nothing refitted, and no model without it does (odds {:.3g} to 1)",
-                        named.causes, data, oddsOf(-runner_up))};
+            fmt::format("{} predicts these {} with nothing refitted, and no model without it does ({})", named.causes,
+                        data, saidOdds(-runner_up))};
+  }
+  if (runner_up < -kDecisiveLogOdds) {
+    return {InterventionVerdict::kCannotTell,
+            fmt::format("{} comes nearest to these {} ({}), and yet not near enough (p {:.2g}): its size, or something "
+                        "beside it, is not what the diagnosis says",
+                        named.causes, data, saidOdds(-runner_up), named.p)};
   }
   return {InterventionVerdict::kCannotTell,
           fmt::format("these {} do not tell {} from the other models: after this change all predict much the same",

@@ -39,6 +39,7 @@ struct CandidateAnswer {
   double p = 0.0;         ///< of a distance as large, were the candidate right
   double log_odds = 0.0;  ///< against the named candidate, from what came after the change alone
   bool rival = false;     ///< contradicts the named one: it does not hold all its causes
+  double before = 0.0;    ///< the same odds from the data before the change
 };
 
 struct Judgement {

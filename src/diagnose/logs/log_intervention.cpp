@@ -178,7 +178,7 @@ LogIntervention judgeChange(const LogEvidence& evidence, const LogChanges& chang
     const double density = judge(known.posterior, answers.predicted[c], result.measured, compared, answers, prediction);
     if (c == 0) named = density;
     prediction.log_odds = density - named;
-    said.push_back({known.causes, prediction.p, prediction.log_odds, rival[c]});
+    said.push_back({known.causes, prediction.p, prediction.log_odds, rival[c], prediction.log_odds_before});
   }
   Judgement judgement = judgeCandidates(said, "rows");
   result.verdict = judgement.verdict;

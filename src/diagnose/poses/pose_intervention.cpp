@@ -98,8 +98,8 @@ void decide(const PoseEvidence& evidence, Intervention& result) {
   const std::vector<bool> rival = rivalsOf(heldBy(evidence));
   std::vector<CandidateAnswer> answers;
   for (std::size_t c = 0; c < result.predictions.size(); ++c) {
-    answers.push_back(
-        {evidence.candidates[c].causes, result.predictions[c].p, result.predictions[c].log_odds, rival[c]});
+    answers.push_back({evidence.candidates[c].causes, result.predictions[c].p, result.predictions[c].log_odds, rival[c],
+                       result.predictions[c].log_odds_before});
   }
   Judgement judgement = judgeCandidates(answers, "poses");
   result.verdict = judgement.verdict;

@@ -25,6 +25,36 @@ TEST(PoseIntervention, ConfirmsTheCauseThatWasTakenAway) {
   EXPECT_LT(result.predictions[1].log_odds, -3.0);
 }
 
+// A turn has several components: none of them may stay when it is taken away.
+TEST(PoseIntervention, ATurnIsTakenAwayWhole) {
+  reality::PoseDrawOptions options{.poses = 40, .fresh = 12, .effect = "gravity-tilt"};
+  options.cured = true;
+  const Judged judged(3, options, {"gravity-tilt", "marker-frame-offset:torso", "none"});
+  const Intervention result = judged.judge("  - {kind: undo, cause: gravity-tilt}\n");
+  EXPECT_EQ(result.verdict, InterventionVerdict::kConfirmed) << result.sentence;
+}
+
+TEST(PoseIntervention, TheSentenceSaysHowNearTheNamedModelCame) {
+  const auto judgement = [](double p, double others) {
+    const CandidateAnswer answers[] = {{"payload:hand", p, 0.0, false}, {"none", 0.0, others, true}};
+    return judgeCandidates(answers, "poses");
+  };
+  EXPECT_EQ(judgement(0.3, -40.0).verdict, InterventionVerdict::kConfirmed);
+  EXPECT_THAT(judgement(0.3, -40.0).sentence, HasSubstr("(odds beyond 1e+09 to 1)"));
+  EXPECT_THAT(judgement(0.3, -4.0).sentence, HasSubstr("(odds 54.6 to 1)"));
+  EXPECT_EQ(judgement(0.004, -40.0).verdict, InterventionVerdict::kCannotTell);
+  EXPECT_THAT(judgement(0.004, -40.0).sentence, HasSubstr("not near enough (p 0.004)"));
+  EXPECT_THAT(judgement(0.3, -1.0).sentence, HasSubstr("all predict much the same"));
+  EXPECT_THAT(judgement(1e-5, -40.0).sentence, HasSubstr("none of 2 models"));
+  const CandidateAnswer beside[] = {{"payload:hand", 1e-5, 0.0, false},
+                                    {"payload:hand, gravity-tilt", 0.3, 2.0, false}};
+  EXPECT_EQ(judgeCandidates(beside, "poses").verdict, InterventionVerdict::kCannotTell) << "it holds the payload, too";
+  const CandidateAnswer unasked[] = {{"payload:hand", 0.04, 0.0, false},
+                                     {"none", 0.0, -40.0, true},
+                                     {"payload:hand, gravity-tilt", 0.3, 4.0, false, -6.0}};
+  EXPECT_EQ(judgeCandidates(unasked, "poses").verdict, InterventionVerdict::kConfirmed) << "no tilt was there before";
+}
+
 // The edit test: the model that holds the payload survives its removal as well as one that never knew any.
 TEST(PoseIntervention, APayloadsModelSurvivesItsRemoval) {
   reality::PoseDrawOptions with = payload(), without = payload();
