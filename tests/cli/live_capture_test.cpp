@@ -75,6 +75,7 @@ TEST_F(CaptureTest, LiveRunsEndByDurationOrCtrlCWithACompleteResult) {
 }
 
 TEST_F(CaptureTest, RefusesCamerasThatAreNone) {
+  allowLeaks();  // libusb's, when a camera is refused
   putVideo("left", 2, 20);
   const auto camera = [](const std::string& names, const Arguments& more = {}) {
     Arguments all{"capture", "rig.yaml", "--camera", names, "-q", "-o", "out"};

@@ -41,6 +41,7 @@ class RanksTest : public CliTest {
  protected:
   void SetUp() override {
     if (!fs::exists("/usr/bin/mpirun")) GTEST_SKIP() << "there is no /usr/bin/mpirun (Debian: openmpi-bin)";
+    allowLeaks();  // Open MPI's
     ::setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 1);
     ::setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 1);
     put("config.yaml", quickConfig(4));

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cstdlib>
 #include <stdexcept>
 
 extern char** environ;
@@ -95,6 +96,11 @@ ProcessResult runProcess(const std::vector<std::string>& arguments, const std::f
 void runOrThrow(const std::vector<std::string>& command, const std::filesystem::path& folder) {
   const ProcessResult run = runProcess(command, folder);
   if (run.exit_code != 0) throw std::runtime_error(run.err);
+}
+
+void allowLeaks() {
+  const char* const before = std::getenv("ASAN_OPTIONS");
+  ::setenv("ASAN_OPTIONS", (std::string(before ? before : "") + ":detect_leaks=0").c_str(), 1);
 }
 
 }  // namespace simgap::test

@@ -42,4 +42,7 @@ ProcessResult runProcess(const std::vector<std::string>& arguments, const std::f
 /// \throws std::runtime_error  with what it said on stderr where its exit code is not 0.
 void runOrThrow(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
+/// Under the address sanitizer, programs run from now on may end with memory that libraries of others have lost.
+void allowLeaks();
+
 }  // namespace simgap::test
