@@ -48,8 +48,7 @@ MotionPoint::MotionPoint(const MotionPosterior& posterior, const MotionLinearisa
   for (std::size_t m = 0; m < posterior.motions().size(); ++m) {
     weights_.push_back(posterior.weights(m, here.at.residuals[m]).cast<float>());
   }
-  curvature_ = posterior.normalEquations(here.z, here.at, here.jacobians).curvature;
-  factor_.compute(curvature_);
+  factor_.compute(posterior.normalEquations(here.z, here.at, here.jacobians).curvature);
 }
 
 Eigen::VectorXd MotionPoint::projected(std::span<const Eigen::VectorXf> x) const {
@@ -63,23 +62,26 @@ Eigen::VectorXd MotionPoint::projected(std::span<const Eigen::VectorXf> x) const
 double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals) const {
   const Eigen::VectorXd& z = here_->z;
   std::vector<Eigen::VectorXf> x;
-  double objective = 0.0;
-  for (std::size_t m = 0; m < residuals.size(); ++m) {
-    if (residuals[m].size() == 0) return kInfinity;
-    x.push_back(residuals[m].cast<float>());
-    objective += 0.5 * weights_[m].cast<double>().dot(residuals[m].cwiseAbs2());
+  for (const Eigen::VectorXd& of_motion : residuals) {
+    if (of_motion.size() == 0) return kInfinity;
+    x.push_back(of_motion.cast<float>());
   }
   Eigen::VectorXd gradient = projected(x);
-  for (Eigen::Index i = 0; i < z.size(); ++i) {
-    if (!posterior_->hasPrior(i)) continue;
-    gradient[i] += z[i];
-    objective += 0.5 * z[i] * z[i];
+  for (Eigen::Index i = 0; i < z.size(); ++i) gradient[i] += posterior_->hasPrior(i) ? z[i] : 0.0;
+  const Eigen::VectorXd step = -factor_.solve(gradient);
+  Eigen::VectorXd there = z + step;
+  for (Eigen::Index i = 0; i < z.size(); ++i)
+    there[i] = std::clamp(there[i], posterior_->lower(i), posterior_->upper(i));
+  // Summed there, not as what the step takes away: where a motion goes astray, that is a difference of two numbers far
+  // larger than itself.
+  double objective = 0.0;
+  for (Eigen::Index i = 0; i < z.size(); ++i) objective += posterior_->hasPrior(i) ? 0.5 * there[i] * there[i] : 0.0;
+  const Eigen::VectorXf way = (there - z).cast<float>();
+  for (std::size_t m = 0; m < x.size(); ++m) {
+    const Eigen::VectorXf left = x[m] + here_->jacobians[m] * way;
+    objective += 0.5 * weights_[m].cast<double>().dot(left.cast<double>().cwiseAbs2());
   }
-  Eigen::VectorXd step = -factor_.solve(gradient);
-  for (Eigen::Index i = 0; i < z.size(); ++i) {
-    step[i] = std::clamp(z[i] + step[i], posterior_->lower(i), posterior_->upper(i)) - z[i];
-  }
-  return objective + gradient.dot(step) + 0.5 * step.dot(curvature_ * step);
+  return objective;
 }
 
 MotionCauseFit::MotionCauseFit(const MotionProblem& problem, std::vector<ArmCause> causes)

@@ -38,7 +38,6 @@ class MotionPoint {
   const MotionPosterior* posterior_;
   const MotionLinearisation* here_;
   std::vector<Eigen::VectorXf> weights_;
-  Eigen::MatrixXd curvature_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 

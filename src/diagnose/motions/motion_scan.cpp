@@ -64,6 +64,7 @@ class Scanner {
       solved_.push_back(point.solved(gradient));
       plain_.push_back(std::move(plain));
     }
+    for (const Eigen::VectorXf& r : plain_.front()) numbers_ += static_cast<double>(r.size());
   }
 
   MotionScan run();
@@ -78,6 +79,7 @@ class Scanner {
     const auto [entry, added] = best_.try_emplace(trial.hypothesis, trial);
     if (!added && trial.gain > entry->second.gain) entry->second = trial;
   }
+  double told(double gain, std::size_t point) const;
   Profile profileOf(const Column& column, std::size_t point) const;
   bool extrapolate(std::size_t hypothesis, const EffectParameters& from, double z, EffectParameters& to) const;
   std::vector<std::size_t> promising() const;
@@ -88,6 +90,7 @@ class Scanner {
   const std::vector<MotionHypothesis>& hypotheses_;
   CounterRandom random_;
   const std::function<void(long)>& news_;
+  double numbers_ = 0.0;                 // of all motions
   std::vector<double> without_;          // what the quadratic promises without a further cause, by point
   std::vector<Eigen::VectorXd> solved_;  // A^-1 g there
   std::vector<Column> plain_;            // residuals there
@@ -95,6 +98,13 @@ class Scanner {
   std::map<std::size_t, Profile> profiles_;  // at the first point
   long rollouts_ = 0;
 };
+
+/// Log odds that a gain stands for, n/2 ln(before / after): residuals tell their own size, which differs from point to
+/// point by as much as the models there miss. Where a model misses nothing, that is the gain itself.
+double Scanner::told(double gain, std::size_t point) const {
+  const double before = without_[point], after = std::max(before - gain, 1e-6 * before);
+  return 0.5 * numbers_ * std::log(before / after);
+}
 
 Profile Scanner::profileOf(const Column& column, std::size_t point) const {
   const MotionPoint& here = points_[point];
@@ -135,7 +145,7 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
       MotionTrial trial{one.hypothesis, one.start, 0.0};
       const double objective = points_[one.point].predicted(played[i]);
       if (!std::isfinite(objective)) continue;
-      trial.gain = without_[one.point] - objective - priorOf(effect, one.start);
+      trial.gain = told(without_[one.point] - objective - priorOf(effect, one.start), one.point);
       keep(trial);
       trials.push_back(trial);
       if (!profiles || one.point != 0) continue;
@@ -167,7 +177,7 @@ std::vector<std::size_t> Scanner::promising() const {
     EffectParameters to;
     double gain = trial.gain;
     if (profile != profiles_.end() && extrapolate(hypothesis, trial.start, profile->second.best(), to)) {
-      gain = std::max(gain, profile->second.gain());
+      gain = std::max(gain, told(profile->second.gain(), 0));
     }
     order.emplace_back(gain, hypothesis);
   }
@@ -219,7 +229,7 @@ std::vector<double> Scanner::placebos() const {
       if (interruptRequested()) return;
       Column moved;
       for (std::size_t m = 0; m < profile->column.size(); ++m) moved.emplace_back(profile->column[m](from[m]));
-      best[draw] = std::max(best[draw], profileOf(moved, 0).gain());
+      best[draw] = std::max(best[draw], told(profileOf(moved, 0).gain(), 0));
     }
   });
   stopIfInterrupted();

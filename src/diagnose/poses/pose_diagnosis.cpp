@@ -25,6 +25,7 @@ namespace {
 constexpr std::size_t kFewestPoses = 8;
 constexpr double kLargeExcess = 0.5;  // of the cross-validated error over what the model itself expects
 constexpr double kClearExcess = 4.0;  // standard deviations
+constexpr double kLeastOdds = 1.0;    // log, of causes by all poses together
 
 /// Poses of the selection and those held out, without the faulty ones.
 struct Split {
@@ -83,6 +84,7 @@ class Diagnosing {
   Eigen::VectorXd fitPlain();
   [[noreturn]] void failForPoses(std::size_t found) const;
   void leaveOut();
+  void takeBack(const PoseProblem& without);
   void measureGain(const PoseProblem& without);
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
@@ -147,6 +149,28 @@ void Diagnosing::leaveOut() {
   result_.diagnosis.warnings.push_back(
       fmt::format("poses without a rest of the model near them once causes are in it were left out: {}",
                   fmt::join(selection_.left_out, ", ")));
+}
+
+/// Causes that some poses spoke for and all poses together do not. That looks at the poses held out, but can only make
+/// the answer more silent.
+void Diagnosing::takeBack(const PoseProblem& without) {
+  if (selection_.causes.empty()) return;
+  PoseFit plain(without, split_.all, {}), fit(problem_, split_.all, causesOf(selection_, selection_.causes.size()));
+  plain.posterior().whiten(selection_.z_plain);
+  plain.descend(selection_.z_plain);
+  fit.posterior().whiten(selection_.z);
+  fit.descend(selection_.z);
+  const double odds = fit.logEvidence() - plain.logEvidence();
+  if (odds > kLeastOdds) return;
+  for (HypothesisRecord& record : selection_.records) {
+    if (record.outcome.starts_with("accepted"))
+      record.outcome = fmt::format("rejected: log odds {:.1f} by all poses", odds);
+  }
+  selection_.causes.clear();
+  selection_.z = selection_.z_plain;
+  selection_.stray = selection_.stray_plain;
+  selection_.excess = selection_.excess_plain;
+  problem_.stray_friction = selection_.stray;
 }
 
 /// Errors on the poses held out, without causes and with ever more of them.
@@ -263,6 +287,7 @@ PoseDiagnosis Diagnosing::run() {
   PoseProblem without = problem_;
   without.stray_friction = selection_.stray_plain;
   problem_.stray_friction = selection_.stray;
+  takeBack(without);
   d.hypotheses = selection_.records;
   fillCauses();
   say("gain on held-out poses");

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "simgap/model/arm/arm_yaml.h"
 #include "support/drawn_poses.h"
 #include "support/files.h"
@@ -54,6 +56,16 @@ TEST(PoseDiagnosis, FindsNothingWhereNothingIsHidden) {
   EXPECT_EQ(found.verdict, DiagnosisVerdict::kNothingFound) << found.sentence;
   EXPECT_TRUE(found.causes.empty());
   EXPECT_GT(found.detectable.size(), 30u);
+}
+
+// A wrap of the triceps. The poses selected with like a spring at the elbow, odds of 10; all of them together do not.
+TEST(PoseDiagnosis, TakesBackWhatAllPosesTogetherDeny) {
+  const Diagnosis found = diagnose(reality::drawPoses(829, {})).diagnosis;
+  const auto taken_back = [](const HypothesisRecord& record) {
+    return record.outcome.starts_with("rejected") && record.outcome.ends_with("by all poses");
+  };
+  EXPECT_TRUE(std::ranges::any_of(found.hypotheses, taken_back)) << found.sentence;
+  EXPECT_TRUE(found.causes.empty()) << found.sentence;
 }
 
 TEST(PoseDiagnosis, NamesFlippedPosesAndStopsUnlessToldToGoOn) {
