@@ -194,6 +194,12 @@ bool MotionCauseFit::beginBeside(const MotionPoint& point) {
   return true;
 }
 
+bool MotionCauseFit::beginAs(const MotionCauseFit& other) {
+  if (!place(other.here_.z)) return false;
+  here_.jacobians = other.here_.jacobians;
+  return true;
+}
+
 double MotionCauseFit::descend() {
   const double before = here_.at.objective;
   damping_ = std::min(damping_, 1.0);

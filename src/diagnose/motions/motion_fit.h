@@ -58,6 +58,9 @@ class MotionCauseFit {
   /// Begins beside a fit with one cause less: at its point, the cause where a search along its first parameter finds it
   /// from its start, with derivatives of its own. \returns false where the motions cannot be played there
   bool beginBeside(const MotionPoint& point);
+  /// Begins where a fit of the same parameters is, with its derivatives. \returns false where the motions cannot be
+  /// played
+  bool beginAs(const MotionCauseFit& other);
   /// Steps with the derivatives at hand. \returns what they gained
   double descend();
   /// Derivatives made anew, then steps. \returns what these gained

@@ -94,6 +94,27 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
   return refits;
 }
 
+/// What of a cause is not fitted (a speed of creep, a side) once more where the fit is now: the scan chose it where the
+/// model still was without the cause.
+void MotionSelector::chooseAgain(Refit& refit) {
+  const ArmCause chosen = refit.fit->causes().back();
+  const std::span<const ArmEffectParameter> parameters = chosen.effect->parameters;
+  for (const EffectParameters& start : chosen.effect->starts) {
+    std::vector<ArmCause> causes = refit.fit->causes();
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      if (!parameters[k].fitted) causes.back().start[k] = start[k];
+    }
+    if (causes.back().start == refit.fit->causes().back().start) continue;
+    auto other = std::make_unique<MotionCauseFit>(problem_, causes);
+    const bool begun = other->beginAs(*refit.fit);
+    if (begun) other->descend();
+    count(other->rollouts());
+    if (!begun || other->objective() >= refit.fit->objective()) continue;
+    refit.fit = std::move(other);
+    refit.settled = false;
+  }
+}
+
 /// New derivatives for the best and for all that might still pass it, as far as refreshing gained until now: several
 /// once, the best of them again. Derivatives of the model without the cause rank badly where it is large.
 void MotionSelector::settle(std::vector<Refit>& refits) {
@@ -101,6 +122,7 @@ void MotionSelector::settle(std::vector<Refit>& refits) {
   double most_gained = 0.0;
   for (const std::size_t among : kRefreshed) {
     std::ranges::stable_sort(refits, byObjective);
+    chooseAgain(refits.front());
     const double best = refits.front().fit->objective(), variance = std::max(1.0, refits.front().fit->misfit());
     for (std::size_t i = 0; i < std::min(among, refits.size()); ++i) {
       MotionCauseFit& fit = *refits[i].fit;

@@ -46,6 +46,7 @@ class MotionSelector {
   std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points, const MotionScan& scan,
                            const std::vector<MotionHypothesis>& open);
   void settle(std::vector<Refit>& refits);
+  void chooseAgain(Refit& refit);
   void converge(MotionCauseFit& fit, int most);
   void improveBase(MotionCauseFit& base, const MotionCauseFit& with);
   MotionCauseFit::News newsOf() const;
