@@ -5,10 +5,11 @@
 /// estimation in robotics", 2018, eq. 133 and 143 f. Near the identity their series replace quotients of small numbers.
 #include "simgap/core/rotation.h"
 
-#include <Eigen/Eigenvalues>
 #include <cassert>
 #include <cmath>
 #include <numbers>
+
+#include "simgap/core/decompositions.h"
 
 namespace simgap {
 
@@ -25,8 +26,7 @@ Eigen::Quaterniond meanRotation(std::span<const Eigen::Quaterniond> rotations) {
   Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
   // q and -q give the same outer product, so their signs need no care.
   for (const Eigen::Quaterniond& rotation : rotations) sum += rotation.coeffs() * rotation.coeffs().transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(sum);
-  Eigen::Quaterniond mean(Eigen::Vector4d(solver.eigenvectors().col(3)));
+  Eigen::Quaterniond mean(Eigen::Vector4d(symmetricEigen(sum).vectors.col(3)));
   if (mean.w() < 0.0) mean.coeffs() = -mean.coeffs();
   return mean.normalized();
 }

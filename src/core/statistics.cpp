@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/students_t.hpp>
 #include <cassert>
 #include <cmath>
@@ -60,6 +61,12 @@ double chiSquaredTail(double value, int degrees_of_freedom) {
   if (value <= 0.0) return 1.0;
   if (!std::isfinite(value)) return std::isnan(value) ? value : 0.0;
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees_of_freedom), value));
+}
+
+double fisherTail(double value, double above, double below) {
+  if (value <= 0.0) return 1.0;
+  if (!std::isfinite(value)) return std::isnan(value) ? value : 0.0;
+  return boost::math::cdf(boost::math::complement(boost::math::fisher_f(above, below), value));
 }
 
 }  // namespace simgap

@@ -5,6 +5,7 @@
 
 #include "mjcf_robot.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/rotation.h"
 #include "simgap/core/text.h"
 
 namespace simgap {
@@ -27,7 +28,7 @@ Eigen::Isometry3d alongSegment(const MjcfNode& node, const std::vector<double>& 
   half_length = 0.5 * (to - from).norm();
   if (half_length < 1e-10) node.fail("fromto: found two equal points, expected a segment");
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-  frame.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), to - from).toRotationMatrix();
+  frame.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), (to - from).normalized()).toRotationMatrix();
   frame.translation() = 0.5 * (from + to);
   return frame;
 }

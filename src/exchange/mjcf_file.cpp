@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "simgap/core/error.h"
+#include "simgap/core/rotation.h"
 #include "simgap/core/text.h"
 
 namespace simgap {
@@ -298,8 +299,7 @@ Eigen::Quaterniond MjcfNode::orientation() const {
     return Eigen::Quaterniond(columns);
   }
   if (has("zaxis")) {
-    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
-                                              axis(vector3("zaxis", Eigen::Vector3d::Zero()), "zaxis"));
+    return rotationBetween(Eigen::Vector3d::UnitZ(), axis(vector3("zaxis", Eigen::Vector3d::Zero()), "zaxis"));
   }
   return Eigen::Quaterniond::Identity();
 }

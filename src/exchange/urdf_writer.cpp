@@ -4,6 +4,7 @@
 #include "arm_exchange.h"
 #include "remark_list.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/rotation.h"
 #include "simgap/exchange/exchange.h"
 #include "xml_text.h"
 
@@ -90,7 +91,7 @@ class UrdfWriter {
       frame.linear() = part.orientation.toRotationMatrix();
       shape = fmt::format("<box size=\"{}\"/>", xmlNumbers(part.size));
     } else if (part.shape == Part::Shape::kCylinder || part.shape == Part::Shape::kCapsule) {
-      frame.linear() = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), part.axis).toRotationMatrix();
+      frame.linear() = rotationBetween(Eigen::Vector3d::UnitZ(), part.axis).toRotationMatrix();
       shape = fmt::format("<cylinder radius=\"{}\" length=\"{}\"/>", part.radius, part.length);
     } else {
       return "";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "arm_exchange.h"
+#include "simgap/core/rotation.h"
 
 namespace simgap {
 namespace {
@@ -45,7 +46,7 @@ std::string mjcfFrame(const Eigen::Isometry3d& frame) {
 
 std::string alongZ(const Eigen::Vector3d& axis) {
   if (axis == Eigen::Vector3d::UnitZ()) return "";
-  return quaternion(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis));
+  return quaternion(rotationBetween(Eigen::Vector3d::UnitZ(), axis));
 }
 
 std::string mjcfGeom(const Part& part, const std::string& indent) {

@@ -101,7 +101,7 @@ std::string unitTitle(const std::string& unit) {
   static const std::map<std::string, std::string> kTokens = {{"Nm", "N m"}, {"Nms", "N m s"}, {"Ns", "N s"},
                                                              {"Vs", "V s"}, {"ohm", "Ω"},     {"degC", "°C"}};
   static const std::map<std::string, std::string> kProducts = {
-      {"kg_m2", "kg m²"}, {"V_s_rad", "V s/rad"}, {"A_s_rad", "A s/rad"}};
+      {"kg_m", "kg m"}, {"kg_m2", "kg m²"}, {"V_s_rad", "V s/rad"}, {"A_s_rad", "A s/rad"}};
   if (const auto product = kProducts.find(unit); product != kProducts.end()) return product->second;
   std::string title, token;
   std::istringstream tokens(unit);

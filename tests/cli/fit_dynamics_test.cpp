@@ -1,5 +1,6 @@
 // fit-dynamics and predict on the sample robot, as a user runs them.
 #include "cli_fixture.h"
+#include "simgap/core/csv.h"
 #include "simgap/core/run_directory.h"
 
 namespace simgap::test {
@@ -68,6 +69,33 @@ TEST_F(FitDynamicsTest, WhatCannotBeIsOneSentence) {
   expectRefused({"fit-dynamics", "arm.yaml", "--log", log}, 2, "found a ball");
   put("short.csv", "time_s,j1_rad\n0,0\n");
   expectRefused({"fit-dynamics", robot, "--log", "short.csv"}, 3, "found no torque or current of joint j1");
+}
+
+TEST_F(FitDynamicsTest, DesignsTheMotionToRecord) {
+  succeed({"design", "--excite", robotFile("robot.urdf"), robotFile("limits.yaml"), "-q", "-o", "next"});
+  const Json result = Json::parse(text("next/result.json"));
+  EXPECT_EQ(result.at("format"), "simgap/excitation/1");
+  EXPECT_GT(result.at("sd_ratio").at("best_random").get<double>(), 1.0);
+  const CsvTable rows = CsvTable::parse(text("next/trajectory.csv"), "trajectory.csv");
+  const Json points = Json::parse(text("next/trajectory.json"));
+  ASSERT_EQ(points.at("points").size(), rows.rows());
+  EXPECT_EQ(points.at("joint_names"), Json::parse(R"(["j1", "j2", "j3", "j4"])"));
+  const std::vector<double> time = rows.quantity("time", "s"), angle = rows.quantity("j3", "rad");
+  const Json& last = points.at("points").back();
+  EXPECT_DOUBLE_EQ(last.at("time_from_start").at("sec").get<double>() +
+                       1e-9 * last.at("time_from_start").at("nanosec").get<double>(),
+                   time.back());
+  EXPECT_DOUBLE_EQ(time.back(), 20.0);
+  EXPECT_NEAR(last.at("positions")[2].get<double>(), angle.front(), 1e-9) << "it ends where it began";
+  EXPECT_TRUE(std::filesystem::exists(path("next/report.html")));
+}
+
+TEST_F(FitDynamicsTest, DesignRefusesWhatItCannotPlay) {
+  put("slow.yaml", "format: simgap/excitation-limits/1\nall_joints: {velocity_rad_s: 1}\n");
+  expectRefused({"design", "--excite", robotFile("robot.urdf"), "slow.yaml", "-o", "next"}, 2,
+                "joint j1: found no acceleration_rad_s2");
+  expectRefused({"design", "--excite", robotFile("robot.urdf"), "-o", "next"}, 2, "--excite ROBOT without LIMITS");
+  EXPECT_FALSE(std::filesystem::exists(path("next")));
 }
 
 }  // namespace

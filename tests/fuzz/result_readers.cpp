@@ -9,6 +9,8 @@
 #include "simgap/core/error.h"
 #include "simgap/decode/decoder.h"
 #include "simgap/diagnose/logs/log_change.h"
+#include "simgap/exchange/exchange.h"
+#include "simgap/fit/dynamics/excitation.h"
 #include "simgap/fit/dynamics/robot_model.h"
 #include "simgap/fit/motions/motion_calibration.h"
 #include "simgap/fit/poses/calibration.h"
@@ -176,6 +178,20 @@ void readLogChange(std::string bytes) {
 void readLogCandidates(std::string bytes) { LogCandidateList::read(yaml(bytes)); }
 
 void readRobot(std::string bytes) { readRobotModel(yaml(bytes)); }
+
+/// Limits for a robot of one hinge.
+void readExcitationLimits(std::string bytes) {
+  static const ArmModel robot =
+      readUrdf(
+          "<robot name='r'><link name='base'/><link name='link1'><inertial><mass value='1'/><inertia ixx='1' iyy='1' "
+          "izz='1' "
+          "ixy='0' ixz='0' iyz='0'/></inertial></link><joint name='j1' type='revolute'><parent link='base'/><child "
+          "link='link1'/><axis xyz='1 0 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
+          "robot.urdf")
+          .model;
+  ExcitationLimits::read(yaml(bytes), robot);
+}
+
 void readEegDecoder(std::string bytes) { readDecoder(yaml(bytes)); }
 
 /// What is read is decoded, by a decoder of its own channels and rate.
@@ -204,6 +220,7 @@ constexpr std::array kReaders = {
     Reader{"log_change", readLogChange},
     Reader{"log_candidates", readLogCandidates},
     Reader{"robot", readRobot},
+    Reader{"excitation", readExcitationLimits},
     Reader{"decoder", readEegDecoder},
     Reader{"eeg", readHead},
 };

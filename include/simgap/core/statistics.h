@@ -47,5 +47,7 @@ double combinedP(std::span<const double> p);
 
 /// P(x > value) of a chi-squared x. \param degrees_of_freedom  >= 1
 double chiSquaredTail(double value, int degrees_of_freedom);
+/// P(F > value) of a ratio of two variances. \param above, below  their degrees of freedom
+double fisherTail(double value, double above, double below);
 
 }  // namespace simgap

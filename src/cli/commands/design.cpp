@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/excitation.h"
 #include "cli/inputs.h"
 #include "cli/separation.h"
 #include "simgap/cli/command.h"
@@ -23,11 +24,21 @@ struct Options {
   std::string model, poses, config, criterion = "prediction";
   std::size_t candidates = 300, count = 7;
   SeparateOptions separate;
+  ExciteOptions excite;
 };
 
 constexpr std::size_t kFewestPoses = 8;
 
 ExitCode run(Options& options, const std::vector<std::string>& argv) {
+  if (!options.excite.robot.empty()) {
+    if (options.model.empty() || !options.poses.empty() || !options.separate.of.run.empty()) {
+      throw ConfigError(
+          "found --excite ROBOT without LIMITS, or with --poses or --separate, expected ROBOT and LIMITS");
+    }
+    options.excite.common = options.common;
+    options.excite.limits = options.model;
+    return designExcitation(options.excite, argv);
+  }
   if (!options.separate.of.run.empty()) {
     if (!options.model.empty() || !options.poses.empty()) {
       throw ConfigError("found MODEL or --poses with --separate, expected the result of simgap diagnose alone");
@@ -38,7 +49,7 @@ ExitCode run(Options& options, const std::vector<std::string>& argv) {
     return designSeparation(options.separate, argv);
   }
   if (options.model.empty() || options.poses.empty()) {
-    throw ConfigError("found no MODEL or no --poses, expected both, or --separate RUN");
+    throw ConfigError("found no MODEL or no --poses, expected both, or --separate RUN, or --excite ROBOT LIMITS");
   }
   Session session("design", options.common, argv);
   DesignResult result;
@@ -86,7 +97,7 @@ ExitCode run(Options& options, const std::vector<std::string>& argv) {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("MODEL", options->model, "arm model as measured by hand (YAML)");
+  app.add_option("MODEL", options->model, "arm model as measured by hand (YAML); with --excite: LIMITS (YAML)");
   app.add_option("--poses", options->poses, "poses recorded so far, 8 or more (CSV)");
   app.add_option("--config", options->config, "parameters and their priors (YAML; default: the paper's)");
   app.add_option("--candidates", options->candidates, "commands to choose from")->check(CLI::Range(1, 100000));
@@ -101,6 +112,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--loads", separate.loads, "of --separate with a log: under how many times the load (default 0.5,1,2)")
       ->delimiter(',')
       ->check(finiteNumber());
+  ExciteOptions& excite = options->excite;
+  app.add_option("--excite", excite.robot,
+                 "instead: the motion that tells a robot's bodies and drives best (arm, URDF, MJCF or SDF)");
+  app.add_option("--law", excite.law, "of --excite: friction of every joint, coulomb or stribeck")
+      ->default_val("coulomb");
+  app.add_option("--gravity", excite.gravity, "of --excite: X,Y,Z in the robot's base, instead of its file's [m/s^2]");
   options->table.add(app);
   options->common.add(app);
   return [options, argv] { return run(*options, argv); };
@@ -114,7 +131,9 @@ const Command entry{"design", "which poses to record next",
                     "    --poses data/arm/poses_calibration.csv --count 5 -o runs/design\n"
                     "  simgap diagnose data/arm-dense/arm.yaml \\\n"
                     "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm\n"
-                    "  simgap design --separate runs/diagnosis-arm --count 5 -o runs/next",
+                    "  simgap design --separate runs/diagnosis-arm --count 5 -o runs/next\n"
+                    "  simgap design --excite data/robot/robot.urdf \\\n"
+                    "    data/robot/limits.yaml -o runs/excitation",
                     define};
 
 }  // namespace simgap::commands::design

@@ -12,12 +12,12 @@
 namespace simgap {
 namespace {
 
-constexpr std::size_t kBatch = 24;        // models played at once
-constexpr std::size_t kRefined = 10;      // hypotheses tried from all their starts at all points
-constexpr std::size_t kPerEffect = 3;     // of one effect among these
-constexpr std::uint32_t kPlacebos = 19;   // so that one of 20 is better by chance
-constexpr std::size_t kMostColumns = 40;  // hypotheses that placebos are made of
-constexpr double kLeastShift = 0.15;      // of a motion
+constexpr std::size_t kBatch = 24;             // models played at once
+constexpr std::size_t kRefined = 10;           // hypotheses tried from all their starts at all points
+constexpr std::size_t kPerEffect = 3;          // of one effect among these
+constexpr std::uint32_t kMotionPlacebos = 19;  // so that one of 20 is better by chance
+constexpr std::size_t kMostColumns = 40;       // hypotheses that placebos are made of
+constexpr double kLeastShift = 0.15;           // of a motion
 
 using Residuals = std::vector<Eigen::VectorXd>;
 using Column = std::vector<Eigen::VectorXf>;  // shape (motions) of (numbers)
@@ -222,8 +222,8 @@ std::vector<double> Scanner::placebos() const {
   for (const auto& [hypothesis, profile] : profiles_) columns.push_back(&profile);
   std::ranges::stable_sort(columns, std::greater<>(), [](const Profile* profile) { return profile->gain(); });
   columns.resize(std::min(columns.size(), kMostColumns));
-  std::vector<double> best(kPlacebos, 0.0);
-  tbb::parallel_for(std::uint32_t{0}, kPlacebos, [&](std::uint32_t draw) {
+  std::vector<double> best(kMotionPlacebos, 0.0);
+  tbb::parallel_for(std::uint32_t{0}, kMotionPlacebos, [&](std::uint32_t draw) {
     const auto from = shifts(draw);
     for (const Profile* profile : columns) {
       if (interruptRequested()) return;

@@ -16,7 +16,7 @@ constexpr std::size_t kRefits = 8;  // with derivatives of the model without the
 constexpr std::size_t kOfOneEffect = 2;
 constexpr std::array<std::size_t, 6> kRefreshed = {4, 3, 2, 2, 1, 1};  // at most, with derivatives of their own
 constexpr double kHopelessGain = 3.0;                                  // promised by the scan [negative log posterior]
-constexpr double kTellApart = 6.0;                                     // evidence by which a cause has to lead
+constexpr double kMotionsTellApart = 6.0;                              // evidence by which a cause has to lead
 constexpr double kSteady = 2.0;                                        // and standard errors over motions
 constexpr double kGained = 0.5, kGainedShare = 3e-4;                   // a round that gains less was the last
 
@@ -24,7 +24,7 @@ bool enough(double gain, double objective) { return gain < std::max(kGained, kGa
 
 /// Whether motions tell two fits apart: by how much, and whether most of them say so.
 bool toldApart(const MotionCauseFit& better, const MotionCauseFit& worse, double variance) {
-  if ((worse.objective() - better.objective()) / variance < kTellApart) return false;
+  if ((worse.objective() - better.objective()) / variance < kMotionsTellApart) return false;
   const Eigen::ArrayXd lead = worse.losses() - better.losses();
   const double count = static_cast<double>(lead.size());
   const double error = std::sqrt((lead - lead.mean()).square().sum() / (count * std::max(1.0, count - 1.0)));
@@ -126,7 +126,7 @@ void MotionSelector::settle(std::vector<Refit>& refits) {
     const double best = refits.front().fit->objective(), variance = std::max(1.0, refits.front().fit->misfit());
     for (std::size_t i = 0; i < std::min(among, refits.size()); ++i) {
       MotionCauseFit& fit = *refits[i].fit;
-      if (refits[i].settled || fit.objective() - best > most_gained + kTellApart * variance) continue;
+      if (refits[i].settled || fit.objective() - best > most_gained + kMotionsTellApart * variance) continue;
       const double before = fit.objective();
       const long played = fit.rollouts();
       refits[i].settled = enough(fit.refresh(newsOf()), fit.objective());

@@ -22,7 +22,7 @@ constexpr double kFarFromOthers = 4.0;            // times the median distance
 constexpr double kCopied = 6.0;                   // capture sd between two recordings of a joint that did not move
 constexpr double kShouldMove = 12.0 * kDegree;
 constexpr double kUnpredictable = 100.0;  // [deg^2] variance of a pose that says nothing of a model
-constexpr std::size_t kBins = 5;
+constexpr std::size_t kPoseBins = 5;
 
 /// Positions that the model predicts where the poses were measured; empty where it has none.
 std::vector<std::vector<JointPosition>> predictions(const ArmModel& model, std::span<const Pose> poses) {
@@ -291,8 +291,8 @@ void addBins(std::vector<EvidenceBin>& bins, const std::string& against, const E
   std::vector<std::size_t> order(static_cast<std::size_t>(channel.size()));
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return channel[static_cast<Eigen::Index>(i)]; });
-  for (std::size_t b = 0; b < kBins; ++b) {
-    const std::size_t first = b * order.size() / kBins, last = (b + 1) * order.size() / kBins;
+  for (std::size_t b = 0; b < kPoseBins; ++b) {
+    const std::size_t first = b * order.size() / kPoseBins, last = (b + 1) * order.size() / kPoseBins;
     if (first == last) continue;
     const std::span<const std::size_t> rows(order.data() + first, last - first);
     const auto [mean_before, half_before] = meanOf(before, rows);

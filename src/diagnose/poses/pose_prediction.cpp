@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "simgap/core/decompositions.h"
+
 namespace simgap {
 
 using Eigen::Index;
@@ -43,10 +45,9 @@ VectorXd PosePrediction::solutionOf(PoseFit& fit, const ArmModel& model) {
 }
 
 PosePrediction::PosePrediction(const PoseEvidence& evidence, const CandidateModel& candidate)
-    : evidence_(evidence),
-      candidate_(candidate),
-      causes_(causesBeyond(evidence.given, candidate.model)),
-      curvature_(posteriorCurvature()) {}
+    : evidence_(evidence), candidate_(candidate), causes_(causesBeyond(evidence.given, candidate.model)) {
+  learnPosterior();
+}
 
 Predicted PosePrediction::after(const ArmChanges& change, std::span<const Pose> poses) const {
   Predicted result = predict(change, poses, true);
@@ -58,12 +59,18 @@ Predicted PosePrediction::after(const ArmChanges& change, std::span<const Pose> 
   return result;
 }
 
-Eigen::LLT<MatrixXd> PosePrediction::posteriorCurvature() const {
+void PosePrediction::learnPosterior() {
   PoseFit fit(problemOf(evidence_, candidate_), evidence_.poses, causes_);
   const VectorXd z = solutionOf(fit, candidate_.model);
   fit.posterior().whiten(z);
   fit.setSolution(z);
-  return Eigen::LLT<MatrixXd>(fit.curvature());
+  curvature_.compute(fit.curvature());
+  // The poses determine tr(N^-1 J^T J) = n - tr(N^-1 P) parameters, P: 1 where there is a prior.
+  const VectorXd variances = curvature_.solve(MatrixXd::Identity(z.size(), z.size())).diagonal();
+  double determined = static_cast<double>(z.size());
+  for (Index i = 0; i < z.size(); ++i) determined -= fit.posterior().parameters().hasPrior(i) ? variances[i] : 0.0;
+  const auto residuals = static_cast<double>(fit.posterior().degreesOfFreedom() * std::ssize(evidence_.poses));
+  known_ = std::max(1.0, residuals - determined);
 }
 
 Predicted PosePrediction::predict(const ArmChanges& change, std::span<const Pose> poses, bool jacobians,
@@ -77,6 +84,7 @@ Predicted PosePrediction::predict(const ArmChanges& change, std::span<const Pose
   fit.posterior().whiten(z);
   Predicted result;
   result.dof = fit.posterior().degreesOfFreedom();
+  result.known = known_;
   const Index n = result.dof * std::ssize(poses);
   result.e = VectorXd::Zero(n);
   MatrixXd left = MatrixXd::Zero(z.size(), jacobians ? n : 0);
@@ -106,10 +114,32 @@ Predicted PosePrediction::predict(const ArmChanges& change, std::span<const Pose
   for (const Index i : gone) left.row(i).setZero();
   if (jacobians) {
     curvature_.matrixL().solveInPlace(left);
-    result.covariance = MatrixXd::Identity(n, n) + left.transpose() * left;
     result.spread = left.transpose();
+    const MatrixXd bend = bendOf(fit.posterior(), z, result, gone);
+    result.covariance = MatrixXd::Identity(n, n) + left.transpose() * left + 0.5 * bend * bend.transpose();
   }
   return result;
+}
+
+/// Second differences of e over one standard deviation, along the axes of what the parameters leave open of it; shape
+/// (n, parameters). Of e = J z + 1/2 sum_k h_k z_k^2 with standard normal z, the second term has the covariance
+/// 1/2 sum_k h_k h_k^T.
+MatrixXd PosePrediction::bendOf(PosePosterior& posterior, const VectorXd& z, const Predicted& at,
+                                std::span<const Index> gone) const {
+  MatrixXd axes = symmetricEigen(at.spread.transpose() * at.spread).vectors;
+  curvature_.matrixU().solveInPlace(axes);
+  for (const Index i : gone) axes.row(i).setZero();
+  MatrixXd bend = MatrixXd::Zero(at.e.size(), z.size());
+  for (Index k = 0; k < z.size(); ++k) {
+    const std::vector<PoseResidual> ahead = posterior.evaluate(z + axes.col(k), false);
+    const std::vector<PoseResidual>& behind = posterior.evaluate(z - axes.col(k), false);
+    for (std::size_t p = 0; p < ahead.size(); ++p) {
+      if (!at.valid[p] || !ahead[p].valid || !behind[p].valid) continue;
+      const Index first = at.dof * static_cast<Index>(p);
+      bend.col(k).segment(first, at.dof) = ahead[p].error + behind[p].error - 2.0 * at.e.segment(first, at.dof);
+    }
+  }
+  return bend;
 }
 
 }  // namespace simgap

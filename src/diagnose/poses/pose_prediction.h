@@ -19,6 +19,7 @@ struct Predicted {
   Eigen::MatrixXd spread;                  ///< J L^-T, shape (n, parameters): what the parameters leave open of e
   Eigen::VectorXd e;                       ///< shape (n): whitened, of all poses
   Eigen::MatrixXd covariance;              ///< S, shape (n, n)
+  double known = 1.0;                      ///< nu: degrees of freedom that the poses before leave for the size of S
   Eigen::Index dof = 0;
 };
 
@@ -43,14 +44,17 @@ class PosePrediction {
 
  private:
   static Eigen::VectorXd solutionOf(PoseFit& fit, const ArmModel& model);
-  Eigen::LLT<Eigen::MatrixXd> posteriorCurvature() const;
+  void learnPosterior();
   Predicted predict(const ArmChanges& change, std::span<const Pose> poses, bool jacobians,
                     const Predicted* like = nullptr) const;
+  Eigen::MatrixXd bendOf(PosePosterior& posterior, const Eigen::VectorXd& z, const Predicted& at,
+                         std::span<const Eigen::Index> gone) const;
 
   const PoseEvidence& evidence_;
   const CandidateModel& candidate_;
   std::vector<PoseCause> causes_;
   Eigen::LLT<Eigen::MatrixXd> curvature_;  ///< N = L L^T
+  double known_ = 1.0;                     ///< residuals before the change, less the parameters they determine
 };
 
 }  // namespace simgap

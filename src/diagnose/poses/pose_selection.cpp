@@ -23,15 +23,16 @@ constexpr double kSureOdds = 3.0;       // from which a small gain on unseen pos
 constexpr double kTellApart = 3.5;      // log odds between two causes below which the poses do not tell them apart
 constexpr double kSmallestGain = 0.01;  // of the error on poses a fit has not seen
 constexpr double kTryTolerance = 3e-5;  // of the objective, some 0.01: far below what decides
-constexpr double kHopeless = 30.0;    // log odds behind a step's best, beyond which no exchange will bring a rival back
+constexpr double kHopelessPoseCause =
+    30.0;                             // log odds behind a step's best, beyond which no exchange will bring a rival back
 constexpr double kSameMinimum = 0.3;  // objectives nearer than this belong to one minimum
 constexpr int kBetterBases = 3;
 constexpr double kShareStep = 1.4;  // of stray friction
 constexpr double kSmallestShare = 0.1, kLargestShare = 4.0;
 constexpr std::size_t kFewPoses = 30;
-constexpr double kMostLeftOut = 0.1;  // of the poses: where more have no rest, the model is wrong, not the poses
-constexpr std::size_t kKept = 3;      // models of other causes that are kept beside each
-constexpr std::size_t kTried = 6;     // candidates of a step that are cross-validated until one passes
+constexpr double kMostPosesLeftOut = 0.1;  // of the poses: where more have no rest, the model is wrong, not the poses
+constexpr std::size_t kKept = 3;           // models of other causes that are kept beside each
+constexpr std::size_t kTried = 6;          // candidates of a step that are cross-validated until one passes
 
 class PoseSelector {
  public:
@@ -270,7 +271,7 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
         accepted = &candidate;
         AcceptedCause cause{candidate.cause, odds, record.p_adjusted, record.gain_inner, {}, {}};
         for (const PoseCandidate& other : candidates) {
-          if (other.odds > candidate.odds - kHopeless) cause.contenders.insert(other.cause.label());
+          if (other.odds > candidate.odds - kHopelessPoseCause) cause.contenders.insert(other.cause.label());
         }
         selection.causes.push_back(std::move(cause));
       }
@@ -294,7 +295,7 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
 void PoseSelector::leaveOut(PoseFit& fit, PoseSelection& selection) {
   const std::vector<bool> without = posesWithoutRest(fit, poses_);
   const auto lost = static_cast<std::size_t>(std::ranges::count(without, true));
-  if (lost == 0 || static_cast<double>(lost) > kMostLeftOut * static_cast<double>(poses_.size())) return;
+  if (lost == 0 || static_cast<double>(lost) > kMostPosesLeftOut * static_cast<double>(poses_.size())) return;
   std::vector<Pose>& kept = kept_.emplace_back();
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     if (without[p]) {

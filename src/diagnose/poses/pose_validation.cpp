@@ -7,16 +7,16 @@
 namespace simgap {
 namespace {
 
-constexpr std::size_t kFolds = 5;
+constexpr std::size_t kPoseFolds = 5;
 
 }  // namespace
 
-PoseFolds::PoseFolds(std::span<const Pose> poses) : folds_(kFolds), poses_(poses.size()) {
+PoseFolds::PoseFolds(std::span<const Pose> poses) : folds_(kPoseFolds), poses_(poses.size()) {
   for (std::size_t p = 0; p < poses.size(); ++p) {
-    for (std::size_t f = 0; f < kFolds; ++f) {
-      (p % kFolds == f ? folds_[f].validation : folds_[f].training).push_back(poses[p]);
+    for (std::size_t f = 0; f < kPoseFolds; ++f) {
+      (p % kPoseFolds == f ? folds_[f].validation : folds_[f].training).push_back(poses[p]);
     }
-    folds_[p % kFolds].validation_index.push_back(p);
+    folds_[p % kPoseFolds].validation_index.push_back(p);
   }
 }
 
@@ -25,7 +25,7 @@ CrossValidation PoseFolds::validate(const PoseProblem& problem, const std::vecto
                                     const Eigen::VectorXd& z_like) const {
   CrossValidation result;
   result.distances.resize(poses_);
-  std::vector<double> expected(kFolds);
+  std::vector<double> expected(kPoseFolds);
   /// The distances of a fold's poses, and behind them what is expected of their sum.
   const auto validateFold = [&](std::size_t f) {
     const Fold& fold = folds_[f];
@@ -47,7 +47,7 @@ CrossValidation PoseFolds::validate(const PoseProblem& problem, const std::vecto
     unseen.push_back(sum);
     return unseen;
   };
-  forEachOnRanks(problem, kFolds, z, validateFold, [&](std::size_t f, std::vector<double> unseen) {
+  forEachOnRanks(problem, kPoseFolds, z, validateFold, [&](std::size_t f, std::vector<double> unseen) {
     if (unseen.empty()) return;  // interrupted
     expected[f] = unseen.back();
     for (std::size_t i = 0; i + 1 < unseen.size(); ++i) {

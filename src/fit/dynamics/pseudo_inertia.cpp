@@ -1,8 +1,10 @@
 #include "simgap/fit/dynamics/pseudo_inertia.h"
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+
+#include "simgap/core/decompositions.h"
 
 namespace simgap {
 namespace {
@@ -70,9 +72,9 @@ LogCholesky logCholeskyOf(const BodyParameters& pi, double thinnest) {
   const Vector3d centre = pi.segment<3>(1) / mass;
   // S / m = C + c c^T, with C the second moments about the centre; C = R R^T with R upper triangular.
   Matrix3d about_centre = secondMoments(inertiaOf(pi)) / mass - centre * centre.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(about_centre);
-  const Vector3d moments = eigen.eigenvalues().cwiseMax(thinnest * thinnest);
-  about_centre = eigen.eigenvectors() * moments.asDiagonal() * eigen.eigenvectors().transpose();
+  const SymmetricEigen eigen = symmetricEigen(about_centre);
+  const Vector3d moments = eigen.values.cwiseMax(thinnest * thinnest);
+  about_centre = eigen.vectors * moments.asDiagonal() * eigen.vectors.transpose();
   // An upper factor is a lower one of the matrix turned round.
   const Matrix3d turned = about_centre.reverse();
   const Matrix3d lower = turned.llt().matrixL();
@@ -89,7 +91,7 @@ double smallestMoment(const BodyParameters& pi) {
   j.topRightCorner<3, 1>() = pi.segment<3>(1);
   j.bottomLeftCorner<1, 3>() = pi.segment<3>(1).transpose();
   j(3, 3) = pi[0];
-  return Eigen::SelfAdjointEigenSolver<Matrix4d>(j).eigenvalues()[0];
+  return symmetricEigen(j).values[0];
 }
 
 }  // namespace simgap
