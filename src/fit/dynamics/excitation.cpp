@@ -24,7 +24,7 @@ using Eigen::VectorXd;
 constexpr std::size_t kChunks = 8;   // of a motion's moments, in parallel; their sums are added in this order
 constexpr int kMomentsPerWave = 40;  // of the fastest harmonic
 constexpr double kWithin = 0.99;     // of the limits: between two moments a joint may go a little further
-constexpr int kSeriesDrawn = 200;    // series at random: what the search begins with, and is compared with
+constexpr int kSeriesKept = 100, kSeriesDrawn = 3000;  // at random: what the search begins with, and is compared with
 constexpr int kGenerations = 400;
 constexpr double kBroken = 10.0, kPerShare = 100.0;  // cost of a limit that is broken, beyond any information
 constexpr double kNothing = 1e-12;                   // of a column's information: what no motion tells
@@ -301,7 +301,8 @@ Excitation exciteRobot(const ArmModel& arm, const FrictionLaw& law, const Excita
   std::vector<FourierMotion> series;
   std::vector<ExcitationWorth> others;
   double lowest = kInfinity;
-  for (int draw = 0; draw < kSeriesDrawn; ++draw) {
+  int draw = 0;
+  for (; draw < kSeriesDrawn && std::ssize(series) < kSeriesKept; ++draw) {
     const std::vector<double> x = drawn(random, search.unknowns(), static_cast<std::uint32_t>(draw));
     const FourierMotion motion = search.motionOf(x);
     const double cost = search.cost(motion);
@@ -346,7 +347,7 @@ Excitation exciteRobot(const ArmModel& arm, const FrictionLaw& law, const Excita
   auto [reached, nearest] = search.reached(motion);
   return {motion,
           search.worth(),
-          kSeriesDrawn,
+          draw,
           std::move(series),
           std::move(others),
           std::move(reached),

@@ -158,19 +158,27 @@ std::string excitationAnswer(const Json& result) {
 
 std::vector<Table> excitationTables(const Json& result) {
   Table joints{
-      "Joints: how far they go, of what they may", {"joint", "from", "to", "speed", "acceleration", "effort"}, {}};
+      "Joints: how far they go, of what they may", {"joint", "range", "within", "speed", "acceleration", "effort"}, {}};
   for (const Json& joint : result.at("joints")) {
     const Json& limits = joint.at("limits");
     const auto of = [&](const char* key) {
       const std::string limit = numberText(limits.at(key), "{:.3g}");
       return numberText(joint.at(key), "{:.3g}") + (limit == "-" ? "" : " of " + limit);
     };
+    const auto range = [](const Json& of_joint) {
+      return numberText(of_joint.at("lower"), "{:.3g}") + " … " + numberText(of_joint.at("upper"), "{:.3g}");
+    };
     joints.rows.push_back(
-        {joint.at("name"), of("lower"), of("upper"), of("velocity"), of("acceleration"), of("effort")});
+        {joint.at("name"), range(joint), range(limits), of("velocity"), of("acceleration"), of("effort")});
   }
   std::vector<Table> tables{std::move(joints)};
   if (!result.at("distances").empty()) {
-    tables.push_back(recordTable("Distances [m]", result.at("distances"), {"name", "nearest_m", "at_least_m"}));
+    Table distances{"Distances [m]", {"of", "nearest", "at least"}, {}};
+    for (const Json& distance : result.at("distances")) {
+      distances.rows.push_back({distance.at("name"), numberText(distance.at("nearest_m"), "{:.3f}"),
+                                numberText(distance.at("at_least_m"), "{:.3f}")});
+    }
+    tables.push_back(std::move(distances));
   }
   Table parameters{"Expected standard deviations", {"parameter", "this motion", "at random (median)", "unit"}, {}};
   for (const Json& parameter : result.at("parameters")) {
