@@ -43,11 +43,7 @@ std::vector<Index> componentsOf(const Predicted& prediction, const std::vector<b
   return components;
 }
 
-/// Log density of the measured poses, up to a constant that all candidates share: a multivariate t with nu degrees of
-/// freedom, since the size of S is known from the poses before alone,
-///
-///     log p = lgamma((nu + n) / 2) - lgamma(nu / 2) - n/2 log(nu / 2) - 1/2 log |S| - (nu + n)/2 log(1 + e^T S^-1 e /
-///     nu).
+/// Log density of the measured poses, up to a constant that all candidates share.
 double logLikelihood(const Predicted& prediction, const std::vector<bool>& poses, CandidatePrediction& summary) {
   const std::vector<Index> components = componentsOf(prediction, poses);
   const VectorXd e = prediction.e(components);
@@ -58,10 +54,8 @@ double logLikelihood(const Predicted& prediction, const std::vector<bool>& poses
   }
   summary.distance = e.dot(factor.solve(e));
   summary.freedom = static_cast<int>(components.size());
-  const double n = summary.freedom, nu = prediction.known;
-  summary.p = fisherTail(summary.distance / n, n, nu);
-  return density + std::lgamma(0.5 * (nu + n)) - std::lgamma(0.5 * nu) - 0.5 * n * std::log(0.5 * nu) -
-         0.5 * (nu + n) * std::log1p(summary.distance / nu);
+  summary.p = fisherTail(summary.distance / summary.freedom, summary.freedom, prediction.known);
+  return density - 0.5 * summary.distance;
 }
 
 std::vector<double> jointErrors(const Predicted& prediction, const ArmModel& model) {

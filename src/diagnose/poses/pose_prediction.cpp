@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "simgap/core/decompositions.h"
-
 namespace simgap {
 
 using Eigen::Index;
@@ -115,31 +113,9 @@ Predicted PosePrediction::predict(const ArmChanges& change, std::span<const Pose
   if (jacobians) {
     curvature_.matrixL().solveInPlace(left);
     result.spread = left.transpose();
-    const MatrixXd bend = bendOf(fit.posterior(), z, result, gone);
-    result.covariance = MatrixXd::Identity(n, n) + left.transpose() * left + 0.5 * bend * bend.transpose();
+    result.covariance = MatrixXd::Identity(n, n) + left.transpose() * left;
   }
   return result;
-}
-
-/// Second differences of e over one standard deviation, along the axes of what the parameters leave open of it; shape
-/// (n, parameters). Of e = J z + 1/2 sum_k h_k z_k^2 with standard normal z, the second term has the covariance
-/// 1/2 sum_k h_k h_k^T.
-MatrixXd PosePrediction::bendOf(PosePosterior& posterior, const VectorXd& z, const Predicted& at,
-                                std::span<const Index> gone) const {
-  MatrixXd axes = symmetricEigen(at.spread.transpose() * at.spread).vectors;
-  curvature_.matrixU().solveInPlace(axes);
-  for (const Index i : gone) axes.row(i).setZero();
-  MatrixXd bend = MatrixXd::Zero(at.e.size(), z.size());
-  for (Index k = 0; k < z.size(); ++k) {
-    const std::vector<PoseResidual> ahead = posterior.evaluate(z + axes.col(k), false);
-    const std::vector<PoseResidual>& behind = posterior.evaluate(z - axes.col(k), false);
-    for (std::size_t p = 0; p < ahead.size(); ++p) {
-      if (!at.valid[p] || !ahead[p].valid || !behind[p].valid) continue;
-      const Index first = at.dof * static_cast<Index>(p);
-      bend.col(k).segment(first, at.dof) = ahead[p].error + behind[p].error - 2.0 * at.e.segment(first, at.dof);
-    }
-  }
-  return bend;
 }
 
 }  // namespace simgap

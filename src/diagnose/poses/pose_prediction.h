@@ -47,8 +47,6 @@ class PosePrediction {
   void learnPosterior();
   Predicted predict(const ArmChanges& change, std::span<const Pose> poses, bool jacobians,
                     const Predicted* like = nullptr) const;
-  Eigen::MatrixXd bendOf(PosePosterior& posterior, const Eigen::VectorXd& z, const Predicted& at,
-                         std::span<const Eigen::Index> gone) const;
 
   const PoseEvidence& evidence_;
   const CandidateModel& candidate_;

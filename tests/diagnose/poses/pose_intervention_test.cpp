@@ -90,7 +90,7 @@ TEST(PoseIntervention, PredictsAWeightThatWasHungOn) {
   const Intervention told = judged.judge("  - {kind: mass, body: link2, at_m: [0, 0, -0.2], mass_kg: 0.3}\n");
   EXPECT_GT(told.predictions[0].p, 0.01) << told.sentence;
   const Intervention untold = judged.judge("  - {kind: mass, body: link2, at_m: [0, 0, -0.2], mass_kg: 0.001}\n");
-  EXPECT_LT(untold.predictions[0].p, 1e-6);
+  EXPECT_LT(untold.predictions[0].p, 1e-3);  // below it a model is refuted
   EXPECT_EQ(untold.verdict, InterventionVerdict::kCannotTell);
   EXPECT_THAT(untold.sentence, HasSubstr("none of 4 models predicts"));
   // How well the weight is known decides how much a wrong one counts.

@@ -2,13 +2,12 @@
 /// A change of the arm that was made on purpose tells causes apart that fit the same poses: every candidate of a
 /// diagnosis predicts the poses after it with nothing refitted,
 ///
-///     e ~ N(0, S),   S = 1 + J N^-1 J^T + 1/2 sum_i h_i h_i^T + sum_k g_k g_k^T
+///     S = 1 + J N^-1 J^T + sum_k g_k g_k^T
 ///
 /// e: the whitened distances of predicted from measured poses (pose_posterior.h), J: their derivatives by the
-/// parameters, N: the curvature of the posterior before the change, h_i: their second differences over what that leaves
-/// open, g_k: what one standard deviation of an uncertain number of the change does. S is scaled by what the diagnosis
-/// left unexplained on poses it had not seen, and its size is known from the poses before alone: distances follow
-/// Fisher's F, likelihoods are those of a t.
+/// parameters, N: the curvature of the posterior before the change, g_k: what one standard deviation of an uncertain
+/// number of the change does. S is scaled by what the diagnosis left unexplained on poses it had not seen, and its size
+/// is known from the poses before alone: distances follow Fisher's F.
 #pragma once
 
 #include <string>
