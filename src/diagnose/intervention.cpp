@@ -25,6 +25,27 @@ std::string saidOdds(double log_odds) {
                              : fmt::format("odds {:.3g} to 1", odds);
 }
 
+/// Those that predict as well as the best, up to odds that decide nothing; the best first.
+std::string likeBest(std::span<const CandidateAnswer> answers, std::size_t best) {
+  std::string names = answers[best].causes;
+  for (std::size_t c = 1; c < answers.size(); ++c) {
+    const bool close = oddsOfAll(answers[best]) - oddsOfAll(answers[c]) < kDecisiveLogOdds;
+    if (c != best && answers[c].rival && close && answers[c].p >= kImprobable) names += " or " + answers[c].causes;
+  }
+  return names;
+}
+
+/// A rival that says as much as the best of all data, those before the change as well; the best itself without one.
+std::size_t rivalAsGood(std::span<const CandidateAnswer> answers, std::size_t best) {
+  const auto all = [&](std::size_t c) { return answers[c].log_odds + answers[c].before; };
+  std::size_t found = best;
+  for (std::size_t c = 1; c < answers.size(); ++c) {
+    const bool good = answers[c].rival && answers[c].p >= kImprobable && answers[c].log_odds > kDecisiveLogOdds;
+    if (good && all(c) > all(best) - kDecisiveLogOdds && (found == best || all(c) > all(found))) found = c;
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string_view toString(InterventionVerdict verdict) {
@@ -71,19 +92,23 @@ Judgement judgeCandidates(std::span<const CandidateAnswer> answers, std::string_
                         "them says",
                         answers.size(), data)};
   }
-  const bool named_fails = oddsOfAll(first) > kDecisiveLogOdds || named.p < kImprobable;
-  if (named_fails && best > 0 && !first.rival) {  // another with the same causes is no refutation of them
-    return {InterventionVerdict::kCannotTell, fmt::format("{} predicts these {} better than {} alone ({})",
-                                                          first.causes, data, named.causes, saidOdds(first.log_odds))};
-  }
-  if (named_fails) {
-    return {InterventionVerdict::kRefuted, fmt::format("{} predicts these {}, {} does not ({})", first.causes, data,
-                                                       named.causes, saidOdds(first.log_odds))};
-  }
+  // That others with the same causes and more predict better speaks for these as well.
   if (named.p >= kDoubtful && runner_up < -kDecisiveLogOdds) {
     return {InterventionVerdict::kConfirmed,
             fmt::format("{} predicts these {} with nothing refitted, and no model without it does ({})", named.causes,
                         data, saidOdds(-runner_up))};
+  }
+  const bool named_fails = oddsOfAll(first) > kDecisiveLogOdds || named.p < kImprobable;
+  // Another with the same causes is no refutation of them, unless one without them says as much.
+  if (named_fails && best > 0 && !first.rival) best = rivalAsGood(answers, best);
+  if (named_fails && best > 0 && !answers[best].rival) {
+    return {InterventionVerdict::kCannotTell, fmt::format("{} predicts these {} better than {} alone ({})",
+                                                          first.causes, data, named.causes, saidOdds(first.log_odds))};
+  }
+  if (named_fails) {
+    return {InterventionVerdict::kRefuted,
+            fmt::format("{} predicts these {}, {} does not ({})", likeBest(answers, best), data, named.causes,
+                        saidOdds(answers[best].log_odds))};
   }
   if (runner_up < -kDecisiveLogOdds) {
     return {InterventionVerdict::kCannotTell,

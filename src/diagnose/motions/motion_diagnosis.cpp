@@ -18,12 +18,13 @@ namespace simgap {
 namespace {
 
 constexpr std::size_t kFewestSelecting = 4, kFewestJudging = 3;
-constexpr double kClearEvidence = 12.0;    // in nats: of some hundred hypotheses one gains 8 by chance
-constexpr double kLeastGain = 0.01;        // of the held-out mean square
-constexpr double kKnownClocks = 0.005;     // [s] to which clocks agree where nothing is wrong with them
-constexpr double kLargeRest = 1.5 * 1.5;   // of the noise's variance: what no model of noise leaves
-constexpr double kMostOfIt = 95.0;         // [%] of the error that named causes have to explain, if much is left
-constexpr double kUsualRollouts = 2000.0;  // per motion, for the progress
+constexpr double kClearEvidence = 12.0;   // in nats: of some hundred hypotheses one gains 8 by chance
+constexpr double kLeastGain = 0.01;       // of the held-out mean square
+constexpr double kKnownClocks = 0.005;    // [s] to which clocks agree where nothing is wrong with them
+constexpr double kLargeRest = 1.5 * 1.5;  // of the noise's variance: what no model of noise leaves
+constexpr double kMostOfIt = 95.0;        // [%] of the error that named causes have to explain, if much is left
+constexpr double kUsualRounds = 6.0;      // of derivatives of the model without causes, for the progress
+constexpr double kUsualOfACause = 12.0;   // and for each cause that is looked for
 
 /// The motions that select and those that judge.
 struct MotionSplit {
@@ -147,8 +148,10 @@ bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found
 /// Causes one after the other, as long as each is worth naming.
 void MotionDiagnosing::search() {
   problem_.motions = split_.selecting.motions;
-  const double usual = kUsualRollouts * static_cast<double>(problem_.motions.size());
+  const auto of_derivatives =
+      static_cast<double>(ParameterSpace(problem_.nominal, problem_.parameters).size() * problem_.motions.size());
   std::string stage = "without causes";
+  double usual = (kUsualRounds + kUsualOfACause) * of_derivatives;  // rollouts; grows with every cause that is found
   MotionSelector selector(problem_, hypotheses_, options_.seed, [&](long rollouts) {
     progress_(stage, std::min(0.99, static_cast<double>(rollouts) / usual));
   });
@@ -160,6 +163,7 @@ void MotionDiagnosing::search() {
     if (!found || !judge(base, *found)) break;
     last_ = std::move(found->fit);
     found_.push_back(std::move(*found));
+    usual = std::max(usual, static_cast<double>(selector.rollouts())) + kUsualOfACause * of_derivatives;
   }
   result_.rollouts = selector.rollouts();
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "simgap/fit/poses/posterior_search.h"
+#include "simgap/optimize/bundle_descent.h"
 
 namespace simgap {
 namespace {
@@ -67,6 +68,27 @@ void PoseFit::descend(const Eigen::VectorXd& z, double tolerance) {
   const PosteriorFit fit = descendPosterior(posterior_, z, kIterations, tolerance);
   z_ = fit.z;
   objective_ = fit.objective;
+  followKinks();
+}
+
+/// Where a line is about to become slack the objective has a kink, and Levenberg-Marquardt's steps end there.
+void PoseFit::followKinks() {
+  constexpr double kEnough = 0.01;  // of the log posterior
+  if (!std::isfinite(objective_) || interruptRequested()) return;
+  KinkedFunction f{[&](const Eigen::VectorXd& x) { return posterior_.objective(x); },
+                   [&](const Eigen::VectorXd& x, Eigen::MatrixXd& curvature, Eigen::VectorXd& slope) {
+                     z_ = x;
+                     curvature = this->curvature();
+                     slope = gradient();
+                   },
+                   z_, z_};
+  for (Eigen::Index i = 0; i < z_.size(); ++i) {
+    f.lower[i] = std::min(z_[i], posterior_.parameters().lower(i));
+    f.upper[i] = std::max(z_[i], posterior_.parameters().upper(i));
+  }
+  const BundleDescent found = descendBundle(f, Eigen::VectorXd(z_), kEnough);
+  z_ = found.x;
+  objective_ = found.value;
 }
 
 bool PoseFit::search(int starts, int threads, std::uint64_t seed) {
@@ -98,6 +120,15 @@ Eigen::MatrixXd PoseFit::curvature() {
     sum.selfadjointView<Eigen::Lower>().rankUpdate(pose.jacobian.transpose(), robustWeight(pose.error.squaredNorm()));
   }
   return sum.selfadjointView<Eigen::Lower>();
+}
+
+Eigen::VectorXd PoseFit::gradient() {
+  Eigen::VectorXd sum = z_;
+  for (Eigen::Index i = 0; i < z_.size(); ++i) sum[i] *= posterior_.parameters().hasPrior(i) ? 1.0 : 0.0;
+  for (const PoseResidual& pose : linearised()) {
+    if (pose.valid) sum += robustWeight(pose.error.squaredNorm()) * (pose.jacobian.transpose() * pose.error);
+  }
+  return sum;
 }
 
 double PoseFit::logEvidence() {

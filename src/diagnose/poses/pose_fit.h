@@ -81,6 +81,7 @@ class PoseFit {
   const std::vector<PoseResidual>& linearised() { return posterior_.evaluate(z_, true); }
   /// Gauss-Newton curvature at the solution, priors included, shape (parameters, parameters).
   Eigen::MatrixXd curvature();
+  Eigen::VectorXd gradient();  ///< of the objective at the solution, shape (parameters)
   /// Log of the posterior's integral (Laplace), up to a constant that all fits to the same poses share.
   double logEvidence();
   ArmModel model() const;
@@ -88,6 +89,8 @@ class PoseFit {
   std::vector<Extension> extensions();
 
  private:
+  void followKinks();
+
   ArmModel prior_;  ///< the nominal model with the causes at their expected values
   std::vector<Joint> nominal_joints_;
   std::vector<PoseCause> causes_;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pose_prediction.h"
+#include "pose_weighing.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/statistics.h"
 
@@ -33,29 +33,22 @@ std::vector<bool> comparable(const std::vector<Predicted>& predictions, std::siz
   return near;
 }
 
-std::vector<Index> componentsOf(const Predicted& prediction, const std::vector<bool>& poses) {
+/// The candidate's answer by the poses that some candidate comes near.
+double logLikelihood(const PoseEvidence& evidence, std::size_t c, const ArmChanges& change, const Predicted& prediction,
+                     std::span<const Pose> after, const std::vector<bool>& near, CandidatePrediction& summary) {
+  std::vector<Pose> poses;
   std::vector<Index> components;
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    for (Index i = 0; i < prediction.dof && poses[p]; ++i) {
-      components.push_back(prediction.dof * static_cast<Index>(p) + i);
-    }
+  for (std::size_t p = 0; p < near.size(); ++p) {
+    if (!near[p]) continue;
+    poses.push_back(after[p]);
+    for (Index i = 0; i < prediction.dof; ++i) components.push_back(prediction.dof * static_cast<Index>(p) + i);
   }
-  return components;
-}
-
-/// Log density of the measured poses, up to a constant that all candidates share.
-double logLikelihood(const Predicted& prediction, const std::vector<bool>& poses, CandidatePrediction& summary) {
-  const std::vector<Index> components = componentsOf(prediction, poses);
-  const VectorXd e = prediction.e(components);
-  const Eigen::LLT<MatrixXd> factor(prediction.covariance(components, components));
-  double density = -factor.matrixLLT().diagonal().array().log().sum();
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    if (poses[p]) density += prediction.whitening[p].diagonal().array().log().sum();
-  }
-  summary.distance = e.dot(factor.solve(e));
+  const Weighed weighed =
+      weighAfter(evidence, evidence.candidates[c], change, poses, prediction.uncertain(components, Eigen::all));
+  summary.distance = weighed.distance;
   summary.freedom = static_cast<int>(components.size());
   summary.p = fisherTail(summary.distance / summary.freedom, summary.freedom, prediction.known);
-  return density - 0.5 * summary.distance;
+  return weighed.log_likelihood;
 }
 
 std::vector<double> jointErrors(const Predicted& prediction, const ArmModel& model) {
@@ -121,16 +114,18 @@ Intervention judgeChange(const PoseEvidence& evidence, const ArmChanges& change,
                     "the change that was stated?",
                     after.file, after.poses.size()));
   }
-  std::vector<double> likelihood;
   for (std::size_t c = 0; c < predictions.size(); ++c) {
     CandidatePrediction& summary = result.predictions.emplace_back();
     summary.log_odds_before = evidence.candidates[c].log_odds;
     summary.without_equilibrium = static_cast<std::size_t>(std::ranges::count(predictions[c].valid, false));
     summary.errors = jointErrors(predictions[c], evidence.given);
     summary.rms = rootMeanSquare(summary.errors, near, evidence.given.joints.size());
-    likelihood.push_back(logLikelihood(predictions[c], near, summary));
-    summary.log_odds = likelihood[c] - likelihood[0];
   }
+  std::vector<double> likelihood(predictions.size());
+  forEach(problemOf(evidence, evidence.candidates.front()), predictions.size(), [&](std::size_t c) {
+    likelihood[c] = logLikelihood(evidence, c, change, predictions[c], after.poses, near, result.predictions[c]);
+  });
+  for (std::size_t c = 0; c < predictions.size(); ++c) result.predictions[c].log_odds = likelihood[c] - likelihood[0];
   decide(evidence, result);
   return result;
 }

@@ -8,12 +8,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-namespace {
-
-constexpr double kOutOfReach = 10.0;  // [sd] per component, of a pose that the candidate cannot take
-
-}  // namespace
-
 std::vector<PoseCause> causesBeyond(const ArmModel& given, const ArmModel& candidate) {
   std::vector<PoseCause> causes;
   for (std::size_t i = given.extensions.size(); i < candidate.extensions.size(); ++i) {
@@ -37,8 +31,19 @@ HeldCauses heldBy(const PoseEvidence& evidence) {
   return held;
 }
 
-/// The fitted numbers of a model with these causes, in the scale of a fit.
-VectorXd PosePrediction::solutionOf(PoseFit& fit, const ArmModel& model) {
+std::vector<Index> undoneParameters(const PoseFit& fit, const ArmChanges& change) {
+  std::vector<Index> undone;
+  auto parameter = static_cast<Index>(fit.ordinary());
+  for (const PoseCause& cause : fit.causes()) {
+    for (const ArmEffectParameter& p : cause.effect->parameters) {
+      if (p.fitted && change.undoes(cause.label())) undone.push_back(parameter);
+      parameter += p.fitted ? 1 : 0;
+    }
+  }
+  return undone;
+}
+
+VectorXd solutionOf(PoseFit& fit, const ArmModel& model) {
   return fit.posterior().parameters().scaled(fit.space().values(model));
 }
 
@@ -49,10 +54,14 @@ PosePrediction::PosePrediction(const PoseEvidence& evidence, const CandidateMode
 
 Predicted PosePrediction::after(const ArmChanges& change, std::span<const Pose> poses) const {
   Predicted result = predict(change, poses, true);
-  for (const auto& [forward, back] : withinUncertainty(change)) {
-    const VectorXd g = 0.5 * (predict(forward, poses, false, &result).e - predict(back, poses, false, &result).e);
-    result.covariance += g * g.transpose();
+  const auto uncertain = withinUncertainty(change);
+  result.uncertain.resize(result.e.size(), std::ssize(uncertain));
+  for (std::size_t k = 0; k < uncertain.size(); ++k) {
+    const auto& [forward, back] = uncertain[k];
+    result.uncertain.col(static_cast<Index>(k)) =
+        0.5 * (predict(forward, poses, false, &result).e - predict(back, poses, false, &result).e);
   }
+  result.covariance += result.uncertain * result.uncertain.transpose();
   result.covariance *= 1.0 + std::max(0.0, evidence_.excess);
   return result;
 }
@@ -86,14 +95,6 @@ Predicted PosePrediction::predict(const ArmChanges& change, std::span<const Pose
   const Index n = result.dof * std::ssize(poses);
   result.e = VectorXd::Zero(n);
   MatrixXd left = MatrixXd::Zero(z.size(), jacobians ? n : 0);
-  std::vector<Index> gone;  // parameters of causes that the change has undone: they are known to be nothing
-  Index parameter = static_cast<Index>(fit.ordinary());
-  for (const PoseCause& cause : causes_) {
-    for (const ArmEffectParameter& p : cause.effect->parameters) {
-      if (p.fitted && change.undoes(cause.label())) gone.push_back(parameter);
-      parameter += p.fitted ? 1 : 0;
-    }
-  }
   const std::vector<PoseResidual>& residuals = fit.posterior().evaluate(z, jacobians);
   for (std::size_t p = 0; p < residuals.size(); ++p) {
     const PoseResidual& residual = residuals[p];
@@ -109,7 +110,7 @@ Predicted PosePrediction::predict(const ArmChanges& change, std::span<const Pose
         residual.valid ? VectorXd(whitening * raw) : VectorXd::Constant(result.dof, kOutOfReach);
     if (jacobians && residual.valid) left.middleCols(at, result.dof) = residual.jacobian.transpose();
   }
-  for (const Index i : gone) left.row(i).setZero();
+  for (const Index i : undoneParameters(fit, change)) left.row(i).setZero();
   if (jacobians) {
     curvature_.matrixL().solveInPlace(left);
     result.spread = left.transpose();

@@ -11,12 +11,15 @@
 
 namespace simgap {
 
+inline constexpr double kOutOfReach = 10.0;  ///< [sd] per component, of a pose that the candidate cannot take
+
 /// Poses as a candidate predicts them after a change.
 struct Predicted {
   std::vector<bool> valid;                 ///< shape (poses)
   std::vector<Eigen::VectorXd> raw;        ///< shape (poses) of (dof): predicted less measured [rad], [m]
   std::vector<Eigen::MatrixXd> whitening;  ///< shape (poses) of (dof, dof)
   Eigen::MatrixXd spread;                  ///< J L^-T, shape (n, parameters): what the parameters leave open of e
+  Eigen::MatrixXd uncertain;               ///< g_k in columns, shape (n, uncertain numbers of the change)
   Eigen::VectorXd e;                       ///< shape (n): whitened, of all poses
   Eigen::MatrixXd covariance;              ///< S, shape (n, n)
   double known = 1.0;                      ///< nu: degrees of freedom that the poses before leave for the size of S
@@ -25,6 +28,10 @@ struct Predicted {
 
 /// The causes that a candidate holds beyond the model that was diagnosed.
 std::vector<PoseCause> causesBeyond(const ArmModel& given, const ArmModel& candidate);
+/// The fitted numbers of a model with these causes, in the scale of a fit.
+Eigen::VectorXd solutionOf(PoseFit& fit, const ArmModel& model);
+/// Indices of the parameters of causes that a change takes away.
+std::vector<Eigen::Index> undoneParameters(const PoseFit& fit, const ArmChanges& change);
 HeldCauses heldBy(const PoseEvidence& evidence);
 PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candidate);
 
@@ -43,7 +50,6 @@ class PosePrediction {
   }
 
  private:
-  static Eigen::VectorXd solutionOf(PoseFit& fit, const ArmModel& model);
   void learnPosterior();
   Predicted predict(const ArmChanges& change, std::span<const Pose> poses, bool jacobians,
                     const Predicted* like = nullptr) const;

@@ -64,11 +64,26 @@ PosteriorFit approach(const PosePosterior& coarse, const PosePosterior& posterio
   return std::isfinite(found.objective) ? found : fit;
 }
 
+/// Some of the poses, and where the first descent ended on all of them and on these.
+struct Coarse {
+  PosePosterior posterior;
+  Eigen::VectorXd z_all, z_some;
+};
+
+/// A minimum on some of the poses, moved as the first one moved when all were asked, if that is nearer.
+Eigen::VectorXd movedAsTheFirst(PosePosterior& posterior, const Coarse& coarse, const Eigen::VectorXd& z) {
+  Eigen::VectorXd moved = z + coarse.z_all - coarse.z_some;
+  const ScaledParameters& parameters = posterior.parameters();
+  for (Eigen::Index i = 0; i < z.size(); ++i) moved[i] = std::clamp(moved[i], parameters.lower(i), parameters.upper(i));
+  return posterior.objective(moved) < posterior.objective(z) ? moved : z;
+}
+
 /// From the approach; from z itself where an arm like that has a pose without an equilibrium.
-PosteriorFit descendFrom(PosePosterior& posterior, const PosePosterior& coarse, const Eigen::VectorXd& z) {
-  const PosteriorFit near = approach(coarse, posterior, z, /*whiten=*/false);
-  PosteriorFit fit = descendPosterior(posterior, near.z);
-  long evaluations = near.evaluations;
+PosteriorFit descendFrom(PosePosterior& posterior, const Coarse& coarse, const Eigen::VectorXd& z) {
+  const PosteriorFit near = approach(coarse.posterior, posterior, z, /*whiten=*/false);
+  const bool all = coarse.posterior.poses().size() == posterior.poses().size();
+  PosteriorFit fit = descendPosterior(posterior, all ? near.z : movedAsTheFirst(posterior, coarse, near.z));
+  long evaluations = near.evaluations + (all ? 0 : 2 * std::ssize(posterior.poses()));
   if (std::isinf(fit.objective)) {
     evaluations += fit.evaluations;
     fit = descendPosterior(posterior, z);
@@ -149,8 +164,14 @@ bool descendFromStarts(PosePosterior& posterior, const PosteriorSearchOptions& o
     whitening_cost = near.evaluations + first.evaluations;
     journal.whitened_at = first.z;
   }
-  coarse.whiten(journal.whitened_at);
   posterior.whiten(journal.whitened_at);
+  coarse.whiten(journal.whitened_at);
+  Coarse first{coarse, journal.whitened_at, journal.whitened_at};
+  if (some.size() < posterior.poses().size()) {
+    const PosteriorFit on_some = descendPosterior(coarse, journal.whitened_at);
+    first.z_some = on_some.z;
+    whitening_cost += on_some.evaluations;
+  }
   const bool go_on = descents.add(1, {journal.whitened_at}, [&](PosePosterior& own, std::size_t) {
     PosteriorFit fit = descendPosterior(own, journal.whitened_at);
     if (std::isinf(fit.objective)) fit = descendPosterior(own, drawStart(own.parameters(), options.seed, 0));
@@ -159,7 +180,7 @@ bool descendFromStarts(PosePosterior& posterior, const PosteriorSearchOptions& o
   });
   const auto others = static_cast<std::size_t>(std::max(0, options.starts - 1));
   return go_on && descents.add(others, {journal.whitened_at}, [&](PosePosterior& own, std::size_t i) {
-    return descendFrom(own, coarse, drawStart(own.parameters(), options.seed, i + 1));
+    return descendFrom(own, first, drawStart(own.parameters(), options.seed, i + 1));
   });
 }
 

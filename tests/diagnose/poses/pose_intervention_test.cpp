@@ -53,6 +53,23 @@ TEST(PoseIntervention, TheSentenceSaysHowNearTheNamedModelCame) {
                                      {"none", 0.0, -40.0, true},
                                      {"payload:hand, gravity-tilt", 0.3, 4.0, false, -6.0}};
   EXPECT_EQ(judgeCandidates(unasked, "poses").verdict, InterventionVerdict::kConfirmed) << "no tilt was there before";
+  const CandidateAnswer more[] = {{"payload:hand", 0.56, 0.0, false},
+                                  {"none", 0.0, -193.0, true},
+                                  {"payload:hand, gravity-tilt", 0.96, 9.5, false, -1.0}};
+  EXPECT_EQ(judgeCandidates(more, "poses").verdict, InterventionVerdict::kConfirmed) << "either way it is there";
+}
+
+TEST(PoseIntervention, WhatIsNeededByNoModelIsRefuted) {
+  // With the slip of next to no size beside it the creep predicts the same: that keeps no slip.
+  const auto judgement = [](double creep_before) {
+    const CandidateAnswer answers[] = {{"potentiometer-slip:m", 1e-16, 0.0, false},
+                                       {"cord-creep:m", 0.2, 107.3, true, creep_before},
+                                       {"cord-creep:m, potentiometer-slip:m", 0.26, 109.1, false, 30.0}};
+    return judgeCandidates(answers, "poses");
+  };
+  EXPECT_EQ(judgement(30.5).verdict, InterventionVerdict::kRefuted);
+  EXPECT_THAT(judgement(30.5).sentence, HasSubstr("cord-creep:m predicts these poses, potentiometer-slip:m does not"));
+  EXPECT_EQ(judgement(10.0).verdict, InterventionVerdict::kCannotTell) << "the poses before ask for both";
 }
 
 // The edit test: the model that holds the payload survives its removal as well as one that never knew any.
@@ -75,7 +92,8 @@ TEST(PoseIntervention, RefutesALookAlikeWhoseRemovalChangedNothing) {
   const Judged judged(seedOfAForearm(), options, {"gravity-tilt", "payload:link2", "passive-joint-torque:joint2"});
   const Intervention result = judged.judge("  - {kind: undo, cause: gravity-tilt}\n");
   EXPECT_EQ(result.verdict, InterventionVerdict::kRefuted) << result.sentence;
-  EXPECT_THAT(result.sentence, HasSubstr("payload:link2 predicts these poses"));
+  // A payload and a torque in the elbow say next to the same of these poses; neither is named alone then.
+  EXPECT_THAT(result.sentence, testing::ContainsRegex("payload:link2.* predicts these poses, gravity-tilt does not"));
 }
 
 TEST(PoseIntervention, PredictsAWeightThatWasHungOn) {
