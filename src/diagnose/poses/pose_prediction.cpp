@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "simgap/core/joint_kind.h"
+#include "simgap/core/random.h"
+
 namespace simgap {
 
 using Eigen::Index;
@@ -64,6 +67,43 @@ Predicted PosePrediction::after(const ArmChanges& change, std::span<const Pose> 
   result.covariance += result.uncertain * result.uncertain.transpose();
   result.covariance *= 1.0 + std::max(0.0, evidence_.excess);
   return result;
+}
+
+std::optional<std::vector<Pose>> PosePrediction::recorded(std::span<const Pose> commands, std::uint64_t seed,
+                                                          std::uint32_t draw) const {
+  constexpr std::uint32_t kPurpose = 72;
+  const CounterRandom random(seed);
+  const auto normals = [&](std::uint32_t place, Index count) {
+    VectorXd drawn(count);
+    for (Index i = 0; i < count; ++i) {
+      drawn[i] = random.normalPair({draw, place, static_cast<std::uint32_t>(i), kPurpose})[0];
+    }
+    return drawn;
+  };
+  PoseFit fit(problemOf(evidence_, candidate_), commands, causes_);
+  PosePosterior& posterior = fit.posterior();
+  const VectorXd expected = solutionOf(fit, candidate_.model);
+  posterior.whiten(expected);
+  VectorXd z = expected + curvature_.matrixU().solve(normals(0, expected.size()));  // of covariance N^-1
+  for (Index i = 0; i < z.size(); ++i) {
+    z[i] = std::clamp(z[i], posterior.parameters().lower(i), posterior.parameters().upper(i));
+  }
+  const std::vector<PoseResidual>& residuals = posterior.evaluate(z, false);
+  std::vector<Pose> poses(commands.begin(), commands.end());
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (!residuals[p].valid) return std::nullopt;
+    const VectorXd e = residuals[p].error + normals(static_cast<std::uint32_t>(p + 1), residuals[p].error.size());
+    const VectorXd way = posterior.whitening(p).triangularView<Eigen::Lower>().solve(e);
+    Index at = 0;
+    for (std::size_t j = 0; j < poses[p].joints.size(); ++j) {
+      const Joint& joint = evidence_.given.joints[j];
+      Eigen::Vector3d step = Eigen::Vector3d::Zero();
+      step.head(joint.degreesOfFreedom()) = way.segment(at, joint.degreesOfFreedom());
+      at += joint.degreesOfFreedom();
+      poses[p].joints[j] = kindOf(joint.type).moved(poses[p].joints[j], step);
+    }
+  }
+  return poses;
 }
 
 void PosePrediction::learnPosterior() {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,6 +42,10 @@ class PosePrediction {
   /// Both must outlive it.
   PosePrediction(const PoseEvidence& evidence, const CandidateModel& candidate);
   Predicted after(const ArmChanges& change, std::span<const Pose> poses) const;
+  /// Commands as an arm that this candidate describes would be recorded at them: what is left open of its parameters,
+  /// friction and noise are drawn. \returns none where a pose has no equilibrium then
+  std::optional<std::vector<Pose>> recorded(std::span<const Pose> commands, std::uint64_t seed,
+                                            std::uint32_t draw) const;
   /// The candidate's own posterior on some poses, with its solution in the scale of a fit.
   template <class Action>
   auto atPosterior(std::span<const Pose> poses, const Action& action) const {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <deque>
 #include <numeric>
+#include <span>
 
 #include "diagnose/paired_error.h"
 #include "pose_evidence.h"
@@ -34,6 +35,26 @@ constexpr double kMostPosesLeftOut = 0.1;  // of the poses: where more have no r
 constexpr std::size_t kKept = 3;           // models of other causes that are kept beside each
 constexpr std::size_t kTried = 6;          // candidates of a step that are cross-validated until one passes
 
+/// Models with one cause more, against one without it.
+class Compared {
+ public:
+  explicit Compared(PoseFit& without) : evidence_(without.logEvidence()), objective_(without.objective()) {}
+
+  /// The solution, and behind it log evidence and objective: what goes from rank to rank.
+  static Eigen::VectorXd pack(PoseFit& fit) {
+    Eigen::VectorXd packed(fit.z().size() + 2);
+    packed << fit.z(), fit.logEvidence(), fit.objective();
+    return packed;
+  }
+  PoseCandidate candidate(const PoseCause& cause, const Eigen::VectorXd& packed, double share) const {
+    const Eigen::Index n = packed.size() - 2;
+    return {cause, packed.head(n), packed[n] - evidence_ + std::log(share), objective_ - packed[n + 1], share};
+  }
+
+ private:
+  double evidence_, objective_;
+};
+
 class PoseSelector {
  public:
   PoseSelector(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<PoseHypothesis>& hypotheses,
@@ -50,7 +71,6 @@ class PoseSelector {
   std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const;
   void lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidates) const;
   bool improveBase(PoseFit& fit, const PoseCandidate& candidate) const;
-  double share(const PoseHypothesis& hypothesis) const;
   double pAdjusted(const PoseCandidate& candidate) const;
   std::string objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before, double odds,
                         Interval& gain) const;
@@ -130,22 +150,17 @@ std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<
       tries.push_back({h, {hypotheses[h].effect, hypotheses[h].target, start}, {}});
     }
   }
-  const double evidence = fit.logEvidence();
-  /// The solution, and behind it log evidence and objective.
+  const Compared plain(fit);
   const auto tryThis = [&](std::size_t t) {
     std::vector<PoseCause> causes = fit.causes();
     causes.push_back(tries[t].cause);
     PoseFit more = refit(causes, fit, fit.z(), kTryTolerance);
-    Eigen::VectorXd found(more.z().size() + 2);
-    found << more.z(), more.logEvidence(), more.objective();
-    return found;
+    return Compared::pack(more);
   };
   forEachOnRanks(problem_, tries.size(), fit.z(), tryThis, [&](std::size_t t, const Eigen::VectorXd& found) {
     if (found.size() == 0) return;  // interrupted
-    const Eigen::Index n = found.size() - 2;
-    const double part = share(hypotheses[tries[t].hypothesis]);
-    tries[t].result = {tries[t].cause, found.head(n), found[n] - evidence + std::log(part),
-                       fit.objective() - found[n + 1], part};
+    tries[t].result =
+        plain.candidate(tries[t].cause, found, shareOf(hypotheses[tries[t].hypothesis], hypotheses_, poses_.size()));
   });
   std::vector<PoseCandidate> best(hypotheses.size());
   for (PoseCandidate& candidate : best) candidate.odds = -std::numeric_limits<double>::infinity();
@@ -160,8 +175,7 @@ std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<
 /// The first few once more, from where the torques at the measured poses balance: a descent that may lose no pose's
 /// rest on its way can be held up far from a minimum.
 void PoseSelector::lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidates) const {
-  const double evidence = fit.logEvidence();
-  /// The solution, and behind it log evidence and objective.
+  const Compared plain(fit);
   const auto again = [&](std::size_t c) {
     std::vector<PoseCause> causes = fit.causes();
     causes.push_back(candidates[c].cause);
@@ -169,40 +183,15 @@ void PoseSelector::lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidate
     more.posterior().whitenLike(fit.posterior());
     PosePosterior balancing = more.posterior();  // which changes the whitening
     more.descend(balanceTorques(balancing, candidates[c].z), kTryTolerance);
-    Eigen::VectorXd found(more.z().size() + 2);
-    found << more.z(), more.logEvidence(), more.objective();
-    return found;
+    return Compared::pack(more);
   };
   const std::size_t count = std::min(kTried, candidates.size());
   forEachOnRanks(problem_, count, fit.z(), again, [&](std::size_t c, const Eigen::VectorXd& found) {
     if (found.size() == 0) return;  // interrupted
-    const Eigen::Index n = found.size() - 2;
-    const double odds = found[n] - evidence + std::log(candidates[c].share);
-    if (!(odds > candidates[c].odds)) return;
-    candidates[c].z = found.head(n);
-    candidates[c].odds = odds;
-    candidates[c].likelihood = fit.objective() - found[n + 1];
+    PoseCandidate other = plain.candidate(candidates[c].cause, found, candidates[c].share);
+    if (other.odds > candidates[c].odds) candidates[c] = std::move(other);
   });
   std::ranges::stable_sort(candidates, std::greater<>(), &PoseCandidate::odds);
-}
-
-/// The share of all hypotheses that one has before any data: every effect is as likely as any other, and so is each of
-/// its targets and moments; an effect on all muscles is as likely as on some one of them.
-double PoseSelector::share(const PoseHypothesis& hypothesis) const {
-  std::set<const ArmEffect*> effects;
-  double targets = 0.0;
-  bool whole = false;
-  for (const PoseHypothesis& h : hypotheses_) {
-    effects.insert(h.effect);
-    if (h.effect != hypothesis.effect) continue;
-    whole |= h.target.empty();
-    targets += h.target.empty() ? 0.0 : 1.0;
-  }
-  double ways = hypothesis.target.empty() ? 1.0 : targets;
-  if (whole && targets > 0.0) ways *= 2.0;
-  // Neighbouring moments are no new hypotheses.
-  if (hypothesis.effect->from_moment) ways *= std::max(1.0, 0.25 * static_cast<double>(poses_.size()));
-  return 1.0 / (static_cast<double>(effects.size()) * ways);
 }
 
 double PoseSelector::pAdjusted(const PoseCandidate& candidate) const {
@@ -340,12 +329,10 @@ void PoseSelector::exchange(PoseFit& fit, PoseSelection& selection) {
     cause.p_adjusted = pAdjusted(best);
     cause.rivals.clear();
     cause.instead.clear();
-    for (std::size_t r = 1; r < candidates.size(); ++r) {
-      const bool rival = best.odds - candidates[r].odds < kTellApart;
-      if (rival || cause.instead.size() < kKept) cause.instead.push_back(candidates[r].cause);
-    }
-    for (std::size_t r = 1; r < candidates.size(); ++r) {
-      if (best.odds - candidates[r].odds < kTellApart) cause.rivals.push_back(candidates[r].cause.label());
+    for (const PoseCandidate& other : std::span(candidates).subspan(1)) {
+      const bool rival = best.odds - other.odds < kTellApart;
+      if (rival) cause.rivals.push_back(other.cause.label());
+      if (rival || cause.instead.size() < kKept) cause.instead.push_back(other.cause);
     }
     selection.causes.push_back(cause);
     causes.push_back(best.cause);
@@ -405,39 +392,6 @@ PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> pos
                            const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,
                            const PoseDiagnosisOptions& options, const std::function<void(std::string_view)>& stage) {
   return PoseSelector(problem, poses, hypotheses, options).run(start, stage);
-}
-
-std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,
-                                           const std::vector<std::string>& effects,
-                                           std::vector<NotTestable>& not_testable) {
-  const bool timed = std::ranges::none_of(poses, [](const Pose& pose) { return std::isnan(pose.time); });
-  std::vector<PoseHypothesis> hypotheses;
-  for (const ArmEffect* effect : arm_effects::all()) {
-    if (!effects.empty() && std::ranges::find(effects, effect->name) == effects.end()) continue;
-    if (effect->needs_motion) {
-      if (!effects.empty()) not_testable.push_back({std::string(effect->name), "needs motions"});
-      continue;
-    }
-    if (effect->needs_time && !timed) {
-      not_testable.push_back({std::string(effect->name), "needs time_s"});
-      continue;
-    }
-    for (const std::string& target : effectTargets(*effect, model)) {
-      PoseHypothesis hypothesis{effect, target, {}};
-      for (const EffectParameters& start : effect->starts) {
-        Extension extension = makeExtension(*effect, target, start);
-        if (!checkExtension(extension, model).empty()) continue;
-        if (effect->from_previous >= 0 && start[static_cast<std::size_t>(effect->from_previous)] != 0.0 && !timed)
-          continue;
-        hypothesis.starts.push_back(start);
-      }
-      const Extension named{std::string(effect->name), target, {}};
-      const auto given = [&](const Extension& other) { return extensionLabel(other) == extensionLabel(named); };
-      if (hypothesis.starts.empty() || std::ranges::any_of(model.extensions, given)) continue;
-      hypotheses.push_back(std::move(hypothesis));
-    }
-  }
-  return hypotheses;
 }
 
 }  // namespace simgap

@@ -9,21 +9,9 @@
 #include <vector>
 
 #include "pose_fit.h"
-#include "simgap/diagnose/poses/pose_diagnosis.h"
+#include "pose_hypotheses.h"
 
 namespace simgap {
-
-/// An effect on a target, with all starts that its fit tries.
-struct PoseHypothesis {
-  const ArmEffect* effect = nullptr;
-  std::string target;
-  std::vector<EffectParameters> starts;
-};
-
-/// All hypotheses that the poses can test, and why others cannot be.
-std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,
-                                           const std::vector<std::string>& effects,
-                                           std::vector<NotTestable>& not_testable);
 
 /// A hypothesis after its best refit.
 struct PoseCandidate {

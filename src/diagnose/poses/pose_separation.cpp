@@ -7,8 +7,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 
-#include "pose_prediction.h"
+#include "pose_weighing.h"
 #include "simgap/core/error.h"
 #include "simgap/core/random.h"
 #include "simgap/core/statistics.h"
@@ -47,7 +48,6 @@ class Sequence {
     for (const SeparatedPair& pair : foreseen.pairs) turned_.push_back(VectorXd::Zero(left_[pair.wrong].rows()));
   }
 
-  const std::vector<double>& logOdds() const { return log_odds_; }
   double smallest() const { return *std::ranges::min_element(log_odds_); }
 
   /// Sum of exp(-log odds) over all pairs, were the command recorded next.
@@ -144,25 +144,78 @@ Foreseen foreseenOf(const PoseEvidence& evidence, const std::vector<Pose>& comma
   return foreseen;
 }
 
+/// Random commands in their order.
+std::vector<std::size_t> randomOrder(std::vector<std::size_t> left, std::size_t count, const CounterRandom& random,
+                                     std::uint32_t draw) {
+  constexpr std::uint32_t kPurpose = 71;
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double u =
+        random.uniform({.generation = draw, .individual = static_cast<std::uint32_t>(k), .purpose = kPurpose});
+    const auto at = left.begin() + static_cast<std::ptrdiff_t>(u * static_cast<double>(left.size()));
+    order.push_back(*at);
+    left.erase(at);
+  }
+  return order;
+}
+
 /// The mean over draws of what as many random commands tell, after 1, 2 … of them.
 std::vector<double> randomlyChosen(const Foreseen& foreseen, const std::vector<std::size_t>& usable, std::size_t count,
                                    std::uint64_t seed) {
-  constexpr std::uint32_t kDraws = 20, kPurpose = 71;
+  constexpr std::uint32_t kDraws = 20;
   std::vector<double> mean(count, 0.0);
   const CounterRandom random(seed);
   for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
-    std::vector<std::size_t> left = usable;
     Sequence sequence(foreseen);
+    const std::vector<std::size_t> order = randomOrder(usable, count, random, draw);
     for (std::size_t k = 0; k < count; ++k) {
-      const double u =
-          random.uniform({.generation = draw, .individual = static_cast<std::uint32_t>(k), .purpose = kPurpose});
-      const auto at = left.begin() + static_cast<std::ptrdiff_t>(u * static_cast<double>(left.size()));
-      sequence.add(*at);
-      left.erase(at);
+      sequence.add(order[k]);
       mean[k] += sequence.smallest() / kDraws;
     }
   }
   return mean;
+}
+
+/// Recorded and judged, were each pair's right model right: the median of the draws.
+std::vector<SeparatedPair> played(const PoseEvidence& evidence, const std::vector<Pose>& poses, std::uint64_t seed) {
+  constexpr std::size_t kDraws = 9;
+  std::vector<SeparatedPair> pairs = pairsOf(evidence);
+  std::set<std::size_t> rights;
+  for (const SeparatedPair& pair : pairs) rights.insert(pair.right);
+  std::vector<std::vector<double>> odds(pairs.size());  // of the draws that the right model could be recorded at
+  for (const std::size_t right : rights) {
+    const PosePrediction prediction(evidence, evidence.candidates[right]);
+    std::vector<std::vector<double>> said(kDraws);
+    forEach(problemOf(evidence, evidence.candidates[right]), kDraws, [&](std::size_t draw) {
+      const auto after = prediction.recorded(poses, seed, static_cast<std::uint32_t>(draw));
+      if (!after) return;
+      const auto weigh = [&](std::size_t c) {
+        return weighAfter(evidence, evidence.candidates[c], {}, *after).log_likelihood;
+      };
+      const double of_right = weigh(right);
+      for (const SeparatedPair& pair : pairs) {
+        if (pair.right == right) said[draw].push_back(of_right - weigh(pair.wrong));
+      }
+    });
+    for (const std::vector<double>& of_draw : said) {
+      std::size_t place = 0;
+      for (std::size_t k = 0; k < pairs.size(); ++k) {
+        if (pairs[k].right == right && !of_draw.empty()) odds[k].push_back(of_draw[place++]);
+      }
+    }
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if (odds[k].empty()) {
+      throw NumericsError(fmt::format("no arm like {} has an equilibrium at all of the poses to record",
+                                      evidence.candidates[pairs[k].right].causes));
+    }
+    pairs[k].log_odds = median(odds[k]);
+  }
+  return pairs;
+}
+
+double smallestOf(const std::vector<SeparatedPair>& pairs) {
+  return std::ranges::min_element(pairs, {}, &SeparatedPair::log_odds)->log_odds;
 }
 
 }  // namespace
@@ -183,6 +236,10 @@ PoseSeparation separatePoses(const PoseEvidence& evidence, const SeparationOptio
   }
   PoseSeparation result;
   result.smallest_random = randomlyChosen(foreseen, usable, options.poses, options.seed);
+  std::vector<Pose> random;
+  for (const std::size_t q : randomOrder(usable, options.poses, CounterRandom(options.seed), 0)) {
+    random.push_back(commands[q]);
+  }
   Sequence sequence(foreseen);
   for (std::size_t k = 0; k < options.poses; ++k) {
     std::vector<double> doubt(usable.size());
@@ -196,8 +253,9 @@ PoseSeparation separatePoses(const PoseEvidence& evidence, const SeparationOptio
     result.poses.back().name = fmt::format("next-{}", k + 1);
     result.smallest.push_back(sequence.smallest());
   }
-  result.pairs = foreseen.pairs;
-  for (std::size_t k = 0; k < result.pairs.size(); ++k) result.pairs[k].log_odds = sequence.logOdds()[k];
+  result.pairs = played(evidence, result.poses, options.seed);
+  result.promised = smallestOf(result.pairs);
+  result.promised_random = smallestOf(played(evidence, random, options.seed));
   return result;
 }
 

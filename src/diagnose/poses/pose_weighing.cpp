@@ -29,7 +29,9 @@ class BeforeAndAfter {
         z_before_(before.z()),
         z_after_(z_after),
         moved_(VectorXd::Ones(z_after.size())),
-        uncertain_(uncertain) {
+        uncertain_(uncertain.size() > 0
+                       ? uncertain
+                       : MatrixXd(after.posterior().degreesOfFreedom() * std::ssize(after.posterior().poses()), 0)) {
     for (const Index i : undone) moved_[i] = 0.0;  // what the change has undone is known to be nothing
   }
 

@@ -19,8 +19,9 @@ struct Weighed {
   double log_likelihood = 0.0;  ///< up to a constant that all candidates share
 };
 
-/// \param after  poses that the candidate is judged by \param uncertain  G, shape (components of all of them, numbers)
+/// \param after  poses that the candidate is judged by \param uncertain  G, shape (components of all of them, numbers);
+/// empty: no number of the change is uncertain
 Weighed weighAfter(const PoseEvidence& evidence, const CandidateModel& candidate, const ArmChanges& change,
-                   std::span<const Pose> after, const Eigen::MatrixXd& uncertain);
+                   std::span<const Pose> after, const Eigen::MatrixXd& uncertain = {});
 
 }  // namespace simgap

@@ -47,12 +47,14 @@ Json toJson(const PoseSeparation& result, const PoseEvidence& evidence) {
   }
   return {
       {"format", "simgap/separate/1"},
-      {"sentence", fmt::format("These {} poses are expected to tell {} from every model that contradicts it by odds "
-                               "of {:.3g} to 1 at least, whichever is right; as many random ones by {:.3g} to 1",
-                               result.poses.size(), named, promisedOdds(result.smallest.back()),
-                               promisedOdds(result.smallest_random.back()))},
+      {"sentence",
+       fmt::format("These {} poses are expected to tell {} from every model that contradicts it by odds "
+                   "of {:.3g} to 1 at least, whichever is right; as many random ones by {:.3g} to 1",
+                   result.poses.size(), named, promisedOdds(result.promised), promisedOdds(result.promised_random))},
       {"named", named},
       {"recorded", evidence.poses.size()},
+      {"promised", result.promised},
+      {"promised_random", result.promised_random},
       {"smallest", result.smallest},
       {"smallest_random", result.smallest_random},
       {"rivals", rivals},

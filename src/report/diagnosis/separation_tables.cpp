@@ -19,7 +19,7 @@ Table rivalsTable(const Json& result) {
 }
 
 Table countsTable(const Json& result) {
-  Table table{"The smallest of them, after so many poses", {"poses", "these", "random ones"}, {}};
+  Table table{"The smallest, after so many poses, by derivatives alone", {"poses", "these", "random ones"}, {}};
   const Json& chosen = result.at("smallest");
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     table.rows.push_back({std::to_string(k + 1), numberText(chosen[k], "{:.2f}"),

@@ -19,7 +19,8 @@ constexpr double kDecided = 3.0;  // log odds over every other model
 struct Race {
   int poses = kMost + 1;  ///< until one name was left; more than kMost: never
   bool right = false;     ///< it is the hidden one
-  double reached = 0.0;   ///< log odds of the hidden cause over its nearest rival, from all kMost new poses
+  /// shape (candidates): log odds of the hidden cause over each, from all kMost new poses
+  std::vector<double> reached;
 };
 
 /// Judges the first 1, 2 … of the fresh poses, those before them counted.
@@ -32,14 +33,13 @@ Race raceOf(const PoseEvidence& evidence, const std::string& truth, const PoseSe
     std::vector<double> odds;
     for (const CandidatePrediction& p : said.predictions) odds.push_back(p.log_odds + p.log_odds_before);
     const auto best = static_cast<std::size_t>(std::ranges::max_element(odds) - odds.begin());
-    double second = -1e300, hidden = 0.0, rival = -1e300;
+    double second = -1e300, hidden = 0.0;
     for (std::size_t c = 0; c < odds.size(); ++c) {
       if (c != best) second = std::max(second, odds[c]);
-      const double now = said.predictions[c].log_odds;
-      (evidence.candidates[c].causes == truth ? hidden : rival) =
-          evidence.candidates[c].causes == truth ? now : std::max(rival, now);
+      if (evidence.candidates[c].causes == truth) hidden = said.predictions[c].log_odds;
     }
-    race.reached = hidden - rival;
+    race.reached.clear();
+    for (const CandidatePrediction& p : said.predictions) race.reached.push_back(hidden - p.log_odds);
     if (race.poses <= kMost || odds[best] - second < kDecided) continue;
     race.poses = k;
     race.right = evidence.candidates[best].causes == truth;
@@ -47,10 +47,40 @@ Race raceOf(const PoseEvidence& evidence, const std::string& truth, const PoseSe
   return race;
 }
 
+/// What was promised of pairs whose right model is the hidden cause, and what recording the poses gave.
+struct Promises {
+  std::vector<double> promised, reached;
+
+  void add(const PoseEvidence& evidence, const std::string& truth, const PoseSeparation& next, const Race& race) {
+    for (const SeparatedPair& pair : next.pairs) {
+      if (evidence.candidates[pair.right].causes != truth) continue;
+      promised.push_back(pair.log_odds);
+      reached.push_back(race.reached[pair.wrong]);
+      std::printf("      over %s: promised %.1f, reached %.1f\n", evidence.candidates[pair.wrong].causes.c_str(),
+                  promised.back(), reached.back());
+    }
+  }
+  /// Log odds m of normal predictions scatter by sqrt(2 m). \returns how many lie within two of that, and one
+  int kept() const {
+    int count = 0;
+    for (std::size_t k = 0; k < promised.size(); ++k) {
+      const double scatter = 1.0 + 2.0 * std::sqrt(2.0 * std::max(0.0, promised[k]));
+      count += std::abs(reached[k] - promised[k]) < scatter ? 1 : 0;
+    }
+    return count;
+  }
+};
+
+double middle(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + std::ssize(values) / 2);
+  return values[values.size() / 2];
+}
+
 TEST(SlowSeparationStudy, FewerPosesUntilOneNameIsLeft) {
   const std::vector<std::string> effects = {"payload", "passive-joint-torque", "gravity-tilt", "joint-centre-offset"};
   constexpr int kCases = 40;
-  std::vector<int> designed, random;
+  std::vector<double> designed, random;
+  Promises promises;
   int right = 0, right_random = 0, asked = 0;
   for (std::uint64_t seed = 900; static_cast<int>(designed.size()) < kCases && seed < 1100; ++seed) {
     const std::string& effect = effects[seed % effects.size()];
@@ -76,21 +106,22 @@ TEST(SlowSeparationStudy, FewerPosesUntilOneNameIsLeft) {
     random.push_back(by_chance.poses);
     right += by_design.right;
     right_random += by_chance.right;
-    std::printf("  %lu %s: %d poses (%s), random %d (%s); promised %.1f, reached %.1f\n",
-                static_cast<unsigned long>(seed), truth.c_str(), by_design.poses, by_design.right ? "right" : "wrong",
-                by_chance.poses, by_chance.right ? "right" : "wrong", next.smallest.back(), by_design.reached);
+    std::printf("  %lu %s: %d poses (%s), random %d (%s)\n", static_cast<unsigned long>(seed), truth.c_str(),
+                by_design.poses, by_design.right ? "right" : "wrong", by_chance.poses,
+                by_chance.right ? "right" : "wrong");
+    promises.add(judged.evidence, truth, next, by_design);
     std::fflush(stdout);
   }
   ASSERT_FALSE(designed.empty());
-  const auto middle = [](std::vector<int> counts) {
-    std::ranges::nth_element(counts, counts.begin() + std::ssize(counts) / 2);
-    return counts[counts.size() / 2];
-  };
-  std::printf("%zu of %d sets undecided; poses until one name is left, median: %d, random %d; right %d, random %d\n",
+  std::printf("%zu of %d sets undecided; poses until one name is left, median: %g, random %g; right %d, random %d\n",
               designed.size(), asked, middle(designed), middle(random), right, right_random);
+  std::printf(
+      "of %zu pairs with the hidden cause, median log odds promised %.2f, reached %.2f; within the scatter %d\n",
+      promises.promised.size(), middle(promises.promised), middle(promises.reached), promises.kept());
   EXPECT_GE(static_cast<int>(designed.size()), kCases);
   EXPECT_GE(middle(random), 2 * middle(designed));
   EXPECT_GE(right, right_random);
+  EXPECT_GE(promises.kept(), 0.85 * static_cast<double>(promises.promised.size()));
 }
 
 }  // namespace
