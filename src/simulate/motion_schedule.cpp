@@ -5,76 +5,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
+
+#include "schedule_line.h"
 
 namespace simgap {
 namespace {
 
-/// A stretch of one muscle's command: from..to linearly within `duration`, and a sine about it.
-struct Segment {
-  double begin = 0.0, duration = 0.0;  ///< [s]
-  double from = 0.0, to = 0.0;
-  double amplitude = 0.0, frequency = 0.0, phase = 0.0;
-  double at(double time) const {
-    const double since = time - begin;
-    const double part = duration > 0.0 ? std::clamp(since / duration, 0.0, 1.0) : 1.0;
-    const double value = from + part * (to - from);
-    return since < duration ? value + amplitude * std::sin(2.0 * std::numbers::pi * frequency * since + phase) : value;
-  }
-};
-
-/// One command over time, of a muscle or of a line that takes one.
-struct Line {
+/// Of a muscle or of a line that takes a command.
+struct Line : ScheduleLine {
   CommandKind kind = CommandKind::kSetpoint;
   std::string own_unit = {};  ///< of a line's command; empty: a muscle's
   std::string_view unit() const { return own_unit.empty() ? columnOf(kind).unit : std::string_view(own_unit); }
-  std::vector<Segment> segments;
-  double end() const { return segments.empty() ? 0.0 : segments.back().begin + segments.back().duration; }
-  double last() const { return segments.empty() ? 0.0 : segments.back().to; }
-  double at(double time) const {
-    auto after = std::ranges::upper_bound(segments, time + 1e-9, {}, &Segment::begin);
-    return after == segments.begin() ? (segments.empty() ? 0.0 : segments.front().from) : std::prev(after)->at(time);
-  }
 };
 
 CommandKind readKind(const YamlNode& node) {
   const std::string name = node.oneOf({"setpoint", "voltage", "force"});
   if (name == "setpoint") return CommandKind::kSetpoint;
   return name == "voltage" ? CommandKind::kVoltage : CommandKind::kForce;
-}
-
-/// The part of a segment that all of its kinds have.
-Segment beginSegment(const YamlNode& node, const Line& line) {
-  Segment segment;
-  segment.begin = node.findQuantity("at", "s", kNonNegative).value_or(line.end());
-  if (segment.begin < line.end() - 1e-9) {
-    node.fail(fmt::format("found at_s: {:g} before the end of the segment above, {:g} s, expected times that rise",
-                          segment.begin, line.end()));
-  }
-  segment.duration = node.findQuantity("for", "s", kNonNegative).value_or(0.0);
-  segment.from = segment.to = line.last();
-  return segment;
-}
-
-Segment readSegment(const YamlNode& node, const Line& line) {
-  const std::string_view unit = line.unit();
-  Segment segment = beginSegment(node, line);
-  if (const auto value = node.findQuantity("hold", unit)) {
-    segment.from = segment.to = *value;
-  } else if (const auto step = node.findQuantity("step", unit)) {
-    segment.from = segment.to = line.last() + *step;
-  } else if (const auto ramp = node.findQuantity("ramp", unit)) {
-    segment.to = *ramp;
-  } else if (const auto sine = node.findQuantity("sine", unit)) {
-    segment.amplitude = *sine;
-    segment.frequency = node.quantity("frequency", "Hz", kPositive);
-    segment.phase = node.findQuantity("phase", "rad").value_or(0.0);
-  } else {
-    node.fail(fmt::format("found none of hold_{0}, step_{0}, ramp_{0} and sine_{0}, expected one", unit));
-  }
-  return segment;
 }
 
 int muscleIndex(const ArmModel& model, const std::string& name) {
@@ -94,7 +43,7 @@ void readAll(const YamlNode& node, const PoseSet* poses, std::vector<Line>& line
     const auto name = item.find("pose");
     if (!name) {
       for (Line& line : lines) {
-        if (line.own_unit.empty()) line.segments.push_back(readSegment(item, line));
+        if (line.own_unit.empty()) line.segments.push_back(readSegment(item, line, line.unit()));
       }
       continue;
     }
@@ -104,7 +53,7 @@ void readAll(const YamlNode& node, const PoseSet* poses, std::vector<Line>& line
     for (std::size_t m = 0; m < lines.size(); ++m) {
       if (lines[m].own_unit.empty() && lines[m].kind != CommandKind::kSetpoint)
         name->fail("a pose is made of set-points, expected command: setpoint");
-      Segment segment = beginSegment(item, lines[m]);
+      ScheduleSegment segment = beginSegment(item, lines[m]);
       segment.to = pose->shafts[m];
       if (segment.duration == 0.0) segment.from = segment.to;
       lines[m].segments.push_back(segment);
@@ -123,7 +72,8 @@ void readMuscles(const YamlNode& node, const ArmModel& model, std::vector<Line>&
       if (own != line.kind && !line.segments.empty()) kind->fail("differs from what `all` commands");
       line.kind = own;
     }
-    for (const YamlNode& item : entry.at("segments").items()) line.segments.push_back(readSegment(item, line));
+    for (const YamlNode& item : entry.at("segments").items())
+      line.segments.push_back(readSegment(item, line, line.unit()));
   }
 }
 
@@ -134,18 +84,15 @@ void readLines(const YamlNode& node, const ArmModel& model, std::span<Line> line
     const auto found = std::ranges::find(tendons, name, &PassiveTendon::name);
     if (found == tendons.end()) entry.fail(model.name + " has no such line that takes a command");
     Line& line = lines[static_cast<std::size_t>(found - tendons.begin())];
-    for (const YamlNode& item : entry.at("segments").items()) line.segments.push_back(readSegment(item, line));
+    for (const YamlNode& item : entry.at("segments").items())
+      line.segments.push_back(readSegment(item, line, line.unit()));
   }
 }
 
 MotionCommands sampled(const YamlNode& root, const ArmModel& model, const std::vector<Line>& lines, double duration,
                        double rate) {
-  constexpr double kMostRows = 1e7;
-  if (!(duration * rate < kMostRows)) {
-    root.fail(fmt::format("found {:g} s at {:g} Hz, expected at most {:g} rows", duration, rate, kMostRows));
-  }
   MotionCommands commands;
-  const auto rows = static_cast<Eigen::Index>(std::lround(duration * rate)) + 1;
+  const auto rows = static_cast<Eigen::Index>(scheduleRows(root, duration, rate));
   commands.values.resize(std::ssize(lines), rows);
   for (Eigen::Index row = 0; row < rows; ++row) commands.times.push_back(static_cast<double>(row) / rate);
   for (std::size_t m = 0; m < lines.size(); ++m) {
@@ -193,7 +140,6 @@ MotionCommands readSchedule(const YamlNode& root, const ArmModel& model, double 
   }
   const double duration = root.findQuantity("duration", "s", kPositive).value_or(end);
   root.expectAllRead();
-  if (!(duration > 0.0)) root.fail("found no time that passes, expected duration_s or segments with for_s");
   return sampled(root, model, lines, duration, rate);
 }
 

@@ -1,6 +1,7 @@
 // Writes the sample data of data/ that need no robot, from the simulators of tests/reality:
-//   make_sample_data DIRECTORY      logs/*.csv, eeg/*.csv, boards/{left,right,bar-left,bar-right}/*.pgm
-// data/logs and data/eeg hold them packed (gzip -9n), data/boards the pictures as PNG.
+//   make_sample_data DIRECTORY      logs/*.csv, eeg/*.csv, exoskeleton/log.csv,
+//                                   boards/{left,right,bar-left,bar-right}/*.pgm
+// data/logs, data/eeg and data/exoskeleton hold them packed (gzip -9n), data/boards the pictures as PNG.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +11,7 @@
 
 #include "reality/board_scene.h"
 #include "reality/eeg.h"
+#include "reality/exo_joint_rig.h"
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
 
@@ -49,6 +51,19 @@ void writeEeg(const std::filesystem::path& folder) {
   std::ofstream(folder / "imagery.csv") << recordEeg(design).csv();
   design.trials = 12, design.seed = 2;
   std::ofstream(folder / "imagery-later.csv") << recordEeg(design).csv();
+}
+
+/// The joint of data/exoskeleton/joint.yaml as it was built: muscles a little thinner, softer tendons.
+void writeExoskeleton(const std::filesystem::path& folder) {
+  std::filesystem::create_directories(folder);
+  ExoRig rig;
+  rig.diameter = 0.0293, rig.braid_angle = 0.445, rig.tendon = 33000.0;
+  // Hands move it, too: without them the angle would follow from both pressures, and say nothing more.
+  const auto inputs = [](double t) -> std::array<double, 4> {
+    return {3.0e5 + 2.6e5 * std::sin(0.61 * t), 2.8e5 + 2.6e5 * std::sin(0.43 * t + 1.3), 0.0,
+            45.0 * std::sin(1.37 * t)};
+  };
+  std::ofstream(folder / "log.csv") << recordExoRig(rig, inputs, 60.0, 50.0, 5e-4).csv(0.2, 2e-4, 400.0, 21);
 }
 
 /// A board turned about the cameras' common view: place [m], turn [rad].
@@ -117,6 +132,7 @@ int main(int argc, char** argv) {
   const std::filesystem::path directory = argv[1];
   writeLogs(directory / "logs");
   writeEeg(directory / "eeg");
+  writeExoskeleton(directory / "exoskeleton");
   writeBoards(directory / "boards");
   return 0;
 }

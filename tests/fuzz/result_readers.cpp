@@ -20,6 +20,8 @@
 #include "simgap/report/html/result_page.h"
 #include "simgap/report/runs/budget.h"
 #include "simgap/report/runs/run_comparison.h"
+#include "simgap/simulate/exo_joint_motion.h"
+#include "simgap/simulate/exo_leg_motion.h"
 #include "simgap/simulate/joint_targets.h"
 #include "simgap/simulate/motion_inputs.h"
 #include "simgap/simulate/motion_schedule.h"
@@ -203,6 +205,33 @@ void readHead(std::string bytes) {
   if (channels < 100) decode(decoder, recording);
 }
 
+/// A joint, its commands and some ticks of it; a muscle that it names is the sample's.
+void readJoint(std::string bytes) {
+  const ExoJoint joint = readExoJoint(yaml(bytes), [](const std::string&) {
+    return readFittedModel(
+        yaml("format: simgap/pam/1\nlaw: spring\nparameters: {a: {value: 0.01, unit: m2}, b: {value: "
+             "-0.02, unit: m2}, c: {value: 0.006, unit: m2}, k: {value: 4e4, unit: N}}\n"));
+  });
+  const ExoJointCommands commands{true, {{}, {0.0, 0.01}, Eigen::MatrixXd::Constant(2, 2, 5.0), false}};
+  playExoJoint(joint, commands, 0.01, {.step = 0.01, .settle = 0.0});
+}
+
+void readJointCommands(std::string bytes) {
+  if (bytes.starts_with("format")) {
+    readExoJointSchedule(yaml(bytes), 100.0);
+  } else {
+    readExoJointCommands(CsvTable::parse(std::move(bytes), "input.csv"), false);
+  }
+}
+
+/// A leg, and some ticks of it.
+void readLeg(std::string bytes) {
+  const ExoLeg leg = readExoLeg(yaml(bytes));
+  studyExoLeg(leg, {{0.0, 0.01}, {true, true}}, 0.01, 0.005);
+}
+
+void readSwitch(std::string bytes) { readLegSwitch(CsvTable::parse(std::move(bytes), "input.csv")); }
+
 constexpr std::array kReaders = {
     Reader{"state", readState},
     Reader{"calibration", readCalibration},
@@ -223,6 +252,10 @@ constexpr std::array kReaders = {
     Reader{"excitation", readExcitationLimits},
     Reader{"decoder", readEegDecoder},
     Reader{"eeg", readHead},
+    Reader{"exo_joint", readJoint},
+    Reader{"exo_commands", readJointCommands},
+    Reader{"exo_leg", readLeg},
+    Reader{"leg_switch", readSwitch},
 };
 
 }  // namespace

@@ -8,10 +8,12 @@
 #include <iostream>
 #include <utility>
 
+#include "cli/exo_simulation.h"
 #include "cli/inputs.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/poses/simulation_report.h"
 #include "simgap/simulate/joint_targets.h"
 #include "simgap/simulate/motion_inputs.h"
@@ -132,9 +134,29 @@ ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
   return ExitCode::kDone;
 }
 
+/// A joint of muscles and a motor, or a leg: its controller stands in its file, and it begins at rest.
+ExitCode runExo(const Options& options, const YamlNode& root, Session& session) {
+  if (options.serve || !options.config.empty() || !options.measured.empty() || options.start != "rest") {
+    throw ConfigError(options.model + ": found no arm, expected no --serve, --config, --measured or --start");
+  }
+  if (options.commands.empty()) throw ConfigError("found no --commands, expected what it is told");
+  ExoSimulateOptions exo;
+  exo.common = options.common;
+  exo.table = options.table;
+  exo.file = options.model;
+  exo.commands = options.commands;
+  exo.linear = options.hold == "linear";
+  exo.rate = options.rate.value_or(exo.rate);
+  exo.step = options.step.value_or(exo.step);
+  exo.duration = options.duration;
+  return simulateExo(exo, root, session);
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("simulate", options.common, argv);
-  const ArmModel model = readArmFile(session, "model", options.model);
+  const YamlNode root = YamlNode::parse(session.read("model", options.model).content, options.model);
+  if (holdsExo(root)) return runExo(options, root, session);
+  const ArmModel model = readArm(root);
   SimulationOptions settings = settingsOf(session, options);
   if (options.serve) return serve(model, settings.rollout);
   if (options.commands.empty()) throw ConfigError("found neither --commands nor --serve, expected one of them");
@@ -172,7 +194,9 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("MODEL", options->model, "arm model (YAML)")->required();
+  app.add_option("MODEL", options->model,
+                 "arm, joint of pneumatic muscles and a motor, or leg in an exoskeleton (YAML)")
+      ->required();
   app.add_option(
       "--commands", options->commands,
       "per muscle over time: setpoint_<m>_rad, voltage_<m>_V or force_<m>_N (CSV), or a schedule (YAML); or per "

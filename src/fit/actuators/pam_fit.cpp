@@ -26,7 +26,14 @@ class PamProblem {
       contraction.push_back(log.contraction[i]);
       force.push_back(log.force[i]);
       session.push_back(log.session[i]);
+      if (!log.opposed()) continue;
+      opposing_pressure.push_back(log.opposing_pressure[i]);
+      opposing_contraction.push_back(log.opposing_contraction[i]);
     }
+    // The force of a muscle, which stretches its own tendon: measured, or of two what a rigid tendon would give.
+    inside_ = force;
+    opposing_inside_.assign(opposing_pressure.size(), 0.0);
+    if (log.opposed()) estimateForces();
     parameters = {{"a", "m2", -kInfinity, kInfinity},
                   {"b", "m2", -kInfinity, kInfinity},
                   {"c", "m2", -kInfinity, kInfinity},
@@ -64,12 +71,10 @@ class PamProblem {
     const auto columns = static_cast<Index>(problem.linear.size());
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns + 1, columns + 1);
     for (std::size_t i = 0; i < rows(); ++i) {
-      const double x = contraction[i] + force[i] / k, p = pressure[i];
       Eigen::VectorXd row(columns + 1);
-      if (options_.tied) {
-        row << p * (x * x - 2.0 * x), p, force[i];
-      } else {
-        row << p * x * x, p * x, p, force[i];
+      row << terms(pressure[i], contraction[i] + inside_[i] / k), force[i];
+      if (!opposing_pressure.empty()) {
+        row.head(columns) -= terms(opposing_pressure[i], opposing_contraction[i] + opposing_inside_[i] / k);
       }
       gram += row * row.transpose();
     }
@@ -84,33 +89,58 @@ class PamProblem {
     return theta;
   }
 
-  std::vector<double> pressure, contraction, force;
+  std::vector<double> pressure, contraction, force, opposing_pressure, opposing_contraction;
   std::vector<int> session;
   std::vector<ParameterSpec> parameters;
 
  private:
+  /// What a, b (where it is free) and c are multiplied by in p g(x).
+  Eigen::VectorXd terms(double p, double x) const {
+    if (options_.tied) return Eigen::Vector2d(p * (x * x - 2.0 * x), p);
+    return Eigen::Vector3d(p * x * x, p * x, p);
+  }
+
+  void estimateForces() {
+    inside_.assign(rows(), 0.0);
+    const std::vector<double> theta = thetaOf(linear(kInfinity));
+    const Pam rigid{theta[0], theta[1], theta[2]};
+    const auto estimate = [&](double p, double eps) { return std::max(0.0, p * rigid.area(eps)); };
+    for (std::size_t i = 0; i < rows(); ++i) {
+      inside_[i] = estimate(pressure[i], contraction[i]);
+      opposing_inside_[i] = estimate(opposing_pressure[i], opposing_contraction[i]);
+    }
+  }
+
+  /// Force of one muscle, and its derivatives by a, b, c, k where they are asked for.
+  double pull(const Pam& m, double p, double eps, Eigen::RowVector4d* slopes) const {
+    // Without a real root the spring is too soft for this point: the force at the turning point.
+    const std::optional<double> root = m.force(p, eps);
+    const double f = root ? *root : m.turningForce(p, eps);
+    if (slopes == nullptr) return f;
+    if (!root) {
+      *slopes = turningSlopes(m, p, eps);
+      return f;
+    }
+    // From F = f - p g(eps + f / k) = 0: df = -F_theta / F_f.
+    const double x = eps + f / m.k, slope = 2.0 * m.a * x + m.b;
+    const double stiffness = f > 0.0 ? 1.0 - p * slope / m.k : kInfinity;
+    *slopes << p * (options_.tied ? x * x - 2.0 * x : x * x) / stiffness, options_.tied ? 0.0 : p * x / stiffness,
+        p / stiffness, std::isfinite(m.k) ? -p * slope * f / (m.k * m.k) / stiffness : 0.0;
+    return f;
+  }
+
   void evaluate(std::span<const double> theta, const Block& block, Eigen::Ref<Eigen::VectorXd> r,
                 Eigen::Ref<Eigen::MatrixXd>* jacobian) const {
     const Pam m = muscle(theta);
     for (std::size_t i = block.begin; i < block.end; ++i) {
       const auto row = static_cast<Index>(i - block.begin);
-      const double p = pressure[i], eps = contraction[i];
-      // Without a real root the spring is too soft for this point: the force at the turning point.
-      const std::optional<double> root = m.force(p, eps);
-      const double f = root ? *root : m.turningForce(p, eps);
-      r[row] = f - force[i];
-      if (jacobian == nullptr) continue;
-      if (!root) {
-        jacobian->row(row) = turningSlopes(m, p, eps);
-        continue;
+      Eigen::RowVector4d slopes, opposing = Eigen::RowVector4d::Zero();
+      Eigen::RowVector4d* const wanted = jacobian == nullptr ? nullptr : &slopes;
+      r[row] = pull(m, pressure[i], contraction[i], wanted) - force[i];
+      if (!opposing_pressure.empty()) {
+        r[row] -= pull(m, opposing_pressure[i], opposing_contraction[i], jacobian == nullptr ? nullptr : &opposing);
       }
-      // From F = f - p g(eps + f / k) = 0: df = -F_theta / F_f.
-      const double x = eps + f / m.k, slope = 2.0 * m.a * x + m.b;
-      const double stiffness = f > 0.0 ? 1.0 - p * slope / m.k : kInfinity;
-      (*jacobian)(row, 0) = p * (options_.tied ? x * x - 2.0 * x : x * x) / stiffness;
-      (*jacobian)(row, 1) = options_.tied ? 0.0 : p * x / stiffness;
-      (*jacobian)(row, 2) = p / stiffness;
-      (*jacobian)(row, 3) = std::isfinite(m.k) ? -p * slope * f / (m.k * m.k) / stiffness : 0.0;
+      if (jacobian != nullptr) jacobian->row(row) = slopes - opposing;
     }
   }
 
@@ -124,6 +154,7 @@ class PamProblem {
   }
 
   PamFitOptions options_;
+  std::vector<double> inside_, opposing_inside_;  ///< [N]
 };
 
 }  // namespace
@@ -193,6 +224,12 @@ PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector
   return fit;
 }
 
+double predictedForce(const Pam& muscle, const PamLog& log, std::size_t row) {
+  const double force = muscle.force(log.pressure[row], log.contraction[row]).value_or(0.0);
+  if (!log.opposed()) return force;
+  return force - muscle.force(log.opposing_pressure[row], log.opposing_contraction[row]).value_or(0.0);
+}
+
 double meanSquaredError(const PamFit& fit, const PamLog& log, const std::vector<bool>& rows) {
   Pam muscle = fit.muscle();
   muscle.lowest = -kInfinity;
@@ -201,7 +238,7 @@ double meanSquaredError(const PamFit& fit, const PamLog& log, const std::vector<
   std::size_t count = 0;
   for (std::size_t i = 0; i < log.rows(); ++i) {
     if (!rows.empty() && !rows[i]) continue;
-    const double wrong = muscle.force(log.pressure[i], log.contraction[i]).value_or(0.0) - log.force[i];
+    const double wrong = predictedForce(muscle, log, i) - log.force[i];
     sum += wrong * wrong;
     ++count;
   }

@@ -142,4 +142,33 @@ PamLog readPamLog(CsvTable table) {
   return log;
 }
 
+PamLog readJointPamLog(CsvTable table, const MusclePulley& pulley) {
+  PamLog log;
+  log.file = table.name();
+  const bool named = table.offersQuantity("muscle_torque", "Nm");
+  const std::vector<double> torque = table.takeQuantity(named ? "muscle_torque" : "torque", "Nm");
+  const std::vector<double> angle = table.takeQuantity("angle", "rad");
+  const std::vector<double> flexor = optional(table, "pressure_flexor", "Pa");
+  const std::vector<double> extensor = optional(table, "pressure_extensor", "Pa");
+  if (torque.empty()) throw DataError(table.name() + ": found no rows, expected a log");
+  if (flexor.empty() && extensor.empty()) {
+    throw DataError(table.name() +
+                    ":1: found neither pressure_flexor_Pa nor pressure_extensor_Pa, expected one at least");
+  }
+  const double sign = flexor.empty() ? -1.0 : 1.0, per_angle = pulley.radius / pulley.length;
+  for (std::size_t i = 0; i < torque.size(); ++i) {
+    const double in_flexor = pulley.rest_flexor + per_angle * angle[i];
+    const double in_extensor = pulley.rest_extensor - per_angle * angle[i];
+    log.force.push_back(sign * torque[i] / pulley.radius);
+    log.contraction.push_back(flexor.empty() ? in_extensor : in_flexor);
+    if (!flexor.empty() && !extensor.empty()) log.opposing_contraction.push_back(in_extensor);
+  }
+  log.pressure = flexor.empty() ? extensor : flexor;
+  if (!flexor.empty()) log.opposing_pressure = extensor;
+  log.session = readSessions(table, log.session_names);
+  log.time = optional(table, "time", "s");
+  if (!log.time.empty()) requireRisingTime(table, log.time, log.session);
+  return log;
+}
+
 }  // namespace simgap

@@ -39,7 +39,8 @@ std::vector<double> pressureLevels(const PamLog& log) {
 /// Measured and predicted force over contraction: some rows of the log, and the chosen model at all pressures.
 std::string forcesCsv(const PamCandidate& chosen, const PamLog& log) {
   CsvWriter csv({"series", "contraction", "force_N"});
-  for (std::size_t i = 0; i < log.rows(); i += muscleStride(log)) {
+  // Of two muscles that oppose each other no single one's force was measured.
+  for (std::size_t i = 0; !log.opposed() && i < log.rows(); i += muscleStride(log)) {
     csv.add("measured").add(log.contraction[i]).add(log.force[i]).endRow();
   }
   const auto [low, high] = std::ranges::minmax(log.contraction);
@@ -59,8 +60,7 @@ std::string forceErrorsCsv(const std::vector<PamCandidate>& candidates, const Pa
   for (const PamCandidate& c : candidates) {
     const Pam muscle = unboundedMuscle(c);
     for (std::size_t i = 0; i < log.rows(); i += muscleStride(log)) {
-      const auto f = muscle.force(log.pressure[i], log.contraction[i]);
-      if (f) csv.add(c.name).add(log.force[i]).add(*f - log.force[i]).endRow();
+      csv.add(c.name).add(log.force[i]).add(predictedForce(muscle, log, i) - log.force[i]).endRow();
     }
   }
   return csv.text();
@@ -90,6 +90,9 @@ FitSummary summarise(const PamReport& report) {
     summary.facts.emplace_back("geometry of a and c",
                                fmt::format("diameter {:.1f} mm, braid angle {:.1f} deg", 1e3 * geometry->diameter,
                                            geometry->angle * 180.0 / std::numbers::pi));
+  }
+  if (report.log.opposed()) {
+    summary.facts.emplace_back("muscles", "two that are alike, from the difference of their forces");
   }
   if (report.maker) {
     summary.facts.emplace_back(

@@ -33,6 +33,8 @@ struct PamFit {
 /// \throws DataError: too few rows, constant pressure and contraction.
 PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows = {});
 
+/// What a muscle (unbounded) pulls in a row of a log, less what the one that is like it and opposes it pulls. [N]
+double predictedForce(const Pam& muscle, const PamLog& log, std::size_t row);
 double meanSquaredError(const PamFit& fit, const PamLog& log, const std::vector<bool>& rows);
 
 /// Diameter [m] and braid angle [rad] that give a and c (002 eq. 12); empty when no geometry does.

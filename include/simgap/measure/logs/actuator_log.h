@@ -66,13 +66,28 @@ struct PamLog {
   std::string file;
   std::vector<double> pressure;     ///< [Pa] gauge
   std::vector<double> contraction;  ///< [1] apparent: of the muscle with its tendon
-  std::vector<double> force;        ///< [N]
+  std::vector<double> force;        ///< [N]; of two muscles the difference
   std::vector<double> time;         ///< [s]
   std::vector<int> session;
   std::vector<std::string> session_names;
+  /// Of a muscle that pulls the other way, which is like this one; empty where there is none.
+  std::vector<double> opposing_pressure, opposing_contraction;
   std::size_t rows() const { return force.size(); }
+  bool opposed() const { return !opposing_pressure.empty(); }
 };
 PamLog readPamLog(CsvTable table);
+
+/// What turns a joint's angle into the contraction of the muscles on its pulley (002 section III).
+struct MusclePulley {
+  double radius = 0.0;         ///< r0 [m]
+  double length = 0.0;         ///< L0 of the muscles [m]
+  double rest_flexor = 0.0;    ///< contraction at angle 0
+  double rest_extensor = 0.0;  ///< likewise
+};
+/// The log of a joint: `angle_rad`, `muscle_torque_Nm` (what load cells in the lines say, times the radius) or
+/// `torque_Nm`, `pressure_flexor_Pa` and `pressure_extensor_Pa`, or one of them where only that muscle pulls.
+/// \throws DataError: as readPamLog; neither pressure
+PamLog readJointPamLog(CsvTable table, const MusclePulley& pulley);
 
 /// Labels of the `session` column (text or number), which is taken from the table; all 0 when there is none.
 /// \param names  set to the labels' texts.

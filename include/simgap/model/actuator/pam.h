@@ -24,6 +24,9 @@ struct Pam {
 
   double area(double contraction) const noexcept { return (a * contraction + b) * contraction + c; }
 
+  /// Contraction of the muscle itself at which it pulls no more: the smaller root of g. NaN when g has none.
+  double slack() const noexcept { return 2.0 * c / (-b + std::sqrt(b * b - 4.0 * a * c)); }
+
   /// Force at a pressure [Pa] and an apparent contraction: the physical root of the quadratic, >= 0. Empty when the
   /// muscle would leave its contraction range.
   std::optional<double> force(double pressure, double contraction) const noexcept {
@@ -37,6 +40,14 @@ struct Pam {
     }
     f = f > 0.0 ? f : 0.0;
     return inRange(contraction, f) ? std::optional(f) : std::nullopt;
+  }
+
+  /// df / d eps at a constant pressure: p g' / (1 - p g' / k), 0 when slack or outside the range. [N]
+  double slope(double pressure, double contraction) const noexcept {
+    const double f = force(pressure, contraction).value_or(0.0);
+    if (f <= 0.0) return 0.0;
+    const double rigid = pressure * (2.0 * a * (contraction + f / k) + b);
+    return rigid / (1.0 - rigid / k);
   }
 
   /// Where no force solves the equation, because the spring is too soft: the force at which p g(eps + f / k) comes
