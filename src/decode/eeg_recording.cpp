@@ -10,7 +10,6 @@
 namespace simgap {
 namespace {
 
-constexpr std::size_t kFewestRows = 64;
 constexpr double kMostJitter = 0.5;  // of a sample time: more is a gap, over which a filter would ring
 
 /// Channels: every column of voltage, by its stem.
@@ -29,8 +28,8 @@ std::vector<std::string> channelsOf(const CsvTable& table) {
 }
 
 double evenRate(const CsvTable& table, const std::vector<double>& times) {
-  if (times.size() < kFewestRows) {
-    throw DataError(fmt::format("{}: found {} rows, expected {} or more", table.name(), times.size(), kFewestRows));
+  if (times.size() < kFewestEegRows) {
+    throw DataError(fmt::format("{}: found {} rows, expected {} or more", table.name(), times.size(), kFewestEegRows));
   }
   const double step = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   if (!(step > 0.0)) throw DataError(fmt::format("{}: time_s does not increase", table.name()));

@@ -8,6 +8,7 @@
 #include "fuzz/readers.h"
 #include "simgap/core/error.h"
 #include "simgap/decode/decoder.h"
+#include "simgap/decode/edf.h"
 #include "simgap/diagnose/logs/log_change.h"
 #include "simgap/exchange/exchange.h"
 #include "simgap/fit/dynamics/excitation.h"
@@ -232,6 +233,10 @@ void readLeg(std::string bytes) {
 
 void readSwitch(std::string bytes) { readLegSwitch(CsvTable::parse(std::move(bytes), "input.csv")); }
 
+void readRecorder(std::string bytes) {
+  if (isEdf(bytes)) readEdf(bytes, "input.edf", {});
+}
+
 constexpr std::array kReaders = {
     Reader{"state", readState},
     Reader{"calibration", readCalibration},
@@ -252,6 +257,7 @@ constexpr std::array kReaders = {
     Reader{"excitation", readExcitationLimits},
     Reader{"decoder", readEegDecoder},
     Reader{"eeg", readHead},
+    Reader{"edf", readRecorder},
     Reader{"exo_joint", readJoint},
     Reader{"exo_commands", readJointCommands},
     Reader{"exo_leg", readLeg},

@@ -19,6 +19,9 @@ struct EegRecording {
   std::vector<int> instructions;  ///< shape (rows): +1 up, -1 down, 0 neither; empty: not told
 };
 
+/// A recording with fewer has nothing to filter.
+inline constexpr std::size_t kFewestEegRows = 64;
+
 /// The words of a recording's labels for the two states.
 struct EegLabels {
   std::string up = "up", down = "down";

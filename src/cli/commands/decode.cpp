@@ -3,6 +3,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
 #include "simgap/core/error.h"
+#include "simgap/decode/edf.h"
 #include "simgap/report/decode/decode_report.h"
 
 namespace simgap::commands::decode {
@@ -19,6 +20,7 @@ struct Options {
 
 EegRecording readRecording(const Options& options, Session& session) {
   const Input& input = session.read("recording", options.files.back());
+  if (isEdf(input.content)) return readEdf(input.content, input.file.string(), options.labels);
   return readEeg(CsvTable::parse(input.content, input.file.string(), options.table.csv()), options.labels);
 }
 
@@ -66,7 +68,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   DecoderSettings& settings = options->training.settings;
   app.add_option("ACTION", options->action, "train, or run")->required()->check(CLI::IsMember({"train", "run"}));
   app.add_option("FILES", options->files,
-                 "train: RECORDING (CSV: time_s, eeg_<channel>_uV, label); run: DECODER (YAML), RECORDING")
+                 "train: RECORDING (CSV: time_s, eeg_<channel>_uV, label; or EDF, BDF); run: DECODER (YAML), RECORDING")
       ->required()
       ->expected(1, 2);
   app.add_option("--up", options->labels.up, "the label that means up");
