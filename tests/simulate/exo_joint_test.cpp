@@ -235,25 +235,26 @@ TEST(ExoJointStudy, WithoutHysteresisTheRestIsTheValvesLag) {
 }
 
 std::string jointText() { return readText(sourceFile("data/exoskeleton/joint.yaml")); }
-std::string jointError(const std::string& text) {
+std::string exoJointError(const std::string& text) {
   return errorOf([&] { readExoJoint(YamlNode::parse(text, "joint.yaml"), noModel); });
 }
 
 TEST(ExoJointFile, RefusesWhatNoJointIs) {
   const auto with = [](const std::string& from, const std::string& to) { return replaced(jointText(), from, to); };
-  EXPECT_THAT(jointError(with("lower_limit_deg: -55", "lower_limit_deg: 60")),
+  EXPECT_THAT(exoJointError(with("lower_limit_deg: -55", "lower_limit_deg: 60")),
               HasSubstr("expected lower_limit_rad below upper_limit_rad"));
-  EXPECT_THAT(jointError(with("upper_limit_deg: 55", "upper_limit_deg: 400")),
+  EXPECT_THAT(exoJointError(with("upper_limit_deg: 55", "upper_limit_deg: 400")),
               HasSubstr("at the joint's limits the flexor contracts by"));
-  EXPECT_THAT(jointError(with("braid_angle_deg: 25", "braid_angle_deg: 70")), HasSubstr("expected an angle between"));
+  EXPECT_THAT(exoJointError(with("braid_angle_deg: 25", "braid_angle_deg: 70")),
+              HasSubstr("expected an angle between"));
   EXPECT_THAT(
-      jointError(with("{diameter_mm: 30, braid_angle_deg: 25, k_N", "{a_m2: 0.01, b_m2: 0.02, c_m2: 0.005, k_N")),
+      exoJointError(with("{diameter_mm: 30, braid_angle_deg: 25, k_N", "{a_m2: 0.01, b_m2: 0.02, c_m2: 0.005, k_N")),
       HasSubstr("a force that does not fall to 0"));
-  EXPECT_THAT(jointError(with("extensor_pressure_MPa: 0.6", "extensor_pressure_MPa: 0.6, co_contraction_N: 3")),
+  EXPECT_THAT(exoJointError(with("extensor_pressure_MPa: 0.6", "extensor_pressure_MPa: 0.6, co_contraction_N: 3")),
               HasSubstr("found two of co_contraction_N"));
-  EXPECT_THAT(jointError(with("supply_MPa: 0.6", "supply_MPa: 0")), HasSubstr("supply_MPa"));
-  EXPECT_THAT(jointError(with("ratio: 20", "ration: 20")), HasSubstr("ratio"));
-  EXPECT_THAT(jointError(with("{diameter_mm: 30, braid_angle_deg: 25, k_N: 40000,", "{model: m.yaml,")),
+  EXPECT_THAT(exoJointError(with("supply_MPa: 0.6", "supply_MPa: 0")), HasSubstr("supply_MPa"));
+  EXPECT_THAT(exoJointError(with("ratio: 20", "ration: 20")), HasSubstr("ratio"));
+  EXPECT_THAT(exoJointError(with("{diameter_mm: 30, braid_angle_deg: 25, k_N: 40000,", "{model: m.yaml,")),
               HasSubstr("asked for m.yaml"));
 }
 
