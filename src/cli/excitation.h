@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simgap/cli/session.h"
+#include "simgap/core/error.h"
 
 namespace simgap {
 

@@ -11,6 +11,7 @@
 #include "simgap/decode/edf.h"
 #include "simgap/diagnose/logs/log_change.h"
 #include "simgap/exchange/exchange.h"
+#include "simgap/fit/actuators/bench_protocol.h"
 #include "simgap/fit/dynamics/excitation.h"
 #include "simgap/fit/dynamics/robot_model.h"
 #include "simgap/fit/motions/motion_calibration.h"
@@ -195,6 +196,7 @@ void readExcitationLimits(std::string bytes) {
   ExcitationLimits::read(yaml(bytes), robot);
 }
 
+void readDriveLimits(std::string bytes) { DriveLimits::read(yaml(bytes), nullptr); }
 void readEegDecoder(std::string bytes) { readDecoder(yaml(bytes)); }
 
 /// What is read is decoded, by a decoder of its own channels and rate.
@@ -255,6 +257,7 @@ constexpr std::array kReaders = {
     Reader{"log_candidates", readLogCandidates},
     Reader{"robot", readRobot},
     Reader{"excitation", readExcitationLimits},
+    Reader{"drive_limits", readDriveLimits},
     Reader{"decoder", readEegDecoder},
     Reader{"eeg", readHead},
     Reader{"edf", readRecorder},

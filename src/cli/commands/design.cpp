@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cli/bench_protocol.h"
 #include "cli/excitation.h"
 #include "cli/inputs.h"
 #include "cli/separation.h"
@@ -25,31 +26,15 @@ struct Options {
   std::size_t candidates = 300, count = 7;
   SeparateOptions separate;
   ExciteOptions excite;
+  DriveDesignOptions drive;
 };
 
 constexpr std::size_t kFewestPoses = 8;
 
-ExitCode run(Options& options, const std::vector<std::string>& argv) {
-  if (!options.excite.robot.empty()) {
-    if (options.model.empty() || !options.poses.empty() || !options.separate.of.run.empty()) {
-      throw ConfigError(
-          "found --excite ROBOT without LIMITS, or with --poses or --separate, expected ROBOT and LIMITS");
-    }
-    options.excite.common = options.common;
-    options.excite.limits = options.model;
-    return designExcitation(options.excite, argv);
-  }
-  if (!options.separate.of.run.empty()) {
-    if (!options.model.empty() || !options.poses.empty()) {
-      throw ConfigError("found MODEL or --poses with --separate, expected the result of simgap diagnose alone");
-    }
-    options.separate.of.common = options.common;
-    options.separate.candidates = options.candidates;
-    options.separate.count = options.count;
-    return designSeparation(options.separate, argv);
-  }
+ExitCode nextPoses(const Options& options, const std::vector<std::string>& argv) {
   if (options.model.empty() || options.poses.empty()) {
-    throw ConfigError("found no MODEL or no --poses, expected both, or --separate RUN, or --excite ROBOT LIMITS");
+    throw ConfigError(
+        "found no MODEL or no --poses, expected both, or --separate RUN, --excite ROBOT LIMITS or --drive LIMITS");
   }
   Session session("design", options.common, argv);
   DesignResult result;
@@ -95,9 +80,38 @@ ExitCode run(Options& options, const std::vector<std::string>& argv) {
   return ExitCode::kDone;
 }
 
+ExitCode run(Options& options, const std::vector<std::string>& argv) {
+  if (!options.drive.limits.empty()) {
+    if (!options.poses.empty() || !options.excite.robot.empty() || !options.separate.of.run.empty()) {
+      throw ConfigError("found --drive LIMITS with --poses, --excite or --separate, expected LIMITS and at most MODEL");
+    }
+    options.drive.common = options.common;
+    options.drive.model = options.model;
+    return designBench(options.drive, argv);
+  }
+  if (!options.excite.robot.empty()) {
+    if (options.model.empty() || !options.poses.empty() || !options.separate.of.run.empty()) {
+      throw ConfigError(
+          "found --excite ROBOT without LIMITS, or with --poses or --separate, expected ROBOT and LIMITS");
+    }
+    options.excite.common = options.common;
+    options.excite.limits = options.model;
+    return designExcitation(options.excite, argv);
+  }
+  if (options.separate.of.run.empty()) return nextPoses(options, argv);
+  if (!options.model.empty() || !options.poses.empty()) {
+    throw ConfigError("found MODEL or --poses with --separate, expected the result of simgap diagnose alone");
+  }
+  options.separate.of.common = options.common;
+  options.separate.candidates = options.candidates;
+  options.separate.count = options.count;
+  return designSeparation(options.separate, argv);
+}
+
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  app.add_option("MODEL", options->model, "arm model as measured by hand (YAML); with --excite: LIMITS (YAML)");
+  app.add_option("MODEL", options->model,
+                 "arm model as measured by hand (YAML); with --excite: LIMITS (YAML); with --drive: a fitted drive");
   app.add_option("--poses", options->poses, "poses recorded so far, 8 or more (CSV)");
   app.add_option("--config", options->config, "parameters and their priors (YAML; default: the paper's)");
   app.add_option("--candidates", options->candidates, "commands to choose from")->check(CLI::Range(1, 100000));
@@ -118,6 +132,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--law", excite.law, "of --excite: friction of every joint, coulomb or stribeck")
       ->default_val("coulomb");
   app.add_option("--gravity", excite.gravity, "of --excite: X,Y,Z in the robot's base, instead of its file's [m/s^2]");
+  app.add_option("--drive", options->drive.limits,
+                 "instead: the log to record of one drive, within these limits (YAML)");
   options->table.add(app);
   options->common.add(app);
   return [options, argv] { return run(*options, argv); };
@@ -133,7 +149,8 @@ const Command entry{"design", "which poses to record next",
                     "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm\n"
                     "  simgap design --separate runs/diagnosis-arm --count 5 -o runs/next\n"
                     "  simgap design --excite data/robot/robot.urdf \\\n"
-                    "    data/robot/limits.yaml -o runs/excitation",
+                    "    data/robot/limits.yaml -o runs/excitation\n"
+                    "  simgap design --drive data/logs/drive-limits.yaml -o runs/protocol",
                     define};
 
 }  // namespace simgap::commands::design
