@@ -126,6 +126,22 @@ TEST_F(DiagnoseTest, NamesATransmissionThatStretches) {
   succeed({"diagnose", "d/model.yaml", "--log", "log.csv", "-q", "-o", "again"});
   EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "nothing-found");
   EXPECT_THAT(text("again/model.yaml"), HasSubstr("transmission-compliance"));
+  // On another log of the drive the joint's angle follows from the motor's, but for the encoders' own errors.
+  draw.rig.seed += 1;
+  withMotorAngle(0.004);
+  const std::string ratio = std::to_string(draw.rig.ratio);
+  succeed({"predict", "d/model.yaml", "log.csv", "--joint-angle", "--ratio", ratio, "-q", "-o", "angle"});
+  const Json angle = Json::parse(text("angle/result.json"));
+  const double stiff = angle.at("joint_angle").at("rms_error_stiff"), elastic = angle.at("rms_error");
+  const double noise = std::hypot(2e-3, draw.rig.angle_noise);  // [rad] of csvWithMotorAngle and of the joint's encoder
+  EXPECT_GT(stiff, 1.3 * noise);
+  EXPECT_LT(elastic, 1.1 * noise);
+  // The motor's encoder is read 3 ms later: -0.003 s of the motor, over the ratio at the joint.
+  EXPECT_NEAR(angle.at("joint_angle").at("lag_s").get<double>(), 0.003 / draw.rig.ratio, 3e-5 / 10);
+  EXPECT_THAT(text("angle/report.html"), HasSubstr("Stretch over load and angle"));
+  expectRefused({"predict", "d/baseline.yaml", "log.csv", "--joint-angle", "--ratio", ratio, "-o", "no"}, 2,
+                "found no transmission-compliance");
+  expectRefused({"predict", "d/model.yaml", "log.csv", "--joint-angle", "-o", "no"}, 2, "found no ratio");
 }
 
 TEST_F(DiagnoseTest, SaysUnexplainedAndTheChannelForWhatHasNoName) {

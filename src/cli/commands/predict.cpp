@@ -10,6 +10,7 @@
 #include "simgap/fit/actuators/free_run.h"
 #include "simgap/report/actuators/prediction_report.h"
 #include "simgap/report/actuators/robot_prediction_report.h"
+#include "simgap/report/actuators/stretch_report.h"
 
 namespace simgap::commands::predict {
 namespace {
@@ -18,7 +19,7 @@ struct Options {
   CommonOptions common;
   LogFileOptions table;
   std::string model, log, motor, bench;
-  bool inverse = false, simulate = false;
+  bool inverse = false, simulate = false, joint_angle = false;
   std::optional<double> ratio;
 };
 
@@ -56,9 +57,10 @@ Prediction predictLog(const FittedModel& model, const Options& options, Session&
 
 /// All joints of a robot at once.
 ExitCode runRobot(const RobotModel& model, const Options& options, Session& session, const CLI::App& app) {
-  if (options.simulate || options.inverse || options.ratio || !options.motor.empty() || !options.bench.empty()) {
+  if (options.simulate || options.inverse || options.joint_angle || options.ratio || !options.motor.empty() ||
+      !options.bench.empty()) {
     throw ConfigError(options.model +
-                      ": found a robot, expected no --simulate, --inverse, --ratio, --motor or --bench");
+                      ": found a robot, expected no --simulate, --inverse, --joint-angle, --ratio, --motor or --bench");
   }
   const RobotPrediction prediction =
       predictRobot(model, readRobotLogs(session, model.arm, {options.log}, options.table));
@@ -75,10 +77,35 @@ ExitCode runRobot(const RobotModel& model, const Options& options, Session& sess
   return ExitCode::kDone;
 }
 
+/// The joint's angle from the motor's.
+ExitCode runJointAngle(const FittedModel& model, const Options& options, Session& session, const CLI::App& app) {
+  if (options.simulate || options.inverse || !options.motor.empty()) {
+    throw ConfigError("found --joint-angle with --simulate, --inverse or --motor, expected one of them");
+  }
+  const LogTable rows = readLog(session, "log", options.log, options.table);
+  for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
+  const std::optional<double> ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
+  const JointStretch stretch = predictJointAngle(model, rows.table, readRig(session, options.bench, ratio));
+  if (options.common.dry_run) {
+    session.print(
+        fmt::format("would predict {} rows of {}; nothing was written\n", stretch.angle.predicted.size(), options.log));
+    return ExitCode::kDone;
+  }
+  session.begin(options.common.seed.value_or(0));
+  const RunDirectory& directory = session.directory();
+  directory.write("config.resolved.yaml", resolvedOptions(app));
+  directory.write("prediction.csv", predictionCsv(stretch.angle));
+  if (!stretch.cells.empty()) directory.write("stretch.csv", stretchCsv(stretch));
+  const Json result = toJson(stretch, model.kind);
+  session.finish(result, answerText(stretchAnswer(result), {stretchTable(result)}));
+  return ExitCode::kDone;
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("predict", options.common, argv);
   if (const auto robot = findRobotModel(session, options.model)) return runRobot(*robot, options, session, app);
   const FittedModel model = readFittedModel(YamlNode::parse(session.input("model").content, options.model));
+  if (options.joint_angle) return runJointAngle(model, options, session, app);
   const Prediction prediction = predictLog(model, options, session);
   if (options.common.dry_run) {
     session.print(
@@ -105,6 +132,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_flag("--inverse", options->inverse, "a muscle's pressure from force instead; a drive's current");
   app.add_flag("--simulate", options->simulate, "the motion from the effort, told only where it begins");
+  app.add_flag("--joint-angle", options->joint_angle,
+               "the joint's angle from the motor's, by the stretch of the cable");
   options->table.add(app);
   options->common.add(app);
   return [options, argv, &app] { return run(*options, argv, app); };
