@@ -50,6 +50,12 @@ double spanOf(const ActuatorLog& log) {
 
 const std::vector<std::string> kAllSessions;
 
+/// What only the log that is fitted has to tell besides.
+struct OfFitted {
+  Holdout holdout;
+  std::vector<double> position;
+};
+
 /// A log with its rig, ready to be fitted.
 struct Task {
   const Options& options;
@@ -57,12 +63,13 @@ struct Task {
   FrictionDataOptions data;
   ActuatorLogOptions log;
 
-  FrictionData read(Session& session, const std::string& role, const std::string& file, Holdout* holdout) const {
-    const bool fitted = holdout != nullptr;
+  FrictionData read(Session& session, const std::string& role, const std::string& file, OfFitted* own) const {
+    const bool fitted = own != nullptr;
     LogTable rows = readLog(session, role, file, options.table, fitted ? options.fit.sessions : kAllSessions);
-    if (fitted) *holdout = readHoldout(options.fit.holdout, rows.table);
+    if (fitted) own->holdout = readHoldout(options.fit.holdout, rows.table);
     const std::vector<std::string> left_out = rows.summary();
     ActuatorLog drive = readActuatorLog(std::move(rows.table), log);
+    if (fitted) own->position = drive.position;
     FrictionDataOptions prepared = data;
     prepared.block_seconds = blockSeconds(options.fit.block_s, spanOf(drive));
     FrictionData result = prepareFrictionData(std::move(drive), bench, prepared);
@@ -86,8 +93,10 @@ ExitCode runLaws(const Options& options, const Task& task, Session& session, con
   report.options = fitOptions(options);
   report.ratio = task.bench.ratio;
   report.requirements = readRequirements(options.require);
-  Holdout holdout;
-  const FrictionData all = task.read(session, "log", options.log, &holdout);
+  OfFitted own;
+  const FrictionData all = task.read(session, "log", options.log, &own);
+  const Holdout& holdout = own.holdout;
+  report.position = std::move(own.position);
   requireKnown({report.options.fixed, report.options.bounds}, parameterNames(laws, all, report.options));
   std::optional<FrictionData> training, test;
   if (holdout.any()) {

@@ -8,6 +8,7 @@
 #include "friction_tables.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/units.h"
+#include "simgap/report/table.h"
 
 namespace simgap {
 namespace {
@@ -101,7 +102,7 @@ FitSummary summarise(const FrictionReport& report) {
   for (const std::string& channel : data.derived) {
     summary.facts.emplace_back(channel, fmt::format("worked out, zero-phase smoothing of {:.3g} Hz", data.bandwidth));
   }
-  for (const std::string& sentence : requirementSentences(report)) summary.facts.emplace_back("requirement", sentence);
+  for (auto& fact : requirementSentences(report)) summary.facts.push_back(std::move(fact));
   return summary;
 }
 
@@ -126,6 +127,7 @@ void writeFrictionReport(const FrictionReport& report, const std::string& log_sh
   directory.write("series.csv", seriesCsv(report));
   directory.write("maps.csv", mapsCsv(report));
   directory.write("friction.csv", frictionCsv(report));
+  directory.write("histograms.csv", histogramsCsv(report));
   directory.write("models.csv", modelsCsv(report));
   if (!report.options.predict_load) directory.write("curves.csv", curvesCsv(report));
   if (!report.requirements.empty()) directory.write("requirements.csv", requirementsCsv(report));

@@ -28,8 +28,16 @@ std::vector<Index> rowsOfBand(const ArrayXd& load, double low, double high) {
   return shown;
 }
 
-WorkingPoint reachedPoint(const FrictionReport& report) {
-  return furthestPoint(report.data->velocity, report.rows().load(), report.ratio.value_or(1.0));
+/// Of the motor in the rows that were fitted; empty when the log has none.
+ArrayXd positionOf(const FrictionReport& report) {
+  if (report.position.empty()) return {};
+  ArrayXd position(report.data->velocity.size());
+  for (Index i = 0; i < position.size(); ++i) position[i] = report.position[report.data->row[i]];
+  return position;
+}
+
+CoveredRange coveredBy(const FrictionReport& report, const Requirement& r) {
+  return coveredRange(r, report.data->velocity, report.rows().load(), positionOf(report), report.ratio.value_or(1.0));
 }
 
 }  // namespace
@@ -49,17 +57,39 @@ std::string mapsCsv(const FrictionReport& report) {
   return csv.text();
 }
 
-std::vector<std::string> requirementSentences(const FrictionReport& report) {
+std::vector<std::pair<std::string, std::string>> requirementSentences(const FrictionReport& report) {
   const FrictionData& data = *report.data;
-  const WorkingPoint reached = reachedPoint(report);
-  std::vector<std::string> sentences;
+  std::vector<std::pair<std::string, std::string>> sentences;
   for (const Requirement& r : report.requirements) {
-    sentences.push_back(fmt::format("{}: {:.3g} {} and {:.3g} {} {} (measured up to {:.3g} and {:.3g})", r.name,
-                                    r.velocity, unitTitle(data.velocity_unit), r.torque, unitTitle(data.load_unit),
-                                    reached.covers(r) ? "are covered" : "are NOT covered", reached.velocity,
-                                    reached.load));
+    const CoveredRange covered = coveredBy(report, r);
+    std::string text = fmt::format(
+        "{:.3g} {} and {:.3g} {} {} (measured up to {:.3g} and {:.3g}); rows in {:.0f} % of that range", r.velocity,
+        unitTitle(data.velocity_unit), r.torque, unitTitle(data.load_unit),
+        covered.covers(r) ? "are covered" : "are NOT covered", covered.velocity, covered.load, 100.0 * covered.cells);
+    if (covered.angle) text += fmt::format(", at {:.0f} % of its angles", 100.0 * *covered.angle);
+    sentences.emplace_back("requirement, " + r.name, std::move(text));
   }
   return sentences;
+}
+
+std::string histogramsCsv(const FrictionReport& report) {
+  const FrictionData& data = *report.data;
+  const double ratio = report.ratio.value_or(1.0);
+  CsvWriter csv({"quantity", "lower", "upper", "rows"});
+  const auto add = [&](const std::string& quantity, const ArrayXd& values) {
+    const Histogram histogram = histogramOf(values);
+    for (std::size_t b = 0; b < histogram.rows.size(); ++b) {
+      csv.add(quantity).add(histogram.edges[b]).add(histogram.edges[b + 1]);
+      csv.add(static_cast<double>(histogram.rows[b])).endRow();
+    }
+  };
+  add(quantityName("motor_velocity", data.velocity_unit), data.velocity);
+  if (report.ratio) add(quantityName("joint_velocity", data.velocity_unit), data.velocity / ratio);
+  add(quantityName("load", data.load_unit), report.rows().load());
+  if (!report.position.empty()) {
+    add(quantityName(report.ratio ? "joint_position" : "motor_position", data.angle_unit), positionOf(report) / ratio);
+  }
+  return csv.text();
 }
 
 std::string curvesCsv(const FrictionReport& report) {
@@ -116,11 +146,12 @@ std::string modelsCsv(const FrictionReport& report) {
 std::string requirementsCsv(const FrictionReport& report) {
   const FrictionData& data = *report.data;
   const double ratio = report.ratio.value_or(1.0);
-  const WorkingPoint reached = reachedPoint(report);
-  CsvWriter csv(
-      {"name", quantityName("velocity", data.velocity_unit), quantityName("load", data.load_unit), "covered"});
+  CsvWriter csv({"name", quantityName("velocity", data.velocity_unit), quantityName("load", data.load_unit), "covered",
+                 "cells_covered", "angles_covered"});
   for (const Requirement& r : report.requirements) {
-    csv.add(r.name).add(r.velocity * ratio).add(r.torque).add(reached.covers(r) ? "true" : "false").endRow();
+    const CoveredRange covered = coveredBy(report, r);
+    csv.add(r.name).add(r.velocity * ratio).add(r.torque).add(covered.covers(r) ? "true" : "false");
+    csv.add(covered.cells).add(covered.angle ? fmt::format("{}", *covered.angle) : "").endRow();
   }
   return csv.text();
 }

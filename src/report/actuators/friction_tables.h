@@ -10,7 +10,7 @@ namespace simgap {
 std::string mapsCsv(const FrictionReport& report);
 
 /// Whether the data reach each requirement.
-std::vector<std::string> requirementSentences(const FrictionReport& report);
+std::vector<std::pair<std::string, std::string>> requirementSentences(const FrictionReport& report);
 
 /// Friction over velocity in up to four bands of load: measured rows (what the effort yields beyond the load, by the
 /// best law's k_a), and the curve of every law at the band's middle, by the same k_a.
@@ -20,6 +20,8 @@ std::string frictionCsv(const FrictionReport& report);
 /// Parameters of every law.
 std::string modelsCsv(const FrictionReport& report);
 /// Working points that the drive has to reach, as the motor sees them.
+/// How many rows lie at which velocity of motor and joint, load and angle (003 figures 10b and c).
+std::string histogramsCsv(const FrictionReport& report);
 std::string requirementsCsv(const FrictionReport& report);
 
 }  // namespace simgap

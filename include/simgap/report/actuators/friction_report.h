@@ -19,6 +19,7 @@ struct FrictionReport {
   std::vector<TransferRow> transfer;
   std::optional<double> ratio;  ///< motor per joint
   std::vector<Requirement> requirements;
+  std::vector<double> position;  ///< [rad] of the motor in every row of the log; empty when it has none
 
   const FrictionFit& best() const { return laws.fits[laws.best]; }
   FittedRows rows() const { return {*data, options, laws}; }

@@ -108,6 +108,21 @@ void addMaps(const ResultFiles& files, Page& page) {
   }
 }
 
+/// How many rows there are at which velocity, load and angle.
+void addHistograms(const ResultFiles& files, Page& page) {
+  if (!files.has("histograms.csv")) return;
+  const CsvTable table = files.table("histograms.csv");
+  page.addSection("How the rows are spread");
+  for (const std::string& quantity : distinctOf(table, "quantity")) {
+    const std::vector<double> lower = numbersWhere(table, "lower", "quantity", quantity),
+                              upper = numbersWhere(table, "upper", "quantity", quantity);
+    std::vector<std::string> labels;
+    for (std::size_t b = 0; b < lower.size(); ++b) labels.push_back(fmt::format("{:.3g}", 0.5 * (lower[b] + upper[b])));
+    const std::string title = axisTitle(quantity);
+    page.add(barChart(title, labels, {"rows"}, {{title, {}, numbersWhere(table, "rows", "quantity", quantity)}}));
+  }
+}
+
 /// Cost over the two non-linear parameters: one valley or several.
 void addProfile(const ResultFiles& files, Page& page) {
   const CsvTable table = files.table("profile.csv");
@@ -160,6 +175,7 @@ Page make(const ResultFiles& files) {
   addBands(files, page);
   addFriction(files, page);
   addMaps(files, page);
+  addHistograms(files, page);
   addProfile(files, page);
   return page;
 }
