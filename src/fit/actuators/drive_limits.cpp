@@ -14,7 +14,7 @@ namespace {
 constexpr double kMostProtocolRows = 1e6;
 
 /// k_a, and what the law has.
-std::vector<ParameterSpec> driveParameters(const FrictionLaw& law) {
+std::vector<ParameterSpec> guessedParameters(const FrictionLaw& law) {
   std::vector<ParameterSpec> all{{"k_a", "Nm_A", 1e-12, kInfinity}};
   for (const ParameterSpec& p : termParameters(law, "Nm")) all.push_back(p);
   for (const ParameterSpec& p : stribeckParameters(law, 1.0, "rad_s")) all.push_back(p);
@@ -40,7 +40,7 @@ FittedModel guessOf(const YamlNode& root) {
   guess.law = root.at("law").text();
   const FrictionLaw& law = friction::find(guess.law);
   const YamlNode values = root.at("guess");
-  for (const ParameterSpec& p : driveParameters(law)) {
+  for (const ParameterSpec& p : guessedParameters(law)) {
     const bool of_law = p.name != "k_a" && p.name != "v_s" && p.name != "delta";
     guess.parameters.push_back({p.name, p.unit, values.at(p.name).number(of_law ? kNonNegative : kPositive)});
   }
