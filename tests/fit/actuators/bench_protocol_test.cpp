@@ -220,9 +220,9 @@ TEST(SlowBenchProtocol, AgainstThePapersProtocolAtEqualDuration) {
       std::printf("  stated / expected %.2f; error / expected %.2f; paper's stated / designed %.2f, errors %.2f\n",
                   meanRatio(designed.stated, expected), meanRatio(designed.error, expected),
                   meanRatio(paper.stated, designed.stated), meanRatio(paper.error, designed.error));
-      EXPECT_NEAR(meanRatio(designed.stated, expected), 1.0, 0.2);
       EXPECT_GT(meanRatio(paper.stated, designed.stated), 1.0);
-      if (bristles > 0.0) continue;  // which the law does not have: its estimates are biased then
+      if (bristles > 0.0) continue;  // which the law does not have: what is expected of it does not hold then
+      EXPECT_NEAR(meanRatio(designed.stated, expected), 1.0, 0.2);
       EXPECT_NEAR(meanRatio(designed.error, expected), 1.0, 0.25);
       EXPECT_GT(meanRatio(paper.error, designed.error), 1.0);
     }
