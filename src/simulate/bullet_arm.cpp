@@ -16,6 +16,9 @@ void BulletArmOptions::validate() const {
     throw ConfigError(fmt::format("controller_rate_Hz: found {}, expected > 0", controller_rate));
   }
   if (!(shaft_gain > 0.0)) throw ConfigError(fmt::format("shaft_gain_V_rad: found {}, expected > 0", shaft_gain));
+  if (drive_steps != 1 && drive_steps != 2) {
+    throw ConfigError(fmt::format("drive_steps: found {}, expected 1 or 2", drive_steps));
+  }
   const double steps = 1.0 / (controller_rate * step);
   if (std::abs(steps - std::round(steps)) > 1e-6 || steps < 0.5) {
     throw ConfigError(fmt::format("step_s: found {} s, expected the controller's period {} s divided by a whole number",
@@ -73,10 +76,10 @@ void BulletArm::setModel(const ArmModel& model) {
     if (extensions_[e].effect->path) crossed_[e] = jointsCrossed(model, lineOf(model, extensions_[e].target));
   }
   if (muscles_.size() == model.muscles.size()) {
-    for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].setModel(plain.muscles[m], options_.step);
+    for (std::size_t m = 0; m < muscles_.size(); ++m) muscles_[m].setModel(plain.muscles[m], driveStep());
   } else {
     muscles_.clear();
-    for (const Muscle& muscle : plain.muscles) muscles_.emplace_back(muscle, options_.step);
+    for (const Muscle& muscle : plain.muscles) muscles_.emplace_back(muscle, driveStep());
     motion_.reset();
   }
   setMotionEffects();

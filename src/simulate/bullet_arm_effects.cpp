@@ -20,7 +20,7 @@ void BulletArm::setMotionEffects() {
       if (effect->guide) muscle.guide = effect->guide(p);
       if (effect->relaxation) muscle.relaxation = effect->relaxation(p);
     }
-    muscle.setTerm(term, options_.step);
+    muscle.setTerm(term, driveStep());
     muscle.relaxing = -std::expm1(-options_.step / muscle.relaxation.time);
     guided_ |= muscle.guide.loss > 0.0;
     yielding_ |= muscle.relaxation.share > 0.0;
@@ -37,7 +37,7 @@ void BulletArm::sagSupply() {
   for (const MuscleState& muscle : muscles_) drawn += muscle.voltage / muscle.supply_voltage * muscle.state.current;
   const double full = muscles_.front().supply_voltage;
   const double settled = std::clamp(1.0 - supply_.resistance * drawn / full, 0.05, 1.5);
-  const double part = -std::expm1(-options_.step / supply_.time);
+  const double part = -std::expm1(-driveStep() / supply_.time);
   for (MuscleState& muscle : muscles_) muscle.supplied += part * (settled - muscle.supplied);
 }
 
@@ -63,20 +63,23 @@ void BulletArm::slipGuides(double step) {
   Motion& m = *motion_;
   constexpr int kMostSweeps = 30;
   constexpr double kStill = 1e-7;  // [m/s]
-  for (Motion::Pull& pull : m.pulls) pull.guided = 0.0;
+  for (std::size_t i = 0; i < muscles_.size(); ++i) {
+    Motion::Pull& pull = m.pulls[i];
+    pull.guided = pull.give = 0.0;
+    if (!pull.taut || muscles_[i].guide.loss <= 0.0) continue;
+    pull.response.noalias() = m.mobility.lazyProduct(pull.row);
+    pull.give = pull.row.dot(pull.response);
+  }
   for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
     double changed = 0.0;
     for (std::size_t i = 0; i < muscles_.size(); ++i) {
       Motion::Pull& pull = m.pulls[i];
       const GuideTerm& guide = muscles_[i].guide;
-      if (!pull.taut || guide.loss <= 0.0) continue;
-      m.scratch.noalias() = m.mobility.lazyProduct(pull.row);
-      const double give = pull.row.dot(m.scratch);
-      if (!(give > 0.0)) continue;
-      const double slip = pull.row.dot(m.next), free = slip - give * pull.guided;
-      const double left = slipLeft(free, give * step * guide.loss * std::max(0.0, pull.force), guide.creep);
-      m.next += (left - slip) / give * m.scratch;
-      pull.guided += (left - slip) / give;
+      if (!(pull.give > 0.0)) continue;
+      const double slip = pull.row.dot(m.next), free = slip - pull.give * pull.guided;
+      const double left = slipLeft(free, pull.give * step * guide.loss * std::max(0.0, pull.force), guide.creep);
+      m.next += (left - slip) / pull.give * pull.response;
+      pull.guided += (left - slip) / pull.give;
       changed = std::max(changed, std::abs(left - slip));
     }
     if (changed < kStill) return;

@@ -196,6 +196,11 @@ void BulletArm::moveJoints(double step) {
 }
 
 void BulletArm::stepMotion() {
+  moveBodies();
+  for (int part = 0; part < options_.drive_steps; ++part) stepDrives(part);
+}
+
+void BulletArm::moveBodies() {
   Motion& m = motion();
   const double step = options_.step;
   btMultiBody& body = world_->body;
@@ -211,8 +216,9 @@ void BulletArm::stepMotion() {
     const MuscleState& muscle = muscles_[i];
     DriveState end = muscle.state;  // were the load that of the step before
     muscle.stepDrive(end, muscle.force * m.pulls[i].winding_radius);
-    placePull(i, {0.5 * (muscle.state.current + end.current), 0.5 * (muscle.state.motor_velocity + end.motor_velocity),
-                  0.5 * (muscle.state.shaft_angle + end.shaft_angle)});
+    const auto middle = [&](double now, double then) { return options_.drive_steps == 1 ? 0.5 * (now + then) : then; };
+    placePull(i, {middle(muscle.state.current, end.current), middle(muscle.state.motor_velocity, end.motor_velocity),
+                  middle(muscle.state.shaft_angle, end.shaft_angle)});
   }
   followCommands(0.5 * step);
   for (std::size_t t = 0; t < passive_.size(); ++t) placePassive(t);
@@ -224,7 +230,6 @@ void BulletArm::stepMotion() {
     MuscleState& muscle = muscles_[i];
     const Motion::Pull& pull = m.pulls[i];
     muscle.force = pull.taut ? std::max(0.0, pull.force + 0.5 * pull.damping * pull.row.dot(m.change)) : 0.0;
-    muscle.stepDrive(muscle.state, muscle.force * pull.winding_radius);
   }
   for (const std::size_t line : commanded_) {
     const Motion::Pull& pull = m.pulls[muscles_.size() + line];
@@ -235,6 +240,13 @@ void BulletArm::stepMotion() {
   body.stepPositionsMultiDof(0.5 * step);
   updateKinematics();
   ++steps_;
+}
+
+void BulletArm::stepDrives(int part) {
+  if (part > 0 && supply_.resistance > 0.0) sagSupply();
+  for (std::size_t i = 0; i < muscles_.size(); ++i) {
+    muscles_[i].stepDrive(muscles_[i].state, muscles_[i].force * motion_->pulls[i].winding_radius);
+  }
 }
 
 double BulletArm::mechanicalEnergy() {

@@ -17,7 +17,9 @@ struct BulletArm::Motion {
     double damping = 0.0;
     double winding_radius = 0.0;
     bool taut = false;
-    double guided = 0.0;  ///< impulse of its guide [N s]
+    double guided = 0.0;       ///< impulse of its guide [N s]
+    Eigen::VectorXd response;  ///< of the joints' velocities to such an impulse, shape (dof)
+    double give = 0.0;         ///< of its own slip [m/s per N s]; 0: no friction of a guide
   };
   ArmDynamics dynamics;
   std::vector<Pull> pulls;  ///< shape (muscles + lines without motors)
@@ -38,7 +40,7 @@ struct BulletArm::Motion {
     }
     v = change = next = middle = tau = bias = scratch = pushed = Eigen::VectorXd::Zero(n);
     pulls.resize(lines);
-    for (Pull& pull : pulls) pull.row = Eigen::VectorXd::Zero(n);
+    for (Pull& pull : pulls) pull.row = pull.response = Eigen::VectorXd::Zero(n);
   }
 };
 

@@ -62,6 +62,19 @@ MotionOptions MotionOptions::read(const YamlNode& node) {
   return options;
 }
 
+MotionOptions MotionOptions::coarser() const {
+  MotionOptions options = *this;
+  options.rollout.step *= 2.0;
+  const double periods = options.rollout.step * options.rollout.controllers.rate;  // of the controllers in a step
+  options.rollout.drive_steps = periods > 1.5 ? 2 : 1;
+  try {
+    options.rollout.validate();
+  } catch (const ConfigError&) {
+    return *this;
+  }
+  return options;
+}
+
 std::string MotionOptions::toYaml(const std::string& indent) const {
   return fmt::format(
       "{0}step_s: {1}\n{0}controller_rate_Hz: {2}\n{0}shaft_gain_V_rad: {3}\n{0}settle_s: {4}\n{0}restart_s: {5}\n",

@@ -1,10 +1,13 @@
 #include "simgap/simulate/rollout.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "controllers/joint_position.h"
+#include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/arm_effect.h"
@@ -15,7 +18,8 @@ namespace {
 BulletArmOptions armOptions(const RolloutOptions& options) {
   BulletArmOptions arm;
   arm.step = options.step;
-  arm.controller_rate = options.controllers.rate;
+  arm.controller_rate = options.controllers.rate / options.drive_steps;
+  arm.drive_steps = options.drive_steps;
   arm.shaft_gain = options.controllers.shaft_gain;
   return arm;
 }
@@ -55,7 +59,15 @@ struct Rollout::Sample {
   }
 };
 
-void RolloutOptions::validate() const { armOptions(*this).validate(); }
+void RolloutOptions::validate() const {
+  armOptions(*this).validate();
+  if (drive_steps != 1 && std::abs(controllers.rate * step - drive_steps) > 1e-6) {
+    throw ConfigError(
+        fmt::format("drive_steps: found {}, expected 1 where a step is no such multiple of the controllers' "
+                    "period",
+                    drive_steps));
+  }
+}
 
 void MotionTrack::resize(std::size_t rows, std::size_t joints_of_arm, std::size_t muscles, std::size_t lines) {
   joint_count = joints_of_arm;
@@ -81,7 +93,7 @@ Rollout::Rollout(const ArmModel& model, const RolloutOptions& options)
   if (options.targets) {
     pilot_ = std::make_unique<JointPositionController>(model, options.targets, options.controllers);
   }
-  tick_ = static_cast<int>(std::lround(1.0 / (options.controllers.rate * options.step)));
+  tick_ = static_cast<int>(std::lround(options.drive_steps / (options.controllers.rate * options.step)));
 }
 
 Rollout::~Rollout() = default;
@@ -116,7 +128,7 @@ void Rollout::begin(std::span<const CommandKind> kinds, const MotionStart& start
   if (!start.shafts.empty()) arm_.setShafts(start.shafts);
   for (std::size_t j = 0; j < start.joint_velocities.size(); ++j) arm_.setJointVelocity(j, start.joint_velocities[j]);
   // A whole number of controller periods, so that a tick falls on start.time.
-  const long ticks = std::lround(std::ceil(start.settle * options_.controllers.rate - 1e-9));
+  const long ticks = std::lround(std::ceil(start.settle * options_.controllers.rate / options_.drive_steps - 1e-9));
   steps_ = -ticks * tick_;
   origin_ = start.time;
 }
@@ -141,6 +153,25 @@ bool Rollout::step(std::span<const double> commands) {
   if (steps_ % tick_ == 0) control(commands);
   arm_.stepMotion();
   ++steps_;
+  return isSound();
+}
+
+/// A step under the commands of its moment, and where the drives are finer, of its middle, too.
+bool Rollout::follow(const MotionCommands& commands, std::size_t& row) {
+  const double now = std::max(origin_, time());  // before a motion begins its first commands act
+  if (steps_ % tick_ == 0) commandAt(now, commands, row);
+  if (options_.drive_steps == 1) return step(commands_);
+  control(commands_);
+  arm_.moveBodies();
+  arm_.stepDrives(0);
+  commandAt(std::max(origin_, time() + 0.5 * options_.step), commands, row);
+  control(commands_);
+  arm_.stepDrives(1);
+  ++steps_;
+  return isSound();
+}
+
+bool Rollout::isSound() const {
   for (std::size_t m = 0; m < muscles_.size(); ++m) {
     if (!driveIsSound(arm_, muscles_[m].motor, m)) return false;
   }
@@ -154,7 +185,7 @@ void Rollout::commandAt(double time, const MotionCommands& commands, std::size_t
     commands.at(time, row, commands_);
   } else {
     // Between the two ticks it falls between, so that a search sees a part of a tick.
-    const double period = static_cast<double>(tick_) * options_.step, ticks = delay_ / period;
+    const double period = static_cast<double>(tick_) * options_.step / options_.drive_steps, ticks = delay_ / period;
     const double whole = std::floor(ticks), part = ticks - whole;
     commands.at(time - whole * period, row, commands_);
     std::size_t earlier = row > 0 ? row - 1 : 0;
@@ -177,18 +208,16 @@ MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& st
   commandAt(start.time, commands, command_row);
   arm_.setLineCommands(std::span<const double>(commands_).subspan(muscles_.size()), true);
   while (steps_ < 0) {
-    if (steps_ % tick_ == 0) commandAt(start.time, commands, command_row);
-    if (!step(commands_)) return stopped();
+    if (!follow(commands, command_row)) return stopped();
   }
   take(*now_);
   for (; row < times.size() && times[row] <= start.time; ++row) write(1.0, track, row);
   while (row < times.size()) {
     stopIfInterrupted();
-    if (steps_ % tick_ == 0) commandAt(time(), commands, command_row);
     const double from = time(), to = from + options_.step;
     const bool wanted = times[row] <= to;
     if (wanted) take(*before_);
-    if (!step(commands_)) {
+    if (!follow(commands, command_row)) {
       MotionOutcome outcome = stopped();
       outcome.rows = row;
       return outcome;

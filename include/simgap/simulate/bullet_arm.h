@@ -19,6 +19,7 @@ struct BulletArmOptions {
   double step = 0.002;             ///< [s] physics step; the controller's period is a whole number of steps
   double controller_rate = 500.0;  ///< [Hz] shaft-position controllers
   double shaft_gain = 50.0;        ///< K_p [V/rad]
+  int drive_steps = 1;             ///< of a motion, within a physics step: 1, or 2 where bodies are slow beside drives
   bool operator==(const BulletArmOptions&) const = default;
   /// \throws ConfigError
   void validate() const;
@@ -67,6 +68,9 @@ class BulletArm {
   ///@}
   /// Advances one physics step by an integrator of second order. The voltages are setVoltage()'s: no controller acts.
   void stepMotion();
+  /// The same in its parts: the bodies' step, and drive_steps of the drives. Voltages may be set before each.
+  void moveBodies();
+  void stepDrives(int part);
   /// As setJointVelocity().
   Eigen::Vector3d jointVelocity(std::size_t joint) const;
   double shaftVelocity(std::size_t muscle) const;   ///< [rad/s]
@@ -132,6 +136,7 @@ class BulletArm {
   double pathLength(std::size_t muscle);  ///< [m]
   void setMotionEffects();
   void sagSupply();
+  double driveStep() const { return options_.step / options_.drive_steps; }  ///< [s]
   void slipGuides(double step);
   void yieldCords();
   void touchRow(const PathParts& way, Eigen::VectorXd& row);

@@ -19,6 +19,9 @@ class JointPositionController;
 struct RolloutOptions {
   double step = 0.001;  ///< [s] the controllers' period is a whole number of steps
   ControllerOptions controllers;
+  /// Of drives and controllers within a step: 2 lets bodies, which are slow beside them, go on in steps twice as long
+  /// as the controllers' period.
+  int drive_steps = 1;
   std::shared_ptr<const JointTargets> targets = nullptr;  ///< given: they make the forces of all muscles in run()
   bool operator==(const RolloutOptions&) const = default;
   /// \throws ConfigError
@@ -99,6 +102,8 @@ class Rollout {
   void prepare(std::span<const CommandKind> kinds);
   void commandAt(double time, const MotionCommands& commands, std::size_t& row);
   void control(std::span<const double> commands);
+  bool follow(const MotionCommands& commands, std::size_t& row);
+  bool isSound() const;
   void take(Sample& sample);
   void write(double part, MotionTrack& track, std::size_t row) const;
   MotionOutcome stopped() const;
