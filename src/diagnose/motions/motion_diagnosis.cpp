@@ -10,6 +10,7 @@
 #include "motion_evidence.h"
 #include "motion_faults.h"
 #include "motion_heldout.h"
+#include "motion_ordinary.h"
 #include "motion_selection.h"
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
@@ -23,8 +24,8 @@ constexpr double kLeastGain = 0.01;       // of the held-out mean square
 constexpr double kKnownClocks = 0.005;    // [s] to which clocks agree where nothing is wrong with them
 constexpr double kLargeRest = 1.5 * 1.5;  // of the noise's variance: what no model of noise leaves
 constexpr double kMostOfIt = 95.0;        // [%] of the error that named causes have to explain, if much is left
-constexpr double kUsualRounds = 6.0;      // of derivatives of the model without causes, for the progress
-constexpr double kUsualOfACause = 12.0;   // and for each cause that is looked for
+constexpr double kUsualRounds = 4.0;      // of derivatives of the model without causes, for the progress
+constexpr double kUsualOfACause = 8.0;    // and for each cause that is looked for
 
 /// The motions that select and those that judge.
 struct MotionSplit {
@@ -51,6 +52,7 @@ class MotionDiagnosing {
       : problem_{model, config.parameters, config.motions, {}}, options_(options), progress_(progress) {
     double& delay = problem_.options.capture_delay_sd;
     delay = std::min(delay, kKnownClocks);  // more is a cause: joint-clock-offset
+    problem_.options.coarse_changes = true;
   }
   MotionDiagnosis run(const MotionSet& motions, const MotionSet* held_out);
 
@@ -62,6 +64,10 @@ class MotionDiagnosing {
   void fillErrors();
   void sayWhatIsLeft();
   void withdrawPartial();
+  void nameOrdinary();
+  Eigen::MatrixXd unseenOf(const MotionCauseFit& fit) const {
+    return unseenSquares(fit, fit.here().z, problem_, split_.judging.motions);
+  }
 
   MotionProblem problem_;
   const MotionDiagnosisOptions& options_;
@@ -70,6 +76,7 @@ class MotionDiagnosing {
   std::vector<MotionHypothesis> hypotheses_;
   std::unique_ptr<MotionCauseFit> plain_, last_;  // last_: with all named causes, null without any
   std::vector<FoundCause> found_;                 // named; their fits have moved to last_
+  std::optional<OrdinaryShift> shift_;            // named where no cause is
   double explained_of_all_ = 0.0;                 ///< [%] of what the median motion, seen or not, is missed by
   MotionDiagnosis result_;
 };
@@ -111,8 +118,7 @@ bool MotionDiagnosing::faulty(const MotionSet& motions, const MotionSet* held_ou
 /// Whether a cause is named: the evidence, its placebos, and motions that took no part. What is not is a candidate.
 bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found) {
   const ArmCause& arm = found.fit->causes().back();
-  const Eigen::MatrixXd before = unseenSquares(base, problem_, split_.judging.motions),
-                        after = unseenSquares(*found.fit, problem_, split_.judging.motions);
+  const Eigen::MatrixXd before = unseenOf(base), after = unseenOf(*found.fit);
   const Interval gain = gainOf(logGains(before, after));
   HypothesisRecord record{
       base.causes().size() + 1, std::string(arm.effect->name), arm.target, gain, found.p, "", found.evidence};
@@ -152,7 +158,7 @@ void MotionDiagnosing::search() {
       static_cast<double>(ParameterSpace(problem_.nominal, problem_.parameters).size() * problem_.motions.size());
   std::string stage = "without causes";
   double usual = (kUsualRounds + kUsualOfACause) * of_derivatives;  // rollouts; grows with every cause that is found
-  MotionSelector selector(problem_, hypotheses_, options_.seed, [&](long rollouts) {
+  MotionSelector selector(problem_, hypotheses_, options_.seed, options_.level, [&](long rollouts) {
     progress_(stage, std::min(0.99, static_cast<double>(rollouts) / usual));
   });
   plain_ = selector.fitPlain();
@@ -172,9 +178,8 @@ void MotionDiagnosing::fillErrors() {
   const MotionCauseFit& after = last_ ? *last_ : *plain_;
   Diagnosis& d = result_.diagnosis;
   const Eigen::MatrixXd seen_before = groupSquares(plain_->posterior(), plain_->here().at),
-                        seen_after = groupSquares(after.posterior(), after.here().at),
-                        before = unseenSquares(*plain_, problem_, split_.judging.motions),
-                        unseen = unseenSquares(after, problem_, split_.judging.motions);
+                        seen_after = groupSquares(after.posterior(), after.here().at), before = unseenOf(*plain_),
+                        unseen = unseenOf(after);
   d.error_unit = "noise2";
   d.noise_floor = 1.0;
   d.samples = split_.selecting.motions.size() + split_.judging.motions.size();
@@ -258,10 +263,26 @@ void MotionDiagnosing::withdrawPartial() {
   fillErrors();
 }
 
+/// Where no cause explains anything and nothing is left, what ordinary parameters carry may still be out of the
+/// ordinary. Motions that no fit has seen have to say so: they are missed by more with what was expected.
+void MotionDiagnosing::nameOrdinary() {
+  Diagnosis& d = result_.diagnosis;
+  if (!d.causes.empty() || !d.unexplained.empty() || !d.candidates.empty() || !options_.effects.empty()) return;
+  shift_ = furthestShift(*plain_);
+  if (!shift_) return;
+  const Eigen::MatrixXd before = unseenSquares(*plain_, shift_->back, problem_, split_.judging.motions);
+  const Interval gain = gainOf(logGains(before, unseenOf(*plain_)));
+  if (!(gain.lower95 > 0.0) || gain.value < kLeastGain) return;
+  shift_->cause.gain_heldout = gain;
+  d.causes.push_back(shift_->cause);
+  d.baseline.mse_heldout = meanSquare(before);
+}
+
 void MotionDiagnosing::conclude() {
   Diagnosis& d = result_.diagnosis;
   fillErrors();
   withdrawPartial();
+  nameOrdinary();
   if (last_) {
     d.extensions = last_->extensions();
     fillParameters(d, split_.selecting);
@@ -279,7 +300,7 @@ void MotionDiagnosing::conclude() {
                      ? "something of the catalogue is missing, but too many causes would explain it alike"
                      : fmt::format("one of {}: these motions do not tell which", fmt::join(group, ", "));
     const ArmEffect* effect = findArmEffect(first.effect);
-    d.next_experiment = std::string(effect->separates_by);
+    d.next_experiment = std::string(effect ? effect->separates_by : shift_->separates_by);
   } else if (!d.unexplained.empty()) {
     sayWhatIsLeft();
   } else {

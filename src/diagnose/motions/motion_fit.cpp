@@ -9,7 +9,8 @@ namespace simgap {
 namespace {
 
 constexpr double kMostOfNoise = 1.645;     // what nine of ten normal residuals stay within [sd]
-constexpr int kSearches = 4, kPlaces = 7;  // along a cause, each four times as fine as the one before
+constexpr int kSearches = 3, kPlaces = 7;  // along a cause, each four times as fine as the one before
+constexpr std::size_t kSome = 4;           // motions to look around with
 constexpr double kFirstDifference = 0.1;   // of derivatives, in prior standard deviations
 
 /// The cause's parameters stand behind the ordinary ones, before the capture's delay.
@@ -46,7 +47,8 @@ double squareOfMost(const MotionPosterior& posterior, const MotionEvaluation& at
 MotionPoint::MotionPoint(const MotionPosterior& posterior, const MotionLinearisation& here)
     : posterior_(&posterior), here_(&here) {
   for (std::size_t m = 0; m < posterior.motions().size(); ++m) {
-    weights_.push_back(posterior.weights(m, here.at.residuals[m]).cast<float>());
+    const bool left_out = here.jacobians[m].rows() == 0;
+    weights_.push_back(left_out ? Eigen::VectorXf() : posterior.weights(m, here.at.residuals[m]).cast<float>());
   }
   factor_.compute(posterior.normalEquations(here.z, here.at, here.jacobians).curvature);
 }
@@ -62,9 +64,9 @@ Eigen::VectorXd MotionPoint::projected(std::span<const Eigen::VectorXf> x) const
 double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals) const {
   const Eigen::VectorXd& z = here_->z;
   std::vector<Eigen::VectorXf> x;
-  for (const Eigen::VectorXd& of_motion : residuals) {
-    if (of_motion.size() == 0) return kInfinity;
-    x.push_back(of_motion.cast<float>());
+  for (std::size_t m = 0; m < residuals.size(); ++m) {
+    if (residuals[m].size() != weights_[m].size()) return kInfinity;
+    x.push_back(residuals[m].cast<float>());
   }
   Eigen::VectorXd gradient = projected(x);
   for (Eigen::Index i = 0; i < z.size(); ++i) gradient[i] += posterior_->hasPrior(i) ? z[i] : 0.0;
@@ -82,6 +84,24 @@ double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals) const 
     objective += 0.5 * weights_[m].cast<double>().dot(left.cast<double>().cwiseAbs2());
   }
   return objective;
+}
+
+std::vector<std::size_t> someMotions(std::size_t count) {
+  const std::size_t few = std::min(count, kSome);
+  std::vector<std::size_t> some(few);
+  for (std::size_t i = 0; i < few; ++i) some[i] = (2 * i + 1) * count / (2 * few);
+  return some;
+}
+
+MotionLinearisation onlyOf(const MotionLinearisation& here, std::span<const std::size_t> some) {
+  const std::size_t motions = here.jacobians.size();
+  MotionLinearisation few{here.z, {}, std::vector<RowMajorF>(motions, RowMajorF(0, here.z.size()))};
+  few.at.residuals.resize(motions);
+  for (const std::size_t m : some) {
+    few.at.residuals[m] = here.at.residuals[m];
+    few.jacobians[m] = here.jacobians[m];
+  }
+  return few;
 }
 
 MotionCauseFit::MotionCauseFit(const MotionProblem& problem, std::vector<ArmCause> causes)
@@ -123,24 +143,30 @@ bool MotionCauseFit::place(const Eigen::VectorXd& z) {
   return true;
 }
 
-/// The best value of one parameter, from nothing upwards, while the others stay: with derivatives alone these would
-/// take over what it should explain, and be far away before it has its size.
+/// The best value of one parameter on some of the motions, from nothing upwards, while the others stay: with
+/// derivatives alone these would take over what it should explain, and be far away before it has its size.
 void MotionCauseFit::searchAlong(Eigen::Index i) {
-  double spacing = 0.5 * here_.z[i], from = 0.0;
+  const std::vector<std::size_t> some = someMotions(posterior_->motions().size());
+  Eigen::VectorXd found = here_.z;
+  double spacing = 0.5 * found[i], from = 0.0, least = kInfinity;
   for (int search = 0; search < kSearches; ++search) {
-    std::vector<Eigen::VectorXd> places(kPlaces, here_.z);
+    std::vector<Eigen::VectorXd> places(kPlaces, found);
     for (int k = 0; k < kPlaces; ++k) {
       places[static_cast<std::size_t>(k)][i] =
           std::clamp(from + k * spacing, posterior_->lower(i), posterior_->upper(i));
     }
-    const std::vector<double> objectives = posterior_->objectives(places);
-    rollouts_ += kPlaces * std::ssize(posterior_->motions());
+    const std::vector<double> objectives = posterior_->objectives(places, some);
+    rollouts_ += kPlaces * std::ssize(some);
     stopIfInterrupted();
     const auto best = std::ranges::min_element(objectives) - objectives.begin();
-    if (objectives[static_cast<std::size_t>(best)] < here_.at.objective) place(places[static_cast<std::size_t>(best)]);
+    if (objectives[static_cast<std::size_t>(best)] < least) {
+      found = places[static_cast<std::size_t>(best)];
+      least = objectives[static_cast<std::size_t>(best)];
+    }
     if (best + 1 < kPlaces) spacing *= 0.25;  // else it may be larger still
-    from = here_.z[i] - kPlaces / 2 * spacing;
+    from = found[i] - kPlaces / 2 * spacing;
   }
+  if (least < kInfinity && moveTo(found)) narrow();
 }
 
 void MotionCauseFit::begin(const News& news) {
@@ -209,11 +235,9 @@ double MotionCauseFit::descend() {
 
 double MotionCauseFit::refresh(const News& news) {
   narrow();
-  const Eigen::VectorXd steps = differenceSteps(*posterior_, here_);
-  here_ = linearise(*posterior_, here_.z, steps, [&](const MotionSearchNews& now) {
+  rollouts_ += renew(*posterior_, here_, [&](const MotionSearchNews& now) {
     if (news) news(rollouts_ + static_cast<long>(now.rollouts));
   });
-  rollouts_ += (posterior_->size() + 1) * std::ssize(posterior_->motions());
   return descend();
 }
 

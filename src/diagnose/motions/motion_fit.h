@@ -21,6 +21,7 @@ struct MotionProblem {
 };
 
 /// A posterior's numbers at one place, with the quadratic that its derivatives promise; for many trials at once.
+/// Motions without derivatives are left out.
 class MotionPoint {
  public:
   MotionPoint(const MotionPosterior& posterior, const MotionLinearisation& here);
@@ -40,6 +41,11 @@ class MotionPoint {
   std::vector<Eigen::VectorXf> weights_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
+
+/// Indices of a few motions spread over a set, which are enough to look around with: all of a small one.
+std::vector<std::size_t> someMotions(std::size_t count);
+/// A fit's place with the derivatives of some motions only, for a MotionPoint that knows no others.
+MotionLinearisation onlyOf(const MotionLinearisation& here, std::span<const std::size_t> some);
 
 class MotionCauseFit {
  public:
@@ -63,7 +69,7 @@ class MotionCauseFit {
   bool beginAs(const MotionCauseFit& other);
   /// Steps with the derivatives at hand. \returns what they gained
   double descend();
-  /// Derivatives made anew, then steps. \returns what these gained
+  /// Derivatives made anew where they count, then steps. \returns what these gained
   double refresh(const News& news);
   /// Another place, if it is better; derivatives stay.
   bool moveTo(const Eigen::VectorXd& z);

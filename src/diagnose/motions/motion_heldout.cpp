@@ -31,11 +31,11 @@ Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvalu
   return sums.cwiseQuotient(counts);  // 0 / 0: NaN
 }
 
-Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const MotionProblem& problem,
+Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& z, const MotionProblem& problem,
                               std::span<const RecordedMotion> motions) {
   const MotionPosterior unseen(withCauses(problem.nominal, fit.causes()), motions, {},
                                choicesWith(problem.parameters, fit.causes()), PoseNoise{}, problem.options);
-  const MotionEvaluation at = unseen.evaluate(fit.here().z);
+  const MotionEvaluation at = unseen.evaluate(z);
   stopIfInterrupted();
   return groupSquares(unseen, at);
 }

@@ -10,8 +10,8 @@ namespace simgap {
 /// Mean squares of the whitened residuals, each joint, the shafts and the currents counting alike: in one sum the many
 /// channels of drives would drown the joints. Shape (groups, motions); NaN: not measured.
 Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvaluation& at);
-/// The same of other motions played with the fit's model; NaN where one cannot be played.
-Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const MotionProblem& problem,
+/// The same of other motions played with the fit's model at z; NaN where one cannot be played.
+Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& z, const MotionProblem& problem,
                               std::span<const RecordedMotion> motions);
 
 /// By how much less `after` misses than `before`, of each motion: the mean logarithm of the groups' ratios, shape

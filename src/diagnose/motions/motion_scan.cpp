@@ -13,7 +13,8 @@ namespace simgap {
 namespace {
 
 constexpr std::size_t kBatch = 24;             // models played at once
-constexpr std::size_t kRefined = 10;           // hypotheses tried from all their starts at all points
+constexpr std::size_t kScreened = 12;          // hypotheses of single muscles tried on all motions
+constexpr std::size_t kRefined = 6;            // hypotheses tried from all their starts at all points
 constexpr std::size_t kPerEffect = 3;          // of one effect among these
 constexpr std::uint32_t kMotionPlacebos = 19;  // so that one of 20 is better by chance
 constexpr std::size_t kMostColumns = 40;       // hypotheses that placebos are made of
@@ -50,9 +51,10 @@ struct Profile {
 
 class Scanner {
  public:
+  /// \param some  the motions that the points know; empty: all
   Scanner(std::span<const MotionPoint> points, const std::vector<MotionHypothesis>& hypotheses, std::uint64_t seed,
-          const std::function<void(long)>& news)
-      : points_(points), hypotheses_(hypotheses), random_(seed), news_(news) {
+          const std::function<void(long)>& news, std::vector<std::size_t> some = {})
+      : points_(points), hypotheses_(hypotheses), random_(seed), news_(news), some_(std::move(some)) {
     for (const MotionPoint& point : points_) {
       Column plain;
       for (const Eigen::VectorXd& r : point.here().at.residuals) plain.push_back(r.cast<float>());
@@ -82,7 +84,8 @@ class Scanner {
   double told(double gain, std::size_t point) const;
   Profile profileOf(const Column& column, std::size_t point) const;
   bool extrapolate(std::size_t hypothesis, const EffectParameters& from, double z, EffectParameters& to) const;
-  std::vector<std::size_t> promising() const;
+  std::vector<std::size_t> promising(std::size_t most) const;
+  std::vector<std::size_t> screened();
   std::vector<double> placebos() const;
   std::vector<std::vector<Eigen::Index>> shifts(std::uint32_t draw) const;
 
@@ -90,6 +93,7 @@ class Scanner {
   const std::vector<MotionHypothesis>& hypotheses_;
   CounterRandom random_;
   const std::function<void(long)>& news_;
+  std::vector<std::size_t> some_;
   double numbers_ = 0.0;                 // of all motions
   std::vector<double> without_;          // what the quadratic promises without a further cause, by point
   std::vector<Eigen::VectorXd> solved_;  // A^-1 g there
@@ -135,9 +139,9 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
       models.back().extensions.push_back(makeExtension(*hypothesis.effect, hypothesis.target, tries[i].start));
       delays.push_back(at.posterior().captureDelay(at.here().z));
     }
-    const auto played = points_[point].posterior().residualsOf(models, delays);
+    const auto played = points_[point].posterior().residualsOf(models, delays, some_);
     stopIfInterrupted();
-    rollouts_ += static_cast<long>(count) * std::ssize(played.front());
+    rollouts_ += static_cast<long>(count) * (some_.empty() ? std::ssize(played.front()) : std::ssize(some_));
     if (news_) news_(rollouts_);
     for (std::size_t i = 0; i < count; ++i) {
       const Try& one = tries[first + i];
@@ -170,7 +174,7 @@ bool Scanner::extrapolate(std::size_t hypothesis, const EffectParameters& from, 
 }
 
 /// Those worth a closer look, some of each effect.
-std::vector<std::size_t> Scanner::promising() const {
+std::vector<std::size_t> Scanner::promising(std::size_t most) const {
   std::vector<std::pair<double, std::size_t>> order;
   for (const auto& [hypothesis, trial] : best_) {
     const auto profile = profiles_.find(hypothesis);
@@ -185,7 +189,7 @@ std::vector<std::size_t> Scanner::promising() const {
   std::vector<std::size_t> chosen;
   std::map<const ArmEffect*, std::size_t> of_effect;
   for (const auto& [gain, hypothesis] : order) {
-    if (chosen.size() == kRefined) break;
+    if (chosen.size() == most) break;
     const MotionHypothesis& one = hypotheses_[hypothesis];
     if (one.target.empty() || ++of_effect[one.effect] <= kPerEffect) chosen.push_back(hypothesis);
   }
@@ -236,19 +240,39 @@ std::vector<double> Scanner::placebos() const {
   return best;
 }
 
+bool ofOneMuscle(const MotionHypothesis& hypothesis) {
+  using enum ArmEffect::Target;
+  return !hypothesis.target.empty() &&
+         (hypothesis.effect->target == kMuscle || hypothesis.effect->target == kMuscleOrAll);
+}
+
+/// Of the hypotheses of single muscles those that look best on some of the motions, at the first point.
+std::vector<std::size_t> Scanner::screened() {
+  std::vector<Try> tries;
+  for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
+    if (ofOneMuscle(hypotheses_[h])) tries.push_back({h, 0, hypotheses_[h].starts.front()});
+  }
+  const std::vector<std::size_t> some = someMotions(points_[0].here().jacobians.size());
+  const MotionLinearisation few = onlyOf(points_[0].here(), some);
+  const MotionPoint point(points_[0].posterior(), few);
+  Scanner screen({&point, 1}, hypotheses_, 0, news_, some);
+  screen.play(tries, true);
+  rollouts_ += screen.rollouts_;
+  return screen.promising(kScreened);
+}
+
 MotionScan Scanner::run() {
   std::vector<Try> tries;
+  for (const std::size_t h : screened()) tries.push_back({h, 0, hypotheses_[h].starts.front()});
   for (std::size_t point = 0; point < points_.size(); ++point) {
     for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
-      // Far from the prior's mean only causes of the whole arm are looked for a second time.
-      if (point > 0 && hypotheses_[h].effect->target == ArmEffect::Target::kMuscle) continue;
-      tries.push_back({h, point, hypotheses_[h].starts.front()});
+      if (!ofOneMuscle(hypotheses_[h])) tries.push_back({h, point, hypotheses_[h].starts.front()});
     }
   }
   play(tries, true);
   tries.clear();
   for (std::size_t point = 0; point < points_.size(); ++point) {
-    for (const std::size_t h : promising()) {
+    for (const std::size_t h : promising(kRefined)) {
       for (const EffectParameters& start : hypotheses_[h].starts) tries.push_back({h, point, start});
       EffectParameters start;
       const auto profile = profiles_.find(h);

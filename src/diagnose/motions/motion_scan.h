@@ -1,6 +1,7 @@
 /// \file
 /// Every hypothesis tried by one rollout of each motion with the cause in the model, and the quadratic of a fit
-/// (motion_fit.h) for what the ordinary parameters would take over.
+/// (motion_fit.h) for what the ordinary parameters would take over. Those of single muscles, by far the most, are tried
+/// on some of the motions first.
 #pragma once
 
 #include <functional>

@@ -6,19 +6,22 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <ranges>
 
 namespace simgap {
 namespace {
 
-constexpr int kPlainRounds = 7;     // of derivatives made anew
-constexpr int kRefreshRounds = 4;   // of it, from a better place
-constexpr std::size_t kRefits = 8;  // with derivatives of the model without the cause
+constexpr int kPlainRounds = 3;     // of derivatives made anew
+constexpr int kRefreshRounds = 4;   // of it, from a better place, or where little is promised
+constexpr double kOnItsWay = 0.1;   // of what is promised, that its last round gained
+constexpr std::size_t kRefits = 6;  // with derivatives of the model without the cause
 constexpr std::size_t kOfOneEffect = 2;
-constexpr std::array<std::size_t, 6> kRefreshed = {4, 3, 2, 2, 1, 1};  // at most, with derivatives of their own
-constexpr double kHopelessGain = 3.0;                                  // promised by the scan [negative log posterior]
-constexpr double kMotionsTellApart = 6.0;                              // evidence by which a cause has to lead
-constexpr double kSteady = 2.0;                                        // and standard errors over motions
-constexpr double kGained = 0.5, kGainedShare = 3e-4;                   // a round that gains less was the last
+constexpr std::array<std::size_t, 5> kRefreshed = {3, 2, 2, 1, 1};  // at most, with derivatives of their own
+constexpr std::size_t kTold = 5;                      // hypotheses that a report lists where none was fitted
+constexpr double kHopelessGain = 3.0;                 // promised by the scan [negative log posterior]
+constexpr double kMotionsTellApart = 6.0;             // evidence by which a cause has to lead
+constexpr double kSteady = 2.0;                       // and standard errors over motions
+constexpr double kGained = 0.5, kGainedShare = 3e-4;  // a round that gains less was the last
 
 bool enough(double gain, double objective) { return gain < std::max(kGained, kGainedShare * objective); }
 
@@ -31,11 +34,17 @@ bool toldApart(const MotionCauseFit& better, const MotionCauseFit& worse, double
   return lead.mean() > kSteady * error;
 }
 
+/// How often placebos promise as much.
+double chanceOf(double promised, const std::vector<double>& placebos) {
+  const auto as_good = std::ranges::count_if(placebos, [&](double gain) { return gain >= promised; });
+  return (1.0 + static_cast<double>(as_good)) / (1.0 + static_cast<double>(placebos.size()));
+}
+
 }  // namespace
 
 MotionSelector::MotionSelector(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses,
-                               std::uint64_t seed, News news)
-    : problem_(problem), hypotheses_(hypotheses), seed_(seed), news_(std::move(news)) {}
+                               std::uint64_t seed, double level, News news)
+    : problem_(problem), hypotheses_(hypotheses), seed_(seed), level_(level), news_(std::move(news)) {}
 
 MotionCauseFit::News MotionSelector::newsOf() const {
   return [this](long rollouts) {
@@ -50,7 +59,8 @@ void MotionSelector::count(long rollouts) {
 
 void MotionSelector::converge(MotionCauseFit& fit, int most) {
   for (int round = 1; round <= most; ++round) {
-    if (enough(fit.refresh(newsOf()), fit.objective())) return;
+    gained_ = fit.refresh(newsOf());
+    if (enough(gained_, fit.objective())) return;
   }
 }
 
@@ -122,7 +132,7 @@ void MotionSelector::settle(std::vector<Refit>& refits) {
   double most_gained = 0.0;
   for (const std::size_t among : kRefreshed) {
     std::ranges::stable_sort(refits, byObjective);
-    chooseAgain(refits.front());
+    if (!refits.front().settled) chooseAgain(refits.front());
     const double best = refits.front().fit->objective(), variance = std::max(1.0, refits.front().fit->misfit());
     for (std::size_t i = 0; i < std::min(among, refits.size()); ++i) {
       MotionCauseFit& fit = *refits[i].fit;
@@ -135,6 +145,21 @@ void MotionSelector::settle(std::vector<Refit>& refits) {
     }
   }
   std::ranges::stable_sort(refits, byObjective);
+}
+
+/// Scans from where the model without another cause ended, and from the prior's mean while it has none.
+/// \param[out] points  these places
+MotionScan MotionSelector::lookAround(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+                                      std::vector<MotionPoint>& points) {
+  points.clear();
+  points.emplace_back(base.posterior(), base.here());
+  if (base.causes().empty()) points.emplace_back(base.posterior(), first_);
+  const long before = rollouts_;
+  MotionScan scan = scanMotions(points, open, seed_, [&](long rollouts) {
+    if (news_) news_(before + rollouts);
+  });
+  count(scan.rollouts);
+  return scan;
 }
 
 /// What a fit with a cause gained without it, the model without it may have as well.
@@ -150,14 +175,26 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
     return std::ranges::any_of(base.causes(), [&](const ArmCause& cause) { return cause.effect == hypothesis.effect; });
   });
   if (open.empty()) return std::nullopt;
+  if (!base.causes().empty()) gained_ = 0.0;  // it was fitted until nothing was gained
   std::vector<MotionPoint> points;
-  points.emplace_back(base.posterior(), base.here());
-  if (base.causes().empty()) points.emplace_back(base.posterior(), first_);
-  const long before = rollouts_;
-  const MotionScan scan = scanMotions(points, open, seed_, [&](long rollouts) {
-    if (news_) news_(before + rollouts);
-  });
-  count(scan.rollouts);
+  MotionScan scan = lookAround(base, open, points);
+  if (scan.trials.empty() || gained_ > kOnItsWay * scan.trials.front().gain) {
+    // What is promised may be the model's own, which is still on its way.
+    const long before = base.rollouts();
+    converge(base, kRefreshRounds);
+    count(base.rollouts() - before);
+    scan = lookAround(base, open, points);
+  }
+  if (scan.trials.empty() || chanceOf(scan.trials.front().gain, scan.placebos) > level_) {
+    // However well it fits, none could be named.
+    for (const MotionTrial& trial : scan.trials | std::views::take(kTold)) {
+      const MotionHypothesis& one = open[trial.hypothesis];
+      records.push_back({base.causes().size() + 1, std::string(one.effect->name), one.target, kNotMeasured,
+                         chanceOf(trial.gain, scan.placebos), "rejected: promises no more than its placebos",
+                         trial.gain});
+    }
+    return std::nullopt;
+  }
   std::vector<Refit> refits = refit(base, points, scan, open);
   points.clear();
   if (refits.empty()) return std::nullopt;
@@ -168,8 +205,7 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
   const double variance = std::max(1.0, best.fit->misfit());
   found.evidence = (base.objective() - best.fit->objective()) / variance;
   found.by_motion = (base.losses() - best.fit->losses()) / variance;
-  const auto as_good = std::ranges::count_if(scan.placebos, [&](double gain) { return gain >= best.promised; });
-  found.p = (1.0 + static_cast<double>(as_good)) / (1.0 + static_cast<double>(scan.placebos.size()));
+  found.p = chanceOf(best.promised, scan.placebos);
   for (const Refit& one : refits) {
     const ArmCause& cause = one.fit->causes().back();
     const double odds = (base.objective() - one.fit->objective()) / variance;

@@ -26,9 +26,10 @@ class MotionSelector {
  public:
   /// Called with the rollouts played so far.
   using News = std::function<void(long rollouts)>;
-  /// \param problem, hypotheses  must outlive it
+  /// \param problem, hypotheses  must outlive it  \param level  placebos may promise as much with this probability at
+  /// most; where no hypothesis promises more, none is fitted
   MotionSelector(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses, std::uint64_t seed,
-                 News news);
+                 double level, News news);
 
   /// The model without causes, fitted until nothing is gained. \throws NumericsError, InterruptedError
   std::unique_ptr<MotionCauseFit> fitPlain();
@@ -45,6 +46,8 @@ class MotionSelector {
   };
   std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points, const MotionScan& scan,
                            const std::vector<MotionHypothesis>& open);
+  MotionScan lookAround(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+                        std::vector<MotionPoint>& points);
   void settle(std::vector<Refit>& refits);
   void chooseAgain(Refit& refit);
   void converge(MotionCauseFit& fit, int most);
@@ -55,8 +58,10 @@ class MotionSelector {
   const MotionProblem& problem_;
   const std::vector<MotionHypothesis>& hypotheses_;
   std::uint64_t seed_;
+  double level_;
   News news_;
   MotionLinearisation first_;  ///< at the prior's mean, without causes
+  double gained_ = 0.0;        ///< by the last derivatives of the model without another cause
   long rollouts_ = 0;
 };
 

@@ -28,7 +28,7 @@ Bytes digestOf(std::span<const Eigen::VectorXd> z) {
 /// What each thread plays motions with.
 struct MotionPosterior::Workers {
   struct Worker {
-    std::optional<MotionPlayer> player;
+    std::optional<MotionPlayer> player, coarse;
     PlayedMotion played;
     ArmModel model;
   };
@@ -73,23 +73,26 @@ ArmModel MotionPosterior::modelAt(const Eigen::VectorXd& z) const {
 }
 
 /// With the calling thread's player.
-void MotionPosterior::playOne(const ArmModel& model, double delay, std::size_t motion, PlayedMotion& played) const {
-  std::optional<MotionPlayer>& player = workers_->own.local().player;
+void MotionPosterior::playOne(const ArmModel& model, double delay, std::size_t motion, bool coarse,
+                              PlayedMotion& played) const {
+  Workers::Worker& worker = workers_->own.local();
+  std::optional<MotionPlayer>& player = coarse ? worker.coarse : worker.player;
   if (player) {
     player->setModel(model);
   } else {
-    player.emplace(model, options_.motion);
+    player.emplace(model, coarse ? options_.motion.coarser() : options_.motion);
   }
   player->play(playable_[motion], delay, played);
 }
 
 /// Of one motion, played by the calling thread's player, shape (residuals); empty where it could not be played, or
 /// after an interrupt.
-Eigen::VectorXd MotionPosterior::residualsOf(const ArmModel& model, double delay, std::size_t motion) const {
+Eigen::VectorXd MotionPosterior::residualsOf(const ArmModel& model, double delay, std::size_t motion,
+                                             bool coarse) const {
   Eigen::VectorXd residuals;
   if (interruptRequested()) return residuals;
   PlayedMotion& played = workers_->own.local().played;
-  playOne(model, delay, motion, played);
+  playOne(model, delay, motion, coarse, played);
   if (!played.valid) return residuals;
   residuals.resize(motions_[motion].size());
   motions_[motion].evaluate(played, residuals);
@@ -132,12 +135,14 @@ MotionEvaluation MotionPosterior::evaluate(const Eigen::VectorXd& z) const {
   return evaluation;
 }
 
-std::vector<double> MotionPosterior::objectives(std::span<const Eigen::VectorXd> z) const {
-  std::vector<double> losses(z.size() * motions_.size(), kInfinity), objectives(z.size());
+std::vector<double> MotionPosterior::objectives(std::span<const Eigen::VectorXd> z,
+                                                std::span<const std::size_t> some) const {
+  const std::size_t motions = some.empty() ? motions_.size() : some.size();
+  std::vector<double> losses(z.size() * motions, kInfinity), objectives(z.size());
   std::vector<ArmModel> models;
   for (const Eigen::VectorXd& one : z) models.push_back(modelAt(one));
   const auto lossAt = [&](std::size_t task) {
-    const std::size_t k = task / motions_.size(), m = task % motions_.size();
+    const std::size_t k = task / motions, m = some.empty() ? task % motions : some[task % motions];
     const Eigen::VectorXd residuals = residualsOf(models[k], captureDelay(z[k]), m);
     if (residuals.size() == 0) return kInfinity;
     return lossOf(m, residuals);
@@ -145,7 +150,7 @@ std::vector<double> MotionPosterior::objectives(std::span<const Eigen::VectorXd>
   computeOnRanks(std::span(losses), lossAt, /*one_by_one=*/false, digestOf(z));
   for (std::size_t k = 0; k < z.size(); ++k) {
     double sum = 0.0;
-    for (std::size_t m = 0; m < motions_.size(); ++m) sum += losses[k * motions_.size() + m];
+    for (std::size_t m = 0; m < motions; ++m) sum += losses[k * motions + m];
     for (Eigen::Index i = 0; i < z[k].size(); ++i) sum += hasPrior(i) ? z[k][i] * z[k][i] : 0.0;
     for (const PoseResidual& pose : evaluatePoses(z[k], false)) {
       sum += pose.valid ? robustLoss(pose.error.squaredNorm()) : kInfinity;
@@ -156,15 +161,19 @@ std::vector<double> MotionPosterior::objectives(std::span<const Eigen::VectorXd>
 }
 
 std::vector<std::vector<Eigen::VectorXd>> MotionPosterior::residualsOf(std::span<const ArmModel> models,
-                                                                       std::span<const double> delays) const {
-  const std::size_t motions = motions_.size();
+                                                                       std::span<const double> delays,
+                                                                       std::span<const std::size_t> some) const {
+  const std::size_t motions = some.empty() ? motions_.size() : some.size();
+  const auto motionOf = [&](std::size_t task) { return some.empty() ? task % motions : some[task % motions]; };
   std::vector<Eigen::VectorXd> flat(models.size() * motions);
   computeOnRanks(
       std::span(flat),
-      [&](std::size_t task) { return residualsOf(models[task / motions], delays[task / motions], task % motions); },
+      [&](std::size_t task) { return residualsOf(models[task / motions], delays[task / motions], motionOf(task)); },
       /*one_by_one=*/false);
-  std::vector<std::vector<Eigen::VectorXd>> residuals(models.size());
-  for (std::size_t task = 0; task < flat.size(); ++task) residuals[task / motions].push_back(std::move(flat[task]));
+  std::vector<std::vector<Eigen::VectorXd>> residuals(models.size(), std::vector<Eigen::VectorXd>(motions_.size()));
+  for (std::size_t task = 0; task < flat.size(); ++task) {
+    residuals[task / motions][motionOf(task)] = std::move(flat[task]);
+  }
   return residuals;
 }
 
@@ -186,40 +195,61 @@ double MotionPosterior::objectiveOf(const MotionEvaluation& evaluation, const Ei
   return 0.5 * sum;
 }
 
-std::vector<RowMajorF> MotionPosterior::jacobian(const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
-                                                 MotionEvaluation& at,
-                                                 const std::function<void(std::size_t)>& progress) const {
-  const auto parameters = static_cast<std::size_t>(size());
-  std::vector<RowMajorF> jacobians;
+std::vector<RowMajorF> MotionPosterior::changes(const Eigen::VectorXd& z, const Eigen::MatrixXd& moves,
+                                                const MotionEvaluation& at,
+                                                const std::function<void(std::size_t)>& progress) const {
+  std::vector<RowMajorF> changes;
   for (const MotionResiduals& motion : motions_) {
-    jacobians.emplace_back(RowMajorF::Zero(motion.size(), static_cast<Eigen::Index>(parameters)));
+    changes.emplace_back(RowMajorF::Constant(motion.size(), moves.cols(), std::numeric_limits<float>::quiet_NaN()));
+  }
+  std::vector<Eigen::VectorXd> from = at.residuals;
+  if (options_.coarse_changes) {
+    const ArmModel model = modelAt(z);
+    computeOnRanks(
+        std::span(from), [&](std::size_t m) { return residualsOf(model, captureDelay(z), m, true); },
+        /*one_by_one=*/false, digestOf({&z, 1}));
   }
   std::atomic<std::size_t> done{0};
   const auto columnOf = [&](std::size_t task) {
-    const auto i = static_cast<Eigen::Index>(task / motions_.size());
     const std::size_t m = task % motions_.size();
-    // The other way round where this one would leave the bounds.
-    const bool inside = z[i] + steps[i] <= upper(i) && z[i] + steps[i] >= lower(i);
-    const double step = inside ? steps[i] : -steps[i];
-    Eigen::VectorXd moved = z;
-    moved[i] += step;
+    const Eigen::VectorXd moved = z + moves.col(static_cast<Eigen::Index>(task / motions_.size()));
     ArmModel& model = workers_->own.local().model;
     model = modelAt(moved);
-    const Eigen::VectorXd residuals = residualsOf(model, captureDelay(moved), m);
+    const Eigen::VectorXd residuals = residualsOf(model, captureDelay(moved), m, options_.coarse_changes);
     ++done;
     std::vector<float> column;
-    if (residuals.size() == 0) return column;  // nothing is known of that parameter in that motion
-    const Eigen::VectorXf slope = ((residuals - at.residuals[m]) / step).cast<float>();
-    column.assign(slope.begin(), slope.end());
+    if (residuals.size() == 0 || from[m].size() == 0) return column;
+    const Eigen::VectorXf change = (residuals - from[m]).cast<float>();
+    column.assign(change.begin(), change.end());
     if (progress && tbb::this_task_arena::current_thread_index() == 0) progress(done);
     return column;
   };
   const auto place = [&](std::size_t task, const std::vector<float>& column) {
     if (column.empty()) return;
-    jacobians[task % motions_.size()].col(static_cast<Eigen::Index>(task / motions_.size())) =
+    changes[task % motions_.size()].col(static_cast<Eigen::Index>(task / motions_.size())) =
         Eigen::Map<const Eigen::VectorXf>(column.data(), std::ssize(column));
   };
-  shareOnRanks(parameters * motions_.size(), columnOf, place, /*one_by_one=*/false, digestOf({&z, 1}));
+  shareOnRanks(static_cast<std::size_t>(moves.cols()) * motions_.size(), columnOf, place, /*one_by_one=*/false,
+               digestOf({&z, 1}));
+  return changes;
+}
+
+std::vector<RowMajorF> MotionPosterior::jacobian(const Eigen::VectorXd& z, const Eigen::VectorXd& steps,
+                                                 MotionEvaluation& at,
+                                                 const std::function<void(std::size_t)>& progress) const {
+  Eigen::VectorXd inside = steps;  // the other way round where this one would leave the bounds
+  for (Eigen::Index i = 0; i < size(); ++i) {
+    if (z[i] + steps[i] > upper(i) || z[i] + steps[i] < lower(i)) inside[i] = -steps[i];
+  }
+  std::vector<RowMajorF> jacobians = changes(z, inside.asDiagonal(), at, progress);
+  const Eigen::RowVectorXf by = inside.cast<float>().cwiseInverse();
+  for (RowMajorF& jacobian : jacobians) {
+    // Where the first number is none, none of its column is: nothing is known of that parameter in that motion.
+    for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
+      if (jacobian.rows() > 0 && std::isnan(jacobian(0, i))) jacobian.col(i).setZero();
+    }
+    jacobian.array().rowwise() *= by.array();
+  }
   at.poses = evaluatePoses(z, true);
   return jacobians;
 }
@@ -239,6 +269,7 @@ MotionPosterior::NormalEquations MotionPosterior::normalEquations(const Eigen::V
   const Eigen::Index n = size();
   NormalEquations normal{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
   for (std::size_t m = 0; m < motions_.size(); ++m) {
+    if (jacobians[m].rows() == 0) continue;
     const Eigen::VectorXd root = weights(m, at.residuals[m]).cwiseSqrt();
     constexpr Eigen::Index kRows = 512;  // at a time: in double precision
     for (Eigen::Index row = 0; row < root.size(); row += kRows) {

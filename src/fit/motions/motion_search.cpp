@@ -17,10 +17,13 @@ namespace {
 
 constexpr double kFirstStep = 0.1;  // of differences, in prior standard deviations
 constexpr double kSmallestStep = 0.005, kLargestStep = 0.3;
-constexpr int kMostSteps = 6;     // with one set of derivatives
-constexpr double kEnough = 0.05;  // of the gain promised: below it the derivatives are too old
-constexpr double kLittle = 3e-4;  // of the objective: a round that gains less was the last
-constexpr double kCertain = 0.5;  // [negative log posterior] as well
+constexpr double kTelling = 2.0;    // information in the prior's, of a direction that is worth new derivatives
+constexpr double kMoveTimes = 5.0;  // step along it, in standard deviations of what is known: above stick and slip
+constexpr double kLeastMove = 0.3;  // of that step, that bounds leave
+constexpr int kMostSteps = 6;       // with one set of derivatives
+constexpr double kEnough = 0.05;    // of the gain promised: below it the derivatives are too old
+constexpr double kLittle = 3e-4;    // of the objective: a round that gains less was the last
+constexpr double kCertain = 0.5;    // [negative log posterior] as well
 constexpr double kMostDamping = 1e6;
 // Of a parameter's information: where forward and backward differences differ by more, the response is bent, not noisy.
 constexpr double kMostNoise = 1e-3;
@@ -35,6 +38,29 @@ void learnFromStep(MotionLinearisation& here, const Eigen::VectorXd& step, const
         (there.residuals[m] - here.at.residuals[m]).cast<float>() - jacobian * step.cast<float>();
     jacobian.noalias() += surprise * direction.transpose();
   }
+}
+
+/// Moves of z along the eigenvectors of what motions tell, those that they tell more of than the prior, within the
+/// bounds. \returns shape (size, moves)
+Eigen::MatrixXd tellingMoves(const MotionPosterior& posterior, const MotionLinearisation& here) {
+  Eigen::MatrixXd information = posterior.normalEquations(here.z, here.at, here.jacobians).curvature;
+  for (Eigen::Index i = 0; i < information.rows(); ++i) information(i, i) -= posterior.hasPrior(i) ? 1.0 : 0.0;
+  const SymmetricEigen told = symmetricEigen(information);
+  Eigen::MatrixXd moves(information.rows(), information.cols());
+  Eigen::Index count = 0;
+  for (Eigen::Index k = told.values.size() - 1; k >= 0 && told.values[k] > kTelling; --k) {
+    const double step = std::clamp(kMoveTimes / std::sqrt(told.values[k]), kSmallestStep, kLargestStep);
+    Eigen::VectorXd best = Eigen::VectorXd::Zero(here.z.size());
+    for (const double side : {step, -step}) {
+      Eigen::VectorXd move = side * told.vectors.col(k);
+      for (Eigen::Index i = 0; i < move.size(); ++i) {
+        move[i] = std::clamp(here.z[i] + move[i], posterior.lower(i), posterior.upper(i)) - here.z[i];
+      }
+      if (move.squaredNorm() > (1.0 + 1e-9) * best.squaredNorm()) best = move;
+    }
+    if (best.norm() > kLeastMove * step) moves.col(count++) = best;
+  }
+  return moves.leftCols(count);
 }
 
 /// Marquardt's step within the bounds: what would leave them is held there, and the rest solved again.
@@ -152,6 +178,29 @@ MotionLinearisation linearise(const MotionPosterior& posterior, const Eigen::Vec
   return here;
 }
 
+long renew(const MotionPosterior& posterior, MotionLinearisation& here,
+           const std::function<void(const MotionSearchNews&)>& news) {
+  const Eigen::MatrixXd moves = tellingMoves(posterior, here);
+  if (moves.cols() == 0) return 0;
+  const std::size_t of = static_cast<std::size_t>(moves.cols()) * posterior.motions().size();
+  std::vector<RowMajorF> changes = posterior.changes(here.z, moves, here.at, [&](std::size_t done) {
+    if (news) news({done, of});
+  });
+  if (interruptRequested()) throw InterruptedError("interrupted");
+  Eigen::MatrixXd gram = moves.transpose() * moves;
+  gram.diagonal() *= 1.0 + 1e-9;  // moves that bounds have cut short may fall together
+  const RowMajorF learnt = gram.llt().solve(moves.transpose()).cast<float>(), way = moves.cast<float>();
+  for (std::size_t m = 0; m < changes.size(); ++m) {
+    RowMajorF& surprise = changes[m];
+    surprise -= here.jacobians[m] * way;
+    for (Eigen::Index k = 0; k < surprise.cols(); ++k) {
+      if (std::isnan(surprise(0, k))) surprise.col(k).setZero();  // it could not be played: nothing is learnt
+    }
+    here.jacobians[m] += surprise * learnt;
+  }
+  return static_cast<long>(of);
+}
+
 int descend(const MotionPosterior& posterior, MotionLinearisation& here, double& damping, long& rollouts) {
   int accepted = 0;
   for (int i = 0; i < kMostSteps && damping < kMostDamping; ++i) {
@@ -180,10 +229,6 @@ int descend(const MotionPosterior& posterior, MotionLinearisation& here, double&
 
 Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinearisation& here) {
   return covarianceOf(posterior.normalEquations(here.z, here.at, here.jacobians));
-}
-
-Eigen::VectorXd differenceSteps(const MotionPosterior& posterior, const MotionLinearisation& here) {
-  return differenceSteps(covarianceAt(posterior, here));
 }
 
 MotionSearchState beginSearch(const MotionPosterior& posterior) {

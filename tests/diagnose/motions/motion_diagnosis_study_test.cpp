@@ -56,6 +56,12 @@ constexpr MotionTruth kMotionTruths[] = {
      [](double x, DrawnReality& d) {
        d.truth.arm.links[0].parts.push_back({0.005, 0.01, x, {0.0, 0.0, -0.2}, {0.0, 0.0, 1.0}});
      }},
+    {"joint-viscous", "joint1", 2.5, 4.0, [](double x, DrawnReality& d) { d.truth.arm.links[0].viscous *= x; }},
+    {"joint-coulomb", "joint1", 2.5, 4.0, [](double x, DrawnReality& d) { d.truth.arm.links[0].coulomb *= x; }},
+    {"cord-damping", "", 3.0, 5.0,
+     [](double x, DrawnReality& d) {
+       for (reality::Muscle& muscle : d.truth.arm.muscles) muscle.damping *= x;
+     }},
     // Of no catalogue: a drag that grows with the angle.
     {"drag", "", 0.5, 1.5,
      [](double x, DrawnReality& d) {

@@ -37,6 +37,7 @@ class MotionPosterior {
     KnownNoise noise;
     MotionDiscrepancy discrepancy;
     double capture_delay_sd = 0.05;  ///< prior of the capture's clock [s]
+    bool coarse_changes = false;     ///< derivatives from rollouts in steps twice as long (MotionOptions::coarser)
   };
   /// \param motions, poses  must outlive it; poses may be empty
   MotionPosterior(const ArmModel& model, std::span<const RecordedMotion> motions, std::span<const Pose> poses,
@@ -59,22 +60,30 @@ class MotionPosterior {
   /// All motions with the model at z, on the threads of all ranks (core/ranks.h), as are objectives() and jacobian().
   MotionEvaluation evaluate(const Eigen::VectorXd& z) const;
   /// The objective alone, of many z at once: models x motions in parallel. Infinite where a motion cannot be played.
-  std::vector<double> objectives(std::span<const Eigen::VectorXd> z) const;
+  /// \param some  indices of the motions that count; empty: all
+  std::vector<double> objectives(std::span<const Eigen::VectorXd> z, std::span<const std::size_t> some = {}) const;
 
-  /// Residuals of all motions with other models of this arm, shape (models)(motions)(numbers); empty where a motion
-  /// cannot be played. \param delays  of the capture's clock, shape (models) [s]
+  /// Residuals of motions with other models of this arm, shape (models)(motions)(numbers); empty where a motion cannot
+  /// be played or is not among `some`. \param delays  of the capture's clock, shape (models) [s]
+  /// \param some  indices of the motions to play; empty: all
   std::vector<std::vector<Eigen::VectorXd>> residualsOf(std::span<const ArmModel> models,
-                                                        std::span<const double> delays) const;
+                                                        std::span<const double> delays,
+                                                        std::span<const std::size_t> some = {}) const;
+
+  /// What moves of z change in the residuals, shape (motions) of (numbers, moves), all moves x motions in parallel; NaN
+  /// where a motion cannot be played. \param moves  shape (size(), moves)  \param progress  called with the number of
+  /// rollouts done, of moves x motions
+  std::vector<RowMajorF> changes(const Eigen::VectorXd& z, const Eigen::MatrixXd& moves, const MotionEvaluation& at,
+                                 const std::function<void(std::size_t done)>& progress = {}) const;
 
   /// d residuals / d z of every motion, shape (motions) of (numbers, size()), by rollouts with each parameter moved by
-  /// its step; and of the poses, which go into `at.poses`.
-  /// \param steps  shape (size()), in z, of either sign  \param progress  called with the number of rollouts done, of
-  /// size() x motions
+  /// its step; 0 where that cannot be played; and of the poses, which go into `at.poses`.
+  /// \param steps  shape (size()), in z, of either sign  \param progress  as of changes()
   std::vector<RowMajorF> jacobian(const Eigen::VectorXd& z, const Eigen::VectorXd& steps, MotionEvaluation& at,
                                   const std::function<void(std::size_t done)>& progress = {}) const;
 
   double objectiveOf(const MotionEvaluation& evaluation, const Eigen::VectorXd& z) const;
-  /// Gradient and Gauss-Newton curvature with the prior's.
+  /// Gradient and Gauss-Newton curvature with the prior's; a motion without derivatives (no rows) is left out.
   struct NormalEquations {
     Eigen::MatrixXd curvature;
     Eigen::VectorXd gradient;
@@ -89,8 +98,8 @@ class MotionPosterior {
 
  private:
   struct Workers;
-  Eigen::VectorXd residualsOf(const ArmModel& model, double delay, std::size_t motion) const;
-  void playOne(const ArmModel& model, double delay, std::size_t motion, PlayedMotion& played) const;
+  Eigen::VectorXd residualsOf(const ArmModel& model, double delay, std::size_t motion, bool coarse = false) const;
+  void playOne(const ArmModel& model, double delay, std::size_t motion, bool coarse, PlayedMotion& played) const;
   std::vector<PoseResidual> evaluatePoses(const Eigen::VectorXd& z, bool jacobians) const;
   double lossOf(std::size_t motion, const Eigen::VectorXd& residuals) const;  ///< sum of rho, times its weight
 

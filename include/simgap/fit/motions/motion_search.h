@@ -73,8 +73,12 @@ MotionLinearisation linearise(const MotionPosterior& posterior, const Eigen::Vec
 /// Marquardt's steps with one set of derivatives, which each corrects, until it promises little more.
 /// \param[in,out] rollouts  counts them  \returns how many steps were accepted  \throws InterruptedError
 int descend(const MotionPosterior& posterior, MotionLinearisation& here, double& damping, long& rollouts);
-/// Steps of the next differences: about a standard deviation of what will be known, in z.
-Eigen::VectorXd differenceSteps(const MotionPosterior& posterior, const MotionLinearisation& here);
+/// Derivatives made anew where it counts: along the directions of z of which these motions tell more than the prior
+/// does, each a rollout of every motion; as Broyden's update, J += (dR - J dZ) (dZ^T dZ)^-1 dZ^T, by all of them at
+/// once. Along the others, half of a large arm's, the prior decides, and old derivatives are as good. \returns how many
+/// rollouts that took  \throws InterruptedError
+long renew(const MotionPosterior& posterior, MotionLinearisation& here,
+           const std::function<void(const MotionSearchNews&)>& news);
 /// Inverse of the curvature at `here`.
 Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinearisation& here);
 ///@}
