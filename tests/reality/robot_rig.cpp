@@ -183,10 +183,28 @@ JointSeries drawSeries(const RobotLink& link, const RobotRigOptions& options, Ro
   return series;
 }
 
-double frictionOf(const RobotLink& link, double v, double left) {
-  if (std::abs(v) < 1e-9) return left * (link.coulomb + link.more_static);
+/// \param load  what the bodies ask of all joints
+double frictionOf(const RobotLink& link, double v, double left, double own_load, const VectorXd& load) {
+  const double by_load = link.load_friction * std::abs(own_load) +
+                         (link.coupled_to < 0 ? 0.0 : link.coupled_friction * std::abs(load[link.coupled_to]));
+  if (std::abs(v) < 1e-9) return left * (link.coulomb + link.more_static + by_load);
   const double ratio = v / link.stribeck_speed;
-  return (link.coulomb + link.more_static / (1.0 + ratio * ratio)) * (v > 0.0 ? 1.0 : -1.0) + link.viscous * v;
+  const double dry = link.coulomb + link.more_static / (1.0 + ratio * ratio) + by_load;
+  const double bent = std::pow(std::abs(v) / link.top_speed, link.viscous_power - 1.0);
+  return dry * (v > 0.0 ? 1.0 : -1.0) + link.viscous * bent * v + link.viscous_forwards * std::abs(v);
+}
+
+/// A channel that is written `late` seconds after it was true.
+VectorXd writtenLate(const VectorXd& values, double late, double rate) {
+  VectorXd written(values.size());
+  for (Index i = 0; i < values.size(); ++i) {
+    const double at = std::clamp(static_cast<double>(i) - late * rate, 0.0, static_cast<double>(values.size() - 1));
+    const auto before = static_cast<Index>(std::floor(at));
+    const Index after = std::min(before + 1, values.size() - 1);
+    const double share = at - static_cast<double>(before);
+    written[i] = (1.0 - share) * values[before] + share * values[after];
+  }
+  return written;
 }
 
 /// Everything that the robot did, shape (rows, links) each.
@@ -209,16 +227,35 @@ RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotD
   }
   std::vector<double> left(robot.links.size(), 0.0);
   for (Index i = 0; i < rows; ++i) {
-    record.torque.row(i) =
+    const VectorXd load =
         rigidTorques(robot, record.q.row(i).transpose(), record.v.row(i).transpose(), record.a.row(i).transpose());
+    record.torque.row(i) = load.transpose();
     for (Index j = 0; j < n; ++j) {
       const RobotLink& link = robot.links[j];
       const bool rests = std::abs(record.v(i, j)) < 1e-9;
       if (rests && (i == 0 || std::abs(record.v(i - 1, j)) >= 1e-9)) left[j] = draws.between(-1.0, 1.0);
-      record.torque(i, j) += link.rotor * record.a(i, j) + link.offset + frictionOf(link, record.v(i, j), left[j]);
+      record.torque(i, j) +=
+          link.rotor * record.a(i, j) + link.offset + frictionOf(link, record.v(i, j), left[j], load[j], load);
+      record.torque(i, j) += link.ripple * std::sin(link.ripple_ratio * record.q(i, j) + link.ripple_phase);
     }
   }
   return record;
+}
+
+/// What is written of it.
+void writeDown(const Robot& robot, const RobotRigOptions& options, RobotRecord& record) {
+  for (Index j = 0; j < record.q.cols(); ++j) {
+    const RobotLink& link = robot.links[j];
+    record.torque.col(j) = link.effort_gain * record.torque.col(j).array() + link.bias;
+    record.q.col(j).array() -= link.zero;
+    if (link.clock_late != 0.0) {
+      for (MatrixXd* part : {&record.q, &record.v, &record.a, &record.torque}) {
+        part->col(j) = writtenLate(part->col(j), link.clock_late, options.rate);
+      }
+    }
+    if (link.effort_late != 0.0)
+      record.torque.col(j) = writtenLate(record.torque.col(j), link.effort_late, options.rate);
+  }
 }
 
 }  // namespace
@@ -270,10 +307,18 @@ Robot randomRobot(std::uint64_t seed, int joints, bool tree, bool slides) {
   return robot;
 }
 
+MatrixXd loggedTorques(const Robot& robot, const RobotRigOptions& options, std::uint64_t draw) {
+  RobotDraws draws(draw, 2);
+  RobotRecord record = moveRobot(robot, options, draws);
+  writeDown(robot, options, record);
+  return record.torque;
+}
+
 std::string recordRobot(const Robot& robot, const RobotRigOptions& options, std::uint64_t draw,
                         const std::vector<double>& constants) {
   RobotDraws draws(draw, 2);
-  const RobotRecord record = moveRobot(robot, options, draws);
+  RobotRecord record = moveRobot(robot, options, draws);
+  writeDown(robot, options, record);
   const Index n = record.q.cols();
   std::string text = "time_s";
   for (Index j = 0; j < n; ++j) {

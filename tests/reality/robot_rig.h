@@ -27,6 +27,19 @@ struct RobotLink {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2] about the centre
   double rotor = 0.0, coulomb = 0.0, viscous = 0.0, offset = 0.0;
   double more_static = 0.0, stribeck_speed = 0.1;  ///< static above kinetic friction [N m], [rad/s]
+  /// \name What a model of rigid bodies and plain drives lacks; nothing unless robot_flaws.h puts it there
+  ///@{
+  double viscous_power = 1.0, top_speed = 1.0;  ///< viscous |v / top|^(power - 1) v
+  double viscous_forwards = 0.0;                ///< more of it forwards, as much less backwards [N m s/rad]
+  double load_friction = 0.0;                   ///< of what the bodies ask of the joint [1]
+  int coupled_to = -1;                          ///< a link whose joint's load
+  double coupled_friction = 0.0;                ///< adds to the friction [1]
+  double ripple = 0.0, ripple_ratio = 1.0, ripple_phase = 0.0;  ///< [N m], periods a turn, [rad]
+  double bias = 0.0;                                            ///< of the logged effort [N m]
+  double effort_gain = 1.0;                                     ///< logged torque per true torque
+  double zero = 0.0;                                            ///< true position less the logged one [rad]
+  double effort_late = 0.0, clock_late = 0.0;  ///< [s] of the effort; of all that is logged of the joint
+  ///@}
 };
 
 struct Robot {
@@ -60,6 +73,9 @@ struct RobotRigOptions {
 /// \param draw  numbers motion and noise. \param constants  shape (links) [N m/A]
 std::string recordRobot(const Robot& robot, const RobotRigOptions& options, std::uint64_t draw,
                         const std::vector<double>& constants = {});
+
+/// The torques that the log holds, before noise, shape (rows, links).
+Eigen::MatrixXd loggedTorques(const Robot& robot, const RobotRigOptions& options, std::uint64_t draw);
 
 /// The robot as somebody has drawn it: masses off by a factor of exp(0.2 z), inertias by exp(0.3 z), centres by 2 cm.
 /// No friction, no rotors. \param draw  of the errors; 0: none

@@ -8,6 +8,7 @@
 #include "cli/fit_options.h"
 #include "cli/inputs.h"
 #include "cli/motion_commands.h"
+#include "cli/robot_diagnose.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/progress.h"
 #include "simgap/core/run_directory.h"
@@ -30,6 +31,7 @@ struct Options {
   std::optional<double> ratio;
   std::optional<int> max_causes;
   std::string holdout;
+  std::vector<double> torque_constants;
   LogDiagnosisOptions diagnose;
 };
 
@@ -175,6 +177,27 @@ ExitCode runMotions(const Options& options, Session& session) {
   return diagnoseMotionSet(motion, session);
 }
 
+ExitCode runRobot(const Options& options, Session& session, const CLI::App& app) {
+  if (!options.bench.empty() || options.ratio || options.diagnose.self_tests > 0) {
+    throw ConfigError(options.model + ": found a robot, expected no --bench, --ratio or --self-test");
+  }
+  RobotDiagnoseOptions robot{options.common, options.table, options.model, options.logs, options.torque_constants, {}};
+  robot.diagnose.effects = options.diagnose.effects;
+  if (options.max_causes) robot.diagnose.max_causes = *options.max_causes;
+  robot.diagnose.level = options.diagnose.level;
+  robot.diagnose.ignore_faults = options.diagnose.ignore_faults;
+  robot.diagnose.seed = options.common.seed.value_or(1);
+  if (!options.holdout.empty()) {
+    const auto fraction = parseNumber(options.holdout);
+    if (!fraction || !(*fraction > 0.0 && *fraction <= 0.5)) {
+      throw ConfigError(
+          fmt::format("--holdout: found '{}', expected a fraction of a robot's blocks in (0, 0.5]", options.holdout));
+    }
+    robot.diagnose.holdout = *fraction;
+  }
+  return diagnoseRobotLog(robot, session, app);
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("diagnose", options.common, argv);
   if (int{!options.logs.empty()} + int{!options.poses.empty()} + int{!options.motions.empty()} != 1) {
@@ -187,6 +210,13 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     throw ConfigError("found --validation-motions without --motions, expected both");
   }
   if (!options.motions.empty()) return runMotions(options, session);
+  if (!options.logs.empty() && namesRobot(session, options.model)) {
+    Session robot("diagnose", options.common, argv);  // whose inputs are read once
+    return runRobot(options, robot, app);
+  }
+  if (!options.torque_constants.empty()) {
+    throw ConfigError("found --torque-constants, expected them with a robot and --log only");
+  }
   return options.poses.empty() ? runLog(options, session, app) : runPoses(options, session);
 }
 
@@ -195,10 +225,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option(
          "MODEL", options->model,
          "fitted model of a drive, motor, gearbox, muscle or spring, or arm model (YAML); or a name: a friction law "
-         "(classic, variant-a, …), motor, gearbox, pam or spring")
+         "(classic, variant-a, …), motor, gearbox, pam or spring; with the log of all joints a robot: what "
+         "fit-dynamics has found, or URDF, MJCF, SDF")
       ->required();
   app.add_option("--log", options->logs,
-                 "measured log (CSV) of a drive, muscle or spring; several: sessions of one rig");
+                 "measured log (CSV) of a drive, muscle, spring or robot; several: sessions of one rig");
   app.add_option("--poses", options->poses, "recorded poses (CSV) of an arm; several files: of one and the same arm");
   app.add_option("--motions", options->motions, "recorded motions (YAML) of an arm");
   app.add_option("--validation-motions", options->validation_motions,
@@ -207,6 +238,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "of --poses and --motions: calibration config with parameters and priors (default: built in)");
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML; default: external_torque_Nm)");
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")
+      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--torque-constants", options->torque_constants,
+                 "of a robot whose file has none and a log of currents: torque per current at each joint "
+                 "(comma-separated) [Nm/A]")
+      ->delimiter(',')
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option(
       "--holdout", options->holdout,

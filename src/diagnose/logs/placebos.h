@@ -29,8 +29,4 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
 /// testPlacebos.
 std::string doubtOfDelay(const LogSearch& search, const Fitted& full, const Fitted& rest, std::size_t effect);
 
-/// A signal with the spectrum of `values` and phases drawn at random (surrogate data: Theiler et al. 1992), and the
-/// same mean. \param draw  which of the surrogates: the same phases for every signal of one draw.
-Eigen::VectorXd phaseRandomised(const Eigen::VectorXd& values, std::uint32_t draw, std::uint64_t seed);
-
 }  // namespace simgap

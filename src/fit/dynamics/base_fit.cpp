@@ -1,4 +1,4 @@
-#include "base_fit.h"
+#include "simgap/fit/dynamics/base_fit.h"
 
 #include <Eigen/LU>
 #include <algorithm>

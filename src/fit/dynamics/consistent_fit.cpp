@@ -194,6 +194,8 @@ ConsistentFit fitConsistent(const DynamicsData& data, const std::vector<JointSum
     return VectorXd((slopes * of * slopes.transpose()).diagonal().cwiseMax(0.0).cwiseSqrt());
   };
   fit.sd = deviations(covariance);
+  const MatrixXd base_slopes = data.base.combination * slopes;
+  fit.base_covariance = base_slopes * covariance * base_slopes.transpose();
   fit.prior_sd = deviations(MatrixXd(search.priors().sd.cwiseAbs2().asDiagonal()));
   return fit;
 }

@@ -4,13 +4,14 @@
 
 #include <vector>
 
-#include "base_fit.h"
+#include "simgap/fit/dynamics/base_fit.h"
 
 namespace simgap {
 
 struct ConsistentFit {
-  Eigen::VectorXd parameters;    ///< shape (P)
-  Eigen::VectorXd sd, prior_sd;  ///< shape (P)
+  Eigen::VectorXd parameters;       ///< shape (P)
+  Eigen::VectorXd sd, prior_sd;     ///< shape (P)
+  Eigen::MatrixXd base_covariance;  ///< shape (K, K): of the base parameters that they make up
   bool converged = true;
 };
 

@@ -61,6 +61,7 @@ DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& tor
   fit.model = {fits.consistent.parameters, torque_constants};
   fit.sd = fits.consistent.sd;
   fit.prior_sd = fits.consistent.prior_sd;
+  fit.base_covariance = fits.consistent.base_covariance;
   fit.inflation = fits.inflation;
   fit.converged = fits.consistent.converged;
   const double quantile = studentQuantile(static_cast<double>(data.sums.blocks.size()) - 1.0);

@@ -41,15 +41,20 @@ RobotMotion emptyMotion(std::size_t coordinates) {
 }
 
 void sumBlock(const RobotLog& log, const Block& block, const RobotRegressor& regressor, const BaseParameters& base,
-              std::span<const StribeckCurve> curves, std::vector<JointSums>& sums) {
+              std::span<const StribeckCurve> curves, std::span<const ExtraColumn> extras,
+              std::vector<JointSums>& sums) {
   const std::size_t n = regressor.coordinates();
   RobotRegressor::Workspace work = regressor.workspace();
   RegressorMatrix y(n, regressor.columns());
   RobotMotion motion = emptyMotion(n);
   std::vector<JointChunk> chunks(n);
+  std::vector<std::vector<const Eigen::ArrayXd*>> own(n);  // extra columns of each joint
   sums.resize(n);
   for (std::size_t c = 0; c < n; ++c) {
-    const Index columns = std::ssize(base.acts[c]) + 2;
+    for (const ExtraColumn& extra : extras) {
+      if (extra[c].size() > 0) own[c].push_back(&extra[c]);
+    }
+    const Index columns = std::ssize(base.acts[c]) + std::ssize(own[c]) + 2;
     chunks[c].rows.resize(kChunk, columns);
     sums[c].products = MatrixXd::Zero(columns, columns);
   }
@@ -63,6 +68,7 @@ void sumBlock(const RobotLog& log, const Block& block, const RobotRegressor& reg
       const Index joint = c;
       Index at = 0;
       for (const std::size_t k : base.acts[c]) chunk.rows(chunk.filled, at++) = y(joint, base.columns[k]);
+      for (const Eigen::ArrayXd* extra : own[c]) chunk.rows(chunk.filled, at++) = (*extra)[static_cast<Index>(row)];
       chunk.rows(chunk.filled, at++) = regressor.dynamics().springTorque(c, motion.position[c]);
       chunk.rows(chunk.filled, at) = log.joints[c].effort[row];
       if (++chunk.filled == kChunk) chunk.addTo(sums[c]);
@@ -90,13 +96,14 @@ std::vector<JointSums> DynamicsSums::total(const std::vector<bool>& used) const 
 }
 
 DynamicsSums sumDynamics(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
-                         std::span<const StribeckCurve> curves, const std::vector<bool>& used) {
+                         std::span<const StribeckCurve> curves, const std::vector<bool>& used,
+                         std::span<const ExtraColumn> extras) {
   DynamicsSums sums;
   sums.blocks.resize(log.blocks.size());
   tbb::parallel_for(std::size_t{0}, log.blocks.size(), [&](std::size_t b) {
     if (interruptRequested()) return;
     const Block rows = used[b] ? log.blocks[b] : Block{log.blocks[b].begin, log.blocks[b].begin};
-    sumBlock(log, rows, regressor, base, curves, sums.blocks[b]);
+    sumBlock(log, rows, regressor, base, curves, extras, sums.blocks[b]);
   });
   stopIfInterrupted();
   return sums;

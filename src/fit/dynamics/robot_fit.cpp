@@ -7,8 +7,8 @@
 #include <cmath>
 #include <memory>
 
-#include "base_fit.h"
 #include "simgap/core/error.h"
+#include "simgap/fit/dynamics/base_fit.h"
 
 namespace simgap {
 namespace {
@@ -125,11 +125,15 @@ std::vector<std::string> warningsOf(const RobotLog& log, const RobotFit& found) 
 
 }  // namespace
 
-RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options) {
+void requireRobotLog(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options) {
   checkLogOfRobot(log, options);
+  checkGravity(arm, log);
+}
+
+RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options) {
   const RobotRegressor regressor(arm, friction::find(options.law));
   const BaseParameters base = baseParameters(regressor, arm);
-  checkGravity(arm, log);
+  requireRobotLog(arm, log, options);
   const bool currents = log.joints.front().effort_unit == "A";
   RobotFit found;
   found.names = regressor.names();
@@ -164,6 +168,7 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   if (currents) found.model.torque_constants = found.fit.model.torque_constants;
   found.model.parameters = found.fit.model.parameters;
   found.model.sd = found.fit.sd;
+  found.model.base_covariance = found.fit.base_covariance;
   found.warnings = warningsOf(log, found);
   return found;
 }

@@ -1,6 +1,7 @@
 #include "simgap/fit/dynamics/robot_model.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -42,6 +43,35 @@ void readParameters(const YamlNode& root, const RobotRegressor& regressor, Robot
   }
 }
 
+/// Lower triangle, a row a line.
+std::string covarianceText(const MatrixXd& covariance) {
+  if (covariance.size() == 0) return {};
+  std::string text = "base_covariance:\n";
+  for (Index i = 0; i < covariance.rows(); ++i) {
+    const VectorXd row = covariance.row(i).head(i + 1);
+    text += fmt::format("  - [{:.8g}]\n", fmt::join(row, ", "));
+  }
+  return text;
+}
+
+/// \param count  K of its robot
+MatrixXd readCovariance(const YamlNode& node, Index count) {
+  const std::vector<YamlNode> rows = node.items();
+  if (std::ssize(rows) != count) {
+    node.fail(fmt::format("found {} rows, expected one for each of {} base parameters", rows.size(), count));
+  }
+  MatrixXd covariance(count, count);
+  for (Index i = 0; i < count; ++i) {
+    const std::vector<YamlNode> values = rows[i].items();
+    if (std::ssize(values) != i + 1) {
+      rows[i].fail(fmt::format("found {} numbers, expected {}: a lower triangle", values.size(), i + 1));
+    }
+    for (Index k = 0; k <= i; ++k) covariance(i, k) = covariance(k, i) = values[k].number();
+    if (!(covariance(i, i) >= 0.0)) rows[i].fail("found a negative variance, expected 0 or more");
+  }
+  return covariance;
+}
+
 }  // namespace
 
 RobotModel robotModelOf(const ArmModel& arm) {
@@ -77,6 +107,7 @@ std::string writeRobotModel(const RobotModel& model) {
     text += fmt::format("  - {{name: {}, unit: {}, value: {}, sd: {}}}\n", yamlText(regressor.names()[k]),
                         regressor.units()[k], model.parameters[k], model.sd[k]);
   }
+  text += covarianceText(model.base_covariance);
   return text + "robot:\n" + indented(writeArm(model.arm));
 }
 
@@ -103,9 +134,17 @@ RobotModel readRobotModel(const YamlNode& root) {
   for (const YamlNode& entry : parameters) {
     for (const char* key : {"name", "unit", "value", "sd"}) entry.at(key);
   }
+  if (const auto covariance = root.find("base_covariance")) {
+    for (const YamlNode& row : covariance->items()) {
+      for (const YamlNode& value : row.items()) value.number();
+    }
+  }
   model.arm = readArm(root.at("robot"));
   const RobotRegressor regressor(model.arm, friction::find(model.law));
   readParameters(root, regressor, model);
+  if (const auto covariance = root.find("base_covariance")) {
+    model.base_covariance = readCovariance(*covariance, std::ssize(baseParameters(regressor, model.arm).columns));
+  }
   if (names.size() != regressor.coordinates()) {
     root.at("joints").fail(
         fmt::format("found {} joints, expected the {} of its robot", names.size(), regressor.coordinates()));

@@ -1,4 +1,5 @@
 #include "cause_table.h"
+#include "robot_says.h"
 #include "simgap/core/csv.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
@@ -49,6 +50,13 @@ void writeMotionDiagnosis(const MotionDiagnosis& result, const RunDirectory& dir
   const PlayedSet before{"held out", "before", &result.held_out, &result.before},
       after{"held out", "with the causes", &result.held_out, &result.after};
   directory.write("residuals.csv", residualsCsv(result.layout, {before, after}));
+  writeDiagnosisTables(result.diagnosis, directory);
+}
+
+void writeRobotDiagnosis(const RobotDiagnosis& result, const RobotLog& log, const RunDirectory& directory) {
+  if (result.after.size() == 0) return;
+  if (result.extended) directory.write("model.yaml", writeRobotModel(*result.extended));
+  directory.write("robot_predictions.csv", robotPredictionsCsv(result, log));
   writeDiagnosisTables(result.diagnosis, directory);
 }
 

@@ -1,5 +1,6 @@
 // Surrogates keep the colour of a signal and lose its place.
 #include "diagnose/logs/placebos.h"
+#include "diagnose/surrogates.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

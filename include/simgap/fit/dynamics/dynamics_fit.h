@@ -40,8 +40,9 @@ struct DynamicsModel {
 
 struct DynamicsFit {
   DynamicsModel model;
-  Eigen::VectorXd sd;        ///< shape (P): of the parameters, given the priors
-  Eigen::VectorXd prior_sd;  ///< shape (P): of the priors alone, 0 without one
+  Eigen::VectorXd sd;               ///< shape (P): of the parameters, given the priors
+  Eigen::VectorXd prior_sd;         ///< shape (P): of the priors alone, 0 without one
+  Eigen::MatrixXd base_covariance;  ///< shape (K, K): of the model's base parameters
   std::vector<BaseEstimate> base;
   std::vector<double> noise;  ///< shape (N): deviation of the residual in the log's unit
   std::vector<double> rows;   ///< shape (N): rows that count

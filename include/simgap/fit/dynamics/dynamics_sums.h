@@ -26,6 +26,10 @@ struct JointSums {
   }
 };
 
+/// A torque that something else adds, as a column behind the base parameters: of each joint, shape (N), its rows, shape
+/// (rows); empty for a joint on which it does not act.
+using ExtraColumn = std::vector<Eigen::ArrayXd>;
+
 struct DynamicsSums {
   std::vector<std::vector<JointSums>> blocks;  ///< shape (blocks, N)
 
@@ -34,9 +38,11 @@ struct DynamicsSums {
 };
 
 /// Rows in which a joint moves, and all joints' motions are known, count for it. \throws InterruptedError
-/// \param used  shape (blocks): others stay empty
+/// \param used  shape (blocks): others stay empty. \param extras  of each joint those that act on it stand in their
+/// order between its base parameters and its known torque
 DynamicsSums sumDynamics(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
-                         std::span<const StribeckCurve> curves, const std::vector<bool>& used);
+                         std::span<const StribeckCurve> curves, const std::vector<bool>& used,
+                         std::span<const ExtraColumn> extras = {});
 
 /// Torque of every joint in the rows [begin, end), shape (end - begin, N), of all parameters p, shape (P).
 Eigen::MatrixXd predictTorques(const RobotLog& log, const RobotRegressor& regressor, const Eigen::VectorXd& p,

@@ -30,6 +30,9 @@ struct RobotFit {
 /// a log, nothing that moves, gravity that the log contradicts; NumericsError: the search did not converge
 RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options);
 
+/// What fitRobot() refuses before it fits. \throws ConfigError, DataError: as there
+void requireRobotLog(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options);
+
 /// The direction in which the log's torques say that gravity pulls on the bodies of the file, [m/s^2] as far as their
 /// masses are right; none where they do not say it clearly.
 std::optional<Eigen::Vector3d> gravityOfLog(const ArmModel& arm, const RobotLog& log);

@@ -19,6 +19,7 @@ struct RobotModel {
   std::vector<double> torque_constants;  ///< shape (N) [N m/A]; empty without currents
   std::vector<StribeckCurve> curves;     ///< shape (N)
   Eigen::VectorXd parameters, sd;        ///< shape (P), in the order of RobotRegressor
+  Eigen::MatrixXd base_covariance;       ///< shape (K, K): how well its base parameters are known; empty: not at all
   std::string data_file, data_sha256;
 };
 

@@ -8,6 +8,7 @@
 #include "simgap/diagnose/logs/refitted_model.h"
 #include "simgap/diagnose/motions/motion_diagnosis.h"
 #include "simgap/diagnose/poses/pose_diagnosis.h"
+#include "simgap/diagnose/robots/robot_diagnosis.h"
 
 namespace simgap {
 
@@ -30,6 +31,15 @@ Json toJson(const MotionDiagnosis& result);
 std::string terminalTable(const MotionDiagnosis& result);
 /// baseline.yaml, model.yaml, residuals.csv and the tables of hypotheses and evidence; nothing where data are at fault.
 void writeMotionDiagnosis(const MotionDiagnosis& result, const RunDirectory& directory);
+///@}
+
+/// \name On a robot's log: the same, and what is left of each joint
+///@{
+Json toJson(const RobotDiagnosis& result);
+std::string terminalTable(const RobotDiagnosis& result);
+/// model.yaml where the robot's file can hold a cause, predictions.csv, the tables of hypotheses and evidence; nothing
+/// where data are at fault.
+void writeRobotDiagnosis(const RobotDiagnosis& result, const RobotLog& log, const RunDirectory& directory);
 ///@}
 
 }  // namespace simgap

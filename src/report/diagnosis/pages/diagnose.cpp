@@ -6,6 +6,7 @@
 
 #include "report/diagnosis/cause_table.h"
 #include "report/diagnosis/motion_says.h"
+#include "report/diagnosis/robot_says.h"
 #include "report/motions/motion_tables.h"
 #include "report/poses/arm_scene.h"
 #include "simgap/report/html/result_page.h"
@@ -358,6 +359,12 @@ void addMotions(const ResultFiles& files, Page& page) {
   if (files.has("residuals.csv")) addResidualCharts(files, page);
 }
 
+/// What is left of each joint of a robot.
+void addJoints(const Json& result, Page& page) {
+  if (!result.contains("joints") || result.at("joints").empty()) return;
+  page.add(robotSays(result));
+}
+
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   const std::string sentence = text(result, "sentence");
@@ -368,6 +375,7 @@ Page make(const ResultFiles& files) {
   addSignature(files, evidence, page);
   if (result.at("baseline").at("mse_heldout").is_number()) page.add(gap(result));
   addCauses(result, page);
+  addJoints(result, page);
   page.add(
       PageText{fmt::format("Verdict: {}. The named causes explain {} % of the error; {} % is explainable by what "
                            "was logged.",

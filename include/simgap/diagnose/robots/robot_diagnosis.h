@@ -1,0 +1,56 @@
+/// \file
+/// What the log of all joints says is missing in a robot's model: what a drive does on top of the rigid-body coupling,
+/// and what the bodies themselves, their frames, their constants or their clocks have wrong. Everything works on sums
+/// of the log (dynamics_sums.h): a hypothesis is one or a few columns beside the base parameters.
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "simgap/diagnose/diagnosis.h"
+#include "simgap/fit/dynamics/robot_model.h"
+
+namespace simgap {
+
+struct RobotDiagnosisOptions {
+  std::vector<std::string> effects;  ///< only these; all causes when empty
+  int max_causes = 4;
+  double level = 0.05;        ///< of the false-alarm rate of each step
+  double least_gain = 0.015;  ///< of the squared error of the joints on which a cause acts
+  double holdout = 0.25;      ///< fraction of the blocks that only measure the gain
+  bool ignore_faults = false;
+  std::uint64_t seed = 1;
+
+  bool wants(std::string_view effect) const {
+    return effects.empty() || std::ranges::find(effects, effect) != effects.end();
+  }
+  /// \throws ConfigError: a cause that does not exist, with those that do.
+  void validate() const;
+};
+
+/// A joint's error on data never used, relative to its effort; nan where it does not move there.
+struct JointVerdict {
+  std::string joint, unit;
+  double given = 0.0;   ///< of the robot as it was given; nan where its bodies were to be found first
+  double before = 0.0;  ///< with what the log itself says of its parameters
+  double after = 0.0;   ///< with the causes
+};
+
+struct RobotDiagnosis {
+  Diagnosis diagnosis;
+  std::vector<JointVerdict> joints;
+  std::optional<RobotModel> extended;  ///< the robot with those causes that its file can hold; none: it holds none
+  std::vector<std::string> not_held;   ///< causes that it cannot hold
+  Eigen::MatrixXd before, after;       ///< shape (rows, N): predicted efforts, in the log's unit
+};
+
+/// \param known  the robot's base parameters are known from another log (RobotModel::base_covariance): what this log
+/// says beyond that is a cause. Otherwise they are fitted to this very log, and what they can absorb cannot be named.
+/// \throws ConfigError, DataError: as requireRobotLog(), and the log of another robot; InterruptedError
+RobotDiagnosis diagnoseRobot(const RobotModel& robot, RobotLog log, const RobotDiagnosisOptions& options,
+                             const DiagnosisProgress& progress);
+
+}  // namespace simgap

@@ -1,0 +1,54 @@
+/// \file
+/// All that is logged of a joint, motion and effort, is late by dt against the other joints: theirs meet its motion of
+/// dt later rows, and its effort belongs to their motion of dt before.
+#include "diagnose/robots/robot_cause.h"
+
+namespace simgap::robot_causes::clock_offset {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr const char* kNames[] = {"clock-offset"};
+
+MatrixXd lateBy(const RobotRows& rows, std::size_t late, double dt) {
+  MatrixXd torque = rows.rigidChange(
+      [&](std::size_t row, RobotMotion& motion, Vector3d&) { rows.motionAfter(late, row, dt, motion); });
+  const MatrixXd own = rows.rigidChange([&](std::size_t row, RobotMotion& motion, Vector3d&) {
+    for (std::size_t c = 0; c < rows.joints(); ++c) {
+      if (c != late) rows.motionAfter(c, row, -dt, motion);
+    }
+  });
+  const auto column = static_cast<Index>(late);
+  torque.col(column) = own.col(column);
+  return torque;
+}
+
+std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
+  std::vector<RobotHypothesis> list;
+  if (rows.joints() < 2) return list;
+  const double step = rows.drive(0).step;
+  for (std::size_t c = 0; c < rows.joints(); ++c) {
+    RobotHypothesis h;
+    h.cause = kNames[0];
+    h.target = rows.jointName(c);
+    h.sentence = "all that is logged of this joint comes later, or earlier, than what is logged of the others";
+    h.separates = "a knock at the base that all joints see";
+    h.parameters = {{"dt", "s", step, -0.5, 0.5}};
+    h.linear = false;
+    h.torque = [&rows, c](const VectorXd& theta) { return onAll(lateBy(rows, c, theta[0])); };
+    // What the reading of a log puts right by halves of a row is no clock.
+    h.counts = [step](const VectorXd& theta) { return std::abs(theta[0]) >= 0.75 * step; };
+    list.push_back(std::move(h));
+  }
+  return list;
+}
+
+}  // namespace
+
+extern const RobotCause entry;
+const RobotCause entry{kNames, hypotheses};
+
+}  // namespace simgap::robot_causes::clock_offset

@@ -1,0 +1,63 @@
+/// \file
+/// Friction of a joint that grows with what the bodies ask of its neighbour in the tree: bearings and seals that share
+/// a shaft, or a housing that bends: + n |tau_k| sign(dq_j).
+#include "diagnose/robots/robot_cause.h"
+
+namespace simgap::robot_causes::coupled_friction {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr const char* kNames[] = {"coupled-friction"};
+
+/// The joint before a body's own, through bodies that are fixed to each other; -1: the base.
+int coordinateBefore(const RobotRows& rows, std::size_t c) {
+  const ArmModel& arm = rows.model().arm;
+  const std::vector<int>& coordinates = rows.regressor().dynamics().joints();
+  int body = arm.joints[coordinates[c]].parent;
+  for (std::size_t passed = 0; passed <= arm.joints.size(); ++passed) {
+    for (std::size_t j = 0; j < arm.joints.size(); ++j) {
+      if (arm.joints[j].child != body) continue;
+      for (std::size_t k = 0; k < coordinates.size(); ++k) {
+        if (coordinates[k] == static_cast<int>(j)) return static_cast<int>(k);
+      }
+      body = arm.joints[j].parent;
+      break;
+    }
+  }
+  return -1;
+}
+
+RobotHypothesis byNeighbour(const RobotRows& rows, std::size_t c, std::size_t k) {
+  RobotHypothesis h;
+  h.cause = kNames[0];
+  h.target = rows.jointName(c) + " by " + rows.jointName(k);
+  h.drive = static_cast<int>(c);
+  h.sentence = "friction of the first joint grows with the load of the second, its neighbour";
+  h.separates = "slow motion of the first joint while the second holds different loads";
+  const bool alike = rows.joint(c).slides() == rows.joint(k).slides();
+  h.parameters = {{"n", alike ? "1" : rows.joint(c).slides() ? "1_m" : "m", 1.0, 0.0}};
+  h.torque = [&rows, c, k](const VectorXd& theta) {
+    return onJoint(rows.joints(), c, theta[0] * rows.drive(k).load.abs() * rows.drive(c).direction);
+  };
+  return h;
+}
+
+std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
+  std::vector<RobotHypothesis> list;
+  for (std::size_t c = 0; c < rows.joints(); ++c) {
+    const int before = coordinateBefore(rows, c);
+    if (before < 0) continue;
+    const auto k = static_cast<std::size_t>(before);
+    list.push_back(byNeighbour(rows, c, k));
+    list.push_back(byNeighbour(rows, k, c));
+  }
+  return list;
+}
+
+}  // namespace
+
+extern const RobotCause entry;
+const RobotCause entry{kNames, hypotheses};
+
+}  // namespace simgap::robot_causes::coupled_friction

@@ -1,0 +1,159 @@
+/// \file
+/// Causes of single drives (src/model/effects/drive) at every joint of a robot: a joint is a drive whose load is what
+/// the bodies ask of it. Their columns, or what they change of friction and of time, are the torque that they add.
+#include <algorithm>
+
+#include "diagnose/robots/robot_cause.h"
+#include "simgap/model/effects/actuator_effect.h"
+
+namespace simgap::robot_causes::drive_effects {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::VectorXd;
+using Kind = EffectParameter::Kind;
+
+/// Those whose channels a robot's log has and that ask for no rests; dry and viscous friction as such are parameters.
+constexpr const char* kNames[] = {"channel-delay",   "current-bias", "direction-asymmetry", "load-dependence",
+                                  "position-ripple", "stribeck",     "viscous-asymmetry",   "viscous-nonlinearity"};
+constexpr std::size_t kMostStarts = 4;
+constexpr double kSearched = 1000.0;  // ratios at which a ripple is looked for
+
+ActuatorTerms termsOf(const ActuatorRows& rows) {
+  ActuatorTerms terms;
+  terms.load = rows.load;
+  terms.dry = rows.direction;
+  terms.viscous = rows.speed;
+  return terms;
+}
+
+/// What a changed drive exerts more.
+ArrayXd changedTorque(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, std::span<const double> p) {
+  const ActuatorRows& drive = rows.drive(c);
+  ActuatorTerms terms = termsOf(drive);
+  effect.apply(p, drive, terms);
+  ArrayXd more = rows.coulomb(c) * (terms.dry - drive.direction) + rows.viscous(c) * (terms.viscous - drive.speed);
+  if (terms.delay == 0.0) return more;
+  const ArrayXd torque = rows.torque().col(static_cast<Index>(c)).array();
+  return more + rows.shifted(torque, -terms.delay) - torque;
+}
+
+std::string unitAt(const RobotRows& rows, std::size_t c, const EffectColumn& column) {
+  if (!column.torque) return rows.log().joints[c].effort_unit;
+  if (column.unit == "Nm") return effortUnit(rows.joint(c));
+  if (!rows.joint(c).slides()) return std::string(column.unit);
+  return column.unit == "Nms_rad" ? "Ns_m" : column.unit == "1_Nm" ? "1_N" : std::string(column.unit);
+}
+
+RobotHypothesis named(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect) {
+  RobotHypothesis h;
+  h.cause = effect.name;
+  h.form = effect.form;
+  h.target = rows.jointName(c);
+  h.drive = static_cast<int>(c);
+  h.sentence = effect.cause;
+  h.separates = effect.separates;
+  return h;
+}
+
+/// Columns whose shape is fixed where a search begins.
+RobotHypothesis byColumns(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect,
+                          const std::vector<double>& p) {
+  RobotHypothesis h = named(rows, c, effect);
+  for (const EffectColumn& column : effect.columns) {
+    h.parameters.push_back({std::string(column.name), unitAt(rows, c, column), 1.0, column.lower, column.upper});
+  }
+  if (effect.name == std::string_view("position-ripple")) h.searched = kSearched;
+  h.torque = [&rows, c, &effect, p](const VectorXd& theta) {
+    const ActuatorRows& drive = rows.drive(c);
+    Eigen::ArrayXXd x(drive.rows(), std::ssize(effect.columns));
+    effect.fill(p, drive, termsOf(drive), ArrayXd::Zero(drive.rows()), x);
+    ArrayXd torque = ArrayXd::Zero(drive.rows());
+    for (Index k = 0; k < x.cols(); ++k) {
+      const bool is_torque = effect.columns[static_cast<std::size_t>(k)].torque;
+      torque += theta[k] * (is_torque ? 1.0 : rows.constant(c)) * x.col(k);
+    }
+    return onJoint(rows.joints(), c, torque);
+  };
+  if (effect.is_offset) {
+    const Index column = rows.regressor().offsetColumn(c);
+    const double constant = rows.constant(c);
+    h.hold = [column, constant](const VectorXd& theta, RobotModel& model) {
+      model.parameters[column] += constant * theta[0];
+      return true;
+    };
+  }
+  if (effect.counts != nullptr) {
+    h.counts = [&rows, c, &effect, p](const VectorXd&) { return effect.counts(p, rows.drive(c)); };
+  }
+  return h;
+}
+
+/// A change of friction or of time by the effect's own numbers; others stay where a search begins.
+RobotHypothesis byChange(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, std::vector<double> p) {
+  RobotHypothesis h = named(rows, c, effect);
+  std::vector<std::size_t> free;
+  for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
+    const EffectParameter& parameter = effect.parameters[k];
+    if (parameter.kind != Kind::kSmooth) continue;
+    const double step = parameter.unit == "s" ? rows.drive(c).step : 0.02;
+    h.parameters.push_back({std::string(parameter.name), std::string(parameter.unit), step,
+                            parameter.lower - parameter.neutral, parameter.upper - parameter.neutral,
+                            parameter.neutral});
+    p[k] = parameter.neutral;
+    free.push_back(k);
+  }
+  const auto valuesAt = [&effect, p, free](const VectorXd& theta) {
+    std::vector<double> values = p;
+    for (std::size_t k = 0; k < free.size(); ++k) {
+      const EffectParameter& parameter = effect.parameters[free[k]];
+      values[free[k]] = std::clamp(parameter.neutral + theta[static_cast<Index>(k)], parameter.lower, parameter.upper);
+    }
+    return values;
+  };
+  h.linear = false;
+  h.torque = [&rows, c, &effect, valuesAt](const VectorXd& theta) {
+    return onJoint(rows.joints(), c, changedTorque(rows, c, effect, valuesAt(theta)));
+  };
+  if (effect.counts != nullptr) {
+    h.counts = [&rows, c, &effect, valuesAt](const VectorXd& theta) {
+      return effect.counts(valuesAt(theta), rows.drive(c));
+    };
+  }
+  return h;
+}
+
+void addOf(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, std::vector<RobotHypothesis>& list) {
+  std::vector<double> start;
+  for (const EffectParameter& parameter : effect.parameters) start.push_back(parameter.start);
+  std::vector<std::vector<double>> starts = {start};
+  if (effect.starts != nullptr) starts = effect.starts(rows.drive(c), rows.residual(c));
+  if (effect.columns.empty()) {
+    if (!starts.empty()) list.push_back(byChange(rows, c, effect, starts.front()));
+    return;
+  }
+  for (std::size_t s = 0; s < std::min(starts.size(), kMostStarts); ++s) {
+    list.push_back(byColumns(rows, c, effect, starts[s]));
+  }
+}
+
+std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
+  std::vector<RobotHypothesis> list;
+  for (std::size_t c = 0; c < rows.joints(); ++c) {
+    for (const char* name : kNames) {
+      const ActuatorEffect& effect = actuator_effects::find(name);
+      if (effect.contained_in != nullptr && effect.contained_in(rows.regressor().law())) continue;
+      addOf(rows, c, effect, list);
+      for (const ActuatorEffect* form : effect.other_forms) addOf(rows, c, *form, list);
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+extern const RobotCause entry;
+const RobotCause entry{kNames, hypotheses};
+
+}  // namespace simgap::robot_causes::drive_effects

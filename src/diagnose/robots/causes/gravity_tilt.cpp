@@ -1,0 +1,58 @@
+/// \file
+/// The base stands otherwise than the model says: gravity is turned about the two axes of the base that lie across it.
+#include <Eigen/Geometry>
+
+#include "diagnose/robots/robot_cause.h"
+
+namespace simgap::robot_causes::gravity_tilt {
+namespace {
+
+using Eigen::AngleAxisd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr const char* kNames[] = {"gravity-tilt"};
+
+/// By a turn of `angle` about an axis of the base.
+Vector3d turned(const Vector3d& gravity, const Vector3d& turn) {
+  const double angle = turn.norm();
+  return angle > 0.0 ? Vector3d(AngleAxisd(angle, turn / angle) * gravity) : gravity;
+}
+
+std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
+  const Vector3d gravity = rows.model().arm.gravity;
+  if (gravity.norm() == 0.0) return {};
+  Eigen::Index along = 0;
+  gravity.cwiseAbs().maxCoeff(&along);
+  const Eigen::Index first = along == 0 ? 1 : 0, second = along == 2 ? 1 : 2;
+  const auto turnOf = [first, second](const VectorXd& theta) {
+    Vector3d turn = Vector3d::Zero();
+    turn[first] = theta[0];
+    turn[second] = theta[1];
+    return turn;
+  };
+  RobotHypothesis h;
+  h.cause = kNames[0];
+  h.sentence = "the base is tilted against gravity";
+  h.separates = "the base with a level beside it, or the same slow motion after the base was turned about the vertical";
+  for (const Eigen::Index axis : {first, second}) {
+    h.parameters.push_back({std::string("turn_") + "xyz"[axis], "rad", 1e-2, -0.8, 0.8});
+  }
+  h.linear = false;
+  h.torque = [&rows, turnOf](const VectorXd& theta) {
+    const Vector3d turn = turnOf(theta);
+    return onAll(rows.rigidChange([&](std::size_t, RobotMotion&, Vector3d& g) { g = turned(g, turn); }));
+  };
+  h.hold = [turnOf](const VectorXd& theta, RobotModel& model) {
+    model.arm.gravity = turned(model.arm.gravity, turnOf(theta));
+    return true;
+  };
+  return {h};
+}
+
+}  // namespace
+
+extern const RobotCause entry;
+const RobotCause entry{kNames, hypotheses};
+
+}  // namespace simgap::robot_causes::gravity_tilt

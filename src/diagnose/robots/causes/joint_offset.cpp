@@ -1,0 +1,38 @@
+/// \file
+/// A joint's zero is not where the model has it: its position is q + delta.
+#include "diagnose/robots/robot_cause.h"
+
+namespace simgap::robot_causes::joint_offset {
+namespace {
+
+using Eigen::VectorXd;
+
+constexpr const char* kNames[] = {"joint-offset"};
+
+std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
+  std::vector<RobotHypothesis> list;
+  for (std::size_t c = 0; c < rows.joints(); ++c) {
+    const bool slides = rows.joint(c).slides();
+    RobotHypothesis h;
+    h.cause = kNames[0];
+    h.target = rows.jointName(c);
+    h.sentence = "the joint's zero is not where the model has it";
+    h.separates = "this joint driven against a mark or a stop whose position is known";
+    h.parameters = {slides ? RobotCauseParameter{"delta", "m", 1e-3, -0.5, 0.5}
+                           : RobotCauseParameter{"delta", "rad", 1e-2, -0.8, 0.8}};
+    h.linear = false;
+    h.torque = [&rows, c](const VectorXd& theta) {
+      return onAll(rows.rigidChange(
+          [&](std::size_t, RobotMotion& motion, Eigen::Vector3d&) { motion.position[c] += theta[0]; }));
+    };
+    list.push_back(std::move(h));
+  }
+  return list;
+}
+
+}  // namespace
+
+extern const RobotCause entry;
+const RobotCause entry{kNames, hypotheses};
+
+}  // namespace simgap::robot_causes::joint_offset

@@ -1,0 +1,43 @@
+/// \file
+/// A body's inertia is not what the model says, its mass and centre are: dI, symmetric, six numbers of which only those
+/// that any joint feels are asked for.
+#include "diagnose/robots/robot_cause.h"
+
+namespace simgap::robot_causes::link_inertia {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr const char* kNames[] = {"link-inertia"};
+constexpr Index kFirst = 4;  // of a body's ten numbers
+
+std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
+  std::vector<RobotHypothesis> list;
+  const RobotRegressor& regressor = rows.regressor();
+  for (std::size_t b = 0; b < regressor.bodies(); ++b) {
+    if (regressor.massless(b)) continue;
+    RobotHypothesis h;
+    h.cause = kNames[0];
+    h.target = rows.bodyName(b);
+    h.sentence = "the body's inertia differs from the model's, its mass and centre do not";
+    h.separates = "fast turns of this joint and of those before it, the arm once stretched and once folded";
+    for (Index k = kFirst; k < kBodyParameters; ++k) {
+      h.parameters.push_back({std::string("d") + bodyParameterNames()[static_cast<std::size_t>(k)], "kg_m2"});
+    }
+    h.change = [&regressor, b](const VectorXd& theta) {
+      VectorXd change = VectorXd::Zero(regressor.columns());
+      change.segment(regressor.bodyColumn(b) + kFirst, kBodyParameters - kFirst) = theta;
+      return change;
+    };
+    list.push_back(std::move(h));
+  }
+  return list;
+}
+
+}  // namespace
+
+extern const RobotCause entry;
+const RobotCause entry{kNames, hypotheses};
+
+}  // namespace simgap::robot_causes::link_inertia

@@ -1,0 +1,42 @@
+/// \file
+/// A joint's effort is worth more, or less, torque than is said: k (1 + s). The effort is tau / (1 + s) of what is
+/// asked.
+#include "diagnose/robots/robot_cause.h"
+
+namespace simgap::robot_causes::torque_constant {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr const char* kNames[] = {"torque-constant"};
+
+std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
+  std::vector<RobotHypothesis> list;
+  for (std::size_t c = 0; c < rows.joints(); ++c) {
+    RobotHypothesis h;
+    h.cause = kNames[0];
+    h.target = rows.jointName(c);
+    h.sentence = "the joint's effort is worth another torque than was said";
+    h.separates = "a known weight held by this joint at several positions";
+    h.parameters = {{"change", "1", 1e-2, -0.8, 4.0}};
+    h.linear = false;
+    h.torque = [&rows, c](const VectorXd& theta) {
+      const double factor = 1.0 / (1.0 + std::max(theta[0], -0.9)) - 1.0;
+      return onJoint(rows.joints(), c, factor * rows.torque().col(static_cast<Index>(c)).array());
+    };
+    h.hold = [c](const VectorXd& theta, RobotModel& model) {
+      if (model.currents) model.torque_constants[c] *= 1.0 + theta[0];
+      return model.currents;
+    };
+    list.push_back(std::move(h));
+  }
+  return list;
+}
+
+}  // namespace
+
+extern const RobotCause entry;
+const RobotCause entry{kNames, hypotheses};
+
+}  // namespace simgap::robot_causes::torque_constant

@@ -1,0 +1,112 @@
+#include "robot_conclusion.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "diagnose/verdict.h"
+#include "simgap/fit/dynamics/dynamics_fit.h"
+#include "simgap/fit/dynamics/pseudo_inertia.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+std::string nameOf(const Cause& cause) {
+  return cause.target.empty() ? cause.effect : cause.effect + " of " + cause.target;
+}
+
+std::string robotNamesOf(const std::vector<Cause>& causes) {
+  std::vector<std::string> names;
+  for (const Cause& cause : causes) {
+    std::string name = nameOf(cause);
+    for (const std::string& other : cause.ambiguous_with) name += " or " + other;
+    names.push_back(name);
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+const RobotHypothesis* findLabel(const RobotSearch& search, const std::string& label) {
+  for (std::size_t h = 0; h < search.size(); ++h) {
+    if (search.hypothesis(h).label() == label) return &search.hypothesis(h);
+  }
+  return nullptr;
+}
+
+std::string nextStep(const RobotSearch& search, const RobotSelection& selection, const Diagnosis& d) {
+  for (std::size_t k = 0; k < d.causes.size(); ++k) {
+    const Cause& cause = d.causes[k];
+    if (cause.ambiguous_with.empty()) continue;
+    std::string text =
+        fmt::format("To tell {} from {}: record {}", nameOf(cause), fmt::join(cause.ambiguous_with, ", "),
+                    search.hypothesis(selection.set[k]).separates);
+    for (const std::string& other : cause.ambiguous_with) {
+      const RobotHypothesis* rival = findLabel(search, other);
+      if (rival != nullptr && rival->cause != cause.effect) text += "; and " + rival->separates;
+    }
+    return text + ".";
+  }
+  if (!d.causes.empty()) {
+    return fmt::format("To confirm {} independently: record {}.", nameOf(d.causes.front()),
+                       search.hypothesis(selection.set.front()).separates);
+  }
+  if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) {
+    if (d.unexplained.front().channel == "time") return "Repeat the first motion at the end: that tells a drift.";
+    return fmt::format("Repeat one motion while {} goes slowly over its range and the rest is held.",
+                       d.unexplained.front().channel);
+  }
+  if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
+  return "Nothing is missing at this noise; a motion from `simgap design --excite` shows smaller effects than those "
+         "under `detectable`.";
+}
+
+}  // namespace
+
+void concludeRobot(const RobotSearch& search, const RobotSelection& selection, Diagnosis& d) {
+  d.verdict = verdictOf(d.causes, d.left_over_percent >= 1.0);
+  const std::string left = d.unexplained.empty() ? "nothing that the logged channels show"
+                                                 : fmt::format("{:.0f} % of the squared error, by {}",
+                                                               d.left_over_percent, d.unexplained.front().channel);
+  if (d.verdict == DiagnosisVerdict::kNothingFound) {
+    d.sentence = "Nothing found: no cause improves the model of any joint on data it has not seen.";
+  } else if (!d.causes.empty() && d.verdict == DiagnosisVerdict::kUnexplained) {
+    d.sentence =
+        fmt::format("Unexplained: these motions do not tell apart {}. Left: {}.", robotNamesOf(d.causes), left);
+  } else if (d.causes.empty()) {
+    d.sentence = fmt::format("Unexplained: no cause of the catalogue was found. Left: {}.", left);
+  } else {
+    d.sentence = fmt::format("Found{}: {} ({:.0f} % of the squared error on data never used). Left: {}.",
+                             d.verdict == DiagnosisVerdict::kAmbiguous ? ", but not alone" : "", robotNamesOf(d.causes),
+                             d.explained_percent, left);
+  }
+  d.next_experiment = nextStep(search, selection, d);
+}
+
+bool holdCause(const RobotRegressor& regressor, const BaseParameters& base, const RobotHypothesis& hypothesis,
+               const VectorXd& theta, const MatrixXd& covariance, RobotModel& robot) {
+  if (hypothesis.hold) return hypothesis.hold(theta, robot);
+  if (!hypothesis.change) return false;
+  const VectorXd parameters = robot.parameters + hypothesis.change(theta);
+  for (std::size_t b = 0; b < regressor.bodies(); ++b) {
+    if (regressor.massless(b)) continue;
+    if (!(smallestMoment(parameters.segment<kBodyParameters>(regressor.bodyColumn(b))) > 0.0)) return false;
+  }
+  MatrixXd slopes(base.combination.rows(), theta.size());
+  for (Index k = 0; k < theta.size(); ++k) {
+    const double step = hypothesis.parameters[static_cast<std::size_t>(k)].step;
+    VectorXd before = theta, after = theta;
+    before[k] -= step;
+    after[k] += step;
+    slopes.col(k) = base.combination * (hypothesis.change(after) - hypothesis.change(before)) / (2.0 * step);
+  }
+  robot.base_covariance += slopes * covariance * slopes.transpose();
+  robot.parameters = parameters;
+  robot.arm = armWith(robot.arm, regressor, parameters);
+  return true;
+}
+
+}  // namespace simgap

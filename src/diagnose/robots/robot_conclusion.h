@@ -1,0 +1,17 @@
+/// \file
+/// The answer about a robot in words, and as a robot.
+#pragma once
+
+#include "robot_selection.h"
+
+namespace simgap {
+
+/// Verdict, sentence, what to record next.
+void concludeRobot(const RobotSearch& search, const RobotSelection& selection, Diagnosis& diagnosis);
+
+/// Puts a cause into a robot. \param covariance  of theta, shape (C, C) \returns false where its file cannot hold it,
+/// or no such body can exist; the robot is then as it was
+bool holdCause(const RobotRegressor& regressor, const BaseParameters& base, const RobotHypothesis& hypothesis,
+               const Eigen::VectorXd& theta, const Eigen::MatrixXd& covariance, RobotModel& robot);
+
+}  // namespace simgap

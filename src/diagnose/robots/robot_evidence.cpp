@@ -1,0 +1,211 @@
+#include "robot_evidence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "simgap/core/statistics.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr std::size_t kJointBins = 20;
+constexpr double kJointStructure = 0.05;  // share of a joint's error that a channel has to explain
+
+struct Driver {
+  std::string name, unit;
+  ArrayXd values;  ///< shape (rows)
+};
+
+std::vector<Driver> driversOf(const RobotRows& rows, std::size_t c) {
+  const ActuatorRows& drive = rows.drive(c);
+  const bool slides = rows.joint(c).slides();
+  const std::string& name = rows.jointName(c);
+  return {{"position of " + name, slides ? "m" : "rad", drive.joint_angle},
+          {"velocity of " + name, slides ? "m_s" : "rad_s", drive.speed},
+          {"acceleration of " + name, slides ? "m_s2" : "rad_s2", drive.acceleration},
+          {"load of " + name, effortUnit(rows.joint(c)), drive.load},
+          {"time", "s", drive.time}};
+}
+
+std::vector<std::size_t> movingRows(const RobotRows& rows, std::size_t c) {
+  std::vector<std::size_t> counted;
+  for (std::size_t i = 0; i < rows.log().rows(); ++i) {
+    if (rows.counts(i, c)) counted.push_back(i);
+  }
+  return counted;
+}
+
+/// Bins of equal counts, in the order of the driver. \param order  rows, is sorted
+std::vector<std::span<const std::size_t>> binsOf(const ArrayXd& values, std::vector<std::size_t>& order) {
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return values[static_cast<Index>(i)]; });
+  std::vector<std::span<const std::size_t>> bins;
+  for (std::size_t k = 0; k < kJointBins; ++k) {
+    const std::size_t begin = k * order.size() / kJointBins, end = (k + 1) * order.size() / kJointBins;
+    if (end > begin) bins.emplace_back(order.data() + begin, end - begin);
+  }
+  return bins;
+}
+
+/// Squares of a residual that its means in bins of a driver, taken from the other folds, save. \param fold  shape
+/// (rows), negative: has no part
+double savedBy(const ArrayXd& values, const ArrayXd& residual, const std::vector<int>& fold,
+               std::vector<std::size_t> rows) {
+  double saved = 0.0;
+  for (const std::span<const std::size_t> bin : binsOf(values, rows)) {
+    double sum = 0.0, count = 0.0, own[kRobotFolds] = {}, of[kRobotFolds] = {};
+    for (const std::size_t i : bin) {
+      if (fold[i] < 0) continue;
+      const double r = residual[static_cast<Index>(i)];
+      sum += r, count += 1.0;
+      own[fold[i]] += r, of[fold[i]] += 1.0;
+    }
+    for (int f = 0; f < kRobotFolds; ++f) {
+      if (of[f] == 0.0 || count - of[f] < 1.0) continue;
+      const double mean = (sum - own[f]) / (count - of[f]);
+      saved += 2.0 * mean * own[f] - mean * mean * of[f];
+    }
+  }
+  return saved;
+}
+
+/// Of each row its fold; -1 where it only measures.
+std::vector<int> foldsOfRows(const RobotSearch& search) {
+  std::vector<int> folds(search.rows().log().rows(), -1);
+  const std::vector<Block>& blocks = search.rows().log().blocks;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    if (!search.ground().training[b]) continue;
+    std::fill(folds.begin() + static_cast<std::ptrdiff_t>(blocks[b].begin),
+              folds.begin() + static_cast<std::ptrdiff_t>(blocks[b].end), search.ground().fold[b]);
+  }
+  return folds;
+}
+
+void addJointBins(const RobotSearch& search, const Driver& driver, std::size_t c, const ArrayXd& before,
+                  const ArrayXd& after, std::vector<EvidenceBin>& evidence) {
+  const RobotRows& rows = search.rows();
+  std::vector<std::size_t> order = movingRows(rows, c);
+  const std::string& unit = rows.log().joints[c].effort_unit;
+  const std::string against = fmt::format("residual of {} [{}] against {}", rows.jointName(c), unit, driver.name);
+  for (const std::span<const std::size_t> bin : binsOf(driver.values, order)) {
+    double center = 0.0, sums[2] = {}, squares[2] = {};
+    for (const std::size_t i : bin) {
+      center += driver.values[static_cast<Index>(i)];
+      const double errors[2] = {before[static_cast<Index>(i)], after[static_cast<Index>(i)]};
+      for (int k = 0; k < 2; ++k) sums[k] += errors[k], squares[k] += errors[k] * errors[k];
+    }
+    const auto n = static_cast<double>(bin.size());
+    double mean[2], half[2];
+    for (int k = 0; k < 2; ++k) {
+      mean[k] = sums[k] / n / rows.constant(c);
+      const double variance = std::max(0.0, squares[k] / n - std::pow(sums[k] / n, 2)) / std::pow(rows.constant(c), 2);
+      half[k] = kNormalQuantile * std::sqrt(variance * search.ground().inflation / n);
+    }
+    evidence.push_back({against, center / n, mean[0], half[0], mean[1], half[1], bin.size(), driver.unit});
+  }
+}
+
+}  // namespace
+
+MatrixXd predictedTorque(const RobotSearch& search, const RobotSearch::Set& set, const RobotSearch::Fit& fit) {
+  const RobotRows& rows = search.rows();
+  VectorXd parameters = VectorXd::Zero(rows.regressor().columns());
+  for (std::size_t k = 0; k < search.ground().base.columns.size(); ++k) {
+    parameters[search.ground().base.columns[k]] = fit.z[static_cast<Index>(k)];
+  }
+  MatrixXd torque = predictTorques(rows.log(), rows.regressor(), parameters, rows.model().curves);
+  for (std::size_t k = 0; k < set.size(); ++k) {
+    if (!search.hypothesis(set[k]).torque) continue;  // others stand in the parameters
+    const ExtraColumn own = signatureOf(rows, search.hypothesis(set[k]), fit.theta[k]);
+    for (std::size_t c = 0; c < own.size(); ++c) {
+      if (own[c].size() > 0) torque.col(static_cast<Index>(c)).array() += own[c];
+    }
+  }
+  return torque;
+}
+
+RobotLeft whatIsLeft(const RobotSearch& search, const RobotSearch::Set& set, const std::vector<std::size_t>& joints) {
+  const RobotGround& ground = search.ground();
+  const auto total = [&](const BlockErrors& errors) {
+    return groupErrors(errors, search.counted(), ground.training, joints).sum.sum();
+  };
+  const double without = std::max(total(search.validate({})), 1e-300), with = total(search.validate(set));
+  RobotLeft left;
+  const double free = std::max(0.0, with - total(search.validate(set, /*without_prior=*/true))) / without;
+  if (free > kJointStructure) left.channels.push_back({"all numbers of its bodies and drives", free, {}});
+  // What no numbers of the model can say: means over each joint's own channels.
+  const RobotSearch::Fit fit = search.fit(set, kRobotFolds, /*without_prior=*/true);
+  const MatrixXd predicted = predictedTorque(search, set, fit);
+  const std::vector<int> folds = foldsOfRows(search);
+  for (const std::size_t c : joints) {
+    const ArrayXd residual = search.rows().drive(c).effort - predicted.col(static_cast<Index>(c)).array();
+    const std::vector<std::size_t> counted = movingRows(search.rows(), c);
+    double squares = 1e-300;
+    for (const std::size_t i : counted) {
+      if (folds[i] >= 0) squares += std::pow(residual[static_cast<Index>(i)], 2);
+    }
+    Leftover most{"", 0.0, {}};
+    for (const Driver& driver : driversOf(search.rows(), c)) {
+      const double saved = savedBy(driver.values, residual, folds, counted);
+      if (saved / squares > std::max(kJointStructure, most.share)) most = {driver.name, saved / squares, {}};
+    }
+    if (most.share == 0.0) continue;
+    most.share *= squares / ground.variance[c] / without;
+    left.channels.push_back(most);
+  }
+  std::ranges::stable_sort(left.channels, std::greater<>(), &Leftover::share);
+  for (const Leftover& channel : left.channels) left.share += channel.share;
+  left.share = std::min(1.0, left.share);
+  return left;
+}
+
+std::vector<EvidenceBin> robotEvidence(const RobotSearch& search, const RobotSearch::Set& set,
+                                       const RobotSearch::Fit& fit, const MatrixXd& before, const MatrixXd& after) {
+  const RobotRows& rows = search.rows();
+  const auto left = [&](const MatrixXd& predicted, std::size_t c) {
+    return ArrayXd(rows.drive(c).effort - predicted.col(static_cast<Index>(c)).array());
+  };
+  std::vector<EvidenceBin> evidence;
+  std::vector<bool> shown(rows.joints(), set.empty());
+  for (std::size_t k = 0; k < set.size(); ++k) {
+    const ExtraColumn own = signatureOf(rows, search.hypothesis(set[k]), fit.theta[k]);
+    for (const std::size_t c : search.joints(set[k])) {
+      shown[c] = true;
+      if (own[c].size() == 0 || !(own[c].maxCoeff() > own[c].minCoeff())) continue;
+      const Driver driver{"what " + search.hypothesis(set[k]).label() + " adds", rows.log().joints[c].effort_unit,
+                          own[c] / rows.constant(c)};
+      addJointBins(search, driver, c, left(before, c), left(after, c), evidence);
+    }
+  }
+  for (std::size_t c = 0; c < rows.joints(); ++c) {
+    if (!shown[c]) continue;
+    for (const Driver& driver : driversOf(rows, c)) {
+      addJointBins(search, driver, c, left(before, c), left(after, c), evidence);
+    }
+  }
+  return evidence;
+}
+
+double robotNoiseFloor(const RobotSearch& search, const MatrixXd& predicted) {
+  const RobotRows& rows = search.rows();
+  double sum = 0.0, pairs = 0.0;
+  for (std::size_t c = 0; c < rows.joints(); ++c) {
+    const ArrayXd residual = rows.drive(c).effort - predicted.col(static_cast<Index>(c)).array();
+    for (std::size_t i = 1; i < rows.log().rows(); ++i) {
+      if (!rows.counts(i, c) || !rows.counts(i - 1, c)) continue;
+      const double step = residual[static_cast<Index>(i)] - residual[static_cast<Index>(i - 1)];
+      sum += 0.5 * step * step / search.ground().variance[c];
+      pairs += 1.0;
+    }
+  }
+  return pairs > 0.0 ? sum / pairs : 0.0;
+}
+
+}  // namespace simgap

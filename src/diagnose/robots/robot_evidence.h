@@ -1,0 +1,22 @@
+/// \file
+/// What a robot's model with its causes says of every row, and the residual of its joints against what drives them.
+#pragma once
+
+#include "robot_findings.h"
+
+namespace simgap {
+
+/// Torque of every joint, shape (rows, N), of a fit to all training blocks.
+Eigen::MatrixXd predictedTorque(const RobotSearch& search, const RobotSearch::Set& set, const RobotSearch::Fit& fit);
+
+/// Mean residuals, before and after, of the joints on which causes act (of all without causes): against what each cause
+/// adds, and the joint's position, velocity, acceleration, load and time. \param before, after  shape (rows, N) of
+/// torques
+std::vector<EvidenceBin> robotEvidence(const RobotSearch& search, const RobotSearch::Set& set,
+                                       const RobotSearch::Fit& fit, const Eigen::MatrixXd& before,
+                                       const Eigen::MatrixXd& after);
+
+/// Mean squared error between neighbours, each joint's over its variance: no model can go below it.
+double robotNoiseFloor(const RobotSearch& search, const Eigen::MatrixXd& predicted);
+
+}  // namespace simgap

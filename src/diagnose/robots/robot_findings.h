@@ -1,0 +1,34 @@
+/// \file
+/// A fit is no finding: what an accepted cause of a robot has to hold against before it is named.
+#pragma once
+
+#include "robot_selection.h"
+
+namespace simgap {
+
+/// What blocks say that decided nothing.
+struct RobotFindings {
+  std::vector<Candidate> candidates;
+  std::vector<Interval> gain;  ///< of each named cause, on the joints that it acts on
+};
+
+/// The torque of one cause on every joint. \param theta  shape (C)
+ExtraColumn signatureOf(const RobotRows& rows, const RobotHypothesis& hypothesis, const Eigen::VectorXd& theta);
+
+/// Share of the placebos that explain as much as the cause itself, one more counted on either side; 0 for a constant,
+/// which has no colour that a placebo could have.
+double placeboP(const RobotSearch& search, const RobotSearch::Set& set, std::size_t cause, std::uint64_t seed);
+
+/// What is left beside the causes on unseen folds, of the error of the model without any: by other numbers of the
+/// bodies and drives, where those were known, and by the channels of each joint.
+struct RobotLeft {
+  double share = 0.0;
+  std::vector<Leftover> channels;
+};
+RobotLeft whatIsLeft(const RobotSearch& search, const RobotSearch::Set& set, const std::vector<std::size_t>& joints);
+
+/// Takes causes out of the selection that are no findings.
+RobotFindings judgeFindings(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,
+                            RobotSelection& selection);
+
+}  // namespace simgap

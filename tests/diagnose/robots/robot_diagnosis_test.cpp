@@ -1,0 +1,133 @@
+// What `diagnose` says of a robot's log: causes hidden in robots whose torques come from Lagrange's equations.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "diagnose/robots/robot_cases.h"
+#include "diagnose/surrogates.h"
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+class RobotDiagnosisTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() { drawn_ = new test::RobotCase(test::drawCase(1004, 3, test::shortRig(30.0))); }
+  static void TearDownTestSuite() {
+    delete drawn_;
+    drawn_ = nullptr;
+  }
+  static RobotDiagnosis diagnosed(const reality::Robot& truth) {
+    return test::diagnoseCase(*drawn_, truth, test::shortRig(30.0), 77);
+  }
+  static inline test::RobotCase* drawn_ = nullptr;
+};
+
+const CauseParameter& parameterOf(const Cause& cause, const std::string& name) {
+  return *std::ranges::find(cause.parameters, name, &CauseParameter::name);
+}
+
+TEST_F(RobotDiagnosisTest, NothingHiddenIsNothingFound) {
+  const RobotDiagnosis found = diagnosed(drawn_->robot);
+  EXPECT_EQ(found.diagnosis.verdict, DiagnosisVerdict::kNothingFound) << found.diagnosis.sentence;
+  EXPECT_TRUE(found.diagnosis.causes.empty());
+  ASSERT_EQ(found.joints.size(), 3u);
+  for (const JointVerdict& joint : found.joints) EXPECT_LT(joint.after, 0.1) << joint.joint;
+}
+
+/// Mass and place of a weight that hangs on the last link, and the robot that holds it.
+TEST_F(RobotDiagnosisTest, APayloadIsWeighedAndPlaced) {
+  reality::Robot truth = drawn_->robot;
+  reality::RobotLink& link = truth.links[2];
+  const Eigen::Vector3d point(0.05, -0.1, 0.12);
+  const double mass = 1.2, whole = link.mass + mass;
+  const Eigen::Vector3d centre = (link.mass * link.centre + mass * point) / whole;
+  for (const auto& [m, at] : {std::pair(link.mass, link.centre), std::pair(mass, point)}) {
+    const Eigen::Vector3d r = at - centre;
+    link.inertia += m * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+  }
+  link.mass = whole;
+  link.centre = centre;
+  const RobotDiagnosis found = diagnosed(truth);
+  ASSERT_EQ(found.diagnosis.causes.size(), 1u) << found.diagnosis.sentence;
+  const Cause& cause = found.diagnosis.causes.front();
+  EXPECT_EQ(test::labelOf(cause), "payload:link3");
+  const CauseParameter& weighed = parameterOf(cause, "mass");
+  EXPECT_LE(weighed.value.lower95, mass);
+  EXPECT_GE(weighed.value.upper95, mass);
+  EXPECT_LT(weighed.value.upper95 - weighed.value.lower95, 0.5 * mass);
+  ASSERT_TRUE(found.extended.has_value());
+  const RobotLog log = test::robotLog(drawn_->arm, reality::recordRobot(truth, test::shortRig(20.0), 78));
+  const Eigen::MatrixXd before = predictEfforts(drawn_->known, log), after = predictEfforts(*found.extended, log);
+  double gained = 1.0;
+  for (std::size_t c = 0; c < 3; ++c)
+    gained = std::min(gained, relativeError(log, c, after) / relativeError(log, c, before));
+  EXPECT_LT(gained, 0.7);  // on another motion, by the file that was written
+}
+
+TEST_F(RobotDiagnosisTest, ARotorOfAnotherDriveIsNamedWithItsJoint) {
+  reality::Robot truth = drawn_->robot;
+  truth.links[1].rotor += 0.8;
+  const RobotDiagnosis found = diagnosed(truth);
+  EXPECT_EQ(test::answerFor(found.diagnosis, "rotor-inertia:j2"), "right") << found.diagnosis.sentence;
+}
+
+/// A constant effort is an offset of the sensor or dry friction that differs by direction: no log of such a law tells.
+TEST_F(RobotDiagnosisTest, AnExactAliasIsNamedBesideTheCause) {
+  reality::Robot truth = drawn_->robot;
+  truth.links[0].bias = 0.6 * truth.links[0].coulomb;
+  const RobotDiagnosis found = diagnosed(truth);
+  ASSERT_EQ(found.diagnosis.causes.size(), 1u) << found.diagnosis.sentence;
+  EXPECT_EQ(found.diagnosis.verdict, DiagnosisVerdict::kAmbiguous);
+  EXPECT_EQ(test::answerFor(found.diagnosis, "current-bias:j1"), "grouped") << found.diagnosis.sentence;
+}
+
+/// Of a robot whose bodies are fitted to the very log a payload cannot be told, and that is said.
+TEST_F(RobotDiagnosisTest, WithoutAKnownRobotAPayloadIsNotTestable) {
+  const RobotModel raw = robotModelOf(drawn_->arm);
+  const RobotLog log = test::robotLog(drawn_->arm, reality::recordRobot(drawn_->robot, test::shortRig(30.0), 79));
+  const Diagnosis d = diagnoseRobot(raw, log, {}, {}).diagnosis;
+  EXPECT_TRUE(d.causes.empty()) << d.sentence;
+  for (const char* name : {"payload", "link-inertia", "rotor-inertia", "coulomb-offset", "current-bias"}) {
+    EXPECT_NE(std::ranges::find(d.not_testable, name, &NotTestable::effect), d.not_testable.end()) << name;
+  }
+}
+
+TEST_F(RobotDiagnosisTest, AnEffortOfTheWrongSignIsAFaultOfTheData) {
+  reality::Robot truth = drawn_->robot;
+  truth.links[2].effort_gain = -1.0;
+  const Diagnosis d = diagnosed(truth).diagnosis;
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::kDataFault);
+  ASSERT_EQ(d.faults.size(), 1u);
+  EXPECT_EQ(d.faults.front().channel, "effort of j3");
+}
+
+TEST_F(RobotDiagnosisTest, TheLogOfAnotherRobotIsRefused) {
+  const reality::Robot other = reality::randomRobot(55, 3, false, false);
+  EXPECT_THROW(diagnosed(other), DataError);
+}
+
+TEST_F(RobotDiagnosisTest, TooShortALogIsRefused) {
+  reality::RobotRigOptions rig = test::shortRig(3.0);
+  rig.stops = false;
+  const RobotLog log = test::robotLog(drawn_->arm, reality::recordRobot(drawn_->robot, rig, 80));
+  EXPECT_THROW(diagnoseRobot(drawn_->known, log, {}, {}), DataError);
+}
+
+TEST_F(RobotDiagnosisTest, TheSameLogGivesTheSameNumbers) {
+  reality::Robot truth = drawn_->robot;
+  truth.links[1].coulomb *= 1.5;
+  const Diagnosis first = diagnosed(truth).diagnosis, second = diagnosed(truth).diagnosis;
+  ASSERT_FALSE(first.causes.empty());
+  EXPECT_EQ(first.causes.front().gain_heldout.value, second.causes.front().gain_heldout.value);
+  EXPECT_EQ(first.causes.front().parameters.front().value.value, second.causes.front().parameters.front().value.value);
+}
+
+TEST(RobotDiagnosisOptionsTest, AnUnknownCauseIsRefused) {
+  RobotDiagnosisOptions options;
+  options.effects = {"muscle-wrap"};
+  EXPECT_THROW(options.validate(), ConfigError);
+}
+
+}  // namespace
+}  // namespace simgap
