@@ -52,7 +52,7 @@ void hang(RobotLink& link, double mass, const Vector3d& point) {
 }
 
 /// One flaw of a size; 1 is where scaling begins.
-struct Kind {
+struct FlawKind {
   /// Puts it into the link, of `size`; says the target.
   std::function<std::string(Robot&, std::size_t, double, FlawDraws&)> put;
   bool scaled;  ///< its size is found from what it changes
@@ -61,8 +61,8 @@ struct Kind {
 std::string jointName(std::size_t k) { return fmt::format("j{}", k + 1); }
 std::string linkName(std::size_t k) { return fmt::format("link{}", k + 1); }
 
-const std::map<std::string, Kind>& kinds() {
-  static const std::map<std::string, Kind> all = {
+const std::map<std::string, FlawKind>& flawKinds() {
+  static const std::map<std::string, FlawKind> all = {
       {"payload",
        {[](Robot& r, std::size_t k, double size, FlawDraws& d) {
           hang(r.links[k], 0.1 * size * d.between(0.5, 1.5), d.inBall(0.25));
@@ -184,7 +184,7 @@ const std::map<std::string, Kind>& kinds() {
 const std::vector<std::string>& robotFlawNames() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
-    for (const auto& [name, kind] : kinds()) list.push_back(name);
+    for (const auto& [name, kind] : flawKinds()) list.push_back(name);
     return list;
   }();
   return names;
@@ -192,7 +192,7 @@ const std::vector<std::string>& robotFlawNames() {
 
 RobotFlaw hideFlaw(const Robot& robot, const std::string& cause, const RobotRigOptions& options, std::uint64_t motion,
                    std::uint64_t draw) {
-  const Kind& kind = kinds().at(cause);
+  const FlawKind& kind = flawKinds().at(cause);
   FlawDraws draws(draw);
   const std::size_t link = draws.below(robot.links.size());
   const double wanted = draws.between(0.7, 4.0);

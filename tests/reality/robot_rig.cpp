@@ -20,7 +20,7 @@ using Eigen::Translation3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kRobotTurn = 2.0 * std::numbers::pi;
 
 class RobotDraws {
  public:
@@ -163,7 +163,7 @@ struct JointSeries {
 
 JointSeries drawSeries(const RobotLink& link, const RobotRigOptions& options, RobotDraws& draws) {
   JointSeries series;
-  series.base = kTurn / options.period;
+  series.base = kRobotTurn / options.period;
   for (int h = 1; h <= options.harmonics; ++h) {
     series.sine.push_back(draws.normal() / h);
     series.cosine.push_back(draws.normal() / h);
