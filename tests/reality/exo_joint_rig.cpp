@@ -18,12 +18,12 @@ double cylinderVolume(double length, double thread, double turns) {
 
 /// -p dV/dl, of any length: force does not depend on it.
 double braidPull(const ExoRig& rig, double pressure, double contraction) {
-  constexpr double kLength = 1.0, kStep = 1e-5;
+  constexpr double kLength = 1.0, kAside = 1e-5;
   const double thread = kLength / std::cos(rig.braid_angle);
   const double turns = kLength * std::tan(rig.braid_angle) / (std::numbers::pi * rig.diameter);
   const double length = kLength * (1.0 - contraction);
-  return -pressure * (cylinderVolume(length + kStep, thread, turns) - cylinderVolume(length - kStep, thread, turns)) /
-         (2.0 * kStep);
+  return -pressure * (cylinderVolume(length + kAside, thread, turns) - cylinderVolume(length - kAside, thread, turns)) /
+         (2.0 * kAside);
 }
 
 /// A bristle after it was dragged by `way`: exact for a way in one direction.
