@@ -26,8 +26,7 @@ struct Fitted {
   std::shared_ptr<const ActuatorRegression> model;
   std::vector<double> theta;  ///< shape (P)
   double mse = 0.0;           ///< on the training rows
-  Eigen::VectorXd unseen;     ///< shape (rows): errors of refits to the other folds; 0: no training row; or empty
-  GroupErrors validation;     ///< their squares on pieces; empty until validate()
+  GroupErrors validation;     ///< of rows predicted by refits to the other folds; empty until validate()
 };
 
 /// One hypothesis on top of a model.
@@ -77,12 +76,6 @@ class LogSearch {
   /// Squared errors of a model on pieces of any blocks.
   GroupErrors errors(const Fitted& fitted, const std::vector<Block>& blocks,
                      double piece_seconds = kPieceSeconds) const;
-  /// The same of errors that are known, shape (rows).
-  GroupErrors errors(const Eigen::VectorXd& residual, const std::vector<Block>& blocks, double piece_seconds) const;
-  /// What a model adds to one that it contains, on pieces of any blocks, over the rows that both count.
-  /// \param rest, full  errors of the two, shape (rows)
-  Nested added(const Eigen::VectorXd& rest, const Eigen::VectorXd& full, const std::vector<Block>& blocks,
-               double piece_seconds = kPieceSeconds) const;
   /// The model refitted to some blocks, which moves `fitted` there; its covariance.
   Eigen::MatrixXd refit(Fitted& fitted, const std::vector<Block>& blocks) const;
 

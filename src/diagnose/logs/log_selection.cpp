@@ -242,7 +242,6 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
     selection_.ambiguous_with.push_back(rivals(selection_.last, *accepted));
     selection_.instead.push_back(runnersUp(selection_.last, *accepted));
     selection_.chosen = winner.fitted;
-    search_.validate(selection_.chosen);
     prune();
   }
   tell("comparing each cause with its rivals", 0.8);
@@ -278,7 +277,6 @@ double detectionFactor(double least_gain, double effective_samples) {
 
 void dropCause(const LogSearch& search, std::size_t own, std::size_t cause, Selection& selection) {
   selection.chosen = search.without(selection.chosen, own + cause);
-  search.validate(selection.chosen);
   const auto at = static_cast<std::ptrdiff_t>(cause);
   selection.p_adjusted.erase(selection.p_adjusted.begin() + at);
   selection.ambiguous_with.erase(selection.ambiguous_with.begin() + at);

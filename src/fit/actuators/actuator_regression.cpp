@@ -186,12 +186,10 @@ Eigen::Index ActuatorRegression::source(Index row, Index by) const {
 
 std::vector<bool> ActuatorRegression::counted(double delay) const {
   if (delay == 0.0) return data_->keep;
-  const Shift by = shift(delay);
+  const auto by = static_cast<Index>(std::lround(delay / data_->rows.step));
   std::vector<bool> keep(data_->keep.size());
   for (Index i = 0; i < rows(); ++i) {
-    // Both rows, also where one of them is the whole of it: no delay counts more rows than another.
-    const bool moves = data_->keep[source(i, by.whole)] && data_->keep[source(i, by.whole + 1)];
-    keep[i] = moves && (data_->effort_lost.empty() || !data_->effort_lost[i]);
+    keep[i] = data_->keep[source(i, by)];
   }
   return keep;
 }
@@ -310,10 +308,9 @@ std::vector<double> ActuatorRegression::solveCoefficients(std::vector<double> th
   const auto c = static_cast<Index>(linear_);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
   Eigen::VectorXd row(c + 1);
-  const std::vector<bool> keep = counted(e.delay);
   for (const Block& b : blocks) {
     for (std::size_t k = b.begin; k < b.end; ++k) {
-      if (!keep[k]) continue;
+      if (!data_->keep[k]) continue;
       const auto i = static_cast<Index>(k);
       row << e.x.row(i).transpose(), data_->rows.effort[i];
       gram.selfadjointView<Eigen::Lower>().rankUpdate(row);

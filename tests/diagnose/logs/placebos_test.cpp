@@ -50,8 +50,7 @@ struct DelayFit {
 DelayFit fitDelay(const PreparedLog& log) {
   const LogDiagnosisOptions options;
   const LogSearch search(friction::find("coulomb"), log.data, splitLog(log, options).training, options);
-  Fitted rest = search.fit({}, nullptr);
-  search.validate(rest);
+  const Fitted rest = search.fit({}, nullptr);
   const Trial trial = search.tryAll(rest, {{&actuator_effects::find("channel-delay"), {}, {}}})[0];
   return {trial.gain_training, trial.fitted.theta.back(), doubtOfDelay(search, trial.fitted, rest, 0)};
 }
