@@ -129,10 +129,11 @@ void RobotRows::motionAfter(std::size_t joint, std::size_t row, double later, Ro
     motion.acceleration[joint] = log.acceleration[row];
     return;
   }
-  const auto [i, share] = momentAfter(row, later);
-  const std::size_t next = std::min(i + 1, log_.rows() - 1);
+  const auto moment = momentAfter(row, later);
+  const std::size_t next = std::min(moment.first + 1, log_.rows() - 1);
+  // A structured binding cannot be captured by C++20's letter (clang 14 refuses it), a pair can.
   const auto between = [&](const std::vector<double>& values) {
-    return (1.0 - share) * values[i] + share * values[next];
+    return (1.0 - moment.second) * values[moment.first] + moment.second * values[next];
   };
   motion.position[joint] = between(log.position);
   motion.velocity[joint] = between(log.velocity);
