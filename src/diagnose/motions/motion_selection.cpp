@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <ranges>
+#include <span>
 
 namespace simgap {
 namespace {
@@ -187,7 +187,7 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
   }
   if (scan.trials.empty() || chanceOf(scan.trials.front().gain, scan.placebos) > level_) {
     // However well it fits, none could be named.
-    for (const MotionTrial& trial : scan.trials | std::views::take(kTold)) {
+    for (const MotionTrial& trial : std::span(scan.trials).first(std::min(kTold, scan.trials.size()))) {
       const MotionHypothesis& one = open[trial.hypothesis];
       records.push_back({base.causes().size() + 1, std::string(one.effect->name), one.target, kNotMeasured,
                          chanceOf(trial.gain, scan.placebos), "rejected: promises no more than its placebos",

@@ -35,7 +35,7 @@ void addStretch(const ResultFiles& files, Page& page) {
   std::vector<Series> lines;
   std::vector<double> angles = angle;
   std::ranges::sort(angles);
-  angles.erase(std::ranges::unique(angles).begin(), angles.end());
+  angles.erase(std::unique(angles.begin(), angles.end()), angles.end());
   for (const std::size_t part : {1, 2, 3}) {
     const double at = angles[angles.size() * part / 4];
     Series line{fmt::format("measured at {:.2f} rad", at), {}, {}, Series::Style::kPoints};
