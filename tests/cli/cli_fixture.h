@@ -36,6 +36,9 @@ inline std::string quickConfig(int generations = 6) {
 /// Sentences of a printed result without the breaks that hold them within 80 columns.
 inline std::string unwrapped(const std::string& text) { return std::regex_replace(text, std::regex("\n  +"), " "); }
 
+/// A file of the sample robot.
+inline std::string robotFile(const std::string& name) { return sourceFile("data/robot/" + name).string(); }
+
 class CliTest : public testing::Test {
  protected:
   CliTest() {

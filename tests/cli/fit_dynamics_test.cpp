@@ -6,8 +6,6 @@
 namespace simgap::test {
 namespace {
 
-std::string robotFile(const std::string& name) { return sourceFile("data/robot/" + name).string(); }
-
 class FitDynamicsTest : public CliTest {
  protected:
   Json fit(const Arguments& more) const {

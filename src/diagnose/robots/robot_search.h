@@ -107,6 +107,7 @@ class RobotSearch {
   void sum();
   void findActive(std::size_t h, const std::vector<JointSums>& total);
   Eigen::MatrixXd activeColumns(std::size_t h) const;
+  Eigen::MatrixXd waysOf(const Set& set) const;
   Eigen::VectorXd clamped(std::size_t h, Eigen::VectorXd theta) const;
 
   const RobotRows& rows_;

@@ -40,7 +40,9 @@ std::string terminalTable(const RobotDiagnosis& result) {
   if (result.joints.empty()) return text;
   text += alignedTable(robotSays(toJson(result))) + "\n";
   if (!result.not_held.empty()) {
-    text += fmt::format("model.yaml is without {}: a robot's file cannot hold it\n", fmt::join(result.not_held, ", "));
+    text += fmt::format("{} {}: a robot's file cannot hold it\n",
+                        result.extended ? "model.yaml is without" : "no model.yaml is written for",
+                        fmt::join(result.not_held, ", "));
   }
   return text;
 }
