@@ -56,7 +56,7 @@ def spring_log(file):
 
 def commands(source, folder):
     """Result directory -> arguments of the command that fills it, in an order in which they can run."""
-    arm, capture = source / "data/arm", source / "data/capture"
+    arm, capture, exo, robot = (source / "data" / name for name in ("arm", "capture", "exoskeleton", "robot"))
     friction_log(folder / "friction.csv")
     motor_log(folder / "motor.csv")
     muscle_log(folder / "muscle.csv")
@@ -79,6 +79,12 @@ def commands(source, folder):
         "diagnose-poses": ["diagnose", source / "data/arm-dense/arm.yaml", "--poses", source / "data/arm-dense/poses_calibration.csv",
                            "--effects", "spindle-coiling"],
         "predict": ["predict", folder / "fit-friction/model.yaml", folder / "friction.csv"],
+        "design-drive": ["design", "--drive", source / "data/logs/drive-limits.yaml"],
+        "exo-joint": ["simulate", exo / "joint.yaml", "--commands", exo / "torque.yaml"],
+        "exo-leg": ["simulate", exo / "leg.yaml", "--commands", exo / "switch.csv"],
+        "fit-dynamics": ["fit-dynamics", robot / "robot.urdf", "--log", robot / "log.csv.gz"],
+        "diagnose-robot": ["diagnose", folder / "fit-dynamics/model.yaml", "--log", robot / "other_log.csv.gz"],
+        "design-excite": ["design", "--excite", robot / "robot.urdf", robot / "limits.yaml"],
     }
 
 
