@@ -166,4 +166,29 @@ double pairedP(const GroupErrors& before, const GroupErrors& after) {
   return combinedP(tests);
 }
 
+namespace {
+
+/// One-sided p-value of a slope of 0 or less.
+double slopeTest(const Nested& pieces) {
+  const double squares = pieces.squares.sum(), slope = pieces.products.sum() / std::max(squares, 1e-300);
+  std::vector<double> influences;  // of each piece on the slope
+  double variance = 0.0;
+  for (Index k = 0; k < pieces.products.size(); ++k) {
+    const double others = std::max(squares - pieces.squares[k], 1e-300);
+    influences.push_back((pieces.products[k] - slope * pieces.squares[k]) / others);
+    variance += influences.back() * influences.back();
+  }
+  if (variance <= 0.0) return slope > 0.0 ? 0.0 : 1.0;
+  const double carried = squares * squares / std::max(pieces.squares.square().sum(), 1e-300);
+  return studentTail(slope / std::sqrt(variance * inflation(influences, 0.0)), carried - 1.0);
+}
+
+}  // namespace
+
+double nestedP(const Nested& pieces) {
+  if (pieces.products.size() < 4) return 1.0;
+  const double tests[] = {slopeTest(pieces), rankTest({pieces.products.begin(), pieces.products.end()})};
+  return combinedP(tests);
+}
+
 }  // namespace simgap

@@ -42,4 +42,17 @@ Interval predictedGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after
 /// loads rule it; the mean log ratio counts every piece alike; signed ranks find what only some pieces show.
 double pairedP(const GroupErrors& before, const GroupErrors& after);
 
+/// What a model adds to a smaller one that it contains, against the errors of the smaller, on pieces, shape (pieces).
+struct Nested {
+  Eigen::ArrayXd products;  ///< sums of errors times what is added
+  Eigen::ArrayXd squares;   ///< sums of squares of what is added
+};
+
+/// One-sided p-value of "what the larger model adds is none of the truth". Squared errors ask that the larger pays for
+/// the noise of its own parameters, too; the slope of the smaller's errors over what the larger adds does not, and
+/// shows the same with half the standard deviations (Clark & West 2007). The slope's variance by leaving out each piece
+/// (jackknife), the correlation of neighbours counted, with as many degrees of freedom as pieces carry it; signed ranks
+/// find what only some pieces show: two tests as one.
+double nestedP(const Nested& pieces);
+
 }  // namespace simgap

@@ -70,6 +70,50 @@ TEST(PairedError, KeepsItsLevelUnderChance) {
   }
 }
 
+/// Of a model with one column more, fitted elsewhere: sums of squares of both, and of products, on `count` pieces of
+/// 100 rows. \param truth, fitted  of the column, in noises of a row
+struct NestedModelsOf {
+  GroupErrors before, after;
+  Nested added;
+
+  NestedModelsOf(Eigen::Index count, double truth, double fitted, std::uint64_t seed)
+      : added{Eigen::ArrayXd::Zero(count), Eigen::ArrayXd::Zero(count)} {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    before = after = {Eigen::ArrayXd::Zero(count), Eigen::ArrayXd::Constant(count, 100.0)};
+    for (Eigen::Index row = 0; row < 100 * count; ++row) {
+      const double column = normal(random), error = truth * column + normal(random), left = error - fitted * column;
+      before.sum[row / 100] += error * error;
+      after.sum[row / 100] += left * left;
+      added.products[row / 100] += error * (error - left);
+      added.squares[row / 100] += (error - left) * (error - left);
+    }
+  }
+};
+
+// 30 pieces of 100 rows, 0.15 % of the squared error: twice the standard deviations of what squared errors show.
+TEST(NestedModels, ShowWhatSquaredErrorsHide) {
+  int squared = 0, nested = 0;
+  for (std::uint64_t seed = 0; seed < 400; ++seed) {
+    const NestedModelsOf models(30, 0.04, 0.04, seed);
+    squared += pairedP(models.before, models.after) < 0.05 ? 1 : 0;
+    nested += nestedP(models.added) < 0.05 ? 1 : 0;
+  }
+  EXPECT_LT(squared, 160);
+  EXPECT_GT(nested, 260);
+}
+
+TEST(NestedModels, KeepTheirLevelWhereTheColumnIsNone) {
+  int at_5 = 0, at_1 = 0;
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    const double p = nestedP(NestedModelsOf(12, 0.0, 0.03, seed).added);
+    at_5 += p < 0.05 ? 1 : 0;
+    at_1 += p < 0.01 ? 1 : 0;
+  }
+  EXPECT_LE(at_5, 130);  // as above
+  EXPECT_LE(at_1, 34);
+}
+
 TEST(PairedError, IntervalsCoverTheTrueGain) {
   int covered = 0;
   for (std::uint64_t seed = 0; seed < 300; ++seed) {

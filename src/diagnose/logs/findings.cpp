@@ -23,7 +23,7 @@ using Kind = EffectParameter::Kind;
 
 constexpr double kCancelling = 30.0;  // times what a cause's terms add up to: each of them alone means nothing
 constexpr double kPlaceboLevel = 0.05;
-constexpr double kBeyond = 3.0;  // times the largest effort: a size that was extrapolated, not measured
+constexpr double kBeyond = 3.0;  // times the largest effort or load: a size that was extrapolated, not measured
 
 /// A size that was measured. With a shape beside it (how fast it heats up) each alone may be known badly where the two
 /// together are not: whether the cause is there at all was tested before, here only sizes that mean nothing are
@@ -89,6 +89,14 @@ std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted,
     if (size <= kBeyond * top) continue;
     return fmt::format("{} would be {:.2g} times the largest effort of the log", columns[k].name, size / top);
   }
+  // A load beside one that is known: what k_a makes up for can be as large as it likes, and only its small rest shows.
+  const std::span<const EffectParameter> parameters = model.effects()[effect]->parameters;
+  for (std::size_t k = 0; k < parameters.size() && rows.top_load > 0.0; ++k) {
+    const double size = std::abs(fitted.theta[model.firstParameter(effect) + k]);
+    if (parameters[k].unit != "Nm" || size <= kBeyond * rows.top_load) continue;
+    return fmt::format("{} would be {:.2g} times the largest load of the log", parameters[k].name,
+                       size / rows.top_load);
+  }
   return {};
 }
 
@@ -138,10 +146,13 @@ class Judge {
   }
 
   void measure() {
-    found_.heldout = heldOutErrors(search_, selection_.steps, split_.heldout, log_.data.rows.session);
+    std::vector<Fitted> models = selection_.steps;
     without_.clear();
     for (std::size_t k = 0; k < causes(); ++k) without_.push_back(search_.without(selection_.chosen, own_ + k));
-    errors_without_ = heldOutErrors(search_, without_, split_.heldout, log_.data.rows.session);
+    models.insert(models.end(), without_.begin(), without_.end());
+    found_.heldout = heldOutErrors(search_, models, split_.heldout, log_.data.rows.session);
+    errors_without_.assign(found_.heldout.begin() + std::ssize(selection_.steps), found_.heldout.end());
+    found_.heldout.resize(selection_.steps.size());
     found_.on_all_rows = selection_.chosen;
     found_.fit = describe(search_, log_, found_.on_all_rows);
     found_.left = {};
@@ -176,12 +187,10 @@ class Judge {
     return false;
   }
 
-  /// Whether a second look, on a fifth of the data, confirms what the first found significant. Small gains are what a
-  /// law's shape leaves: they have to be surer, and not next to nothing on another log.
+  /// Whether data that decided nothing confirm what others showed, and not next to the least. Small gains are what a
+  /// law's shape leaves, which is no chance: they have to be surer.
   bool isConfirmed(const Interval& gain, double p) const {
-    constexpr double kSmall = 0.1, kNextToNothing = 0.01;
-    if (gain.value < options_.least_gain) return false;
-    return gain.value < kSmall ? p < 0.05 && gain.lower95 >= kNextToNothing : p < 0.25;
+    return gain.value >= 2.0 * options_.least_gain && p < (gain.value < kSmall ? 0.001 : 0.01);
   }
 
   /// Why a cause is no finding; empty when it is one.
@@ -197,7 +206,7 @@ class Judge {
     std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
     if (!beyond.empty()) return beyond;
     const Interval gain = gainOf(cause);
-    const double p = heldOutP(without_[cause], errors_without_[cause], full, found_.heldout.back());
+    const double p = heldOutP(without_[cause], full);
     if (!isConfirmed(gain, p)) {
       return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.1f} to {:.0f}, p = {:.2g})",
                          100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
@@ -221,18 +230,25 @@ class Judge {
   /// for what is slow motion's own.
   std::string doubtOfSlowMotion(std::size_t cause) const {
     if (selection_.chosen.model->effects()[own_ + cause]->in_every_drive) return {};
-    const auto slow = besideSlowFriction(search_, selection_.baseline, without_[cause], selection_.chosen);
+    const bool of_any_load = gainOf(cause).value < kSmall;
+    const auto slow = besideSlowFriction(search_, selection_.baseline, without_[cause], selection_.chosen, of_any_load);
     if (!slow) return {};
     return doubtBeside(slow->rest, slow->full,
                        fmt::format("friction of any shape in slow motion (below {:.2g} {})", slow->below,
                                    log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s"));
   }
 
+  /// Friction by the load is in most drives whose law lacks it: what is named beside it must not be next to
+  /// nothing on another log. Two forms of it leave a third, which passed for a Stribeck curve.
+  static constexpr double kLeastAgain = 0.01;
+  static constexpr double kSmall = 0.1;  ///< gains below
+
   /// Why a cause may only be friction that grows with a weight of which nobody knows how large it is.
   std::string doubtOfWeight(std::size_t cause) const {
     const auto weight = besideWeightFriction(search_, without_[cause], selection_.chosen);
     if (!weight) return {};
-    const std::string doubt = doubtBeside(weight->rest, weight->full, "friction that grows with the fitted weight");
+    const std::string doubt =
+        doubtBeside(weight->rest, weight->full, "friction that grows with the fitted weight", kLeastAgain);
     return doubt.empty() ? doubt : doubt + ": with a weight that is known, load-dependence can be told";
   }
 
@@ -241,35 +257,32 @@ class Judge {
     const ActuatorEffect& effect = *selection_.chosen.model->effects()[own_ + cause];
     const auto load = besideLoadFriction(search_, without_[cause], selection_.chosen, effect);
     if (!load) return {};
-    return doubtBeside(load->rest, load->full, "friction that grows with the load");
+    return doubtBeside(load->rest, load->full, "friction that grows with the load", kLeastAgain);
   }
 
   /// Empty where a cause gains on held-out data beside something that is none. \param rest, both  with that, without
   /// the cause and with it. Where it explains nothing beside the cause it stays out there: terms that nothing
-  /// determines only scatter on data that had no part in the fit.
-  std::string doubtBeside(const Fitted& rest, const Fitted& both, const std::string& what) const {
+  /// determines only scatter on data that had no part in the fit. \param least_again  of the gain, on another log
+  std::string doubtBeside(const Fitted& rest, const Fitted& both, const std::string& what,
+                          double least_again = 0.0) const {
     const auto trained = [&](const Fitted& fitted) { return search_.errors(fitted, split_.training).mse(); };
     const bool needed = trained(both) < (1.0 - options_.least_gain) * trained(selection_.chosen);
     const Fitted& full = needed ? both : selection_.chosen;
     const std::vector<GroupErrors> errors =
         heldOutErrors(search_, {rest, full}, split_.heldout, log_.data.rows.session);
     const Interval gain = predictedGain(errors[0].sum, errors[1].sum, options_.seed);
-    const double p = heldOutP(rest, errors[0], full, errors[1]);
-    if (isConfirmed(gain, p)) return {};
-    return fmt::format("beside {} it may explain nothing ({:.1f} %, p = {:.2g})", what, 100.0 * gain.value, p);
+    const double p = heldOutP(rest, full);
+    if (isConfirmed(gain, p) && gain.lower95 >= least_again) return {};
+    return fmt::format("beside {} it may explain nothing ({:.1f} %, {:.1f} to {:.0f}, p = {:.2g})", what,
+                       100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
   }
 
-  /// By blocks or, as a short log has few of those, by pieces of them, whose neighbours are more alike.
-  double heldOutP(const Fitted& rest, const GroupErrors& before, const Fitted& full, const GroupErrors& after) const {
-    constexpr Index kEnoughBlocks = 10;
-    if (before.sum.size() >= kEnoughBlocks) return pairedP(before, after);
-    return pairedP(heldOutPieces(rest), heldOutPieces(full));
-  }
-
-  GroupErrors heldOutPieces(const Fitted& fitted) const {
+  /// Of "what the cause adds is none of the truth", by pieces of the held-out blocks.
+  double heldOutP(const Fitted& rest, const Fitted& full) const {
     constexpr double kPieces = 100.0;  // of the whole log at least
     const double seconds = static_cast<double>(log_.data.rows.rows()) * log_.data.rows.step;
-    return search_.errors(fitted, split_.heldout, std::min(LogSearch::kPieceSeconds, seconds / kPieces));
+    return nestedP(search_.added(residualOf(rest), residualOf(full), split_.heldout,
+                                 std::min(LogSearch::kPieceSeconds, seconds / kPieces)));
   }
 
   /// What is left and has no name may be what the cause only stands in for, unless that is clearly smaller. It is what

@@ -54,15 +54,12 @@ std::vector<Fold> foldsOf(const std::vector<Block>& heldout, const std::vector<B
   return sessions.size() < kFewestSessions ? single : sessions;
 }
 
-GroupErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::vector<Fold>& folds) {
-  GroupErrors errors{ArrayXd(std::ssize(folds)), ArrayXd(std::ssize(folds))};
-  tbb::parallel_for(Index{0}, errors.sum.size(), [&](Index u) {
-    const auto& [blocks, others] = folds[static_cast<std::size_t>(u)];
-    const GroupErrors own = search.errors(others.empty() ? fitted : search.refitted(fitted, others), blocks);
-    errors.sum[u] = own.sum.sum();
-    errors.rows[u] = own.rows.sum();
-  });
-  return errors;
+/// Errors in the rows of a fold, shape (rows); 0 where they do not count.
+Eigen::VectorXd errorsIn(const LogSearch& search, const Fitted& fitted, const Fold& fold) {
+  const Fitted predicts = fold.others.empty() ? fitted : search.refitted(fitted, fold.others);
+  Eigen::VectorXd residual;
+  predicts.model->evaluate(predicts.theta, residual, nullptr);
+  return residual;
 }
 
 }  // namespace
@@ -70,8 +67,23 @@ GroupErrors errorsOf(const LogSearch& search, const Fitted& fitted, const std::v
 std::vector<GroupErrors> heldOutErrors(const LogSearch& search, const std::vector<Fitted>& models,
                                        const std::vector<Block>& heldout, const std::vector<int>& session) {
   const std::vector<Fold> folds = foldsOf(heldout, search.training(), session);
-  std::vector<GroupErrors> errors;
-  for (const Fitted& model : models) errors.push_back(errorsOf(search, model, folds));
+  const auto count = static_cast<Index>(folds.size());
+  std::vector<GroupErrors> errors(models.size(), {ArrayXd(count), ArrayXd(count)});
+  tbb::parallel_for(Index{0}, count, [&](Index u) {
+    const Fold& fold = folds[static_cast<std::size_t>(u)];
+    std::vector<Eigen::VectorXd> residuals;
+    ArrayXd shared = ArrayXd::Ones(search.data().rows.rows());  // a delay counts other rows
+    for (const Fitted& model : models) {
+      residuals.push_back(errorsIn(search, model, fold));
+      shared *= (residuals.back().array() != 0.0).cast<double>();
+    }
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      const GroupErrors own =
+          search.errors((residuals[m].array() * shared).matrix(), fold.blocks, LogSearch::kPieceSeconds);
+      errors[m].sum[u] = own.sum.sum();
+      errors[m].rows[u] = own.rows.sum();
+    }
+  });
   return errors;
 }
 

@@ -17,7 +17,8 @@ LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options);
 
 /// Squared errors of models on the held-out blocks. With eight sessions and more, those of a session
 /// together, by a refit that has seen none of it: what shares a motion shares its errors, and parameters hide a part of
-/// them there. Else those of each block, by the fit itself. \param session  shape (rows)
+/// them there. Else those of each block, by the fit itself. Over the rows that all of the models count.
+/// \param session  shape (rows)
 std::vector<GroupErrors> heldOutErrors(const LogSearch& search, const std::vector<Fitted>& models,
                                        const std::vector<Block>& heldout, const std::vector<int>& session);
 

@@ -36,14 +36,22 @@ void leaveOut(const std::string& channel, const std::string& sentence, const std
   fault.corrected = static_cast<double>(bad.size()) <= kMostLeftOut * static_cast<double>(log.data.rows.rows());
   if (fault.corrected) {
     fault.sentence += "; they were left out";
-    for (const Index i : bad) log.data.keep[static_cast<std::size_t>(i)] = false;
+    const bool of_effort = channel == log.effort_column;
+    if (of_effort) log.data.effort_lost.resize(log.data.keep.size(), false);
+    for (const Index i : bad) {
+      log.data.keep[static_cast<std::size_t>(i)] = false;
+      if (of_effort) log.data.effort_lost[static_cast<std::size_t>(i)] = true;
+    }
   }
   faults.push_back(std::move(fault));
 }
 
-/// Rows at the very end of the range, several in a row: a converter or an amplifier that cannot go further.
-/// \returns those ends.
+/// Rows at the very end of a range that is reached several rows in a row, and more than once: a converter or an
+/// amplifier that cannot go further. The rows beside them go with them: so near to a limit only those are left that
+/// noise has made small. \returns those ends.
 std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
+  constexpr double kBeside = 0.1;  // [s]
+  const auto beside = static_cast<Index>(std::ceil(kBeside / log.data.rows.step));
   std::vector<double> limits;
   for (const double limit : {channel.values.maxCoeff(), channel.values.minCoeff()}) {
     std::size_t runs = 0;
@@ -51,17 +59,21 @@ std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, 
     for (Index i = 0, end = 0; i < channel.values.size(); i = std::max(end, i + 1)) {
       end = i;
       while (end < channel.values.size() && channel.values[end] == limit) ++end;
-      if (end - i < 4) continue;
       for (Index k = i; k < end; ++k) rows.push_back(k);
-      ++runs;
+      if (end - i >= 4) ++runs;
     }
     if (limit == 0.0 || runs < 2 ||
         static_cast<double>(rows.size()) < 1e-3 * static_cast<double>(channel.values.size()))
       continue;
-    leaveOut(channel.name,
-             fmt::format("{} sits at its limit {:.4g} in {} rows ({} times for at least 4 rows in a row): saturated",
-                         channel.name, limit, rows.size(), runs),
-             rows, log, faults);
+    const std::string sentence =
+        fmt::format("{} sits at its limit {:.4g} in {} rows ({} times in 4 and more together): saturated", channel.name,
+                    limit, rows.size(), runs);
+    std::vector<Index> near;
+    for (const Index i : rows) {
+      const Index first = std::max(i - beside, near.empty() ? 0 : near.back() + 1);
+      for (Index k = first; k < std::min(i + beside + 1, channel.values.size()); ++k) near.push_back(k);
+    }
+    leaveOut(channel.name, sentence, near, log, faults);
     limits.push_back(limit);
   }
   return limits;

@@ -132,6 +132,11 @@ std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks, double se
 GroupErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& blocks, double piece_seconds) const {
   Eigen::VectorXd residual;
   fitted.model->evaluate(fitted.theta, residual, nullptr);
+  return errors(residual, blocks, piece_seconds);
+}
+
+GroupErrors LogSearch::errors(const Eigen::VectorXd& residual, const std::vector<Block>& blocks,
+                              double piece_seconds) const {
   const std::vector<Block> parts = pieces(blocks, piece_seconds);
   GroupErrors errors{Eigen::ArrayXd(static_cast<Index>(parts.size())),
                      Eigen::ArrayXd(static_cast<Index>(parts.size()))};
@@ -144,6 +149,22 @@ GroupErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& bl
     errors.rows[static_cast<Index>(k)] = rows;
   }
   return errors;
+}
+
+Nested LogSearch::added(const Eigen::VectorXd& rest, const Eigen::VectorXd& full, const std::vector<Block>& blocks,
+                        double piece_seconds) const {
+  const Eigen::ArrayXd both = (rest.array() != 0.0 && full.array() != 0.0).cast<double>();
+  const Eigen::VectorXd more = (both * (rest - full).array()).matrix();
+  const std::vector<Block> parts = pieces(blocks, piece_seconds);
+  const auto count = static_cast<Index>(parts.size());
+  Nested nested{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
+  for (Index k = 0; k < count; ++k) {
+    const Block& part = parts[static_cast<std::size_t>(k)];
+    const auto begin = static_cast<Index>(part.begin), size = static_cast<Index>(part.size());
+    nested.products[k] = rest.segment(begin, size).dot(more.segment(begin, size));
+    nested.squares[k] = more.segment(begin, size).squaredNorm();
+  }
+  return nested;
 }
 
 Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
@@ -159,10 +180,10 @@ Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
   }
   std::ranges::stable_sort(promise);
   if (hopeless > 0.0 && promise[0].first > hopeless) {
-    return {model, starts[promise[0].second], promise[0].first / training_rows_, {}};
+    return {model, starts[promise[0].second], promise[0].first / training_rows_, {}, {}};
   }
   promise.resize(std::min(promise.size(), kToTheEnd));
-  Fitted best{model, {}, 0.0, {}};
+  Fitted best{model, {}, 0.0, {}, {}};
   for (std::size_t k = 0; k < promise.size(); ++k) {
     const RowFit fit = fitRows(*model, training_, starts[promise[k].second]);
     if (k > 0 && fit.cost >= best.mse * training_rows_) continue;
@@ -219,14 +240,11 @@ Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects, std
 
 Fitted LogSearch::refitted(const Fitted& fitted, const std::vector<Block>& blocks) const {
   const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = 3, .tolerance = 1e-5});
-  return {fitted.model, fit.theta, 0.0, {}};
+  return {fitted.model, fit.theta, 0.0, {}, {}};
 }
 
 void LogSearch::validate(Fitted& fitted) const {
-  const std::vector<Block> parts = pieces(training_);
-  fitted.validation = {Eigen::ArrayXd(static_cast<Index>(parts.size())),
-                       Eigen::ArrayXd(static_cast<Index>(parts.size()))};
-  std::vector<GroupErrors> unseen(kFolds);
+  fitted.unseen = Eigen::VectorXd::Zero(data_.rows.rows());
   tbb::parallel_for(0, kFolds, [&](int f) {
     std::vector<Block> others;
     for (int g = 0; g < kFolds; ++g) {
@@ -234,18 +252,15 @@ void LogSearch::validate(Fitted& fitted) const {
         others.insert(others.end(), folds_[static_cast<std::size_t>(g)].begin(),
                       folds_[static_cast<std::size_t>(g)].end());
     }
-    unseen[static_cast<std::size_t>(f)] = errors(refitted(fitted, others), folds_[static_cast<std::size_t>(f)]);
-  });
-  // Pieces of the folds, put back in the order of the log.
-  std::vector<Index> next(kFolds, 0);
-  Index at = 0;
-  for (std::size_t b = 0; b < training_.size(); ++b) {
-    const std::size_t f = b % kFolds;
-    for (std::size_t k = 0; k < pieces({training_[b]}).size(); ++k, ++at, ++next[f]) {
-      fitted.validation.sum[at] = unseen[f].sum[next[f]];
-      fitted.validation.rows[at] = unseen[f].rows[next[f]];
+    Eigen::VectorXd residual;
+    const Fitted refit = refitted(fitted, others);
+    refit.model->evaluate(refit.theta, residual, nullptr);
+    for (const Block& b : folds_[static_cast<std::size_t>(f)]) {
+      const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
+      fitted.unseen.segment(begin, size) = residual.segment(begin, size);
     }
-  }
+  });
+  fitted.validation = errors(fitted.unseen, training_, kPieceSeconds);
 }
 
 std::optional<std::vector<double>> LogSearch::otherStribeck(const ActuatorRegression& model,
@@ -327,13 +342,17 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   const std::span<const double> p(trial.fitted.theta.data() + first, hypothesis.effect->parameters.size());
   if (hypothesis.effect->counts != nullptr && !hypothesis.effect->counts(p, data_.rows)) return trial;
   validate(trial.fitted);
-  trial.gain = pairedGain(base.validation, trial.fitted.validation, options_.seed);
-  trial.p_paired = pairedP(base.validation, trial.fitted.validation);
+  const Eigen::ArrayXd shared = (trial.fitted.unseen.array() != 0.0).cast<double>();  // a delay counts others
+  const GroupErrors before = errors((base.unseen.array() * shared).matrix(), training_, kPieceSeconds);
+  trial.gain = pairedGain(before, trial.fitted.validation, options_.seed);
+  trial.p_paired = nestedP(added(base.unseen, trial.fitted.unseen, training_));
+  trial.fitted.unseen.resize(0);  // of many trials one is chosen
   trial.p = std::min(1.0, 2.0 * std::min(trial.p_paired, waldP(*model, trial.fitted.theta, pieces(training_))));
   return trial;
 }
 
-std::vector<Trial> LogSearch::tryAll(const Fitted& base, const std::vector<Hypothesis>& hypotheses) const {
+std::vector<Trial> LogSearch::tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses) const {
+  if (base.unseen.size() == 0) validate(base);
   std::vector<Trial> trials(hypotheses.size());
   Bytes digest;
   pack(digest, base.theta);

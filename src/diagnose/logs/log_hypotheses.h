@@ -26,7 +26,8 @@ struct Fitted {
   std::shared_ptr<const ActuatorRegression> model;
   std::vector<double> theta;  ///< shape (P)
   double mse = 0.0;           ///< on the training rows
-  GroupErrors validation;     ///< of rows predicted by refits to the other folds; empty until validate()
+  Eigen::VectorXd unseen;     ///< shape (rows): errors of refits to the other folds; 0: no training row; or empty
+  GroupErrors validation;     ///< their squares on pieces; empty until validate()
 };
 
 /// One hypothesis on top of a model.
@@ -61,8 +62,8 @@ class LogSearch {
   /// Refitted to other blocks, by a few steps from where it is.
   Fitted refitted(const Fitted& fitted, const std::vector<Block>& blocks) const;
 
-  /// Every hypothesis on top of `base`, in their order; on the threads of all ranks.
-  std::vector<Trial> tryAll(const Fitted& base, const std::vector<Hypothesis>& hypotheses) const;
+  /// Every hypothesis on top of `base` (validated first where it is not), in their order; on the threads of all ranks.
+  std::vector<Trial> tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses) const;
 
   /// True when `winner` says all that `rival` says and more: in a model with both, the winner is significant and the
   /// rival adds next to nothing (encompassing: Mizon & Richard 1986). Both on top of the same model.
@@ -76,6 +77,12 @@ class LogSearch {
   /// Squared errors of a model on pieces of any blocks.
   GroupErrors errors(const Fitted& fitted, const std::vector<Block>& blocks,
                      double piece_seconds = kPieceSeconds) const;
+  /// The same of errors that are known, shape (rows).
+  GroupErrors errors(const Eigen::VectorXd& residual, const std::vector<Block>& blocks, double piece_seconds) const;
+  /// What a model adds to one that it contains, on pieces of any blocks, over the rows that both count.
+  /// \param rest, full  errors of the two, shape (rows)
+  Nested added(const Eigen::VectorXd& rest, const Eigen::VectorXd& full, const std::vector<Block>& blocks,
+               double piece_seconds = kPieceSeconds) const;
   /// The model refitted to some blocks, which moves `fitted` there; its covariance.
   Eigen::MatrixXd refit(Fitted& fitted, const std::vector<Block>& blocks) const;
 

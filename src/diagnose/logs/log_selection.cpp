@@ -48,6 +48,7 @@ class Selector {
            adjusted(trial, count) < options_.level;
   }
   std::optional<std::size_t> best(const std::vector<Trial>& trials) const;
+  std::size_t simplest(const std::vector<Trial>& trials, std::size_t best) const;
   enum class Open { kNotDropped, kAll };
   std::vector<Trial> step(const Fitted& base, Open open);
   void record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted);
@@ -73,13 +74,27 @@ class Selector {
   std::set<std::string_view> dropped_;  ///< by pruning: what takes their place stays, or the steps would never end
 };
 
+/// Of the causes that gain as much as the best the one that fits the fewest numbers: what a bias explains, a bias that
+/// changes in the middle of the log explains a little better.
+std::size_t Selector::simplest(const std::vector<Trial>& trials, std::size_t best) const {
+  const double enough = (1.0 - kTie) * trials[best].gain->value;
+  std::size_t simplest = best;
+  for (std::size_t t = 0; t < trials.size(); ++t) {
+    const ActuatorEffect& effect = *trials[t].hypothesis.effect;
+    if (effect.name == trials[best].hypothesis.effect->name || !acceptable(trials[t], trials.size())) continue;
+    if (trials[t].gain->value < enough) continue;
+    if (sizesOf(effect) < sizesOf(*trials[simplest].hypothesis.effect)) simplest = t;
+  }
+  return simplest;
+}
+
 std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) const {
   std::optional<std::size_t> best;
   for (std::size_t t = 0; t < trials.size(); ++t) {
     if (!acceptable(trials[t], trials.size())) continue;
     if (!best || trials[t].gain->value > trials[*best].gain->value) best = t;
   }
-  return best;
+  return best ? std::optional(simplest(trials, *best)) : std::nullopt;
 }
 
 std::vector<Trial> Selector::step(const Fitted& base, Open open) {

@@ -62,11 +62,13 @@ const ActuatorEffect kSlowFriction = {
 };
 
 std::optional<BesideSlow> besideSlowFriction(const LogSearch& search, const Fitted& baseline, const Fitted& rest,
-                                             const Fitted& full) {
+                                             const Fitted& full, bool of_any_load) {
   if (!search.base().hasStribeck()) return std::nullopt;
   const FrictionLaw& law = *search.base().law;
   const auto has = [&](FrictionBasis basis) {
-    return law.hasTerm(basis, FrictionShape::kStatic) || law.hasTerm(basis, FrictionShape::kSliding) ? 1.0 : 0.0;
+    return of_any_load || law.hasTerm(basis, FrictionShape::kStatic) || law.hasTerm(basis, FrictionShape::kSliding)
+               ? 1.0
+               : 0.0;
   };
   const double below = slowBelow(search, baseline);
   const Hypothesis slow{&kSlowFriction, {}, {below, has(FrictionBasis::kDirection), has(FrictionBasis::kLoad)}};

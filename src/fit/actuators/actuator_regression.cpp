@@ -189,7 +189,7 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
   const auto by = static_cast<Index>(std::lround(delay / data_->rows.step));
   std::vector<bool> keep(data_->keep.size());
   for (Index i = 0; i < rows(); ++i) {
-    keep[i] = data_->keep[source(i, by)];
+    keep[i] = data_->keep[source(i, by)] && (data_->effort_lost.empty() || !data_->effort_lost[i]);
   }
   return keep;
 }
@@ -308,9 +308,10 @@ std::vector<double> ActuatorRegression::solveCoefficients(std::vector<double> th
   const auto c = static_cast<Index>(linear_);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
   Eigen::VectorXd row(c + 1);
+  const std::vector<bool> keep = counted(e.delay);
   for (const Block& b : blocks) {
     for (std::size_t k = b.begin; k < b.end; ++k) {
-      if (!data_->keep[k]) continue;
+      if (!keep[k]) continue;
       const auto i = static_cast<Index>(k);
       row << e.x.row(i).transpose(), data_->rows.effort[i];
       gram.selfadjointView<Eigen::Lower>().rankUpdate(row);

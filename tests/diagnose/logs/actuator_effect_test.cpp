@@ -179,13 +179,13 @@ TEST_P(DriveEffectContract, SurvivesAModelFile) {
   EXPECT_LT((predicted - model.predict(theta)).abs().maxCoeff(), 1e-9 * (1.0 + predicted.abs().maxCoeff()));
 }
 
-TEST(PositionRipple, CountsFromOnePeriodInTheRangeOn) {
+TEST(PositionRipple, CountsWhereItIsSeenToRepeat) {
   const PreparedLog log = smallLog(ActuatorKind::kFriction);
   const Eigen::ArrayXd& angle = log.data.rows.joint_angle;
   const double period = 2.0 * std::numbers::pi / (angle.maxCoeff() - angle.minCoeff());
   const ActuatorEffect& ripple = actuator_effects::find("position-ripple");
-  const double drift = 0.5 * period, real = 1.5 * period;
-  EXPECT_FALSE(ripple.counts({&drift, 1}, log.data.rows));
+  const double once = 2.0 * period, real = 3.0 * period;
+  EXPECT_FALSE(ripple.counts({&once, 1}, log.data.rows));
   EXPECT_TRUE(ripple.counts({&real, 1}, log.data.rows));
 }
 

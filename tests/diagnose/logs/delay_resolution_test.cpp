@@ -5,6 +5,7 @@
 
 #include "diagnose/logs/held_out.h"
 #include "diagnose/logs/log_causes.h"
+#include "prepared_logs.h"
 #include "reality/servo_draws.h"
 
 namespace simgap::test {
@@ -44,6 +45,24 @@ TEST_P(LateServo, IsLateByAnIntervalThatHoldsTheTruth) {
     const Eigen::MatrixXd rows_alone = search.refit(late, log.blocks);
     const auto i = static_cast<Eigen::Index>(late.model->firstParameter(0));
     EXPECT_NEAR(dt.sd, std::hypot(std::sqrt(rows_alone(i, i)), step / std::sqrt(12.0)), 0.02 * dt.sd) << seed;
+  }
+}
+
+// A late row counts where the motion that it answers to does; a clipped effort is clipped where it was logged.
+TEST(DelayedRows, CountWhereTheirMotionDoesAndTheirEffortIsThere) {
+  PreparedLog log = preparedLog(smallRig());
+  log.data.effort_lost.assign(log.data.keep.size(), false);
+  log.data.effort_lost[500] = true;
+  log.data.keep[500] = false;
+  const ActuatorRegression model(friction::find("classic"), {&actuator_effects::find("channel-delay")}, log.data, {});
+  std::vector<double> theta(model.parameters().size(), 0.01);
+  theta[model.firstParameter(0)] = 1.4 * log.data.rows.step;
+  Eigen::VectorXd residual;
+  model.evaluate(model.solveCoefficients(theta, log.blocks), residual, nullptr);
+  for (std::size_t i = 2; i < log.data.keep.size(); ++i) {
+    if (log.data.rows.session[i] != log.data.rows.session[i - 1]) continue;
+    const bool counts = log.data.keep[i - 1] && !log.data.effort_lost[i];
+    ASSERT_EQ(residual[static_cast<Eigen::Index>(i)] != 0.0, counts) << "row " << i;
   }
 }
 

@@ -26,6 +26,23 @@ TEST(LogFaults, FindsClippedEffort) {
   EXPECT_GT(faults[0].rows, 20u);
 }
 
+TEST(LogFaults, LeavesOutEveryRowAtALimit) {
+  PreparedLog log = preparedLog(smallRig());
+  const double limit = 0.7 * log.data.rows.effort.maxCoeff();
+  log.data.rows.effort = log.data.rows.effort.min(limit);
+  const Index beyond = (log.data.rows.effort == limit).count();
+  const std::vector<DataFault> faults = findFaults(log);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_NE(faults[0].sentence.find(std::to_string(beyond) + " rows"), std::string::npos)
+      << faults[0].sentence << ": rows that noise lifts there alone are clipped, too";
+  EXPECT_GT(faults[0].rows, static_cast<std::size_t>(beyond)) << "the rows beside them go with them";
+  for (Index i = 0; i < log.data.rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    EXPECT_TRUE(log.data.effort_lost[k] || log.data.rows.effort[i] < limit) << "row " << i;
+    EXPECT_FALSE(log.data.effort_lost[k] && log.data.keep[k]) << "row " << i;
+  }
+}
+
 TEST(LogFaults, FindsAStuckSpeedOnlyWhereTheDriveMoves) {
   PreparedLog log = preparedLog(smallRig());
   Index fastest = 0;

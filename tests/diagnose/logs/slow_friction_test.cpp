@@ -44,7 +44,7 @@ Gains gainsOf(const PreparedLog& log) {
   Fitted rest = search.fit({}, nullptr);
   search.validate(rest);
   const Fitted full = search.tryAll(rest, {{&actuator_effects::find("viscous-nonlinearity"), {}, {}}})[0].fitted;
-  const auto slow = besideSlowFriction(search, rest, rest, full);
+  const auto slow = besideSlowFriction(search, rest, rest, full, false);
   return {1.0 - full.mse / rest.mse, 1.0 - slow->full.mse / slow->rest.mse, slow->below};
 }
 
@@ -73,7 +73,7 @@ TEST(SlowFriction, LawsWithoutACurveThereHaveNone) {
   const LogDiagnosisOptions options;
   const LogSearch search(friction::find("coulomb"), log.data, splitLog(log, options).training, options);
   const Fitted plain = search.fit({}, nullptr);
-  EXPECT_FALSE(besideSlowFriction(search, plain, plain, plain));
+  EXPECT_FALSE(besideSlowFriction(search, plain, plain, plain, false));
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ struct RigAngle {
 struct ActuatorData {
   ActuatorRows rows;
   std::vector<bool> keep;                     ///< shape (n): rows that count
+  std::vector<bool> effort_lost;              ///< shape (n): rows without an effort, whose motion is known; or empty
   Eigen::ArrayXXd rig;                        ///< shape (n, R): load per unit of each fitted constant of the rig
   std::vector<ParameterSpec> rig_parameters;  ///< shape (R)
   std::optional<RigAngle> angle;  ///< scaled: the first column of `rig`, else part of `rows.load`, both at its start

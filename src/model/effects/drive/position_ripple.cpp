@@ -21,10 +21,13 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
   x.col(1) = (p[0] * rows.joint_angle).cos();
 }
 
-/// The range of the angle holds a period: below that a ripple is a drift, which anything can cause.
+/// Periods that the range of the angle holds at least. What is not seen to repeat is any function of the angle:
+/// friction that is larger where a weight is lowered passed for a ripple of two periods.
+constexpr double kFewestPeriods = 2.5;
+
 bool counts(std::span<const double> p, const ActuatorRows& rows) {
   const double span = rows.joint_angle.maxCoeff() - rows.joint_angle.minCoeff();
-  return p[0] * span >= 0.9 * 2.0 * std::numbers::pi;
+  return p[0] * span >= kFewestPeriods * 2.0 * std::numbers::pi;
 }
 
 /// Power of the residual over the angle: rows are summed in narrow bins of the angle, then transformed directly.
@@ -38,14 +41,15 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
     const auto bin = static_cast<Eigen::Index>((rows.joint_angle[i] - low) / span * kBins);
     sum[std::min(bin, kBins - 1)] += residual[i];
   }
-  // From one period in the range on, to a third of the bins' Nyquist frequency.
-  const double lowest = 2.0 * std::numbers::pi / span, highest = kBins / 3.0 * std::numbers::pi / span;
+  // From the fewest periods in the range on, to a third of the bins' Nyquist frequency.
+  const double period = 2.0 * std::numbers::pi / span, lowest = kFewestPeriods * period,
+               highest = kBins / 3.0 * std::numbers::pi / span;
   const auto power = [&](double r) {
     const double s = (sum * (r * angle).sin()).sum(), c = (sum * (r * angle).cos()).sum();
     return s * s + c * c;
   };
   std::vector<std::vector<double>> list;
-  for (const double ratio : strongestPeaks(lowest, highest, 0.15 * lowest, 4, power)) list.push_back({ratio});
+  for (const double ratio : strongestPeaks(lowest, highest, 0.15 * period, 4, power)) list.push_back({ratio});
   return list;
 }
 
