@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <random>
+#include <set>
 #include <utility>
 
 #include "simgap/fit/poses/pose_uncertainty.h"
@@ -124,19 +125,81 @@ TEST(PosePosterior, FlippedPosesDoNotRuinTheFitAndAreListed) {
   }
 }
 
-TEST(PosteriorSearch, ManyPosesWithNoisyShaftsDoNotStopIt) {
-  // 15 poses copied to 500 with 0.05 rad of noise on every shaft: one of so many is always far from where it was
-  // measured, and the search for its equilibrium has to go a long way.
-  const test::RecordedRig rig = test::recordRig(1);
+/// The poses of a rig visited again and again, each time with 0.05 rad of noise on every shaft.
+std::vector<Pose> visitedAgain(const test::RecordedRig& rig, std::size_t count) {
   std::vector<Pose> poses;
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0.0, 0.05);
-  for (std::size_t p = 0; p < 500; ++p) {
+  for (std::size_t p = 0; p < count; ++p) {
     poses.push_back(rig.calibration[p % rig.calibration.size()]);
     for (double& shaft : poses.back().shafts) shaft += noise(random);
   }
+  return poses;
+}
+
+TEST(PosteriorSearch, ManyPosesWithNoisyShaftsDoNotStopIt) {
+  // One of so many is always far from where it was measured, and the search for its equilibrium has to go a long way.
+  const test::RecordedRig rig = test::recordRig(1);
+  const std::vector<Pose> poses = visitedAgain(rig, 500);
   PosePosterior posterior(rig.model, poses, test::paperParameters(rig.model), {});
   for (const PosteriorFit& fit : searchPosterior(posterior, {3, 0, 1})) EXPECT_TRUE(std::isfinite(fit.objective));
+}
+
+TEST(PosteriorSearch, StartsThatShareADescentLoseNothing) {
+  const test::RecordedRig rig = test::recordRig(1);
+  const std::vector<Pose> poses = visitedAgain(rig, 300);
+  PosePosterior posterior(rig.model, poses, test::paperParameters(rig.model), {});
+  const auto fits = searchPosterior(posterior, {6, 0, 1});
+  ASSERT_EQ(fits.size(), 6u);
+  std::set<double> found;
+  for (const PosteriorFit& fit : fits) found.insert(fit.objective);
+  EXPECT_LT(found.size(), fits.size()) << "none shares: this shows nothing";
+  // Other starts, each with a descent of its own on all poses: none ends lower by what a likelihood would notice.
+  constexpr double kUnnoticed = 0.1;
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (int start = 0; start < 3; ++start) {
+    Eigen::VectorXd z(posterior.parameters().size());
+    for (double& value : z) value = normal(random);
+    PosePosterior own = posterior;
+    z = balanceTorques(own, z);
+    own.whitenLike(posterior);
+    EXPECT_GT(descendPosterior(own, z).objective, *found.begin() - kUnnoticed);
+  }
+}
+
+TEST(PosteriorSearch, PosesInTheOrderTheyAreVisitedAgainCostNoMoreThanShuffled) {
+  const test::RecordedRig rig = test::recordRig(1);
+  std::vector<Pose> poses = visitedAgain(rig, 500);
+  const auto evaluations = [&] {
+    PosePosterior posterior(rig.model, poses, test::paperParameters(rig.model), {});
+    return searchPosterior(posterior, {1, 0, 1}).front().evaluations;
+  };
+  const long in_order = evaluations();
+  std::ranges::shuffle(poses, std::mt19937(3));
+  EXPECT_LT(in_order, 2 * evaluations());
+}
+
+TEST(PosteriorSearch, OfManyPosesGoesOnFromAnyJournalToTheSameBits) {
+  const test::RecordedRig rig = test::recordRig(2);
+  const std::vector<Pose> poses = visitedAgain(rig, 150);
+  const auto search = [&](SearchJournal& journal, int threads) {
+    PosePosterior posterior(rig.model, poses, test::paperParameters(rig.model), {});
+    return searchPosterior(posterior, {4, threads, 1}, journal, [](const PosteriorFit&) { return false; });
+  };
+  SearchJournal whole;
+  const auto fits = search(whole, 1);
+  ASSERT_EQ(fits.size(), 4u);
+  for (const std::size_t kept : {0u, 1u, 3u}) {
+    SearchJournal journal{whole.whitened_at, {whole.fits.begin(), whole.fits.begin() + kept}};
+    const auto again = search(journal, 3);
+    ASSERT_EQ(again.size(), fits.size()) << kept;
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      EXPECT_EQ(again[i].z, fits[i].z) << kept << " " << i;
+      EXPECT_EQ(again[i].objective, fits[i].objective) << kept << " " << i;
+      EXPECT_EQ(again[i].evaluations, fits[i].evaluations) << kept << " " << i;
+    }
+  }
 }
 
 TEST(PosteriorSearch, IsTheSameForAnyNumberOfThreads) {

@@ -29,9 +29,12 @@ struct SearchJournal {
 using AfterFit = std::function<bool(const PosteriorFit& fit)>;
 
 /// Descends from every start and leaves `posterior` with the whitening under which the fits are compared: that of the
-/// first start's solution. An interrupt ends it; what was not finished is not in the journal.
+/// first start's solution, of many poses a rough one. Of many poses every start first descends on some hundred; starts
+/// that end in one valley there share the descent of the lowest of them on all poses. An interrupt ends it; what was
+/// not finished is not in the journal.
 /// \param journal  of an earlier session, or empty; its fits are passed on to `after_fit` too
-/// \returns all fits, in the order of the starts; the same for any number of threads
+/// \returns a fit of every start: the first one's, those of starts with a descent of their own, those that share one;
+///          the same for any number of threads
 std::vector<PosteriorFit> searchPosterior(PosePosterior& posterior, const PosteriorSearchOptions& options,
                                           SearchJournal& journal, const AfterFit& after_fit);
 
