@@ -81,6 +81,13 @@ void TextSpool::add(std::string_view text) {
   }
 }
 
+void TextSpool::read(std::size_t begin, std::span<char> into) const {
+  const bool found = std::fflush(file_.get()) == 0 && ::fseeko(file_.get(), static_cast<off_t>(begin), SEEK_SET) == 0;
+  if (!found || std::fread(into.data(), 1, into.size(), file_.get()) != into.size()) {
+    throw ConfigError("a temporary file cannot be read");
+  }
+}
+
 void TextSpool::writeTo(const std::filesystem::path& file, std::string_view head) const {
   std::fflush(file_.get());
   std::rewind(file_.get());

@@ -29,6 +29,21 @@ std::string distancesCsv(const TargetSet& targets, const CaptureStatistics& s) {
   return csv.text();
 }
 
+void writePoses(const std::filesystem::path& file, const CaptureResult& result) {
+  constexpr std::size_t kAtOnce = 100;
+  const CsvWriter head = posesCsv(result.rig.joints, result.muscles);
+  std::string piece;
+  std::size_t next = 0, headed = 0;  // headed: bytes of the head that stand in the file already
+  writeFileAtomically(file, [&]() -> std::string_view {
+    CsvWriter csv = head;
+    for (const std::size_t end = std::min(next + kAtOnce, result.poses.size()); next < end; ++next) {
+      addPose(csv, next, result.poses.at(next), result.rig.joints);
+    }
+    piece = csv.text().substr(std::exchange(headed, head.text().size()));
+    return piece;
+  });
+}
+
 /// How many distances are off by how much.
 std::string histogramCsv(const CaptureStatistics& s) {
   CsvWriter csv({"error_mm", "count"});
@@ -95,11 +110,22 @@ bool CaptureRun::add(const cv::Mat& left, const cv::Mat& right, std::size_t numb
     joints_csv_.add(jointsCsvRow(rig_.joints, *sample));
     if (shafts_) speeds_.add(*sample);
     rests_.add(std::move(*sample));
+    keep(rests_.take());
   }
   if (options_.overlays.contains(number)) {
     overlays_.emplace_back(number, encodePng(drawOverlay(cameras_, targets_, frame, left, right)));
   }
   return whole;
+}
+
+void CaptureRun::keep(std::vector<SteadyPose> rests) {
+  for (SteadyPose& rest : rests) {
+    if (shafts_ && !joinShafts(rest, *shafts_)) {
+      ++poses_outside_log_;
+    } else {
+      poses_.add(rest);
+    }
+  }
 }
 
 void CaptureRun::refuseUnseen() const {
@@ -140,7 +166,9 @@ CaptureResult CaptureRun::finish(const std::vector<std::string>& skipped) {
   for (const std::size_t number : options_.overlays) {
     if (number >= read) result.missing_overlays.push_back(number);
   }
-  result.poses = rests_.finish();
+  keep(rests_.finish());
+  result.poses = std::move(poses_);
+  result.poses_outside_log = poses_outside_log_;
   if (shafts_) {
     result.muscles = shafts_->muscles;
     result.lag = estimateLag(speeds_, *shafts_, kLagRange);
@@ -150,7 +178,6 @@ CaptureResult CaptureRun::finish(const std::vector<std::string>& skipped) {
                       "clocks synchronised?",
                       shafts_->file, 1e3 * result.lag->seconds, 1e3 * options_.max_shaft_lag));
     }
-    result.poses_outside_log = joinShafts(result.poses, *shafts_);
   }
   return result;
 }
@@ -161,7 +188,7 @@ void CaptureRun::write(const RunDirectory& directory, const CaptureResult& resul
   joints_csv_.writeTo(directory.file("joints.csv"), jointsCsvHeader(rig_.joints));
   directory.write("distances.csv", distancesCsv(targets_, statistics_));
   directory.write("histogram.csv", histogramCsv(statistics_));
-  directory.write("poses.csv", posesCsv(result.poses, rig_.joints, result.muscles));
+  writePoses(directory.file("poses.csv"), result);
   for (const auto& [number, png] : overlays_) directory.write(fmt::format("overlay_{:05}.png", number), png);
 }
 

@@ -1,12 +1,9 @@
 #include "simgap/capture/images.h"
 
 #include <fmt/format.h>
-#include <string.h>
-
-#include <algorithm>
-#include <set>
 
 #include "image_module.h"
+#include "image_names.h"
 #include "simgap/core/error.h"
 #include "simgap/core/module.h"
 
@@ -15,27 +12,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::set<std::string> kImageEndings = {".png", ".jpg", ".jpeg", ".pgm", ".tif", ".tiff", ".bmp"};
-
 class FolderSource : public ImageSource {
  public:
-  explicit FolderSource(const fs::path& folder) : folder_(folder.string()) {
-    for (const auto& entry : fs::directory_iterator(folder)) {
-      std::string ending = entry.path().extension().string();
-      std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-      if (entry.is_regular_file() && kImageEndings.contains(ending)) names_.push_back(entry.path().filename().string());
-    }
-    names_.shrink_to_fit();
-    if (names_.empty()) {
-      throw DataError(fmt::format("{}: found no image, expected files that end in {}", folder.string(),
-                                  fmt::join(kImageEndings, ", ")));
-    }
-    // As people count: 9.png before 10.png.
-    std::ranges::sort(names_, [](const auto& a, const auto& b) { return strverscmp(a.c_str(), b.c_str()) < 0; });
-  }
+  explicit FolderSource(const fs::path& folder) : folder_(folder.string()), names_(folder) {}
 
   std::optional<std::size_t> size() const override { return names_.size(); }
-  std::string name() const override { return (fs::path(folder_) / names_[next_ - 1]).string(); }
+  std::string name() const override { return (fs::path(folder_) / names_.at(next_ - 1)).string(); }
 
   bool next(cv::Mat& image) override {
     if (next_ == names_.size()) return false;
@@ -48,7 +30,7 @@ class FolderSource : public ImageSource {
 
  private:
   std::string folder_;
-  std::vector<std::string> names_;  // a path holds each of its parts again, half a kilobyte a file
+  ImageNames names_;
   std::size_t next_ = 0;
 };
 

@@ -127,7 +127,7 @@ void RestFinder::add(JointSample sample) {
 std::vector<SteadyPose> RestFinder::finish() {
   closeRest();
   rest_ = rest_end_ = 0;
-  return std::move(poses_);
+  return take();
 }
 
 std::vector<SteadyPose> findSteadyPoses(Samples samples, const std::vector<CaptureJoint>& joints,
@@ -162,28 +162,22 @@ ShaftLog readShaftLog(const CsvTable& table) {
   return log;
 }
 
-std::size_t joinShafts(std::vector<SteadyPose>& poses, const ShaftLog& log) {
-  std::vector<SteadyPose> joined;
-  for (SteadyPose& pose : poses) {
-    // Half a step of the log before its first and behind its last row counts as covered.
-    const double step = (log.times.back() - log.times.front()) / static_cast<double>(log.times.size() - 1);
-    if (pose.start < log.times.front() - 0.5 * step || pose.end > log.times.back() + 0.5 * step) continue;
-    auto first = std::lower_bound(log.times.begin(), log.times.end(), pose.start) - log.times.begin();
-    auto end = std::upper_bound(log.times.begin(), log.times.end(), pose.end) - log.times.begin();
-    if (first == end) {  // a slow log without a row inside the rest: the row before it
-      first = std::max<std::ptrdiff_t>(0, first - 1);
-      end = first + 1;
-    }
-    for (const std::vector<double>& shaft : log.shafts) {
-      double sum = 0.0;
-      for (auto row = first; row < end; ++row) sum += shaft[row];
-      pose.shafts.push_back(sum / static_cast<double>(end - first));
-    }
-    joined.push_back(std::move(pose));
+bool joinShafts(SteadyPose& pose, const ShaftLog& log) {
+  // Half a step of the log before its first and behind its last row counts as covered.
+  const double step = (log.times.back() - log.times.front()) / static_cast<double>(log.times.size() - 1);
+  if (pose.start < log.times.front() - 0.5 * step || pose.end > log.times.back() + 0.5 * step) return false;
+  auto first = std::lower_bound(log.times.begin(), log.times.end(), pose.start) - log.times.begin();
+  auto end = std::upper_bound(log.times.begin(), log.times.end(), pose.end) - log.times.begin();
+  if (first == end) {  // a slow log without a row inside the rest: the row before it
+    first = std::max<std::ptrdiff_t>(0, first - 1);
+    end = first + 1;
   }
-  const std::size_t removed = poses.size() - joined.size();
-  poses = std::move(joined);
-  return removed;
+  for (const std::vector<double>& shaft : log.shafts) {
+    double sum = 0.0;
+    for (auto row = first; row < end; ++row) sum += shaft[row];
+    pose.shafts.push_back(sum / static_cast<double>(end - first));
+  }
+  return true;
 }
 
 double Speeds::at(double time) const {
@@ -233,8 +227,7 @@ Lag estimateLag(const JointSpeeds& joints, const ShaftLog& log, double range) {
   return best;
 }
 
-std::string posesCsv(std::span<const SteadyPose> poses, const std::vector<CaptureJoint>& joints,
-                     const std::vector<std::string>& muscles) {
+CsvWriter posesCsv(const std::vector<CaptureJoint>& joints, const std::vector<std::string>& muscles) {
   std::vector<std::string> header{"pose", "repeat", "time_s"};
   for (const std::string& muscle : muscles) header.push_back("shaft_" + muscle + "_rad");
   for (const CaptureJoint& joint : joints) {
@@ -243,18 +236,17 @@ std::string posesCsv(std::span<const SteadyPose> poses, const std::vector<Captur
   for (const CaptureJoint& joint : joints)
     header.push_back(fmt::format("{}_spread_{}", joint.name, kindOf(joint.type).unit));
   header.emplace_back("samples");
-  CsvWriter csv(header);
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    const SteadyPose& pose = poses[p];
-    csv.add(fmt::format("p{:03}", p)).add(0.0).add(0.5 * (pose.start + pose.end));
-    for (const double shaft : pose.shafts) csv.add(shaft);
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      for (const double cell : kindOf(joints[j].type).cells(pose.joints[j])) csv.add(cell);
-    }
-    for (const double spread : pose.spread) csv.add(spread);
-    csv.add(static_cast<double>(pose.samples)).endRow();
+  return CsvWriter(header);
+}
+
+void addPose(CsvWriter& csv, std::size_t number, const SteadyPose& pose, const std::vector<CaptureJoint>& joints) {
+  csv.add(fmt::format("p{:03}", number)).add(0.0).add(0.5 * (pose.start + pose.end));
+  for (const double shaft : pose.shafts) csv.add(shaft);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    for (const double cell : kindOf(joints[j].type).cells(pose.joints[j])) csv.add(cell);
   }
-  return csv.text();
+  for (const double spread : pose.spread) csv.add(spread);
+  csv.add(static_cast<double>(pose.samples)).endRow();
 }
 
 }  // namespace simgap

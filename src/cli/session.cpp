@@ -169,15 +169,19 @@ void Session::record(std::uint64_t seed, const Json& earlier) {
   spdlog::debug("threads: {}", tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
-void Session::finish(const Json& result, const std::string& table, const std::string& status) {
+void Session::finish(const Json& result, const std::string& table, const std::string& status, const LongList& list) {
   if (!isFirstRank()) return;
-  directory_->write("result.json", result);
+  JsonPieces file(result, list);
+  writeFileAtomically(directory_->file("result.json"), [&] { return file.next(); });
   run_->end(status);
   const std::filesystem::path report = writeReport(*directory_, run_->json());
   activity_.reset();
-  printResult(options_.json ? toText(result)
-                            : printable(fmt::format("{}report: {}\n", wrapped(table), report.string()),
-                                        /*keep_lines=*/true));
+  if (options_.json) {
+    JsonPieces text(result, list);
+    for (std::string_view piece = text.next(); !piece.empty(); piece = text.next()) printResult(piece);
+  } else {
+    printResult(printable(fmt::format("{}report: {}\n", wrapped(table), report.string()), /*keep_lines=*/true));
+  }
   run_->write(*directory_);  // last: a run is done when everything is there and somebody has been told
   ended_ = true;
 }

@@ -8,10 +8,13 @@
 #include <atomic>
 #include <cerrno>
 #include <cstring>
+#include <istream>
+#include <streambuf>
 #include <utility>
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/json_pieces.h"
 #include "simgap/core/run_directory.h"
 
 namespace simgap {
@@ -122,6 +125,36 @@ class ReadDescriptor {
   int descriptor_;
 };
 
+void refuseMore(const fs::path& file, std::size_t size, std::size_t largest) {
+  if (size <= largest) return;
+  throw ConfigError(fmt::format("{}: found more than {} MiB, expected less", file.string(), largest >> 20U));
+}
+
+/// A file as a stream, of which memory holds a block.
+class DescriptorBuffer : public std::streambuf {
+ public:
+  DescriptorBuffer(const fs::path& file, const ReadDescriptor& descriptor, std::size_t largest)
+      : file_(file), descriptor_(descriptor), largest_(largest) {
+    refuseMore(file_, descriptor_.size(), largest_);
+  }
+
+ protected:
+  int_type underflow() override {
+    const std::size_t count = descriptor_.read(block_.data(), block_.size());
+    if (count == 0) return traits_type::eof();
+    read_ += count;
+    refuseMore(file_, read_, largest_);
+    setg(block_.data(), block_.data(), block_.data() + count);
+    return traits_type::to_int_type(block_.front());
+  }
+
+ private:
+  const fs::path& file_;
+  const ReadDescriptor& descriptor_;
+  std::size_t largest_, read_ = 0;
+  std::array<char, 1 << 16> block_;
+};
+
 }  // namespace
 
 void writeFileAtomically(const fs::path& file, std::string_view content) {
@@ -142,32 +175,47 @@ bool isTemporaryFile(const fs::path& file) {
 
 std::string readFile(const fs::path& file, std::size_t largest) {
   const ReadDescriptor descriptor(file);
-  const auto refuse = [&] {
-    throw ConfigError(fmt::format("{}: found more than {} MiB, expected less", file.string(), largest >> 20U));
-  };
-  if (descriptor.size() > largest) refuse();
+  const std::size_t size = descriptor.size();
+  refuseMore(file, size, largest);
   std::string content;
-  content.reserve(descriptor.size());  // growing would need it twice
+  content.reserve(size);  // growing would need it twice
   std::array<char, 1 << 16> block;
   while (const std::size_t count = descriptor.read(block.data(), block.size())) {
-    if (content.size() + count > largest) refuse();
+    refuseMore(file, content.size() + count, largest);
     content.append(block.data(), count);
   }
   return content;
 }
 
-Json readJson(const fs::path& file) {
+Json readJson(const fs::path& file, const MostListed& most_listed) {
   constexpr int kDeepest = 64;                              // what writes or shows JSON calls itself once per level
   constexpr std::size_t kLargest = std::size_t{64} << 20U;  // values take up to sixteen times the room of their text
-  const auto refuseDepth = [&](int depth, Json::parse_event_t, Json&) {
+  std::string key;
+  std::size_t most = kWholeList, listed = 0;
+  bool in_list = false;  // of the object itself
+  const auto wanted = [&](int depth, Json::parse_event_t event, const Json& parsed) {
+    using Event = Json::parse_event_t;
     if (depth > kDeepest) {
       throw DataError(fmt::format("{}: found JSON nested more than {} deep, expected less", file.string(), kDeepest));
     }
-    return true;
+    const bool begins = event == Event::value || event == Event::object_start || event == Event::array_start;
+    if (depth == 1 && event == Event::key) key = parsed.get_ref<const std::string&>();
+    if (depth == 1 && begins) {
+      in_list = event == Event::array_start;
+      listed = 0;
+      if (most_listed && key == "format" && parsed.is_string())
+        most = most_listed(parsed.get_ref<const std::string&>());
+    }
+    return depth != 2 || !begins || !in_list || ++listed <= most;
   };
-  Json json = Json::parse(readFile(file, kLargest), refuseDepth, /*allow_exceptions=*/false);
+  const ReadDescriptor descriptor(file);
+  DescriptorBuffer buffer(file, descriptor, kLargest);
+  std::istream stream(&buffer);
+  Json json = Json::parse(stream, wanted, /*allow_exceptions=*/false);
   if (json.is_discarded()) throw DataError(fmt::format("{}: found no JSON, expected it", file.string()));
   return json;
 }
+
+Json readJson(const fs::path& file) { return readJson(file, {}); }
 
 }  // namespace simgap

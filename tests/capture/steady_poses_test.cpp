@@ -42,10 +42,13 @@ TEST(SteadyPoses, FindsTheRestsAndWhatTheShaftsDid) {
   EXPECT_EQ(poses[1].first_frame, 36u);
   EXPECT_EQ(poses[1].last_frame, 59u);
   EXPECT_NEAR(poses[1].joints[0].angle, 0.5, 1e-12);
-  EXPECT_EQ(joinShafts(poses, shaftsMovingAt(0.4)), 0u);
+  for (SteadyPose& pose : poses) EXPECT_TRUE(joinShafts(pose, shaftsMovingAt(0.4)));
   EXPECT_NEAR(poses[0].shafts[0], 0.0, 1e-12);
   EXPECT_NEAR(poses[1].shafts[0], 1.0, 1e-12);
-  EXPECT_THAT(posesCsv(poses, kElbow, {"biceps"}), HasSubstr("pose,repeat,time_s,shaft_biceps_rad,elbow_rad"));
+  CsvWriter csv = posesCsv(kElbow, {"biceps"});
+  EXPECT_THAT(csv.text(), HasSubstr("pose,repeat,time_s,shaft_biceps_rad,elbow_rad"));
+  addPose(csv, 7, poses[1], kElbow);
+  EXPECT_THAT(csv.text(), HasSubstr("\np007,0,"));
 }
 
 TEST(SteadyPoses, ALogThatEndsEarlyLosesThePoses) {
@@ -53,8 +56,7 @@ TEST(SteadyPoses, ALogThatEndsEarlyLosesThePoses) {
   ShaftLog log = shaftsMovingAt(0.4);
   log.times.resize(50);
   log.shafts[0].resize(50);
-  EXPECT_EQ(joinShafts(poses, log), 1u);
-  EXPECT_EQ(poses.size(), 1u);
+  EXPECT_EQ(std::ranges::count_if(poses, [&](SteadyPose& pose) { return joinShafts(pose, log); }), 1);
 }
 
 TEST(SteadyPoses, FindsTheLagOfTheJointsBehindTheShafts) {
@@ -68,7 +70,8 @@ TEST(SteadyPoses, FindsTheLagOfTheJointsBehindTheShafts) {
 /// 100,000 pairs at 50 Hz: half a second of rest, half a second of motion.
 TEST(SteadyPoses, ALongMotionTakesNoMoreMemoryThanAShortOne) {
   RestFinder finder(kElbow, {});
-  std::size_t most = 0;
+  std::size_t most = 0, most_rests = 0;
+  RestSpool rests;
   for (std::size_t i = 0; i < 100'000; ++i) {
     const double phase = static_cast<double>(i % 50) / 50.0, done = static_cast<double>(i / 50);
     JointSample sample;
@@ -79,13 +82,38 @@ TEST(SteadyPoses, ALongMotionTakesNoMoreMemoryThanAShortOne) {
                              (static_cast<long>(done) % 2 == 0 ? 0.0 : 1.0);
     finder.add(sample);
     most = std::max(most, finder.samplesKept());
+    const std::vector<SteadyPose> ended = finder.take();
+    most_rests = std::max(most_rests, ended.size());
+    for (const SteadyPose& rest : ended) rests.add(rest);
   }
+  for (const SteadyPose& rest : finder.finish()) rests.add(rest);
   EXPECT_LT(most, 100u);
-  const std::vector<SteadyPose> poses = finder.finish();
-  ASSERT_EQ(poses.size(), 2000u);
-  for (std::size_t p = 0; p < poses.size(); ++p) {
-    EXPECT_NEAR(poses[p].joints[0].angle, p % 2 == 0 ? 0.0 : 1.0, 1e-3) << p;
-    EXPECT_NEAR(poses[p].start, static_cast<double>(p), 0.05) << p;
+  EXPECT_EQ(most_rests, 1u);
+  ASSERT_EQ(rests.size(), 2000u);
+  for (std::size_t p = 0; p < rests.size(); ++p) {
+    const SteadyPose rest = rests.at(p);
+    EXPECT_NEAR(rest.joints[0].angle, p % 2 == 0 ? 0.0 : 1.0, 1e-3) << p;
+    EXPECT_NEAR(rest.start, static_cast<double>(p), 0.05) << p;
+  }
+}
+
+TEST(RestSpool, GivesBackWhatItWasGiven) {
+  std::vector<SteadyPose> poses = findSteadyPoses(twoRests(), kElbow, {});
+  for (SteadyPose& pose : poses) ASSERT_TRUE(joinShafts(pose, shaftsMovingAt(0.4)));
+  RestSpool spool;
+  for (const SteadyPose& pose : poses) spool.add(pose);
+  ASSERT_EQ(spool.size(), poses.size());
+  for (const std::size_t p : {1u, 0u, 1u}) {
+    const SteadyPose rest = spool.at(p);
+    EXPECT_EQ(rest.first_frame, poses[p].first_frame);
+    EXPECT_EQ(rest.last_frame, poses[p].last_frame);
+    EXPECT_EQ(rest.start, poses[p].start);
+    EXPECT_EQ(rest.end, poses[p].end);
+    EXPECT_EQ(rest.samples, poses[p].samples);
+    EXPECT_EQ(rest.joints.front().angle, poses[p].joints.front().angle);
+    EXPECT_EQ(rest.joints.front().rotation.coeffs(), poses[p].joints.front().rotation.coeffs());
+    EXPECT_EQ(rest.spread, poses[p].spread);
+    EXPECT_EQ(rest.shafts, poses[p].shafts);
   }
 }
 

@@ -1,4 +1,6 @@
 // The capture commands as a user runs them: the sample recording, and bad input.
+#include <fmt/format.h>
+
 #include "cli/capture_fixture.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/rotation.h"
@@ -31,7 +33,7 @@ TEST_F(CaptureTest, APageOfALongRecordingShowsOneInSeveralPairs) {
   succeed(capture({"--rate", "60"}));
   const std::string whole = text("out/report.html");
   Json result = Json::parse(text("out/result.json"));
-  result["pairs"] = 10'000;  // what decides how many of them are drawn: one in three
+  result["pairs"] = 5'000;  // what decides how many of them are drawn: one in three
   put("out/result.json", toText(result));
   succeed({"report", "out"});
   const std::string thinned = text("out/report.html");
@@ -40,6 +42,27 @@ TEST_F(CaptureTest, APageOfALongRecordingShowsOneInSeveralPairs) {
   for (const char* moment : {"0.000 s", "0.050 s"}) EXPECT_THAT(thinned, HasSubstr(moment));
   EXPECT_THAT(whole, HasSubstr("0.017 s"));
   EXPECT_EQ(thinned.find("0.017 s"), std::string::npos);
+}
+
+TEST_F(CaptureTest, APageOfManyRestsShowsTheFirst) {
+  succeed(capture({"--rate", "60", "--steady-duration", "0.03"}));
+  Json result = Json::parse(text("out/result.json"));
+  ASSERT_EQ(result.at("poses").size(), 1u);
+  std::string table = text("out/poses.csv");
+  const std::string row = table.substr(table.find('\n') + 1);
+  for (int p = 1; p < 600; ++p) {
+    table += replaced(row, "p000", fmt::format("p{:03}", p));
+    result["poses"].push_back(result["poses"][0]);
+    result["poses"].back()["pose"] = fmt::format("p{:03}", p);
+  }
+  put("out/poses.csv", table);
+  put("out/result.json", toText(result));
+  succeed({"report", "out"});
+  const std::string page = text("out/report.html");
+  EXPECT_THAT(page, HasSubstr("600 steady poses"));
+  EXPECT_THAT(page, HasSubstr("The first 500 of 600 steady poses"));
+  EXPECT_THAT(page, HasSubstr("p499"));
+  EXPECT_EQ(page.find("p500"), std::string::npos);
 }
 
 TEST_F(CaptureTest, ReadsAVideo) {

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,8 @@ class TextSpool {
  public:
   TextSpool();
   void add(std::string_view text);
+  /// The bytes from `begin` on, as many as `into` holds. \throws ConfigError: there are fewer
+  void read(std::size_t begin, std::span<char> into) const;
   /// Writes `head` and all text to a file, completely or not at all. \throws ConfigError
   void writeTo(const std::filesystem::path& file, std::string_view head = {}) const;
 

@@ -12,6 +12,7 @@
 #include "simgap/capture/capture_statistics.h"
 #include "simgap/capture/image_pairs.h"
 #include "simgap/capture/live_cameras.h"
+#include "simgap/capture/rest_spool.h"
 #include "simgap/capture/steady_poses.h"
 #include "simgap/core/run_directory.h"
 
@@ -55,7 +56,7 @@ struct CaptureResult {
   Rig rig;
   FrameTimes times;
   std::size_t samples = 0;  ///< pairs with all joints
-  std::vector<SteadyPose> poses;
+  RestSpool poses;
   std::vector<std::string> muscles;
   std::size_t poses_outside_log = 0;
   std::optional<Lag> lag;
@@ -65,8 +66,8 @@ struct CaptureResult {
   std::optional<LiveFigures> live;
 };
 
-/// Tables go to files as the pairs come: memory does not grow with their number, but for the longest rest and, with a
-/// shaft log, two numbers of a pair.
+/// Tables and rests go to files as the pairs come: memory does not grow with their number, but for the longest rest
+/// and, with a shaft log, two numbers of a pair (16 bytes).
 class CaptureRun {
  public:
   CaptureRun(const StereoCameras& cameras, const TargetSet& targets, const Rig& rig, const FrameTimes& times,
@@ -87,6 +88,7 @@ class CaptureRun {
 
  private:
   void refuseUnseen() const;
+  void keep(std::vector<SteadyPose> rests);
 
   StereoCameras cameras_;
   TargetSet targets_;
@@ -99,6 +101,8 @@ class CaptureRun {
   TextSpool frames_csv_, trc_, joints_csv_;
   std::size_t samples_ = 0;
   RestFinder rests_;
+  RestSpool poses_;
+  std::size_t poses_outside_log_ = 0;
   JointSpeeds speeds_;                                         ///< with a shaft log
   std::vector<std::pair<std::size_t, std::string>> overlays_;  ///< pair, PNG
 };

@@ -35,6 +35,9 @@ class RestFinder {
  public:
   RestFinder(std::vector<CaptureJoint> joints, const SteadyOptions& options);
   void add(JointSample sample);  ///< in order
+  /// The rests that have ended since they were taken last.
+  std::vector<SteadyPose> take() { return std::exchange(poses_, {}); }
+  /// The same, of a recording that has ended.
   std::vector<SteadyPose> finish();
   std::size_t samplesKept() const { return samples_.size(); }
 
@@ -66,8 +69,8 @@ struct ShaftLog {
 /// \throws DataError: no shaft column, fewer than two rows, time that does not increase, and all that CsvTable refuses.
 ShaftLog readShaftLog(const CsvTable& table);
 
-/// Fills in the means of the shafts while the arm rested. \returns the poses the log does not cover, which are removed.
-std::size_t joinShafts(std::vector<SteadyPose>& poses, const ShaftLog& log);
+/// Fills in the means of the shafts while the arm rested. \returns whether the log covers that.
+bool joinShafts(SteadyPose& pose, const ShaftLog& log);
 
 /// By how much the joints move after the shafts.
 struct Lag {
@@ -100,7 +103,7 @@ Lag estimateLag(const JointSpeeds& joints, const ShaftLog& log, double range);
 
 /// The pose set (docs/formats.md): pose, repeat, time_s, shafts, joints; then per joint its standard deviation, and the
 /// number of samples.
-std::string posesCsv(std::span<const SteadyPose> poses, const std::vector<CaptureJoint>& joints,
-                     const std::vector<std::string>& muscles);
+CsvWriter posesCsv(const std::vector<CaptureJoint>& joints, const std::vector<std::string>& muscles);
+void addPose(CsvWriter& csv, std::size_t number, const SteadyPose& pose, const std::vector<CaptureJoint>& joints);
 
 }  // namespace simgap

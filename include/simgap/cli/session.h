@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "simgap/core/csv.h"
+#include "simgap/core/json_pieces.h"
 #include "simgap/core/progress.h"
 #include "simgap/core/run_directory.h"
 
@@ -79,7 +80,9 @@ class Session {
 
   /// Writes result.json, makes report.html of what is in the directory, prints the result and ends run.json, in this
   /// order: only what is complete is recorded as done. \throws ConfigError, DataError: one of them fails.
-  void finish(const Json& result, const std::string& table, const std::string& status = "done");
+  /// \param list  of the result, where it does not fit in memory
+  void finish(const Json& result, const std::string& table, const std::string& status = "done",
+              const LongList& list = {});
   /// A text on stdout instead of a result: what a dry run would do.
   void print(const std::string& text);
   /// A result that stands in no directory.

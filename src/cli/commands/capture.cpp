@@ -30,8 +30,8 @@ struct Options {
 
 FrameTimes times(const Options& options, Session& session) {
   if (options.timestamps.empty()) return {{}, *options.rate, 0.0};
-  const Input& input = session.read("timestamps", options.timestamps);
-  return readTimes(CsvTable::parse(input.content, input.file.string(), options.table.csv()), options.max_camera_lag);
+  const std::string content = session.take("timestamps", options.timestamps);
+  return readTimes(CsvTable::parse(content, options.timestamps.string(), options.table.csv()), options.max_camera_lag);
 }
 
 void processAll(CaptureRun& run, ImagePairs& pairs, bool quiet) {
@@ -74,7 +74,7 @@ ExitCode deliver(const Options& options, Session& session, const CaptureRun& cap
   }
   capture.write(session.directory(), result);
   const CaptureStatistics& statistics = capture.statistics();
-  session.finish(toJson(result, statistics), terminalTable(result, statistics));
+  session.finish(toJson(result, statistics), terminalTable(result, statistics), "done", posesOf(result));
   const bool scale_failed =
       options.max_scale_error && std::abs(statistics.scaleErrorPercent()) > *options.max_scale_error;
   return scale_failed ? ExitCode::kCriterionFailed : ExitCode::kDone;
@@ -122,8 +122,8 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const FrameTimes frame_times = times(options, session);
   std::optional<ShaftLog> shafts;
   if (!options.shafts.empty()) {
-    const Input& input = session.read("shafts", options.shafts);
-    shafts = readShaftLog(CsvTable::parse(input.content, input.file.string(), options.table.csv()));
+    const std::string content = session.take("shafts", options.shafts);
+    shafts = readShaftLog(CsvTable::parse(content, options.shafts.string(), options.table.csv()));
   }
   ImagePairs pairs(openImages(options.left), openImages(options.right), options.skip_unreadable);
   if (options.common.dry_run) {

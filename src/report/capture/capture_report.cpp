@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "capture_tables.h"
 #include "simgap/core/joint_kind.h"
 
@@ -28,7 +30,27 @@ Json liveJson(const LiveFigures& live) {
           {"started_unix_s", live.started_unix}};
 }
 
+Json restJson(std::size_t number, const SteadyPose& pose, const std::vector<CaptureJoint>& joints) {
+  Json spread = Json::object(), slide_spread = Json::object();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    (kindOf(joints[j].type).slides ? slide_spread : spread)[joints[j].name] =
+        kindOf(joints[j].type).shown(pose.spread[j]);
+  }
+  Json rest = {{"pose", fmt::format("p{:03}", number)},
+               {"start_s", pose.start},
+               {"end_s", pose.end},
+               {"samples", pose.samples},
+               {"spread_deg", spread}};
+  if (!slide_spread.empty()) rest["spread_mm"] = slide_spread;
+  return rest;
+}
+
 }  // namespace
+
+LongList posesOf(const CaptureResult& result) {
+  return {"poses", result.poses.size(),
+          [&result](std::size_t p) { return restJson(p, result.poses.at(p), result.rig.joints); }};
+}
 
 Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
   Json targets = Json::array();
@@ -48,21 +70,6 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
   }
   Json doubts = Json::array();
   for (const GeometryFinding& f : result.doubts) doubts.push_back({{"name", f.name}, {"sentence", f.sentence}});
-  Json poses = Json::array();
-  for (std::size_t p = 0; p < result.poses.size(); ++p) {
-    const SteadyPose& pose = result.poses[p];
-    Json spread = Json::object(), slide_spread = Json::object();
-    for (std::size_t j = 0; j < result.rig.joints.size(); ++j) {
-      const CaptureJoint& joint = result.rig.joints[j];
-      (kindOf(joint.type).slides ? slide_spread : spread)[joint.name] = kindOf(joint.type).shown(pose.spread[j]);
-    }
-    poses.push_back({{"pose", fmt::format("p{:03}", p)},
-                     {"start_s", pose.start},
-                     {"end_s", pose.end},
-                     {"samples", pose.samples},
-                     {"spread_deg", spread}});
-    if (!slide_spread.empty()) poses.back()["spread_mm"] = slide_spread;
-  }
   Json live = nullptr;
   if (result.live) live = liveJson(*result.live);
   const bool bar = result.rig.scale_bar && s.scaleBar().count() > 0;
@@ -87,17 +94,23 @@ Json toJson(const CaptureResult& result, const CaptureStatistics& s) {
           {"shaft_lag_ms", result.lag ? Json(1e3 * result.lag->seconds) : Json(nullptr)},
           {"shaft_correlation", result.lag ? Json(result.lag->correlation) : Json(nullptr)},
           {"geometry", {{"verdict", result.doubts.empty() ? "consistent" : "doubtful"}, {"findings", doubts}}},
-          {"poses", poses},
+          {"poses", Json::array()},
           {"live", live},
           {"poses_outside_shaft_log", result.poses_outside_log}};
 }
 
 std::string terminalTable(const CaptureResult& result, const CaptureStatistics& s) {
-  const Json json = toJson(result, s);
-  const std::string poses = posesCsv(result.poses, result.rig.joints, result.muscles);
-  std::string text = captureAnswer(json) + "\n\n" + alignedTable(sightingTable(json)) + "\n" +
+  Json json = toJson(result, s);
+  const LongList poses = posesOf(result);
+  CsvWriter csv = posesCsv(result.rig.joints, result.muscles);
+  for (std::size_t p = 0; p < std::min(poses.size, kMostPosesShown); ++p) {
+    json["poses"].push_back(poses.element(p));
+    addPose(csv, p, result.poses.at(p), result.rig.joints);
+  }
+  std::string text = captureAnswer(json, poses.size) + "\n\n" + alignedTable(sightingTable(json)) + "\n" +
                      alignedTable(captureFigures(json).rows) + "\n" +
-                     alignedTable(poseTable(json, CsvTable::parse(poses, "poses.csv")));
+                     alignedTable(poseTable(json, CsvTable::parse(csv.text(), "poses.csv")));
+  if (poses.size > kMostPosesShown) text += morePoses(poses.size) + "\n";
   for (const GeometryFinding& finding : result.doubts) text += "DOUBT: " + finding.sentence + "\n";
   return text;
 }

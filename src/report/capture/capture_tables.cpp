@@ -29,11 +29,11 @@ std::string markerText(const Json& markers) {
 
 }  // namespace
 
-std::string captureAnswer(const Json& result) {
+std::string captureAnswer(const Json& result, std::size_t poses) {
   const std::size_t doubts = result.at("geometry").at("findings").size();
   return fmt::format("{} pairs: all joints in {:.1f} % of them, {} steady poses; {}", result.at("pairs").dump(),
                      100.0 * numberOf(result.at("pairs_with_all_joints")) / std::max(numberOf(result.at("pairs")), 1.0),
-                     result.at("poses").size(),
+                     poses,
                      doubts == 0 ? "nothing speaks against the geometry."
                                  : fmt::format("the geometry is in doubt for {} reasons.", doubts));
 }
@@ -99,6 +99,10 @@ std::vector<double> jointAngles(const CsvTable& table, const std::string& joint)
   std::vector<double> angles = numbersOf(table, joint + (revolute ? "_rad" : "_qw"));
   for (double& angle : angles) angle = toDegrees(revolute ? angle : 2.0 * std::acos(std::min(std::abs(angle), 1.0)));
   return angles;
+}
+
+std::string morePoses(std::size_t poses) {
+  return fmt::format("The first {} of {} steady poses; all are in poses.csv and result.json.", kMostPosesShown, poses);
 }
 
 Table poseTable(const Json& result, const CsvTable& poses) {

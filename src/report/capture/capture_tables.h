@@ -11,10 +11,14 @@ namespace simgap {
 
 /// \name capture
 ///@{
-std::string captureAnswer(const Json& result);
+/// \param poses  how many there are
+std::string captureAnswer(const Json& result, std::size_t poses);
 Table sightingTable(const Json& result);  ///< how well each target was seen
 Table captureFigures(const Json& result);
-/// When the arm rested, and where. \param poses  poses.csv
+inline constexpr std::size_t kMostPosesShown = 500;
+/// What is not in a table of the first ones.
+std::string morePoses(std::size_t poses);
+/// When the arm rested, and where. \param poses  poses.csv, of as many rows as `result` has poses
 Table poseTable(const Json& result, const CsvTable& poses);
 /// A joint's angle in every row, of a spherical joint that from its zero pose [deg]. \param table  poses.csv,
 /// joints.csv

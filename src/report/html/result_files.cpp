@@ -10,12 +10,17 @@
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
 #include "simgap/core/units.h"
+#include "simgap/report/html/result_page.h"
 
 namespace simgap {
 namespace {
 
+/// What a page does not look at of a long list is left in the file.
 Json readObject(const std::filesystem::path& file) {
-  Json json = readJson(file);
+  Json json = readJson(file, [](std::string_view format) {
+    const ResultPage* const page = findPage(format);
+    return page == nullptr ? kWholeList : page->most_listed;
+  });
   if (!json.is_object()) throw DataError(fmt::format("{}: found no JSON object, expected one", file.string()));
   return json;
 }

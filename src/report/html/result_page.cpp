@@ -68,13 +68,18 @@ void addProvenance(const Json& run, Page& page) {
 
 }  // namespace
 
+const ResultPage* findPage(std::string_view format) {
+  const auto known = std::ranges::find(pages::all(), format, [](const ResultPage* page) { return page->format; });
+  return known == pages::all().end() ? nullptr : *known;
+}
+
 Page makePage(const ResultFiles& files) {
   const std::string format = formatOf(files);
-  const auto known = std::ranges::find(pages::all(), format, [](const ResultPage* page) { return page->format; });
+  const ResultPage* const known = findPage(format);
   const auto file = [&](const char* name) { return (files.directory() / name).string(); };
   Page page;
   try {
-    page = known == pages::all().end() ? plainPage(files) : (*known)->make(files);
+    page = known == nullptr ? plainPage(files) : known->make(files);
   } catch (const Error&) {
     throw;
   } catch (const std::bad_alloc&) {

@@ -36,10 +36,10 @@ TEST(CaptureTables, PosesShowWhereTheArmRested) {
 TEST(CaptureTables, AnswersSayWhatSpeaksAgainstTheGeometry) {
   Json result = {{"pairs", 40}, {"pairs_with_all_joints", 30}, {"poses", Json::array()}};
   result["geometry"]["findings"] = Json::array();
-  EXPECT_EQ(captureAnswer(result),
+  EXPECT_EQ(captureAnswer(result, 0),
             "40 pairs: all joints in 75.0 % of them, 0 steady poses; nothing speaks against the geometry.");
   result["geometry"]["findings"] = {{{"name", "epipolar"}, {"sentence", "…"}}};
-  EXPECT_THAT(captureAnswer(result), testing::EndsWith("the geometry is in doubt for 1 reasons."));
+  EXPECT_THAT(captureAnswer(result, 7), testing::EndsWith("the geometry is in doubt for 1 reasons."));
 }
 
 }  // namespace

@@ -5,8 +5,9 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
-#include "simgap/core/run_directory.h"
+#include "simgap/core/json_pieces.h"
 #include "simgap/report/html/page.h"
 #include "simgap/report/html/result_files.h"
 
@@ -16,11 +17,14 @@ namespace simgap {
 struct ResultPage {
   const char* format;  ///< of result.json: "simgap/calibrate/1"
   Page (*make)(const ResultFiles& files);
+  std::size_t most_listed = kWholeList;  ///< elements of a list of result.json that it looks at
 };
 
 namespace pages {
 std::span<const ResultPage* const> all();
 }
+/// The page for a format; null where there is none of its own.
+const ResultPage* findPage(std::string_view format);
 
 /// The page of a result, with its provenance from run.json. A format without a page of its own is shown as tables.
 /// \throws DataError: result.json or a table is not as the command wrote it.

@@ -17,24 +17,42 @@ namespace {
 constexpr std::size_t kMostFrames = 100;  // of the three-dimensional view
 
 // Of the charts, whose lines hold 2,000 points: the page of a longer recording takes no more memory.
-constexpr std::size_t kMostPairs = 5'000;
+constexpr std::size_t kMostPairs = 2'500;
 
 /// Of how many pairs the charts show one.
 std::size_t strideOf(const Json& result) { return 1 + result.at("pairs").get<std::size_t>() / kMostPairs; }
 
-/// A table whose first column is the pair's number, of one in `stride` pairs.
-CsvTable pairsTable(const ResultFiles& files, const char* name) {
-  const std::size_t stride = strideOf(files.result());
-  if (stride == 1) return files.table(name);
+/// The head of a table and the lines of it that are wanted. \param wanted  asked line by line
+template <class Wanted>
+CsvTable linesOf(const ResultFiles& files, const char* name, const Wanted& wanted) {
+  if (!files.has(name)) return files.table(name);  // says so
   std::ifstream file(files.directory() / name);
   file.exceptions(std::ios::badbit);  // no memory for a line is no end of the file
   std::string text, line;
   std::getline(file, text);
   while (std::getline(file, line)) {
-    if (std::strtoull(line.c_str(), nullptr, 10) % stride == 0) text.append("\n").append(line);
+    if (wanted(line)) text.append("\n").append(line);
   }
   return CsvTable::parse(text + "\n", name);
 }
+
+/// A table whose first column is the pair's number, of one in `stride` pairs.
+CsvTable pairsTable(const ResultFiles& files, const char* name) {
+  const std::size_t stride = strideOf(files.result());
+  if (stride == 1) return files.table(name);
+  return linesOf(files, name,
+                 [stride](const std::string& line) { return std::strtoull(line.c_str(), nullptr, 10) % stride == 0; });
+}
+
+/// The first poses of poses.csv, and how many there are.
+struct Poses {
+  std::size_t count = 0;
+  CsvTable shown;
+
+  explicit Poses(const ResultFiles& files)
+      : shown(linesOf(files, "poses.csv", [this](const std::string&) { return ++count <= kMostPosesShown; })) {}
+  bool all() const { return count <= kMostPosesShown; }
+};
 
 /// frames.csv: a row per target and frame where it was found.
 struct Frames {
@@ -110,7 +128,7 @@ Chart histogram(const std::string& caption, const std::string& title, const std:
 }
 
 /// Joint angles over time, with the windows in which the arm rested.
-Chart angleChart(const ResultFiles& files) {
+Chart angleChart(const ResultFiles& files, bool all_poses) {
   const CsvTable table = pairsTable(files, "joints.csv");
   const std::vector<double> time = numbersOf(table, "time_s");
   std::vector<Series> lines;
@@ -118,8 +136,9 @@ Chart angleChart(const ResultFiles& files) {
     lines.push_back({joint, time, jointAngles(table, joint)});
   }
   Chart chart = lineChart("Joint angles", {"time [s]"}, {"angle [deg]"}, lines);
-  chart.note =
-      "Of a spherical joint: the angle from its zero pose. Shaded: the arm rests there, and each rest is a pose.";
+  chart.note = "Of a spherical joint: the angle from its zero pose. ";
+  chart.note += all_poses ? "Shaded: the arm rests there, and each rest is a pose."
+                          : fmt::format("The first {} rests are shaded.", kMostPosesShown);
   chart.spec["bands"] = Json::array();
   for (const Json& pose : files.result().at("poses")) {
     chart.spec["bands"].push_back({pose.at("start_s"), pose.at("end_s")});
@@ -236,7 +255,8 @@ void addOverlays(const ResultFiles& files, Page& page) {
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   const Json& doubts = result.at("geometry").at("findings");
-  Page page{"simgap capture", captureAnswer(result), {}};
+  const Poses poses(files);
+  Page page{"simgap capture", captureAnswer(result, poses.count), {}};
   for (const Json& doubt : doubts) page.notes.push_back(doubt.at("sentence"));
   page.verdict = verdictOf(files);
   const std::size_t stride = strideOf(result);
@@ -248,7 +268,7 @@ Page make(const ResultFiles& files) {
     rms.push_back(frames.series(target, frames.rms));
     epipolar.push_back(frames.series(target, frames.epipolar));
   }
-  page.add(angleChart(files));
+  page.add(angleChart(files, poses.all()));
   page.add(markerScene(files, frames));
   addOverlays(files, page);
   page.addSection("How well the targets were seen");
@@ -260,7 +280,9 @@ Page make(const ResultFiles& files) {
   page.add(sightingTable(result));
   page.add(captureFigures(result));
   page.addSection("Poses");
-  page.add(poseTable(result, files.table("poses.csv")));
+  Table table = poseTable(result, poses.shown);
+  if (!poses.all()) table.caption = morePoses(poses.count);
+  page.add(std::move(table));
   page.add(distanceTable(files));
   return page;
 }
@@ -268,6 +290,6 @@ Page make(const ResultFiles& files) {
 }  // namespace
 
 extern const ResultPage entry;
-const ResultPage entry{"simgap/capture/1", make};
+const ResultPage entry{"simgap/capture/1", make, kMostPosesShown};
 
 }  // namespace simgap::pages::capture
