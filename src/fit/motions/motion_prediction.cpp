@@ -2,9 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::uint32_t kPlayed = 32;  // parameters drawn, with which all motions are played
 constexpr std::uint32_t kDraws = 1000;
+constexpr std::size_t kSpreads = 200;  // tau, from well below to well above what was seen
 enum Purpose : std::uint32_t { kParameters = 8, kPick, kSpread, kMean, kMotion };
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -30,14 +31,29 @@ Squares squaresOf(const MotionRms& rms) {
   return squares;
 }
 
+Eigen::Index groupOf(const ResidualBlock& block, Eigen::Index groups) {
+  if (block.group == ChannelGroup::kJoint) return static_cast<Eigen::Index>(block.item);
+  return block.group == ChannelGroup::kShaft ? groups - 2 : groups - 1;
+}
+
+/// How many numbers were measured, shape (groups, motions).
+Eigen::MatrixXd numbersOf(const MotionPosterior& posterior, Eigen::Index groups) {
+  Eigen::MatrixXd numbers = Eigen::MatrixXd::Zero(groups, std::ssize(posterior.motions()));
+  for (std::size_t m = 0; m < posterior.motions().size(); ++m) {
+    for (const ResidualBlock& block : posterior.motions()[m].blocks()) {
+      numbers(groupOf(block, groups), static_cast<Eigen::Index>(m)) +=
+          static_cast<double>(block.end - block.begin) * static_cast<double>(block.size);
+    }
+  }
+  return numbers;
+}
+
 /// a_m of one motion.
 Squares wayBetween(const MotionResiduals& motion, const Eigen::VectorXd& here, const Eigen::VectorXd& there,
                    Eigen::Index groups) {
   Squares sums = Squares::Zero(groups), counts = Squares::Zero(groups);
   for (const ResidualBlock& block : motion.blocks()) {
-    const Eigen::Index group = block.group == ChannelGroup::kJoint   ? static_cast<Eigen::Index>(block.item)
-                               : block.group == ChannelGroup::kShaft ? groups - 2
-                                                                     : groups - 1;
+    const Eigen::Index group = groupOf(block, groups);
     const auto rows = Eigen::seqN(block.first, block.size);
     sums[group] += block.sd * block.sd * (there(rows) - here(rows)).squaredNorm();
     counts[group] += static_cast<double>(block.size);
@@ -110,28 +126,59 @@ std::vector<Eigen::VectorXd> drawParameters(const MotionPosterior& posterior, co
   return draws;
 }
 
-/// Draws of one channel group's root mean square over a set. \param left  exp(u) of the motions fitted
-std::vector<double> drawRms(const Eigen::VectorXd& left, const std::vector<Eigen::MatrixXd>& unseen,
-                            Eigen::Index group) {
+/// What is known of u over motions: for each tau its probability and, under it, mean and variance of u's centre.
+struct LeftOver {
+  std::vector<double> tau, until, centre, variance;  ///< shape (kSpreads); until: probability of this tau or a smaller
+
+  /// \param left  exp(u) of the motions fitted  \param noise  variance of u that noise alone makes, of each
+  LeftOver(const Eigen::ArrayXd& left, const Eigen::ArrayXd& noise) {
+    const Eigen::ArrayXd u = left.log();
+    const double scatter = (u - u.mean()).square().sum() / static_cast<double>(u.size() - 1);
+    const double scale = std::sqrt(std::max(scatter, noise.mean()));
+    std::vector<double> log_density;
+    for (std::size_t k = 0; k < kSpreads; ++k) {
+      const double x = (static_cast<double>(k) + 0.5) / kSpreads;  // evenly from 0 to 1
+      tau.push_back(scale * x / (1.0 - x));
+      const double squared = tau.back() * tau.back();
+      const Eigen::ArrayXd weight = (noise + squared).inverse();
+      variance.push_back(1.0 / weight.sum());
+      centre.push_back(variance.back() * (weight * u).sum());
+      const double log_likelihood =
+          0.5 * (weight.log().sum() + std::log(variance.back()) - (weight * (u - centre.back()).square()).sum());
+      const double log_prior = -0.5 * std::log(squared + noise.mean()), log_slope = -2.0 * std::log(1.0 - x);
+      log_density.push_back(log_likelihood + log_prior + log_slope);
+    }
+    const double highest = *std::ranges::max_element(log_density);
+    for (const double log : log_density) until.push_back(std::exp(log - highest));
+    std::partial_sum(until.begin(), until.end(), until.begin());
+  }
+
+  std::size_t pick(double uniform) const {
+    return static_cast<std::size_t>(std::ranges::lower_bound(until, uniform * until.back()) - until.begin());
+  }
+};
+
+/// Draws of one channel group's root mean square over a set. \param unseen  a_m of its motions, shape (draws) of
+/// (groups, motions)  \param numbers  measured in each motion of the set, shape (motions)
+std::vector<double> drawRms(const LeftOver& left, const std::vector<Eigen::MatrixXd>& unseen,
+                            const Eigen::VectorXd& numbers, Eigen::Index group) {
   const CounterRandom random(0);
-  const auto freedom = static_cast<double>(left.size() - 1);
-  const Eigen::ArrayXd u = left.array().log();
-  const double mean = u.mean(), squares = (u - mean).square().sum();
-  const boost::math::chi_squared spread(freedom);
   const auto place = static_cast<std::uint32_t>(group);
   std::vector<double> draws;
   for (std::uint32_t draw = 0; draw < kDraws; ++draw) {
     const auto pick =
         static_cast<std::size_t>(random.uniform({draw, 0, 0, kPick}) * static_cast<double>(unseen.size()));
-    const Eigen::MatrixXd& way = unseen[pick];
-    const double sd = std::sqrt(squares / boost::math::quantile(spread, random.uniform({draw, place, 0, kSpread})));
-    const double centre = mean + sd * random.normalPair({draw, place, 0, kMean})[0] / std::sqrt(freedom + 1.0);
+    const std::size_t k = left.pick(random.uniform({draw, place, 0, kSpread}));
+    const double centre = left.centre[k] + std::sqrt(left.variance[k]) * random.normalPair({draw, place, 0, kMean})[0];
     double sum = 0.0;
-    for (Eigen::Index m = 0; m < way.cols(); ++m) {
+    for (Eigen::Index m = 0; m < numbers.size(); ++m) {
+      if (numbers[m] == 0.0) continue;
+      const double sd = std::sqrt(left.tau[k] * left.tau[k] + 2.0 / numbers[m]);
       const auto motion = static_cast<std::uint32_t>(m);
-      sum += std::exp(centre + sd * random.normalPair({draw, place, motion, kMotion})[0]) + way(group, m);
+      sum += numbers[m] *
+             (std::exp(centre + sd * random.normalPair({draw, place, motion, kMotion})[0]) + unseen[pick](group, m));
     }
-    draws.push_back(std::sqrt(sum / static_cast<double>(way.cols())));
+    draws.push_back(std::sqrt(sum / numbers.sum()));
   }
   return draws;
 }
@@ -154,13 +201,15 @@ std::optional<MotionPrediction> predictMotions(const MotionPosterior& posterior,
   Eigen::MatrixXd left = Eigen::MatrixXd::Zero(groups, std::ssize(fitted));
   for (const Eigen::MatrixXd& way : seen.ways) left += part * way;
   for (std::size_t m = 0; m < fitted.size(); ++m) left.col(static_cast<Eigen::Index>(m)) += squaresOf(fitted[m]);
+  const Eigen::MatrixXd numbers = numbersOf(posterior, groups), numbers_unseen = numbersOf(unseen, groups);
   Eigen::MatrixX3d quantiles(groups, 3);
   for (Eigen::Index group = 0; group < groups; ++group) {
-    if (!(left.row(group).array() > 0.0).all()) {  // not measured
+    if (!(left.row(group).array() > 0.0).all() || numbers_unseen.row(group).sum() == 0.0) {  // not measured
       quantiles.row(group).setConstant(kUnknown);
       continue;
     }
-    const std::vector<double> rms = drawRms(left.row(group), held_out.ways, group);
+    const LeftOver of_group(left.row(group).transpose(), 2.0 / numbers.row(group).transpose().array());
+    const std::vector<double> rms = drawRms(of_group, held_out.ways, numbers_unseen.row(group), group);
     quantiles.row(group) << quantile(rms, 0.5), quantile(rms, 0.05), quantile(rms, 0.95);
   }
   const auto column = [&](Eigen::Index c) {

@@ -8,8 +8,15 @@
 /// place of the one that their weights assume), the same for all motions of a draw; f_m: the motion played with them,
 /// so that a movement that magnifies small errors counts as what it is. exp(u): what even the right parameters leave,
 /// noise and discrepancy. Of motions fitted it is their mean square and what a fit takes away: E[y] = exp(u) - E[a],
-/// where all a together, weighed, are as many as the parameters that the motions tell. Over motions u is normal, with
-/// mean and variance known from as many as were fitted (Student's t).
+/// where all a together, weighed, are as many as the parameters that the motions tell. Over motions
+///
+///     u_m ~ N(centre, tau^2 + 2/n_m)
+///
+/// n_m: numbers measured, of whose mean square white noise alone makes the logarithm vary by 2/n_m; tau: how else
+/// motions differ. Six motions may look alike by chance, but none is told better than its noise. Both are drawn from
+/// their posterior under a flat prior of the centre and p(tau) ~ (tau^2 + mean 2/n)^-1/2, on a grid: Student's t where
+/// tau is large beside the noise, and proper from two motions on (random effects: Gelman et al., Bayesian Data
+/// Analysis, section 5.4).
 #pragma once
 
 #include <optional>
