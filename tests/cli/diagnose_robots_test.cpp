@@ -1,5 +1,5 @@
-// diagnose on the log of every joint of the sample robot, as a user runs it: one who fitted it before, and one day finds
-// another robot.
+// diagnose on the log of every joint of the sample robot, as a user runs it: one who fitted it before, and one day
+// finds another robot.
 #include <functional>
 #include <map>
 
