@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "simgap/core/error.h"
@@ -27,6 +28,8 @@ double derivedNoise(const ActuatorLog& log, std::span<const Block> runs, double 
 
 }  // namespace
 
+bool isTooShort(const Block& run) { return run.size() < kFewestInARow; }
+
 void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
                     FrictionData& data) {
   const bool velocity = log.velocity.empty();
@@ -35,17 +38,21 @@ void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional
     throw DataError(fmt::format("{}: found no time_s, expected it: {} has to be worked out from motion", log.file,
                                 velocity ? "velocity" : "acceleration"));
   }
+  std::vector<Block> whole;
+  std::ranges::remove_copy_if(runs, std::back_inserter(whole), isTooShort);
+  if (whole.empty()) {
+    throw DataError(
+        fmt::format("{}: found no session of {} rows, expected one: velocities have to be worked "
+                    "out",
+                    log.file, kFewestInARow));
+  }
   const bool from_position = !log.position.empty();
   const std::vector<double>& measured = from_position ? log.position : log.velocity;
-  const double highest = FrictionDataOptions::kDefaultBandwidth * samplingRate(log.time, runs);
-  data.bandwidth = bandwidth ? *bandwidth : smoothingBandwidth(log.time, measured, runs, highest);
+  const double highest = FrictionDataOptions::kDefaultBandwidth * samplingRate(log.time, whole);
+  data.bandwidth = bandwidth ? *bandwidth : smoothingBandwidth(log.time, measured, whole, highest);
   if (velocity) log.velocity.resize(log.rows());
   if (acceleration) log.acceleration.resize(log.rows());
-  for (const Block& run : runs) {
-    if (run.size() < 4) {
-      throw DataError(fmt::format("{}: session {} has {} rows, expected at least 4 to work out velocities", log.file,
-                                  log.session_names[log.session[run.begin]], run.size()));
-    }
+  for (const Block& run : whole) {
     const std::span<const double> time = std::span(log.time).subspan(run.begin, run.size());
     const std::vector<double> smoothed =
         smooth(time, std::span(measured).subspan(run.begin, run.size()), data.bandwidth);

@@ -11,10 +11,14 @@
 
 namespace simgap {
 
+/// What a slope takes, two gaps in a log may leave less of.
+inline constexpr std::size_t kFewestInARow = 4;
+bool isTooShort(const Block& run);
+
 /// Fills velocity, and acceleration if that is wanted, from position, else acceleration from velocity; says in `data`
 /// what was derived and with which bandwidth. \param runs  as splitRuns.
 /// \param bandwidth  [Hz] of the smoothing; none: as suits the channel.
-/// \throws DataError: no time, or too few rows in a session.
+/// In runs that are too short both stay 0. \throws DataError: no time, or no run that is long enough.
 void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
                     FrictionData& data);
 

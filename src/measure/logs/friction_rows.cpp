@@ -161,6 +161,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   leaveOutRests(log, derived_velocity, options, sign, data);
   leaveOutSwitchedOff(log, options, sign, data);
   leaveOutSpikes(options, sign, data);
+  leaveOutShortRuns(runs, sign, data);
   const std::size_t rows = log.rows();
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
   data.block_seconds = options.block_seconds;

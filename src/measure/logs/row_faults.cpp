@@ -7,6 +7,7 @@
 #include <span>
 #include <utility>
 
+#include "derived_motion.h"
 #include "simgap/core/blocks.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/rests.h"
@@ -64,6 +65,20 @@ void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, Fricti
     data.warnings.push_back(fmt::format("{} stands alone in {} rows (the first is row {}): they are left out",
                                         spikes.channel, spikes.rows.size(), spikes.rows.front() + 1));
   }
+}
+
+void leaveOutShortRuns(std::span<const Block> runs, MotionSign& sign, FrictionData& data) {
+  std::size_t rows = 0;
+  for (const Block& run : runs) {
+    if (data.derived.empty() || !isTooShort(run)) continue;
+    std::fill(sign.keep.begin() + static_cast<std::ptrdiff_t>(run.begin),
+              sign.keep.begin() + static_cast<std::ptrdiff_t>(run.end), false);
+    rows += run.size();
+  }
+  if (rows == 0) return;
+  data.warnings.push_back(
+      fmt::format("{} rows are of sessions or between gaps with fewer than {}: too few for a {}, they are left out",
+                  rows, kFewestInARow, data.derived.front()));
 }
 
 void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,

@@ -25,6 +25,8 @@ void putSpikesRight(ActuatorLog& log, FrictionData& data);
 /// \param derived  the velocity was worked out from positions.
 /// \throws DataError: with FrictionDataOptions::all_rows, hardly any motion.
 void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data);
+/// The same of sessions, or rows between gaps, that are too short for a slope, where slopes were worked out.
+void leaveOutShortRuns(std::span<const Block> runs, MotionSign& sign, FrictionData& data);
 void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
                    FrictionData& data);
 
