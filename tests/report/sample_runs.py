@@ -79,12 +79,10 @@ def commands(source, folder):
         "diagnose-poses": ["diagnose", source / "data/arm-dense/arm.yaml", "--poses", source / "data/arm-dense/poses_calibration.csv",
                            "--effects", "spindle-coiling"],
         "predict": ["predict", folder / "fit-friction/model.yaml", folder / "friction.csv"],
-        "design-drive": ["design", "--drive", source / "data/logs/drive-limits.yaml"],
         "exo-joint": ["simulate", exo / "joint.yaml", "--commands", exo / "torque.yaml"],
         "exo-leg": ["simulate", exo / "leg.yaml", "--commands", exo / "switch.csv"],
         "fit-dynamics": ["fit-dynamics", robot / "robot.urdf", "--log", robot / "log.csv.gz"],
         "diagnose-robot": ["diagnose", folder / "fit-dynamics/model.yaml", "--log", robot / "other_log.csv.gz"],
-        "design-excite": ["design", "--excite", robot / "robot.urdf", robot / "limits.yaml"],
     }
 
 

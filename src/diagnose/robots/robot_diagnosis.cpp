@@ -287,7 +287,8 @@ class RobotDiagnoser {
       return groupErrors(errors, search.counted(), blocks, joints).mse();
     };
     d.samples = log_.rows();
-    d.effective_samples = search.counted().sum() / ground_.inflation;
+    // Of one joint, as the rows above and the gains of most causes are.
+    d.effective_samples = search.counted().sum() / (ground_.inflation * static_cast<double>(search.counted().cols()));
     d.baseline = {mean(of_before, ground_.training, named_), mean(of_before, heldout, named_)};
     d.extended = {mean(of_after, ground_.training, named_), mean(of_after, heldout, named_)};
     d.explained_percent = 100.0 * std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);

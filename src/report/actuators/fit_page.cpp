@@ -125,13 +125,13 @@ void addTimeChart(const ResultFiles& files, Page& page, const std::vector<double
 }
 
 Chart residualChart(const std::vector<double>& time, const std::vector<double>& measured,
-                    const std::vector<std::pair<std::string, std::vector<double>>>& predicted,
-                    const std::string& title) {
+                    const std::vector<std::pair<std::string, std::vector<double>>>& predicted, const std::string& title,
+                    std::size_t most) {
   std::vector<Series> lines;
   for (const auto& [model, values] : predicted) {
     Series line{model, time, values, Series::Style::kLine, static_cast<int>(lines.size())};
     for (std::size_t i = 0; i < line.y.size(); ++i) line.y[i] -= measured[i];
-    lines.push_back(line);
+    lines.push_back(thinned(line, most));
   }
   Chart chart = lineChart("Predicted - measured", {"time [s]"}, {title}, lines);
   chart.wide = true;

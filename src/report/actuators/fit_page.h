@@ -27,8 +27,8 @@ void addTimeChart(const ResultFiles& files, Page& page, const std::vector<double
 
 /// What the models leave, over time, in the colours of their lines.
 Chart residualChart(const std::vector<double>& time, const std::vector<double>& measured,
-                    const std::vector<std::pair<std::string, std::vector<double>>>& predicted,
-                    const std::string& title);
+                    const std::vector<std::pair<std::string, std::vector<double>>>& predicted, const std::string& title,
+                    std::size_t most = kMostPoints);
 
 /// An extended model fitted anew: measured and predicted over time, and its parameters.
 bool isRefit(const ResultFiles& files);

@@ -3,6 +3,7 @@
 /// behind it) is decided in templates/report.js, which gives the description to Chart.js.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <string>
 #include <vector>
@@ -70,6 +71,12 @@ Chart mapChart(std::string caption, const Axis& x, const Axis& y, const Map& map
 
 /// The largest number of points of a line that a page holds.
 inline constexpr std::size_t kMostPoints = 2000;
+
+/// The same on a page with so many lines over time, which stays small enough to be sent around.
+inline std::size_t pointsPerLine(std::size_t lines) {
+  constexpr std::size_t kOfAPage = 12'000, kFewest = 300;
+  return std::clamp(kOfAPage / std::max<std::size_t>(1, lines), kFewest, kMostPoints);
+}
 
 /// A line with at most about `most` points in which every peak survives: of each stretch the lowest and the highest
 /// point stay, in order; a gap stays a gap.

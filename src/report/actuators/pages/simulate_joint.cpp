@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "simgap/report/actuators/exo_joint_report.h"
 #include "simgap/report/html/result_page.h"
 
@@ -10,13 +12,16 @@ struct Curve {
   Series::Style style = Series::Style::kLine;
 };
 
+constexpr std::size_t kLinesOfAPage = 14;
+
 void addCurves(const CsvTable& table, const std::string& caption, const std::string& axis,
                std::initializer_list<Curve> curves, Page& page) {
   const std::vector<double> time = numbersOf(table, "time_s");
   std::vector<Series> lines;
   for (const Curve& curve : curves) {
     if (table.has(curve.column))
-      lines.push_back(thinned({curve.name, time, numbersOf(table, curve.column), curve.style}));
+      lines.push_back(
+          thinned({curve.name, time, numbersOf(table, curve.column), curve.style}, pointsPerLine(kLinesOfAPage)));
   }
   Chart chart = lineChart(caption, {"time [s]"}, {axis}, lines);
   chart.wide = true;
@@ -42,9 +47,18 @@ void addTracking(const ResultFiles& files, Page& page) {
   page.add(exoControllerTable(files.result()));
 }
 
+PageVerdict verdictOf(const Json& result) {
+  using enum PageVerdict::Level;
+  const std::string step =
+      fmt::format("Steps of half the size move the joint by {:.2g} deg at most.", numberOf(result.at("half_step_deg")));
+  if (!result.at("notes").empty()) return {kDoubtful, "read the notes", step, ""};
+  return {kGood, "the step is small enough", step, ""};
+}
+
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   Page page{"simgap simulate", exoJointAnswer(result) + ".", result.at("notes").get<std::vector<std::string>>()};
+  page.verdict = verdictOf(result);
   addTracking(files, page);
   const CsvTable motion = files.table("motion.csv");
   addCurves(motion, "Joint", "angle [rad]", {{"angle_rad", "angle"}}, page);

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "simgap/report/actuators/exo_leg_report.h"
 #include "simgap/report/html/result_page.h"
 
@@ -11,8 +13,20 @@ Chart overTime(const std::string& caption, const std::string& axis, std::vector<
   return chart;
 }
 
+/// Good where the hip is lifted for more of the time with the exoskeleton than without.
+PageVerdict verdictOf(const Json& result) {
+  using enum PageVerdict::Level;
+  const double assisted = numberOf(result.at("runs").at(0).at("obeyed_share"));
+  const double alone = numberOf(result.at("runs").at(1).at("obeyed_share"));
+  const std::string step =
+      fmt::format("Steps of half the size move the hip by {:.2g} mm at most.", numberOf(result.at("half_step_mm")));
+  if (!(assisted > alone)) return {kDoubtful, "the exoskeleton does not help", step, ""};
+  return {kGood, "the exoskeleton helps", step, ""};
+}
+
 Page make(const ResultFiles& files) {
   Page page{"simgap simulate", exoLegAnswer(files.result()) + ".", {}};
+  page.verdict = verdictOf(files.result());
   const CsvTable table = files.table("motion.csv");
   const std::vector<double> time = numbersOf(table, "time_s");
   const auto line = [&](const char* name, const char* column, Series::Style style = Series::Style::kLine) {
