@@ -61,7 +61,7 @@ TEST_F(DiagnoseRobot, NamesTheJointWhoseTorqueIsWorthLess) {
   EXPECT_NE(page.find("torque-constant"), std::string::npos);
   // Efforts were logged as torques: no number of the robot's file would be another.
   EXPECT_FALSE(std::filesystem::exists(path("why/model.yaml")));
-  EXPECT_EQ(result.at("not_held"), Json::parse(R"(["torque-constant of j2"])"));
+  EXPECT_EQ(result.at("not_held"), Json::parse(R"(["torque-constant:j2"])"));
 }
 
 TEST_F(DiagnoseRobot, NamesTwoCausesOfTwoJoints) {
