@@ -25,8 +25,6 @@ constexpr double kEnough = 0.05;    // of the gain promised: below it the deriva
 constexpr double kLittle = 3e-4;    // of the objective: a round that gains less was the last
 constexpr double kCertain = 0.5;    // [negative log posterior] as well
 constexpr double kMostDamping = 1e6;
-// Of a parameter's information: where forward and backward differences differ by more, the response is bent, not noisy.
-constexpr double kMostNoise = 1e-3;
 constexpr float kFallen = 100.0F;  // ratio of the squares of differences forwards and backwards
 
 /// J += (dr - J dz) dz^T / |dz|^2
@@ -108,59 +106,91 @@ Eigen::VectorXd differenceSteps(const Eigen::MatrixXd& covariance) {
   return covariance.diagonal().cwiseMax(0.0).cwiseSqrt().cwiseMax(kSmallestStep).cwiseMin(kLargestStep);
 }
 
-/// Squares of the noise of central differences, summed over all residuals as they are weighed. Forwards and backwards
-/// differ by r+ + r- - 2 r0 over the step, six variances, their mean by r+ - r- over two steps, half of one.
-/// Where one side is much larger the arm fell into another rest there: the other side is taken.
-/// \param[in,out] forward  becomes the mean
-Eigen::VectorXd meanWithNoise(const MotionPosterior& posterior, const MotionEvaluation& at,
-                              const std::vector<RowMajorF>& backward, std::vector<RowMajorF>& forward) {
-  Eigen::VectorXd noise = Eigen::VectorXd::Zero(posterior.size());
-  for (std::size_t m = 0; m < forward.size(); ++m) {
-    const Eigen::VectorXf weights = posterior.weights(m, at.residuals[m]).cast<float>();
-    for (Eigen::Index i = 0; i < noise.size(); ++i) {
-      const float ahead = forward[m].col(i).cwiseAbs2().dot(weights),
-                  back = backward[m].col(i).cwiseAbs2().dot(weights);
-      if (std::max(ahead, back) > kFallen * std::min(ahead, back)) {
-        if (back < ahead) forward[m].col(i) = backward[m].col(i);
-        continue;
-      }
-      const Eigen::VectorXf difference = forward[m].col(i) - backward[m].col(i);
-      noise[i] += static_cast<double>(difference.cwiseAbs2().dot(weights)) / 12.0;
-      forward[m].col(i) -= 0.5F * difference;
+/// Derivatives from both sides of a place, over whole and over half steps, of one motion.
+struct Differences {
+  RowMajorF& forward;
+  const RowMajorF &backward, &half_forward, &half_backward;
+};
+
+/// Squares of the noise of central differences, summed over a motion's residuals as they are weighed. Where one side is
+/// much larger the arm fell into another rest there: the other side is taken.
+///
+/// Stick and slip make residuals jump wherever a parameter crosses a threshold of theirs. Jumps whose squares sum to
+/// rho over a unit of the parameter leave rho / (2 h) in the square of (r(h) - r(-h)) / (2 h), and 10 h rho in that of
+///
+///     c = r(h) - 4 r(h/2) + 6 r(0) - 4 r(-h/2) + r(-h) = h ((forward - backward) - 2 (half_forward - half_backward)),
+///
+/// in which a response that is smooth, however bent, leaves only its fourth derivative: the noise is c^2 / (20 h^2).
+/// \param[in,out] d  its forward differences become the means
+Eigen::VectorXd meanWithNoise(const Eigen::VectorXf& weights, Differences d) {
+  Eigen::VectorXd noise = Eigen::VectorXd::Zero(d.forward.cols());
+  for (Eigen::Index i = 0; i < noise.size(); ++i) {
+    const float ahead = d.forward.col(i).cwiseAbs2().dot(weights), back = d.backward.col(i).cwiseAbs2().dot(weights);
+    if (std::max(ahead, back) > kFallen * std::min(ahead, back)) {
+      if (back < ahead) d.forward.col(i) = d.backward.col(i);
+      continue;
     }
+    const Eigen::VectorXf difference = d.forward.col(i) - d.backward.col(i);
+    if (difference.isZero(0.0F)) continue;  // beside a bound both stand on one side
+    const Eigen::VectorXf jumps = difference - 2.0F * (d.half_forward.col(i) - d.half_backward.col(i));
+    noise[i] = static_cast<double>(jumps.cwiseAbs2().dot(weights)) / 20.0;
+    d.forward.col(i) -= 0.5F * difference;
   }
   return noise;
 }
 
-/// Inverse of prior and information; what noise would make negative is no information.
-Eigen::MatrixXd covarianceWithout(const Eigen::VectorXd& noise, const MotionPosterior& posterior,
-                                  const MotionPosterior::NormalEquations& normal) {
+/// What motions tell by derivatives in which there is noise, measured J = G + E: E[J^T J] = G^T G + diag(noise).
+struct ToldThroughNoise {
+  Eigen::MatrixXd covariance;  ///< inverse of prior and G^T G
+  Eigen::MatrixXd cleaning;    ///< J times it is the best linear estimate of G
+};
+
+/// Information that noise would make negative is none. G is told by J as a signal by its noisy measurement (Wiener):
+///
+///     K = G^T G = J^T J - diag(noise),        E[G | J] = J (K + diag(noise))^-1 K
+ToldThroughNoise toldThrough(const Eigen::VectorXd& noise, const MotionPosterior& posterior,
+                             const MotionPosterior::NormalEquations& normal) {
+  const Eigen::Index n = noise.size();
   Eigen::MatrixXd information = normal.curvature;
-  Eigen::VectorXd prior = Eigen::VectorXd::Zero(noise.size());
-  for (Eigen::Index i = 0; i < prior.size(); ++i) prior[i] = posterior.hasPrior(i) ? 1.0 : 0.0;
+  Eigen::VectorXd prior = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i) prior[i] = posterior.hasPrior(i) ? 1.0 : 0.0;
   information.diagonal() -= prior;
-  information.diagonal() -= noise.cwiseMin(kMostNoise * information.diagonal());
+  const Eigen::VectorXd left_out = noise.cwiseMin(information.diagonal());
+  information.diagonal() -= left_out;
   const SymmetricEigen told = symmetricEigen(information);
   const Eigen::VectorXd kept = told.values.cwiseMax(1e-12 * told.values.maxCoeff());
   information = told.vectors * kept.asDiagonal() * told.vectors.transpose();
-  information.diagonal() += prior;
-  return information.ldlt().solve(Eigen::MatrixXd::Identity(noise.size(), noise.size()));
+  Eigen::MatrixXd measured = information, curvature = information;
+  measured.diagonal() += left_out;
+  curvature.diagonal() += prior;
+  return {curvature.ldlt().solve(Eigen::MatrixXd::Identity(n, n)), measured.ldlt().solve(information)};
 }
 
 /// The end of a search: derivatives from both sides. \param here  with those forwards
 MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, const Eigen::VectorXd& steps,
                    const std::function<void(const MotionSearchNews&)>& news) {
-  const std::size_t of = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
-  const std::vector<RowMajorF> backward = posterior.jacobian(here.z, -steps, here.at, [&](std::size_t done) {
-    if (news) news({done, of});
-  });
-  if (interruptRequested()) throw InterruptedError("interrupted");
-  const Eigen::VectorXd noise = meanWithNoise(posterior, here.at, backward, here.jacobians);
+  const std::size_t played = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
+  std::vector<std::vector<RowMajorF>> others;
+  for (const double part : {-1.0, 0.5, -0.5}) {
+    const std::size_t before = others.size() * played;
+    others.push_back(posterior.jacobian(here.z, part * steps, here.at, [&](std::size_t done) {
+      if (news) news({before + done, 3 * played});
+    }));
+    if (interruptRequested()) throw InterruptedError("interrupted");
+  }
+  Eigen::VectorXd noise = Eigen::VectorXd::Zero(posterior.size());
+  for (std::size_t m = 0; m < here.jacobians.size(); ++m) {
+    const Eigen::VectorXf weights = posterior.weights(m, here.at.residuals[m]).cast<float>();
+    noise += meanWithNoise(weights, {here.jacobians[m], others[0][m], others[1][m], others[2][m]});
+  }
   const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
   const Eigen::VectorXd left = dampedStep(posterior, normal, here.z, 0.0);
   const double from_optimum = std::sqrt(std::max(0.0, 2.0 * promised(normal, left)));
-  return {here.z, here.at.objective, covarianceWithout(noise, posterior, normal), std::move(here.jacobians),
-          left,   from_optimum};
+  ToldThroughNoise told = toldThrough(noise, posterior, normal);
+  for (RowMajorF& jacobian : here.jacobians) {
+    jacobian = (jacobian.cast<double>() * told.cleaning).cast<float>().eval();
+  }
+  return {here.z, here.at.objective, std::move(told.covariance), std::move(here.jacobians), left, from_optimum};
 }
 
 }  // namespace

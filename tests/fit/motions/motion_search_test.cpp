@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 
 #include "simgap/core/decompositions.h"
@@ -86,6 +87,27 @@ TEST_F(MotionDerivatives, LongerStepsOfTheBodiesMoveTheArmAlike) {
     EXPECT_LT((fine[m].shafts - coarse[m].shafts).norm() / std::sqrt(static_cast<double>(fine[m].shafts.size())),
               0.1 * kDegree);
   }
+}
+
+/// The forearm falls to its stop: its response bends by more than a tenth from one side of a place to the other, which
+/// is no noise. Three movements tell all of its parameters.
+TEST_F(MotionDerivatives, WhatABentResponseTellsIsKept) {
+  const MotionPosterior posterior = this->posterior(false);
+  MotionSearchState state = beginSearch(posterior);
+  const MotionFit fit = searchMotions(posterior, state, config_.rounds, {}, [](const MotionSearchState&) {});
+  EXPECT_LT(fit.covariance.diagonal().maxCoeff(), 0.1);
+}
+
+/// Scores are products of derivatives and residuals: were noise left in them, intervals would be widened by what no
+/// motion tells.
+TEST_F(MotionDerivatives, HoldNoMoreThanIsToldThroughTheirNoise) {
+  const MotionPosterior posterior = this->posterior(false);
+  const MotionSearchState begin = beginSearch(posterior);
+  const MotionFit fit = fitAt(posterior, begin.z, begin.steps, {});
+  const MotionEvaluation at = posterior.evaluate(fit.z);
+  const Eigen::VectorXd held = posterior.normalEquations(fit.z, at, fit.jacobians).curvature.diagonal();
+  const Eigen::VectorXd told = fit.covariance.inverse().diagonal();
+  for (Eigen::Index i = 0; i < told.size(); ++i) EXPECT_LE(held[i], told[i] * (1.0 + 1e-6)) << i;
 }
 
 }  // namespace

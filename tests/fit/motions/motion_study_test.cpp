@@ -18,7 +18,7 @@
 namespace simgap {
 namespace {
 
-constexpr std::uint64_t kFirstArm = 21, kMovingArms = 20;  // the form of predictions was found on arms 1 to 20
+constexpr std::uint64_t kFirstArm = 41, kMovingArms = 20;  // forms were found on arms 1 to 40
 
 /// A drawn arm as it is believed to be and as it is.
 struct DrawnArm {

@@ -41,9 +41,10 @@ MotionSearchState motionSearchStateFromJson(const Json& json, Eigen::Index param
 MotionSearchState beginSearch(const MotionPosterior& posterior);
 
 /// What was found, with its curvature. Derivatives are means of differences forwards and backwards there. Stick and
-/// slip leave noise in them, which would pass for information along directions of which the motions tell nothing; what
-/// both differ by says how much: (forwards - backwards)^2 / 12 per number is left out of the curvature, at most a
-/// thousandth of it: a response that bends differs, too.
+/// slip make residuals jump, and jumps leave noise in differences, which would pass for information along directions of
+/// which the motions tell nothing. Fourth differences, from half steps as well, say how large it is: a response that is
+/// smooth, however bent, leaves next to nothing in them. It is taken out of the curvature, and the derivatives given are
+/// the best linear estimates of those without it: a direction that only noise tells has none, and no scores either.
 struct MotionFit {
   Eigen::VectorXd z;
   double objective = 0.0;
