@@ -80,7 +80,6 @@ def commands(source, folder):
                            "--effects", "spindle-coiling"],
         "predict": ["predict", folder / "fit-friction/model.yaml", folder / "friction.csv"],
         "exo-joint": ["simulate", exo / "joint.yaml", "--commands", exo / "torque.yaml"],
-        "exo-leg": ["simulate", exo / "leg.yaml", "--commands", exo / "switch.csv"],
         "fit-dynamics": ["fit-dynamics", robot / "robot.urdf", "--log", robot / "log.csv.gz"],
         "diagnose-robot": ["diagnose", folder / "fit-dynamics/model.yaml", "--log", robot / "other_log.csv.gz"],
     }

@@ -74,7 +74,7 @@ inline constexpr std::size_t kMostPoints = 2000;
 
 /// The same on a page with so many lines over time, which stays small enough to be sent around.
 inline std::size_t pointsPerLine(std::size_t lines) {
-  constexpr std::size_t kOfAPage = 12'000, kFewest = 300;
+  constexpr std::size_t kOfAPage = 10'000, kFewest = 300;
   return std::clamp(kOfAPage / std::max<std::size_t>(1, lines), kFewest, kMostPoints);
 }
 
