@@ -43,8 +43,8 @@ MotionSearchState beginSearch(const MotionPosterior& posterior);
 /// What was found, with its curvature. Derivatives are means of differences forwards and backwards there. Stick and
 /// slip make residuals jump, and jumps leave noise in differences, which would pass for information along directions of
 /// which the motions tell nothing. Fourth differences, from half steps as well, say how large it is: a response that is
-/// smooth, however bent, leaves next to nothing in them. It is taken out of the curvature, and the derivatives given are
-/// the best linear estimates of those without it: a direction that only noise tells has none, and no scores either.
+/// smooth, however bent, leaves next to nothing in them. It is taken out of the curvature, and the derivatives given
+/// are the best linear estimates of those without it: a direction that only noise tells has none, and no scores either.
 struct MotionFit {
   Eigen::VectorXd z;
   double objective = 0.0;
