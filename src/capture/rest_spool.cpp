@@ -5,17 +5,26 @@
 #include "simgap/core/position_bytes.h"
 
 namespace simgap {
+namespace {
+
+/// What a record holds, in its order.
+template <class Rest, class Each>
+void eachField(Rest& rest, const Each& each) {
+  each(rest.first_frame);
+  each(rest.last_frame);
+  each(rest.start);
+  each(rest.end);
+  each(rest.samples);
+  each(rest.joints);
+  each(rest.spread);
+  each(rest.shafts);
+}
+
+}  // namespace
 
 void RestSpool::add(const SteadyPose& rest) {
   Bytes bytes;
-  pack(bytes, rest.first_frame);
-  pack(bytes, rest.last_frame);
-  pack(bytes, rest.start);
-  pack(bytes, rest.end);
-  pack(bytes, rest.samples);
-  pack(bytes, rest.joints);
-  pack(bytes, rest.spread);
-  pack(bytes, rest.shafts);
+  eachField(rest, [&](const auto& field) { pack(bytes, field); });
   assert(size_ == 0 || bytes.size() == record_);
   record_ = bytes.size();
   records_.add(bytes);
@@ -28,14 +37,7 @@ SteadyPose RestSpool::at(std::size_t number) const {
   records_.read(number * record_, bytes);
   BytesReader reader{bytes};
   SteadyPose rest;
-  unpack(reader, rest.first_frame);
-  unpack(reader, rest.last_frame);
-  unpack(reader, rest.start);
-  unpack(reader, rest.end);
-  unpack(reader, rest.samples);
-  unpack(reader, rest.joints);
-  unpack(reader, rest.spread);
-  unpack(reader, rest.shafts);
+  eachField(rest, [&](auto& field) { unpack(reader, field); });
   return rest;
 }
 

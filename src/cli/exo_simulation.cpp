@@ -43,8 +43,19 @@ void refuseEndless(const ExoSimulateOptions& options, double duration, double ra
   }
 }
 
-void sayWouldPlay(const ExoSimulateOptions& options, const std::string& name, double duration, Session& session) {
-  session.print(fmt::format("would play {:g} s of {} on {}; nothing was written\n", duration, options.commands, name));
+/// \param duration [s] \param rate  of the controller [Hz] \param run  plays, writes, and finishes the session
+template <class Run>
+ExitCode play(const ExoSimulateOptions& options, const std::string& name, double duration, double rate,
+              Session& session, const Run& run) {
+  refuseEndless(options, duration, rate);
+  if (options.common.dry_run) {
+    session.print(
+        fmt::format("would play {:g} s of {} on {}; nothing was written\n", duration, options.commands, name));
+    return ExitCode::kDone;
+  }
+  session.begin(options.common.seed.value_or(0));
+  run();
+  return ExitCode::kDone;
 }
 
 ExitCode simulateJoint(const ExoSimulateOptions& options, const YamlNode& root, Session& session) {
@@ -54,35 +65,25 @@ ExitCode simulateJoint(const ExoSimulateOptions& options, const YamlNode& root, 
   const ExoJointCommands commands = readJointCommands(session, options, joint.rate);
   const double end = motionEnd(commands.over_time, options.commands, options.duration);
   const double duration = end - commands.over_time.times.front();
-  refuseEndless(options, duration, joint.rate);
-  if (options.common.dry_run) {
-    sayWouldPlay(options, joint.name, duration, session);
-    return ExitCode::kDone;
-  }
-  session.begin(options.common.seed.value_or(0));
-  const ExoJointStudy study = studyExoJoint(joint, commands, end, options.step);
-  for (const std::string& note : study.notes) spdlog::warn("{}", note);
-  writeExoJoint(joint, study, options.rate, session.directory());
-  const Json result = toJson(joint, commands, study);
-  session.finish(result, exoJointText(result));
-  return ExitCode::kDone;
+  return play(options, joint.name, duration, joint.rate, session, [&] {
+    const ExoJointStudy study = studyExoJoint(joint, commands, end, options.step);
+    for (const std::string& note : study.notes) spdlog::warn("{}", note);
+    writeExoJoint(joint, study, options.rate, session.directory());
+    const Json result = toJson(joint, commands, study);
+    session.finish(result, exoJointText(result));
+  });
 }
 
 ExitCode simulateLeg(const ExoSimulateOptions& options, const YamlNode& root, Session& session) {
   const ExoLeg leg = readExoLeg(root);
   const LegSwitch told = readLegSwitch(readTable(session, options));
   const double end = switchEnd(told, options), duration = end - told.times.front();
-  refuseEndless(options, duration, leg.rate);
-  if (options.common.dry_run) {
-    sayWouldPlay(options, leg.name, duration, session);
-    return ExitCode::kDone;
-  }
-  session.begin(options.common.seed.value_or(0));
-  const ExoLegStudy study = studyExoLeg(leg, told, end, options.step);
-  writeExoLeg(leg, study, options.rate, session.directory());
-  const Json result = toJson(leg, study);
-  session.finish(result, exoLegText(result));
-  return ExitCode::kDone;
+  return play(options, leg.name, duration, leg.rate, session, [&] {
+    const ExoLegStudy study = studyExoLeg(leg, told, end, options.step);
+    writeExoLeg(leg, study, options.rate, session.directory());
+    const Json result = toJson(leg, study);
+    session.finish(result, exoLegText(result));
+  });
 }
 
 bool isFormat(const YamlNode& root, const char* format) {

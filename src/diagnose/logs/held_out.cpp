@@ -54,12 +54,9 @@ std::vector<Fold> foldsOf(const std::vector<Block>& heldout, const std::vector<B
   return sessions.size() < kFewestSessions ? single : sessions;
 }
 
-/// Errors in the rows of a fold, shape (rows); 0 where they do not count.
+/// Errors of a model that has seen nothing of the fold.
 Eigen::VectorXd errorsIn(const LogSearch& search, const Fitted& fitted, const Fold& fold) {
-  const Fitted predicts = fold.others.empty() ? fitted : search.refitted(fitted, fold.others);
-  Eigen::VectorXd residual;
-  predicts.model->evaluate(predicts.theta, residual, nullptr);
-  return residual;
+  return residualOf(fold.others.empty() ? fitted : search.refitted(fitted, fold.others));
 }
 
 }  // namespace

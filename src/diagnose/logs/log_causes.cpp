@@ -60,12 +60,6 @@ std::pair<LogFit, Eigen::MatrixXd> describeFully(const LogSearch& search, const 
   return {fit, covariance};
 }
 
-Eigen::VectorXd residualOf(const Fitted& fitted) {
-  Eigen::VectorXd residual;
-  fitted.model->evaluate(fitted.theta, residual, nullptr);
-  return residual;
-}
-
 std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
                                    double effective_samples) {
   std::vector<Detectable> list;

@@ -12,8 +12,6 @@ LogFit describe(const LogSearch& search, const PreparedLog& log, Fitted& fitted)
 /// The same, with the covariance of theta, shape (P, P).
 std::pair<LogFit, Eigen::MatrixXd> describeFully(const LogSearch& search, const PreparedLog& log, Fitted& fitted);
 
-Eigen::VectorXd residualOf(const Fitted& fitted);
-
 /// \param heldout  errors of each step of the selection; \param own  number of effects the model had before; \param
 /// baseline, extended  fitted to all rows.
 std::vector<Cause> causesOf(const Selection& selection, const std::vector<GroupErrors>& heldout, const LogFit& baseline,

@@ -28,15 +28,6 @@ constexpr double kSameEquation = 1e-4;
 /// Of the least gain: what a cause has to promise to be fitted at all.
 constexpr double kHopeless = 0.2;
 
-double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep) {
-  double rows = 0.0;
-  for (const Block& b : blocks) {
-    rows += static_cast<double>(std::count(keep.begin() + static_cast<std::ptrdiff_t>(b.begin),
-                                           keep.begin() + static_cast<std::ptrdiff_t>(b.end), true));
-  }
-  return rows;
-}
-
 std::vector<const ActuatorEffect*> withOneMore(std::vector<const ActuatorEffect*> effects, const ActuatorEffect* more) {
   effects.push_back(more);
   return effects;
@@ -114,57 +105,6 @@ std::shared_ptr<const ActuatorRegression> LogSearch::makeModel(
   std::optional<double> nuisance;
   if (kindOf(base_.kind).is_drive && !named) nuisance = std::max(kNuisancePresliding * typical, 1e-5);
   return std::make_shared<const ActuatorRegression>(base_, effects, data_, nuisance);
-}
-
-std::vector<Block> LogSearch::pieces(const std::vector<Block>& blocks, double seconds) const {
-  const auto rows = static_cast<std::size_t>(std::max(8.0, std::round(seconds / data_.rows.step)));
-  std::vector<Block> pieces;
-  for (const Block& b : blocks) {
-    const std::size_t count = std::max<std::size_t>(1, (b.size() + rows / 2) / rows);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Block piece{b.begin + b.size() * k / count, b.begin + b.size() * (k + 1) / count};
-      if (rowsIn({piece}, data_.keep) > 0.0) pieces.push_back(piece);
-    }
-  }
-  return pieces;
-}
-
-GroupErrors LogSearch::errors(const Fitted& fitted, const std::vector<Block>& blocks, double piece_seconds) const {
-  Eigen::VectorXd residual;
-  fitted.model->evaluate(fitted.theta, residual, nullptr);
-  return errors(residual, blocks, piece_seconds);
-}
-
-GroupErrors LogSearch::errors(const Eigen::VectorXd& residual, const std::vector<Block>& blocks,
-                              double piece_seconds) const {
-  const std::vector<Block> parts = pieces(blocks, piece_seconds);
-  GroupErrors errors{Eigen::ArrayXd(static_cast<Index>(parts.size())),
-                     Eigen::ArrayXd(static_cast<Index>(parts.size()))};
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    const auto part = residual.segment(static_cast<Index>(parts[k].begin), static_cast<Index>(parts[k].size()));
-    const double rows = rowsIn({parts[k]}, data_.keep);
-    // A delay moves the rows that do not count: the mean is compared, over the rows that every model has.
-    const auto counted = static_cast<double>((part.array() != 0.0).count());
-    errors.sum[static_cast<Index>(k)] = part.squaredNorm() * rows / std::max(counted, 1.0);
-    errors.rows[static_cast<Index>(k)] = rows;
-  }
-  return errors;
-}
-
-Nested LogSearch::added(const Eigen::VectorXd& rest, const Eigen::VectorXd& full, const std::vector<Block>& blocks,
-                        double piece_seconds) const {
-  const Eigen::ArrayXd both = (rest.array() != 0.0 && full.array() != 0.0).cast<double>();
-  const Eigen::VectorXd more = (both * (rest - full).array()).matrix();
-  const std::vector<Block> parts = pieces(blocks, piece_seconds);
-  const auto count = static_cast<Index>(parts.size());
-  Nested nested{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
-  for (Index k = 0; k < count; ++k) {
-    const Block& part = parts[static_cast<std::size_t>(k)];
-    const auto begin = static_cast<Index>(part.begin), size = static_cast<Index>(part.size());
-    nested.products[k] = rest.segment(begin, size).dot(more.segment(begin, size));
-    nested.squares[k] = more.segment(begin, size).squaredNorm();
-  }
-  return nested;
 }
 
 Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
@@ -252,9 +192,7 @@ void LogSearch::validate(Fitted& fitted) const {
         others.insert(others.end(), folds_[static_cast<std::size_t>(g)].begin(),
                       folds_[static_cast<std::size_t>(g)].end());
     }
-    Eigen::VectorXd residual;
-    const Fitted refit = refitted(fitted, others);
-    refit.model->evaluate(refit.theta, residual, nullptr);
+    const Eigen::VectorXd residual = residualOf(refitted(fitted, others));
     for (const Block& b : folds_[static_cast<std::size_t>(f)]) {
       const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
       fitted.unseen.segment(begin, size) = residual.segment(begin, size);
@@ -313,8 +251,7 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   std::ranges::copy(hypothesis.fixed, start.begin() + static_cast<std::ptrdiff_t>(first));
   std::vector<std::vector<double>> starts;
   if (hypothesis.effect->starts != nullptr && hypothesis.fixed.empty()) {
-    Eigen::VectorXd residual;
-    base.model->evaluate(base.theta, residual, nullptr);
+    const Eigen::VectorXd residual = residualOf(base);
     for (const std::vector<double>& p : hypothesis.effect->starts(data_.rows, residual.array())) {
       starts.push_back(start);
       std::ranges::copy(p, starts.back().begin() + static_cast<std::ptrdiff_t>(first));

@@ -30,6 +30,11 @@ struct Fitted {
   GroupErrors validation;     ///< their squares on pieces; empty until validate()
 };
 
+/// How many rows of the blocks count. \param keep  shape (rows)
+double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep);
+/// Errors, shape (rows); 0 where they do not count.
+Eigen::VectorXd residualOf(const Fitted& fitted);
+
 /// One hypothesis on top of a model.
 struct Trial {
   Hypothesis hypothesis;

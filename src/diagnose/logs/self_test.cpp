@@ -41,8 +41,7 @@ std::vector<double> hide(const ActuatorRegression& model, const Fitted& fitted, 
   std::vector<double> theta = model.startFrom(*fitted.model, fitted.theta);
   const auto p = theta.begin() + static_cast<std::ptrdiff_t>(model.firstParameter(e));
   if (effect.starts != nullptr) {
-    Eigen::VectorXd residual;
-    fitted.model->evaluate(fitted.theta, residual, nullptr);
+    const Eigen::VectorXd residual = residualOf(fitted);
     const auto starts = effect.starts(rows, residual.array());
     if (!starts.empty()) std::ranges::copy(starts[starts.size() / 2], p);
   }
@@ -85,8 +84,7 @@ SelfTest runSelfTest(const ActuatorModel& subject, const PreparedLog& log, const
   for (const Hypothesis& h : named) test.answers.emplace_back(h.effect->name);
   for (const char* other : {"ambiguous", "several", "unexplained"}) test.answers.emplace_back(other);
   test.count.assign(test.hidden.size(), std::vector<int>(test.answers.size(), 0));
-  Eigen::VectorXd residual;
-  fitted.model->evaluate(fitted.theta, residual, nullptr);
+  const Eigen::VectorXd residual = residualOf(fitted);
   const CounterRandom random(options.seed);
   const std::size_t runs = hidden.size() * static_cast<std::size_t>(options.self_tests);
   PreparedLog copy = log;

@@ -59,6 +59,11 @@ namespace robot_causes {
 std::span<const RobotCause* const> all();
 }
 
+/// A hypothesis on every joint, or on every body that has a mass; `describe` writes all but cause and target.
+using DescribeHypothesis = std::function<void(std::size_t number, RobotHypothesis& h)>;
+std::vector<RobotHypothesis> onEveryJoint(const RobotRows& rows, const char* cause, const DescribeHypothesis& describe);
+std::vector<RobotHypothesis> onEveryBody(const RobotRows& rows, const char* cause, const DescribeHypothesis& describe);
+
 /// Torques that act on one joint of N alone.
 ExtraColumn onJoint(std::size_t joints, std::size_t c, Eigen::ArrayXd torque);
 /// Torques on every joint, shape (rows, N).

@@ -27,13 +27,9 @@ MatrixXd lateBy(const RobotRows& rows, std::size_t late, double dt) {
 }
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
-  std::vector<RobotHypothesis> list;
-  if (rows.joints() < 2) return list;
+  if (rows.joints() < 2) return {};
   const double step = rows.drive(0).step;
-  for (std::size_t c = 0; c < rows.joints(); ++c) {
-    RobotHypothesis h;
-    h.cause = kNames[0];
-    h.target = rows.jointName(c);
+  return onEveryJoint(rows, kNames[0], [&rows, step](std::size_t c, RobotHypothesis& h) {
     h.sentence = "all that is logged of this joint comes later, or earlier, than what is logged of the others";
     h.separates = "a knock at the base that all joints see";
     h.parameters = {{"dt", "s", step, -0.5, 0.5}};
@@ -41,9 +37,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     h.torque = [&rows, c](const VectorXd& theta) { return onAll(lateBy(rows, c, theta[0])); };
     // What the reading of a log puts right by halves of a row is no clock.
     h.counts = [step](const VectorXd& theta) { return std::abs(theta[0]) >= 0.75 * step; };
-    list.push_back(std::move(h));
-  }
-  return list;
+  });
 }
 
 }  // namespace

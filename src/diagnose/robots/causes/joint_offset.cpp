@@ -10,12 +10,8 @@ using Eigen::VectorXd;
 constexpr const char* kNames[] = {"joint-offset"};
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
-  std::vector<RobotHypothesis> list;
-  for (std::size_t c = 0; c < rows.joints(); ++c) {
+  return onEveryJoint(rows, kNames[0], [&rows](std::size_t c, RobotHypothesis& h) {
     const bool slides = rows.joint(c).slides();
-    RobotHypothesis h;
-    h.cause = kNames[0];
-    h.target = rows.jointName(c);
     h.sentence = "the joint's zero is not where the model has it";
     h.separates = "this joint driven against a mark or a stop whose position is known";
     h.parameters = {slides ? RobotCauseParameter{"delta", "m", 1e-3, -0.5, 0.5}
@@ -25,9 +21,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
       return onAll(rows.rigidChange(
           [&](std::size_t, RobotMotion& motion, Eigen::Vector3d&) { motion.position[c] += theta[0]; }));
     };
-    list.push_back(std::move(h));
-  }
-  return list;
+  });
 }
 
 }  // namespace

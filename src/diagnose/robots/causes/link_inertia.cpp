@@ -13,13 +13,8 @@ constexpr const char* kNames[] = {"link-inertia"};
 constexpr Index kFirst = 4;  // of a body's ten numbers
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
-  std::vector<RobotHypothesis> list;
   const RobotRegressor& regressor = rows.regressor();
-  for (std::size_t b = 0; b < regressor.bodies(); ++b) {
-    if (regressor.massless(b)) continue;
-    RobotHypothesis h;
-    h.cause = kNames[0];
-    h.target = rows.bodyName(b);
+  return onEveryBody(rows, kNames[0], [&regressor](std::size_t b, RobotHypothesis& h) {
     h.sentence = "the body's inertia differs from the model's, its mass and centre do not";
     h.separates = "fast turns of this joint and of those before it, the arm once stretched and once folded";
     for (Index k = kFirst; k < kBodyParameters; ++k) {
@@ -30,9 +25,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
       change.segment(regressor.bodyColumn(b) + kFirst, kBodyParameters - kFirst) = theta;
       return change;
     };
-    list.push_back(std::move(h));
-  }
-  return list;
+  });
 }
 
 }  // namespace

@@ -40,13 +40,8 @@ VectorXd centred(const VectorXd& theta, MatrixXd& slopes) {
 }
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
-  std::vector<RobotHypothesis> list;
   const RobotRegressor& regressor = rows.regressor();
-  for (std::size_t b = 0; b < regressor.bodies(); ++b) {
-    if (regressor.massless(b)) continue;
-    RobotHypothesis h;
-    h.cause = kNames[0];
-    h.target = rows.bodyName(b);
+  return onEveryBody(rows, kNames[0], [&regressor](std::size_t b, RobotHypothesis& h) {
     h.sentence = "the body carries a mass that the model does not have";
     h.separates = "the same motion with the load taken off, or with a known mass at another place of the body";
     h.parameters = {
@@ -58,9 +53,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
       return std::abs(theta[0]) > kLeast && theta.tail<3>().norm() < kFarthest * std::abs(theta[0]);
     };
     h.shown = centred;
-    list.push_back(std::move(h));
-  }
-  return list;
+  });
 }
 
 }  // namespace

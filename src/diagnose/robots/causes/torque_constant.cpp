@@ -12,11 +12,7 @@ using Eigen::VectorXd;
 constexpr const char* kNames[] = {"torque-constant"};
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
-  std::vector<RobotHypothesis> list;
-  for (std::size_t c = 0; c < rows.joints(); ++c) {
-    RobotHypothesis h;
-    h.cause = kNames[0];
-    h.target = rows.jointName(c);
+  return onEveryJoint(rows, kNames[0], [&rows](std::size_t c, RobotHypothesis& h) {
     h.sentence = "the joint's effort is worth another torque than was said";
     h.separates = "a known weight held by this joint at several positions";
     h.parameters = {{"change", "1", 1e-2, -0.8, 4.0}};
@@ -29,9 +25,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
       if (model.currents) model.torque_constants[c] *= 1.0 + theta[0];
       return model.currents;
     };
-    list.push_back(std::move(h));
-  }
-  return list;
+  });
 }
 
 }  // namespace
