@@ -118,11 +118,11 @@ bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t 
 
 class Judge {
  public:
-  Judge(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
+  Judge(const LogSearch& search, const PreparedLog& log, HeldOutParts& parts, std::size_t own,
         std::vector<Hypothesis> hypotheses, const LogDiagnosisOptions& options, Selection& selection)
       : search_(search),
         log_(log),
-        split_(split),
+        parts_(parts),
         own_(own),
         hypotheses_(std::move(hypotheses)),
         options_(options),
@@ -134,6 +134,7 @@ class Judge {
       reviewCauses(search_, own_, hypotheses_, options_, selection_);
       measure();
     }
+    for (std::size_t k = 0; k < causes(); ++k) addLoadFriction(k);
     std::ranges::reverse(found_.candidates);
     return std::move(found_);
   }
@@ -146,16 +147,27 @@ class Judge {
   }
 
   void measure() {
-    std::vector<Fitted> models = selection_.steps;
-    without_.clear();
-    for (std::size_t k = 0; k < causes(); ++k) without_.push_back(search_.without(selection_.chosen, own_ + k));
-    models.insert(models.end(), without_.begin(), without_.end());
-    found_.heldout = heldOutErrors(search_, models, split_.heldout, log_.data.rows.session);
-    errors_without_.assign(found_.heldout.begin() + std::ssize(selection_.steps), found_.heldout.end());
-    found_.heldout.resize(selection_.steps.size());
+    parts_.take(selection_);
+    const std::vector<Eigen::VectorXd> unseen = parts_.residuals([](const HeldOutPart& part) {
+      std::vector<Fitted> models = part.steps;
+      models.insert(models.end(), part.without.begin(), part.without.end());
+      return models;
+    });
+    std::vector<GroupErrors> errors;
+    for (const Eigen::VectorXd& residual : unseen) errors.push_back(errorsOf(residual));
+    const auto steps = std::ssize(selection_.steps);
+    unseen_ = unseen[selection_.steps.size() - 1];
+    unseen_without_.assign(unseen.begin() + steps, unseen.end());
+    errors_without_.assign(errors.begin() + steps, errors.end());
+    found_.heldout.assign(errors.begin(), errors.begin() + steps);
+    without_ = parts_.parts().front().without;
     found_.on_all_rows = selection_.chosen;
     found_.fit = describe(search_, log_, found_.on_all_rows);
     found_.left = {};
+  }
+
+  GroupErrors errorsOf(const Eigen::VectorXd& unseen) const {
+    return heldOutErrors(search_, unseen, parts_.blocks(), log_.data.rows.session);
   }
 
   /// Takes out all causes about which there is a doubt; false when there was none.
@@ -187,6 +199,16 @@ class Judge {
     return false;
   }
 
+  /// Names friction by the load beside a cause that is mostly that.
+  void addLoadFriction(std::size_t cause) {
+    if (!isMostlyByTheLoad(search_, selection_.chosen, own_ + cause)) return;
+    std::vector<std::string>& rivals = selection_.ambiguous_with[cause];
+    for (const Hypothesis& h : hypotheses_) {
+      const std::string name(h.effect->name);
+      if (isByTheLoad(*h.effect) && std::ranges::find(rivals, name) == rivals.end()) rivals.push_back(name);
+    }
+  }
+
   /// Whether data that decided nothing confirm what others showed, and not next to the least. Small gains are what a
   /// law's shape leaves, which is no chance: they have to be surer.
   bool isConfirmed(const Interval& gain, double p) const {
@@ -206,7 +228,7 @@ class Judge {
     std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
     if (!beyond.empty()) return beyond;
     const Interval gain = gainOf(cause);
-    const double p = heldOutP(without_[cause], full);
+    const double p = heldOutP(unseen_without_[cause], unseen_);
     if (!isConfirmed(gain, p)) {
       return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.1f} to {:.0f}, p = {:.2g})",
                          100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
@@ -231,11 +253,17 @@ class Judge {
   std::string doubtOfSlowMotion(std::size_t cause) const {
     if (selection_.chosen.model->effects()[own_ + cause]->in_every_drive) return {};
     const bool of_any_load = gainOf(cause).value < kSmall;
-    const auto slow = besideSlowFriction(search_, selection_.baseline, without_[cause], selection_.chosen, of_any_load);
-    if (!slow) return {};
-    return doubtBeside(slow->rest, slow->full,
-                       fmt::format("friction of any shape in slow motion (below {:.2g} {})", slow->below,
-                                   log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s"));
+    double below = 0.0;
+    const auto slow = [&](const HeldOutPart& part) -> std::optional<Beside> {
+      const auto both = besideSlowFriction(*part.search, part.baseline, part.without[cause], part.chosen, of_any_load);
+      if (!both) return std::nullopt;
+      if (&part == &parts_.parts().front()) below = both->below;
+      return *both;
+    };
+    const std::string doubt = doubtBeside(slow);
+    if (doubt.empty()) return {};
+    return fmt::format("beside friction of any shape in slow motion (below {:.2g} {}) {}", below,
+                       log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s", doubt);
   }
 
   /// Friction by the load is in most drives whose law lacks it: what is named beside it must not be next to
@@ -245,44 +273,51 @@ class Judge {
 
   /// Why a cause may only be friction that grows with a weight of which nobody knows how large it is.
   std::string doubtOfWeight(std::size_t cause) const {
-    const auto weight = besideWeightFriction(search_, without_[cause], selection_.chosen);
-    if (!weight) return {};
-    const std::string doubt =
-        doubtBeside(weight->rest, weight->full, "friction that grows with the fitted weight", kLeastAgain);
-    return doubt.empty() ? doubt : doubt + ": with a weight that is known, load-dependence can be told";
+    const auto weight = [&](const HeldOutPart& part) {
+      return besideWeightFriction(*part.search, part.without[cause], part.chosen);
+    };
+    const std::string doubt = doubtBeside(weight, kLeastAgain);
+    if (doubt.empty()) return {};
+    return "beside friction that grows with the fitted weight " + doubt +
+           ": with a weight that is known, load-dependence can be told";
   }
 
   /// Why a cause may only stand in for friction that grows with the load, which the law lacks.
   std::string doubtOfLoad(std::size_t cause) const {
-    const ActuatorEffect& effect = *selection_.chosen.model->effects()[own_ + cause];
-    const auto load = besideLoadFriction(search_, without_[cause], selection_.chosen, effect);
-    if (!load) return {};
-    return doubtBeside(load->rest, load->full, "friction that grows with the load", kLeastAgain);
+    const auto load = [&](const HeldOutPart& part) {
+      const ActuatorEffect& effect = *selection_.chosen.model->effects()[own_ + cause];
+      return besideLoadFriction(*part.search, part.without[cause], part.chosen, effect);
+    };
+    const std::string doubt = doubtBeside(load, kLeastAgain);
+    return doubt.empty() ? doubt : "beside friction that grows with the load " + doubt;
   }
 
-  /// Empty where a cause gains on held-out data beside something that is none. \param rest, both  with that, without
-  /// the cause and with it. Where it explains nothing beside the cause it stays out there: terms that nothing
-  /// determines only scatter on data that had no part in the fit. \param least_again  of the gain, on another log
-  std::string doubtBeside(const Fitted& rest, const Fitted& both, const std::string& what,
+  /// Empty where a cause gains on held-out data beside something that is none. \param beside  the models of a part with
+  /// that, without the cause and with it; none: it does not apply. Where it explains nothing beside the cause it stays
+  /// out there: terms that nothing determines only scatter on data that had no part in the fit.
+  /// \param least_again  of the gain, on another log
+  std::string doubtBeside(const std::function<std::optional<Beside>(const HeldOutPart&)>& beside,
                           double least_again = 0.0) const {
-    const auto trained = [&](const Fitted& fitted) { return search_.errors(fitted, split_.training).mse(); };
-    const bool needed = trained(both) < (1.0 - options_.least_gain) * trained(selection_.chosen);
-    const Fitted& full = needed ? both : selection_.chosen;
-    const std::vector<GroupErrors> errors =
-        heldOutErrors(search_, {rest, full}, split_.heldout, log_.data.rows.session);
-    const Interval gain = predictedGain(errors[0].sum, errors[1].sum, options_.seed);
-    const double p = heldOutP(rest, full);
+    const auto here = beside(parts_.parts().front());
+    if (!here) return {};
+    const auto trained = [&](const Fitted& fitted) { return search_.errors(fitted, search_.training()).mse(); };
+    const bool needed = trained(here->full) < (1.0 - options_.least_gain) * trained(selection_.chosen);
+    const std::vector<Eigen::VectorXd> unseen = parts_.residuals([&](const HeldOutPart& part) -> std::vector<Fitted> {
+      const Beside both = &part == &parts_.parts().front() ? *here : *beside(part);
+      return {both.rest, needed ? both.full : part.chosen};
+    });
+    const Interval gain = predictedGain(errorsOf(unseen[0]).sum, errorsOf(unseen[1]).sum, options_.seed);
+    const double p = heldOutP(unseen[0], unseen[1]);
     if (isConfirmed(gain, p) && gain.lower95 >= least_again) return {};
-    return fmt::format("beside {} it may explain nothing ({:.1f} %, {:.1f} to {:.0f}, p = {:.2g})", what,
-                       100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
+    return fmt::format("it may explain nothing ({:.1f} %, {:.1f} to {:.0f}, p = {:.2g})", 100.0 * gain.value,
+                       100.0 * gain.lower95, 100.0 * gain.upper95, p);
   }
 
-  /// Of "what the cause adds is none of the truth", by pieces of the held-out blocks.
-  double heldOutP(const Fitted& rest, const Fitted& full) const {
+  /// Of "what the cause adds is none of the truth", by pieces of the held-out blocks. \param rest, full  shape (rows)
+  double heldOutP(const Eigen::VectorXd& rest, const Eigen::VectorXd& full) const {
     constexpr double kPieces = 100.0;  // of the whole log at least
     const double seconds = static_cast<double>(log_.data.rows.rows()) * log_.data.rows.step;
-    return nestedP(search_.added(residualOf(rest), residualOf(full), split_.heldout,
-                                 std::min(LogSearch::kPieceSeconds, seconds / kPieces)));
+    return nestedP(search_.added(rest, full, parts_.blocks(), std::min(LogSearch::kPieceSeconds, seconds / kPieces)));
   }
 
   /// What is left and has no name may be what the cause only stands in for, unless that is clearly smaller. It is what
@@ -301,7 +336,7 @@ class Judge {
 
   const LogSearch& search_;
   const PreparedLog& log_;
-  const LogSplit& split_;
+  HeldOutParts& parts_;
   std::size_t own_;
   std::vector<Hypothesis> hypotheses_;  ///< but those of causes that were taken out
   const LogDiagnosisOptions& options_;
@@ -309,15 +344,17 @@ class Judge {
   Findings found_;
   double lost_ = 0.0;            ///< mean squared error that a group too large to name explained, the largest
   std::vector<Fitted> without_;  ///< shape (causes): the model without each of them
-  std::vector<GroupErrors> errors_without_;  ///< theirs, on the held-out blocks
+  Eigen::VectorXd unseen_;       ///< errors of the model on the held-out blocks, shape (rows)
+  std::vector<Eigen::VectorXd> unseen_without_;  ///< of `without_`
+  std::vector<GroupErrors> errors_without_;      ///< their squares
 };
 
 }  // namespace
 
-Findings keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
+Findings keepFindings(const LogSearch& search, const PreparedLog& log, HeldOutParts& parts, std::size_t own,
                       const std::vector<Hypothesis>& hypotheses, const LogDiagnosisOptions& options,
                       Selection& selection) {
-  return Judge(search, log, split, own, hypotheses, options, selection).run();
+  return Judge(search, log, parts, own, hypotheses, options, selection).run();
 }
 
 void addLikely(const Selection& selection, Diagnosis& d) {

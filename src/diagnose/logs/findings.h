@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "held_out.h"
+#include "held_out_parts.h"
 #include "log_causes.h"
 #include "log_evidence.h"
 
@@ -22,7 +22,7 @@ struct Findings {
 
 /// Takes causes that are no findings out of the selection, the last accepted first, until every cause left is one.
 /// \param own  effects of the baseline, which stay. \param hypotheses  rivals of what is left, named
-Findings keepFindings(const LogSearch& search, const PreparedLog& log, const LogSplit& split, std::size_t own,
+Findings keepFindings(const LogSearch& search, const PreparedLog& log, HeldOutParts& parts, std::size_t own,
                       const std::vector<Hypothesis>& hypotheses, const LogDiagnosisOptions& options,
                       Selection& selection);
 

@@ -12,16 +12,39 @@ namespace simgap {
 
 using Eigen::ArrayXd;
 using Eigen::Index;
+using Eigen::VectorXd;
+
+namespace {
+
+std::size_t everyNth(const LogDiagnosisOptions& options) {
+  return static_cast<std::size_t>(std::max(2.0, std::round(1.0 / std::max(options.holdout, 0.02))));
+}
+
+LogSplit splitAt(const PreparedLog& log, std::size_t every, std::size_t at) {
+  LogSplit split;
+  for (std::size_t b = 0; b < log.blocks.size(); ++b) {
+    (b % every == at ? split.heldout : split.training).push_back(log.blocks[b]);
+  }
+  return split;
+}
+
+bool isEnough(const LogSplit& split) {
+  constexpr std::size_t kFewestBlocks = 5;
+  return split.training.size() >= kFewestBlocks && !split.heldout.empty();
+}
+
+}  // namespace
 
 LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
   LogSplit split;
-  const auto every = static_cast<std::size_t>(std::max(2.0, std::round(1.0 / std::max(options.holdout, 0.02))));
-  for (std::size_t b = 0; b < log.blocks.size(); ++b) {
-    bool out = b % every == every / 2;
-    if (!options.heldout_rows.empty()) out = options.heldout_rows[log.blocks[b].begin];
-    (out ? split.heldout : split.training).push_back(log.blocks[b]);
+  if (options.heldout_rows.empty()) {
+    split = splitAt(log, everyNth(options), everyNth(options) / 2);
+  } else {
+    for (const Block& block : log.blocks) {
+      (options.heldout_rows[block.begin] ? split.heldout : split.training).push_back(block);
+    }
   }
-  if (split.training.size() < 5 || split.heldout.empty()) {
+  if (!isEnough(split)) {
     throw DataError(
         fmt::format("{}: found {} blocks to learn from and {} to hold out, expected at least 5 and 1: record "
                     "longer, or hold out less",
@@ -30,57 +53,87 @@ LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
   return split;
 }
 
+std::vector<LogSplit> otherSplits(const PreparedLog& log, const LogDiagnosisOptions& options) {
+  constexpr std::size_t kMost = 3;
+  std::vector<LogSplit> splits;
+  if (!options.heldout_rows.empty()) return splits;
+  const std::size_t every = everyNth(options);
+  for (std::size_t k = 1; k < every && splits.size() < kMost; ++k) {
+    LogSplit split = splitAt(log, every, (every / 2 + k) % every);
+    if (isEnough(split)) splits.push_back(std::move(split));
+  }
+  return splits;
+}
+
 namespace {
 
 /// Held-out blocks that are predicted together.
 struct Fold {
   std::vector<Block> blocks;
-  std::vector<Block> others;  ///< what a refit for them may see; empty: no refit, the fit itself predicts them
+  int session;
 };
 
-std::vector<Fold> foldsOf(const std::vector<Block>& heldout, const std::vector<Block>& training,
-                          const std::vector<int>& session) {
-  constexpr std::size_t kFewestSessions = 8;
-  std::vector<Fold> sessions, single;
-  for (const Block& block : heldout) {
-    single.push_back({{block}, {}});
-    const int own = session[block.begin];
-    if (sessions.empty() || session[sessions.back().blocks.back().begin] != own) {
-      Fold& fold = sessions.emplace_back(Fold{{}, training});
-      std::erase_if(fold.others, [&](const Block& b) { return session[b.begin] == own; });
-    }
-    sessions.back().blocks.push_back(block);
-  }
-  return sessions.size() < kFewestSessions ? single : sessions;
+bool isBySession(const std::vector<int>& session) {
+  constexpr int kFewestSessions = 8;
+  int count = 1;
+  for (std::size_t i = 1; i < session.size(); ++i) count += session[i] != session[i - 1] ? 1 : 0;
+  return count >= kFewestSessions;
 }
 
-/// Errors of a model that has seen nothing of the fold.
-Eigen::VectorXd errorsIn(const LogSearch& search, const Fitted& fitted, const Fold& fold) {
-  return residualOf(fold.others.empty() ? fitted : search.refitted(fitted, fold.others));
+std::vector<Fold> foldsOf(const std::vector<Block>& heldout, const std::vector<int>& session) {
+  const bool by_session = isBySession(session);
+  std::vector<Fold> folds;
+  for (const Block& block : heldout) {
+    const int own = session[block.begin];
+    if (!by_session || folds.empty() || folds.back().session != own) folds.push_back({{}, own});
+    folds.back().blocks.push_back(block);
+  }
+  return folds;
+}
+
+/// Errors of a model that has seen nothing of the session.
+VectorXd residualWithout(const LogSearch& search, const Fitted& fitted, const std::vector<int>& session, int own) {
+  std::vector<Block> others = search.training();
+  std::erase_if(others, [&](const Block& b) { return session[b.begin] == own; });
+  return residualOf(others.empty() ? fitted : search.refitted(fitted, others));
 }
 
 }  // namespace
 
-std::vector<GroupErrors> heldOutErrors(const LogSearch& search, const std::vector<Fitted>& models,
+std::vector<VectorXd> heldOutResiduals(const LogSearch& search, const std::vector<Fitted>& models,
                                        const std::vector<Block>& heldout, const std::vector<int>& session) {
-  const std::vector<Fold> folds = foldsOf(heldout, search.training(), session);
-  const auto count = static_cast<Index>(folds.size());
-  std::vector<GroupErrors> errors(models.size(), {ArrayXd(count), ArrayXd(count)});
-  tbb::parallel_for(Index{0}, count, [&](Index u) {
-    const Fold& fold = folds[static_cast<std::size_t>(u)];
-    std::vector<Eigen::VectorXd> residuals;
-    ArrayXd shared = ArrayXd::Ones(search.data().rows.rows());  // a delay counts other rows
-    for (const Fitted& model : models) {
-      residuals.push_back(errorsIn(search, model, fold));
-      shared *= (residuals.back().array() != 0.0).cast<double>();
-    }
-    for (std::size_t m = 0; m < models.size(); ++m) {
-      const GroupErrors own =
-          search.errors((residuals[m].array() * shared).matrix(), fold.blocks, LogSearch::kPieceSeconds);
-      errors[m].sum[u] = own.sum.sum();
-      errors[m].rows[u] = own.rows.sum();
+  const bool by_session = isBySession(session);
+  const std::vector<Fold> folds = foldsOf(heldout, session);
+  const Index rows = search.data().rows.rows();
+  std::vector<VectorXd> unseen(models.size(), VectorXd::Zero(rows));
+  tbb::parallel_for(std::size_t{0}, models.size(), [&](std::size_t m) {
+    const VectorXd fit = by_session ? VectorXd() : residualOf(models[m]);
+    for (const Fold& fold : folds) {
+      const VectorXd own = by_session ? residualWithout(search, models[m], session, fold.session) : VectorXd();
+      const VectorXd& residual = by_session ? own : fit;
+      for (const Block& b : fold.blocks) {
+        const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
+        unseen[m].segment(begin, size) = residual.segment(begin, size);
+      }
     }
   });
+  ArrayXd shared = ArrayXd::Ones(rows);  // a delay counts other rows
+  for (const VectorXd& residual : unseen) shared *= (residual.array() != 0.0).cast<double>();
+  for (VectorXd& residual : unseen) residual.array() *= shared;
+  return unseen;
+}
+
+GroupErrors heldOutErrors(const LogSearch& search, const VectorXd& residual, const std::vector<Block>& heldout,
+                          const std::vector<int>& session) {
+  const std::vector<Fold> folds = foldsOf(heldout, session);
+  const auto count = static_cast<Index>(folds.size());
+  GroupErrors errors{ArrayXd(count), ArrayXd(count)};
+  for (Index u = 0; u < count; ++u) {
+    const GroupErrors own =
+        search.errors(residual, folds[static_cast<std::size_t>(u)].blocks, LogSearch::kPieceSeconds);
+    errors.sum[u] = own.sum.sum();
+    errors.rows[u] = own.rows.sum();
+  }
   return errors;
 }
 

@@ -15,11 +15,19 @@ struct LogSplit {
 /// \throws DataError: too few blocks to learn from, or none to hold out.
 LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options);
 
-/// Squared errors of models on the held-out blocks. With eight sessions and more, those of a session
-/// together, by a refit that has seen none of it: what shares a motion shares its errors, and parameters hide a part of
-/// them there. Else those of each block, by the fit itself. Over the rows that all of the models count.
-/// \param session  shape (rows)
-std::vector<GroupErrors> heldOutErrors(const LogSearch& search, const std::vector<Fitted>& models,
-                                       const std::vector<Block>& heldout, const std::vector<int>& session);
+/// The same with other blocks held out, until all blocks or four times as many were: none where the caller says which
+/// rows are held out, or where there are too few blocks.
+std::vector<LogSplit> otherSplits(const PreparedLog& log, const LogDiagnosisOptions& options);
+
+/// Errors of models on the held-out blocks, shape (rows) each; 0 elsewhere and where one of the models does not count a
+/// row. In a log of eight sessions and more those of a session are of a refit that has seen none of it: what shares a
+/// motion shares its errors, and parameters hide a part of them there. Else they are of the fit itself. \param session
+/// shape (rows)
+std::vector<Eigen::VectorXd> heldOutResiduals(const LogSearch& search, const std::vector<Fitted>& models,
+                                              const std::vector<Block>& heldout, const std::vector<int>& session);
+
+/// Their squares, those of a session together where the log has eight and more, else those of a block.
+GroupErrors heldOutErrors(const LogSearch& search, const Eigen::VectorXd& residual, const std::vector<Block>& heldout,
+                          const std::vector<int>& session);
 
 }  // namespace simgap

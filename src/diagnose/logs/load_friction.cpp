@@ -1,5 +1,7 @@
 #include "load_friction.h"
 
+#include <algorithm>
+
 #include "simgap/model/friction/friction_law.h"
 
 namespace simgap {
@@ -13,13 +15,14 @@ void fillLoad(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const
   x.col(1) = terms.load.square() * terms.dry;
 }
 
-/// A part of a law that differs from a simpler one by the load alone.
+bool goesWithLoad(const EffectColumn& column) { return column.unit.starts_with("1"); }
+
+}  // namespace
+
 bool isByTheLoad(const ActuatorEffect& effect) {
   return effect.contained_in != nullptr && effect.contained_in(friction::find("load-coulomb")) &&
          !effect.contained_in(friction::find("coulomb"));
 }
-
-}  // namespace
 
 const ActuatorEffect kLoadFriction = {
     .name = "load-friction",
@@ -33,18 +36,40 @@ const ActuatorEffect kLoadFriction = {
     .fill = fillLoad,
 };
 
-std::optional<BesideLoad> besideLoadFriction(const LogSearch& search, const Fitted& rest, const Fitted& full,
-                                             const ActuatorEffect& cause) {
+bool lacksLoadFriction(const LogSearch& search, const ActuatorEffect& cause) {
   const FrictionLaw* law = search.base().law;
   const bool known = search.data().rows.has(OptionalChannel::kLoad) && !search.data().fits_weight;
   // A gearbox loses by the load, too, but that is a cause of its own there.
   const bool drive = search.base().kind == ActuatorKind::kFriction;
-  if (law == nullptr || !drive || law->needsLoad() || !known || isByTheLoad(cause)) return std::nullopt;
+  return law != nullptr && drive && !law->needsLoad() && known && !isByTheLoad(cause);
+}
+
+std::optional<Beside> besideLoadFriction(const LogSearch& search, const Fitted& rest, const Fitted& full,
+                                         const ActuatorEffect& cause) {
+  if (!lacksLoadFriction(search, cause)) return std::nullopt;
   const Hypothesis load{&kLoadFriction, {}, {}};
   // Each from the other's end as well: a curve that stays where it was would be the cause's gain.
   const Fitted first = search.beside(full, load);
   const Fitted without = search.beside(rest, load, &first);
-  return BesideLoad{without, search.beside(full, load, &without)};
+  return Beside{without, search.beside(full, load, &without)};
+}
+
+bool isMostlyByTheLoad(const LogSearch& search, const Fitted& full, std::size_t effect) {
+  constexpr double kMostly = 2.0;
+  const ActuatorEffect& cause = *full.model->effects()[effect];
+  const bool mixed =
+      std::ranges::any_of(cause.columns, goesWithLoad) && !std::ranges::all_of(cause.columns, goesWithLoad);
+  if (!lacksLoadFriction(search, cause) || !mixed) return false;
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd jacobian;
+  full.model->evaluate(full.theta, residual, &jacobian);
+  double by_load = 0.0, constant = 0.0;  // squares of what the terms add
+  for (std::size_t k = 0; k < cause.columns.size(); ++k) {
+    const std::size_t i = full.model->firstColumn(effect) + k;
+    (goesWithLoad(cause.columns[k]) ? by_load : constant) +=
+        full.theta[i] * full.theta[i] * jacobian.col(static_cast<Eigen::Index>(i)).squaredNorm();
+  }
+  return by_load > kMostly * kMostly * constant;
 }
 
 }  // namespace simgap

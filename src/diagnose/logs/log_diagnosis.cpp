@@ -24,6 +24,8 @@
 namespace simgap {
 namespace {
 
+constexpr double kChoosing = 0.93;  ///< of the progress
+
 /// A dependence on each further channel, and on the product of any two channels.
 std::vector<Hypothesis> unnamedHypotheses(const PreparedLog& log) {
   std::vector<Hypothesis> list;
@@ -161,9 +163,17 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
     return result;
   }
 
-  Selection selection = selectCauses(search, subject.effects, named, unnamed, options, progress);
+  const DiagnosisProgress choosing = [&](const std::string& what, double done) {
+    if (progress) progress(what, kChoosing * done);
+  };
+  const DiagnosisProgress first = [&](const std::string& what, double done) {
+    choosing(what, HeldOutParts::kMainShare * done);
+  };
+  Selection selection = selectCauses(search, subject.effects, named, unnamed, options, first);
   d.hypotheses = selection.records;
-  Findings found = keepFindings(search, log, split, subject.effects.size(), named, options, selection);
+  HeldOutParts parts(search, split.heldout, subject.effects.size());
+  if (selection.steps.size() > 1) parts.addOthers(log, subject, named, unnamed, options, choosing);
+  Findings found = keepFindings(search, log, parts, subject.effects.size(), named, options, selection);
   d.candidates = std::move(found.candidates);
   for (const std::string& name : selection.aliased) {
     d.not_testable.push_back({name, "the model's own parameters can take its place on this data"});
@@ -171,7 +181,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   d.baseline = {selection.baseline.mse, found.heldout.front().mse()};
   d.extended = {selection.chosen.mse, found.heldout.back().mse()};
 
-  if (progress) progress("measuring what is left", 0.93);
+  if (progress) progress("measuring what is left", kChoosing);
   Fitted before = selection.baseline;
   const Fitted& after = found.on_all_rows;
   result.baseline = describe(search, log, before);

@@ -25,6 +25,10 @@ constexpr double kNuisancePresliding = 0.1;
 constexpr double kAliased = 1e-3;
 /// Two causes that differ by less than that share of the error say the same in other words.
 constexpr double kSameEquation = 1e-4;
+/// Of what the other adds: so little says nothing new.
+constexpr double kAddsNothing = 0.2;
+/// Of what a cause explains alone: a rival beside which that is left explains something else.
+constexpr double kMostOfAlone = 0.5;
 /// Of the least gain: what a cause has to promise to be fitted at all.
 constexpr double kHopeless = 0.2;
 
@@ -316,8 +320,10 @@ bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
   }
   const Fitted both = fitFromStarts(model, {from_winner, from_rival});
   const double rival_adds = winner.fitted.mse - both.mse, winner_adds = rival.fitted.mse - both.mse;
+  const double alone = winner.fitted.mse / (1.0 - winner.gain_training) - winner.fitted.mse;
   if (winner_adds < kSameEquation * both.mse) return false;
-  return rival_adds < 0.2 * winner_adds && waldP(*model, both.theta, pieces(training_)) < options_.level;
+  const bool says_more = rival_adds < kAddsNothing * winner_adds, says_else = winner_adds > kMostOfAlone * alone;
+  return (says_more || says_else) && waldP(*model, both.theta, pieces(training_)) < options_.level;
 }
 
 Fitted LogSearch::without(const Fitted& fitted, std::size_t effect) const {

@@ -30,6 +30,11 @@ struct Fitted {
   GroupErrors validation;     ///< their squares on pieces; empty until validate()
 };
 
+/// A model without a cause and with it, both beside something that is no cause.
+struct Beside {
+  Fitted rest, full;
+};
+
 /// How many rows of the blocks count. \param keep  shape (rows)
 double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep);
 /// Errors, shape (rows); 0 where they do not count.
@@ -70,8 +75,8 @@ class LogSearch {
   /// Every hypothesis on top of `base` (validated first where it is not), in their order; on the threads of all ranks.
   std::vector<Trial> tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses) const;
 
-  /// True when `winner` says all that `rival` says and more: in a model with both, the winner is significant and the
-  /// rival adds next to nothing (encompassing: Mizon & Richard 1986). Both on top of the same model.
+  /// True when `rival` cannot take the place of `winner`: in a model with both, the winner is significant, and the rival
+  /// adds next to nothing (encompassing: Mizon & Richard 1986) or takes little from it. Both on top of the same model.
   bool encompasses(const Trial& winner, const Trial& rival) const;
 
   /// The model without one of its effects.

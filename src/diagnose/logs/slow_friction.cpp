@@ -75,7 +75,7 @@ std::optional<BesideSlow> besideSlowFriction(const LogSearch& search, const Fitt
   // Each from the other's end as well: a Stribeck curve that stays where it was would be the cause's gain.
   const Fitted first = search.beside(full, slow);
   const Fitted without = search.beside(rest, slow, &first);
-  return BesideSlow{without, search.beside(full, slow, &without), below};
+  return BesideSlow{{without, search.beside(full, slow, &without)}, below};
 }
 
 }  // namespace simgap

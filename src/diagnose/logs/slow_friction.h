@@ -16,8 +16,7 @@ namespace simgap {
 extern const ActuatorEffect kSlowFriction;
 
 /// Two models with friction of any shape in slow motion beside them.
-struct BesideSlow {
-  Fitted rest, full;
+struct BesideSlow : Beside {
   double below = 0.0;  ///< [rad/s] or [m/s] what counts as slow
 };
 

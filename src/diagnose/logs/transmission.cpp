@@ -42,7 +42,11 @@ void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const
   for (const Detectable& least : detectable(search, selection.last, options.least_gain, samples))
     d.detectable.push_back(least);
   for (HypothesisRecord record : selection.records) d.hypotheses.push_back(std::move(record));
-  const std::vector<GroupErrors> heldout = heldOutErrors(search, selection.steps, split.heldout, log.data.rows.session);
+  std::vector<GroupErrors> heldout;
+  for (const Eigen::VectorXd& unseen :
+       heldOutResiduals(search, selection.steps, split.heldout, log.data.rows.session)) {
+    heldout.push_back(heldOutErrors(search, unseen, split.heldout, log.data.rows.session));
+  }
   for (Cause& cause : causesOf(selection, heldout, rigid, elastic, 0, options.seed)) {
     const std::string found = fmt::format(
         "{}; the joint's angle follows from the motor's with {:.1f} % less squared "

@@ -40,12 +40,12 @@ const ActuatorEffect kWeightFriction = {
     .fill = fillWeight,
 };
 
-std::optional<BesideWeight> besideWeightFriction(const LogSearch& search, const Fitted& rest, const Fitted& full) {
+std::optional<Beside> besideWeightFriction(const LogSearch& search, const Fitted& rest, const Fitted& full) {
   const ActuatorData& data = search.data();
   const FrictionLaw* law = search.base().law;
   if (!data.fits_weight || data.rows.joint_angle.size() == 0 || law == nullptr || law->needsLoad()) return std::nullopt;
   const Hypothesis weight{&kWeightFriction, {}, {hangingAngle(data)}};
-  return BesideWeight{search.beside(rest, weight), search.beside(full, weight)};
+  return Beside{search.beside(rest, weight), search.beside(full, weight)};
 }
 
 }  // namespace simgap

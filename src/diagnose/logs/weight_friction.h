@@ -10,11 +10,7 @@
 namespace simgap {
 
 /// Two models, each with dry friction in proportion to the size of the weight beside it.
-struct BesideWeight {
-  Fitted rest, full;
-};
-
 /// \param full, rest  a model with a cause and without it. None where no weight is fitted.
-std::optional<BesideWeight> besideWeightFriction(const LogSearch& search, const Fitted& rest, const Fitted& full);
+std::optional<Beside> besideWeightFriction(const LogSearch& search, const Fitted& rest, const Fitted& full);
 
 }  // namespace simgap

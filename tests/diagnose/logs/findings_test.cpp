@@ -33,7 +33,8 @@ std::string doubtOfBias(const std::vector<std::string>& rivals) {
   selection.chosen = selection.steps.back();
   selection.ambiguous_with = {rivals, {}};
   selection.instead.resize(2);
-  const Findings found = keepFindings(search, log, split, 0, named, options, selection);
+  HeldOutParts parts(search, split.heldout, 0);
+  const Findings found = keepFindings(search, log, parts, 0, named, options, selection);
   const auto bias = std::ranges::find(found.candidates, "current-bias", &Candidate::effect);
   return bias == found.candidates.end() ? "" : bias->reason;
 }

@@ -32,6 +32,23 @@ TEST(SplitLog, ObeysAMaskOfRows) {
   EXPECT_EQ(split.heldout[1].begin, 400u);
 }
 
+TEST(OtherSplits, HoldOutWhatTheFirstDoesNot) {
+  const std::vector<LogSplit> splits = otherSplits(withBlocks(20), {});
+  ASSERT_EQ(splits.size(), 3u);
+  const std::size_t first[] = {3, 0, 1};
+  for (std::size_t s = 0; s < 3; ++s) {
+    ASSERT_EQ(splits[s].heldout.size(), 5u);
+    EXPECT_EQ(splits[s].training.size(), 15u);
+    EXPECT_EQ(splits[s].heldout[0].begin, 100 * first[s]);
+  }
+}
+
+TEST(OtherSplits, AreNoneWhereRowsWereGiven) {
+  LogDiagnosisOptions options;
+  options.heldout_rows.assign(1000, false);
+  EXPECT_TRUE(otherSplits(withBlocks(10), options).empty());
+}
+
 TEST(SplitLog, RefusesLogsTooShortToLearnFrom) {
   EXPECT_NE(errorOf([] { splitLog(withBlocks(5), {}); }).find("found 4 blocks to learn from and 1"), std::string::npos);
   LogDiagnosisOptions none;

@@ -1,0 +1,103 @@
+#include "held_out_parts.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace simgap {
+namespace {
+
+/// Which of the causes chosen here is the main selection's: the same, or one that either cannot tell from it.
+std::optional<std::size_t> sameCause(const Selection& here, std::size_t own, const Selection& main, std::size_t cause,
+                                     const std::vector<std::size_t>& taken) {
+  const std::string_view name = main.chosen.model->effects()[own + cause]->name;
+  const auto contains = [](const std::vector<std::string>& names, std::string_view one) {
+    return std::ranges::find(names, one) != names.end();
+  };
+  std::optional<std::size_t> rival;
+  for (std::size_t k = 0; own + k < here.chosen.model->effects().size(); ++k) {
+    const std::string_view other = here.chosen.model->effects()[own + k]->name;
+    if (other == name) return k;
+    const bool same = contains(here.ambiguous_with[k], name) || contains(main.ambiguous_with[cause], other);
+    if (same && !rival && std::ranges::find(taken, k) == taken.end()) rival = k;
+  }
+  return rival;
+}
+
+}  // namespace
+
+HeldOutParts::HeldOutParts(const LogSearch& search, std::vector<Block> heldout, std::size_t own)
+    : search_(search), heldout_(std::move(heldout)), own_(own), blocks_(heldout_) {}
+
+void HeldOutParts::addOthers(const PreparedLog& log, const ActuatorModel& subject, const std::vector<Hypothesis>& named,
+                             const std::vector<Hypothesis>& unnamed, const LogDiagnosisOptions& options,
+                             const DiagnosisProgress& progress) {
+  const std::vector<LogSplit> splits = otherSplits(log, options);
+  for (std::size_t s = 0; s < splits.size(); ++s) {
+    const DiagnosisProgress part = [&](const std::string& what, double done) {
+      if (progress) progress(what, kMainShare * (1.0 + static_cast<double>(s) + done));
+    };
+    Choice choice{
+        std::make_unique<LogSearch>(subject.base, log.data, splits[s].training, options), splits[s].heldout, {}};
+    choice.selection = selectCauses(*choice.search, subject.effects, named, unnamed, options, part);
+    blocks_.insert(blocks_.end(), choice.heldout.begin(), choice.heldout.end());
+    others_.push_back(std::move(choice));
+  }
+  std::ranges::sort(blocks_, {}, &Block::begin);
+}
+
+void HeldOutParts::take(const Selection& main) {
+  const std::size_t causes = main.steps.size() - 1;
+  parts_.assign(1 + others_.size(), {});
+  parts_.front() = {&search_, heldout_, main.baseline, main.chosen, main.steps, std::vector<Fitted>(causes)};
+  tbb::parallel_for(std::size_t{0}, causes + others_.size(), [&](std::size_t i) {
+    if (i < causes) {
+      parts_.front().without[i] = search_.without(main.chosen, own_ + i);
+    } else {
+      parts_[1 + i - causes] = partOf(others_[i - causes], main);
+    }
+  });
+}
+
+HeldOutPart HeldOutParts::partOf(const Choice& here, const Selection& main) const {
+  const std::size_t causes = main.steps.size() - 1;
+  std::vector<std::size_t> taken;              // of the causes chosen here
+  std::vector<std::optional<std::size_t>> at;  // of the main causes in this part's model
+  const auto& all = here.selection.chosen.model->effects();
+  std::vector<const ActuatorEffect*> effects(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(own_));
+  HeldOutPart part{
+      here.search.get(), here.heldout, here.selection.baseline, here.selection.baseline, {here.selection.baseline}, {}};
+  for (std::size_t k = 0; k < causes; ++k) {
+    const auto chosen = sameCause(here.selection, own_, main, k, taken);
+    const bool is_new = chosen && std::ranges::find(taken, *chosen) == taken.end();
+    at.push_back(is_new ? std::optional(effects.size()) : std::nullopt);
+    if (is_new) {
+      taken.push_back(*chosen);
+      effects.push_back(all[own_ + *chosen]);
+      part.chosen = here.search->fit(effects, &here.selection.chosen);
+    }
+    part.steps.push_back(part.chosen);
+  }
+  for (const auto& effect : at)
+    part.without.push_back(effect ? here.search->without(part.chosen, *effect) : part.chosen);
+  return part;
+}
+
+std::vector<Eigen::VectorXd> HeldOutParts::residuals(
+    const std::function<std::vector<Fitted>(const HeldOutPart&)>& models_of) const {
+  std::vector<std::vector<Eigen::VectorXd>> own(parts_.size());
+  tbb::parallel_for(std::size_t{0}, parts_.size(), [&](std::size_t p) {
+    const HeldOutPart& part = parts_[p];
+    own[p] = heldOutResiduals(*part.search, models_of(part), part.heldout, search_.data().rows.session);
+  });
+  std::vector<Eigen::VectorXd> all = std::move(own.front());
+  for (std::size_t p = 1; p < own.size(); ++p) {
+    for (std::size_t m = 0; m < all.size(); ++m) all[m] += own[p][m];
+  }
+  return all;
+}
+
+}  // namespace simgap
