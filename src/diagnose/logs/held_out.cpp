@@ -54,10 +54,10 @@ LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
 }
 
 std::vector<LogSplit> otherSplits(const PreparedLog& log, const LogDiagnosisOptions& options) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMost = 3, kEnoughBlocks = 50;
   std::vector<LogSplit> splits;
-  if (!options.heldout_rows.empty()) return splits;
   const std::size_t every = everyNth(options);
+  if (!options.heldout_rows.empty() || log.blocks.size() / every >= kEnoughBlocks) return splits;
   for (std::size_t k = 1; k < every && splits.size() < kMost; ++k) {
     LogSplit split = splitAt(log, every, (every / 2 + k) % every);
     if (isEnough(split)) splits.push_back(std::move(split));

@@ -16,7 +16,8 @@ struct LogSplit {
 LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options);
 
 /// The same with other blocks held out, until all blocks or four times as many were: none where the caller says which
-/// rows are held out, or where there are too few blocks.
+/// rows are held out, where there are too few blocks, and in long logs, of which fifty blocks that are held out say
+/// enough.
 std::vector<LogSplit> otherSplits(const PreparedLog& log, const LogDiagnosisOptions& options);
 
 /// Errors of models on the held-out blocks, shape (rows) each; 0 elsewhere and where one of the models does not count a

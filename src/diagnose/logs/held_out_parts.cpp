@@ -3,31 +3,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <optional>
 #include <string_view>
 #include <utility>
 
 namespace simgap {
-namespace {
-
-/// Which of the causes chosen here is the main selection's: the same, or one that either cannot tell from it.
-std::optional<std::size_t> sameCause(const Selection& here, std::size_t own, const Selection& main, std::size_t cause,
-                                     const std::vector<std::size_t>& taken) {
-  const std::string_view name = main.chosen.model->effects()[own + cause]->name;
-  const auto contains = [](const std::vector<std::string>& names, std::string_view one) {
-    return std::ranges::find(names, one) != names.end();
-  };
-  std::optional<std::size_t> rival;
-  for (std::size_t k = 0; own + k < here.chosen.model->effects().size(); ++k) {
-    const std::string_view other = here.chosen.model->effects()[own + k]->name;
-    if (other == name) return k;
-    const bool same = contains(here.ambiguous_with[k], name) || contains(main.ambiguous_with[cause], other);
-    if (same && !rival && std::ranges::find(taken, k) == taken.end()) rival = k;
-  }
-  return rival;
-}
-
-}  // namespace
 
 HeldOutParts::HeldOutParts(const LogSearch& search, std::vector<Block> heldout, std::size_t own)
     : search_(search), heldout_(std::move(heldout)), own_(own), blocks_(heldout_) {}
@@ -40,13 +19,31 @@ void HeldOutParts::addOthers(const PreparedLog& log, const ActuatorModel& subjec
     const DiagnosisProgress part = [&](const std::string& what, double done) {
       if (progress) progress(what, kMainShare * (1.0 + static_cast<double>(s) + done));
     };
-    Choice choice{
-        std::make_unique<LogSearch>(subject.base, log.data, splits[s].training, options), splits[s].heldout, {}};
-    choice.selection = selectCauses(*choice.search, subject.effects, named, unnamed, options, part);
-    blocks_.insert(blocks_.end(), choice.heldout.begin(), choice.heldout.end());
-    others_.push_back(std::move(choice));
+    auto search = std::make_unique<LogSearch>(subject.base, log.data, splits[s].training, options);
+    Selection selection = selectCauses(*search, subject.effects, named, unnamed, options, part);
+    blocks_.insert(blocks_.end(), splits[s].heldout.begin(), splits[s].heldout.end());
+    others_.push_back({std::move(search), splits[s].heldout, std::move(selection.baseline), std::move(selection.chosen),
+                       std::move(selection.ambiguous_with)});
   }
   std::ranges::sort(blocks_, {}, &Block::begin);
+}
+
+/// Which of the causes chosen here is the main selection's: the same, or one that either cannot tell from it.
+std::optional<std::size_t> HeldOutParts::sameCause(const Choice& here, const Selection& main, std::size_t cause,
+                                                   const std::vector<std::size_t>& taken) const {
+  const std::string_view name = main.chosen.model->effects()[own_ + cause]->name;
+  const auto contains = [](const std::vector<std::string>& names, std::string_view one) {
+    return std::ranges::find(names, one) != names.end();
+  };
+  std::optional<std::size_t> rival;
+  for (std::size_t k = 0; k < here.ambiguous_with.size(); ++k) {
+    if (std::ranges::find(taken, k) != taken.end()) continue;
+    const std::string_view other = here.chosen.model->effects()[own_ + k]->name;
+    if (other == name) return k;
+    const bool same = contains(here.ambiguous_with[k], name) || contains(main.ambiguous_with[cause], other);
+    if (same && !rival) rival = k;
+  }
+  return rival;
 }
 
 void HeldOutParts::take(const Selection& main) {
@@ -63,21 +60,18 @@ void HeldOutParts::take(const Selection& main) {
 }
 
 HeldOutPart HeldOutParts::partOf(const Choice& here, const Selection& main) const {
-  const std::size_t causes = main.steps.size() - 1;
+  HeldOutPart part{here.search.get(), here.heldout, here.baseline, here.baseline, {here.baseline}, {}};
+  const auto& all = here.chosen.model->effects();
+  std::vector<const ActuatorEffect*> effects(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(own_));
   std::vector<std::size_t> taken;              // of the causes chosen here
   std::vector<std::optional<std::size_t>> at;  // of the main causes in this part's model
-  const auto& all = here.selection.chosen.model->effects();
-  std::vector<const ActuatorEffect*> effects(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(own_));
-  HeldOutPart part{
-      here.search.get(), here.heldout, here.selection.baseline, here.selection.baseline, {here.selection.baseline}, {}};
-  for (std::size_t k = 0; k < causes; ++k) {
-    const auto chosen = sameCause(here.selection, own_, main, k, taken);
-    const bool is_new = chosen && std::ranges::find(taken, *chosen) == taken.end();
-    at.push_back(is_new ? std::optional(effects.size()) : std::nullopt);
-    if (is_new) {
+  for (std::size_t k = 0; k + 1 < main.steps.size(); ++k) {
+    const auto chosen = sameCause(here, main, k, taken);
+    at.push_back(chosen ? std::optional(effects.size()) : std::nullopt);
+    if (chosen) {
       taken.push_back(*chosen);
       effects.push_back(all[own_ + *chosen]);
-      part.chosen = here.search->fit(effects, &here.selection.chosen);
+      part.chosen = here.search->fit(effects, &here.chosen);
     }
     part.steps.push_back(part.chosen);
   }

@@ -6,6 +6,8 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "held_out.h"
@@ -45,11 +47,15 @@ class HeldOutParts {
   std::vector<Eigen::VectorXd> residuals(const std::function<std::vector<Fitted>(const HeldOutPart&)>& models_of) const;
 
  private:
+  /// What is left of a selection, without its trials.
   struct Choice {
     std::unique_ptr<LogSearch> search;
     std::vector<Block> heldout;
-    Selection selection;
+    Fitted baseline, chosen;
+    std::vector<std::vector<std::string>> ambiguous_with;
   };
+  std::optional<std::size_t> sameCause(const Choice& here, const Selection& main, std::size_t cause,
+                                       const std::vector<std::size_t>& taken) const;
   HeldOutPart partOf(const Choice& here, const Selection& main) const;
 
   const LogSearch& search_;

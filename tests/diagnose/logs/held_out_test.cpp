@@ -43,6 +43,11 @@ TEST(OtherSplits, HoldOutWhatTheFirstDoesNot) {
   }
 }
 
+TEST(OtherSplits, AreNoneWhereFiftyBlocksAreHeldOut) {
+  EXPECT_EQ(otherSplits(withBlocks(199), {}).size(), 3u);
+  EXPECT_TRUE(otherSplits(withBlocks(200), {}).empty());
+}
+
 TEST(OtherSplits, AreNoneWhereRowsWereGiven) {
   LogDiagnosisOptions options;
   options.heldout_rows.assign(1000, false);
