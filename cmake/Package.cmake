@@ -8,6 +8,7 @@ set_target_properties(simgap_controller PROPERTIES EXPORT_NAME controller)
 target_compile_features(simgap_controller INTERFACE cxx_std_20)
 target_sources(simgap_controller INTERFACE FILE_SET HEADERS BASE_DIRS include
   FILES include/simgap/model/actuator/feed_forward.h include/simgap/model/actuator/pam.h
+        include/simgap/model/actuator/trajectory_control.h
         include/simgap/model/actuator/torque_split.h include/simgap/model/actuator/vertical_assist.h)
 install(TARGETS simgap_controller EXPORT simgap FILE_SET HEADERS DESTINATION include)
 add_library(simgap::arm ALIAS simgap_arm)

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "inputs.h"
+#include "simgap/report/actuators/cable_drive_report.h"
 #include "simgap/report/actuators/exo_joint_report.h"
 #include "simgap/report/actuators/exo_leg_report.h"
 #include "simgap/simulate/motion_inputs.h"
@@ -17,12 +18,19 @@ CsvTable readTable(Session& session, const ExoSimulateOptions& options) {
   return CsvTable::parse(session.read("commands", options.commands).content, options.commands, options.table.csv());
 }
 
-ExoJointCommands readJointCommands(Session& session, const ExoSimulateOptions& options, double rate) {
+/// Commands as a table or a schedule holds them.
+template <class Table, class Schedule>
+auto readTold(Session& session, const ExoSimulateOptions& options, const Table& table, const Schedule& schedule) {
   if (!options.commands.ends_with(".yaml") && !options.commands.ends_with(".yml")) {
-    return readExoJointCommands(readTable(session, options), options.linear);
+    return table(readTable(session, options), options.linear);
   }
-  const std::string& text = session.read("commands", options.commands).content;
-  return readExoJointSchedule(YamlNode::parse(text, options.commands), rate);
+  return schedule(YamlNode::parse(session.read("commands", options.commands).content, options.commands));
+}
+
+/// The file of a fitted model that another one names, beside which it stands.
+FittedModel readNamedModel(Session& session, const ExoSimulateOptions& options, const std::string& role,
+                           const std::string& file, const std::string& kind) {
+  return readModel(session, role, (std::filesystem::path(options.file).parent_path() / file).string(), {kind});
 }
 
 /// When a switch is played to. \throws DataError: one row alone, and no duration
@@ -59,10 +67,11 @@ ExitCode play(const ExoSimulateOptions& options, const std::string& name, double
 }
 
 ExitCode simulateJoint(const ExoSimulateOptions& options, const YamlNode& root, Session& session) {
-  const ExoJoint joint = readExoJoint(root, [&](const std::string& muscle) {
-    return readModel(session, "muscle", (std::filesystem::path(options.file).parent_path() / muscle).string(), {"pam"});
+  const ExoJoint joint = readExoJoint(
+      root, [&](const std::string& muscle) { return readNamedModel(session, options, "muscle", muscle, "pam"); });
+  const ExoJointCommands commands = readTold(session, options, readExoJointCommands, [&](const YamlNode& schedule) {
+    return readExoJointSchedule(schedule, joint.rate);
   });
-  const ExoJointCommands commands = readJointCommands(session, options, joint.rate);
   const double end = motionEnd(commands.over_time, options.commands, options.duration);
   const double duration = end - commands.over_time.times.front();
   return play(options, joint.name, duration, joint.rate, session, [&] {
@@ -86,6 +95,24 @@ ExitCode simulateLeg(const ExoSimulateOptions& options, const YamlNode& root, Se
   });
 }
 
+ExitCode simulateDrive(const ExoSimulateOptions& options, const YamlNode& root, Session& session) {
+  const CableDrive drive = readCableDrive(root, [&](const std::string& friction) {
+    return readNamedModel(session, options, "friction", friction, "friction");
+  });
+  const CableDriveCommands commands = readTold(session, options, readCableDriveCommands, [&](const YamlNode& schedule) {
+    return readCableDriveSchedule(schedule, drive.rate);
+  });
+  const double end = motionEnd(commands.over_time, options.commands, options.duration);
+  const double duration = end - commands.over_time.times.front();
+  return play(options, drive.name, duration, drive.rate, session, [&] {
+    const CableDriveStudy study = studyCableDrive(drive, commands, end, options.step, options.rate);
+    for (const std::string& note : study.notes) spdlog::warn("{}", note);
+    writeCableDrive(study, commands.torque, session.directory());
+    const Json result = toJson(drive, commands, study);
+    session.finish(result, cableDriveText(result));
+  });
+}
+
 bool isFormat(const YamlNode& root, const char* format) {
   return root.isMap() && root.has("format") && root.at("format").isScalar() &&
          root.at("format").text().starts_with(format);
@@ -93,11 +120,15 @@ bool isFormat(const YamlNode& root, const char* format) {
 
 }  // namespace
 
-bool holdsExo(const YamlNode& root) { return isFormat(root, "simgap/exo-joint/") || isFormat(root, "simgap/exo-leg/"); }
+bool holdsExo(const YamlNode& root) {
+  return isFormat(root, "simgap/exo-joint/") || isFormat(root, "simgap/exo-leg/") ||
+         isFormat(root, "simgap/cable-drive/");
+}
 
 ExitCode simulateExo(const ExoSimulateOptions& options, const YamlNode& root, Session& session) {
-  return isFormat(root, "simgap/exo-leg/") ? simulateLeg(options, root, session)
-                                           : simulateJoint(options, root, session);
+  if (isFormat(root, "simgap/exo-leg/")) return simulateLeg(options, root, session);
+  return isFormat(root, "simgap/cable-drive/") ? simulateDrive(options, root, session)
+                                               : simulateJoint(options, root, session);
 }
 
 }  // namespace simgap

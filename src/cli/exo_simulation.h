@@ -1,6 +1,6 @@
 /// \file
 /// `simulate` of what is no arm: a joint of two pneumatic muscles and a motor (`simgap/exo-joint/1`), a leg in an
-/// exoskeleton (`simgap/exo-leg/1`).
+/// exoskeleton (`simgap/exo-leg/1`), a drive with a cable (`simgap/cable-drive/1`).
 #pragma once
 
 #include <optional>

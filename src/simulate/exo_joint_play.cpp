@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "schedule_line.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/simulate/exo_joint_motion.h"
+#include "told_channels.h"
 
 namespace simgap {
 namespace {
@@ -15,10 +15,8 @@ namespace {
 const std::vector<CommandChannel> kTorqueChannels = {{"torque", "Nm"}, {"external_torque", "Nm"}};
 const std::vector<CommandChannel> kPressureChannels = {
     {"pressure_flexor", "Pa"}, {"pressure_extensor", "Pa"}, {"current", "A"}, {"external_torque", "Nm"}};
-/// May be missing: 0 then.
-bool optionalChannel(const CommandChannel& channel) {
-  return channel.stem == "current" || channel.stem == "external_torque";
-}
+/// The first of them; the others may be missing.
+constexpr std::size_t kRequiredTorques = 1, kRequiredPressures = 2;
 
 /// Of valves: below 0 nothing is let in.
 void refuseSuction(const ExoJointCommands& commands, const auto& fail) {
@@ -91,18 +89,8 @@ ExoJointCommands readExoJointCommands(const CsvTable& table, bool linear) {
                     ":1: found no command, expected torque_Nm, or pressure_flexor_Pa and "
                     "pressure_extensor_Pa");
   }
-  PoseLayout layout;
-  std::vector<Eigen::Index> places;
-  const std::vector<CommandChannel>& channels = commands.torque ? kTorqueChannels : kPressureChannels;
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    if (optionalChannel(channels[i]) && !table.offersQuantity(channels[i].stem, channels[i].unit)) continue;
-    layout.lines.push_back(channels[i]);
-    places.push_back(static_cast<Eigen::Index>(i));
-  }
-  commands.over_time = readCommands(table, layout, linear);
-  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(std::ssize(channels), commands.over_time.values.cols());
-  values(places, Eigen::all) = commands.over_time.values;
-  commands.over_time.values = std::move(values);
+  commands.over_time = commands.torque ? readToldChannels(table, kTorqueChannels, kRequiredTorques, linear)
+                                       : readToldChannels(table, kPressureChannels, kRequiredPressures, linear);
   refuseSuction(commands, [&](Eigen::Index row, const std::string& sentence) {
     table.fail(static_cast<std::size_t>(row), sentence);
   });
@@ -110,31 +98,11 @@ ExoJointCommands readExoJointCommands(const CsvTable& table, bool linear) {
 }
 
 ExoJointCommands readExoJointSchedule(const YamlNode& root, double rate) {
-  root.at("format").oneOf({"simgap/schedule/1"});
   const YamlNode node = root.at("joint");
   ExoJointCommands commands;
   commands.torque = node.has("torque");
-  const std::vector<CommandChannel>& channels = commands.torque ? kTorqueChannels : kPressureChannels;
-  std::vector<ScheduleLine> lines(channels.size());
-  double end = 0.0;
-  for (std::size_t i = 0; i < channels.size(); ++i) {
-    if (optionalChannel(channels[i]) && !node.has(channels[i].stem)) continue;
-    for (const YamlNode& item : node.at(channels[i].stem).at("segments").items()) {
-      lines[i].segments.push_back(readSegment(item, lines[i], channels[i].unit));
-    }
-    end = std::max(end, lines[i].end());
-  }
-  const double duration = root.findQuantity("duration", "s", kPositive).value_or(end);
-  root.expectAllRead();
-  const std::size_t rows = scheduleRows(root, duration, rate);
-  commands.over_time.values.resize(std::ssize(channels), static_cast<Eigen::Index>(rows));
-  for (std::size_t row = 0; row < rows; ++row) {
-    const double time = static_cast<double>(row) / rate;
-    commands.over_time.times.push_back(time);
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-      commands.over_time.values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(row)) = lines[i].at(time);
-    }
-  }
+  commands.over_time = commands.torque ? readToldChannels(root, kTorqueChannels, kRequiredTorques, rate)
+                                       : readToldChannels(root, kPressureChannels, kRequiredPressures, rate);
   refuseSuction(commands, [&](Eigen::Index, const std::string& sentence) { node.fail(sentence); });
   return commands;
 }

@@ -1,7 +1,7 @@
 // Writes the sample data of data/ that need no robot, from the simulators of tests/reality:
-//   make_sample_data DIRECTORY      logs/*.csv, eeg/*.csv, exoskeleton/log.csv,
+//   make_sample_data DIRECTORY      logs/*.csv, eeg/imagery*, exoskeleton/log.csv,
 //                                   boards/{left,right,bar-left,bar-right}/*.pgm
-// data/logs, data/eeg and data/exoskeleton hold them packed (gzip -9n), data/boards the pictures as PNG.
+// data/logs, data/eeg and data/exoskeleton hold tables packed (gzip -9n), data/boards the pictures as PNG.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +10,7 @@
 #include <string>
 
 #include "reality/board_scene.h"
+#include "reality/drive_rig.h"
 #include "reality/eeg.h"
 #include "reality/exo_joint_rig.h"
 #include "reality/motor_log.h"
@@ -43,6 +44,14 @@ void writeLogs(const std::filesystem::path& folder) {
   muscle.tendon = 20000.0;
   std::ofstream(folder / "muscle.csv")
       << recordPam(muscle, {.sessions = 4, .rows = 600, .rate = 20.0, .seed = 14}).csv();
+
+  // A cable that is soft at first and stiffens (6 mrad under large loads), and encoders at both of its ends.
+  constexpr double kStretch = 0.006;
+  DriveRig cable;
+  cable.rows = 12000, cable.seed = 31;
+  std::ofstream(folder / "both-angles.csv") << csvWithMotorAngle(recordDrive(cable, {}), cable.ratio, kStretch);
+  cable.rows = 6000, cable.seed = 32;
+  std::ofstream(folder / "both-angles-later.csv") << csvWithMotorAngle(recordDrive(cable, {}), cable.ratio, kStretch);
 }
 
 void writeEeg(const std::filesystem::path& folder) {
@@ -50,7 +59,9 @@ void writeEeg(const std::filesystem::path& folder) {
   EegDesign design{.channels = 8, .rate = 96.0, .trials = 24, .trial_s = 3.0, .seed = 1};
   std::ofstream(folder / "imagery.csv") << recordEeg(design).csv();
   design.trials = 12, design.seed = 2;
-  std::ofstream(folder / "imagery-later.csv") << recordEeg(design).csv();
+  const EegTable later = recordEeg(design);
+  std::ofstream(folder / "imagery-later.csv") << later.csv();
+  std::ofstream(folder / "imagery-later.edf", std::ios::binary) << later.edf(false, true);
 }
 
 /// The joint of data/exoskeleton/joint.yaml as it was built: muscles a little thinner, softer tendons.

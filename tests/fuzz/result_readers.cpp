@@ -22,6 +22,7 @@
 #include "simgap/report/html/result_page.h"
 #include "simgap/report/runs/budget.h"
 #include "simgap/report/runs/run_comparison.h"
+#include "simgap/simulate/cable_drive_motion.h"
 #include "simgap/simulate/exo_joint_motion.h"
 #include "simgap/simulate/exo_leg_motion.h"
 #include "simgap/simulate/joint_targets.h"
@@ -235,6 +236,25 @@ void readLeg(std::string bytes) {
 
 void readSwitch(std::string bytes) { readLegSwitch(CsvTable::parse(std::move(bytes), "input.csv")); }
 
+/// A drive with a cable whose friction files are all one, and some ticks of it.
+void readDrive(std::string bytes) {
+  const CableDrive drive = readCableDrive(yaml(bytes), [](const std::string&) {
+    return readFittedModel(
+        yaml("format: simgap/friction/1\nlaw: coulomb\nparameters: {k_a: {value: 1.3, unit: Nm_A}, tau_c: {value: 1, "
+             "unit: Nm}, k_v: {value: 0.01, unit: Nms_rad}}\n"));
+  });
+  const CableDriveCommands commands{false, {{}, {0.0, 0.01}, Eigen::MatrixXd::Constant(2, 2, 0.5), false}};
+  playCableDrive(drive, drive.compensations.back(), commands, 0.01, {.step = 0.01, .settle = 0.0});
+}
+
+void readDriveCommands(std::string bytes) {
+  if (bytes.starts_with("format")) {
+    readCableDriveSchedule(yaml(bytes), 100.0);
+  } else {
+    readCableDriveCommands(CsvTable::parse(std::move(bytes), "input.csv"), false);
+  }
+}
+
 void readRecorder(std::string bytes) {
   if (isEdf(bytes)) readEdf(bytes, "input.edf", {});
 }
@@ -265,6 +285,8 @@ constexpr std::array kReaders = {
     Reader{"exo_commands", readJointCommands},
     Reader{"exo_leg", readLeg},
     Reader{"leg_switch", readSwitch},
+    Reader{"cable_drive", readDrive},
+    Reader{"drive_commands", readDriveCommands},
 };
 
 }  // namespace

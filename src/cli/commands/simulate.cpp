@@ -134,7 +134,7 @@ ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
   return ExitCode::kDone;
 }
 
-/// A joint of muscles and a motor, or a leg: its controller stands in its file, and it begins at rest.
+/// A joint of muscles and a motor, a leg, or a drive with a cable: its controller stands in its file, and it begins at rest.
 ExitCode runExo(const Options& options, const YamlNode& root, Session& session) {
   if (options.serve || !options.config.empty() || !options.measured.empty() || options.start != "rest") {
     throw ConfigError(options.model + ": found no arm, expected no --serve, --config, --measured or --start");
@@ -195,7 +195,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("MODEL", options->model,
-                 "arm, joint of pneumatic muscles and a motor, or leg in an exoskeleton (YAML)")
+                 "arm, joint of pneumatic muscles and a motor, leg in an exoskeleton, or drive with a cable (YAML)")
       ->required();
   app.add_option(
       "--commands", options->commands,

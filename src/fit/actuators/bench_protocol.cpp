@@ -17,6 +17,7 @@
 #include "simgap/core/statistics.h"
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/fit/actuators/friction_fit.h"
+#include "simgap/model/actuator/friction_drive.h"
 
 namespace simgap {
 namespace {

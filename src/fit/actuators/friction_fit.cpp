@@ -330,17 +330,4 @@ std::size_t compareFits(std::vector<FrictionFit>& fits) {
   return static_cast<std::size_t>(best - fits.begin());
 }
 
-DriveFeedForward feedForward(const FrictionLaw& law, std::span<const Estimate> estimates) {
-  const auto value = [&](std::string_view name, double otherwise) {
-    const auto found = std::ranges::find(estimates, name, &Estimate::name);
-    return found == estimates.end() ? otherwise : found->value;
-  };
-  std::vector<double> theta;
-  for (const FrictionTerm& term : law.terms) theta.push_back(value(term.name, 0.0));
-  DriveFeedForward drive{law.closed_form(theta), value("k_a", 1.0), value("offset", 0.0)};
-  drive.friction.v_s = value("v_s", 1.0);
-  drive.friction.delta = value("delta", 1.0);
-  return drive;
-}
-
 }  // namespace simgap

@@ -7,6 +7,7 @@
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/fit/actuators/friction_fit.h"
+#include "simgap/model/actuator/friction_drive.h"
 #include "simgap/model/actuator/pam.h"
 
 namespace simgap {

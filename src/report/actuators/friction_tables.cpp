@@ -7,6 +7,7 @@
 
 #include "simgap/core/csv.h"
 #include "simgap/core/units.h"
+#include "simgap/model/actuator/friction_drive.h"
 #include "simgap/report/table.h"
 
 namespace simgap {

@@ -2,6 +2,7 @@
 #include <simgap/model/actuator/feed_forward.h>
 #include <simgap/model/actuator/pam.h>
 #include <simgap/model/actuator/torque_split.h>
+#include <simgap/model/actuator/trajectory_control.h>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -20,10 +21,12 @@ int main() {
   simgap::AntagonistJoint joint{muscle, muscle, 0.04, 0.25, 0.05, 0.05};
   simgap::TorqueSplit split(joint, {.highest_pressure = 6e5, .motor_limit = 2.0});
   const simgap::TorqueShares shares = split.update(3.0, 0.0, 2.0, 0.002);
+  simgap::TrajectoryController controller({.current_limit = 40.0}, drive, 1.0);
+  const bool followed = controller.give(10.0, 30.0) == current;
   const bool split_right =
       std::fabs(joint.torque(shares.flexor_pressure, shares.extensor_pressure, 0.0) - 3.0) < 1e-9 &&
       shares.motor == 1.0 && shares.missing == 0.0;
-  const bool right = split_right && std::fabs(current - 5.9) < 1e-12 && hold.update(0.1) == 1.0 && pressure &&
+  const bool right = followed && split_right && std::fabs(current - 5.9) < 1e-12 && hold.update(0.1) == 1.0 && pressure &&
                      std::fabs(*pressure - 4e5) < 1e-3;
   std::printf("%.12g A, %.6g N, %.12g Pa\n", current, force.value_or(0.0), pressure.value_or(0.0));
   return right ? 0 : 1;

@@ -80,7 +80,4 @@ Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, c
 /// Sets the BIC of all fits from one effective sample size: n_eff ln(mse) + k ln(n_eff). \returns index of the lowest.
 std::size_t compareFits(std::vector<FrictionFit>& fits);
 
-/// Fitted parameters of a law as the closed form of controllers and simulators.
-DriveFeedForward feedForward(const FrictionLaw& law, std::span<const Estimate> estimates);
-
 }  // namespace simgap

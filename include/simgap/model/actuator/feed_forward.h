@@ -28,13 +28,17 @@ struct StribeckFriction {
   double v_s = 1.0;    ///< Stribeck velocity [rad/s], > 0
   double delta = 1.0;  ///< Stribeck exponent [1], > 0
 
-  /// \param velocity [rad/s]  \param direction  +1 or -1: last direction of motion; 0: no friction but viscous.
-  /// \param load [N m]  \returns [N m]
-  double torque(double velocity, double direction, double load) const noexcept {
+  /// What dry friction comes to, whatever its direction. \param velocity [rad/s] \param load [N m] \returns [N m]
+  double dry(double velocity, double load) const noexcept {
     const double stick = std::exp(-std::pow(std::abs(velocity / v_s), delta));
     const double coulomb = n_c1 * std::abs(load) + n_c2;
     const double breakaway = n_s1 * std::abs(load) + n_s2;
-    return (coulomb + (breakaway - coulomb) * stick) * direction + k_v * velocity;
+    return coulomb + (breakaway - coulomb) * stick;
+  }
+  /// \param velocity [rad/s]  \param direction  +1 or -1: last direction of motion; 0: no friction but viscous.
+  /// \param load [N m]  \returns [N m]
+  double torque(double velocity, double direction, double load) const noexcept {
+    return dry(velocity, load) * direction + k_v * velocity;
   }
 };
 
