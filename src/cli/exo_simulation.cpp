@@ -66,12 +66,24 @@ ExitCode play(const ExoSimulateOptions& options, const std::string& name, double
   return ExitCode::kDone;
 }
 
+/// Torques, pressures, or a switch between two torques, as a decoder leaves it.
+ExoJointCommands readJointCommands(const ExoJoint& joint, const ExoSimulateOptions& options, Session& session) {
+  return readTold(
+      session, options,
+      [&](const CsvTable& table, bool linear) {
+        if (!table.has("state")) return readExoJointCommands(table, linear);
+        const LegSwitch told = readLegSwitch(table);
+        const double end = switchEnd(told, options);
+        refuseEndless(options, end - told.times.front(), joint.rate);
+        return switchedTorques(joint, told, end);
+      },
+      [&](const YamlNode& schedule) { return readExoJointSchedule(schedule, joint.rate); });
+}
+
 ExitCode simulateJoint(const ExoSimulateOptions& options, const YamlNode& root, Session& session) {
   const ExoJoint joint = readExoJoint(
       root, [&](const std::string& muscle) { return readNamedModel(session, options, "muscle", muscle, "pam"); });
-  const ExoJointCommands commands = readTold(session, options, readExoJointCommands, [&](const YamlNode& schedule) {
-    return readExoJointSchedule(schedule, joint.rate);
-  });
+  const ExoJointCommands commands = readJointCommands(joint, options, session);
   const double end = motionEnd(commands.over_time, options.commands, options.duration);
   const double duration = end - commands.over_time.times.front();
   return play(options, joint.name, duration, joint.rate, session, [&] {

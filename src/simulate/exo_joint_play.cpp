@@ -97,6 +97,27 @@ ExoJointCommands readExoJointCommands(const CsvTable& table, bool linear) {
   return commands;
 }
 
+ExoJointCommands switchedTorques(const ExoJoint& joint, const LegSwitch& told, double end) {
+  if (!joint.by_switch) {
+    throw ConfigError("found a switch and a joint without one, expected switch: {up_Nm, down_Nm} in the joint's file");
+  }
+  const ExoSwitch& by_switch = *joint.by_switch;
+  const double start = told.times.front(), kept = std::exp(-1.0 / (joint.rate * by_switch.rise_time));
+  const auto ticks = static_cast<Eigen::Index>(std::floor((end - start) * joint.rate + 1e-6)) + 1;
+  ExoJointCommands commands{true, {{}, {}, Eigen::MatrixXd::Zero(std::ssize(kTorqueChannels), ticks), false}, true};
+  std::size_t row = 0;
+  double torque = told.up.front() ? by_switch.up : by_switch.down;
+  for (Eigen::Index k = 0; k < ticks; ++k) {
+    const double time = start + static_cast<double>(k) / joint.rate;
+    while (row + 1 < told.times.size() && told.times[row + 1] <= time) ++row;
+    const double asked = told.up[row] ? by_switch.up : by_switch.down;
+    torque = asked + kept * (torque - asked);
+    commands.over_time.times.push_back(time);
+    commands.over_time.values(0, k) = torque;
+  }
+  return commands;
+}
+
 ExoJointCommands readExoJointSchedule(const YamlNode& root, double rate) {
   const YamlNode node = root.at("joint");
   ExoJointCommands commands;

@@ -33,6 +33,17 @@ double largestDifference(const std::vector<double>& one, const std::vector<doubl
   return largest;
 }
 
+/// Above the middle of the way while more than the middle torque is asked for, below it otherwise.
+double obeyedShare(const ExoJoint& joint, const ExoJointTrack& track) {
+  const auto [lowest, highest] = std::ranges::minmax(track.angle);
+  const double middle = 0.5 * (lowest + highest), torque = 0.5 * (joint.by_switch->up + joint.by_switch->down);
+  double obeyed = 0.0;
+  for (std::size_t i = 0; i < track.angle.size(); ++i) {
+    if ((track.desired[i] > torque) == (track.angle[i] > middle)) obeyed += 1.0;
+  }
+  return obeyed / static_cast<double>(track.angle.size());
+}
+
 /// Which controllers are compared.
 std::vector<ExoJointRun> runsOf(const ExoJoint& joint, const ExoJointCommands& commands, double step) {
   const auto run = [&](const char* name, bool tendons, bool motor) {
@@ -95,6 +106,7 @@ ExoJointStudy studyExoJoint(const ExoJoint& joint, const ExoJointCommands& comma
     }
     if (commands.torque) run.tracking = trackingOf(run.track);
   }
+  if (commands.switched) study.obeyed = obeyedShare(joint, study.main().track);
   ExoJointPlay fine = study.main().play;
   fine.step *= 0.5;
   study.half_step = largestDifference(playExoJoint(joint, commands, end, fine).angle, study.main().track.angle);

@@ -75,6 +75,27 @@ TEST_F(ExoJointCliTest, ALegStandsUpAsADecoderSays) {
   expectRefused({"simulate", "leg.yaml", "--commands", "decoded.csv", "-o", "r"}, 3, "found the state 'sideways'");
 }
 
+/// A lever of 7.36 N m under 4.5 and -4.5 N m: 38 degrees, but for 0.3 N m of dry friction (002 fig. 11 and 13).
+TEST_F(ExoJointCliTest, AJointGoesUpAndDownAsADecoderSays) {
+  put("decoded.csv", "time_s,probability_up,state\n0,0.4,none\n1,0.8,up\n6,0.2,down\n11,0.2,down\n");
+  for (const char* file : {"one-dof.yaml", "one-dof-worn.yaml"}) {
+    put(file, readText(sourceFile(std::string("data/exoskeleton/") + file)));
+    const std::string told =
+        unwrapped(succeed({"simulate", file, "--commands", "decoded.csv", "-q", "--force", "-o", "run"}));
+    EXPECT_THAT(told, testing::HasSubstr("is on the side it is told to in"));
+    const Json json = result();
+    EXPECT_EQ(json.at("commanded"), "switch");
+    EXPECT_NEAR(json.at("angle_deg").at("highest").get<double>(), 38.0, 6.0) << file;
+    EXPECT_NEAR(json.at("angle_deg").at("lowest").get<double>(), -38.0, 6.0) << file;
+    EXPECT_GT(json.at("obeyed_percent").get<double>(), 85.0) << file;
+  }
+  expectRefused({"simulate", "joint.yaml", "--commands", "decoded.csv", "-o", "r"}, 2,
+                "found a switch and a joint without one");
+  put("one-dof.yaml", replaced(text("one-dof.yaml"), "down_Nm: -4.5", "down_Nm: 4.5"));
+  expectRefused({"simulate", "one-dof.yaml", "--commands", "decoded.csv", "-o", "r"}, 2,
+                "expected down_Nm below up_Nm");
+}
+
 TEST_F(ExoJointCliTest, RefusesWithASentence) {
   expectRefused({"simulate", "joint.yaml", "-o", "run"}, 2, "found no --commands");
   expectRefused({"simulate", "joint.yaml", "--serve"}, 2, "found no arm, expected no --serve");

@@ -29,6 +29,9 @@ struct EegTable {
   std::vector<std::vector<double>> volts;  ///< shape (channels, rows) [uV], rounded to a converter's 0.1 uV
   std::vector<std::string> labels;         ///< "up", "down", "rest"
   std::string csv() const;                 ///< time_s, eeg_<channel>_uV, label
+  /// EDF+ (or BDF+) of whole records of a second, 0.1 uV a step, cut at 3276.7 uV; annotations where a label begins,
+  /// with or without how long it lasts.
+  std::string edf(bool bdf, bool durations) const;
 };
 
 EegTable recordEeg(const EegDesign& design);

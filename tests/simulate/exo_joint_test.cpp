@@ -239,6 +239,21 @@ std::string exoJointError(const std::string& text) {
   return errorOf([&] { readExoJoint(YamlNode::parse(text, "joint.yaml"), noModel); });
 }
 
+/// Between the two torques an exponential, from the tick on at which the switch turns.
+TEST(ExoJointCommands, ASwitchTurnsWithALag) {
+  ExoJoint joint = sampleJoint();
+  joint.by_switch = ExoSwitch{.up = 6.0, .down = -2.0, .rise_time = 0.5};
+  const ExoJointCommands commands = switchedTorques(joint, {{0.0, 1.0, 3.0}, {false, true, false}}, 4.0);
+  const auto torque = [&](double time) {
+    return commands.over_time.values(0, static_cast<Eigen::Index>(std::lround(time * joint.rate)));
+  };
+  ASSERT_EQ(commands.over_time.times.size(), 2001U);
+  EXPECT_EQ(torque(0.998), -2.0);
+  const double tick = 1.0 / joint.rate;
+  EXPECT_NEAR(torque(1.5), 6.0 - 8.0 * std::exp(-(0.5 + tick) / 0.5), 1e-9);
+  EXPECT_NEAR(torque(4.0), -2.0 + 8.0 * std::exp(-(1.0 + tick) / 0.5) * (1.0 - std::exp(-2.0 / 0.5)), 1e-9);
+}
+
 TEST(ExoJointFile, RefusesWhatNoJointIs) {
   const auto with = [](const std::string& from, const std::string& to) { return replaced(jointText(), from, to); };
   EXPECT_THAT(exoJointError(with("lower_limit_deg: -55", "lower_limit_deg: 60")),

@@ -51,11 +51,12 @@ struct DriveHunting {
   bool found() const { return frequency > 0.0; }
 };
 
-/// How well a drive followed, over all ticks. Angles [rad] of the joint; torques [N m] know no trapezoids, motor, cable.
+/// How well a drive followed, over all ticks. Angles [rad] of the joint; torques [N m] know no trapezoids, motor,
+/// cable.
 struct DriveTracking {
-  double rms = 0.0, largest = 0.0;  ///< of joint - reference, or of torque in the cable - told
-  double motor = 0.0, cable = 0.0;  ///< RMS of motor / N - reference, of joint - motor / N
-  double trajectory = 0.0;          ///< RMS of reference - told: what set-points and trapezoids cost
+  double rms = 0.0, largest = 0.0;                  ///< of joint - reference, or of torque in the cable - told
+  double motor = 0.0, cable = 0.0;                  ///< RMS of motor / N - reference, of joint - motor / N
+  double trajectory = 0.0;                          ///< RMS of reference - told: what set-points and trapezoids cost
   double current_rms = 0.0, current_largest = 0.0;  ///< [A]
   double at_limit = 0.0, sticking = 0.0;            ///< shares of the ticks: current at its limit, motor at rest
   DriveHunting hunting;

@@ -10,6 +10,7 @@
 #include "simgap/core/csv.h"
 #include "simgap/measure/motion_commands.h"
 #include "simgap/model/actuator/exo_joint.h"
+#include "simgap/simulate/leg_switch.h"
 
 namespace simgap {
 
@@ -64,11 +65,15 @@ class ExoJointMotion {
 struct ExoJointCommands {
   bool torque = true;        ///< rows of `over_time`: torque, external; else flexor, extensor, current, external
   MotionCommands over_time;  ///< [N m], [Pa], [A]
+  bool switched = false;     ///< the torque is one of the joint's two, as a switch says
 };
 
 /// Columns `torque_Nm`, or `pressure_flexor_Pa`, `pressure_extensor_Pa` and, where there is a motor, `current_A` (0);
 /// `external_torque_Nm` (0). \throws DataError: neither, both a torque and a current, and as readCommands
 ExoJointCommands readExoJointCommands(const CsvTable& table, bool linear);
+/// The torques of the joint's two states, with its lag between them, at every tick from the first state on.
+/// \param end  [s] \throws ConfigError: a joint without a switch
+ExoJointCommands switchedTorques(const ExoJoint& joint, const LegSwitch& told, double end);
 /// The same names under `joint:` of a `simgap/schedule/1`. \param rate  of the controller [Hz]  \throws ConfigError
 ExoJointCommands readExoJointSchedule(const YamlNode& root, double rate);
 

@@ -3,6 +3,7 @@
 /// not, each with and without the motor (002 fig. 8).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct ExoJointRun {
 struct ExoJointStudy {
   std::vector<ExoJointRun> runs;   ///< the joint as its file has it comes first
   double start = 0.0, end = 0.0;   ///< [s]
+  std::optional<double> obeyed;    ///< of a switch: share of ticks on the told side of the middle of the way
   double half_step = 0.0;          ///< what half the step changes of the first run's angle [rad]
   double processor = 0.0;          ///< [s] of one core, of the first run
   double simulated = 0.0;          ///< [s], with settling

@@ -9,6 +9,7 @@
 
 #include "simgap/measure/motion_commands.h"
 #include "simgap/model/actuator/exo_leg.h"
+#include "simgap/simulate/leg_switch.h"
 
 namespace simgap {
 
@@ -38,15 +39,6 @@ class ExoLegMotion {
   ExoLeg leg_;
   State state_ = State::Zero();
 };
-
-/// When the leg is to be up: the state from each time on.
-struct LegSwitch {
-  std::vector<double> times;  ///< [s], rising
-  std::vector<bool> up;
-};
-/// `time_s` and `state` (`up`, `down`; `none` keeps what was, at first down), as `decode run` leaves them in
-/// decoded.csv. \throws DataError: no rows, times that do not rise, another word
-LegSwitch readLegSwitch(const CsvTable& table);
 
 struct ExoLegTrack {
   std::vector<double> time, ankle, knee, hip;     ///< [s], [rad], height [m]

@@ -134,7 +134,8 @@ ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
   return ExitCode::kDone;
 }
 
-/// A joint of muscles and a motor, a leg, or a drive with a cable: its controller stands in its file, and it begins at rest.
+/// A joint of muscles and a motor, a leg, or a drive with a cable: its controller stands in its file, and it begins at
+/// rest.
 ExitCode runExo(const Options& options, const YamlNode& root, Session& session) {
   if (options.serve || !options.config.empty() || !options.measured.empty() || options.start != "rest") {
     throw ConfigError(options.model + ": found no arm, expected no --serve, --config, --measured or --start");

@@ -94,6 +94,13 @@ CoContraction readCoContraction(const YamlNode& node) {
   return {Kind::kForce, node.findQuantity("co_contraction", "N", kNonNegative).value_or(0.0)};
 }
 
+ExoSwitch readExoSwitch(const YamlNode& node) {
+  ExoSwitch by_switch{node.quantity("up", "Nm"), node.quantity("down", "Nm"), {}};
+  if (!(by_switch.down < by_switch.up)) node.fail("expected down_Nm below up_Nm");
+  by_switch.rise_time = node.findQuantity("rise_time", "s", kPositive).value_or(ExoSwitch().rise_time);
+  return by_switch;
+}
+
 /// The parabola turns upwards again beyond its vertex, and says nothing of a muscle stretched by half.
 void requireWithinLaw(const YamlNode& node, const ExoJoint& joint) {
   constexpr double kMostStretched = -0.3;
@@ -149,6 +156,7 @@ ExoJoint readExoJoint(const YamlNode& root, const std::function<FittedModel(cons
     joint.crossover = controller->findQuantity("crossover", "Hz", kNonNegative).value_or(0.0);
     joint.co_contraction = readCoContraction(*controller);
   }
+  if (const auto node = root.find("switch")) joint.by_switch = readExoSwitch(*node);
   root.expectAllRead();
   requireWithinLaw(root.at("link"), joint);
   return joint;

@@ -80,7 +80,10 @@ Json toJson(const ExoJoint& joint, const ExoJointCommands& commands, const ExoJo
   }
   return {{"format", "simgap/simulate-joint/1"},
           {"joint", joint.name},
-          {"commanded", commands.torque ? "torque" : "pressures"},
+          {"commanded", commands.switched ? "switch"
+                        : commands.torque ? "torque"
+                                          : "pressures"},
+          {"obeyed_percent", study.obeyed ? Json(100.0 * *study.obeyed) : Json(nullptr)},
           {"start_s", study.start},
           {"end_s", study.end},
           {"step_s", study.main().play.step},
@@ -99,6 +102,12 @@ std::string exoJointAnswer(const Json& result) {
   const std::string played =
       fmt::format("{:.4g} s of {}, {:.0f} times as fast as real time on one core", duration,
                   result.at("joint").get<std::string>(), numberOf(result.at("real_time_factor")));
+  if (result.at("commanded") == "switch") {
+    return fmt::format("{}. The joint goes from {} to {} deg, and is on the side it is told to in {} % of the time",
+                       played, degreesCell(result.at("angle_deg").at("lowest")),
+                       degreesCell(result.at("angle_deg").at("highest")),
+                       numberText(result.at("obeyed_percent"), "{:.1f}"));
+  }
   const Json* tendon = controllerNamed(result, "tendon_alone");
   const Json* rigid = controllerNamed(result, "rigid_alone");
   if (tendon == nullptr || rigid == nullptr) return played;

@@ -26,8 +26,8 @@ int main() {
   const bool split_right =
       std::fabs(joint.torque(shares.flexor_pressure, shares.extensor_pressure, 0.0) - 3.0) < 1e-9 &&
       shares.motor == 1.0 && shares.missing == 0.0;
-  const bool right = followed && split_right && std::fabs(current - 5.9) < 1e-12 && hold.update(0.1) == 1.0 && pressure &&
-                     std::fabs(*pressure - 4e5) < 1e-3;
+  const bool right = followed && split_right && std::fabs(current - 5.9) < 1e-12 && hold.update(0.1) == 1.0 &&
+                     pressure && std::fabs(*pressure - 4e5) < 1e-3;
   std::printf("%.12g A, %.6g N, %.12g Pa\n", current, force.value_or(0.0), pressure.value_or(0.0));
   return right ? 0 : 1;
 }

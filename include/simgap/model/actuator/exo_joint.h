@@ -38,6 +38,12 @@ struct ExoLink {
   double lower = 0.0, upper = 0.0;  ///< elastic stops [rad]
 };
 
+/// What a switch of two states asks of the joint.
+struct ExoSwitch {
+  double up = 0.0, down = 0.0;  ///< torques [N m]
+  double rise_time = 0.3;       ///< of the lag between them [s]
+};
+
 struct ExoJoint {
   std::string name;
   AntagonistJoint muscles;
@@ -52,6 +58,7 @@ struct ExoJoint {
   double rate = 500.0;     ///< of the controller [Hz]
   double crossover = 0.0;  ///< as TorqueSplitSettings
   CoContraction co_contraction;
+  std::optional<ExoSwitch> by_switch;
 
   double motorLimit() const { return motor ? motor->torqueLimit() : 0.0; }  ///< [N m]
 };
