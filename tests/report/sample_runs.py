@@ -80,6 +80,7 @@ def commands(source, folder):
                            "--effects", "spindle-coiling"],
         "predict": ["predict", folder / "fit-friction/model.yaml", folder / "friction.csv"],
         "exo-joint": ["simulate", exo / "joint.yaml", "--commands", exo / "torque.yaml"],
+        "cable-drive": ["simulate", source / "data/cable-drive/drive.yaml", "--commands", source / "data/cable-drive/path.yaml"],
         "fit-dynamics": ["fit-dynamics", robot / "robot.urdf", "--log", robot / "log.csv.gz"],
         "diagnose-robot": ["diagnose", folder / "fit-dynamics/model.yaml", "--log", robot / "other_log.csv.gz"],
     }
