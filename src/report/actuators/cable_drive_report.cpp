@@ -47,7 +47,7 @@ std::string restCell(const Json& rest) {
   const std::string amplitude = numberText(rest.at("amplitude_deg"), "±{:.2g} deg");
   if (rest.at("hunts").get<bool>())
     return "hunts " + amplitude + ", " + numberText(rest.at("frequency_Hz"), "{:.2g} Hz");
-  return numberOf(rest.at("amplitude_deg")) < kStill ? "still" : "creeps " + amplitude;
+  return numberOf(rest.at("amplitude_deg")) < kStill ? "still" : "moves " + amplitude;
 }
 
 }  // namespace
