@@ -7,20 +7,38 @@
 #include <utility>
 
 namespace simgap {
+namespace {
+
+/// Most causes explain nothing, not even of the rows that they were fitted to.
+std::vector<Hypothesis> promisingOf(const std::vector<Hypothesis>& named, const std::vector<HypothesisRecord>& records,
+                                    const LogDiagnosisOptions& options) {
+  constexpr double kSomething = 0.5;  // of the least gain
+  std::vector<Hypothesis> promising;
+  for (const Hypothesis& h : named) {
+    const auto explained = [&](const HypothesisRecord& record) {
+      return record.effect == titleOf(*h.effect) && record.gain_inner.value >= kSomething * options.least_gain;
+    };
+    if (std::ranges::any_of(records, explained)) promising.push_back(h);
+  }
+  return promising;
+}
+
+}  // namespace
 
 HeldOutParts::HeldOutParts(const LogSearch& search, std::vector<Block> heldout, std::size_t own)
     : search_(search), heldout_(std::move(heldout)), own_(own), blocks_(heldout_) {}
 
 void HeldOutParts::addOthers(const PreparedLog& log, const ActuatorModel& subject, const std::vector<Hypothesis>& named,
-                             const std::vector<Hypothesis>& unnamed, const LogDiagnosisOptions& options,
+                             const std::vector<HypothesisRecord>& records, const LogDiagnosisOptions& options,
                              const DiagnosisProgress& progress) {
+  const std::vector<Hypothesis> promising = promisingOf(named, records, options);
   const std::vector<LogSplit> splits = otherSplits(log, options);
   for (std::size_t s = 0; s < splits.size(); ++s) {
     const DiagnosisProgress part = [&](const std::string& what, double done) {
       if (progress) progress(what, kMainShare * (1.0 + static_cast<double>(s) + done));
     };
     auto search = std::make_unique<LogSearch>(subject.base, log.data, splits[s].training, options);
-    Selection selection = selectCauses(*search, subject.effects, named, unnamed, options, part);
+    Selection selection = selectCauses(*search, subject.effects, promising, {}, options, part);
     blocks_.insert(blocks_.end(), splits[s].heldout.begin(), splits[s].heldout.end());
     others_.push_back({std::move(search), splits[s].heldout, std::move(selection.baseline), std::move(selection.chosen),
                        std::move(selection.ambiguous_with)});

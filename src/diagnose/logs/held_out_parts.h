@@ -31,9 +31,10 @@ class HeldOutParts {
   /// The blocks of the main selection alone. \param search  its own, outlives this; \param own  effects of the baseline
   HeldOutParts(const LogSearch& search, std::vector<Block> heldout, std::size_t own);
 
-  /// Chooses again without other blocks. The arguments must outlive it.
+  /// Chooses again without other blocks, from the hypotheses that explained something in the main selection. The log
+  /// and the options must outlive it.
   void addOthers(const PreparedLog& log, const ActuatorModel& subject, const std::vector<Hypothesis>& named,
-                 const std::vector<Hypothesis>& unnamed, const LogDiagnosisOptions& options,
+                 const std::vector<HypothesisRecord>& records, const LogDiagnosisOptions& options,
                  const DiagnosisProgress& progress);
 
   /// Fits the main selection's causes in every part.

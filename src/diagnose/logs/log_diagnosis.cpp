@@ -172,7 +172,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   Selection selection = selectCauses(search, subject.effects, named, unnamed, options, first);
   d.hypotheses = selection.records;
   HeldOutParts parts(search, split.heldout, subject.effects.size());
-  if (selection.steps.size() > 1) parts.addOthers(log, subject, named, unnamed, options, choosing);
+  if (selection.steps.size() > 1) parts.addOthers(log, subject, named, selection.records, options, choosing);
   Findings found = keepFindings(search, log, parts, subject.effects.size(), named, options, selection);
   d.candidates = std::move(found.candidates);
   for (const std::string& name : selection.aliased) {

@@ -322,7 +322,7 @@ bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
   const double rival_adds = winner.fitted.mse - both.mse, winner_adds = rival.fitted.mse - both.mse;
   const double alone = winner.fitted.mse / (1.0 - winner.gain_training) - winner.fitted.mse;
   if (winner_adds < kSameEquation * both.mse) return false;
-  const bool says_more = rival_adds < kAddsNothing * winner_adds, says_else = winner_adds > kMostOfAlone * alone;
+  const bool says_more = rival_adds<kAddsNothing * winner_adds, says_else = winner_adds> kMostOfAlone * alone;
   return (says_more || says_else) && waldP(*model, both.theta, pieces(training_)) < options_.level;
 }
 

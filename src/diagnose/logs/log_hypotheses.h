@@ -75,8 +75,9 @@ class LogSearch {
   /// Every hypothesis on top of `base` (validated first where it is not), in their order; on the threads of all ranks.
   std::vector<Trial> tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses) const;
 
-  /// True when `rival` cannot take the place of `winner`: in a model with both, the winner is significant, and the rival
-  /// adds next to nothing (encompassing: Mizon & Richard 1986) or takes little from it. Both on top of the same model.
+  /// True when `rival` cannot take the place of `winner`: in a model with both, the winner is significant, and the
+  /// rival adds next to nothing (encompassing: Mizon & Richard 1986) or takes little from it. Both on top of the same
+  /// model.
   bool encompasses(const Trial& winner, const Trial& rival) const;
 
   /// The model without one of its effects.

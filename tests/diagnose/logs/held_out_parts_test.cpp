@@ -13,7 +13,9 @@ namespace {
 /// A log with a hidden bias, and parts of it that are held out.
 class HeldOutPartsTest : public ::testing::Test {
  protected:
-  HeldOutPartsTest() { parts_.addOthers(log_, {friction::find("classic"), {}, {}}, named_, {}, options_, {}); }
+  HeldOutPartsTest() {
+    parts_.addOthers(log_, {friction::find("classic"), {}, {}}, named_, allPromising(), options_, {});
+  }
 
   /// A main selection of one cause, whether it is there or not.
   Selection mainOf(const char* cause, std::vector<std::string> rivals = {}) const {
@@ -35,6 +37,12 @@ class HeldOutPartsTest : public ::testing::Test {
                        part.search->errors(part.chosen, part.heldout).mse());
     }
     return ratios;
+  }
+
+  std::vector<HypothesisRecord> allPromising() const {
+    std::vector<HypothesisRecord> records;
+    for (const Hypothesis& h : named_) records.push_back({1, titleOf(*h.effect), {}, {0.1, 0.1, 0.1}, 1.0, {}, {}});
+    return records;
   }
 
   static PreparedLog logWithBias() {
