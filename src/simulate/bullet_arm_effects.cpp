@@ -41,49 +41,16 @@ void BulletArm::sagSupply() {
   for (MuscleState& muscle : muscles_) muscle.supplied += part * (settled - muscle.supplied);
 }
 
-namespace {
-
-/// v of v + most give s(v) = free, s(v) = v / sqrt(v^2 + creep^2): the slip that friction leaves of one that would be
-/// `free`. Newton's steps from below the root, where the left side is concave, stay below it.
-double slipLeft(double free, double most, double creep) {
-  const double sign = free < 0.0 ? -1.0 : 1.0, wanted = sign * free;
-  double v = std::max(wanted - most, wanted / (1.0 + most / creep));
-  for (int i = 0; i < 8; ++i) {
-    const double root = std::hypot(v, creep);
-    v += (wanted - v - most * v / root) / (1.0 + most * creep * creep / (root * root * root));
-  }
-  return sign * v;
-}
-
-}  // namespace
-
-/// Between cord and body guides take up to `loss` of the tension, as impulses against the slip that they leave. One
-/// after the other until nothing changes (Gauss-Seidel).
+/// Between cord and body guides take up to `loss` of the tension, as impulses against the slip that they leave.
 void BulletArm::slipGuides(double step) {
   Motion& m = *motion_;
-  constexpr int kMostSweeps = 30;
-  constexpr double kStill = 1e-7;  // [m/s]
+  m.guides.clear();
   for (std::size_t i = 0; i < muscles_.size(); ++i) {
-    Motion::Pull& pull = m.pulls[i];
-    pull.guided = pull.give = 0.0;
-    if (!pull.taut || muscles_[i].guide.loss <= 0.0) continue;
-    pull.response.noalias() = m.mobility.lazyProduct(pull.row);
-    pull.give = pull.row.dot(pull.response);
+    const Motion::Pull& pull = m.pulls[i];
+    const double most = pull.taut ? step * muscles_[i].guide.loss * pull.force : 0.0;
+    if (most > 0.0) m.guides.add(pull.row, most, muscles_[i].guide.creep);
   }
-  for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-    double changed = 0.0;
-    for (std::size_t i = 0; i < muscles_.size(); ++i) {
-      Motion::Pull& pull = m.pulls[i];
-      const GuideTerm& guide = muscles_[i].guide;
-      if (!(pull.give > 0.0)) continue;
-      const double slip = pull.row.dot(m.next), free = slip - pull.give * pull.guided;
-      const double left = slipLeft(free, pull.give * step * guide.loss * std::max(0.0, pull.force), guide.creep);
-      m.next += (left - slip) / pull.give * pull.response;
-      pull.guided += (left - slip) / pull.give;
-      changed = std::max(changed, std::abs(left - slip));
-    }
-    if (changed < kStill) return;
-  }
+  if (!m.guides.empty()) m.guides.solve(m.inertia, m.v, m.next);
 }
 
 /// y follows x, exactly for an x that holds.

@@ -173,6 +173,7 @@ void BulletArm::moveJoints(double step) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     if (joints_[j].elastic()) addJointGradient(j, springGradient(joints_[j], jointPosition(j)));
   }
+  if (guided_) m.inertia = m.mobility;
   invertInPlace(m.mobility);
 
   constexpr int kMostIterations = 8;

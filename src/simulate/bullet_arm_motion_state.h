@@ -6,6 +6,7 @@
 
 #include "arm_dynamics.h"
 #include "bullet_arm_state.h"
+#include "guide_slip.h"
 
 namespace simgap {
 
@@ -17,13 +18,11 @@ struct BulletArm::Motion {
     double damping = 0.0;
     double winding_radius = 0.0;
     bool taut = false;
-    double guided = 0.0;       ///< impulse of its guide [N s]
-    Eigen::VectorXd response;  ///< of the joints' velocities to such an impulse, shape (dof)
-    double give = 0.0;         ///< of its own slip [m/s per N s]; 0: no friction of a guide
   };
   ArmDynamics dynamics;
-  std::vector<Pull> pulls;  ///< shape (muscles + lines without motors)
-  Eigen::MatrixXd mobility;
+  std::vector<Pull> pulls;            ///< shape (muscles + lines without motors)
+  Eigen::MatrixXd inertia, mobility;  ///< M + dt/2 (C + sum D J J^T), and its inverse
+  GuideSlip guides{0, 0};
   Eigen::VectorXd viscous, v, change, next, middle, tau, bias, scratch;
   Eigen::VectorXd pushed;  ///< what friction, limits and couplings added to v in the step before
 
@@ -31,7 +30,8 @@ struct BulletArm::Motion {
          std::size_t lines) {
     dynamics.setArm(bodies, joints, links);
     const int n = dynamics.degreesOfFreedom();
-    mobility = Eigen::MatrixXd::Zero(n, n);
+    guides = GuideSlip(n, lines);
+    inertia = mobility = Eigen::MatrixXd::Zero(n, n);
     viscous = Eigen::VectorXd::Zero(n);
     int first = 0;
     for (const Joint& joint : joints) {
@@ -40,7 +40,7 @@ struct BulletArm::Motion {
     }
     v = change = next = middle = tau = bias = scratch = pushed = Eigen::VectorXd::Zero(n);
     pulls.resize(lines);
-    for (Pull& pull : pulls) pull.row = pull.response = Eigen::VectorXd::Zero(n);
+    for (Pull& pull : pulls) pull.row = Eigen::VectorXd::Zero(n);
   }
 };
 

@@ -1,21 +1,15 @@
 // The evaluator around the equilibria: threads, skipping, and a solve that takes no memory.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-
 #include "simgap/simulate/equilibrium_arm.h"
 #include "simgap/simulate/evaluator.h"
+#include "simulate/allocation_counter.h"
 #include "support/arms.h"
 
-#if !defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__)
-#define SIMGAP_COUNTS_ALLOCATIONS
-namespace {
-std::atomic<long> allocations{0};
-}
+#ifdef SIMGAP_COUNTS_ALLOCATIONS
 extern "C" void* __libc_malloc(std::size_t);
 extern "C" void* malloc(std::size_t size) {  // every allocation of this program, Eigen's too
-  ++allocations;
+  ++simgap::test::allocations;
   return __libc_malloc(size);
 }
 #endif
@@ -81,15 +75,15 @@ TEST(EquilibriumArm, SolvingAndItsSensitivitiesTakeNoMemory) {
   Eigen::MatrixXd columns(4, 99);
   EquilibriumArm arm(model);
   arm.solve(poses.front().shafts);  // the rest is found here, for all poses
-  const long before = allocations;
+  const long before = test::allocations;
   for (const Pose& pose : poses) {
     ASSERT_TRUE(arm.solve(pose.shafts).stable);
     arm.linearise();
     arm.sensitivities(parameters, columns);
   }
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(test::allocations - before, 0);
   const std::vector<double> counts(1);
-  EXPECT_GT(allocations - before, 0) << "the counter counts";
+  EXPECT_GT(test::allocations - before, 0) << "the counter counts";
 #else
   GTEST_SKIP() << "the sanitizers have an allocator of their own";
 #endif
