@@ -1,7 +1,8 @@
 // Writes measured data with one cause hidden in them, from the simulators of tests/reality:
-//   make_hidden_data EFFECT DIRECTORY [SEED] [RIG]      log.csv, or arm.yaml and poses.csv
+//   make_hidden_data EFFECT DIRECTORY [SEED] [RIG]      log.csv, or arm.yaml and poses.csv, or motions
 // RIG: prescribed (default) drives a clean motion; servo is a controlled drive that stands still, with an encoder only
-// (with bench.yaml where it needs one; what to ask is printed).
+// (with bench.yaml where it needs one; what to ask is printed); forearm and reference-arm move: arm.yaml, motions that
+// select and that judge (EFFECT "none" and "drag", which no catalogue has, too).
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +17,7 @@
 #include "reality/pose_draws.h"
 #include "reality/servo_draws.h"
 #include "reality/spring_rig.h"
+#include "support/motion_draws.h"
 
 namespace {
 
@@ -109,20 +111,63 @@ void writeServoLog(const std::string& effect, std::uint64_t seed, const std::fil
               draw.effects[0].c_str(), draw.magnitude);
 }
 
+/// Motions of one set, and the set.
+void writeMotions(const simgap::test::HiddenMotionCase& hidden, simgap::test::MotionArm arm, std::uint64_t first,
+                  std::size_t count, const std::filesystem::path& directory, const std::string& set) {
+  std::filesystem::create_directories(directory / set);
+  std::string list = "format: simgap/motions/1\nmotions:\n";
+  for (std::size_t i = 0; i < count; ++i) {
+    const MotionLog log =
+        recordMotion(hidden.drawn.truth, simgap::test::drawSetpoints(arm, first + i), hidden.drawn.rig, first + i);
+    const std::string name = set.substr(0, 1) + std::to_string(i + 1);
+    std::ofstream(directory / set / (name + "_muscles.csv")) << musclesCsv(log);
+    std::ofstream(directory / set / (name + "_joints.csv")) << jointsCsv(log, hidden.drawn.truth.arm);
+    list += "  - {name: " + name + ", muscles: " + name + "_muscles.csv, joints: " + name + "_joints.csv}\n";
+  }
+  std::ofstream(directory / set / "motions.yaml") << list;
+}
+
+/// An arm that moves, and how to ask. \returns an exit code
+int writeMovingArm(const std::string& effect, std::uint64_t seed, simgap::test::MotionArm arm,
+                   const std::filesystem::path& directory) {
+  const auto truths = simgap::test::motionTruths();
+  const auto truth = std::ranges::find(truths, effect == "none" ? "" : effect,
+                                       [](const simgap::test::MotionTruth& one) { return std::string(one.effect); });
+  if (truth == truths.end()) {
+    std::fprintf(stderr, "%s: found no such cause of an arm that moves\n", effect.c_str());
+    return 2;
+  }
+  const simgap::test::HiddenMotionCase hidden = simgap::test::drawHidden(arm, seed, *truth);
+  std::ofstream(directory / "arm.yaml") << toYaml(hidden.believed.arm, {});
+  writeMotions(hidden, arm, simgap::test::firstSelecting(seed), simgap::test::kSelectingMotions, directory,
+               "calibration");
+  writeMotions(hidden, arm, simgap::test::firstJudging(seed), simgap::test::kJudgingMotions, directory, "validation");
+  std::printf(
+      "simgap diagnose arm.yaml --motions calibration/motions.yaml --validation-motions validation/motions.yaml   "
+      "# hidden: %s %s %.4g\n",
+      effect.c_str(), hidden.target.c_str(), hidden.magnitude);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fputs("make_hidden_data EFFECT DIRECTORY [SEED] [prescribed|servo]\n", stderr);
+    std::fputs("make_hidden_data EFFECT DIRECTORY [SEED] [prescribed|servo|forearm|reference-arm]\n", stderr);
     return 2;
   }
   const std::string effect = argv[1];
   const std::filesystem::path directory = argv[2];
   const std::uint64_t seed = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 1;
   std::filesystem::create_directories(directory);
-  if (argc > 4 && std::string(argv[4]) == "servo") {
+  const std::string rig = argc > 4 ? argv[4] : "prescribed";
+  if (rig == "servo") {
     writeServoLog(effect, seed, directory);
     return 0;
+  }
+  if (rig == "forearm" || rig == "reference-arm") {
+    using enum simgap::test::MotionArm;
+    return writeMovingArm(effect, seed, rig == "forearm" ? kForearm : kReferenceArm, directory);
   }
   const std::vector<std::string> of_arms = hiddenEffects();
   if (std::ranges::find(of_arms, effect) == of_arms.end()) {
