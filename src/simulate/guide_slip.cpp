@@ -66,7 +66,7 @@ double GuideSlip::slopeAlong(double part) const {
 double GuideSlip::leastAlong() const {
   const double first = slopeAlong(0.0);
   double low = 0.0, high = 1.0, slope_low = first, slope_high = slopeAlong(1.0);
-  if (!(slope_high > kLevelled * -first)) return 1.0;
+  if (!(first < 0.0 && slope_high > kLevelled * -first)) return 1.0;  // at the end rounding may make it rise at once
   double part = 1.0;
   for (int i = 0; i < kMostParts; ++i) {
     part = i % 2 == 0 ? low + (high - low) * slope_low / (slope_low - slope_high) : 0.5 * (low + high);

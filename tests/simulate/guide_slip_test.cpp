@@ -16,6 +16,8 @@ namespace {
 
 constexpr Eigen::Index kTurns = 4;  // degrees of freedom
 constexpr int kGuides = 11;
+constexpr Eigen::Index kOneTurn = 1;
+constexpr int kTwoGuides = 2;
 
 /// Joints and lines of the size of an arm's: moments of inertia, lever arms, tensions of some 10 N over steps of 2 ms.
 struct DrawnStep {
@@ -25,16 +27,16 @@ struct DrawnStep {
   std::vector<double> most;
   double creep;
 
-  explicit DrawnStep(std::uint64_t seed) {
+  explicit DrawnStep(std::uint64_t seed, Eigen::Index turns = kTurns, int guides = kGuides) {
     const CounterRandom random(seed);
     std::uint32_t next = 0;
     const auto normal = [&] { return random.normalPair({next++, 0, 0, 71})[0]; };
-    const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(kTurns, kTurns, normal);
-    inertia = 0.02 * (root * root.transpose() + 0.1 * Eigen::MatrixXd::Identity(kTurns, kTurns));
+    const Eigen::MatrixXd root = Eigen::MatrixXd::NullaryExpr(turns, turns, normal);
+    inertia = 0.02 * (root * root.transpose() + 0.1 * Eigen::MatrixXd::Identity(turns, turns));
     const double speed = std::pow(10.0, -3.0 + 4.0 * random.uniform({0, 0, 0, 72}));
-    free = speed * Eigen::VectorXd::NullaryExpr(kTurns, normal);
-    for (int i = 0; i < kGuides; ++i) {
-      rows.emplace_back(0.03 * Eigen::VectorXd::NullaryExpr(kTurns, normal));
+    free = speed * Eigen::VectorXd::NullaryExpr(turns, normal);
+    for (int i = 0; i < guides; ++i) {
+      rows.emplace_back(0.03 * Eigen::VectorXd::NullaryExpr(turns, normal));
       most.push_back(0.002 * 0.15 * 60.0 * std::abs(normal()));
     }
     creep = seed % 2 == 0 ? 1e-3 : 1e-5;
@@ -100,6 +102,18 @@ TEST(GuideSlip, IsWhatGuidesOneAfterTheOtherComeTo) {
     guides.solve(step.inertia, step.free, v);
     const Eigen::VectorXd other = step.oneByOne();
     for (const Eigen::VectorXd& row : step.rows) EXPECT_NEAR(row.dot(v), row.dot(other), 1e-8) << seed;  // [m/s]
+  }
+}
+
+TEST(GuideSlip, WhereItIsSolvedAlreadyItStays) {
+  GuideSlip guides(kOneTurn, kTwoGuides);
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    const DrawnStep step(seed, kOneTurn, kTwoGuides);
+    step.giveTo(guides);
+    Eigen::VectorXd v = step.free, again = step.free;
+    guides.solve(step.inertia, step.free, v);
+    guides.solve(step.inertia, v, again);
+    EXPECT_NEAR(v[0], again[0], 1e-7) << seed;  // rounding must not make a number none
   }
 }
 
