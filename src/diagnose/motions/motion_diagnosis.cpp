@@ -22,6 +22,7 @@ constexpr std::size_t kFewestSelecting = 4, kFewestJudging = 3;
 constexpr double kClearEvidence = 12.0;   // in nats: of some hundred hypotheses one gains 8 by chance
 constexpr double kLeastGain = 0.01;       // of the held-out mean square
 constexpr double kKnownClocks = 0.005;    // [s] to which clocks agree where nothing is wrong with them
+constexpr double kOwnClock = 2.0;         // of that, what a fit's own clock may carry: it would hide the cause
 constexpr double kLargeRest = 1.5 * 1.5;  // of the noise's variance: what no model of noise leaves
 constexpr double kMostOfIt = 95.0;        // [%] of the error that named causes have to explain, if much is left
 constexpr double kUsualRounds = 4.0;      // of derivatives of the model without causes, for the progress
@@ -52,6 +53,7 @@ class MotionDiagnosing {
       : problem_{model, config.parameters, config.motions, {}}, options_(options), progress_(progress) {
     double& delay = problem_.options.capture_delay_sd;
     delay = std::min(delay, kKnownClocks);  // more is a cause: joint-clock-offset
+    problem_.options.capture_delay_farthest = kOwnClock;
     problem_.options.coarse_changes = true;
   }
   MotionDiagnosis run(const MotionSet& motions, const MotionSet* held_out);

@@ -104,12 +104,19 @@ MotionLinearisation onlyOf(const MotionLinearisation& here, std::span<const std:
   return few;
 }
 
+MotionPosterior::Options optionsWith(const MotionProblem& problem, const std::vector<ArmCause>& causes) {
+  MotionPosterior::Options options = problem.options;
+  const auto isClock = [](const ArmCause& cause) { return cause.effect->frame_delay != nullptr; };
+  if (std::ranges::any_of(causes, isClock)) options.capture_delay_sd = 0.0;
+  return options;
+}
+
 MotionCauseFit::MotionCauseFit(const MotionProblem& problem, std::vector<ArmCause> causes)
     : problem_(&problem),
       causes_(std::move(causes)),
       posterior_(std::make_unique<MotionPosterior>(withCauses(problem.nominal, causes_), problem.motions,
                                                    std::span<const Pose>(), choicesWith(problem.parameters, causes_),
-                                                   PoseNoise{}, problem.options)) {}
+                                                   PoseNoise{}, optionsWith(problem, causes_))) {}
 
 Eigen::Index MotionCauseFit::ordinary() const {
   Eigen::Index of_causes = 0;
@@ -182,6 +189,8 @@ bool MotionCauseFit::beginBeside(const MotionPoint& point) {
   const ArmCause& cause = causes_.back();
   const Eigen::Index room = fittedParameters(*cause.effect), first = posterior_->size() - 1 - room;
   Eigen::VectorXd z = withRoom(point.here().z, room);
+  const double clock = posterior_->options().capture_delay_sd, was = point.posterior().options().capture_delay_sd;
+  if (clock == 0.0) z[z.size() - 1] = 0.0;
   Eigen::Index i = first;
   for (std::size_t k = 0; k < cause.effect->parameters.size(); ++k) {
     if (!cause.effect->parameters[k].fitted) continue;
@@ -214,7 +223,7 @@ bool MotionCauseFit::beginBeside(const MotionPoint& point) {
     for (Eigen::Index k = 0; k < room; ++k) {
       wider.col(first + k) = moved[static_cast<std::size_t>(k)].residuals[m].cast<float>();
     }
-    wider.rightCols(1) = known.rightCols(1);
+    wider.rightCols(1) = known.rightCols(1) * static_cast<float>(was > 0.0 ? clock / was : 0.0);
     here_.jacobians.push_back(std::move(wider));
   }
   return true;
@@ -253,6 +262,17 @@ bool MotionCauseFit::moveTo(const Eigen::VectorXd& z) {
 
 Eigen::VectorXd MotionCauseFit::withoutLast() const {
   return squeezed(here_.z, fittedParameters(*causes_.back().effect));
+}
+
+MotionLinearisation MotionCauseFit::withoutLastCause() const {
+  const Eigen::Index room = fittedParameters(*causes_.back().effect);
+  MotionLinearisation there{withoutLast(), here_.at, {}};
+  for (const RowMajorF& jacobian : here_.jacobians) {
+    RowMajorF narrower(jacobian.rows(), jacobian.cols() - room);
+    narrower << jacobian.leftCols(narrower.cols() - 1), jacobian.rightCols(1);
+    there.jacobians.push_back(std::move(narrower));
+  }
+  return there;
 }
 
 std::vector<Eigen::VectorXd> MotionCauseFit::residualsWithoutLast() const {

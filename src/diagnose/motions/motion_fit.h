@@ -20,6 +20,10 @@ struct MotionProblem {
   std::span<const RecordedMotion> motions;  ///< to select with
 };
 
+/// Those of a fit with causes: beside one that is the capture's clock no fit has a clock of its own, from which it
+/// could not be told.
+MotionPosterior::Options optionsWith(const MotionProblem& problem, const std::vector<ArmCause>& causes);
+
 /// A posterior's numbers at one place, with the quadratic that its derivatives promise; for many trials at once.
 /// Motions without derivatives are left out.
 class MotionPoint {
@@ -76,6 +80,9 @@ class MotionCauseFit {
 
   /// z of the fit without the last cause.
   Eigen::VectorXd withoutLast() const;
+  /// Place and derivatives of the fit without the last cause, if it stood where this one does; the residuals are this
+  /// one's.
+  MotionLinearisation withoutLastCause() const;
   ArmModel model() const { return posterior_->modelAt(here_.z); }
   /// The same motions, played without the last cause.
   std::vector<Eigen::VectorXd> residualsWithoutLast() const;

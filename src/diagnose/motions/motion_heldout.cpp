@@ -34,7 +34,8 @@ Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvalu
 Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& z, const MotionProblem& problem,
                               std::span<const RecordedMotion> motions) {
   const MotionPosterior unseen(withCauses(problem.nominal, fit.causes()), motions, {},
-                               choicesWith(problem.parameters, fit.causes()), PoseNoise{}, problem.options);
+                               choicesWith(problem.parameters, fit.causes()), PoseNoise{},
+                               optionsWith(problem, fit.causes()));
   const MotionEvaluation at = unseen.evaluate(z);
   stopIfInterrupted();
   return groupSquares(unseen, at);

@@ -20,6 +20,16 @@ bool hasAlready(const ArmModel& model, const Extension& extension) {
 
 }  // namespace
 
+std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target,
+                                             const ArmModel& model) {
+  std::vector<EffectParameters> starts;
+  for (const EffectParameters& start : effect.starts) {
+    Extension extension = makeExtension(effect, target, start);
+    if (checkExtension(extension, model).empty()) starts.push_back(start);
+  }
+  return starts;
+}
+
 std::vector<MotionHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,
                                                std::vector<NotTestable>& not_testable) {
   std::vector<MotionHypothesis> hypotheses;
@@ -30,13 +40,8 @@ std::vector<MotionHypothesis> motionHypotheses(const ArmModel& model, const std:
       continue;
     }
     for (const std::string& target : effectTargets(*effect, model)) {
-      MotionHypothesis hypothesis{effect, target, {}};
-      for (const EffectParameters& start : effect->starts) {
-        Extension extension = makeExtension(*effect, target, start);
-        if (checkExtension(extension, model).empty() && !hasAlready(model, extension)) {
-          hypothesis.starts.push_back(start);
-        }
-      }
+      if (hasAlready(model, makeExtension(*effect, target, effect->starts.front()))) continue;
+      MotionHypothesis hypothesis{effect, target, possibleStarts(*effect, target, model)};
       if (!hypothesis.starts.empty()) hypotheses.push_back(std::move(hypothesis));
     }
   }

@@ -15,6 +15,10 @@ struct MotionHypothesis {
   std::vector<EffectParameters> starts;  ///< where fits of it begin, the first where it is most easily seen
 };
 
+/// Where fits of an effect begin, with those of its choices that the target has: a muscle that crosses one joint cannot
+/// bend round a second.
+std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target, const ArmModel& model);
+
 /// Every effect that acts while an arm moves, on every target that the model does not have it on already.
 /// \param effects  names; empty: all  \param[out] not_testable  those that motions do not show
 std::vector<MotionHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,

@@ -173,7 +173,7 @@ bool Scanner::extrapolate(std::size_t hypothesis, const EffectParameters& from, 
   return to[0] >= first.range.lower && to[0] <= first.range.upper;
 }
 
-/// Those worth a closer look, some of each effect.
+/// Those worth a closer look, some of each effect, and beside one of a single muscle the same of all muscles.
 std::vector<std::size_t> Scanner::promising(std::size_t most) const {
   std::vector<std::pair<double, std::size_t>> order;
   for (const auto& [hypothesis, trial] : best_) {
@@ -188,10 +188,17 @@ std::vector<std::size_t> Scanner::promising(std::size_t most) const {
   std::ranges::stable_sort(order, std::greater<>(), [](const auto& one) { return one.first; });
   std::vector<std::size_t> chosen;
   std::map<const ArmEffect*, std::size_t> of_effect;
+  const auto add = [&](std::size_t hypothesis) {
+    if (std::ranges::find(chosen, hypothesis) == chosen.end()) chosen.push_back(hypothesis);
+  };
   for (const auto& [gain, hypothesis] : order) {
-    if (chosen.size() == most) break;
+    if (chosen.size() >= most) break;
     const MotionHypothesis& one = hypotheses_[hypothesis];
-    if (one.target.empty() || ++of_effect[one.effect] <= kPerEffect) chosen.push_back(hypothesis);
+    if (!one.target.empty() && ++of_effect[one.effect] > kPerEffect) continue;
+    add(hypothesis);
+    for (const auto& [other, trial] : best_) {
+      if (hypotheses_[other].effect == one.effect && hypotheses_[other].target.empty()) add(other);
+    }
   }
   return chosen;
 }

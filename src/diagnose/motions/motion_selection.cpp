@@ -17,6 +17,7 @@ constexpr double kOnItsWay = 0.1;   // of what is promised, that its last round 
 constexpr std::size_t kRefits = 6;  // with derivatives of the model without the cause
 constexpr std::size_t kOfOneEffect = 2;
 constexpr std::array<std::size_t, 5> kRefreshed = {3, 2, 2, 1, 1};  // at most, with derivatives of their own
+constexpr int kOfAllRounds = 2;
 constexpr std::size_t kTold = 5;                      // hypotheses that a report lists where none was fitted
 constexpr double kHopelessGain = 3.0;                 // promised by the scan [negative log posterior]
 constexpr double kMotionsTellApart = 6.0;             // evidence by which a cause has to lead
@@ -74,19 +75,38 @@ std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
   return fit;
 }
 
+/// The trials that are worth a fit, the best first. Beside one of a single muscle stands the same effect of all
+/// muscles, whatever the scan says: where the fit without it is far off, one muscle alone may promise more than all of
+/// them, and would be named for what all do.
+std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& scan,
+                                                             const std::vector<MotionHypothesis>& open) {
+  std::vector<const MotionTrial*> chosen;
+  const auto add = [&](const MotionTrial& trial) {
+    if (std::ranges::find(chosen, &trial) == chosen.end()) chosen.push_back(&trial);
+  };
+  std::map<const ArmEffect*, std::size_t> of_effect;
+  for (const MotionTrial& trial : scan.trials) {
+    if (chosen.size() >= kRefits || trial.gain < kHopelessGain) break;
+    const MotionHypothesis& hypothesis = open[trial.hypothesis];
+    if (!hypothesis.target.empty() && ++of_effect[hypothesis.effect] > kOfOneEffect) continue;
+    add(trial);
+    const auto of_all = std::ranges::find_if(scan.trials, [&](const MotionTrial& other) {
+      return open[other.hypothesis].effect == hypothesis.effect && open[other.hypothesis].target.empty();
+    });
+    if (of_all != scan.trials.end()) add(*of_all);
+  }
+  return chosen;
+}
+
 /// Fits of the causes that the scan likes best, from where the model without them ended and from the prior's mean.
 std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& base,
                                                          std::span<const MotionPoint> points, const MotionScan& scan,
                                                          const std::vector<MotionHypothesis>& open) {
   std::vector<Refit> refits;
-  std::map<const ArmEffect*, std::size_t> of_effect;
-  for (const MotionTrial& trial : scan.trials) {
-    if (refits.size() == kRefits || trial.gain < kHopelessGain) break;
-    const MotionHypothesis& hypothesis = open[trial.hypothesis];
-    // The whole arm's stands for all its muscles, which alone may each look better where the fit is far off.
-    if (!hypothesis.target.empty() && ++of_effect[hypothesis.effect] > kOfOneEffect) continue;
+  for (const MotionTrial* trial : worthFitting(scan, open)) {
+    const MotionHypothesis& hypothesis = open[trial->hypothesis];
     std::vector<ArmCause> causes = base.causes();
-    causes.push_back({hypothesis.effect, hypothesis.target, trial.start});
+    causes.push_back({hypothesis.effect, hypothesis.target, trial->start});
     std::unique_ptr<MotionCauseFit> best;
     for (const MotionPoint& point : points) {
       auto fit = std::make_unique<MotionCauseFit>(problem_, causes);
@@ -99,7 +119,7 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
     const long before = best->rollouts();
     best->descend();
     count(best->rollouts() - before);
-    refits.push_back({std::move(best), trial.gain});
+    refits.push_back({std::move(best), trial->gain});
   }
   return refits;
 }
@@ -109,12 +129,15 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
 void MotionSelector::chooseAgain(Refit& refit) {
   const ArmCause chosen = refit.fit->causes().back();
   const std::span<const ArmEffectParameter> parameters = chosen.effect->parameters;
-  for (const EffectParameters& start : chosen.effect->starts) {
+  std::vector<EffectParameters> tried = {chosen.start};
+  for (const EffectParameters& start : possibleStarts(*chosen.effect, chosen.target, problem_.nominal)) {
     std::vector<ArmCause> causes = refit.fit->causes();
+    causes.back().start = chosen.start;
     for (std::size_t k = 0; k < parameters.size(); ++k) {
       if (!parameters[k].fitted) causes.back().start[k] = start[k];
     }
-    if (causes.back().start == refit.fit->causes().back().start) continue;
+    if (std::ranges::find(tried, causes.back().start) != tried.end()) continue;
+    tried.push_back(causes.back().start);
     auto other = std::make_unique<MotionCauseFit>(problem_, causes);
     const bool begun = other->beginAs(*refit.fit);
     if (begun) other->descend();
@@ -125,21 +148,46 @@ void MotionSelector::chooseAgain(Refit& refit) {
   }
 }
 
+/// The other fits of the effect that is best until now once more, from where that one stands: an effect of one muscle
+/// may have brought the ordinary parameters near to where they belong when it is all muscles' that is missing.
+void MotionSelector::startKinBeside(const MotionCauseFit& base, std::vector<Refit>& refits) {
+  const MotionLinearisation there = refits.front().fit->withoutLastCause();
+  const MotionPoint point(base.posterior(), there);
+  for (Refit& refit : std::span(refits).subspan(1)) {
+    if (!areKin(refit, refits.front())) continue;
+    auto other = std::make_unique<MotionCauseFit>(problem_, refit.fit->causes());
+    const bool begun = other->beginBeside(point);
+    if (begun) other->descend();
+    count(other->rollouts());
+    if (begun && other->objective() < refit.fit->objective()) refit.fit = std::move(other);
+  }
+}
+
+bool MotionSelector::areKin(const Refit& a, const Refit& b) {
+  return a.fit->causes().back().effect == b.fit->causes().back().effect;
+}
+
 /// New derivatives for the best and for all that might still pass it, as far as refreshing gained until now: several
-/// once, the best of them again. Derivatives of the model without the cause rank badly where it is large.
-void MotionSelector::settle(std::vector<Refit>& refits) {
+/// once, the best of them again. Derivatives of the model without the cause rank badly where it is large; so all
+/// muscles' gets its own twice, however far behind one muscle's it is.
+void MotionSelector::settle(const MotionCauseFit& base, std::vector<Refit>& refits) {
   const auto byObjective = [](const Refit& a, const Refit& b) { return a.fit->objective() < b.fit->objective(); };
   double most_gained = 0.0;
-  for (const std::size_t among : kRefreshed) {
+  for (std::size_t round = 0; round < kRefreshed.size(); ++round) {
     std::ranges::stable_sort(refits, byObjective);
     if (!refits.front().settled) chooseAgain(refits.front());
+    if (round == 1) startKinBeside(base, refits);
     const double best = refits.front().fit->objective(), variance = std::max(1.0, refits.front().fit->misfit());
-    for (std::size_t i = 0; i < std::min(among, refits.size()); ++i) {
+    for (std::size_t i = 0; i < refits.size(); ++i) {
       MotionCauseFit& fit = *refits[i].fit;
-      if (refits[i].settled || fit.objective() - best > most_gained + kMotionsTellApart * variance) continue;
+      const bool of_all = i > 0 && areKin(refits[i], refits.front()) && fit.causes().back().target.empty();
+      const bool far = fit.objective() - best > most_gained + kMotionsTellApart * variance;
+      const bool due = of_all && refits[i].refreshed < kOfAllRounds;
+      if (refits[i].settled || !(due || (i < kRefreshed[round] && !far))) continue;
       const double before = fit.objective();
       const long played = fit.rollouts();
       refits[i].settled = enough(fit.refresh(newsOf()), fit.objective());
+      ++refits[i].refreshed;
       count(fit.rollouts() - played);
       most_gained = std::max(most_gained, before - fit.objective());
     }
@@ -198,7 +246,7 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
   std::vector<Refit> refits = refit(base, points, scan, open);
   points.clear();
   if (refits.empty()) return std::nullopt;
-  settle(refits);
+  settle(base, refits);
   improveBase(base, *refits.front().fit);
   FoundCause found;
   Refit& best = refits.front();

@@ -43,12 +43,17 @@ class MotionSelector {
     std::unique_ptr<MotionCauseFit> fit;
     double promised;
     bool settled = false;  ///< its last derivatives gained nothing
+    int refreshed = 0;     ///< how often it got derivatives of its own
   };
+  static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan,
+                                                      const std::vector<MotionHypothesis>& open);
   std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points, const MotionScan& scan,
                            const std::vector<MotionHypothesis>& open);
   MotionScan lookAround(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                         std::vector<MotionPoint>& points);
-  void settle(std::vector<Refit>& refits);
+  static bool areKin(const Refit& a, const Refit& b);  ///< of one effect
+  void startKinBeside(const MotionCauseFit& base, std::vector<Refit>& refits);
+  void settle(const MotionCauseFit& base, std::vector<Refit>& refits);
   void chooseAgain(Refit& refit);
   void converge(MotionCauseFit& fit, int most);
   void improveBase(MotionCauseFit& base, const MotionCauseFit& with);

@@ -57,12 +57,12 @@ MotionPosterior::MotionPosterior(const ArmModel& model, std::span<const Recorded
 }
 
 double MotionPosterior::lower(Eigen::Index i) const {
-  if (i == scaled_.size()) return -kFarthest;
+  if (i == scaled_.size()) return -options_.capture_delay_farthest;
   return std::max(scaled_.lower(i), scaled_.hasPrior(i) ? -kFarthest : -kInfinity);
 }
 
 double MotionPosterior::upper(Eigen::Index i) const {
-  if (i == scaled_.size()) return kFarthest;
+  if (i == scaled_.size()) return options_.capture_delay_farthest;
   return std::min(scaled_.upper(i), scaled_.hasPrior(i) ? kFarthest : kInfinity);
 }
 

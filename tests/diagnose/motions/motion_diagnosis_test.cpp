@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/motions/motion_hypotheses.h"
 #include "simgap/core/random.h"
 #include "simgap/core/yaml.h"
 #include "support/motions.h"
@@ -96,6 +97,38 @@ TEST(MotionDiagnosis, FindsLateCommands) {
   const Interval& delay = result.diagnosis.causes.front().parameters.front().value;
   EXPECT_LE(delay.upper95 - delay.value, 0.012);  // a row of the commands is 10 ms
   EXPECT_GE(delay.upper95 - delay.value, 0.010);
+}
+
+TEST(MotionDiagnosis, FindsAClockThatIsLittleMoreThanItsOwn) {
+  reality::MotionRigOptions rig;
+  rig.capture_delay = 0.022;
+  EXPECT_NEAR(expectFound(diagnoseForearm(test::trueForearm(), rig), "joint-clock-offset"), 0.022, 0.001);
+}
+
+TEST(MotionDiagnosis, GuidesOfAllCordsAreNotNamedAsThoseOfOne) {
+  reality::MovingArm truth = test::trueForearm();
+  truth.hidden.guide_loss = 0.13;
+  const MotionDiagnosis result = diagnoseForearm(truth);
+  EXPECT_NEAR(expectFound(result, "guide-friction"), 0.13, 0.015);
+  ASSERT_FALSE(result.diagnosis.causes.empty());
+  EXPECT_EQ(result.diagnosis.causes.front().target, "") << answerOf(result);
+}
+
+// A muscle over one joint cannot bend round a second, whatever else is missing.
+TEST(MotionDiagnosis, AsksATargetForChoicesThatItHasOnly) {
+  const ArmModel model = test::modelOf(test::movingForearm().arm, true);
+  std::vector<NotTestable> not_testable;
+  const std::vector<MotionHypothesis> hypotheses = motionHypotheses(model, {"muscle-wrap"}, not_testable);
+  ASSERT_EQ(hypotheses.size(), 2u);
+  for (const MotionHypothesis& hypothesis : hypotheses) {
+    EXPECT_EQ(hypothesis.starts.size(), 5u);
+    for (const EffectParameters& start : hypothesis.starts) EXPECT_EQ(start[1], 1.0);
+  }
+  reality::MovingArm truth = test::trueForearm();
+  truth.hidden.relaxing_share = 0.3;
+  const MotionDiagnosis result = diagnoseForearm(truth, {}, {"muscle-wrap"});
+  const auto fitted = [](const HypothesisRecord& h) { return h.log_odds && !h.outcome.ends_with("placebos"); };
+  EXPECT_TRUE(std::ranges::any_of(result.diagnosis.hypotheses, fitted)) << answerOf(result);
 }
 
 TEST(MotionDiagnosis, AStuckShaftIsAFaultOfTheData) {

@@ -36,8 +36,9 @@ class MotionPosterior {
     MotionOptions motion;
     KnownNoise noise;
     MotionDiscrepancy discrepancy;
-    double capture_delay_sd = 0.05;  ///< prior of the capture's clock [s]
-    bool coarse_changes = false;     ///< derivatives from rollouts in steps twice as long (MotionOptions::coarser)
+    double capture_delay_sd = 0.05;     ///< prior of the capture's clock [s]; 0: it is known
+    double capture_delay_farthest = 6;  ///< bound of it, in these standard deviations
+    bool coarse_changes = false;        ///< derivatives from rollouts in steps twice as long (MotionOptions::coarser)
   };
   /// \param motions, poses  must outlive it; poses may be empty
   MotionPosterior(const ArmModel& model, std::span<const RecordedMotion> motions, std::span<const Pose> poses,
