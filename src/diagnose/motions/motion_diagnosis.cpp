@@ -20,13 +20,13 @@ namespace {
 
 constexpr std::size_t kFewestSelecting = 4, kFewestJudging = 3;
 constexpr double kClearEvidence = 12.0;   // in nats: of some hundred hypotheses one gains 8 by chance
-constexpr double kLeastGain = 0.01;       // of the held-out mean square
+constexpr double kLeastGain = 0.05;       // of the held-out mean square
 constexpr double kKnownClocks = 0.005;    // [s] to which clocks agree where nothing is wrong with them
 constexpr double kOwnClock = 2.0;         // of that, what a fit's own clock may carry: it would hide the cause
 constexpr double kLargeRest = 1.5 * 1.5;  // of the noise's variance: what no model of noise leaves
 constexpr double kMostOfIt = 95.0;        // [%] of the error that named causes have to explain, if much is left
-constexpr double kUsualRounds = 4.0;      // of derivatives of the model without causes, for the progress
-constexpr double kUsualOfACause = 8.0;    // and for each cause that is looked for
+constexpr double kBeyondNoise = 0.25;     // of the noise's variance, that is worth another cause
+constexpr double kOfNamed = 0.01;         // of the error that named causes took: their laws and steps may leave as much
 
 /// The motions that select and those that judge.
 struct MotionSplit {
@@ -62,6 +62,7 @@ class MotionDiagnosing {
   bool faulty(const MotionSet& motions, const MotionSet* held_out);
   void search();
   bool judge(const MotionCauseFit& base, const FoundCause& found);
+  bool leavesMore() const;
   void conclude();
   void fillErrors();
   void sayWhatIsLeft();
@@ -153,25 +154,28 @@ bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found
   return true;
 }
 
+/// Whether what motions that took no part are missed by with all that was named is more than noise and than what the
+/// model's steps and laws leave of a cause that is named.
+bool MotionDiagnosing::leavesMore() const {
+  if (!last_) return true;
+  const double before = meanSquare(unseenOf(*plain_)), left = meanSquare(unseenOf(*last_));
+  return left - 1.0 > std::max(kBeyondNoise, kOfNamed * (before - left));
+}
+
 /// Causes one after the other, as long as each is worth naming.
 void MotionDiagnosing::search() {
   problem_.motions = split_.selecting.motions;
-  const auto of_derivatives =
-      static_cast<double>(ParameterSpace(problem_.nominal, problem_.parameters).size() * problem_.motions.size());
   std::string stage = "without causes";
-  double usual = (kUsualRounds + kUsualOfACause) * of_derivatives;  // rollouts; grows with every cause that is found
-  MotionSelector selector(problem_, hypotheses_, options_.seed, options_.level, [&](long rollouts) {
-    progress_(stage, std::min(0.99, static_cast<double>(rollouts) / usual));
-  });
+  MotionSelector selector(problem_, hypotheses_, options_.seed, options_.level,
+                          [&](double done) { progress_(stage, std::min(0.99, done)); });
   plain_ = selector.fitPlain();
-  while (result_.diagnosis.causes.size() < options_.max_causes) {
+  while (result_.diagnosis.causes.size() < options_.max_causes && leavesMore()) {
     stage = fmt::format("cause {}", result_.diagnosis.causes.size() + 1);
     MotionCauseFit& base = last_ ? *last_ : *plain_;
     std::optional<FoundCause> found = selector.step(base, result_.diagnosis.hypotheses);
     if (!found || !judge(base, *found)) break;
     last_ = std::move(found->fit);
     found_.push_back(std::move(*found));
-    usual = std::max(usual, static_cast<double>(selector.rollouts())) + kUsualOfACause * of_derivatives;
   }
   result_.rollouts = selector.rollouts();
 }

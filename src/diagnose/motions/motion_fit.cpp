@@ -51,6 +51,14 @@ MotionPoint::MotionPoint(const MotionPosterior& posterior, const MotionLinearisa
     weights_.push_back(left_out ? Eigen::VectorXf() : posterior.weights(m, here.at.residuals[m]).cast<float>());
   }
   factor_.compute(posterior.normalEquations(here.z, here.at, here.jacobians).curvature);
+  of_clock_ = factor_.solve(Eigen::VectorXd::Unit(here.z.size(), here.z.size() - 1));
+}
+
+Eigen::VectorXd MotionPoint::solved(const Eigen::VectorXd& gradient, OwnClock clock) const {
+  Eigen::VectorXd moved = factor_.solve(gradient);
+  const Eigen::Index last = moved.size() - 1;
+  if (clock == OwnClock::kStays) moved -= moved[last] / of_clock_[last] * of_clock_;  // a push that holds it
+  return moved;
 }
 
 Eigen::VectorXd MotionPoint::projected(std::span<const Eigen::VectorXf> x) const {
@@ -61,7 +69,7 @@ Eigen::VectorXd MotionPoint::projected(std::span<const Eigen::VectorXf> x) const
   return sum;
 }
 
-double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals) const {
+double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals, OwnClock clock) const {
   const Eigen::VectorXd& z = here_->z;
   std::vector<Eigen::VectorXf> x;
   for (std::size_t m = 0; m < residuals.size(); ++m) {
@@ -70,7 +78,7 @@ double MotionPoint::predicted(std::span<const Eigen::VectorXd> residuals) const 
   }
   Eigen::VectorXd gradient = projected(x);
   for (Eigen::Index i = 0; i < z.size(); ++i) gradient[i] += posterior_->hasPrior(i) ? z[i] : 0.0;
-  const Eigen::VectorXd step = -factor_.solve(gradient);
+  const Eigen::VectorXd step = -solved(gradient, clock);
   Eigen::VectorXd there = z + step;
   for (Eigen::Index i = 0; i < z.size(); ++i)
     there[i] = std::clamp(there[i], posterior_->lower(i), posterior_->upper(i));

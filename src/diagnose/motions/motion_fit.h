@@ -29,21 +29,25 @@ MotionPosterior::Options optionsWith(const MotionProblem& problem, const std::ve
 class MotionPoint {
  public:
   MotionPoint(const MotionPosterior& posterior, const MotionLinearisation& here);
+  /// Whether the fit's own clock follows, as all other ordinary parameters do: beside a cause that is the capture's
+  /// clock it would take over what that should explain.
+  enum class OwnClock { kFollows, kStays };
   /// The least objective that other residuals leave once the ordinary parameters have followed them within their
   /// bounds.
-  double predicted(std::span<const Eigen::VectorXd> residuals) const;
+  double predicted(std::span<const Eigen::VectorXd> residuals, OwnClock clock = OwnClock::kFollows) const;
   const MotionPosterior& posterior() const { return *posterior_; }
   const MotionLinearisation& here() const { return *here_; }
   const std::vector<Eigen::VectorXf>& weights() const { return weights_; }  ///< shape (motions) of (numbers)
   /// J^T W x, x of shape (motions) of (numbers)
   Eigen::VectorXd projected(std::span<const Eigen::VectorXf> x) const;
-  Eigen::VectorXd solved(const Eigen::VectorXd& gradient) const { return factor_.solve(gradient); }
+  Eigen::VectorXd solved(const Eigen::VectorXd& gradient, OwnClock clock = OwnClock::kFollows) const;
 
  private:
   const MotionPosterior* posterior_;
   const MotionLinearisation* here_;
   std::vector<Eigen::VectorXf> weights_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd of_clock_;  ///< what a push on the clock moves
 };
 
 /// Indices of a few motions spread over a set, which are enough to look around with: all of a small one.

@@ -20,6 +20,12 @@ bool hasAlready(const ArmModel& model, const Extension& extension) {
 
 }  // namespace
 
+bool ofOneMuscle(const MotionHypothesis& hypothesis) {
+  using enum ArmEffect::Target;
+  return !hypothesis.target.empty() &&
+         (hypothesis.effect->target == kMuscle || hypothesis.effect->target == kMuscleOrAll);
+}
+
 std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target,
                                              const ArmModel& model) {
   std::vector<EffectParameters> starts;

@@ -15,6 +15,9 @@ struct MotionHypothesis {
   std::vector<EffectParameters> starts;  ///< where fits of it begin, the first where it is most easily seen
 };
 
+/// By far the most are.
+bool ofOneMuscle(const MotionHypothesis& hypothesis);
+
 /// Where fits of an effect begin, with those of its choices that the target has: a muscle that crosses one joint cannot
 /// bend round a second.
 std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target, const ArmModel& model);

@@ -40,9 +40,14 @@ double priorOf(const ArmEffect& effect, const EffectParameters& values) {
   return 0.5 * sum;
 }
 
+MotionPoint::OwnClock clockBeside(const ArmEffect& effect) {
+  return effect.frame_delay ? MotionPoint::OwnClock::kStays : MotionPoint::OwnClock::kFollows;
+}
+
 /// The change of all residuals per unit of the cause's first parameter, with what a quadratic needs of it.
 struct Profile {
   Column column;
+  MotionPoint::OwnClock clock;
   double along = 0.0;      ///< slope of the objective along it, the ordinary parameters following
   double curvature = 0.0;  ///< its second derivative, prior included
   double gain() const { return 0.5 * along * along / curvature; }
@@ -64,6 +69,7 @@ class Scanner {
         if (point.posterior().hasPrior(i)) gradient[i] += point.here().z[i];
       }
       solved_.push_back(point.solved(gradient));
+      held_.push_back(point.solved(gradient, MotionPoint::OwnClock::kStays));
       plain_.push_back(std::move(plain));
     }
     for (const Eigen::VectorXf& r : plain_.front()) numbers_ += static_cast<double>(r.size());
@@ -82,7 +88,7 @@ class Scanner {
     if (!added && trial.gain > entry->second.gain) entry->second = trial;
   }
   double told(double gain, std::size_t point) const;
-  Profile profileOf(const Column& column, std::size_t point) const;
+  Profile profileOf(const Column& column, MotionPoint::OwnClock clock, std::size_t point) const;
   bool extrapolate(std::size_t hypothesis, const EffectParameters& from, double z, EffectParameters& to) const;
   std::vector<std::size_t> promising(std::size_t most) const;
   std::vector<std::size_t> screened();
@@ -97,6 +103,7 @@ class Scanner {
   double numbers_ = 0.0;                 // of all motions
   std::vector<double> without_;          // what the quadratic promises without a further cause, by point
   std::vector<Eigen::VectorXd> solved_;  // A^-1 g there
+  std::vector<Eigen::VectorXd> held_;    // the same while the fit's own clock stays
   std::vector<Column> plain_;            // residuals there
   std::map<std::size_t, MotionTrial> best_;
   std::map<std::size_t, Profile> profiles_;  // at the first point
@@ -110,17 +117,17 @@ double Scanner::told(double gain, std::size_t point) const {
   return 0.5 * numbers_ * std::log(before / after);
 }
 
-Profile Scanner::profileOf(const Column& column, std::size_t point) const {
+Profile Scanner::profileOf(const Column& column, MotionPoint::OwnClock clock, std::size_t point) const {
   const MotionPoint& here = points_[point];
-  Profile profile{column, 0.0, 1.0};
+  Profile profile{column, clock, 0.0, 1.0};
   const Eigen::VectorXd q = here.projected(column);
   for (std::size_t m = 0; m < column.size(); ++m) {
     const Eigen::VectorXf weighted = here.weights()[m].cwiseProduct(column[m]);
     profile.along += static_cast<double>(weighted.dot(plain_[point][m]));
     profile.curvature += static_cast<double>(weighted.dot(column[m]));
   }
-  profile.along -= q.dot(solved_[point]);
-  profile.curvature -= q.dot(here.solved(q));
+  profile.along -= q.dot(clock == MotionPoint::OwnClock::kFollows ? solved_[point] : held_[point]);
+  profile.curvature -= q.dot(here.solved(q, clock));
   profile.curvature = std::max(profile.curvature, 1e-6);
   return profile;
 }
@@ -147,7 +154,8 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
       const Try& one = tries[first + i];
       const ArmEffect& effect = *hypotheses_[one.hypothesis].effect;
       MotionTrial trial{one.hypothesis, one.start, 0.0};
-      const double objective = points_[one.point].predicted(played[i]);
+      const MotionPoint::OwnClock clock = clockBeside(effect);
+      const double objective = points_[one.point].predicted(played[i], clock);
       if (!std::isfinite(objective)) continue;
       trial.gain = told(without_[one.point] - objective - priorOf(effect, one.start), one.point);
       keep(trial);
@@ -158,7 +166,7 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
       for (std::size_t m = 0; m < played[i].size(); ++m) {
         column.push_back((played[i][m].cast<float>() - plain_[0][m]) / static_cast<float>(unit));
       }
-      profiles_.emplace(one.hypothesis, profileOf(column, 0));
+      profiles_.emplace(one.hypothesis, profileOf(column, clock, 0));
     }
   }
   return trials;
@@ -240,17 +248,11 @@ std::vector<double> Scanner::placebos() const {
       if (interruptRequested()) return;
       Column moved;
       for (std::size_t m = 0; m < profile->column.size(); ++m) moved.emplace_back(profile->column[m](from[m]));
-      best[draw] = std::max(best[draw], told(profileOf(moved, 0).gain(), 0));
+      best[draw] = std::max(best[draw], told(profileOf(moved, profile->clock, 0).gain(), 0));
     }
   });
   stopIfInterrupted();
   return best;
-}
-
-bool ofOneMuscle(const MotionHypothesis& hypothesis) {
-  using enum ArmEffect::Target;
-  return !hypothesis.target.empty() &&
-         (hypothesis.effect->target == kMuscle || hypothesis.effect->target == kMuscleOrAll);
 }
 
 /// Of the hypotheses of single muscles those that look best on some of the motions, at the first point.

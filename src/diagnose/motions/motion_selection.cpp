@@ -41,21 +41,34 @@ double chanceOf(double promised, const std::vector<double>& placebos) {
   return (1.0 + static_cast<double>(as_good)) / (1.0 + static_cast<double>(placebos.size()));
 }
 
+MotionPlan planOf(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses) {
+  const auto single = static_cast<std::size_t>(std::ranges::count_if(hypotheses, ofOneMuscle));
+  const std::size_t parameters = ParameterSpace(problem.nominal, problem.parameters).size() + 1;
+  return {parameters, problem.motions.size(), single, hypotheses.size() - single};
+}
+
 }  // namespace
 
 MotionSelector::MotionSelector(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses,
                                std::uint64_t seed, double level, News news)
-    : problem_(problem), hypotheses_(hypotheses), seed_(seed), level_(level), news_(std::move(news)) {}
+    : problem_(problem),
+      hypotheses_(hypotheses),
+      seed_(seed),
+      level_(level),
+      news_(std::move(news)),
+      plan_(planOf(problem, hypotheses)) {}
 
-MotionCauseFit::News MotionSelector::newsOf() const {
-  return [this](long rollouts) {
-    if (news_) news_(rollouts_ + rollouts);
-  };
+MotionCauseFit::News MotionSelector::newsOf() {
+  return [this](long rollouts) { tell(rollouts_ + rollouts); };
+}
+
+void MotionSelector::tell(long rollouts) {
+  if (news_) news_(plan_.done(rollouts));
 }
 
 void MotionSelector::count(long rollouts) {
   rollouts_ += rollouts;
-  if (news_) news_(rollouts_);
+  tell(rollouts_);
 }
 
 void MotionSelector::converge(MotionCauseFit& fit, int most) {
@@ -203,9 +216,7 @@ MotionScan MotionSelector::lookAround(const MotionCauseFit& base, const std::vec
   points.emplace_back(base.posterior(), base.here());
   if (base.causes().empty()) points.emplace_back(base.posterior(), first_);
   const long before = rollouts_;
-  MotionScan scan = scanMotions(points, open, seed_, [&](long rollouts) {
-    if (news_) news_(before + rollouts);
-  });
+  MotionScan scan = scanMotions(points, open, seed_, [&](long rollouts) { tell(before + rollouts); });
   count(scan.rollouts);
   return scan;
 }
@@ -225,6 +236,7 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
   if (open.empty()) return std::nullopt;
   if (!base.causes().empty()) gained_ = 0.0;  // it was fitted until nothing was gained
   std::vector<MotionPoint> points;
+  plan_.begin(MotionPlan::kScan, rollouts_);
   MotionScan scan = lookAround(base, open, points);
   if (scan.trials.empty() || gained_ > kOnItsWay * scan.trials.front().gain) {
     // What is promised may be the model's own, which is still on its way.
@@ -243,9 +255,11 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
     }
     return std::nullopt;
   }
+  plan_.begin(MotionPlan::kFits, rollouts_);
   std::vector<Refit> refits = refit(base, points, scan, open);
   points.clear();
   if (refits.empty()) return std::nullopt;
+  plan_.begin(MotionPlan::kDerivatives, rollouts_);
   settle(base, refits);
   improveBase(base, *refits.front().fit);
   FoundCause found;

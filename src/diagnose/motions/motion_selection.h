@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "motion_plan.h"
 #include "motion_scan.h"
 
 namespace simgap {
@@ -24,8 +25,8 @@ struct FoundCause {
 
 class MotionSelector {
  public:
-  /// Called with the rollouts played so far.
-  using News = std::function<void(long rollouts)>;
+  /// Called with the part of the rollouts that are expected.
+  using News = std::function<void(double done)>;
   /// \param problem, hypotheses  must outlive it  \param level  placebos may promise as much with this probability at
   /// most; where no hypothesis promises more, none is fitted
   MotionSelector(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses, std::uint64_t seed,
@@ -57,14 +58,16 @@ class MotionSelector {
   void chooseAgain(Refit& refit);
   void converge(MotionCauseFit& fit, int most);
   void improveBase(MotionCauseFit& base, const MotionCauseFit& with);
-  MotionCauseFit::News newsOf() const;
+  MotionCauseFit::News newsOf();
   void count(long rollouts);
+  void tell(long rollouts);
 
   const MotionProblem& problem_;
   const std::vector<MotionHypothesis>& hypotheses_;
   std::uint64_t seed_;
   double level_;
   News news_;
+  MotionPlan plan_;
   MotionLinearisation first_;  ///< at the prior's mean, without causes
   double gained_ = 0.0;        ///< by the last derivatives of the model without another cause
   long rollouts_ = 0;
