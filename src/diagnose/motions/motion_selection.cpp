@@ -10,6 +10,8 @@
 
 namespace simgap {
 namespace {
+#define DBG(...) \
+  (getenv("MOTDBG") ? (void)(fprintf(stderr, "DBG %ld ", rollouts_), fprintf(stderr, __VA_ARGS__)) : (void)0)  // DBG
 
 constexpr int kPlainRounds = 3;     // of derivatives made anew
 constexpr int kRefreshRounds = 4;   // of it, from a better place, or where little is promised
@@ -17,11 +19,12 @@ constexpr double kOnItsWay = 0.1;   // of what is promised, that its last round 
 constexpr std::size_t kRefits = 6;  // with derivatives of the model without the cause
 constexpr std::size_t kOfOneEffect = 2;
 constexpr std::array<std::size_t, 5> kRefreshed = {3, 2, 2, 1, 1};  // at most, with derivatives of their own
-constexpr int kOfAllRounds = 2;
-constexpr std::size_t kTold = 5;                      // hypotheses that a report lists where none was fitted
-constexpr double kHopelessGain = 3.0;                 // promised by the scan [negative log posterior]
-constexpr double kMotionsTellApart = 6.0;             // evidence by which a cause has to lead
-constexpr double kSteady = 2.0;                       // and standard errors over motions
+constexpr std::size_t kMostRounds = 14;                             // the best, and what may still pass it, alone
+constexpr double kOnTheWay = 5.0;          // times what its last derivatives gained: a fit may still come so far
+constexpr std::size_t kTold = 5;           // hypotheses that a report lists where none was fitted
+constexpr double kHopelessGain = 3.0;      // promised by the scan [negative log posterior]
+constexpr double kMotionsTellApart = 6.0;  // evidence by which a cause has to lead
+constexpr double kSteady = 2.0;            // and standard errors over motions
 constexpr double kGained = 0.5, kGainedShare = 3e-4;  // a round that gains less was the last
 
 bool enough(double gain, double objective) { return gain < std::max(kGained, kGainedShare * objective); }
@@ -39,6 +42,15 @@ bool toldApart(const MotionCauseFit& better, const MotionCauseFit& worse, double
 double chanceOf(double promised, const std::vector<double>& placebos) {
   const auto as_good = std::ranges::count_if(placebos, [&](double gain) { return gain >= promised; });
   return (1.0 + static_cast<double>(as_good)) / (1.0 + static_cast<double>(placebos.size()));
+}
+
+/// Whether the catalogue says that it is hard to tell from a cause: of the same muscle or of all, of any joint or body.
+bool looksLike(const MotionHypothesis& hypothesis, const ArmCause& cause) {
+  const auto names = [](const ArmEffect& effect, const ArmEffect& other) {
+    return std::ranges::find(effect.look_alikes, other.name) != effect.look_alikes.end();
+  };
+  if (ofOneMuscle(hypothesis) && hypothesis.target != cause.target) return false;
+  return names(*cause.effect, *hypothesis.effect) || names(*hypothesis.effect, *cause.effect);
 }
 
 MotionPlan planOf(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses) {
@@ -74,6 +86,8 @@ void MotionSelector::count(long rollouts) {
 void MotionSelector::converge(MotionCauseFit& fit, int most) {
   for (int round = 1; round <= most; ++round) {
     gained_ = fit.refresh(newsOf());
+    DBG("  converge round %d (fit %ld) objective %.1f gained %.1f misfit %.2f\n", round, fit.rollouts(),
+        fit.objective(), gained_, fit.misfit());  // DBG
     if (enough(gained_, fit.objective())) return;
   }
 }
@@ -85,6 +99,7 @@ std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
   fit->descend();
   converge(*fit, kPlainRounds);
   count(fit->rollouts());
+  DBG("plain %.1f\n", fit->objective());  // DBG
   return fit;
 }
 
@@ -126,6 +141,8 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
       const bool begun = fit->beginBeside(point);
       if (begun) fit->descend();
       count(fit->rollouts());
+      DBG("   %s from point: begun %d objective %.1f (%ld)\n", causes.back().label().c_str(), begun,
+          begun ? fit->objective() : 0.0, fit->rollouts());  // DBG
       if (begun && (!best || fit->objective() < best->objective())) best = std::move(fit);
     }
     if (!best) continue;
@@ -161,48 +178,84 @@ void MotionSelector::chooseAgain(Refit& refit) {
   }
 }
 
-/// The other fits of the effect that is best until now once more, from where that one stands: an effect of one muscle
-/// may have brought the ordinary parameters near to where they belong when it is all muscles' that is missing.
-void MotionSelector::startKinBeside(const MotionCauseFit& base, std::vector<Refit>& refits) {
+/// What the catalogue says is hard to tell from the best, and the best's own effect on other targets, once more from
+/// where that one stands, whether or not the scan liked them: it looked from where the model without a cause was, which
+/// may be far from where the ordinary parameters belong.
+void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+                                     std::vector<Refit>& refits) {
   const MotionLinearisation there = refits.front().fit->withoutLastCause();
   const MotionPoint point(base.posterior(), there);
-  for (Refit& refit : std::span(refits).subspan(1)) {
-    if (!areKin(refit, refits.front())) continue;
-    auto other = std::make_unique<MotionCauseFit>(problem_, refit.fit->causes());
+  const ArmCause best = refits.front().fit->causes().back();
+  const double promised = refits.front().promised;
+  for (const MotionHypothesis& hypothesis : open) {
+    const auto same = [&](const Refit& refit) {
+      const ArmCause& cause = refit.fit->causes().back();
+      return cause.effect == hypothesis.effect && cause.target == hypothesis.target;
+    };
+    const auto fitted = std::ranges::find_if(refits, same);
+    const bool kin = fitted != refits.end() && hypothesis.effect == best.effect;
+    if (fitted == refits.begin() || !(kin || looksLike(hypothesis, best))) continue;
+    std::vector<ArmCause> causes = base.causes();
+    causes.push_back(fitted == refits.end() ? ArmCause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()}
+                                            : fitted->fit->causes().back());
+    auto other = std::make_unique<MotionCauseFit>(problem_, causes);
     const bool begun = other->beginBeside(point);
     if (begun) other->descend();
     count(other->rollouts());
-    if (begun && other->objective() < refit.fit->objective()) refit.fit = std::move(other);
+    if (!begun) continue;
+    DBG("   beside best %s %.1f\n", other->causes().back().label().c_str(), other->objective());  // DBG
+    if (fitted == refits.end()) {
+      refits.push_back({std::move(other), promised});
+    } else if (other->objective() < fitted->fit->objective()) {
+      fitted->fit = std::move(other);
+      fitted->promised = std::max(fitted->promised, promised);
+    }
   }
 }
 
-bool MotionSelector::areKin(const Refit& a, const Refit& b) {
-  return a.fit->causes().back().effect == b.fit->causes().back().effect;
+/// The next best that is of the best's effect on all muscles, or looks like it; refits.size(): none.
+std::size_t MotionSelector::owedDerivatives(const std::vector<Refit>& refits) {
+  const ArmCause& best = refits.front().fit->causes().back();
+  std::size_t i = 1;
+  for (; i < refits.size(); ++i) {
+    const ArmCause& cause = refits[i].fit->causes().back();
+    if (cause.effect == best.effect ? cause.target.empty() : looksLike({cause.effect, cause.target, {}}, best)) break;
+  }
+  return i;
 }
 
 /// New derivatives for the best and for all that might still pass it, as far as refreshing gained until now: several
 /// once, the best of them again. Derivatives of the model without the cause rank badly where it is large; so all
-/// muscles' gets its own twice, however far behind one muscle's it is.
-void MotionSelector::settle(const MotionCauseFit& base, std::vector<Refit>& refits) {
+/// muscles' gets its own, however far behind one muscle's it is.
+void MotionSelector::settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+                            std::vector<Refit>& refits) {
   const auto byObjective = [](const Refit& a, const Refit& b) { return a.fit->objective() < b.fit->objective(); };
   double most_gained = 0.0;
-  for (std::size_t round = 0; round < kRefreshed.size(); ++round) {
+  bool news = true;
+  for (std::size_t round = 0; news && round < kMostRounds; ++round) {
+    news = false;
+    const std::size_t among = kRefreshed[std::min(round, kRefreshed.size() - 1)];
     std::ranges::stable_sort(refits, byObjective);
     if (!refits.front().settled) chooseAgain(refits.front());
-    if (round == 1) startKinBeside(base, refits);
+    if (round == 1) startBesideBest(base, open, refits);
     const double best = refits.front().fit->objective(), variance = std::max(1.0, refits.front().fit->misfit());
+    const std::size_t owed = round == 0 ? 0 : owedDerivatives(refits);
     for (std::size_t i = 0; i < refits.size(); ++i) {
       MotionCauseFit& fit = *refits[i].fit;
-      const bool of_all = i > 0 && areKin(refits[i], refits.front()) && fit.causes().back().target.empty();
-      const bool far = fit.objective() - best > most_gained + kMotionsTellApart * variance;
-      const bool due = of_all && refits[i].refreshed < kOfAllRounds;
-      if (refits[i].settled || !(due || (i < kRefreshed[round] && !far))) continue;
+      const double behind = fit.objective() - best;
+      const bool far = behind > most_gained + kMotionsTellApart * variance;
+      const bool due = i == owed && (refits[i].refreshed == 0 || kOnTheWay * refits[i].gained > behind);
+      if (refits[i].settled || !(due || (i < among && !far))) continue;
+      news = true;
       const double before = fit.objective();
       const long played = fit.rollouts();
       refits[i].settled = enough(fit.refresh(newsOf()), fit.objective());
       ++refits[i].refreshed;
       count(fit.rollouts() - played);
-      most_gained = std::max(most_gained, before - fit.objective());
+      refits[i].gained = before - fit.objective();
+      most_gained = std::max(most_gained, refits[i].gained);
+      DBG("  settle %s: %.1f -> %.1f start1 %g\n", fit.causes().back().label().c_str(), before, fit.objective(),
+          fit.causes().back().start[1]);  // DBG
     }
   }
   std::ranges::stable_sort(refits, byObjective);
@@ -218,6 +271,10 @@ MotionScan MotionSelector::lookAround(const MotionCauseFit& base, const std::vec
   const long before = rollouts_;
   MotionScan scan = scanMotions(points, open, seed_, [&](long rollouts) { tell(before + rollouts); });
   count(scan.rollouts);
+  DBG("scan %ld\n", scan.rollouts);
+  for (std::size_t i = 0; i < std::min<std::size_t>(8, scan.trials.size()); ++i)
+    DBG("   trial %s:%s %.1f\n", std::string(open[scan.trials[i].hypothesis].effect->name).c_str(),
+        open[scan.trials[i].hypothesis].target.c_str(), scan.trials[i].gain);  // DBG
   return scan;
 }
 
@@ -260,8 +317,9 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
   points.clear();
   if (refits.empty()) return std::nullopt;
   plan_.begin(MotionPlan::kDerivatives, rollouts_);
-  settle(base, refits);
+  settle(base, open, refits);
   improveBase(base, *refits.front().fit);
+  DBG("base improved %.1f\n", base.objective());  // DBG
   FoundCause found;
   Refit& best = refits.front();
   const double variance = std::max(1.0, best.fit->misfit());
@@ -271,7 +329,10 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
   for (const Refit& one : refits) {
     const ArmCause& cause = one.fit->causes().back();
     const double odds = (base.objective() - one.fit->objective()) / variance;
-    const bool rival = &one != &best && !toldApart(*best.fit, *one.fit, variance);
+    // What looks like the best and is still on its way may pass it yet.
+    const bool may_pass = looksLike({cause.effect, cause.target, {}}, best.fit->causes().back()) && !one.settled &&
+                          one.fit->objective() - best.fit->objective() < kOnTheWay * one.gained;
+    const bool rival = &one != &best && (may_pass || !toldApart(*best.fit, *one.fit, variance));
     if (rival) found.rivals.push_back(cause.label());
     records.push_back({base.causes().size() + 1, std::string(cause.effect->name), cause.target, kNotMeasured,
                        &one == &best ? found.p : 1.0,

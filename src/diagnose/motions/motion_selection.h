@@ -45,6 +45,7 @@ class MotionSelector {
     double promised;
     bool settled = false;  ///< its last derivatives gained nothing
     int refreshed = 0;     ///< how often it got derivatives of its own
+    double gained = 0.0;   ///< by the last of them
   };
   static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan,
                                                       const std::vector<MotionHypothesis>& open);
@@ -52,9 +53,10 @@ class MotionSelector {
                            const std::vector<MotionHypothesis>& open);
   MotionScan lookAround(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                         std::vector<MotionPoint>& points);
-  static bool areKin(const Refit& a, const Refit& b);  ///< of one effect
-  void startKinBeside(const MotionCauseFit& base, std::vector<Refit>& refits);
-  void settle(const MotionCauseFit& base, std::vector<Refit>& refits);
+  void startBesideBest(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+                       std::vector<Refit>& refits);
+  static std::size_t owedDerivatives(const std::vector<Refit>& refits);
+  void settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits);
   void chooseAgain(Refit& refit);
   void converge(MotionCauseFit& fit, int most);
   void improveBase(MotionCauseFit& base, const MotionCauseFit& with);

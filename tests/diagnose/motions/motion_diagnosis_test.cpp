@@ -9,7 +9,8 @@
 #include "diagnose/motions/motion_hypotheses.h"
 #include "simgap/core/random.h"
 #include "simgap/core/yaml.h"
-#include "support/motions.h"
+#include "support/files.h"
+#include "support/motion_draws.h"
 #include "support/statics.h"
 
 namespace simgap {
@@ -112,6 +113,27 @@ TEST(MotionDiagnosis, GuidesOfAllCordsAreNotNamedAsThoseOfOne) {
   EXPECT_NEAR(expectFound(result, "guide-friction"), 0.13, 0.015);
   ASSERT_FALSE(result.diagnosis.causes.empty());
   EXPECT_EQ(result.diagnosis.causes.front().target, "") << answerOf(result);
+}
+
+// Where the fit without a cause comes to, a payload looks like more inertia: the scan does not promise it a fit.
+TEST(MotionDiagnosis, APayloadIsNotNamedAsInertia) {
+  using enum test::MotionArm;
+  const auto truths = test::motionTruths();
+  const auto truth = std::ranges::find(truths, std::string_view("payload"),
+                                       [](const test::MotionTruth& one) { return std::string_view(one.effect); });
+  const test::HiddenMotionCase hidden = test::drawHidden(kForearm, 202, *truth);
+  const ArmModel model = test::modelOf(hidden.believed.arm, true);
+  const auto record = [&](std::uint64_t first, std::size_t count) {
+    const auto commands = [](std::uint64_t draw) { return test::drawSetpoints(kForearm, draw); };
+    return test::recordMotions(hidden.drawn.truth, model, commands, first, count, hidden.drawn.rig);
+  };
+  const MotionSet selecting = record(test::firstSelecting(202), test::kSelectingMotions),
+                  judging = record(test::firstJudging(202), test::kJudgingMotions);
+  const MotionDiagnosis result =
+      diagnoseMotions(model, selecting, &judging,
+                      MotionCalibrationConfig::read(YamlNode::load(test::sourceFile("configs/calibrate_motions.yaml"))),
+                      {}, [](const std::string&, double) {});
+  EXPECT_NEAR(expectFound(result, "payload"), hidden.magnitude, 0.08) << answerOf(result);  // mass x distance is known
 }
 
 // A muscle over one joint cannot bend round a second, whatever else is missing.
