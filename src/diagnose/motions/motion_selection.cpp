@@ -10,8 +10,6 @@
 
 namespace simgap {
 namespace {
-#define DBG(...) \
-  (getenv("MOTDBG") ? (void)(fprintf(stderr, "DBG %ld ", rollouts_), fprintf(stderr, __VA_ARGS__)) : (void)0)  // DBG
 
 constexpr int kPlainRounds = 3;     // of derivatives made anew
 constexpr int kRefreshRounds = 4;   // of it, from a better place, or where little is promised
@@ -86,8 +84,6 @@ void MotionSelector::count(long rollouts) {
 void MotionSelector::converge(MotionCauseFit& fit, int most) {
   for (int round = 1; round <= most; ++round) {
     gained_ = fit.refresh(newsOf());
-    DBG("  converge round %d (fit %ld) objective %.1f gained %.1f misfit %.2f\n", round, fit.rollouts(),
-        fit.objective(), gained_, fit.misfit());  // DBG
     if (enough(gained_, fit.objective())) return;
   }
 }
@@ -99,7 +95,6 @@ std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
   fit->descend();
   converge(*fit, kPlainRounds);
   count(fit->rollouts());
-  DBG("plain %.1f\n", fit->objective());  // DBG
   return fit;
 }
 
@@ -141,8 +136,6 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
       const bool begun = fit->beginBeside(point);
       if (begun) fit->descend();
       count(fit->rollouts());
-      DBG("   %s from point: begun %d objective %.1f (%ld)\n", causes.back().label().c_str(), begun,
-          begun ? fit->objective() : 0.0, fit->rollouts());  // DBG
       if (begun && (!best || fit->objective() < best->objective())) best = std::move(fit);
     }
     if (!best) continue;
@@ -203,7 +196,6 @@ void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vect
     if (begun) other->descend();
     count(other->rollouts());
     if (!begun) continue;
-    DBG("   beside best %s %.1f\n", other->causes().back().label().c_str(), other->objective());  // DBG
     if (fitted == refits.end()) {
       refits.push_back({std::move(other), promised});
     } else if (other->objective() < fitted->fit->objective()) {
@@ -254,8 +246,6 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
       count(fit.rollouts() - played);
       refits[i].gained = before - fit.objective();
       most_gained = std::max(most_gained, refits[i].gained);
-      DBG("  settle %s: %.1f -> %.1f start1 %g\n", fit.causes().back().label().c_str(), before, fit.objective(),
-          fit.causes().back().start[1]);  // DBG
     }
   }
   std::ranges::stable_sort(refits, byObjective);
@@ -271,10 +261,6 @@ MotionScan MotionSelector::lookAround(const MotionCauseFit& base, const std::vec
   const long before = rollouts_;
   MotionScan scan = scanMotions(points, open, seed_, [&](long rollouts) { tell(before + rollouts); });
   count(scan.rollouts);
-  DBG("scan %ld\n", scan.rollouts);
-  for (std::size_t i = 0; i < std::min<std::size_t>(8, scan.trials.size()); ++i)
-    DBG("   trial %s:%s %.1f\n", std::string(open[scan.trials[i].hypothesis].effect->name).c_str(),
-        open[scan.trials[i].hypothesis].target.c_str(), scan.trials[i].gain);  // DBG
   return scan;
 }
 
@@ -319,7 +305,6 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
   plan_.begin(MotionPlan::kDerivatives, rollouts_);
   settle(base, open, refits);
   improveBase(base, *refits.front().fit);
-  DBG("base improved %.1f\n", base.objective());  // DBG
   FoundCause found;
   Refit& best = refits.front();
   const double variance = std::max(1.0, best.fit->misfit());
