@@ -11,6 +11,7 @@ namespace {
 constexpr double kMostOfNoise = 1.645;     // what nine of ten normal residuals stay within [sd]
 constexpr int kSearches = 3, kPlaces = 7;  // along a cause, each four times as fine as the one before
 constexpr std::size_t kSome = 4;           // motions to look around with
+constexpr double kFarFromPrior = 4.0;      // [sd]: of some hundred parameters none is by chance
 constexpr double kFirstDifference = 0.1;   // of derivatives, in prior standard deviations
 
 /// The cause's parameters stand behind the ordinary ones, before the capture's delay.
@@ -237,8 +238,8 @@ bool MotionCauseFit::beginBeside(const MotionPoint& point) {
   return true;
 }
 
-bool MotionCauseFit::beginAs(const MotionCauseFit& other) {
-  if (!place(other.here_.z)) return false;
+bool MotionCauseFit::beginAs(const MotionCauseFit& other, const Eigen::VectorXd& z) {
+  if (!place(z)) return false;
   here_.jacobians = other.here_.jacobians;
   return true;
 }
@@ -266,6 +267,15 @@ bool MotionCauseFit::moveTo(const Eigen::VectorXd& z) {
   here_.z = z;
   here_.at = std::move(there);
   return true;
+}
+
+std::optional<Eigen::VectorXd> MotionCauseFit::withoutFar() const {
+  Eigen::VectorXd z = here_.z;
+  for (Eigen::Index i = 0; i < ordinary(); ++i) {
+    if (posterior_->hasPrior(i) && std::abs(z[i]) > kFarFromPrior) z[i] = 0.0;
+  }
+  if (z == here_.z) return std::nullopt;
+  return z;
 }
 
 Eigen::VectorXd MotionCauseFit::withoutLast() const {

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -72,9 +73,8 @@ class MotionCauseFit {
   /// Begins beside a fit with one cause less: at its point, the cause where a search along its first parameter finds it
   /// from its start, with derivatives of its own. \returns false where the motions cannot be played there
   bool beginBeside(const MotionPoint& point);
-  /// Begins where a fit of the same parameters is, with its derivatives. \returns false where the motions cannot be
-  /// played
-  bool beginAs(const MotionCauseFit& other);
+  /// Begins with the derivatives of a fit of the same parameters. \returns false where the motions cannot be played
+  bool beginAs(const MotionCauseFit& other, const Eigen::VectorXd& z);
   /// Steps with the derivatives at hand. \returns what they gained
   double descend();
   /// Derivatives made anew where they count, then steps. \returns what these gained
@@ -82,6 +82,8 @@ class MotionCauseFit {
   /// Another place, if it is better; derivatives stay.
   bool moveTo(const Eigen::VectorXd& z);
 
+  /// z with ordinary parameters that lie far from their prior back where they were expected; none where none does.
+  std::optional<Eigen::VectorXd> withoutFar() const;
   /// z of the fit without the last cause.
   Eigen::VectorXd withoutLast() const;
   /// Place and derivatives of the fit without the last cause, if it stood where this one does; the residuals are this

@@ -18,6 +18,7 @@ constexpr std::size_t kRefits = 6;  // with derivatives of the model without the
 constexpr std::size_t kOfOneEffect = 2;
 constexpr std::array<std::size_t, 5> kRefreshed = {3, 2, 2, 1, 1};  // at most, with derivatives of their own
 constexpr std::size_t kMostRounds = 14;                             // the best, and what may still pass it, alone
+constexpr int kRoundsBack = 4;
 constexpr double kOnTheWay = 5.0;          // times what its last derivatives gained: a fit may still come so far
 constexpr std::size_t kTold = 5;           // hypotheses that a report lists where none was fitted
 constexpr double kHopelessGain = 3.0;      // promised by the scan [negative log posterior]
@@ -147,28 +148,56 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
   return refits;
 }
 
-/// What of a cause is not fitted (a speed of creep, a side) once more where the fit is now: the scan chose it where the
-/// model still was without the cause.
-void MotionSelector::chooseAgain(Refit& refit) {
-  const ArmCause chosen = refit.fit->causes().back();
-  const std::span<const ArmEffectParameter> parameters = chosen.effect->parameters;
-  std::vector<EffectParameters> tried = {chosen.start};
+/// The last cause with what is not fitted of it (a speed of creep, a side) as each of the catalogue's starts has it
+/// that its target has; its own choice first.
+std::vector<std::vector<ArmCause>> MotionSelector::choicesOf(const MotionCauseFit& fit) const {
+  std::vector<std::vector<ArmCause>> choices = {fit.causes()};
+  const ArmCause chosen = fit.causes().back();
   for (const EffectParameters& start : possibleStarts(*chosen.effect, chosen.target, problem_.nominal)) {
-    std::vector<ArmCause> causes = refit.fit->causes();
-    causes.back().start = chosen.start;
-    for (std::size_t k = 0; k < parameters.size(); ++k) {
-      if (!parameters[k].fitted) causes.back().start[k] = start[k];
+    std::vector<ArmCause> causes = fit.causes();
+    for (std::size_t k = 0; k < chosen.effect->parameters.size(); ++k) {
+      if (!chosen.effect->parameters[k].fitted) causes.back().start[k] = start[k];
     }
-    if (std::ranges::find(tried, causes.back().start) != tried.end()) continue;
-    tried.push_back(causes.back().start);
+    const auto same = [&](const std::vector<ArmCause>& other) { return other.back().start == causes.back().start; };
+    if (std::ranges::none_of(choices, same)) choices.push_back(std::move(causes));
+  }
+  return choices;
+}
+
+/// Another choice where the fit is now: the scan chose it where the model still was without the cause.
+void MotionSelector::chooseAgain(Refit& refit) {
+  const std::vector<std::vector<ArmCause>> choices = choicesOf(*refit.fit);
+  for (const std::vector<ArmCause>& causes : std::span(choices).subspan(1)) {
     auto other = std::make_unique<MotionCauseFit>(problem_, causes);
-    const bool begun = other->beginAs(*refit.fit);
+    const bool begun = other->beginAs(*refit.fit, refit.fit->here().z);
     if (begun) other->descend();
     count(other->rollouts());
     if (!begun || other->objective() >= refit.fit->objective()) continue;
     refit.fit = std::move(other);
     refit.settled = false;
   }
+}
+
+/// Ordinary parameters that were driven far from what is expected before the cause had its size may hold the fit in a
+/// valley of its own: once more with these as they are expected, with each choice.
+void MotionSelector::bringBack(Refit& refit) {
+  const std::optional<Eigen::VectorXd> z = refit.fit->withoutFar();
+  if (!z) return;
+  std::unique_ptr<MotionCauseFit> best;
+  for (const std::vector<ArmCause>& causes : choicesOf(*refit.fit)) {
+    auto other = std::make_unique<MotionCauseFit>(problem_, causes);
+    const bool begun = other->beginAs(*refit.fit, *z);
+    if (begun) other->descend();
+    count(other->rollouts());
+    if (begun && (!best || other->objective() < best->objective())) best = std::move(other);
+  }
+  if (!best) return;
+  const long before = best->rollouts();
+  for (int round = 0; round < kRoundsBack; ++round) {
+    if (enough(best->refresh(newsOf()), best->objective())) break;
+  }
+  count(best->rollouts() - before);
+  if (best->objective() < refit.fit->objective()) refit.fit = std::move(best);
 }
 
 /// What the catalogue says is hard to tell from the best, and the best's own effect on other targets, once more from
@@ -249,6 +278,7 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
     }
   }
   std::ranges::stable_sort(refits, byObjective);
+  bringBack(refits.front());
 }
 
 /// Scans from where the model without another cause ended, and from the prior's mean while it has none.

@@ -57,7 +57,9 @@ class MotionSelector {
                        std::vector<Refit>& refits);
   static std::size_t owedDerivatives(const std::vector<Refit>& refits);
   void settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits);
+  std::vector<std::vector<ArmCause>> choicesOf(const MotionCauseFit& fit) const;
   void chooseAgain(Refit& refit);
+  void bringBack(Refit& refit);
   void converge(MotionCauseFit& fit, int most);
   void improveBase(MotionCauseFit& base, const MotionCauseFit& with);
   MotionCauseFit::News newsOf();
