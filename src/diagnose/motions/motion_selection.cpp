@@ -18,6 +18,7 @@ constexpr std::size_t kRefits = 6;  // with derivatives of the model without the
 constexpr std::size_t kOfOneEffect = 2;
 constexpr std::array<std::size_t, 5> kRefreshed = {3, 2, 2, 1, 1};  // at most, with derivatives of their own
 constexpr std::size_t kMostRounds = 14;                             // the best, and what may still pass it, alone
+constexpr double kOfLead = 1e-3;  // of its lead, that a round of the best gains: it need not come to its end
 constexpr int kRoundsBack = 4;
 constexpr double kOnTheWay = 5.0;          // times what its last derivatives gained: a fit may still come so far
 constexpr std::size_t kTold = 5;           // hypotheses that a report lists where none was fitted
@@ -194,7 +195,8 @@ void MotionSelector::bringBack(Refit& refit) {
   if (!best) return;
   const long before = best->rollouts();
   for (int round = 0; round < kRoundsBack; ++round) {
-    if (enough(best->refresh(newsOf()), best->objective())) break;
+    const double gained = best->refresh(newsOf());
+    if (enough(gained, best->objective()) || best->objective() - refit.fit->objective() > kOnTheWay * gained) break;
   }
   count(best->rollouts() - before);
   if (best->objective() < refit.fit->objective()) refit.fit = std::move(best);
@@ -270,7 +272,9 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
       news = true;
       const double before = fit.objective();
       const long played = fit.rollouts();
-      refits[i].settled = enough(fit.refresh(newsOf()), fit.objective());
+      const double gained = fit.refresh(newsOf());
+      const double lead = i == 0 && refits.size() > 1 ? refits[1].fit->objective() - fit.objective() : 0.0;
+      refits[i].settled = enough(gained, fit.objective()) || gained < kOfLead * lead;
       ++refits[i].refreshed;
       count(fit.rollouts() - played);
       refits[i].gained = before - fit.objective();
