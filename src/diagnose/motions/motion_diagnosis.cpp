@@ -67,6 +67,8 @@ class MotionDiagnosing {
   void fillErrors();
   void sayWhatIsLeft();
   void withdrawPartial();
+  void forgetCauses();
+  bool preferOrdinary();
   void nameOrdinary();
   Eigen::MatrixXd unseenOf(const MotionCauseFit& fit) const {
     return unseenSquares(fit, fit.here().z, problem_, split_.judging.motions);
@@ -260,6 +262,11 @@ void MotionDiagnosing::withdrawPartial() {
                                         explained_of_all_),
                             cause.gain_heldout});
   }
+  forgetCauses();
+}
+
+void MotionDiagnosing::forgetCauses() {
+  Diagnosis& d = result_.diagnosis;
   d.causes.clear();
   last_.reset();
   found_.clear();
@@ -269,11 +276,33 @@ void MotionDiagnosing::withdrawPartial() {
   fillErrors();
 }
 
+/// What an ordinary parameter explains better: beside the named causes it still lies far from what was expected, and
+/// takes more of what held-out motions are missed by than they do. Damping of a cord that is five times as large is not
+/// quite a cord's that relaxes at once, which explains a part of what a bound leaves. \returns whether it is named
+bool MotionDiagnosing::preferOrdinary() {
+  Diagnosis& d = result_.diagnosis;
+  if (!last_ || d.causes.empty() || !options_.effects.empty()) return false;
+  const std::optional<OrdinaryShift> shift = furthestShift(*last_);
+  if (!shift) return false;
+  const Eigen::MatrixXd with = unseenOf(*last_);
+  const Eigen::ArrayXd of_shift = logGains(unseenSquares(*last_, shift->back, problem_, split_.judging.motions), with);
+  if (!(gainOf(of_shift).lower95 > 0.0) || of_shift.mean() < logGains(unseenOf(*plain_), with).mean()) return false;
+  for (const Cause& cause : d.causes) {
+    d.candidates.push_back({cause.effect, cause.target,
+                            shift->cause.effect + " lies far from what was expected beside it, and explains more",
+                            cause.gain_heldout});
+  }
+  forgetCauses();
+  return true;
+}
+
 /// Where no cause explains anything and nothing is left, what ordinary parameters carry may still be out of the
 /// ordinary. Motions that no fit has seen have to say so: they are missed by more with what was expected.
 void MotionDiagnosing::nameOrdinary() {
   Diagnosis& d = result_.diagnosis;
-  if (!d.causes.empty() || !d.unexplained.empty() || !d.candidates.empty() || !options_.effects.empty()) return;
+  const bool instead = preferOrdinary();
+  if (!d.causes.empty() || !d.unexplained.empty() || !options_.effects.empty()) return;
+  if (!d.candidates.empty() && !instead) return;
   shift_ = furthestShift(*plain_);
   if (!shift_) return;
   const Eigen::MatrixXd before = unseenSquares(*plain_, shift_->back, problem_, split_.judging.motions);

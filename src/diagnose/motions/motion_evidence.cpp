@@ -86,7 +86,9 @@ void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
     const ArmEffect& effect = *findArmEffect(diagnosis.causes[c].effect);
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
       const Estimate& p = diagnosis.extensions[c].parameters[i];
-      const double of_model = effect.command_delay ? 0.0 : kModel * (p.value - effect.parameters[i].neutral);
+      // Of what it changes, or of itself where that is less: no current is limited at a thousand amperes.
+      const double size = std::min(std::abs(p.value - effect.parameters[i].neutral), std::abs(p.value));
+      const double of_model = effect.command_delay ? 0.0 : kModel * size;
       const double half =
           (std::isfinite(p.sd) ? 1.96 * std::hypot(p.sd, of_model) : 0.0) + (effect.command_delay ? row : 0.0);
       diagnosis.causes[c].parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});

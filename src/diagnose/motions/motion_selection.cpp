@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <span>
 
@@ -18,6 +19,8 @@ constexpr std::size_t kRefits = 6;  // with derivatives of the model without the
 constexpr std::size_t kOfOneEffect = 2;
 constexpr std::array<std::size_t, 5> kRefreshed = {3, 2, 2, 1, 1};  // at most, with derivatives of their own
 constexpr std::size_t kMostRounds = 14;                             // the best, and what may still pass it, alone
+constexpr double kLeavesMuch = 2.0;                                 // noise variances that the best leaves
+constexpr int kMoreWaves = 2, kOwedOfMore = 3;
 constexpr double kOfLead = 1e-3;  // of its lead, that a round of the best gains: it need not come to its end
 constexpr int kRoundsBack = 4;
 constexpr double kOnTheWay = 5.0;          // times what its last derivatives gained: a fit may still come so far
@@ -104,15 +107,23 @@ std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
 /// muscles, whatever the scan says: where the fit without it is far off, one muscle alone may promise more than all of
 /// them, and would be named for what all do.
 std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& scan,
-                                                             const std::vector<MotionHypothesis>& open) {
+                                                             const std::vector<MotionHypothesis>& open,
+                                                             const std::vector<Refit>& fitted) {
   std::vector<const MotionTrial*> chosen;
+  const auto isFitted = [&](const MotionTrial& trial) {
+    return std::ranges::any_of(fitted, [&](const Refit& refit) {
+      const ArmCause& cause = refit.fit->causes().back();
+      return cause.effect == open[trial.hypothesis].effect && cause.target == open[trial.hypothesis].target;
+    });
+  };
   const auto add = [&](const MotionTrial& trial) {
-    if (std::ranges::find(chosen, &trial) == chosen.end()) chosen.push_back(&trial);
+    if (std::ranges::find(chosen, &trial) == chosen.end() && !isFitted(trial)) chosen.push_back(&trial);
   };
   std::map<const ArmEffect*, std::size_t> of_effect;
   for (const MotionTrial& trial : scan.trials) {
     if (chosen.size() >= kRefits || trial.gain < kHopelessGain) break;
     const MotionHypothesis& hypothesis = open[trial.hypothesis];
+    if (isFitted(trial)) continue;
     if (!hypothesis.target.empty() && ++of_effect[hypothesis.effect] > kOfOneEffect) continue;
     add(trial);
     const auto of_all = std::ranges::find_if(scan.trials, [&](const MotionTrial& other) {
@@ -126,9 +137,10 @@ std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& s
 /// Fits of the causes that the scan likes best, from where the model without them ended and from the prior's mean.
 std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& base,
                                                          std::span<const MotionPoint> points, const MotionScan& scan,
-                                                         const std::vector<MotionHypothesis>& open) {
+                                                         const std::vector<MotionHypothesis>& open,
+                                                         const std::vector<Refit>& fitted) {
   std::vector<Refit> refits;
-  for (const MotionTrial* trial : worthFitting(scan, open)) {
+  for (const MotionTrial* trial : worthFitting(scan, open, fitted)) {
     const MotionHypothesis& hypothesis = open[trial->hypothesis];
     std::vector<ArmCause> causes = base.causes();
     causes.push_back({hypothesis.effect, hypothesis.target, trial->start});
@@ -249,9 +261,10 @@ std::size_t MotionSelector::owedDerivatives(const std::vector<Refit>& refits) {
 
 /// New derivatives for the best and for all that might still pass it, as far as refreshing gained until now: several
 /// once, the best of them again. Derivatives of the model without the cause rank badly where it is large; so all
-/// muscles' gets its own, however far behind one muscle's it is.
+/// muscles' gets its own, however far behind one muscle's it is. \param owed_of_new  so many of those that have none of
+/// their own get them
 void MotionSelector::settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
-                            std::vector<Refit>& refits) {
+                            std::vector<Refit>& refits, int owed_of_new) {
   const auto byObjective = [](const Refit& a, const Refit& b) { return a.fit->objective() < b.fit->objective(); };
   double most_gained = 0.0;
   bool news = true;
@@ -267,9 +280,11 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
       MotionCauseFit& fit = *refits[i].fit;
       const double behind = fit.objective() - best;
       const bool far = behind > most_gained + kMotionsTellApart * variance;
-      const bool due = i == owed && (refits[i].refreshed == 0 || kOnTheWay * refits[i].gained > behind);
+      const bool unknown = refits[i].refreshed == 0;
+      const bool due = unknown ? i == owed || owed_of_new > 0 : kOnTheWay * refits[i].gained > behind;
       if (refits[i].settled || !(due || (i < among && !far))) continue;
       news = true;
+      if (unknown) --owed_of_new;
       const double before = fit.objective();
       const long played = fit.rollouts();
       const double gained = fit.refresh(newsOf());
@@ -333,11 +348,18 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
     return std::nullopt;
   }
   plan_.begin(MotionPlan::kFits, rollouts_);
-  std::vector<Refit> refits = refit(base, points, scan, open);
-  points.clear();
+  std::vector<Refit> refits = refit(base, points, scan, open, {});
   if (refits.empty()) return std::nullopt;
   plan_.begin(MotionPlan::kDerivatives, rollouts_);
-  settle(base, open, refits);
+  settle(base, open, refits, 0);
+  for (int wave = 0; wave < kMoreWaves && refits.front().fit->misfit() > kLeavesMuch; ++wave) {
+    // What the scan liked less: it looked from where the model without the cause was lost.
+    std::vector<Refit> more = refit(base, points, scan, open, refits);
+    if (more.empty()) break;
+    std::ranges::move(more, std::back_inserter(refits));
+    settle(base, open, refits, kOwedOfMore);
+  }
+  points.clear();
   improveBase(base, *refits.front().fit);
   FoundCause found;
   Refit& best = refits.front();

@@ -47,16 +47,17 @@ class MotionSelector {
     int refreshed = 0;     ///< how often it got derivatives of its own
     double gained = 0.0;   ///< by the last of them
   };
-  static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan,
-                                                      const std::vector<MotionHypothesis>& open);
+  static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan, const std::vector<MotionHypothesis>& open,
+                                                      const std::vector<Refit>& fitted);
   std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points, const MotionScan& scan,
-                           const std::vector<MotionHypothesis>& open);
+                           const std::vector<MotionHypothesis>& open, const std::vector<Refit>& fitted);
   MotionScan lookAround(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                         std::vector<MotionPoint>& points);
   void startBesideBest(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                        std::vector<Refit>& refits);
   static std::size_t owedDerivatives(const std::vector<Refit>& refits);
-  void settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits);
+  void settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits,
+              int owed_of_new);
   std::vector<std::vector<ArmCause>> choicesOf(const MotionCauseFit& fit) const;
   void chooseAgain(Refit& refit);
   void bringBack(Refit& refit);

@@ -115,25 +115,48 @@ TEST(MotionDiagnosis, GuidesOfAllCordsAreNotNamedAsThoseOfOne) {
   EXPECT_EQ(result.diagnosis.causes.front().target, "") << answerOf(result);
 }
 
-// Where the fit without a cause comes to, a payload looks like more inertia: the scan does not promise it a fit.
-TEST(MotionDiagnosis, APayloadIsNotNamedAsInertia) {
+/// A forearm of the study with one cause hidden.
+MotionDiagnosis diagnoseDrawnForearm(const char* effect, std::uint64_t seed) {
   using enum test::MotionArm;
   const auto truths = test::motionTruths();
-  const auto truth = std::ranges::find(truths, std::string_view("payload"),
-                                       [](const test::MotionTruth& one) { return std::string_view(one.effect); });
-  const test::HiddenMotionCase hidden = test::drawHidden(kForearm, 202, *truth);
+  const auto truth = std::ranges::find_if(
+      truths, [&](const test::MotionTruth& one) { return std::string_view(one.effect) == effect; });
+  const test::HiddenMotionCase hidden = test::drawHidden(kForearm, seed, *truth);
   const ArmModel model = test::modelOf(hidden.believed.arm, true);
   const auto record = [&](std::uint64_t first, std::size_t count) {
     const auto commands = [](std::uint64_t draw) { return test::drawSetpoints(kForearm, draw); };
     return test::recordMotions(hidden.drawn.truth, model, commands, first, count, hidden.drawn.rig);
   };
-  const MotionSet selecting = record(test::firstSelecting(202), test::kSelectingMotions),
-                  judging = record(test::firstJudging(202), test::kJudgingMotions);
-  const MotionDiagnosis result =
-      diagnoseMotions(model, selecting, &judging,
-                      MotionCalibrationConfig::read(YamlNode::load(test::sourceFile("configs/calibrate_motions.yaml"))),
-                      {}, [](const std::string&, double) {});
-  EXPECT_NEAR(expectFound(result, "payload"), hidden.magnitude, 0.08) << answerOf(result);  // mass x distance is known
+  const MotionSet selecting = record(test::firstSelecting(seed), test::kSelectingMotions),
+                  judging = record(test::firstJudging(seed), test::kJudgingMotions);
+  const MotionCalibrationConfig config =
+      MotionCalibrationConfig::read(YamlNode::load(test::sourceFile("configs/calibrate_motions.yaml")));
+  return diagnoseMotions(model, selecting, &judging, config, {}, [](const std::string&, double) {});
+}
+
+// Where the fit without a cause comes to, a payload looks like more inertia: the scan does not promise it a fit.
+TEST(MotionDiagnosis, APayloadIsNotNamedAsInertia) {
+  EXPECT_NEAR(expectFound(diagnoseDrawnForearm("payload", 202), "payload"), 0.213, 0.08);  // mass x distance is known
+}
+
+// There the fit without a cause is lost, and the scan likes six others better.
+TEST(MotionDiagnosis, LooksFurtherWhereTheBestLeavesMuch) {
+  EXPECT_NEAR(expectFound(diagnoseDrawnForearm("controller-gain", 204), "controller-gain"), 0.5995, 0.01);
+}
+
+// A cord whose damping is beyond what a fit may carry is not one that relaxes within a moment.
+TEST(MotionDiagnosis, MuchMoreDampingIsNoRelaxation) {
+  EXPECT_GT(expectFound(diagnoseDrawnForearm("cord-damping", 204), "cord-damping"), 4.0);
+}
+
+TEST(MotionDiagnosis, ALimitOfCurrentsIsKnownToAPartOfItself) {
+  const MotionDiagnosis result = diagnoseDrawnForearm("current-limit", 203);
+  expectFound(result, "current-limit");
+  ASSERT_FALSE(result.diagnosis.causes.empty());
+  const Interval& limit = result.diagnosis.causes.front().parameters.front().value;
+  EXPECT_LT(limit.lower95, 1.168);
+  EXPECT_GT(limit.upper95, 1.168);
+  EXPECT_LT(limit.upper95 - limit.lower95, 0.3);
 }
 
 // A muscle over one joint cannot bend round a second, whatever else is missing.
