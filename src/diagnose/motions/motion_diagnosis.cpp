@@ -276,21 +276,25 @@ void MotionDiagnosing::forgetCauses() {
   fillErrors();
 }
 
-/// What an ordinary parameter explains better: beside the named causes it still lies far from what was expected, and
-/// takes more of what held-out motions are missed by than they do. Damping of a cord that is five times as large is not
-/// quite a cord's that relaxes at once, which explains a part of what a bound leaves. \returns whether it is named
+/// What an ordinary parameter explains: beside the named causes it still lies far from what was expected, and they take
+/// less of what held-out motions are missed by than its law may leave of what it takes. Damping of a cord that is five
+/// times as large is not quite a cord's that relaxes at once, which explains a part of what a bound leaves. \returns
+/// whether it is named
 bool MotionDiagnosing::preferOrdinary() {
   Diagnosis& d = result_.diagnosis;
   if (!last_ || d.causes.empty() || !options_.effects.empty()) return false;
   const std::optional<OrdinaryShift> shift = furthestShift(*last_);
   if (!shift) return false;
-  const Eigen::MatrixXd with = unseenOf(*last_);
-  const Eigen::ArrayXd of_shift = logGains(unseenSquares(*last_, shift->back, problem_, split_.judging.motions), with);
-  if (!(gainOf(of_shift).lower95 > 0.0) || of_shift.mean() < logGains(unseenOf(*plain_), with).mean()) return false;
+  const Eigen::MatrixXd with = unseenOf(*last_),
+                        back = unseenSquares(*last_, shift->back, problem_, split_.judging.motions);
+  const double of_causes = meanSquare(unseenOf(*plain_)) - meanSquare(with),
+               of_shift = meanSquare(back) - meanSquare(with);
+  if (!(gainOf(logGains(back, with)).lower95 > 0.0) || !(of_causes < kOfNamed * of_shift)) return false;
   for (const Cause& cause : d.causes) {
-    d.candidates.push_back({cause.effect, cause.target,
-                            shift->cause.effect + " lies far from what was expected beside it, and explains more",
-                            cause.gain_heldout});
+    d.candidates.push_back(
+        {cause.effect, cause.target,
+         shift->cause.effect + " lies far from what was expected beside it, and explains nearly all of it",
+         cause.gain_heldout});
   }
   forgetCauses();
   return true;
