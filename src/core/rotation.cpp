@@ -50,6 +50,13 @@ Eigen::AngleAxisd expSo3(const Eigen::Vector3d& w) {
   return {angle, w / angle};
 }
 
+Eigen::Quaterniond quaternionExpSo3(const Eigen::Vector3d& w) {
+  const double square = w.squaredNorm();
+  const double half = 0.5 * std::sqrt(square);
+  const double sine = half > 1e-4 ? std::sin(half) / (2.0 * half) : 0.5 - square / 48.0;
+  return Eigen::Quaterniond(std::cos(half), sine * w.x(), sine * w.y(), sine * w.z());
+}
+
 Eigen::Vector3d logSo3(const Eigen::Quaterniond& rotation) {
   // q = (cos(angle / 2), sin(angle / 2) axis); of q and -q the one with w >= 0 turns by at most pi.
   const double sine = rotation.vec().norm();

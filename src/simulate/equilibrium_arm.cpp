@@ -9,6 +9,7 @@
 #include "simgap/core/interrupt.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/random.h"
+#include "simgap/core/rotation.h"
 #include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
@@ -28,13 +29,6 @@ constexpr double kFirstStep = 0.25;
 constexpr double kShortestStep = 1.0 / 128.0;
 constexpr double kLongestMove = 0.5;    // [rad] of a joint in one step
 constexpr int kMostEvaluations = 4000;  // some 100 times what a pose of an arm takes
-
-Eigen::Quaterniond exponential(const Eigen::Vector3d& w) {
-  const double square = w.squaredNorm();
-  const double half = 0.5 * std::sqrt(square);
-  const double sine = half > 1e-4 ? std::sin(half) / (2.0 * half) : 0.5 - square / 48.0;
-  return Eigen::Quaterniond(std::cos(half), sine * w.x(), sine * w.y(), sine * w.z());
-}
 
 void clamp(const ArmModel& model, std::vector<JointPosition>& joints) {
   for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -251,7 +245,7 @@ void EquilibriumArm::applyStep(double scale) {
   for (std::size_t j = 0; j < joints_.size(); ++j) {
     const int d = energy_.firstDof(static_cast<int>(j));
     if (!model.joints[j].hasAxis()) {
-      joints_[j].rotation = (joints_[j].rotation * exponential(scale * step_.segment<3>(d))).normalized();
+      joints_[j].rotation = (joints_[j].rotation * quaternionExpSo3(scale * step_.segment<3>(d))).normalized();
     } else {
       joints_[j].angle =
           std::clamp(joints_[j].angle + scale * step_[d], model.joints[j].lower_limit, model.joints[j].upper_limit);
@@ -324,7 +318,7 @@ std::vector<std::vector<JointPosition>> distinctEquilibria(EquilibriumArm& arm, 
     for (std::uint32_t j = 0; j < from.size(); ++j) {
       const auto [x, y] = random.normalPair({start, j, 0});
       const auto [z, angle] = random.normalPair({start, j, 1});
-      from[j].rotation = from[j].rotation * exponential(0.5 * kSpread * Eigen::Vector3d(x, y, z));
+      from[j].rotation = from[j].rotation * quaternionExpSo3(0.5 * kSpread * Eigen::Vector3d(x, y, z));
       from[j].angle += kSpread * angle;
     }
     if (!arm.solveFrom(from, shafts).stable) continue;

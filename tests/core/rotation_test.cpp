@@ -117,6 +117,7 @@ TEST(RotationVector, ExponentialAndLogarithmAreInverse) {
   for (const double angle : {0.0, 1e-12, 1e-9, 1e-6, 1e-3, 1.0, 3.0, kDegree * 180.0 - 1e-9}) {
     const Vector3d w = angle * randomDirection(random);
     const Quaterniond q(expSo3(w));
+    EXPECT_LT(quaternionExpSo3(w).angularDistance(q), kRoundedTurn) << "angle " << angle;
     EXPECT_LT((logSo3(q) - w).norm(), kRoundedTurn) << "angle " << angle;
     EXPECT_LT((logSo3(negated(q)) - w).norm(), kRoundedTurn) << "angle " << angle;
     EXPECT_LT((expSo3(w).toRotationMatrix() - q.toRotationMatrix()).norm(), kRoundedTurn) << "angle " << angle;

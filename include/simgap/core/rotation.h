@@ -45,6 +45,8 @@ Eigen::Quaterniond rotationBetween(const Eigen::Vector3d& from, const Eigen::Vec
 Eigen::Matrix3d cross(const Eigen::Vector3d& v);
 /// The rotation about w by |w|; converts to a quaternion or a matrix.
 Eigen::AngleAxisd expSo3(const Eigen::Vector3d& w);
+/// The same as a quaternion, without the axis: for inner loops.
+Eigen::Quaterniond quaternionExpSo3(const Eigen::Vector3d& w);
 /// The rotation vector of a unit quaternion, |w| <= pi, whatever the quaternion's sign.
 Eigen::Vector3d logSo3(const Eigen::Quaterniond& rotation);
 /// J_r(w): exp(w + dw) = exp(w) exp(J_r dw) to first order.

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "report/diagnosis/cause_table.h"
+#include "report/diagnosis/evidence_charts.h"
 #include "report/diagnosis/motion_says.h"
 #include "report/diagnosis/robot_says.h"
 #include "report/motions/motion_tables.h"
@@ -20,11 +20,6 @@ std::string joined(const Json& words) {
   std::string all;
   for (const Json& word : words) all += (all.empty() ? "" : ", ") + word.get<std::string>();
   return all;
-}
-
-std::string capitalised(std::string words) {
-  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] = static_cast<char>(words[0] - 'a' + 'A');
-  return words;
 }
 
 /// Squared errors are in "A2"; their roots in "A".
@@ -114,61 +109,8 @@ void addPredictions(const ResultFiles& files, Page& page) {
   page.add(std::move(residual));
 }
 
-/// Channels, first those against which the causes took away most of the squared mean residual.
-std::vector<std::string> byGain(const CsvTable& table) {
-  const std::vector<std::string> against = table.text("against");
-  const std::vector<double> before = numbersOf(table, "before"), after = numbersOf(table, "after");
-  const std::vector<double> rows = numbersOf(table, "rows");
-  std::map<std::string, double> gain;
-  for (std::size_t i = 0; i < against.size(); ++i) {
-    const double taken = rows[i] * (before[i] * before[i] - after[i] * after[i]);
-    if (std::isfinite(taken)) gain[against[i]] += taken;
-  }
-  std::vector<std::string> channels = distinctOf(table, "against");
-  std::ranges::stable_sort(channels, std::greater(), [&](const std::string& channel) { return gain[channel]; });
-  return channels;
-}
-
-/// Of the channel, where its name does not say it; runs of earlier versions have none.
-std::string unitOf(const CsvTable& table, const std::string& against) {
-  if (std::ranges::find(table.columns(), "unit") == table.columns().end()) return {};
-  const std::vector<std::string> all = table.text("against");
-  return table.text("unit")[static_cast<std::size_t>(std::ranges::find(all, against) - all.begin())];
-}
-
-/// Mean residual against a channel, before and after the causes.
-Chart evidenceChart(const CsvTable& table, const std::string& against, const std::string& unit) {
-  const auto column = [&](const char* name) { return numbersWhere(table, name, "against", against); };
-  Series before{"before", column("center"), column("before"), Series::Style::kLine, 1};
-  Series after{"with the causes", column("center"), column("after"), Series::Style::kLine, 0};
-  before.half = column("before_ci95");
-  after.half = column("after_ci95");
-  constexpr std::string_view kAgainst = " against ";  // "error of elbow [deg] against time_s" names the quantity, too
-  const std::size_t split = against.find(kAgainst);
-  const bool named = split != std::string::npos;
-  const std::string channel = named ? against.substr(split + kAgainst.size()) : against;
-  const std::string quantity = named ? "mean " + against.substr(0, split) : fmt::format("mean residual [{}]", unit);
-  const std::string title = (named ? against.substr(0, against.find(" [")) + " against " : "Against ") + channel;
-  const std::string own = unitOf(table, against);
-  return lineChart(capitalised(title), {own.empty() ? channel : fmt::format("{} [{}]", channel, unitTitle(own))},
-                   {quantity}, {before, after});
-}
-
-/// Mean residuals, ranked by what the causes took away of them.
-struct Evidence {
-  CsvTable table;
-  std::vector<std::string> channels;  ///< as byGain; empty: there is none
-};
-
-Evidence evidenceOf(const ResultFiles& files) {
-  if (!files.has("evidence.csv")) return {CsvTable::parse("against\n", "evidence.csv"), {}};
-  CsvTable table = files.table("evidence.csv");
-  std::vector<std::string> channels = byGain(table);
-  return {std::move(table), std::move(channels)};
-}
-
 /// The signature: of all channels the one against which the causes took away most of the mean residual.
-void addSignature(const ResultFiles& files, const Evidence& evidence, Page& page) {
+void addSignature(const ResultFiles& files, const EvidenceTable& evidence, Page& page) {
   if (files.result().at("causes").empty() || evidence.channels.empty()) return;
   Chart chart = evidenceChart(evidence.table, evidence.channels.front(), rootUnit(files.result()));
   chart.note = "The signature: what the model missed before, and what is left of it with the causes.";
@@ -177,7 +119,7 @@ void addSignature(const ResultFiles& files, const Evidence& evidence, Page& page
 }
 
 /// The others, ranked: what is left over shows as a shape.
-void addEvidence(const ResultFiles& files, const Evidence& evidence, Page& page) {
+void addEvidence(const ResultFiles& files, const EvidenceTable& evidence, Page& page) {
   if (evidence.channels.empty()) return;
   page.addSection("Evidence: the mean residual against what was logged", /*folded=*/true);
   for (const std::string& against : evidence.channels) {
@@ -371,7 +313,7 @@ Page make(const ResultFiles& files) {
   Page page{"simgap diagnose", sentence.empty() ? "Verdict: " + text(result, "verdict") + "." : sentence,
             notes(result)};
   page.verdict = verdictOf(files);
-  const Evidence evidence = evidenceOf(files);
+  const EvidenceTable evidence = evidenceOf(files);
   addSignature(files, evidence, page);
   if (result.at("baseline").at("mse_heldout").is_number()) page.add(gap(result));
   addCauses(result, page);
