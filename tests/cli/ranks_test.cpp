@@ -153,6 +153,12 @@ TEST_F(SlowSharedWorkTest, HypothesesAndPlacebosOfALog) {
                         "--effects", "bend-friction,channel-delay", "--max-causes", "1"});
 }
 
+TEST_F(SlowSharedWorkTest, HiddenCausesOfAPoseSet) {
+  put("poses.csv", readText(sourceFile("data/arm-dense/poses_calibration.csv")));
+  expectTheSameOnRanks({"diagnose", "arm.yaml", "--poses", "poses.csv", "--effects", "payload,gravity-tilt",
+                        "--max-causes", "1", "--self-test", "1"});
+}
+
 TEST_F(SharedWorkTest, HypothesesOfAPoseSet) {
   put("poses.csv", readText(sourceFile("data/arm/poses_calibration.csv")));
   expectTheSameOnRanks({"diagnose", "arm.yaml", "--poses", "poses.csv", "--effects", "payload,muscle-wrap"});
