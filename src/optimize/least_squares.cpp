@@ -171,6 +171,8 @@ LeastSquaresResult solveFree(const LeastSquaresProblem& problem, const std::vect
   }
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::DENSE_QR;
+  if (options.dogleg) solver.trust_region_strategy_type = ceres::DOGLEG;
+  solver.dogleg_type = ceres::SUBSPACE_DOGLEG;
   solver.initial_trust_region_radius = radius;
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = options.function_tolerance;

@@ -48,6 +48,9 @@ struct LeastSquaresOptions {
   /// First radii of the trust region; the solver runs from each and the lowest cost wins. A small one also reaches
   /// minima that the first long step would jump over.
   std::vector<double> radii = {1e4};
+  /// Steps within a plane of two directions (subspace dogleg: Byrd, Schnabel & Shultz 1988) instead of Levenberg and
+  /// Marquardt's, which creep along narrow curved valleys.
+  bool dogleg = false;
 };
 
 struct LeastSquaresResult {

@@ -178,6 +178,10 @@ ConsistentFit fitConsistent(const DynamicsData& data, const std::vector<JointSum
     const VectorXd& mean = relaxed.priors().mean;
     if (result.theta.empty()) result.theta.assign(mean.begin(), mean.end());
     result = minimise(relaxed.problem(), result.theta, options);
+    if (result.converged) continue;
+    options.dogleg = true;  // where Levenberg's and Marquardt's steps creep along it
+    result = minimise(relaxed.problem(), result.theta, options);
+    options.dogleg = false;
   }
   const ConsistentProblem search(data, sums, variance, inflation, constants);
   const LeastSquaresProblem problem = search.problem();

@@ -146,6 +146,16 @@ TEST(RobotFit, BodiesThatItFindsCanExist) {
   EXPECT_GT(test::robotLog(arm, reality::recordRobot(robot, {}, 2)).joints[0].resting, 100u);
 }
 
+// Levenberg's and Marquardt's steps were not at the end of it after 300 iterations.
+TEST(RobotFit, ANarrowValleyOfBodiesIsFollowedToItsEnd) {
+  constexpr std::uint64_t kSeed = 3131;
+  reality::RobotRigOptions rig;
+  rig.duration = 40.0;
+  const reality::Robot robot = reality::randomRobot(kSeed, 2, false, false);
+  const ArmModel arm = test::drawnArm(robot, kSeed);
+  EXPECT_NO_THROW(fitRobot(arm, test::robotLog(arm, reality::recordRobot(robot, rig, 3 * kSeed)), {}));
+}
+
 TEST(RobotFit, ModelReadsBackAsItWas) {
   const reality::Robot robot = reality::randomRobot(13, 2, false, false);
   const ArmModel arm = test::drawnArm(robot, 3);
