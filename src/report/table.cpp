@@ -97,6 +97,11 @@ std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
+std::string capitalised(std::string words) {
+  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] = static_cast<char>(words[0] - 'a' + 'A');
+  return words;
+}
+
 std::string unitTitle(const std::string& unit) {
   static const std::map<std::string, std::string> kTokens = {{"Nm", "N m"}, {"Nms", "N m s"}, {"Ns", "N s"},
                                                              {"Vs", "V s"}, {"ohm", "Ω"},     {"degC", "°C"}};

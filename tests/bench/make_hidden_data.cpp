@@ -130,10 +130,8 @@ void writeMotions(const simgap::test::HiddenMotionCase& hidden, simgap::test::Mo
 /// An arm that moves, and how to ask. \returns an exit code
 int writeMovingArm(const std::string& effect, std::uint64_t seed, simgap::test::MotionArm arm,
                    const std::filesystem::path& directory) {
-  const auto truths = simgap::test::motionTruths();
-  const auto truth = std::ranges::find(truths, effect == "none" ? "" : effect,
-                                       [](const simgap::test::MotionTruth& one) { return std::string(one.effect); });
-  if (truth == truths.end()) {
+  const simgap::test::MotionTruth* truth = simgap::test::findMotionTruth(effect == "none" ? "" : effect);
+  if (truth == nullptr) {
     std::fprintf(stderr, "%s: found no such cause of an arm that moves\n", effect.c_str());
     return 2;
   }

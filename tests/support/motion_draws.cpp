@@ -1,8 +1,6 @@
 #include "support/motion_draws.h"
 
-#include <cmath>
-
-#include "simgap/core/random.h"
+#include <algorithm>
 
 namespace simgap::test {
 namespace {
@@ -57,36 +55,39 @@ reality::MovingArm believedArm(MotionArm arm) {
   return believed;
 }
 
-/// Off by what a static calibration and data sheets leave.
-reality::MovingArm offFromBelieved(reality::MovingArm drawn, std::uint64_t seed) {
-  const CounterRandom random(seed);
-  std::uint32_t next = 0;
-  const auto normal = [&] { return random.normalPair({next++, 0, 0, 93})[0]; };
-  const auto scale = [&](double& value, double sd) { value *= std::exp(sd * normal()); };
-  for (reality::Link& link : drawn.arm.links) {
-    scale(link.coulomb, 0.3);
-    scale(link.viscous, 0.3);
-  }
-  for (reality::Muscle& muscle : drawn.arm.muscles) {
-    for (Eigen::Vector3d* point : {&muscle.from.point, &muscle.to.point}) {
-      for (double& x : *point) x += 1.5e-3 * normal();
-    }
-    muscle.kite_line += 2e-3 * normal();
-    scale(muscle.stiffness, 0.03);
-    scale(muscle.spindle_radius, 0.01);
-    scale(muscle.damping, 0.3);
-  }
-  for (reality::DriveTruth& drive : drawn.drives) scale(drive.coulomb, 0.3);
-  return drawn;
+}  // namespace
+
+std::span<const MotionTruth> motionTruths() { return kMotionTruths; }
+
+const MotionTruth* findMotionTruth(std::string_view effect) {
+  const auto* found = std::ranges::find_if(kMotionTruths, [&](const MotionTruth& one) { return one.effect == effect; });
+  return found == std::end(kMotionTruths) ? nullptr : found;
 }
 
-reality::Setpoints forearmSwings(std::uint64_t draw) {
+void deviate(reality::Arm& arm, Deviations& deviations) {
+  for (reality::Link& link : arm.links) {
+    deviations.scale(link.coulomb, 0.3);
+    deviations.scale(link.viscous, 0.3);
+  }
+  for (reality::Muscle& muscle : arm.muscles) {
+    for (Eigen::Vector3d* point : {&muscle.from.point, &muscle.to.point}) {
+      for (double& x : *point) x += 1.5e-3 * deviations.normal();
+    }
+    muscle.kite_line += 2e-3 * deviations.normal();
+    deviations.scale(muscle.stiffness, 0.03);
+    deviations.scale(muscle.spindle_radius, 0.01);
+    deviations.scale(muscle.damping, 0.3);
+  }
+}
+
+reality::Setpoints opposedSwings(std::uint64_t draw, const SwingSizes& sizes) {
   const CounterRandom random(draw);
   const auto drawn = [&](std::uint32_t i, double from, double to) {
-    return from + (to - from) * random.uniform({i, 0, 0, 94});
+    return from + (to - from) * random.uniform({i, 0, 0, sizes.stream});
   };
-  const double tension = drawn(0, 3.0, 4.4), swing = drawn(1, 0.4, 1.4), rate = drawn(2, 0.3, 1.8);
-  const double step = drawn(3, 0.6, 1.6) * (draw % 2 ? 1.0 : -1.0), tenser = drawn(4, -0.6, 0.8);
+  const double tension = drawn(0, 3.0, 4.4), swing = drawn(1, sizes.swing_from, sizes.swing_to);
+  const double rate = drawn(2, 0.3, 1.8), tenser = drawn(4, -0.6, 0.8);
+  const double step = drawn(3, sizes.step_from, sizes.step_to) * (draw % 2 ? 1.0 : -1.0);
   return [=](double time) {
     double co = tension, difference = 0.0;
     if (time >= 0.4) difference = swing * std::sin(2.0 * M_PI * rate * (time - 0.4));
@@ -96,32 +97,29 @@ reality::Setpoints forearmSwings(std::uint64_t draw) {
   };
 }
 
-/// Between three rests: a step, sines of one rate about the second, and a step to the third.
-reality::Setpoints referenceSwings(std::uint64_t draw) {
-  const reality::Arm arm = reality::referenceArm();
+reality::Setpoints swingsBetweenRests(const reality::Arm& arm, std::uint64_t draw, const RestSwings& swings) {
   const auto a = reality::randomShafts(arm, 3 * draw), b = reality::randomShafts(arm, 3 * draw + 1),
              c = reality::randomShafts(arm, 3 * draw + 2);
   const CounterRandom random(draw);
-  const double rate = 0.4 + 1.4 * random.uniform({0, 0, 0, 97});
+  const double rate = swings.slowest + swings.rates * random.uniform({0, 0, 0, swings.stream});
   return [=](double time) {
     if (time < 0.4) return a;
-    if (time >= 2.6) return c;
+    if (time >= swings.until) return c;
     std::vector<double> now = b;
     for (std::uint32_t m = 0; m < now.size(); ++m) {
-      const double phase = 2.0 * M_PI * random.uniform({1, m, 0, 97});
-      now[m] += 0.5 * std::sin(2.0 * M_PI * rate * time + phase);
+      const double phase = 2.0 * M_PI * random.uniform({1, m, 0, swings.stream});
+      now[m] += swings.size * std::sin(2.0 * M_PI * rate * time + phase);
     }
     return now;
   };
 }
 
-}  // namespace
-
-std::span<const MotionTruth> motionTruths() { return kMotionTruths; }
-
 HiddenMotionCase drawHidden(MotionArm arm, std::uint64_t seed, const MotionTruth& truth) {
   HiddenMotionCase drawn{believedArm(arm), {}, 0.0, truth.target};
-  drawn.drawn.truth = offFromBelieved(drawn.believed, seed);
+  drawn.drawn.truth = drawn.believed;
+  Deviations deviations(seed, 93);
+  deviate(drawn.drawn.truth.arm, deviations);
+  for (reality::DriveTruth& drive : drawn.drawn.truth.drives) deviations.scale(drive.coulomb, 0.3);
   const auto kind = static_cast<std::uint32_t>(&truth - kMotionTruths);
   drawn.magnitude = truth.from + (truth.to - truth.from) * CounterRandom(seed).uniform({kind, 0, 0, 96});
   truth.hide(drawn.magnitude, drawn.drawn);
@@ -132,7 +130,8 @@ HiddenMotionCase drawHidden(MotionArm arm, std::uint64_t seed, const MotionTruth
 }
 
 reality::Setpoints drawSetpoints(MotionArm arm, std::uint64_t draw) {
-  return arm == MotionArm::kForearm ? forearmSwings(draw) : referenceSwings(draw);
+  if (arm == MotionArm::kForearm) return opposedSwings(draw, {0.4, 1.4, 0.6, 1.6, 94});
+  return swingsBetweenRests(reality::referenceArm(), draw, {0.4, 1.4, 0.5, 2.6, 97});
 }
 
 }  // namespace simgap::test

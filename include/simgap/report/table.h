@@ -33,6 +33,9 @@ std::string answerText(const std::string& answer, const std::vector<Table>& tabl
 /// A unit as people write it: "rad_s" is "rad/s", "1_rad" is "1/rad", "A2" is "A²".
 std::string unitTitle(const std::string& unit);
 
+/// Begun with a capital letter.
+std::string capitalised(std::string words);
+
 /// A probability: what is less than 0.0001 is not told more exactly.
 std::string probabilityText(const Json& p);
 

@@ -111,10 +111,7 @@ std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& s
                                                              const std::vector<Refit>& fitted) {
   std::vector<const MotionTrial*> chosen;
   const auto isFitted = [&](const MotionTrial& trial) {
-    return std::ranges::any_of(fitted, [&](const Refit& refit) {
-      const ArmCause& cause = refit.fit->causes().back();
-      return cause.effect == open[trial.hypothesis].effect && cause.target == open[trial.hypothesis].target;
-    });
+    return std::ranges::any_of(fitted, [&](const Refit& refit) { return refit.isOf(open[trial.hypothesis]); });
   };
   const auto add = [&](const MotionTrial& trial) {
     if (std::ranges::find(chosen, &trial) == chosen.end() && !isFitted(trial)) chosen.push_back(&trial);
@@ -134,6 +131,20 @@ std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& s
   return chosen;
 }
 
+bool MotionSelector::Refit::isOf(const MotionHypothesis& hypothesis) const {
+  return cause().effect == hypothesis.effect && cause().target == hypothesis.target;
+}
+
+/// A fit that has begun and descended with the derivatives at hand; null where the motions cannot be played there.
+template <typename Begin>
+std::unique_ptr<MotionCauseFit> MotionSelector::descended(std::vector<ArmCause> causes, const Begin& begin) {
+  auto fit = std::make_unique<MotionCauseFit>(problem_, std::move(causes));
+  const bool begun = begin(*fit);
+  if (begun) fit->descend();
+  count(fit->rollouts());
+  return begun ? std::move(fit) : nullptr;
+}
+
 /// Fits of the causes that the scan likes best, from where the model without them ended and from the prior's mean.
 std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& base,
                                                          std::span<const MotionPoint> points, const MotionScan& scan,
@@ -146,11 +157,8 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
     causes.push_back({hypothesis.effect, hypothesis.target, trial->start});
     std::unique_ptr<MotionCauseFit> best;
     for (const MotionPoint& point : points) {
-      auto fit = std::make_unique<MotionCauseFit>(problem_, causes);
-      const bool begun = fit->beginBeside(point);
-      if (begun) fit->descend();
-      count(fit->rollouts());
-      if (begun && (!best || fit->objective() < best->objective())) best = std::move(fit);
+      auto fit = descended(causes, [&](MotionCauseFit& one) { return one.beginBeside(point); });
+      if (fit && (!best || fit->objective() < best->objective())) best = std::move(fit);
     }
     if (!best) continue;
     const long before = best->rollouts();
@@ -181,11 +189,8 @@ std::vector<std::vector<ArmCause>> MotionSelector::choicesOf(const MotionCauseFi
 void MotionSelector::chooseAgain(Refit& refit) {
   const std::vector<std::vector<ArmCause>> choices = choicesOf(*refit.fit);
   for (const std::vector<ArmCause>& causes : std::span(choices).subspan(1)) {
-    auto other = std::make_unique<MotionCauseFit>(problem_, causes);
-    const bool begun = other->beginAs(*refit.fit, refit.fit->here().z);
-    if (begun) other->descend();
-    count(other->rollouts());
-    if (!begun || other->objective() >= refit.fit->objective()) continue;
+    auto other = descended(causes, [&](MotionCauseFit& one) { return one.beginAs(*refit.fit, refit.fit->here().z); });
+    if (!other || other->objective() >= refit.fit->objective()) continue;
     refit.fit = std::move(other);
     refit.settled = false;
   }
@@ -198,11 +203,8 @@ void MotionSelector::bringBack(Refit& refit) {
   if (!z) return;
   std::unique_ptr<MotionCauseFit> best;
   for (const std::vector<ArmCause>& causes : choicesOf(*refit.fit)) {
-    auto other = std::make_unique<MotionCauseFit>(problem_, causes);
-    const bool begun = other->beginAs(*refit.fit, *z);
-    if (begun) other->descend();
-    count(other->rollouts());
-    if (begun && (!best || other->objective() < best->objective())) best = std::move(other);
+    auto other = descended(causes, [&](MotionCauseFit& one) { return one.beginAs(*refit.fit, *z); });
+    if (other && (!best || other->objective() < best->objective())) best = std::move(other);
   }
   if (!best) return;
   const long before = best->rollouts();
@@ -221,24 +223,17 @@ void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vect
                                      std::vector<Refit>& refits) {
   const MotionLinearisation there = refits.front().fit->withoutLastCause();
   const MotionPoint point(base.posterior(), there);
-  const ArmCause best = refits.front().fit->causes().back();
+  const ArmCause best = refits.front().cause();
   const double promised = refits.front().promised;
   for (const MotionHypothesis& hypothesis : open) {
-    const auto same = [&](const Refit& refit) {
-      const ArmCause& cause = refit.fit->causes().back();
-      return cause.effect == hypothesis.effect && cause.target == hypothesis.target;
-    };
-    const auto fitted = std::ranges::find_if(refits, same);
+    const auto fitted = std::ranges::find_if(refits, [&](const Refit& refit) { return refit.isOf(hypothesis); });
     const bool kin = fitted != refits.end() && hypothesis.effect == best.effect;
     if (fitted == refits.begin() || !(kin || looksLike(hypothesis, best))) continue;
     std::vector<ArmCause> causes = base.causes();
     causes.push_back(fitted == refits.end() ? ArmCause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()}
-                                            : fitted->fit->causes().back());
-    auto other = std::make_unique<MotionCauseFit>(problem_, causes);
-    const bool begun = other->beginBeside(point);
-    if (begun) other->descend();
-    count(other->rollouts());
-    if (!begun) continue;
+                                            : fitted->cause());
+    auto other = descended(std::move(causes), [&](MotionCauseFit& one) { return one.beginBeside(point); });
+    if (!other) continue;
     if (fitted == refits.end()) {
       refits.push_back({std::move(other), promised});
     } else if (other->objective() < fitted->fit->objective()) {
@@ -250,10 +245,10 @@ void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vect
 
 /// The next best that is of the best's effect on all muscles, or looks like it; refits.size(): none.
 std::size_t MotionSelector::owedDerivatives(const std::vector<Refit>& refits) {
-  const ArmCause& best = refits.front().fit->causes().back();
+  const ArmCause& best = refits.front().cause();
   std::size_t i = 1;
   for (; i < refits.size(); ++i) {
-    const ArmCause& cause = refits[i].fit->causes().back();
+    const ArmCause& cause = refits[i].cause();
     if (cause.effect == best.effect ? cause.target.empty() : looksLike({cause.effect, cause.target, {}}, best)) break;
   }
   return i;
@@ -320,6 +315,34 @@ void MotionSelector::improveBase(MotionCauseFit& base, const MotionCauseFit& wit
   count(base.rollouts() - before);
 }
 
+/// The best of the fits, with those that motions do not tell from it.
+FoundCause MotionSelector::conclude(const MotionCauseFit& base, std::vector<Refit>& refits,
+                                    const std::vector<double>& placebos, std::vector<HypothesisRecord>& records) {
+  FoundCause found;
+  Refit& best = refits.front();
+  const double variance = std::max(1.0, best.fit->misfit());
+  found.evidence = (base.objective() - best.fit->objective()) / variance;
+  found.by_motion = (base.losses() - best.fit->losses()) / variance;
+  found.p = chanceOf(best.promised, placebos);
+  for (const Refit& one : refits) {
+    const ArmCause& cause = one.cause();
+    const double odds = (base.objective() - one.fit->objective()) / variance;
+    // What looks like the best and is still on its way may pass it yet.
+    const bool may_pass = looksLike({cause.effect, cause.target, {}}, best.cause()) && !one.settled &&
+                          one.fit->objective() - best.fit->objective() < kOnTheWay * one.gained;
+    const bool rival = &one != &best && (may_pass || !toldApart(*best.fit, *one.fit, variance));
+    if (rival) found.rivals.push_back(cause.label());
+    records.push_back({base.causes().size() + 1, std::string(cause.effect->name), cause.target, kNotMeasured,
+                       &one == &best ? found.p : 1.0,
+                       &one == &best ? "best"
+                       : rival       ? "ambiguous"
+                                     : fmt::format("rejected: {:.1f} behind the best", found.evidence - odds),
+                       odds});
+  }
+  found.fit = std::move(best.fit);
+  return found;
+}
+
 std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector<HypothesisRecord>& records) {
   std::vector<MotionHypothesis> open = hypotheses_;
   std::erase_if(open, [&](const MotionHypothesis& hypothesis) {
@@ -361,29 +384,7 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
   }
   points.clear();
   improveBase(base, *refits.front().fit);
-  FoundCause found;
-  Refit& best = refits.front();
-  const double variance = std::max(1.0, best.fit->misfit());
-  found.evidence = (base.objective() - best.fit->objective()) / variance;
-  found.by_motion = (base.losses() - best.fit->losses()) / variance;
-  found.p = chanceOf(best.promised, scan.placebos);
-  for (const Refit& one : refits) {
-    const ArmCause& cause = one.fit->causes().back();
-    const double odds = (base.objective() - one.fit->objective()) / variance;
-    // What looks like the best and is still on its way may pass it yet.
-    const bool may_pass = looksLike({cause.effect, cause.target, {}}, best.fit->causes().back()) && !one.settled &&
-                          one.fit->objective() - best.fit->objective() < kOnTheWay * one.gained;
-    const bool rival = &one != &best && (may_pass || !toldApart(*best.fit, *one.fit, variance));
-    if (rival) found.rivals.push_back(cause.label());
-    records.push_back({base.causes().size() + 1, std::string(cause.effect->name), cause.target, kNotMeasured,
-                       &one == &best ? found.p : 1.0,
-                       &one == &best ? "best"
-                       : rival       ? "ambiguous"
-                                     : fmt::format("rejected: {:.1f} behind the best", found.evidence - odds),
-                       odds});
-  }
-  found.fit = std::move(best.fit);
-  return found;
+  return conclude(base, refits, scan.placebos, records);
 }
 
 }  // namespace simgap

@@ -46,7 +46,12 @@ class MotionSelector {
     bool settled = false;  ///< its last derivatives gained nothing
     int refreshed = 0;     ///< how often it got derivatives of its own
     double gained = 0.0;   ///< by the last of them
+
+    const ArmCause& cause() const { return fit->causes().back(); }
+    bool isOf(const MotionHypothesis& hypothesis) const;
   };
+  template <typename Begin>
+  std::unique_ptr<MotionCauseFit> descended(std::vector<ArmCause> causes, const Begin& begin);
   static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan, const std::vector<MotionHypothesis>& open,
                                                       const std::vector<Refit>& fitted);
   std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points, const MotionScan& scan,
@@ -61,6 +66,8 @@ class MotionSelector {
   std::vector<std::vector<ArmCause>> choicesOf(const MotionCauseFit& fit) const;
   void chooseAgain(Refit& refit);
   void bringBack(Refit& refit);
+  static FoundCause conclude(const MotionCauseFit& base, std::vector<Refit>& refits,
+                             const std::vector<double>& placebos, std::vector<HypothesisRecord>& records);
   void converge(MotionCauseFit& fit, int most);
   void improveBase(MotionCauseFit& base, const MotionCauseFit& with);
   MotionCauseFit::News newsOf();

@@ -170,6 +170,8 @@ ConsistentFit fitConsistent(const DynamicsData& data, const std::vector<JointSum
   options.max_iterations = 300;
   options.function_tolerance = 1e-8;  // the cost is a chi squared: of a thousand, 1e-5 means nothing
   options.parameter_tolerance = 1e-8;
+  LeastSquaresOptions in_planes = options;
+  in_planes.dogleg = true;
   // A sharp log makes a narrow, curved valley of bodies that explain it: the way there begins where the priors rule,
   // and follows the valley as the log gains weight.
   LeastSquaresResult result;
@@ -178,10 +180,7 @@ ConsistentFit fitConsistent(const DynamicsData& data, const std::vector<JointSum
     const VectorXd& mean = relaxed.priors().mean;
     if (result.theta.empty()) result.theta.assign(mean.begin(), mean.end());
     result = minimise(relaxed.problem(), result.theta, options);
-    if (result.converged) continue;
-    options.dogleg = true;  // where Levenberg's and Marquardt's steps creep along it
-    result = minimise(relaxed.problem(), result.theta, options);
-    options.dogleg = false;
+    if (!result.converged) result = minimise(relaxed.problem(), result.theta, in_planes);  // its steps crept
   }
   const ConsistentProblem search(data, sums, variance, inflation, constants);
   const LeastSquaresProblem problem = search.problem();

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "simgap/capture/capture_run.h"
@@ -171,7 +170,7 @@ std::string jointAnswer(const Json& result) {
                   : fmt::format("{} centre within {:.2f} mm, ", name, numberOf(j.at("centre_sd_mm")));
   }
   if (answer.empty()) throw DataError("result.json: joints: found none, expected at least one");
-  answer.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(answer.front())));
+  answer = capitalised(std::move(answer));
   for (const Json& bone : result.at("bones")) {
     answer += fmt::format("{} to {} {:.1f} mm, ", bone.at("from").get<std::string>(), bone.at("to").get<std::string>(),
                           numberOf(bone.at("length_mm")));

@@ -9,11 +9,6 @@
 namespace simgap {
 namespace {
 
-std::string withCapital(std::string words) {
-  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] = static_cast<char>(words[0] - 'a' + 'A');
-  return words;
-}
-
 /// Channels, first those against which the causes took away most of the squared mean residual.
 std::vector<std::string> channelsByGain(const CsvTable& table) {
   const std::vector<std::string> against = table.text("against");
@@ -51,7 +46,7 @@ Chart evidenceChart(const CsvTable& table, const std::string& against, const std
   const std::string quantity = named ? "mean " + against.substr(0, split) : fmt::format("mean residual [{}]", unit);
   const std::string title = (named ? against.substr(0, against.find(" [")) + " against " : "Against ") + channel;
   const std::string own = channelUnit(table, against);
-  return lineChart(withCapital(title), {own.empty() ? channel : fmt::format("{} [{}]", channel, unitTitle(own))},
+  return lineChart(capitalised(title), {own.empty() ? channel : fmt::format("{} [{}]", channel, unitTitle(own))},
                    {quantity}, {before, after});
 }
 

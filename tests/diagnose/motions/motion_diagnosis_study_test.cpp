@@ -6,39 +6,13 @@
 #include <cstdio>
 #include <map>
 
-#include "simgap/core/yaml.h"
-#include "simgap/diagnose/motions/motion_diagnosis.h"
-#include "support/files.h"
-#include "support/motion_draws.h"
-#include "support/statics.h"
+#include "diagnose/motions/motion_cases.h"
 
 namespace simgap {
 namespace {
 
 constexpr std::uint64_t kFirstForearm = 101, kForearms = 5;
 constexpr double kWorthFinding = 0.05;  // of the held-out mean square
-
-struct StudyCase {
-  MotionDiagnosis said;
-  double magnitude = 0.0;
-  std::string target;
-};
-
-StudyCase diagnoseDrawn(std::uint64_t seed, const test::MotionTruth& cause) {
-  using enum test::MotionArm;
-  const test::HiddenMotionCase hidden = test::drawHidden(kForearm, seed, cause);
-  const ArmModel model = test::modelOf(hidden.believed.arm, true);
-  const auto record = [&](std::uint64_t first, std::size_t count) {
-    const auto commands = [](std::uint64_t draw) { return test::drawSetpoints(kForearm, draw); };
-    return test::recordMotions(hidden.drawn.truth, model, commands, first, count, hidden.drawn.rig);
-  };
-  const MotionSet selecting = record(test::firstSelecting(seed), test::kSelectingMotions),
-                  judging = record(test::firstJudging(seed), test::kJudgingMotions);
-  const MotionCalibrationConfig config =
-      MotionCalibrationConfig::read(YamlNode::load(test::sourceFile("configs/calibrate_motions.yaml")));
-  return {diagnoseMotions(model, selecting, &judging, config, {}, [](const std::string&, double) {}), hidden.magnitude,
-          hidden.target};
-}
 
 /// silent, right, group (the right one among others), unexplained, WRONG.
 std::string judgedAs(const Diagnosis& said, const std::string& effect, const std::string& target) {
@@ -75,7 +49,7 @@ TEST(SlowMotionDiagnosisStudy, NamesWhatIsHidden) {
   for (std::uint64_t seed = kFirstForearm; seed < kFirstForearm + kForearms; ++seed) {
     double noise = 1.0;  // what is missed of held-out motions with nothing hidden
     for (const test::MotionTruth& cause : test::motionTruths()) {
-      const StudyCase one = diagnoseDrawn(seed, cause);
+      const test::MotionCase one = test::diagnoseForearmWith(cause, seed);
       const Diagnosis& said = one.said.diagnosis;
       const std::string outcome = judgedAs(said, cause.effect, one.target), effect = cause.effect;
       if (effect.empty()) noise = said.baseline.mse_heldout;

@@ -6,32 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/motions/motion_cases.h"
 #include "diagnose/motions/motion_hypotheses.h"
-#include "simgap/core/random.h"
-#include "simgap/core/yaml.h"
-#include "support/files.h"
-#include "support/motion_draws.h"
-#include "support/statics.h"
 
 namespace simgap {
 namespace {
 
-/// Steps and sines between tense and slack, fast and slow.
-reality::Setpoints variedSetpoints(std::uint64_t draw) {
-  const CounterRandom random(draw);
-  const auto drawn = [&](std::uint32_t i, double from, double to) {
-    return from + (to - from) * random.uniform({i, 0, 0, 95});
-  };
-  const double tension = drawn(0, 3.0, 4.4), swing = drawn(1, 0.2, 0.7), rate = drawn(2, 0.3, 1.8);
-  const double step = drawn(3, 0.3, 0.8) * (draw % 2 ? 1.0 : -1.0), tenser = drawn(4, -0.6, 0.8);
-  return [=](double time) {
-    double co = tension, difference = 0.0;
-    if (time >= 0.4) difference = swing * std::sin(2.0 * M_PI * rate * (time - 0.4));
-    if (time >= 2.2) difference = step;
-    if (time >= 3.2) co += tenser;
-    return std::vector<double>{co + difference, co - difference};
-  };
-}
+reality::Setpoints variedSetpoints(std::uint64_t draw) { return test::opposedSwings(draw, {0.2, 0.7, 0.3, 0.8, 95}); }
 
 MotionDiagnosis diagnoseForearm(const reality::MovingArm& truth, reality::MotionRigOptions rig = {},
                                 const std::vector<std::string>& effects = {}) {
@@ -117,21 +98,7 @@ TEST(MotionDiagnosis, GuidesOfAllCordsAreNotNamedAsThoseOfOne) {
 
 /// A forearm of the study with one cause hidden.
 MotionDiagnosis diagnoseDrawnForearm(const char* effect, std::uint64_t seed) {
-  using enum test::MotionArm;
-  const auto truths = test::motionTruths();
-  const auto truth = std::ranges::find_if(
-      truths, [&](const test::MotionTruth& one) { return std::string_view(one.effect) == effect; });
-  const test::HiddenMotionCase hidden = test::drawHidden(kForearm, seed, *truth);
-  const ArmModel model = test::modelOf(hidden.believed.arm, true);
-  const auto record = [&](std::uint64_t first, std::size_t count) {
-    const auto commands = [](std::uint64_t draw) { return test::drawSetpoints(kForearm, draw); };
-    return test::recordMotions(hidden.drawn.truth, model, commands, first, count, hidden.drawn.rig);
-  };
-  const MotionSet selecting = record(test::firstSelecting(seed), test::kSelectingMotions),
-                  judging = record(test::firstJudging(seed), test::kJudgingMotions);
-  const MotionCalibrationConfig config =
-      MotionCalibrationConfig::read(YamlNode::load(test::sourceFile("configs/calibrate_motions.yaml")));
-  return diagnoseMotions(model, selecting, &judging, config, {}, [](const std::string&, double) {});
+  return test::diagnoseForearmWith(*test::findMotionTruth(effect), seed).said;
 }
 
 // Where the fit without a cause comes to, a payload looks like more inertia: the scan does not promise it a fit.

@@ -12,7 +12,7 @@
 #include "simgap/core/statistics.h"
 #include "simgap/fit/motions/motion_calibration.h"
 #include "support/files.h"
-#include "support/motions.h"
+#include "support/motion_draws.h"
 #include "support/statics.h"
 
 namespace simgap {
@@ -26,10 +26,7 @@ struct DrawnArm {
 };
 
 DrawnArm drawArm(std::uint64_t seed) {
-  const CounterRandom random(seed);
-  std::uint32_t next = 0;
-  const auto normal = [&] { return random.normalPair({next++, 0, 0, 91})[0]; };
-  const auto scale = [&](double& value, double sd) { value *= std::exp(sd * normal()); };
+  test::Deviations deviations(seed, 91);
   DrawnArm drawn;
   reality::RandomArmOptions options;
   options.max_links = 2;
@@ -37,28 +34,16 @@ DrawnArm drawArm(std::uint64_t seed) {
   drawn.nominal.arm = reality::randomArm(1000 + seed, options);
   drawn.nominal.drives.resize(drawn.nominal.arm.muscles.size());
   drawn.truth = drawn.nominal;
-  for (reality::Link& link : drawn.truth.arm.links) {
-    scale(link.coulomb, 0.3);
-    scale(link.viscous, 0.3);
-  }
-  for (reality::Muscle& muscle : drawn.truth.arm.muscles) {
-    for (Eigen::Vector3d* point : {&muscle.from.point, &muscle.to.point}) {
-      for (double& x : *point) x += 1.5e-3 * normal();
-    }
-    muscle.kite_line += 2e-3 * normal();
-    scale(muscle.stiffness, 0.03);
-    scale(muscle.spindle_radius, 0.01);
-    scale(muscle.damping, 0.3);
-  }
+  test::deviate(drawn.truth.arm, deviations);
   reality::DriveTruth common;
-  scale(common.gear_coulomb, 0.3);
-  scale(common.viscous, 0.3);
-  scale(common.inertia, 0.1);
-  scale(common.gear_viscous, 0.3);
-  scale(common.efficiency, 0.05);
+  deviations.scale(common.gear_coulomb, 0.3);
+  deviations.scale(common.viscous, 0.3);
+  deviations.scale(common.inertia, 0.1);
+  deviations.scale(common.gear_viscous, 0.3);
+  deviations.scale(common.efficiency, 0.05);
   for (reality::DriveTruth& drive : drawn.truth.drives) {
     drive = common;
-    scale(drive.coulomb, 0.3);
+    deviations.scale(drive.coulomb, 0.3);
   }
   return drawn;
 }
@@ -80,28 +65,12 @@ ArmModel trueModel(const reality::MovingArm& truth) {
   return model;
 }
 
-/// Between three poses: a step, sines of one frequency about the second, and a step to the third.
-reality::Setpoints drawMovement(const reality::Arm& arm, std::uint64_t draw) {
-  const auto a = reality::randomShafts(arm, 3 * draw), b = reality::randomShafts(arm, 3 * draw + 1),
-             c = reality::randomShafts(arm, 3 * draw + 2);
-  const CounterRandom random(draw);
-  const double frequency = 0.5 + 1.5 * random.uniform({0, 0, 0, 92});
-  return [=](double time) {
-    if (time < 0.4) return a;
-    if (time >= 2.8) return c;
-    std::vector<double> now = b;
-    for (std::uint32_t m = 0; m < now.size(); ++m) {
-      const double phase = 2.0 * M_PI * random.uniform({1, m, 0, 92});
-      now[m] += 0.4 * std::sin(2.0 * M_PI * frequency * time + phase);
-    }
-    return now;
-  };
-}
-
 /// `count` recorded movements of the true arm.
 MotionSet record(const reality::MovingArm& truth, const ArmModel& model, std::uint64_t first, std::size_t count,
                  const reality::MotionRigOptions& options) {
-  const auto movement = [&](std::uint64_t draw) { return drawMovement(truth.arm, draw); };
+  const auto movement = [&](std::uint64_t draw) {
+    return test::swingsBetweenRests(truth.arm, draw, {0.5, 1.5, 0.4, 2.8, 92});
+  };
   return test::recordMotions(truth, model, movement, first, count, options);
 }
 
