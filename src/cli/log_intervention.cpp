@@ -40,7 +40,9 @@ bool holdsLogCandidates(const std::filesystem::path& run) {
 
 ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::string>& argv) {
   Session session("intervene", options.common, argv);
-  if (!options.poses.empty()) throw ConfigError("found --poses with a diagnosis of a log, expected --log");
+  if (!options.poses.empty() || !options.motions.empty()) {
+    throw ConfigError("found --poses or --motions with a diagnosis of a log, expected --log");
+  }
   if (!options.log.empty() && !options.profile.empty()) {
     throw ConfigError("found --profile with --log, expected it only where nothing was recorded yet");
   }

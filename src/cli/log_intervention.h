@@ -17,7 +17,7 @@ struct InterveneOptions {
   LogFileOptions table;
   std::filesystem::path run;
   std::vector<std::string> changes;
-  std::string poses, log, profile, bench;
+  std::string poses, motions, log, profile, bench;
 };
 
 /// What the files of --change say; a change without a name has its file's. \param none  how no change is called

@@ -43,6 +43,11 @@ struct MotionDiagnoseOptions {
 };
 ExitCode diagnoseMotionSet(const MotionDiagnoseOptions& options, Session& session);
 
+struct InterveneOptions;
+/// Whether a diagnosis was of motions.
+bool holdsMotionCandidates(const std::filesystem::path& run);
+ExitCode interveneOnMotions(const InterveneOptions& options, const std::vector<std::string>& argv);
+
 /// Calibration settings for motions: those the user named, or the built-in ones. \throws ConfigError: also for
 /// parameters that `model` does not have
 MotionCalibrationConfig readMotionConfig(Session& session, const std::string& file, const ArmModel& model);

@@ -6,6 +6,7 @@
 #include "cli/inputs.h"
 #include "cli/motion_commands.h"
 #include "simgap/core/progress.h"
+#include "simgap/report/diagnosis/candidate_files.h"
 #include "simgap/report/diagnosis/diagnosis_report.h"
 
 namespace simgap {
@@ -34,6 +35,7 @@ ExitCode diagnoseMotionSet(const MotionDiagnoseOptions& options, Session& sessio
       model, set, judging ? &*judging : nullptr, config, options.diagnose,
       [&](const std::string& what, double done) { progress->update(static_cast<std::size_t>(100.0 * done), what); });
   writeMotionDiagnosis(result, session.directory());
+  writeMotionCandidates(result, model, session.directory());
   progress.reset();  // the result stands below its line
   for (const std::string& warning : result.diagnosis.warnings) spdlog::warn("{}", warning);
   session.finish(toJson(result), terminalTable(result));

@@ -34,4 +34,20 @@ std::vector<ParameterSpace::Choice> choicesWith(const std::vector<ParameterSpace
   return choices;
 }
 
+std::string labelOf(const std::vector<ArmCause>& causes) {
+  std::string label;
+  for (const ArmCause& cause : causes) label += (label.empty() ? "" : ", ") + cause.label();
+  return label.empty() ? "none" : label;
+}
+
+std::vector<ArmCause> causesBeyond(const ArmModel& given, const ArmModel& candidate) {
+  std::vector<ArmCause> causes;
+  for (std::size_t i = given.extensions.size(); i < candidate.extensions.size(); ++i) {
+    const Extension& extension = candidate.extensions[i];
+    ArmCause& cause = causes.emplace_back(ArmCause{findArmEffect(extension.effect), extension.target, {}});
+    for (std::size_t k = 0; k < extension.parameters.size(); ++k) cause.start[k] = extension.parameters[k].value;
+  }
+  return causes;
+}
+
 }  // namespace simgap

@@ -113,4 +113,20 @@ MotionCommands readCommands(const CsvTable& table, const PoseLayout& layout, boo
   return commands;
 }
 
+std::string commandsCsv(const MotionCommands& commands, const PoseLayout& layout) {
+  std::vector<std::string> header = {"time_s"};
+  for (std::size_t m = 0; m < layout.muscles.size(); ++m) {
+    const auto [stem, unit] = columnOf(commands.kinds[m]);
+    header.push_back(fmt::format("{}_{}_{}", stem, layout.muscles[m], unit));
+  }
+  for (const CommandChannel& line : layout.lines) header.push_back(fmt::format("{}_{}", line.stem, line.unit));
+  CsvWriter csv(header);
+  for (std::size_t row = 0; row < commands.times.size(); ++row) {
+    csv.add(commands.times[row]);
+    for (const double value : commands.values.col(static_cast<Eigen::Index>(row))) csv.add(value);
+    csv.endRow();
+  }
+  return csv.text();
+}
+
 }  // namespace simgap

@@ -33,6 +33,15 @@ std::vector<bool> rivalsOf(const HeldCauses& held);
 /// \throws ConfigError: no candidate holds it.
 void requireHeld(const HeldCauses& held, const std::string& cause);
 
+/// What a change of an arm would tell.
+struct ForeseenChange {
+  /// shape (candidates, candidates): expected log odds of the row's candidate over the column's, were the row's right
+  std::vector<std::vector<double>> log_odds;
+  double smallest = 0.0;  ///< of the named candidate against any that contradicts it, either of them right
+  std::vector<double> largest_shift;  ///< shape (candidates) [deg], of a slide [mm]: furthest from the named one's
+  std::vector<std::string> where;     ///< shape (candidates): joint, and pose or second, of it
+};
+
 /// What one candidate said of the recording after the change.
 struct CandidateAnswer {
   std::string causes;

@@ -51,4 +51,7 @@ void refuseForeignMuscles(const CsvTable& table, const PoseLayout& layout, std::
 /// command for a muscle that the layout does not have, and all that CsvTable refuses.
 MotionCommands readCommands(const CsvTable& table, const PoseLayout& layout, bool linear);
 
+/// The table that readCommands reads.
+std::string commandsCsv(const MotionCommands& commands, const PoseLayout& layout);
+
 }  // namespace simgap

@@ -4,6 +4,7 @@
 
 #include "cli/inputs.h"
 #include "cli/log_intervention.h"
+#include "cli/motion_commands.h"
 #include "cli/pose_evidence.h"
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
@@ -17,7 +18,9 @@ using Options = InterveneOptions;
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   if (holdsLogCandidates(options.run)) return interveneOnLog(options, argv);
+  if (holdsMotionCandidates(options.run)) return interveneOnMotions(options, argv);
   Session session("intervene", options.common, argv);
+  if (!options.motions.empty()) throw ConfigError("found --motions with a diagnosis of poses, expected --poses");
   if (!options.log.empty() || !options.profile.empty() || !options.bench.empty()) {
     throw ConfigError("found --log, --profile or --bench with a diagnosis of poses, expected --poses");
   }
@@ -59,6 +62,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--change", options->changes,
                  "what was done to the arm or the bench, or may be (YAML); several where nothing was recorded yet");
   app.add_option("--poses", options->poses, "poses recorded after the change (CSV); without --change further ones");
+  app.add_option("--motions", options->motions,
+                 "motions recorded after the change (YAML); without --change further ones");
   app.add_option("--log", options->log,
                  "log recorded after the change (CSV); without --change only the motion differs");
   app.add_option("--profile", options->profile, "motion and load to foresee a log for (CSV; default: the log before)");
@@ -79,7 +84,9 @@ const Command entry{"intervene", "a change made on purpose: which cause predicts
                     "  simgap diagnose classic --log data/logs/bend-friction.csv.gz \\\n"
                     "    -o runs/diagnosis\n"
                     "  simgap intervene runs/diagnosis --change data/logs/straight-cable.yaml \\\n"
-                    "    -o runs/straight",
+                    "    -o runs/straight\n"
+                    "  simgap intervene runs/why --change lighter.yaml \\\n"
+                    "    --motions after/motions.yaml -o runs/lighter",
                     define};
 
 }  // namespace simgap::commands::intervene

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "diagnose/verdict.h"
+#include "motion_candidates.h"
 #include "motion_evidence.h"
 #include "motion_faults.h"
 #include "motion_heldout.h"
@@ -21,8 +23,6 @@ namespace {
 constexpr std::size_t kFewestSelecting = 4, kFewestJudging = 3;
 constexpr double kClearEvidence = 12.0;   // in nats: of some hundred hypotheses one gains 8 by chance
 constexpr double kLeastGain = 0.05;       // of the held-out mean square
-constexpr double kKnownClocks = 0.005;    // [s] to which clocks agree where nothing is wrong with them
-constexpr double kOwnClock = 2.0;         // of that, what a fit's own clock may carry: it would hide the cause
 constexpr double kLargeRest = 1.5 * 1.5;  // of the noise's variance: what no model of noise leaves
 constexpr double kMostOfIt = 95.0;        // [%] of the error that named causes have to explain, if much is left
 constexpr double kBeyondNoise = 0.25;     // of the noise's variance, that is worth another cause
@@ -50,12 +50,7 @@ class MotionDiagnosing {
  public:
   MotionDiagnosing(const ArmModel& model, const MotionCalibrationConfig& config, const MotionDiagnosisOptions& options,
                    const DiagnosisProgress& progress)
-      : problem_{model, config.parameters, config.motions, {}}, options_(options), progress_(progress) {
-    double& delay = problem_.options.capture_delay_sd;
-    delay = std::min(delay, kKnownClocks);  // more is a cause: joint-clock-offset
-    problem_.options.capture_delay_farthest = kOwnClock;
-    problem_.options.coarse_changes = true;
-  }
+      : problem_(motionProblem(model, config)), options_(options), progress_(progress) {}
   MotionDiagnosis run(const MotionSet& motions, const MotionSet* held_out);
 
  private:
@@ -70,6 +65,7 @@ class MotionDiagnosing {
   void forgetCauses();
   bool preferOrdinary();
   void nameOrdinary();
+  void keepCandidates();
   Eigen::MatrixXd unseenOf(const MotionCauseFit& fit) const {
     return unseenSquares(fit, fit.here().z, problem_, split_.judging.motions);
   }
@@ -81,6 +77,7 @@ class MotionDiagnosing {
   std::vector<MotionHypothesis> hypotheses_;
   std::unique_ptr<MotionCauseFit> plain_, last_;  // last_: with all named causes, null without any
   std::vector<FoundCause> found_;                 // named; their fits have moved to last_
+  std::vector<MotionCandidate> others_;           // in place of a named cause, and what was not named
   std::optional<OrdinaryShift> shift_;            // named where no cause is
   double explained_of_all_ = 0.0;                 ///< [%] of what the median motion, seen or not, is missed by
   MotionDiagnosis result_;
@@ -175,7 +172,14 @@ void MotionDiagnosing::search() {
     stage = fmt::format("cause {}", result_.diagnosis.causes.size() + 1);
     MotionCauseFit& base = last_ ? *last_ : *plain_;
     std::optional<FoundCause> found = selector.step(base, result_.diagnosis.hypotheses);
-    if (!found || !judge(base, *found)) break;
+    if (!found) break;
+    const bool named = judge(base, *found);
+    if (!named) others_.push_back(candidateOf(*found->fit, "refused"));
+    for (MotionCandidate& other : found->others) {
+      if (!named) other.role = "refused";
+      others_.push_back(std::move(other));
+    }
+    if (!named) break;
     last_ = std::move(found->fit);
     found_.push_back(std::move(*found));
   }
@@ -267,6 +271,8 @@ void MotionDiagnosing::withdrawPartial() {
 
 void MotionDiagnosing::forgetCauses() {
   Diagnosis& d = result_.diagnosis;
+  others_.insert(others_.begin(), candidateOf(*last_, "refused"));
+  for (MotionCandidate& other : others_) other.role = "refused";
   d.causes.clear();
   last_.reset();
   found_.clear();
@@ -317,6 +323,22 @@ void MotionDiagnosing::nameOrdinary() {
   d.baseline.mse_heldout = meanSquare(before);
 }
 
+/// For a change of the arm to judge: the named model, what stood in the place of a cause, what was refused.
+void MotionDiagnosing::keepCandidates() {
+  const MotionCauseFit& named = last_ ? *last_ : *plain_;
+  std::vector<MotionCandidate>& kept = result_.candidates;
+  kept.push_back(candidateOf(named, "named"));
+  std::ranges::move(others_, std::back_inserter(kept));
+  if (last_) kept.push_back(candidateOf(*plain_, "without"));
+  const Eigen::MatrixXd fitted = groupSquares(named.posterior(), named.here().at);
+  result_.reference = referenceOf(fitted, unseenOf(named));
+  compareWithFirst(kept, result_.reference.variance);
+  result_.noise = named.posterior().noise();
+  for (const std::size_t m : someMotions(split_.selecting.motions.size())) {
+    result_.profile.push_back(split_.selecting.motions[m]);
+  }
+}
+
 void MotionDiagnosing::conclude() {
   Diagnosis& d = result_.diagnosis;
   fillErrors();
@@ -327,6 +349,7 @@ void MotionDiagnosing::conclude() {
     fillParameters(d, split_.selecting);
     d.causes.front().absorbed_by = shiftsBetween(*plain_, *last_);
   }
+  keepCandidates();
   d.evidence = errorsOverTime(split_.judging, result_.before, result_.after, result_.layout);
   d.verdict = verdictOf(d.causes, !d.unexplained.empty());
   if (!d.causes.empty()) {

@@ -6,15 +6,13 @@
 #include <cmath>
 
 #include "diagnose/verdict.h"
+#include "motion_candidates.h"
 #include "simgap/core/joint_kind.h"
 
 namespace simgap {
 namespace {
 
 constexpr double kBin = 0.25;  // [s]
-/// Of a cause's size, as a standard deviation: what the model's steps and law leave of it that no curvature knows. On
-/// forearms of an independent simulator sizes were 2, 2, 8 and 9 % off where the curvature said 2 %.
-constexpr double kModel = 0.05;
 
 /// Root mean square of a series over a bin, and how many samples it has.
 std::pair<double, std::size_t> binned(const ErrorSeries& series, double begin) {
@@ -88,7 +86,7 @@ void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
       const Estimate& p = diagnosis.extensions[c].parameters[i];
       // Of what it changes, or of itself where that is less: no current is limited at a thousand amperes.
       const double size = std::min(std::abs(p.value - effect.parameters[i].neutral), std::abs(p.value));
-      const double of_model = effect.command_delay ? 0.0 : kModel * size;
+      const double of_model = effect.command_delay ? 0.0 : kModelOfMagnitude * size;
       const double half =
           (std::isfinite(p.sd) ? 1.96 * std::hypot(p.sd, of_model) : 0.0) + (effect.command_delay ? row : 0.0);
       diagnosis.causes[c].parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "motion_candidates.h"
 #include "motion_plan.h"
 #include "motion_scan.h"
 
@@ -21,6 +22,7 @@ struct FoundCause {
   double p = 1.0;                       ///< how often placebos promise as much
   std::vector<std::string> rivals;      ///< that do about as well in its place, "effect:target"
   Eigen::VectorXd by_motion;            ///< each motion's part of the evidence, shape (motions)
+  std::vector<MotionCandidate> others;  ///< that stood in its place, the best first
 };
 
 class MotionSelector {

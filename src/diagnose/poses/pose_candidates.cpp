@@ -5,12 +5,6 @@
 namespace simgap {
 namespace {
 
-std::string labelOf(const std::vector<PoseCause>& causes) {
-  std::string label;
-  for (const PoseCause& cause : causes) label += (label.empty() ? "" : ", ") + cause.label();
-  return label.empty() ? "none" : label;
-}
-
 bool holds(const std::vector<PoseCause>& causes, const PoseCause& cause) {
   return std::ranges::find(causes, cause.label(), &PoseCause::label) != causes.end();
 }

@@ -11,16 +11,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::vector<PoseCause> causesBeyond(const ArmModel& given, const ArmModel& candidate) {
-  std::vector<PoseCause> causes;
-  for (std::size_t i = given.extensions.size(); i < candidate.extensions.size(); ++i) {
-    const Extension& extension = candidate.extensions[i];
-    PoseCause& cause = causes.emplace_back(PoseCause{findArmEffect(extension.effect), extension.target, {}});
-    for (std::size_t k = 0; k < extension.parameters.size(); ++k) cause.start[k] = extension.parameters[k].value;
-  }
-  return causes;
-}
-
 PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candidate) {
   return {evidence.given, evidence.parameters, evidence.noise, evidence.threads, candidate.stray_friction};
 }

@@ -28,8 +28,6 @@ struct Predicted {
   Eigen::Index dof = 0;
 };
 
-/// The causes that a candidate holds beyond the model that was diagnosed.
-std::vector<PoseCause> causesBeyond(const ArmModel& given, const ArmModel& candidate);
 /// The fitted numbers of a model with these causes, in the scale of a fit.
 Eigen::VectorXd solutionOf(PoseFit& fit, const ArmModel& model);
 /// Indices of the parameters of causes that a change takes away.

@@ -45,30 +45,34 @@ std::string predictionsCsv(const Intervention& result, const PoseEvidence& evide
   return csv.text();
 }
 
-Json toJson(const std::vector<ForeseenChange>& foreseen, const PoseEvidence& evidence,
-            const std::vector<ArmChanges>& changes) {
+Json foreseenJson(const std::vector<ForeseenChange>& foreseen, const CandidateNames& candidates,
+                  const std::vector<ArmChanges>& changes) {
   Json list = Json::array();
   std::size_t best = 0;
   for (std::size_t k = 0; k < foreseen.size(); ++k) {
     const ForeseenChange& change = foreseen[k];
-    Json candidates = Json::array();
-    for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
-      candidates.push_back({{"causes", evidence.candidates[c].causes},
-                            {"role", evidence.candidates[c].role},
-                            {"largest_shift_deg", change.largest_shift[c]},
-                            {"where", change.where[c]},
-                            {"log_odds_if_named", change.log_odds[0][c]},
-                            {"log_odds_if_this", change.log_odds[c][0]}});
+    Json said = Json::array();
+    for (std::size_t c = 0; c < candidates.size(); ++c) {
+      said.push_back({{"causes", candidates[c].first},
+                      {"role", candidates[c].second},
+                      {"largest_shift_deg", change.largest_shift[c]},
+                      {"where", change.where[c]},
+                      {"log_odds_if_named", change.log_odds[0][c]},
+                      {"log_odds_if_this", change.log_odds[c][0]}});
     }
-    list.push_back({{"name", changes[k].name}, {"smallest_log_odds", change.smallest}, {"candidates", candidates}});
+    list.push_back({{"name", changes[k].name}, {"smallest_log_odds", numberOrNull(change.smallest)}, {"candidates", said}});
     if (change.smallest > foreseen[best].smallest) best = k;
   }
-  return {
-      {"format", "simgap/intervene/1"},
-      {"verdict", "foreseen"},
-      {"sentence", foreseenSentence(evidence.candidates.front().causes, changes[best].name, foreseen[best].smallest)},
-      {"best", changes[best].name},
-      {"changes", list}};
+  return {{"format", "simgap/intervene/1"},
+          {"verdict", "foreseen"},
+          {"sentence", foreseenSentence(candidates.front().first, changes[best].name, foreseen[best].smallest)},
+          {"best", changes[best].name},
+          {"changes", list}};
+}
+
+Json toJson(const std::vector<ForeseenChange>& foreseen, const PoseEvidence& evidence,
+            const std::vector<ArmChanges>& changes) {
+  return foreseenJson(foreseen, namesOf(evidence.candidates), changes);
 }
 
 std::string interventionText(const Json& result) {

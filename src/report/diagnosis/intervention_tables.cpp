@@ -22,6 +22,19 @@ Table judgedTable(const Json& result) {
   return table;
 }
 
+/// Of motions, whose errors count in standard deviations of the noise.
+Table judgedMotionsTable(const Json& result) {
+  Table table{"What each model predicted, with nothing refitted",
+              {"model", "role", "RMS [sd]", "left [sd]", "p", "ln odds", "before"},
+              {}};
+  for (const Json& c : result.at("candidates")) {
+    table.rows.push_back({cellText(c.at("causes")), cellText(c.at("role")), numberText(c.at("rms_sd"), "{:.2f}"),
+                          numberText(c.at("left_sd"), "{:.2f}"), probabilityText(c.at("p")),
+                          numberText(c.at("log_odds"), "{:.1f}"), numberText(c.at("log_odds_before"), "{:.1f}")});
+  }
+  return table;
+}
+
 /// Of a log, whose effort has a unit.
 Table judgedLogTable(const Json& result) {
   const std::string unit = unitTitle(cellText(result.at("unit")));
@@ -84,17 +97,18 @@ std::string foreseenSentence(const std::string& named, const std::string& change
 std::string interventionAnswer(const Json& result) {
   const std::string verdict = cellText(result.at("verdict"));
   if (verdict == "foreseen") return fmt::format("foreseen: {}.", cellText(result.at("sentence")));
-  const bool of_log = result.contains("rows");
+  const std::string data = result.contains("rows") ? "rows" : result.contains("motions") ? "motions" : "poses";
   return fmt::format("{}: {}. {} of {} {} compared.", verdict, cellText(result.at("sentence")),
-                     cellText(result.at(of_log ? "rows" : "poses")),
-                     cellText(result.at(of_log ? "rows_given" : "poses_given")), of_log ? "rows" : "poses");
+                     cellText(result.at(data)), cellText(result.at(data + "_given")), data);
 }
 
 std::vector<Table> interventionTables(const Json& result) {
   std::vector<Table> tables;
   const bool of_log = result.contains("unit");
   if (result.contains("candidates")) {
-    tables.push_back(of_log ? judgedLogTable(result) : judgedTable(result));
+    tables.push_back(of_log                       ? judgedLogTable(result)
+                     : result.contains("motions") ? judgedMotionsTable(result)
+                                                  : judgedTable(result));
     return tables;
   }
   for (const Json& change : result.at("changes")) {

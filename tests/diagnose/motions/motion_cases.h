@@ -5,7 +5,7 @@
 #include <string>
 
 #include "simgap/core/yaml.h"
-#include "simgap/diagnose/motions/motion_diagnosis.h"
+#include "simgap/diagnose/motions/motion_intervention.h"
 #include "support/files.h"
 #include "support/motion_draws.h"
 #include "support/statics.h"
@@ -13,24 +13,43 @@
 namespace simgap::test {
 
 struct MotionCase {
+  HiddenMotionCase hidden;
+  ArmModel model;  ///< what is believed
   MotionDiagnosis said;
-  double magnitude;    ///< of what is hidden
-  std::string target;  ///< as the model names it
 };
 
+/// What the forearm of a case does with these draws of commands.
+inline MotionSet recordForearm(const HiddenMotionCase& hidden, const ArmModel& model, std::uint64_t first,
+                               std::size_t count) {
+  const auto commands = [](std::uint64_t draw) { return drawSetpoints(MotionArm::kForearm, draw); };
+  return recordMotions(hidden.drawn.truth, model, commands, first, count, hidden.drawn.rig);
+}
+
+inline MotionCalibrationConfig motionConfig() {
+  return MotionCalibrationConfig::read(YamlNode::load(sourceFile("configs/calibrate_motions.yaml")));
+}
+
 inline MotionCase diagnoseForearmWith(const MotionTruth& cause, std::uint64_t seed) {
-  const HiddenMotionCase hidden = drawHidden(MotionArm::kForearm, seed, cause);
-  const ArmModel model = modelOf(hidden.believed.arm, true);
-  const auto record = [&](std::uint64_t first, std::size_t count) {
-    const auto commands = [](std::uint64_t draw) { return drawSetpoints(MotionArm::kForearm, draw); };
-    return recordMotions(hidden.drawn.truth, model, commands, first, count, hidden.drawn.rig);
-  };
-  const MotionSet selecting = record(firstSelecting(seed), kSelectingMotions),
-                  judging = record(firstJudging(seed), kJudgingMotions);
-  const MotionCalibrationConfig config =
-      MotionCalibrationConfig::read(YamlNode::load(sourceFile("configs/calibrate_motions.yaml")));
-  return {diagnoseMotions(model, selecting, &judging, config, {}, [](const std::string&, double) {}), hidden.magnitude,
-          hidden.target};
+  MotionCase one{drawHidden(MotionArm::kForearm, seed, cause), {}, {}};
+  one.model = modelOf(one.hidden.believed.arm, true);
+  const MotionSet selecting = recordForearm(one.hidden, one.model, firstSelecting(seed), kSelectingMotions),
+                  judging = recordForearm(one.hidden, one.model, firstJudging(seed), kJudgingMotions);
+  one.said = diagnoseMotions(one.model, selecting, &judging, motionConfig(), {}, [](const std::string&, double) {});
+  return one;
+}
+
+/// What a diagnosis leaves for an intervention.
+inline MotionEvidence evidenceOf(const MotionCase& one) {
+  MotionEvidence evidence{one.model, motionConfig(), one.said.candidates, one.said.reference, one.said.noise, {}, {}};
+  for (const RecordedMotion& motion : one.said.profile) {
+    evidence.profile_names.push_back(motion.name);
+    evidence.profile.push_back(motion.commands);
+  }
+  return evidence;
+}
+
+inline ArmChanges armChanges(const std::string& list, const ArmModel& model) {
+  return ArmChanges::read(YamlNode::parse("format: simgap/change/1\nchanges: [" + list + "]\n", "change.yaml"), model);
 }
 
 }  // namespace simgap::test

@@ -51,18 +51,18 @@ TEST(SlowMotionDiagnosisStudy, NamesWhatIsHidden) {
     for (const test::MotionTruth& cause : test::motionTruths()) {
       const test::MotionCase one = test::diagnoseForearmWith(cause, seed);
       const Diagnosis& said = one.said.diagnosis;
-      const std::string outcome = judgedAs(said, cause.effect, one.target), effect = cause.effect;
+      const std::string outcome = judgedAs(said, cause.effect, one.hidden.target), effect = cause.effect;
       if (effect.empty()) noise = said.baseline.mse_heldout;
       const double worth = 1.0 - noise / said.baseline.mse_heldout;
       std::printf("%lu %s:%s %.4g worth %.3f: %s; heldout %.3f -> %.3f;%s; %ld rollouts\n", seed, cause.effect,
-                  one.target.c_str(), one.magnitude, worth, outcome.c_str(), said.baseline.mse_heldout,
+                  one.hidden.target.c_str(), one.hidden.magnitude, worth, outcome.c_str(), said.baseline.mse_heldout,
                   said.extended.mse_heldout, causesOf(said).c_str(), one.said.rollouts);
       std::fflush(stdout);
       ++(effect.empty() ? nothing : effect == "drag" ? outside : worth >= kWorthFinding ? hidden : nothing)[outcome];
       if (outcome != "right") continue;
       const Interval& value = said.causes.front().parameters.front().value;
       ++intervals;
-      holding += value.lower95 <= one.magnitude && one.magnitude <= value.upper95;
+      holding += value.lower95 <= one.hidden.magnitude && one.hidden.magnitude <= value.upper95;
     }
   }
   for (const auto& [name, counts] :

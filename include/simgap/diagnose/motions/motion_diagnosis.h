@@ -9,6 +9,7 @@
 
 #include "simgap/diagnose/diagnosis.h"
 #include "simgap/fit/motions/motion_calibration.h"
+#include "simgap/measure/motion_noise.h"
 
 namespace simgap {
 
@@ -32,8 +33,29 @@ struct MotionSay {
   std::string worst;     ///< "elbow at 3.2 s": where it is missed most with the causes
 };
 
+/// A model that a diagnosis left standing or refused, with what is known of its parameters.
+struct MotionCandidate {
+  std::string causes;  ///< "payload:forearm, guide-friction"; "none"
+  std::string role;    ///< as of pose sets (pose_diagnosis.h)
+  double log_odds = 0.0;         ///< of the motions that select, against the first candidate
+  double capture_delay = 0.0;    ///< [s]
+  ArmModel model = {};           ///< fitted to them
+  Eigen::MatrixXd covariance = {};  ///< of z (motion_posterior.h) beside its place
+};
+
+/// How motions are missed that no change was made to: what motions after a change are compared with.
+struct MotionReference {
+  double variance = 1.0;         ///< mean square of held-out residuals with the named model, in noise variances, >= 1
+  double mean = 0.0, sd = 0.0;   ///< over motions, of the logarithm of their mean squares
+  int motions = 0;
+};
+
 struct MotionDiagnosis {
   Diagnosis diagnosis;
+  std::vector<MotionCandidate> candidates;  ///< the extended model first; one alone: nothing to compare it with
+  MotionReference reference;
+  MotionNoise noise;
+  std::vector<RecordedMotion> profile;  ///< a few of those that select, to foresee motions with
   std::vector<MotionSay> motions;
   ArmModel model;                           ///< with the causes
   ArmModel baseline;                        ///< without, fitted to the same motions

@@ -54,15 +54,7 @@ struct Intervention {
 /// DataError: no pose that any candidate comes near.
 Intervention judgeChange(const PoseEvidence& evidence, const ArmChanges& change, const PoseSet& after);
 
-/// What a change would tell, were the arm to be recorded again at the same shafts.
-struct ForeseenChange {
-  /// shape (candidates, candidates): expected log odds of the row's candidate over the column's, were the row's right
-  std::vector<std::vector<double>> log_odds;
-  double smallest = 0.0;              ///< of the named candidate against any other, either of them right
-  std::vector<double> largest_shift;  ///< shape (candidates) [deg]: furthest from the named one's prediction
-  std::vector<std::string> where;     ///< shape (candidates): pose and joint of it
-};
-
+/// Were the arm to be recorded again at the same shafts.
 ForeseenChange foreseeChange(const PoseEvidence& evidence, const ArmChanges& change);
 
 }  // namespace simgap

@@ -12,6 +12,7 @@
 #include "simgap/core/yaml.h"
 #include "simgap/diagnose/logs/log_intervention.h"
 #include "simgap/diagnose/logs/refitted_model.h"
+#include "simgap/diagnose/motions/motion_intervention.h"
 #include "simgap/diagnose/poses/pose_diagnosis.h"
 
 namespace simgap {
@@ -23,6 +24,7 @@ inline constexpr const char* kGivenPoses = "poses.csv";  ///< the first file
 inline constexpr const char* kGivenLog = "log.csv";
 inline constexpr const char* kGivenBench = "bench.yaml";
 inline constexpr const char* kLogCandidates = "simgap/log-candidates/1";
+inline constexpr const char* kMotionCandidates = "simgap/motion-candidates/1";
 
 /// \param poses_csv  the files as the user gave them
 void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, std::span<const std::string> poses_csv,
@@ -63,5 +65,33 @@ struct LogCandidateList {
   /// \throws ConfigError: fewer than two candidates, and all that YamlNode refuses.
   static LogCandidateList read(const YamlNode& root);
 };
+
+/// Of motions: the models, how well each knows its parameters, and the commands of a few motions to foresee others
+/// with; nothing where there was no fit, or nothing to compare it with.
+void writeMotionCandidates(const MotionDiagnosis& result, const ArmModel& given, const RunDirectory& directory);
+
+/// The list without its models, covariances and commands.
+struct MotionCandidateList {
+  struct Entry {
+    std::string file;
+    MotionCandidate candidate;
+  };
+  struct Profile {
+    std::string name, file;
+    bool linear = false;
+  };
+  std::vector<Entry> entries;
+  std::vector<Profile> profile;
+  MotionReference reference;
+  MotionNoise noise;
+
+  /// \throws ConfigError: fewer than two candidates, and all that YamlNode refuses.
+  static MotionCandidateList read(const YamlNode& root, const ArmModel& given);
+};
+/// Of a candidate's number.
+std::string covarianceFileName(std::size_t number);
+std::string covarianceCsv(const Eigen::MatrixXd& covariance);
+/// \throws DataError: it is not square, or not symmetric
+Eigen::MatrixXd readCovariance(const CsvTable& table);
 
 }  // namespace simgap

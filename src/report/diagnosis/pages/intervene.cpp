@@ -9,10 +9,12 @@
 namespace simgap::pages::intervene {
 namespace {
 
-/// The error of every model in every pose and joint after the change.
+/// The error of every model in every pose and joint, or motion and channel, after the change.
 Chart errorsChart(const ResultFiles& files, const Json& result) {
   const CsvTable table = files.table("predictions.csv");
-  const std::vector<std::string> pose = table.text("pose"), joint = table.text("joint");
+  const bool of_motions = result.contains("motions");
+  const std::vector<std::string> pose = table.text(of_motions ? "motion" : "pose"),
+                                 joint = table.text(of_motions ? "channel" : "joint");
   std::vector<std::string> names;
   for (std::size_t i = 0; i < pose.size(); ++i) names.push_back(pose[i] + " " + joint[i]);
   std::vector<Series> series;
@@ -24,7 +26,8 @@ Chart errorsChart(const ResultFiles& files, const Json& result) {
     }
     ++number;
   }
-  return barChart("Errors after the change, with nothing refitted", names, {"error [deg], of a slide [mm]"}, series);
+  return barChart("Errors after the change, with nothing refitted", names, 
+                  {of_motions ? "RMS error [sd of the noise]" : "error [deg], of a slide [mm]"}, series);
 }
 
 /// Over time: what was measured, if it was, and what the first three models say.
@@ -75,8 +78,9 @@ PageVerdict verdictOf(const Json& result) {
           ? "A change that moves the models' predictions further apart tells more."
           : "What the change says holds for the models listed; another cause may predict the same.";
   return {level, verdict, next,
-          result.contains("unit") ? "simgap intervene RUN --change CHANGE --log AFTER"
-                                  : "simgap intervene RUN --change CHANGE --poses AFTER"};
+          result.contains("unit")                 ? "simgap intervene RUN --change CHANGE --log AFTER"
+          : result.value("of", "poses") == "motions" ? "simgap intervene RUN --change CHANGE --motions AFTER"
+                                                  : "simgap intervene RUN --change CHANGE --poses AFTER"};
 }
 
 const Json& bestChange(const Json& result) {

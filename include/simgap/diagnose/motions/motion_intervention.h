@@ -1,0 +1,67 @@
+/// \file
+/// A change of the arm that was made on purpose tells causes apart that fit the same motions: every candidate of a
+/// diagnosis plays the motions after it with nothing refitted. With e: its whitened residuals (motion_residuals.h), and
+/// G x: what its own uncertainty moves them by, x ~ N(0, 1) along the square root of its parameters' covariance and
+/// along each uncertain number of the change,
+///
+///     -2 ln p = min_x ( sum_w rho(|e_w + G_w x|^2) / s^2 + |x|^2 ) + ln|1 + G^T W G / s^2|
+///
+/// (Laplace's approximation), s^2: by how much held-out motions before the change are missed by more than noise. Two
+/// things must be as they were: what is left at that x (as much as of motions before, Student's t over motions), and
+/// how far x had to go (Fisher's F); p is the smaller of both, twice.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "simgap/diagnose/intervention.h"
+#include "simgap/diagnose/motions/motion_diagnosis.h"
+#include "simgap/model/arm/arm_change.h"
+
+namespace simgap {
+
+/// What a diagnosis of motions knew.
+struct MotionEvidence {
+  ArmModel given;                            ///< the model that was diagnosed
+  MotionCalibrationConfig config;
+  std::vector<MotionCandidate> candidates;   ///< the named one first
+  MotionReference reference;
+  MotionNoise noise;
+  std::vector<std::string> profile_names;
+  std::vector<MotionCommands> profile;       ///< of a few motions before the change, shape (profile_names)
+
+  /// \throws ConfigError: a covariance of another number of parameters than its candidate has
+  void validate() const;
+};
+
+/// What one candidate said of the motions after the change.
+struct MotionPrediction {
+  Eigen::MatrixXd squares;  ///< mean squares of its residuals, shape (joints + shafts + currents, motions); NaN: not played
+  double left = 0.0;        ///< root of the mean square that is left at the best x [noise sd]
+  double p = 0.0;           ///< of residuals as large, were the candidate right
+  double log_odds = 0.0;    ///< against the named candidate, from the motions after the change alone
+  std::size_t lost = 0;     ///< motions that it cannot play
+};
+
+struct MotionIntervention {
+  InterventionVerdict verdict = InterventionVerdict::kCannotTell;  ///< on the named candidate
+  std::string sentence;
+  std::vector<MotionPrediction> predictions;  ///< shape (candidates)
+};
+
+/// Called with the part that is done.
+using InterventionProgress = std::function<void(double done)>;
+
+/// Motions after a change judge the candidates. \throws ConfigError: a model that cannot be changed so.
+/// DataError: no candidate can play any of the motions. InterruptedError
+MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges& change, const MotionSet& after,
+                               const InterventionProgress& progress);
+
+/// What a change, or other commands, would tell.
+/// \param commands, names  the motions to record after the change
+ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& change,
+                                   const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
+                                   const InterventionProgress& progress);
+
+}  // namespace simgap

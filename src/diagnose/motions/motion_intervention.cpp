@@ -1,0 +1,287 @@
+#include "simgap/diagnose/motions/motion_intervention.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+#include "motion_candidates.h"
+#include "motion_heldout.h"
+#include "motion_prediction.h"
+#include "simgap/core/error.h"
+#include "simgap/core/joint_kind.h"
+#include "simgap/core/statistics.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kSteps = 30;             // towards the best x, at most
+constexpr double kStill = 1e-3;        // [sd] a step that ends them
+constexpr double kTold = 0.1;          // of an axis of x, that motions say as much of as was known before
+constexpr double kLeastSpread = 0.1;   // of the logarithm of mean squares: fewer motions may agree by chance
+constexpr double kLostMotion = 1e4;    // [nats] of a motion that cannot be played
+
+/// Where x comes to rest, and what it says.
+struct Explained {
+  double log_likelihood = 0.0;
+  MotionEvaluation left;
+  double way_p = 1.0;  ///< of x as far away
+};
+
+/// G^T W v of all motions that can be played.
+VectorXd projected(const PredictedMotions& predicted, const std::vector<VectorXd>& weights,
+                   const std::vector<VectorXd>& of) {
+  VectorXd sum = VectorXd::Zero(predicted.directions);
+  for (std::size_t m = 0; m < of.size(); ++m) {
+    if (of[m].size() == 0) continue;
+    sum += (predicted.moves[m].transpose() * weights[m].cwiseProduct(of[m]).cast<float>()).cast<double>();
+  }
+  return sum;
+}
+
+/// G^T W G
+MatrixXd curvatureOf(const PredictedMotions& predicted, const std::vector<VectorXd>& weights) {
+  MatrixXd sum = MatrixXd::Zero(predicted.directions, predicted.directions);
+  for (std::size_t m = 0; m < weights.size(); ++m) {
+    if (weights[m].size() == 0) continue;
+    const RowMajorF& moves = predicted.moves[m];
+    sum += (moves.transpose() * weights[m].cast<float>().asDiagonal() * moves).cast<double>();
+  }
+  return sum;
+}
+
+std::vector<VectorXd> weightsOf(const PredictedMotions& predicted, const std::vector<VectorXd>& residuals) {
+  std::vector<VectorXd> weights;
+  for (std::size_t m = 0; m < residuals.size(); ++m) {
+    weights.push_back(residuals[m].size() == 0 ? VectorXd() : predicted.posterior->weights(m, residuals[m]));
+  }
+  return weights;
+}
+
+/// How improbable x is: along the axes of which the motions say something it has covariance a / (1 + a).
+double chanceOf(const VectorXd& x, const MatrixXd& told, double known) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(told);
+  const VectorXd along = axes.eigenvectors().transpose() * x;
+  double sum = 0.0, count = 0.0;
+  for (Index k = 0; k < along.size(); ++k) {
+    const double a = axes.eigenvalues()[k];
+    if (a < kTold) continue;
+    sum += along[k] * along[k] * (1.0 + a) / a;
+    count += 1.0;
+  }
+  return count > 0.0 ? fisherTail(sum / count, count, known) : 1.0;
+}
+
+/// The least that a candidate misses by within its own uncertainty: weights of the robust loss and x in turn.
+Explained explain(const PredictedMotions& predicted, const MotionReference& reference) {
+  Explained best;
+  VectorXd x = VectorXd::Zero(predicted.directions);
+  std::vector<VectorXd>& left = best.left.residuals;
+  left = predicted.e;
+  MatrixXd told;
+  for (int step = 0; step < kSteps; ++step) {
+    const std::vector<VectorXd> weights = weightsOf(predicted, left);
+    told = curvatureOf(predicted, weights) / reference.variance;
+    const MatrixXd normal = told + MatrixXd::Identity(x.size(), x.size());
+    const VectorXd to = -normal.llt().solve(projected(predicted, weights, predicted.e) / reference.variance);
+    const double moved = (to - x).norm();
+    x = to;
+    for (std::size_t m = 0; m < left.size(); ++m) {
+      if (left[m].size() > 0) left[m] = predicted.e[m] + (predicted.moves[m] * x.cast<float>()).cast<double>();
+    }
+    if (moved < kStill) break;
+  }
+  double loss = 0.0;
+  best.left.valid = true;
+  for (std::size_t m = 0; m < left.size(); ++m) {
+    if (left[m].size() == 0) {
+      loss += kLostMotion;
+      continue;
+    }
+    for (const ResidualBlock& block : predicted.posterior->motions()[m].blocks()) {
+      loss += 0.5 * robustLoss(left[m].segment(block.first, block.size).squaredNorm()) / reference.variance;
+    }
+  }
+  const MatrixXd normal = told + MatrixXd::Identity(x.size(), x.size());
+  const MatrixXd factor = normal.llt().matrixL();
+  best.log_likelihood = -loss - 0.5 * x.squaredNorm() - factor.diagonal().array().log().sum();
+  best.way_p = chanceOf(x, told, std::max(1.0, reference.motions - 1.0));
+  return best;
+}
+
+/// Mean squares of a candidate's residuals; NaN where it cannot play a motion.
+MatrixXd squaresOf(const PredictedMotions& predicted, const std::vector<VectorXd>& residuals) {
+  const auto joints = std::ssize(predicted.posterior->model().joints);
+  MatrixXd squares = MatrixXd::Constant(joints + 2, std::ssize(residuals), std::nan(""));
+  MotionEvaluation at;
+  at.valid = true;
+  at.residuals = residuals;
+  for (std::size_t m = 0; m < residuals.size(); ++m) {
+    if (residuals[m].size() == 0) at.residuals[m] = VectorXd::Zero(predicted.posterior->motions()[m].size());
+  }
+  const MatrixXd all = groupSquares(*predicted.posterior, at);
+  for (std::size_t m = 0; m < residuals.size(); ++m) {
+    const auto column = static_cast<Index>(m);
+    if (residuals[m].size() > 0) squares.col(column) = all.col(column);
+  }
+  return squares;
+}
+
+/// How improbable what is left is, beside what was left of motions before the change.
+double chanceOfRest(const MatrixXd& squares, const MotionReference& reference) {
+  const Eigen::ArrayXd logs = logSquares(squares);
+  if (!logs.isFinite().all()) return 0.0;
+  const double sd = std::max(kLeastSpread, reference.sd), count = static_cast<double>(logs.size());
+  const double error = sd * std::sqrt(1.0 / count + 1.0 / std::max(1, reference.motions));
+  const boost::math::students_t student(std::max(1.0, reference.motions - 1.0));
+  return boost::math::cdf(boost::math::complement(student, (logs.mean() - reference.mean) / error));
+}
+
+HeldCauses heldBy(const MotionEvidence& evidence) {
+  HeldCauses held;
+  for (const MotionCandidate& candidate : evidence.candidates) {
+    std::set<std::string>& causes = held.emplace_back();
+    for (const ArmCause& cause : causesBeyond(evidence.given, candidate.model)) causes.insert(cause.label());
+  }
+  return held;
+}
+
+void requireAllHeld(const MotionEvidence& evidence, const ArmChanges& change) {
+  const HeldCauses held = heldBy(evidence);
+  for (const ArmChange& part : change.changes) requireHeld(held, part.cause);
+}
+
+/// Where two candidates' joints are furthest apart: how far, shown as the joint's kind is, and where.
+std::pair<double, std::string> furthestApart(const PredictedMotions& one, const PredictedMotions& other,
+                                             const std::vector<std::string>& names) {
+  double largest = 0.0;
+  std::string where = "-";
+  const std::vector<Joint>& joints = one.posterior->model().joints;
+  for (std::size_t m = 0; m < one.e.size(); ++m) {
+    if (one.e[m].size() == 0 || other.e[m].size() == 0) continue;
+    for (const ResidualBlock& block : one.posterior->motions()[m].blocks()) {
+      if (block.group != ChannelGroup::kJoint) continue;
+      const VectorXd apart = (one.e[m] - other.e[m]).segment(block.first, block.size) * block.sd;
+      const double shown = kindOf(joints[block.item].type).shown(apart.norm());
+      if (!(shown > largest)) continue;
+      largest = shown;
+      where = fmt::format("{} at {:.1f} s of {}", joints[block.item].name, block.time, names[m]);
+    }
+  }
+  return {largest, where};
+}
+
+/// d^T (s^2 + G G^T)^-1 d / 2 by the matrix inversion lemma: what a distance of two predictions is worth.
+double worthOf(const PredictedMotions& right, const PredictedMotions& wrong, double variance) {
+  std::vector<VectorXd> apart, ones;
+  double squares = 0.0;
+  for (std::size_t m = 0; m < right.e.size(); ++m) {
+    const bool both = right.e[m].size() > 0 && wrong.e[m].size() > 0;
+    apart.push_back(both ? VectorXd(right.e[m] - wrong.e[m]) : VectorXd());
+    ones.push_back(VectorXd::Ones(apart.back().size()));
+    squares += apart.back().squaredNorm();
+  }
+  const VectorXd along = projected(wrong, ones, apart) / variance;
+  const MatrixXd normal =
+      curvatureOf(wrong, ones) / variance + MatrixXd::Identity(wrong.directions, wrong.directions);
+  return 0.5 * std::max(0.0, squares / variance - along.dot(normal.llt().solve(along)));
+}
+
+}  // namespace
+
+void MotionEvidence::validate() const {
+  for (const MotionCandidate& candidate : candidates) {
+    const std::vector<ArmCause> causes = causesBeyond(given, candidate.model);
+    const ParameterSpace space(withCauses(given, causes), choicesWith(config.parameters, causes));
+    const auto size = static_cast<Index>(space.size()) + 1;  // and the capture's clock
+    if (candidate.covariance.rows() == size) continue;
+    throw ConfigError(fmt::format("candidate '{}': found a covariance of {} parameters, expected {}", candidate.causes,
+                                  candidate.covariance.rows(), size));
+  }
+}
+
+MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges& change, const MotionSet& after,
+                               const InterventionProgress& progress) {
+  requireAllHeld(evidence, change);
+  MotionIntervention result;
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
+  std::vector<CandidateAnswer> answers;
+  bool played = false;
+  for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
+    const MotionCandidate& candidate = evidence.candidates[c];
+    progress(static_cast<double>(c) / static_cast<double>(evidence.candidates.size()));
+    const PredictedMotions predicted = predictMotions(evidence, candidate, change, after.motions);
+    const Explained explained = explain(predicted, evidence.reference);
+    const MatrixXd left = squaresOf(predicted, explained.left.residuals);
+    MotionPrediction& prediction = result.predictions.emplace_back();
+    prediction.squares = squaresOf(predicted, predicted.e);
+    prediction.left = std::sqrt(meanSquare(left));
+    prediction.p = std::min(1.0, 2.0 * std::min(chanceOfRest(left, evidence.reference), explained.way_p));
+    prediction.log_odds = explained.log_likelihood;
+    prediction.lost = static_cast<std::size_t>(
+        std::ranges::count_if(predicted.e, [](const VectorXd& e) { return e.size() == 0; }));
+    played = played || prediction.lost < after.motions.size();
+    answers.push_back({candidate.causes, prediction.p, 0.0, rival[c], candidate.log_odds});
+  }
+  if (!played) {
+    throw DataError(fmt::format("{}: no candidate can play any of {} motions: is this the arm of the diagnosis, with the "
+                                "change that was stated?",
+                                after.file, after.motions.size()));
+  }
+  const double named = result.predictions.front().log_odds;
+  for (std::size_t c = 0; c < answers.size(); ++c) {
+    answers[c].log_odds = result.predictions[c].log_odds -= named;
+  }
+  Judgement judgement = judgeCandidates(answers, "motions");
+  result.verdict = judgement.verdict;
+  result.sentence = std::move(judgement.sentence);
+  return result;
+}
+
+ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& change,
+                                   const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
+                                   const InterventionProgress& progress) {
+  requireAllHeld(evidence, change);
+  std::vector<RecordedMotion> motions;
+  for (std::size_t m = 0; m < commands.size(); ++m) {
+    motions.push_back(playedAsRecorded(evidence, change, commands[m], names[m]));
+  }
+  MotionEvidence known = evidence;  // what would be recorded has the noise of what was
+  KnownNoise& noise = known.config.motions.noise;
+  noise.shafts = evidence.noise.shafts;
+  noise.currents = evidence.noise.currents;
+  for (std::size_t j = 0; j < evidence.given.joints.size(); ++j) {
+    (kindOf(evidence.given.joints[j].type).slides ? noise.slides : noise.joints) = evidence.noise.joints[j];
+  }
+  std::vector<PredictedMotions> predicted;
+  for (std::size_t c = 0; c < known.candidates.size(); ++c) {
+    progress(static_cast<double>(c) / static_cast<double>(known.candidates.size()));
+    predicted.push_back(predictMotions(known, known.candidates[c], change, motions));
+  }
+  const std::size_t n = predicted.size();
+  ForeseenChange result;
+  result.log_odds.assign(n, std::vector<double>(n, 0.0));
+  result.smallest = kInfinity;
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      if (i == j) continue;
+      result.log_odds[i][j] = worthOf(predicted[i], predicted[j], evidence.reference.variance);
+      const bool asked = (i == 0 && rival[j]) || (j == 0 && rival[i]);
+      if (asked) result.smallest = std::min(result.smallest, result.log_odds[i][j]);
+    }
+    const auto [shift, where] = furthestApart(predicted[i], predicted.front(), names);
+    result.largest_shift.push_back(shift);
+    result.where.push_back(where);
+  }
+  return result;
+}
+
+}  // namespace simgap
