@@ -9,7 +9,7 @@
 
 #include "simgap/cli/session.h"
 #include "simgap/core/error.h"
-#include "simgap/diagnose/motions/motion_diagnosis.h"
+#include "simgap/diagnose/motions/motion_intervention.h"
 
 namespace simgap {
 
@@ -44,6 +44,8 @@ struct MotionDiagnoseOptions {
 ExitCode diagnoseMotionSet(const MotionDiagnoseOptions& options, Session& session);
 
 struct InterveneOptions;
+/// What a diagnosis of motions left in its folder of candidates. \throws ConfigError, DataError: files that are none
+MotionEvidence readMotionEvidence(const std::filesystem::path& run, Session& session);
 /// Whether a diagnosis was of motions.
 bool holdsMotionCandidates(const std::filesystem::path& run);
 ExitCode interveneOnMotions(const InterveneOptions& options, const std::vector<std::string>& argv);

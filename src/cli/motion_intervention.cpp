@@ -11,7 +11,6 @@
 #include "simgap/report/diagnosis/motion_intervention_report.h"
 
 namespace simgap {
-namespace {
 
 MotionEvidence readMotionEvidence(const std::filesystem::path& run, Session& session) {
   const std::filesystem::path folder = run / kCandidateFolder;
@@ -40,8 +39,6 @@ MotionEvidence readMotionEvidence(const std::filesystem::path& run, Session& ses
   return evidence;
 }
 
-}  // namespace
-
 bool holdsMotionCandidates(const std::filesystem::path& run) {
   const std::filesystem::path list = run / kCandidateFolder / kCandidateList;
   return std::filesystem::exists(list) && readFile(list).starts_with(fmt::format("format: {}", kMotionCandidates));
@@ -63,6 +60,7 @@ ExitCode interveneOnMotions(const InterveneOptions& options, const std::vector<s
   const MotionEvidence evidence = readMotionEvidence(options.run, session);
   const auto read = [&](const YamlNode& node) { return ArmChanges::read(node, evidence.given); };
   const std::vector<ArmChanges> changes = readChangeFiles<ArmChanges>(options, session, "further motions", read);
+  for (const ArmChanges& change : changes) evidence.require(change);
   std::optional<MotionSet> after;
   if (!options.motions.empty()) {
     after = readMotions(session, "motions", options.motions, evidence.given, options.table.skip_bad_rows,

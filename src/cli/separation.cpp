@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "cli/inputs.h"
+#include "cli/motion_commands.h"
 #include "cli/pose_evidence.h"
+#include "simgap/core/progress.h"
 #include "simgap/report/diagnosis/log_intervention_report.h"
 #include "simgap/report/diagnosis/separation_report.h"
 
@@ -59,11 +63,35 @@ ExitCode separateArms(const SeparateOptions& options, Session& session) {
   return ExitCode::kDone;
 }
 
+ExitCode separateMotionSets(const SeparateOptions& options, Session& session) {
+  const MotionEvidence evidence = readMotionEvidence(options.of.run, session);
+  if (options.of.common.dry_run) {
+    session.print(fmt::format("would ask {} models for {} motions; nothing was written\n", evidence.candidates.size(),
+                              options.speeds.size() * evidence.profile.size()));
+    return ExitCode::kDone;
+  }
+  session.begin(options.of.common.seed.value_or(0));
+  std::optional<Progress> progress(std::in_place, "design:", 100, options.of.common.quiet, Progress::Unit::kPercent);
+  const MotionSeparation found =
+      separateMotions(evidence, options.speeds, options.count,
+                      [&](double done) { progress->update(static_cast<std::size_t>(100.0 * done)); });
+  for (const MotionProtocol& protocol : found.protocols) {
+    if (protocol.chosen == 0) continue;
+    session.directory().write(nextMotionFile(protocol.chosen),
+                              commandsCsv(protocol.commands, evidence.given.poseLayout()));
+  }
+  progress.reset();  // the result stands below its line
+  const Json result = toJson(found, evidence);
+  session.finish(result, separationText(result));
+  return ExitCode::kDone;
+}
+
 }  // namespace
 
 ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv) {
   Session session("design", options.of.common, argv);
-  return holdsLogCandidates(options.of.run) ? separateLogs(options, session) : separateArms(options, session);
+  if (holdsLogCandidates(options.of.run)) return separateLogs(options, session);
+  return holdsMotionCandidates(options.of.run) ? separateMotionSets(options, session) : separateArms(options, session);
 }
 
 }  // namespace simgap

@@ -19,11 +19,15 @@ double oddsOfAll(const CandidateAnswer& answer) {
   return answer.rival ? answer.log_odds : answer.log_odds + std::min(0.0, answer.before);
 }
 
+}  // namespace
+
 std::string saidOdds(double log_odds) {
   const double odds = oddsOf(log_odds);
   return odds > kBeyondDoubt ? fmt::format("odds beyond {:.0e} to 1", kBeyondDoubt)
                              : fmt::format("odds {:.3g} to 1", odds);
 }
+
+namespace {
 
 /// Those that predict as well as the best, up to odds that decide nothing; the best first.
 std::string likeBest(std::span<const CandidateAnswer> answers, std::size_t best) {

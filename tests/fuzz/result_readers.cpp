@@ -169,6 +169,15 @@ void readChange(std::string bytes) {
 
 void readCandidates(std::string bytes) { CandidateList::read(yaml(bytes)); }
 
+/// Of a bare hinge.
+void readMotionCandidates(std::string bytes) {
+  ArmModel hinge;
+  hinge.joints.resize(1);
+  MotionCandidateList::read(yaml(bytes), hinge);
+}
+
+void readCovarianceOf(std::string bytes) { readCovariance(CsvTable::parse(std::move(bytes), "covariance.csv")); }
+
 /// What was done to a bench, done to a drive on a pendulum, before and after it.
 void readLogChange(std::string bytes) {
   const LogChanges changes = LogChanges::read(yaml(bytes));
@@ -273,6 +282,8 @@ constexpr std::array kReaders = {
     Reader{"serve", serve},
     Reader{"change", readChange},
     Reader{"candidates", readCandidates},
+    Reader{"motion_candidates", readMotionCandidates},
+    Reader{"covariance", readCovarianceOf},
     Reader{"log_change", readLogChange},
     Reader{"log_candidates", readLogCandidates},
     Reader{"robot", readRobot},

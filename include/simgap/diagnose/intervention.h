@@ -22,6 +22,9 @@ inline constexpr double kDecisiveLogOdds = 3.0;
 /// Odds to be read: from exp(300) on they all mean the same.
 inline double oddsOf(double log_odds) { return std::exp(std::min(log_odds, 300.0)); }
 
+/// "odds 31.5 to 1"; "odds beyond 1e+09 to 1"
+std::string saidOdds(double log_odds);
+
 /// The causes that each candidate holds, the named one first: "payload:forearm".
 using HeldCauses = std::vector<std::set<std::string>>;
 

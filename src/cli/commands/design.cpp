@@ -115,12 +115,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--poses", options->poses, "poses recorded so far, 8 or more (CSV)");
   app.add_option("--config", options->config, "parameters and their priors (YAML; default: the paper's)");
   app.add_option("--candidates", options->candidates, "commands to choose from")->check(CLI::Range(1, 100000));
-  app.add_option("--count", options->count, "poses to choose")->check(CLI::Range(1, 1000));
+  app.add_option("--count", options->count, "poses to choose, or motions at most")->check(CLI::Range(1, 1000));
   app.add_option("--criterion", options->criterion, "prediction: I-optimal; information: D-optimal")
       ->check(CLI::IsMember({"prediction", "information"}));
   SeparateOptions& separate = options->separate;
   app.add_option("--separate", separate.of.run, "instead: what tells the models of this diagnosis apart (directory)");
-  app.add_option("--speeds", separate.speeds, "of --separate with a log: how many times as fast (default 0.5,1,2)")
+  app.add_option("--speeds", separate.speeds, "of --separate with a log or motions: how many times as fast (default 0.5,1,2)")
       ->delimiter(',')
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--loads", separate.loads, "of --separate with a log: under how many times the load (default 0.5,1,2)")

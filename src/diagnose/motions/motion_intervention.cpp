@@ -153,11 +153,6 @@ HeldCauses heldBy(const MotionEvidence& evidence) {
   return held;
 }
 
-void requireAllHeld(const MotionEvidence& evidence, const ArmChanges& change) {
-  const HeldCauses held = heldBy(evidence);
-  for (const ArmChange& part : change.changes) requireHeld(held, part.cause);
-}
-
 /// Where two candidates' joints are furthest apart: how far, shown as the joint's kind is, and where.
 std::pair<double, std::string> furthestApart(const PredictedMotions& one, const PredictedMotions& other,
                                              const std::vector<std::string>& names) {
@@ -207,11 +202,18 @@ void MotionEvidence::validate() const {
   }
 }
 
+void MotionEvidence::require(const ArmChanges& change) const {
+  const HeldCauses held = heldBy(*this);
+  for (const ArmChange& part : change.changes) requireHeld(held, part.cause);
+}
+
+std::vector<bool> MotionEvidence::rivals() const { return rivalsOf(heldBy(*this)); }
+
 MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges& change, const MotionSet& after,
                                const InterventionProgress& progress) {
-  requireAllHeld(evidence, change);
+  evidence.require(change);
   MotionIntervention result;
-  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
+  const std::vector<bool> rival = evidence.rivals();
   std::vector<CandidateAnswer> answers;
   bool played = false;
   for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
@@ -223,7 +225,9 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
     MotionPrediction& prediction = result.predictions.emplace_back();
     prediction.squares = squaresOf(predicted, predicted.e);
     prediction.left = std::sqrt(meanSquare(left));
-    prediction.p = std::min(1.0, 2.0 * std::min(chanceOfRest(left, evidence.reference), explained.way_p));
+    prediction.p_left = chanceOfRest(left, evidence.reference);
+    prediction.p_way = explained.way_p;
+    prediction.p = std::min(1.0, 2.0 * std::min(prediction.p_left, prediction.p_way));
     prediction.log_odds = explained.log_likelihood;
     prediction.lost = static_cast<std::size_t>(
         std::ranges::count_if(predicted.e, [](const VectorXd& e) { return e.size() == 0; }));
@@ -248,7 +252,7 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
 ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& change,
                                    const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
                                    const InterventionProgress& progress) {
-  requireAllHeld(evidence, change);
+  evidence.require(change);
   std::vector<RecordedMotion> motions;
   for (std::size_t m = 0; m < commands.size(); ++m) {
     motions.push_back(playedAsRecorded(evidence, change, commands[m], names[m]));
@@ -269,7 +273,7 @@ ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& c
   ForeseenChange result;
   result.log_odds.assign(n, std::vector<double>(n, 0.0));
   result.smallest = kInfinity;
-  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
+  const std::vector<bool> rival = evidence.rivals();
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) {
       if (i == j) continue;

@@ -85,13 +85,12 @@ std::string foreseenSentence(const std::string& named, const std::string& change
   if (!std::isfinite(log_odds)) {
     return fmt::format("no model of the diagnosis contradicts {}: there is nothing to tell apart", named);
   }
-  const double odds = oddsOf(log_odds);
   return log_odds > kDecisiveLogOdds
-             ? fmt::format("{} would tell {} from every other model (expected odds {:.3g} to 1 at least)", change,
-                           named, odds)
+             ? fmt::format("{} would tell {} from every other model (expected {} at least)", change, named,
+                           saidOdds(log_odds))
              : fmt::format(
                    "none of these changes is expected to tell {} from every other model ({:.2g} to 1 at best, {})",
-                   named, odds, change);
+                   named, oddsOf(log_odds), change);
 }
 
 std::string interventionAnswer(const Json& result) {

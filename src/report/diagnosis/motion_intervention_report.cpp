@@ -33,6 +33,8 @@ Json toJson(const MotionIntervention& result, const MotionEvidence& evidence, co
                           {"rms_sd", numberOrNull(rootMean(prediction.squares))},
                           {"left_sd", numberOrNull(prediction.left)},
                           {"p", prediction.p},
+                          {"p_left", prediction.p_left},
+                          {"p_way", prediction.p_way},
                           {"log_odds_before", evidence.candidates[c].log_odds},
                           {"log_odds", prediction.log_odds},
                           {"not_played", prediction.lost}});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "intervention_tables.h"
 #include "separation_tables.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/joint_kind.h"
@@ -15,11 +16,12 @@ namespace {
 /// Even ones at least: nothing that is recorded is expected to speak for the wrong model.
 double promisedOdds(double log_odds) { return oddsOf(std::max(log_odds, 0.0)); }
 
-/// The model that a protocol tells from the named one worst.
-std::string nearestOf(const ForeseenLogChange& foreseen, const LogEvidence& evidence) {
-  for (std::size_t c = 1; c < evidence.candidates.size(); ++c) {
+/// The model that a protocol tells from the named one worst. \tparam Foreseen  with log_odds and smallest
+template <class Foreseen>
+std::string nearestOf(const Foreseen& foreseen, const CandidateNames& candidates) {
+  for (std::size_t c = 1; c < candidates.size(); ++c) {
     const double least = std::min(foreseen.log_odds[0][c], foreseen.log_odds[c][0]);
-    if (least == foreseen.smallest) return evidence.candidates[c].known.causes;
+    if (least == foreseen.smallest) return candidates[c].first;
   }
   return "-";
 }
@@ -84,12 +86,14 @@ const LogProtocol& bestOf(const std::vector<LogProtocol>& protocols) {
 }
 
 Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& evidence) {
+  CandidateNames names;
+  for (const LogEvidence::Candidate& one : evidence.candidates) names.emplace_back(one.known.causes, one.known.role);
   Json list = Json::array();
   for (const LogProtocol& protocol : protocols) {
     list.push_back({{"speed", protocol.speed},
                     {"load", protocol.load},
                     {"smallest_log_odds", numberOrNull(protocol.foreseen.smallest)},
-                    {"nearest", nearestOf(protocol.foreseen, evidence)}});
+                    {"nearest", nearestOf(protocol.foreseen, names)}});
   }
   const LogProtocol& best = bestOf(protocols);
   const std::string& named = evidence.candidates.front().known.causes;
@@ -103,6 +107,39 @@ Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& eviden
       {"unit", best.foreseen.unit},
       {"best", {{"speed", best.speed}, {"load", best.load}}},
       {"protocols", list}};
+}
+
+std::string nextMotionFile(int chosen) { return fmt::format("next_{}.csv", chosen); }
+
+Json toJson(const MotionSeparation& result, const MotionEvidence& evidence) {
+  const CandidateNames names = namesOf(evidence.candidates);
+  Json list = Json::array();
+  for (const MotionProtocol& protocol : result.protocols) {
+    list.push_back({{"motion", protocol.motion},
+                    {"speed", protocol.speed},
+                    {"smallest_log_odds", numberOrNull(protocol.foreseen.smallest)},
+                    {"nearest", nearestOf(protocol.foreseen, names)},
+                    {"record", protocol.chosen > 0 ? Json(nextMotionFile(protocol.chosen)) : Json(nullptr)}});
+  }
+  const double promised = result.smallest.back();
+  const std::string last = nextMotionFile(static_cast<int>(result.smallest.size())),
+                    files = result.smallest.size() == 1 ? last : nextMotionFile(1) + " to " + last,
+                    odds = saidOdds(std::max(0.0, promised));
+  const std::string sentence =
+      promised > kDecisiveLogOdds
+          ? fmt::format("The commands of {} are expected to tell {} from every model that contradicts it by {} at least, "
+                        "whichever is right",
+                        files, names.front().first, odds)
+          : fmt::format("Not even the commands of {} are expected to tell {} from every model that contradicts it: {} at "
+                        "least",
+                        files, names.front().first, odds);
+  return {{"format", "simgap/separate/1"},
+          {"of", "motions"},
+          {"sentence", sentence},
+          {"named", names.front().first},
+          {"promised", promised},
+          {"smallest", result.smallest},
+          {"protocols", list}};
 }
 
 std::string separationText(const Json& result) {

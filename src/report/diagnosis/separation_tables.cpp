@@ -39,11 +39,24 @@ Table protocolTable(const Json& result) {
   return table;
 }
 
+Table motionsTable(const Json& result) {
+  Table table{"The recorded motions again, so many times as fast",
+              {"motion", "speed", "smallest log odds", "nearest model", "record"},
+              {}};
+  for (const Json& p : result.at("protocols")) {
+    table.rows.push_back({cellText(p.at("motion")), numberText(p.at("speed"), "{:g}"),
+                          numberText(p.at("smallest_log_odds"), "{:.2f}"), cellText(p.at("nearest")),
+                          p.at("record").is_null() ? "" : cellText(p.at("record"))});
+  }
+  return table;
+}
+
 }  // namespace
 
 std::string separationAnswer(const Json& result) { return cellText(result.at("sentence")) + "."; }
 
 std::vector<Table> separationTables(const Json& result) {
+  if (result.value("of", "") == "motions") return {motionsTable(result)};
   if (result.contains("protocols")) return {protocolTable(result)};
   return {rivalsTable(result), countsTable(result)};
 }

@@ -119,8 +119,10 @@ TEST(SlowMotionInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
         ++named;
         const auto result = judgeChange(evidence, undo(label), curedMotions(one, seed), noNews);
         confirmed += result.verdict == InterventionVerdict::kConfirmed ? 1 : 0;
-        std::printf("  %lu %s taken away: %s (%.2f sd)\n", static_cast<unsigned long>(seed), label.c_str(),
-                    result.sentence.c_str(), rmsOf(result.predictions.front()));
+        const MotionPrediction& own = result.predictions.front();
+        std::printf("  %lu %s taken away: %s, %.2f sd, %.2f left (p %.2g), way p %.2g\n",
+                    static_cast<unsigned long>(seed), label.c_str(), toString(result.verdict).data(), rmsOf(own),
+                    own.left, own.p_left, own.p_way);
       }
       for (std::size_t c = 1; c < evidence.candidates.size(); ++c) {
         const std::string other = evidence.candidates[c].causes;

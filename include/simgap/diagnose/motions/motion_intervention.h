@@ -33,13 +33,18 @@ struct MotionEvidence {
 
   /// \throws ConfigError: a covariance of another number of parameters than its candidate has
   void validate() const;
+  /// \throws ConfigError: a change takes away what no candidate holds
+  void require(const ArmChanges& change) const;
+  std::vector<bool> rivals() const;  ///< of the named one, as rivalsOf
 };
 
 /// What one candidate said of the motions after the change.
 struct MotionPrediction {
   Eigen::MatrixXd squares;  ///< mean squares of its residuals, shape (joints + shafts + currents, motions); NaN: not played
   double left = 0.0;        ///< root of the mean square that is left at the best x [noise sd]
-  double p = 0.0;           ///< of residuals as large, were the candidate right
+  double p_left = 0.0;      ///< of as much left there, were the candidate right
+  double p_way = 0.0;       ///< of as far a way to x
+  double p = 0.0;           ///< the smaller of both, twice
   double log_odds = 0.0;    ///< against the named candidate, from the motions after the change alone
   std::size_t lost = 0;     ///< motions that it cannot play
 };

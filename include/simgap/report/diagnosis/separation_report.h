@@ -7,6 +7,7 @@
 
 #include "simgap/core/run_directory.h"
 #include "simgap/diagnose/logs/log_intervention.h"
+#include "simgap/diagnose/motions/motion_separation.h"
 #include "simgap/diagnose/poses/pose_separation.h"
 
 namespace simgap {
@@ -25,7 +26,11 @@ Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& eviden
 /// The one that tells most.
 const LogProtocol& bestOf(const std::vector<LogProtocol>& protocols);
 
-/// Of either result.
+Json toJson(const MotionSeparation& result, const MotionEvidence& evidence);
+/// "next_1.csv": of a motion's place among those to record.
+std::string nextMotionFile(int chosen);
+
+/// Of any of these results.
 std::string separationText(const Json& result);
 
 }  // namespace simgap

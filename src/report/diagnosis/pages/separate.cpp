@@ -23,7 +23,9 @@ Chart protocolChart(const Json& result) {
   std::vector<std::string> names;
   std::vector<double> odds;
   for (const Json& p : result.at("protocols")) {
-    names.push_back(fmt::format("speed x {:g}, load x {:g}", numberOf(p.at("speed")), numberOf(p.at("load"))));
+    const std::string speed = fmt::format("speed x {:g}", numberOf(p.at("speed")));
+    names.push_back(p.contains("motion") ? cellText(p.at("motion")) + ", " + speed
+                                         : fmt::format("{}, load x {:g}", speed, numberOf(p.at("load"))));
     odds.push_back(numberOf(p.at("smallest_log_odds")));
   }
   return barChart("What each motion is expected to tell", names, {"smallest log odds of any pair"},
@@ -33,10 +35,12 @@ Chart protocolChart(const Json& result) {
 Page make(const ResultFiles& files) {
   const Json& result = files.result();
   Page page{"simgap design --separate", separationAnswer(result), {}};
-  const bool of_log = result.contains("protocols");
+  const bool of_motions = result.value("of", "") == "motions", of_protocols = result.contains("protocols");
   page.verdict = {PageVerdict::Level::kGood, "designed", "Record it, then ask the same models, with nothing refitted.",
-                  of_log ? "simgap intervene RUN --log RECORDED" : "simgap intervene RUN --poses RECORDED"};
-  page.add(of_log ? protocolChart(result) : countsChart(result));
+                  of_motions     ? "simgap intervene RUN --motions RECORDED"
+                  : of_protocols ? "simgap intervene RUN --log RECORDED"
+                                 : "simgap intervene RUN --poses RECORDED"};
+  page.add(of_protocols ? protocolChart(result) : countsChart(result));
   for (Table& table : separationTables(result)) page.add(std::move(table));
   return page;
 }
