@@ -72,9 +72,9 @@ ExitCode separateMotionSets(const SeparateOptions& options, Session& session) {
   }
   session.begin(options.of.common.seed.value_or(0));
   std::optional<Progress> progress(std::in_place, "design:", 100, options.of.common.quiet, Progress::Unit::kPercent);
-  const MotionSeparation found =
-      separateMotions(evidence, options.speeds, options.count,
-                      [&](double done) { progress->update(static_cast<std::size_t>(100.0 * done)); });
+  const MotionSeparation found = separateMotions(evidence, options.speeds, options.count, [&](double done) {
+    progress->update(static_cast<std::size_t>(100.0 * done));
+  });
   for (const MotionProtocol& protocol : found.protocols) {
     if (protocol.chosen == 0) continue;
     session.directory().write(nextMotionFile(protocol.chosen),

@@ -29,7 +29,6 @@ ArmModel withCauses(const ArmModel& model, const std::vector<ArmCause>& causes);
 std::vector<ParameterSpace::Choice> choicesWith(const std::vector<ParameterSpace::Choice>& parameters,
                                                 const std::vector<ArmCause>& causes);
 
-
 /// "payload:forearm, guide-friction"; "none"
 std::string labelOf(const std::vector<ArmCause>& causes);
 /// The causes that a candidate has beyond the given model, with the values and choices that it has.

@@ -50,7 +50,8 @@ TEST_F(MotionDiagnosisTest, ItsModelsAreAskedAboutAChangeAndWhatToRecordNext) {
   succeed(diagnosis("out", {"--effects", "joint-clock-offset,payload,command-latency"}));
   put("off.yaml", "format: simgap/change/1\nname: clock mended\nchanges: [{kind: undo, cause: joint-clock-offset}]\n");
   put("hung.yaml",
-      "format: simgap/change/1\nchanges: [{kind: mass, body: link1, at_m: [0, 0, -0.1], mass_kg: 0.2, mass_sd_kg: 0.01}]\n");
+      "format: simgap/change/1\nchanges: [{kind: mass, body: link1, at_m: [0, 0, -0.1], mass_kg: 0.2, mass_sd_kg: "
+      "0.01}]\n");
   const Json found = Json::parse(text("out/result.json"));
   ASSERT_EQ(found.at("causes").at(0).at("effect"), "joint-clock-offset");
   succeed({"intervene", "out", "--change", "hung.yaml", "--change", "off.yaml", "-q", "-o", "foreseen"});
@@ -66,7 +67,8 @@ TEST_F(MotionDiagnosisTest, ItsModelsAreAskedAboutAChangeAndWhatToRecordNext) {
   EXPECT_EQ(text("next_again/result.json"), text("next/result.json"));
 
   expectRefused({"intervene", "out", "-o", "no"}, 2, "found neither --change nor --motions");
-  expectRefused({"intervene", "out", "--poses", "p.csv", "-o", "no"}, 2, "with a diagnosis of motions, expected --motions");
+  expectRefused({"intervene", "out", "--poses", "p.csv", "-o", "no"}, 2,
+                "with a diagnosis of motions, expected --motions");
   expectRefused({"intervene", "out", "--change", "off.yaml", "hung.yaml", "--motions", "unseen.yaml", "-o", "no"}, 2,
                 "found 2 files of --change with --motions");
   put("none.yaml", "format: simgap/change/1\nchanges: [{kind: undo, cause: supply-sag}]\n");

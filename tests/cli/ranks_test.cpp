@@ -146,6 +146,31 @@ TEST_F(SharedWorkTest, MotionsThatAreValidated) {
   expectTheSameOnRanks({"validate", "forearm.yaml", "--motions", "motions.yaml"});
 }
 
+class DiagnosedMotionsTest : public SharedWorkTest {
+ protected:
+  DiagnosedMotionsTest() {
+    reality::MotionRigOptions options;
+    options.duration = 2.0;
+    options.capture_delay = 0.05;
+    put("forearm.yaml", reality::toYaml(movingForearm().arm));
+    put("forearm_config.yaml", forearmConfig());
+    putMotions(folder_, "motions.yaml", 0, 4, options);
+    putMotions(folder_, "unseen.yaml", 4, 3, options);
+  }
+  const Arguments diagnosis_{
+      "diagnose",    "forearm.yaml", "--motions",           "motions.yaml", "--validation-motions",
+      "unseen.yaml", "--config",     "forearm_config.yaml", "--effects",    "joint-clock-offset,payload"};
+};
+
+TEST_F(DiagnosedMotionsTest, RolloutsOfADiagnosis) { expectTheSameOnRanks(diagnosis_); }
+
+TEST_F(DiagnosedMotionsTest, RolloutsOfAnIntervention) {
+  Arguments once = diagnosis_;
+  once.insert(once.end(), {"-q", "-o", "why"});
+  succeed(once);
+  expectTheSameOnRanks({"intervene", "why", "--motions", "unseen.yaml"});
+}
+
 class SlowSharedWorkTest : public SharedWorkTest {};
 
 TEST_F(SlowSharedWorkTest, HypothesesAndPlacebosOfALog) {

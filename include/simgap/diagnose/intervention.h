@@ -40,7 +40,7 @@ void requireHeld(const HeldCauses& held, const std::string& cause);
 struct ForeseenChange {
   /// shape (candidates, candidates): expected log odds of the row's candidate over the column's, were the row's right
   std::vector<std::vector<double>> log_odds;
-  double smallest = 0.0;  ///< of the named candidate against any that contradicts it, either of them right
+  double smallest = 0.0;              ///< of the named candidate against any that contradicts it, either of them right
   std::vector<double> largest_shift;  ///< shape (candidates) [deg], of a slide [mm]: furthest from the named one's
   std::vector<std::string> where;     ///< shape (candidates): joint, and pose or second, of it
 };

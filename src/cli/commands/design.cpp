@@ -120,7 +120,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->check(CLI::IsMember({"prediction", "information"}));
   SeparateOptions& separate = options->separate;
   app.add_option("--separate", separate.of.run, "instead: what tells the models of this diagnosis apart (directory)");
-  app.add_option("--speeds", separate.speeds, "of --separate with a log or motions: how many times as fast (default 0.5,1,2)")
+  app.add_option("--speeds", separate.speeds,
+                 "of --separate with a log or motions: how many times as fast (default 0.5,1,2)")
       ->delimiter(',')
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_option("--loads", separate.loads, "of --separate with a log: under how many times the load (default 0.5,1,2)")

@@ -24,12 +24,17 @@ MotionProblem motionProblem(const ArmModel& model, const MotionCalibrationConfig
 
 MotionCandidate candidateOf(const MotionCauseFit& fit, const char* role) {
   const Eigen::VectorXd& z = fit.here().z;
-  MotionCandidate candidate{labelOf(fit.causes()), role, -fit.objective(), fit.posterior().captureDelay(z),
-                            fit.model(),           fit.covariance()};
+  MotionCandidate candidate{labelOf(fit.causes()),           role,        -fit.objective(),
+                            fit.posterior().captureDelay(z), fit.model(), fit.covariance()};
   Eigen::Index of_causes = 0;
   for (const ArmCause& cause : fit.causes()) of_causes += fittedParameters(*cause.effect);
+  // What a cause's law leaves of it, the ordinary parameters have taken up as far as they can: they would be elsewhere
+  // with a size that is off by as much. Without the cause they show it.
+  const Eigen::MatrixXd known = candidate.covariance;
   for (Eigen::Index i = z.size() - 1 - of_causes; i + 1 < z.size(); ++i) {
-    candidate.covariance(i, i) += std::pow(kModelOfMagnitude * z[i], 2);  // z = 0: the cause is not there
+    const double size = kModelOfMagnitude * z[i];  // z = 0: the cause is not there
+    const Eigen::VectorXd with = known.col(i) / known(i, i) * size;
+    candidate.covariance += with * with.transpose();
   }
   return candidate;
 }

@@ -22,11 +22,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int kSteps = 30;             // towards the best x, at most
-constexpr double kStill = 1e-3;        // [sd] a step that ends them
-constexpr double kTold = 0.1;          // of an axis of x, that motions say as much of as was known before
-constexpr double kLeastSpread = 0.1;   // of the logarithm of mean squares: fewer motions may agree by chance
-constexpr double kLostMotion = 1e4;    // [nats] of a motion that cannot be played
+constexpr int kSteps = 30;            // towards the best x, at most
+constexpr double kStill = 1e-3;       // [sd] a step that ends them
+constexpr double kTold = 0.1;         // of an axis of x, that motions say as much of as was known before
+constexpr double kLeastSpread = 0.1;  // of the logarithm of mean squares: fewer motions may agree by chance
+constexpr double kLostMotion = 1e4;   // [nats] of a motion that cannot be played
 
 /// Where x comes to rest, and what it says.
 struct Explained {
@@ -184,8 +184,7 @@ double worthOf(const PredictedMotions& right, const PredictedMotions& wrong, dou
     squares += apart.back().squaredNorm();
   }
   const VectorXd along = projected(wrong, ones, apart) / variance;
-  const MatrixXd normal =
-      curvatureOf(wrong, ones) / variance + MatrixXd::Identity(wrong.directions, wrong.directions);
+  const MatrixXd normal = curvatureOf(wrong, ones) / variance + MatrixXd::Identity(wrong.directions, wrong.directions);
   return 0.5 * std::max(0.0, squares / variance - along.dot(normal.llt().solve(along)));
 }
 
@@ -229,15 +228,16 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
     prediction.p_way = explained.way_p;
     prediction.p = std::min(1.0, 2.0 * std::min(prediction.p_left, prediction.p_way));
     prediction.log_odds = explained.log_likelihood;
-    prediction.lost = static_cast<std::size_t>(
-        std::ranges::count_if(predicted.e, [](const VectorXd& e) { return e.size() == 0; }));
+    prediction.lost =
+        static_cast<std::size_t>(std::ranges::count_if(predicted.e, [](const VectorXd& e) { return e.size() == 0; }));
     played = played || prediction.lost < after.motions.size();
     answers.push_back({candidate.causes, prediction.p, 0.0, rival[c], candidate.log_odds});
   }
   if (!played) {
-    throw DataError(fmt::format("{}: no candidate can play any of {} motions: is this the arm of the diagnosis, with the "
-                                "change that was stated?",
-                                after.file, after.motions.size()));
+    throw DataError(
+        fmt::format("{}: no candidate can play any of {} motions: is this the arm of the diagnosis, with the "
+                    "change that was stated?",
+                    after.file, after.motions.size()));
   }
   const double named = result.predictions.front().log_odds;
   for (std::size_t c = 0; c < answers.size(); ++c) {
@@ -250,8 +250,8 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
 }
 
 ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& change,
-                                   const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
-                                   const InterventionProgress& progress) {
+                             const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
+                             const InterventionProgress& progress) {
   evidence.require(change);
   std::vector<RecordedMotion> motions;
   for (std::size_t m = 0; m < commands.size(); ++m) {

@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kPartOfSd = 0.5;      // of a standard deviation: rollouts are not straight further away
-constexpr double kLeastMove = 1e-6;    // of a prior's standard deviation, that a direction is uncertain by
+constexpr double kPartOfSd = 0.5;        // of a standard deviation: rollouts are not straight further away
+constexpr double kLeastMove = 1e-6;      // of a prior's standard deviation, that a direction is uncertain by
 constexpr double kFrameTime = 1.0 / 30;  // [s] of a foreseen capture
 
 /// The square root of a covariance: its columns are directions of one standard deviation each.

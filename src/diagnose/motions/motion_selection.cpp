@@ -27,7 +27,7 @@ constexpr double kOnTheWay = 5.0;          // times what its last derivatives ga
 constexpr std::size_t kTold = 5;           // hypotheses that a report lists where none was fitted
 constexpr double kHopelessGain = 3.0;      // promised by the scan [negative log posterior]
 constexpr double kMotionsTellApart = 6.0;  // evidence by which a cause has to lead
-constexpr std::size_t kOthersKept = 4;       // that a change of the arm may still prove, besides rivals
+constexpr std::size_t kOthersKept = 4;     // that a change of the arm may still prove, besides rivals
 constexpr double kSteady = 2.0;            // and standard errors over motions
 constexpr double kGained = 0.5, kGainedShare = 3e-4;  // a round that gains less was the last
 

@@ -60,7 +60,8 @@ Json foreseenJson(const std::vector<ForeseenChange>& foreseen, const CandidateNa
                       {"log_odds_if_named", change.log_odds[0][c]},
                       {"log_odds_if_this", change.log_odds[c][0]}});
     }
-    list.push_back({{"name", changes[k].name}, {"smallest_log_odds", numberOrNull(change.smallest)}, {"candidates", said}});
+    list.push_back(
+        {{"name", changes[k].name}, {"smallest_log_odds", numberOrNull(change.smallest)}, {"candidates", said}});
     if (change.smallest > foreseen[best].smallest) best = k;
   }
   return {{"format", "simgap/intervene/1"},

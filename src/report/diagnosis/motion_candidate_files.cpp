@@ -43,8 +43,8 @@ Eigen::MatrixXd readCovariance(const CsvTable& table) {
   const Eigen::ArrayXXd scale = (variances.matrix() * variances.matrix().transpose()).array().cwiseMax(0.0).sqrt();
   if (!(variances >= 0.0).all() ||
       !((covariance - covariance.transpose()).array().abs() <= kSymmetric * (scale + 1e-12)).all()) {
-    throw DataError(fmt::format("{}: found numbers that are no covariance: not symmetric, or a variance below 0",
-                                table.name()));
+    throw DataError(
+        fmt::format("{}: found numbers that are no covariance: not symmetric, or a variance below 0", table.name()));
   }
   return covariance;
 }
@@ -63,7 +63,8 @@ void writeMotionCandidates(const MotionDiagnosis& result, const ArmModel& given,
     const RecordedMotion& motion = result.profile[m];
     const std::string file = fmt::format("commands_{}.csv", m + 1);
     write(file, commandsCsv(motion.commands, result.layout));
-    list += fmt::format("  - {{name: {}, file: {}, linear: {}}}\n", yamlText(motion.name), file, motion.commands.linear);
+    list +=
+        fmt::format("  - {{name: {}, file: {}, linear: {}}}\n", yamlText(motion.name), file, motion.commands.linear);
   }
   list += "candidates:\n";
   for (std::size_t c = 0; c < result.candidates.size(); ++c) {
@@ -71,9 +72,8 @@ void writeMotionCandidates(const MotionDiagnosis& result, const ArmModel& given,
     const std::string file = candidateFileName(c, candidate.causes);
     write(file, writeArm(candidate.model));
     write(covarianceFileName(c), covarianceCsv(candidate.covariance));
-    list += fmt::format(
-        "  - {{file: {}, causes: {}, role: {}, log_odds: {}, capture_delay_s: {}}}\n", file,
-        yamlText(candidate.causes), candidate.role, candidate.log_odds, candidate.capture_delay);
+    list += fmt::format("  - {{file: {}, causes: {}, role: {}, log_odds: {}, capture_delay_s: {}}}\n", file,
+                        yamlText(candidate.causes), candidate.role, candidate.log_odds, candidate.capture_delay);
   }
   write(kGivenModel, writeArm(given));
   write(kCandidateList, list);
@@ -94,8 +94,7 @@ MotionCandidateList MotionCandidateList::read(const YamlNode& root, const ArmMod
   list.noise.shafts = noise.at("shafts_rad").number(kPositive);
   list.noise.currents = noise.at("currents_A").number(kPositive);
   for (const YamlNode& motion : root.at("profile").items()) {
-    list.profile.push_back(
-        {motion.at("name").text(), fileNameOf(motion.at("file")), motion.at("linear").boolean()});
+    list.profile.push_back({motion.at("name").text(), fileNameOf(motion.at("file")), motion.at("linear").boolean()});
   }
   list.entries =
       readCandidateEntries<Entry>(root.at("candidates"), [](const YamlNode& node, MotionCandidate& candidate) {

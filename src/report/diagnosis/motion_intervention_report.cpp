@@ -39,10 +39,14 @@ Json toJson(const MotionIntervention& result, const MotionEvidence& evidence, co
                           {"log_odds", prediction.log_odds},
                           {"not_played", prediction.lost}});
   }
-  return {{"format", "simgap/intervene/1"},      {"of", "motions"},
-          {"change", change.name},               {"verdict", toString(result.verdict)},
-          {"sentence", result.sentence},         {"motions", after.motions.size()},
-          {"motions_given", after.motions.size()}, {"candidates", candidates}};
+  return {{"format", "simgap/intervene/1"},
+          {"of", "motions"},
+          {"change", change.name},
+          {"verdict", toString(result.verdict)},
+          {"sentence", result.sentence},
+          {"motions", after.motions.size()},
+          {"motions_given", after.motions.size()},
+          {"candidates", candidates}};
 }
 
 std::string predictionsCsv(const MotionIntervention& result, const MotionEvidence& evidence, const MotionSet& after) {

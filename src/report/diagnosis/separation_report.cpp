@@ -127,12 +127,14 @@ Json toJson(const MotionSeparation& result, const MotionEvidence& evidence) {
                     odds = saidOdds(std::max(0.0, promised));
   const std::string sentence =
       promised > kDecisiveLogOdds
-          ? fmt::format("The commands of {} are expected to tell {} from every model that contradicts it by {} at least, "
-                        "whichever is right",
-                        files, names.front().first, odds)
-          : fmt::format("Not even the commands of {} are expected to tell {} from every model that contradicts it: {} at "
-                        "least",
-                        files, names.front().first, odds);
+          ? fmt::format(
+                "The commands of {} are expected to tell {} from every model that contradicts it by {} at least, "
+                "whichever is right",
+                files, names.front().first, odds)
+          : fmt::format(
+                "Not even the commands of {} are expected to tell {} from every model that contradicts it: {} at "
+                "least",
+                files, names.front().first, odds);
   return {{"format", "simgap/separate/1"},
           {"of", "motions"},
           {"sentence", sentence},

@@ -20,8 +20,7 @@ constexpr std::size_t kMotionsAfter = 3;
 
 /// Motions of the same forearm without what was hidden in it.
 MotionSet curedMotions(const MotionCase& one, std::uint64_t seed, std::size_t count = kMotionsAfter) {
-  const test::HiddenMotionCase cured =
-      test::drawHidden(test::MotionArm::kForearm, seed, *test::findMotionTruth(""));
+  const test::HiddenMotionCase cured = test::drawHidden(test::MotionArm::kForearm, seed, *test::findMotionTruth(""));
   return test::recordForearm(cured, one.model, 1000 * seed + kAfter, count);
 }
 
@@ -145,9 +144,10 @@ TEST(SlowMotionInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
       std::fflush(stdout);
     }
   }
-  std::printf("confirmed %d of %d, look-alikes refuted %d of %d (of those foreseen to be told apart %d of %d), falsely "
-              "confirmed %d\n",
-              confirmed, named, refuted, alike, told, telling, falsely);
+  std::printf(
+      "confirmed %d of %d, look-alikes refuted %d of %d (of those foreseen to be told apart %d of %d), falsely "
+      "confirmed %d\n",
+      confirmed, named, refuted, alike, told, telling, falsely);
   ASSERT_GE(named + alike, 60);
   EXPECT_GE(confirmed, 0.9 * named);
   EXPECT_LE(falsely, 0.05 * alike);

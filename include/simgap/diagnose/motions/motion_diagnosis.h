@@ -35,18 +35,18 @@ struct MotionSay {
 
 /// A model that a diagnosis left standing or refused, with what is known of its parameters.
 struct MotionCandidate {
-  std::string causes;  ///< "payload:forearm, guide-friction"; "none"
-  std::string role;    ///< as of pose sets (pose_diagnosis.h)
-  double log_odds = 0.0;         ///< of the motions that select, against the first candidate
-  double capture_delay = 0.0;    ///< [s]
-  ArmModel model = {};           ///< fitted to them
+  std::string causes;               ///< "payload:forearm, guide-friction"; "none"
+  std::string role;                 ///< as of pose sets (pose_diagnosis.h)
+  double log_odds = 0.0;            ///< of the motions that select, against the first candidate
+  double capture_delay = 0.0;       ///< [s]
+  ArmModel model = {};              ///< fitted to them
   Eigen::MatrixXd covariance = {};  ///< of z (motion_posterior.h) beside its place
 };
 
 /// How motions are missed that no change was made to: what motions after a change are compared with.
 struct MotionReference {
-  double variance = 1.0;         ///< mean square of held-out residuals with the named model, in noise variances, >= 1
-  double mean = 0.0, sd = 0.0;   ///< over motions, of the logarithm of their mean squares
+  double variance = 1.0;        ///< mean square of held-out residuals with the named model, in noise variances, >= 1
+  double mean = 0.0, sd = 0.0;  ///< over motions, of the logarithm of their mean squares
   int motions = 0;
 };
 

@@ -23,13 +23,13 @@ namespace simgap {
 
 /// What a diagnosis of motions knew.
 struct MotionEvidence {
-  ArmModel given;                            ///< the model that was diagnosed
+  ArmModel given;  ///< the model that was diagnosed
   MotionCalibrationConfig config;
-  std::vector<MotionCandidate> candidates;   ///< the named one first
+  std::vector<MotionCandidate> candidates;  ///< the named one first
   MotionReference reference;
   MotionNoise noise;
   std::vector<std::string> profile_names;
-  std::vector<MotionCommands> profile;       ///< of a few motions before the change, shape (profile_names)
+  std::vector<MotionCommands> profile;  ///< of a few motions before the change, shape (profile_names)
 
   /// \throws ConfigError: a covariance of another number of parameters than its candidate has
   void validate() const;
@@ -40,13 +40,14 @@ struct MotionEvidence {
 
 /// What one candidate said of the motions after the change.
 struct MotionPrediction {
-  Eigen::MatrixXd squares;  ///< mean squares of its residuals, shape (joints + shafts + currents, motions); NaN: not played
-  double left = 0.0;        ///< root of the mean square that is left at the best x [noise sd]
-  double p_left = 0.0;      ///< of as much left there, were the candidate right
-  double p_way = 0.0;       ///< of as far a way to x
-  double p = 0.0;           ///< the smaller of both, twice
-  double log_odds = 0.0;    ///< against the named candidate, from the motions after the change alone
-  std::size_t lost = 0;     ///< motions that it cannot play
+  Eigen::MatrixXd
+      squares;          ///< mean squares of its residuals, shape (joints + shafts + currents, motions); NaN: not played
+  double left = 0.0;    ///< root of the mean square that is left at the best x [noise sd]
+  double p_left = 0.0;  ///< of as much left there, were the candidate right
+  double p_way = 0.0;   ///< of as far a way to x
+  double p = 0.0;       ///< the smaller of both, twice
+  double log_odds = 0.0;  ///< against the named candidate, from the motions after the change alone
+  std::size_t lost = 0;   ///< motions that it cannot play
 };
 
 struct MotionIntervention {
@@ -66,7 +67,7 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
 /// What a change, or other commands, would tell.
 /// \param commands, names  the motions to record after the change
 ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& change,
-                                   const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
-                                   const InterventionProgress& progress);
+                             const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
+                             const InterventionProgress& progress);
 
 }  // namespace simgap

@@ -26,7 +26,7 @@ Chart errorsChart(const ResultFiles& files, const Json& result) {
     }
     ++number;
   }
-  return barChart("Errors after the change, with nothing refitted", names, 
+  return barChart("Errors after the change, with nothing refitted", names,
                   {of_motions ? "RMS error [sd of the noise]" : "error [deg], of a slide [mm]"}, series);
 }
 
@@ -78,9 +78,9 @@ PageVerdict verdictOf(const Json& result) {
           ? "A change that moves the models' predictions further apart tells more."
           : "What the change says holds for the models listed; another cause may predict the same.";
   return {level, verdict, next,
-          result.contains("unit")                 ? "simgap intervene RUN --change CHANGE --log AFTER"
+          result.contains("unit")                    ? "simgap intervene RUN --change CHANGE --log AFTER"
           : result.value("of", "poses") == "motions" ? "simgap intervene RUN --change CHANGE --motions AFTER"
-                                                  : "simgap intervene RUN --change CHANGE --poses AFTER"};
+                                                     : "simgap intervene RUN --change CHANGE --poses AFTER"};
 }
 
 const Json& bestChange(const Json& result) {
