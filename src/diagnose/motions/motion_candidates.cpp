@@ -9,6 +9,7 @@ namespace simgap {
 namespace {
 
 constexpr double kKnownClocks = 0.005;  // [s] to which clocks agree where nothing is wrong with them
+constexpr double kOfRow = 0.5;          // of the time between two, as a standard deviation: when a command changed
 constexpr double kOwnClock = 2.0;       // of that, what a fit's own clock may carry: it would hide the cause
 
 }  // namespace
@@ -22,19 +23,33 @@ MotionProblem motionProblem(const ArmModel& model, const MotionCalibrationConfig
   return problem;
 }
 
+double longestRow(std::span<const RecordedMotion> motions) {
+  double row = 0.0;
+  for (const RecordedMotion& motion : motions) {
+    for (std::size_t r = 1; r < motion.times().size(); ++r) {
+      row = std::max(row, motion.times()[r] - motion.times()[r - 1]);
+    }
+  }
+  return row;
+}
+
 MotionCandidate candidateOf(const MotionCauseFit& fit, const char* role) {
   const Eigen::VectorXd& z = fit.here().z;
   MotionCandidate candidate{labelOf(fit.causes()),           role,        -fit.objective(),
                             fit.posterior().captureDelay(z), fit.model(), fit.covariance()};
-  Eigen::Index of_causes = 0;
-  for (const ArmCause& cause : fit.causes()) of_causes += fittedParameters(*cause.effect);
   // What a cause's law leaves of it, the ordinary parameters have taken up as far as they can: they would be elsewhere
   // with a size that is off by as much. Without the cause they show it.
   const Eigen::MatrixXd known = candidate.covariance;
-  for (Eigen::Index i = z.size() - 1 - of_causes; i + 1 < z.size(); ++i) {
-    const double size = kModelOfMagnitude * z[i];  // z = 0: the cause is not there
-    const Eigen::VectorXd with = known.col(i) / known(i, i) * size;
-    candidate.covariance += with * with.transpose();
+  Eigen::Index i = z.size() - 1;
+  for (const ArmCause& cause : fit.causes()) i -= fittedParameters(*cause.effect);
+  for (const ArmCause& cause : fit.causes()) {
+    const double row = cause.effect->command_delay ? kOfRow * longestRow(fit.motions()) : 0.0;
+    for (Eigen::Index k = 0; k < fittedParameters(*cause.effect); ++k, ++i) {
+      const double of_law = kModelOfMagnitude * z[i];  // z = 0: the cause is not there
+      const double size = std::hypot(of_law, row / fit.posterior().parameters().slope(i, z[i]));
+      const Eigen::VectorXd with = known.col(i) / known(i, i) * size;
+      candidate.covariance += with * with.transpose();
+    }
   }
   return candidate;
 }

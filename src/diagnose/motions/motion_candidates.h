@@ -2,6 +2,7 @@
 /// The models that a diagnosis of motions keeps, for a change of the arm to judge.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,9 @@ inline constexpr double kModelOfMagnitude = 0.05;
 
 /// What all fits of a diagnosis share, from what it was asked with; `motions` are still to be set.
 MotionProblem motionProblem(const ArmModel& model, const MotionCalibrationConfig& config);
+
+/// The longest time between two rows: when a command changed is known to no less [s].
+double longestRow(std::span<const RecordedMotion> motions);
 
 /// A fit as it stands. Its log odds are its negative log posterior, until all are compared.
 MotionCandidate candidateOf(const MotionCauseFit& fit, const char* role);

@@ -75,11 +75,7 @@ std::vector<EvidenceBin> errorsOverTime(const MotionSet& set, const std::vector<
 }
 
 void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
-  double row = 0.0;  // the longest time between two [s]
-  for (const RecordedMotion& motion : set.motions) {
-    for (std::size_t r = 1; r < motion.times().size(); ++r)
-      row = std::max(row, motion.times()[r] - motion.times()[r - 1]);
-  }
+  const double row = longestRow(set.motions);
   for (std::size_t c = 0; c < diagnosis.causes.size(); ++c) {
     const ArmEffect& effect = *findArmEffect(diagnosis.causes[c].effect);
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {

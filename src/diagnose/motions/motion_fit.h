@@ -63,6 +63,7 @@ class MotionCauseFit {
   MotionCauseFit(const MotionProblem& problem, std::vector<ArmCause> causes);
 
   const std::vector<ArmCause>& causes() const { return causes_; }
+  std::span<const RecordedMotion> motions() const { return problem_->motions; }
   const MotionPosterior& posterior() const { return *posterior_; }
   const MotionLinearisation& here() const { return here_; }
   double objective() const;  ///< with the same robust loss for all fits
