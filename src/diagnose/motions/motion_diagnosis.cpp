@@ -28,24 +28,6 @@ constexpr double kMostOfIt = 95.0;        // [%] of the error that named causes 
 constexpr double kBeyondNoise = 0.25;     // of the noise's variance, that is worth another cause
 constexpr double kOfNamed = 0.01;         // of the error that named causes took: their laws and steps may leave as much
 
-/// The motions that select and those that judge.
-struct MotionSplit {
-  MotionSet selecting, judging;
-};
-
-MotionSplit splitMotions(const MotionSet& motions, const MotionSet* held_out, double fraction) {
-  MotionSplit split{{motions.file, {}}, {motions.file, {}}};
-  if (held_out) return {motions, *held_out};
-  double owed = 0.5;  // spread evenly over the order of the set
-  for (const RecordedMotion& motion : motions.motions) {
-    owed += fraction;
-    const bool judges = owed >= 1.0 - 1e-12;
-    if (judges) owed -= 1.0;
-    (judges ? split.judging : split.selecting).motions.push_back(motion);
-  }
-  return split;
-}
-
 class MotionDiagnosing {
  public:
   MotionDiagnosing(const ArmModel& model, const MotionCalibrationConfig& config, const MotionDiagnosisOptions& options,

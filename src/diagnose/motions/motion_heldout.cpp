@@ -13,6 +13,19 @@ constexpr double kLost = 3.0;  // log gain of a motion that only one of two mode
 
 }  // namespace
 
+MotionSplit splitMotions(const MotionSet& motions, const MotionSet* held_out, double fraction) {
+  MotionSplit split{{motions.file, {}}, {motions.file, {}}};
+  if (held_out) return {motions, *held_out};
+  double owed = 0.5;  // spread evenly over the order of the set
+  for (const RecordedMotion& motion : motions.motions) {
+    owed += fraction;
+    const bool judges = owed >= 1.0 - 1e-12;
+    if (judges) owed -= 1.0;
+    (judges ? split.judging : split.selecting).motions.push_back(motion);
+  }
+  return split;
+}
+
 Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvaluation& at) {
   const auto joints = std::ssize(posterior.model().joints);
   const auto motions = std::ssize(posterior.motions());

@@ -7,6 +7,13 @@
 
 namespace simgap {
 
+/// The motions that select and those that judge.
+struct MotionSplit {
+  MotionSet selecting, judging;
+};
+/// \param held_out  null: a fraction of the motions judges
+MotionSplit splitMotions(const MotionSet& motions, const MotionSet* held_out, double fraction);
+
 /// Mean squares of the whitened residuals, each joint, the shafts and the currents counting alike: in one sum the many
 /// channels of drives would drown the joints. Shape (groups, motions); NaN: not measured.
 Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvaluation& at);
