@@ -84,9 +84,7 @@ const Command entry{"intervene", "a change made on purpose: which cause predicts
                     "  simgap diagnose classic --log data/logs/bend-friction.csv.gz \\\n"
                     "    -o runs/diagnosis\n"
                     "  simgap intervene runs/diagnosis --change data/logs/straight-cable.yaml \\\n"
-                    "    -o runs/straight\n"
-                    "  simgap intervene runs/why --change lighter.yaml \\\n"
-                    "    --motions after/motions.yaml -o runs/lighter",
+                    "    -o runs/straight",
                     define};
 
 }  // namespace simgap::commands::intervene

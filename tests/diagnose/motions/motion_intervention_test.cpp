@@ -97,6 +97,19 @@ TEST_F(MotionIntervention, WhatNoModelHoldsCannotBeUndone) {
   EXPECT_THROW(cut.validate(), ConfigError);
 }
 
+TEST(ArmChangeOfSupply, IsOfAllMotorsOrOfOne) {
+  const ArmModel given = test::modelOf(test::movingForearm().arm, true);
+  ArmModel all = given, one = given;
+  armChanges("{kind: supply, voltage_V: 9}", given).apply(all);
+  armChanges("{kind: supply, muscle: muscle2, voltage_V: 9}", given).apply(one);
+  EXPECT_EQ(all.muscles[0].motor.supply_voltage, 9.0);
+  EXPECT_EQ(all.muscles[1].motor.supply_voltage, 9.0);
+  EXPECT_EQ(one.muscles[0].motor.supply_voltage, given.muscles[0].motor.supply_voltage);
+  EXPECT_EQ(one.muscles[1].motor.supply_voltage, 9.0);
+  EXPECT_THROW(armChanges("{kind: supply, voltage_V: 0}", given), ConfigError);
+  EXPECT_THROW(armChanges("{kind: supply, muscle: soleus, voltage_V: 9}", given), ConfigError);
+}
+
 /// Causes hidden in forearms, found, and taken away; and the next best, believed and taken away although it was never
 /// there. The table of docs/intervene.md.
 TEST(SlowMotionInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
