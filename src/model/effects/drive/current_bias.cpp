@@ -1,5 +1,6 @@
 /// \file
-/// An offset of the current sensor: + I_0.
+/// An offset of the current sensor: + I_0. While a drive moves, dry friction that differs by direction and not with the
+/// load, tau_c + d forwards and tau_c - d backwards, is the same function; a motor switched off tells them apart.
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::current_bias {
@@ -17,7 +18,8 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const Act
 extern const ActuatorEffect entry;
 const ActuatorEffect entry = {
     .name = "current-bias",
-    .cause = "the current, voltage or force of the motor is read with an offset",
+    .cause = "the current, voltage or force of the motor is read with an offset, or dry friction differs by direction by "
+             "the same amount under every load",
     .equation = "I + I_0",
     .signature = "a constant residual",
     .source = "catalogue of causes",
