@@ -8,6 +8,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "diagnose/arm_cause.h"
 #include "motion_candidates.h"
 #include "motion_heldout.h"
 #include "motion_prediction.h"
@@ -142,15 +143,6 @@ double chanceOfRest(const MatrixXd& squares, const MotionReference& reference) {
   const double error = sd * std::sqrt(1.0 / count + 1.0 / std::max(1, reference.motions));
   const boost::math::students_t student(std::max(1.0, reference.motions - 1.0));
   return boost::math::cdf(boost::math::complement(student, (logs.mean() - reference.mean) / error));
-}
-
-HeldCauses heldBy(const MotionEvidence& evidence) {
-  HeldCauses held;
-  for (const MotionCandidate& candidate : evidence.candidates) {
-    std::set<std::string>& causes = held.emplace_back();
-    for (const ArmCause& cause : causesBeyond(evidence.given, candidate.model)) causes.insert(cause.label());
-  }
-  return held;
 }
 
 /// Where two candidates' joints are furthest apart: how far, shown as the joint's kind is, and where.

@@ -15,15 +15,6 @@ PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candid
   return {evidence.given, evidence.parameters, evidence.noise, evidence.threads, candidate.stray_friction};
 }
 
-HeldCauses heldBy(const PoseEvidence& evidence) {
-  HeldCauses held;
-  for (const CandidateModel& candidate : evidence.candidates) {
-    std::set<std::string>& causes = held.emplace_back();
-    for (const PoseCause& cause : causesBeyond(evidence.given, candidate.model)) causes.insert(cause.label());
-  }
-  return held;
-}
-
 std::vector<Index> undoneParameters(const PoseFit& fit, const ArmChanges& change) {
   std::vector<Index> undone;
   auto parameter = static_cast<Index>(fit.ordinary());

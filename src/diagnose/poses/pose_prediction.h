@@ -32,7 +32,6 @@ struct Predicted {
 Eigen::VectorXd solutionOf(PoseFit& fit, const ArmModel& model);
 /// Indices of the parameters of causes that a change takes away.
 std::vector<Eigen::Index> undoneParameters(const PoseFit& fit, const ArmChanges& change);
-HeldCauses heldBy(const PoseEvidence& evidence);
 PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candidate);
 
 class PosePrediction {
