@@ -59,7 +59,8 @@ TEST_F(InterveneLog, ForeseesJudgesAndChoosesTheNextLog) {
 TEST_F(InterveneLog, RefusesWhatItCannotUse) {
   put("after.csv", "time_s,motor_voltage_V,motor_velocity_rad_s,external_torque_Nm\n0,1,1,1\n0.02,1,1,1\n");
   expectRefused({"intervene", "d", "--log", "after.csv", "-o", "x"}, 3, "after.csv");
-  expectRefused({"intervene", "d", "--poses", "poses.csv", "-o", "x"}, 2, "found --poses with a diagnosis of a log");
+  expectRefused({"intervene", "d", "--poses", "poses.csv", "-o", "x"}, 2,
+                "found --poses or --motions with a diagnosis of a log");
   expectRefused({"intervene", "d", "--change", "off.yaml", "--change", "load.yaml", "--log", "log.csv", "-o", "x"}, 2,
                 "found 2 files of --change with --log");
   put("wrong.yaml", "format: simgap/change/1\nchanges: [{kind: gain, factor: -1}]\n");

@@ -38,6 +38,9 @@ TEST_F(MotionDiagnosisTest, WritesAModelThatPlaysAndThreadsDoNotChangeABit) {
     EXPECT_TRUE(std::filesystem::exists(path(std::string("out/") + file))) << file;
   }
   EXPECT_THAT(text("out/report.html"), HasSubstr("What each motion says"));
+  EXPECT_THAT(text("out/report.html"), HasSubstr("The movement"));
+  const CsvTable shown = CsvTable::parse(text("out/arm_bodies.csv"), "arm_bodies.csv");
+  EXPECT_THAT(shown.text("state"), testing::AllOf(testing::Contains("measured"), testing::Contains("without causes")));
   if (result.at("causes").empty()) {
     EXPECT_EQ(text("out/model.yaml"), text("out/baseline.yaml"));
   }

@@ -213,7 +213,7 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
     const PredictedMotions predicted = predictMotions(evidence, candidate, change, after.motions);
     const Explained explained = explain(predicted, evidence.reference);
     const MatrixXd left = squaresOf(predicted, explained.left.residuals);
-    MotionPrediction& prediction = result.predictions.emplace_back();
+    PlayedCandidate& prediction = result.predictions.emplace_back();
     prediction.squares = squaresOf(predicted, predicted.e);
     prediction.left = std::sqrt(meanSquare(left));
     prediction.p_left = chanceOfRest(left, evidence.reference);

@@ -50,6 +50,7 @@ void writeMotionDiagnosis(const MotionDiagnosis& result, const RunDirectory& dir
   const PlayedSet before{"held out", "before", &result.held_out, &result.before},
       after{"held out", "with the causes", &result.held_out, &result.after};
   directory.write("residuals.csv", residualsCsv(result.layout, {before, after}));
+  writeMotionScene(result, directory);
   writeDiagnosisTables(result.diagnosis, directory);
 }
 

@@ -27,7 +27,7 @@ Json toJson(const MotionIntervention& result, const MotionEvidence& evidence, co
             const MotionSet& after) {
   Json candidates = Json::array();
   for (std::size_t c = 0; c < result.predictions.size(); ++c) {
-    const MotionPrediction& prediction = result.predictions[c];
+    const PlayedCandidate& prediction = result.predictions[c];
     candidates.push_back({{"causes", evidence.candidates[c].causes},
                           {"role", evidence.candidates[c].role},
                           {"rms_sd", numberOrNull(rootMean(prediction.squares))},
@@ -60,7 +60,7 @@ std::string predictionsCsv(const MotionIntervention& result, const MotionEvidenc
     for (std::size_t g = 0; g < joints.size() + 2; ++g) {
       csv.add(after.motions[m].name);
       csv.add(g < joints.size() ? joints[g].name : std::string(g == joints.size() ? "shafts" : "currents"));
-      for (const MotionPrediction& prediction : result.predictions) {
+      for (const PlayedCandidate& prediction : result.predictions) {
         csv.add(std::sqrt(prediction.squares(static_cast<Eigen::Index>(g), static_cast<Eigen::Index>(m))));
       }
       csv.endRow();

@@ -29,7 +29,7 @@ MotionSet unchangedMotions(const MotionCase& one, std::uint64_t seed) {
 }
 
 /// What a model is off by [noise sd].
-double rmsOf(const MotionPrediction& prediction) { return std::sqrt(prediction.squares.mean()); }
+double rmsOf(const PlayedCandidate& prediction) { return std::sqrt(prediction.squares.mean()); }
 
 class MotionIntervention : public testing::Test {
  protected:
@@ -131,7 +131,7 @@ TEST(SlowMotionInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
         ++named;
         const auto result = judgeChange(evidence, undo(label), curedMotions(one, seed), noNews);
         confirmed += result.verdict == InterventionVerdict::kConfirmed ? 1 : 0;
-        const MotionPrediction& own = result.predictions.front();
+        const PlayedCandidate& own = result.predictions.front();
         std::printf("  %lu %s taken away: %s, %.2f sd, %.2f left (p %.2g), way p %.2g\n",
                     static_cast<unsigned long>(seed), label.c_str(), toString(result.verdict).data(), rmsOf(own),
                     own.left, own.p_left, own.p_way);

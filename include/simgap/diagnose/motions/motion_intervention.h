@@ -39,7 +39,7 @@ struct MotionEvidence {
 };
 
 /// What one candidate said of the motions after the change.
-struct MotionPrediction {
+struct PlayedCandidate {
   Eigen::MatrixXd
       squares;          ///< mean squares of its residuals, shape (joints + shafts + currents, motions); NaN: not played
   double left = 0.0;    ///< root of the mean square that is left at the best x [noise sd]
@@ -53,7 +53,7 @@ struct MotionPrediction {
 struct MotionIntervention {
   InterventionVerdict verdict = InterventionVerdict::kCannotTell;  ///< on the named candidate
   std::string sentence;
-  std::vector<MotionPrediction> predictions;  ///< shape (candidates)
+  std::vector<PlayedCandidate> predictions;  ///< shape (candidates)
 };
 
 /// Called with the part that is done.

@@ -31,6 +31,8 @@ Json toJson(const MotionDiagnosis& result);
 std::string terminalTable(const MotionDiagnosis& result);
 /// baseline.yaml, model.yaml, residuals.csv and the tables of hypotheses and evidence; nothing where data are at fault.
 void writeMotionDiagnosis(const MotionDiagnosis& result, const RunDirectory& directory);
+/// arm_*.csv: the held-out motion of which the causes take most, as it was measured and as the models play it.
+void writeMotionScene(const MotionDiagnosis& result, const RunDirectory& directory);
 ///@}
 
 /// \name On a robot's log: the same, and what is left of each joint

@@ -9,6 +9,7 @@
 #include "report/diagnosis/robot_says.h"
 #include "report/motions/motion_tables.h"
 #include "report/poses/arm_scene.h"
+#include "simgap/core/units.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages::diagnose {
@@ -207,6 +208,26 @@ void addArm(const ResultFiles& files, Page& page) {
   page.add(std::move(chart));
 }
 
+/// The held-out motion that shows most of the causes, played without and with them beside what was measured.
+void addPlayedMotion(const ResultFiles& files, Page& page) {
+  if (files.has("poses.csv") || !files.has("arm_bodies.csv")) return;
+  const CsvTable table = files.table("arm_bodies.csv");
+  const std::vector<std::string> sets = distinctOf(table, "set"), frames = distinctOf(table, "pose");
+  std::vector<std::pair<std::string, std::string>> states;
+  for (const std::string& state : distinctOf(table, "state")) {
+    if (state != "measured") states.emplace_back(state, "");
+  }
+  std::vector<ScenePose> poses;
+  for (const std::string& frame : frames) poses.push_back({sets.front(), frame, states});
+  const auto seconds = [](const std::string& frame) {
+    return parseNumber(frame.substr(0, frame.find(' '))).value_or(0.0);
+  };
+  auto scene = armScene(files, poses, SceneMotion{seconds(frames.back()) - seconds(frames.front()), true});
+  if (!scene) return;
+  page.addSection("Motion " + sets.front() + ", of no fit");
+  page.add(std::move(*scene));
+}
+
 /// How often a cause hidden in this design would be named rightly.
 void addSelfTest(const Json& result, Page& page) {
   if (!result.contains("self_test")) return;
@@ -328,6 +349,7 @@ Page make(const ResultFiles& files) {
     page.add(PageText{next});
   }
   addArm(files, page);
+  addPlayedMotion(files, page);
   addEvidence(files, evidence, page);
   addPredictions(files, page);
   addMotions(files, page);
