@@ -224,7 +224,7 @@ void addPlayedMotion(const ResultFiles& files, Page& page) {
   };
   auto scene = armScene(files, poses, SceneMotion{seconds(frames.back()) - seconds(frames.front()), true});
   if (!scene) return;
-  page.addSection("Motion " + sets.front() + ", of no fit");
+  page.addSection("Motion " + sets.front() + ", which no fit has seen");
   page.add(std::move(*scene));
 }
 
@@ -307,8 +307,10 @@ PageVerdict verdictOf(const ResultFiles& files) {
     shown.cause = "No known cause makes the model better on data never used.";
   } else {
     shown.cause = "The causes hold on data that found none of them; the extended model is model.yaml.";
-    shown.command = arm ? fmt::format("simgap validate {} --poses OTHER_POSES.csv", files.path("model.yaml"))
-                        : fmt::format("simgap predict {} OTHER_LOG.csv", files.path("model.yaml"));
+    const std::string model = files.path("model.yaml");
+    shown.command = result.contains("motions") ? fmt::format("simgap validate {} --motions OTHER_MOTIONS.yaml", model)
+                    : arm                      ? fmt::format("simgap validate {} --poses OTHER_POSES.csv", model)
+                                               : fmt::format("simgap predict {} OTHER_LOG.csv", model);
   }
   return shown;
 }
