@@ -41,6 +41,13 @@ constexpr MotionTruth kMotionTruths[] = {
      }},
 };
 
+/// Of all cords, geometric mean [N s/m].
+double dampingOf(const reality::Arm& arm) {
+  double sum = 0.0;
+  for (const reality::Muscle& muscle : arm.muscles) sum += std::log(muscle.damping);
+  return std::exp(sum / static_cast<double>(arm.muscles.size()));
+}
+
 reality::MovingArm believedArm(MotionArm arm) {
   reality::MovingArm believed;
   if (arm == MotionArm::kReferenceArm) {
@@ -123,6 +130,11 @@ HiddenMotionCase drawHidden(MotionArm arm, std::uint64_t seed, const MotionTruth
   const auto kind = static_cast<std::uint32_t>(&truth - kMotionTruths);
   drawn.magnitude = truth.from + (truth.to - truth.from) * CounterRandom(seed).uniform({kind, 0, 0, 96});
   truth.hide(drawn.magnitude, drawn.drawn);
+  const reality::Link &is = drawn.drawn.truth.arm.links.back(), &was = drawn.believed.arm.links.back();
+  const std::string effect = truth.effect;  // what is named of ordinary parameters is against what is believed
+  if (effect == "joint-viscous") drawn.magnitude = is.viscous / was.viscous;
+  if (effect == "joint-coulomb") drawn.magnitude = is.coulomb / was.coulomb;
+  if (effect == "cord-damping") drawn.magnitude = dampingOf(drawn.drawn.truth.arm) / dampingOf(drawn.believed.arm);
   const int last = static_cast<int>(drawn.believed.arm.links.size()) - 1;
   if (drawn.target == "link") drawn.target = reality::linkName(last);
   if (drawn.target == "joint") drawn.target = reality::jointName(last);

@@ -26,6 +26,14 @@ bool ofOneMuscle(const MotionHypothesis& hypothesis) {
          (hypothesis.effect->target == kMuscle || hypothesis.effect->target == kMuscleOrAll);
 }
 
+bool looksLike(const MotionHypothesis& hypothesis, const ArmCause& cause) {
+  const auto names = [](const ArmEffect& effect, const ArmEffect& other) {
+    return std::ranges::find(effect.look_alikes, other.name) != effect.look_alikes.end();
+  };
+  if (ofOneMuscle(hypothesis) && hypothesis.target != cause.target) return false;
+  return names(*cause.effect, *hypothesis.effect) || names(*hypothesis.effect, *cause.effect);
+}
+
 std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target,
                                              const ArmModel& model) {
   std::vector<EffectParameters> starts;

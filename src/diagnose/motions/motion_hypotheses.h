@@ -27,4 +27,7 @@ std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std:
 std::vector<MotionHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,
                                                std::vector<NotTestable>& not_testable);
 
+/// Whether the catalogue says that it is hard to tell from a cause: of the same muscle or of all, of any joint or body.
+bool looksLike(const MotionHypothesis& hypothesis, const ArmCause& cause);
+
 }  // namespace simgap

@@ -13,9 +13,9 @@ namespace {
 
 using Eigen::Index;
 
-constexpr double kPartOfSd = 0.5;        // of a standard deviation: rollouts are not straight further away
-/// Of a prior's standard deviation, that any direction is uncertain by: what steps of 2 ms leave. The inertia of rotors,
-/// which motions tell to a thousandth, is 0.35 % off on every drawn arm.
+constexpr double kPartOfSd = 0.5;  // of a standard deviation: rollouts are not straight further away
+/// Of a prior's standard deviation, that any direction is uncertain by: what steps of 2 ms leave. The inertia of
+/// rotors, which motions tell to a thousandth, is 0.35 % off on every drawn arm.
 constexpr double kLeastKnown = 0.03;
 constexpr double kFrameTime = 1.0 / 30;  // [s] of a foreseen capture
 

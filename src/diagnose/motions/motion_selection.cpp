@@ -48,13 +48,13 @@ double chanceOf(double promised, const std::vector<double>& placebos) {
   return (1.0 + static_cast<double>(as_good)) / (1.0 + static_cast<double>(placebos.size()));
 }
 
-/// Whether the catalogue says that it is hard to tell from a cause: of the same muscle or of all, of any joint or body.
-bool looksLike(const MotionHypothesis& hypothesis, const ArmCause& cause) {
-  const auto names = [](const ArmEffect& effect, const ArmEffect& other) {
-    return std::ranges::find(effect.look_alikes, other.name) != effect.look_alikes.end();
-  };
-  if (ofOneMuscle(hypothesis) && hypothesis.target != cause.target) return false;
-  return names(*cause.effect, *hypothesis.effect) || names(*hypothesis.effect, *cause.effect);
+/// Motions that do not tell which of two muscles a cause is of do not exclude that it is of all.
+void nameOfAll(const ArmCause& cause, std::vector<std::string>& rivals) {
+  const std::string all(cause.effect->name);
+  const bool of_another =
+      std::ranges::any_of(rivals, [&](const std::string& rival) { return rival.starts_with(all + ":"); });
+  const bool of_one = cause.effect->target == ArmEffect::Target::kMuscleOrAll && !cause.target.empty();
+  if (of_one && of_another && std::ranges::find(rivals, all) == rivals.end()) rivals.push_back(all);
 }
 
 MotionPlan planOf(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses) {
@@ -343,6 +343,7 @@ FoundCause MotionSelector::conclude(const MotionCauseFit& base, std::vector<Refi
       found.others.push_back(candidateOf(*one.fit, "instead"));
     }
   }
+  nameOfAll(best.cause(), found.rivals);
   found.fit = std::move(best.fit);
   return found;
 }

@@ -18,8 +18,9 @@ void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const Act
 extern const ActuatorEffect entry;
 const ActuatorEffect entry = {
     .name = "current-bias",
-    .cause = "the current, voltage or force of the motor is read with an offset, or dry friction differs by direction by "
-             "the same amount under every load",
+    .cause =
+        "the current, voltage or force of the motor is read with an offset, or dry friction differs by direction by "
+        "the same amount under every load",
     .equation = "I + I_0",
     .signature = "a constant residual",
     .source = "catalogue of causes",
