@@ -13,6 +13,7 @@
 #include "motion_faults.h"
 #include "motion_heldout.h"
 #include "motion_ordinary.h"
+#include "motion_prediction.h"
 #include "motion_selection.h"
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
@@ -32,7 +33,7 @@ class MotionDiagnosing {
  public:
   MotionDiagnosing(const ArmModel& model, const MotionCalibrationConfig& config, const MotionDiagnosisOptions& options,
                    const DiagnosisProgress& progress)
-      : problem_(motionProblem(model, config)), options_(options), progress_(progress) {}
+      : problem_(motionProblem(model, config)), config_(config), options_(options), progress_(progress) {}
   MotionDiagnosis run(const MotionSet& motions, const MotionSet* held_out);
 
  private:
@@ -53,6 +54,7 @@ class MotionDiagnosing {
   }
 
   MotionProblem problem_;
+  const MotionCalibrationConfig& config_;
   const MotionDiagnosisOptions& options_;
   const DiagnosisProgress& progress_;
   MotionSplit split_;
@@ -315,6 +317,10 @@ void MotionDiagnosing::keepCandidates() {
   const Eigen::MatrixXd fitted = groupSquares(named.posterior(), named.here().at);
   result_.reference = referenceOf(fitted, unseenOf(named));
   compareWithFirst(kept, result_.reference.variance);
+  if (kept.size() > 1) {
+    const MotionEvidence evidence{problem_.nominal, config_, {}, result_.reference, {}, {}, {}};
+    result_.reference.way = std::max(1.0, wayOf(evidence, kept.front(), split_.judging.motions));
+  }
   result_.noise = named.posterior().noise();
   for (const std::size_t m : someMotions(split_.selecting.motions.size())) {
     result_.profile.push_back(split_.selecting.motions[m]);

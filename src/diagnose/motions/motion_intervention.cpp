@@ -29,13 +29,6 @@ constexpr double kTold = 0.1;         // of an axis of x, that motions say as mu
 constexpr double kLeastSpread = 0.1;  // of the logarithm of mean squares: fewer motions may agree by chance
 constexpr double kLostMotion = 1e4;   // [nats] of a motion that cannot be played
 
-/// Where x comes to rest, and what it says.
-struct Explained {
-  double log_likelihood = 0.0;
-  MotionEvaluation left;
-  double way_p = 1.0;  ///< of x as far away
-};
-
 /// G^T W v of all motions that can be played.
 VectorXd projected(const PredictedMotions& predicted, const std::vector<VectorXd>& weights,
                    const std::vector<VectorXd>& of) {
@@ -66,19 +59,31 @@ std::vector<VectorXd> weightsOf(const PredictedMotions& predicted, const std::ve
   return weights;
 }
 
-/// How improbable x is: along the axes of which the motions say something it has covariance a / (1 + a).
-double chanceOf(const VectorXd& x, const MatrixXd& told, double known) {
+/// How far x went: along the axes of which the motions say something it has covariance a / (1 + a), and the mean of its
+/// squares in these is 1 where the parameters are known as well as is said.
+struct Way {
+  double ratio = 0.0, axes = 0.0;
+};
+Way wayTo(const VectorXd& x, const MatrixXd& told) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(told);
   const VectorXd along = axes.eigenvectors().transpose() * x;
-  double sum = 0.0, count = 0.0;
+  Way way;
   for (Index k = 0; k < along.size(); ++k) {
     const double a = axes.eigenvalues()[k];
     if (a < kTold) continue;
-    sum += along[k] * along[k] * (1.0 + a) / a;
-    count += 1.0;
+    way.ratio += along[k] * along[k] * (1.0 + a) / a;
+    way.axes += 1.0;
   }
-  return count > 0.0 ? fisherTail(sum / count, count, known) : 1.0;
+  way.ratio /= std::max(1.0, way.axes);
+  return way;
 }
+
+/// Where x comes to rest, and what it says.
+struct Explained {
+  double log_likelihood = 0.0;
+  MotionEvaluation left;
+  Way way;
+};
 
 /// The least that a candidate misses by within its own uncertainty: weights of the robust loss and x in turn.
 Explained explain(const PredictedMotions& predicted, const MotionReference& reference) {
@@ -113,7 +118,7 @@ Explained explain(const PredictedMotions& predicted, const MotionReference& refe
   const MatrixXd normal = told + MatrixXd::Identity(x.size(), x.size());
   const MatrixXd factor = normal.llt().matrixL();
   best.log_likelihood = -loss - 0.5 * x.squaredNorm() - factor.diagonal().array().log().sum();
-  best.way_p = chanceOf(x, told, std::max(1.0, reference.motions - 1.0));
+  best.way = wayTo(x, told);
   return best;
 }
 
@@ -143,6 +148,12 @@ double chanceOfRest(const MatrixXd& squares, const MotionReference& reference) {
   const double error = sd * std::sqrt(1.0 / count + 1.0 / std::max(1, reference.motions));
   const boost::math::students_t student(std::max(1.0, reference.motions - 1.0));
   return boost::math::cdf(boost::math::complement(student, (logs.mean() - reference.mean) / error));
+}
+
+/// How improbable a way is beside that to motions before the change that no fit has seen.
+double chanceOf(const Way& way, const MotionReference& reference) {
+  if (way.axes == 0.0) return 1.0;
+  return fisherTail(way.ratio / reference.way, way.axes, std::max(1.0, reference.motions - 1.0));
 }
 
 /// Where two candidates' joints are furthest apart: how far, shown as the joint's kind is, and where.
@@ -182,6 +193,11 @@ double worthOf(const PredictedMotions& right, const PredictedMotions& wrong, dou
 
 }  // namespace
 
+double wayOf(const MotionEvidence& evidence, const MotionCandidate& candidate,
+             std::span<const RecordedMotion> motions) {
+  return explain(predictMotions(evidence, candidate, {}, motions), evidence.reference).way.ratio;
+}
+
 void MotionEvidence::validate() const {
   for (const MotionCandidate& candidate : candidates) {
     const std::vector<ArmCause> causes = causesBeyond(given, candidate.model);
@@ -217,7 +233,7 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
     prediction.squares = squaresOf(predicted, predicted.e);
     prediction.left = std::sqrt(meanSquare(left));
     prediction.p_left = chanceOfRest(left, evidence.reference);
-    prediction.p_way = explained.way_p;
+    prediction.p_way = chanceOf(explained.way, evidence.reference);
     prediction.p = std::min(1.0, 2.0 * std::min(prediction.p_left, prediction.p_way));
     prediction.log_odds = explained.log_likelihood;
     prediction.lost =

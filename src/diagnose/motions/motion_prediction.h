@@ -21,6 +21,10 @@ struct PredictedMotions {
 PredictedMotions predictMotions(const MotionEvidence& evidence, const MotionCandidate& candidate,
                                 const ArmChanges& change, std::span<const RecordedMotion> motions);
 
+/// How far a candidate's parameters have to go to motions that no fit has seen: the mean square of it, 1 where they are
+/// known as well as is said.
+double wayOf(const MotionEvidence& evidence, const MotionCandidate& candidate, std::span<const RecordedMotion> motions);
+
 /// The named candidate's own motion under commands, as if it had been recorded without noise.
 /// \throws NumericsError: it blows up
 RecordedMotion playedAsRecorded(const MotionEvidence& evidence, const ArmChanges& change,

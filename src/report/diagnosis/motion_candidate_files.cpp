@@ -55,8 +55,9 @@ void writeMotionCandidates(const MotionDiagnosis& result, const ArmModel& given,
     directory.write(fmt::format("{}/{}", kCandidateFolder, name), content);
   };
   const MotionReference& reference = result.reference;
-  std::string list = fmt::format("format: {}\nvariance: {}\nlog_mean: {}\nlog_sd: {}\nmotions: {}\n", kMotionCandidates,
-                                 reference.variance, reference.mean, reference.sd, reference.motions);
+  std::string list =
+      fmt::format("format: {}\nvariance: {}\nlog_mean: {}\nlog_sd: {}\nmotions: {}\nway: {}\n", kMotionCandidates,
+                  reference.variance, reference.mean, reference.sd, reference.motions, reference.way);
   list += fmt::format("noise: {{joints: [{}], shafts_rad: {}, currents_A: {}}}\nprofile:\n",
                       fmt::join(result.noise.joints, ", "), result.noise.shafts, result.noise.currents);
   for (std::size_t m = 0; m < result.profile.size(); ++m) {
@@ -86,6 +87,7 @@ MotionCandidateList MotionCandidateList::read(const YamlNode& root, const ArmMod
   list.reference.mean = root.at("log_mean").number();
   list.reference.sd = root.at("log_sd").number(kNonNegative);
   list.reference.motions = static_cast<int>(root.at("motions").integer(1, 1000000));
+  list.reference.way = root.at("way").number(Range{1.0, 1e12, false, "a number in [1, 1e12]"});
   const YamlNode noise = root.at("noise"), joints = noise.at("joints");
   for (const YamlNode& joint : joints.items()) list.noise.joints.push_back(joint.number(kPositive));
   if (list.noise.joints.size() != given.joints.size()) {

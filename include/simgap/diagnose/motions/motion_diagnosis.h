@@ -48,6 +48,7 @@ struct MotionReference {
   double variance = 1.0;        ///< mean square of held-out residuals with the named model, in noise variances, >= 1
   double mean = 0.0, sd = 0.0;  ///< over motions, of the logarithm of their mean squares
   int motions = 0;
+  double way = 1.0;  ///< mean square of how far parameters have to go to held-out ones, in what is said of them; >= 1
 };
 
 struct MotionDiagnosis {

@@ -8,7 +8,8 @@
 ///
 /// (Laplace's approximation), s^2: by how much held-out motions before the change are missed by more than noise. Two
 /// things must be as they were: what is left at that x (as much as of motions before, Student's t over motions), and
-/// how far x had to go (Fisher's F); p is the smaller of both, twice.
+/// how far x had to go, beside how far it had to for held-out motions before (Fisher's F); p is the smaller of both,
+/// twice.
 #pragma once
 
 #include <functional>
