@@ -120,12 +120,15 @@ MotionPosterior::Options optionsWith(const MotionProblem& problem, const std::ve
   return options;
 }
 
+std::unique_ptr<MotionPosterior> posteriorWith(const MotionProblem& problem, const std::vector<ArmCause>& causes,
+                                               std::span<const RecordedMotion> motions) {
+  return std::make_unique<MotionPosterior>(withCauses(problem.nominal, causes), motions, std::span<const Pose>(),
+                                           choicesWith(problem.parameters, causes), PoseNoise{},
+                                           optionsWith(problem, causes));
+}
+
 MotionCauseFit::MotionCauseFit(const MotionProblem& problem, std::vector<ArmCause> causes)
-    : problem_(&problem),
-      causes_(std::move(causes)),
-      posterior_(std::make_unique<MotionPosterior>(withCauses(problem.nominal, causes_), problem.motions,
-                                                   std::span<const Pose>(), choicesWith(problem.parameters, causes_),
-                                                   PoseNoise{}, optionsWith(problem, causes_))) {}
+    : problem_(&problem), causes_(std::move(causes)), posterior_(posteriorWith(problem, causes_, problem.motions)) {}
 
 Eigen::Index MotionCauseFit::ordinary() const {
   Eigen::Index of_causes = 0;

@@ -25,6 +25,10 @@ struct MotionProblem {
 /// could not be told.
 MotionPosterior::Options optionsWith(const MotionProblem& problem, const std::vector<ArmCause>& causes);
 
+/// The posterior of an arm with causes. \param problem, motions  must outlive it
+std::unique_ptr<MotionPosterior> posteriorWith(const MotionProblem& problem, const std::vector<ArmCause>& causes,
+                                               std::span<const RecordedMotion> motions);
+
 /// A posterior's numbers at one place, with the quadratic that its derivatives promise; for many trials at once.
 /// Motions without derivatives are left out.
 class MotionPoint {

@@ -32,6 +32,7 @@ Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvalu
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(joints + 2, motions), counts = sums;
   for (Eigen::Index m = 0; m < motions; ++m) {
     const auto motion = static_cast<std::size_t>(m);
+    if (at.residuals[motion].size() == 0) continue;  // it could not be played
     for (const ResidualBlock& block : posterior.motions()[motion].blocks()) {
       const Eigen::Index group = block.group == ChannelGroup::kJoint   ? static_cast<Eigen::Index>(block.item)
                                  : block.group == ChannelGroup::kShaft ? joints
@@ -46,12 +47,10 @@ Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvalu
 
 Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& z, const MotionProblem& problem,
                               std::span<const RecordedMotion> motions) {
-  const MotionPosterior unseen(withCauses(problem.nominal, fit.causes()), motions, {},
-                               choicesWith(problem.parameters, fit.causes()), PoseNoise{},
-                               optionsWith(problem, fit.causes()));
-  const MotionEvaluation at = unseen.evaluate(z);
+  const std::unique_ptr<MotionPosterior> unseen = posteriorWith(problem, fit.causes(), motions);
+  const MotionEvaluation at = unseen->evaluate(z);
   stopIfInterrupted();
-  return groupSquares(unseen, at);
+  return groupSquares(*unseen, at);
 }
 
 Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {

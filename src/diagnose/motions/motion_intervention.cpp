@@ -81,7 +81,7 @@ Way wayTo(const VectorXd& x, const MatrixXd& told) {
 /// Where x comes to rest, and what it says.
 struct Explained {
   double log_likelihood = 0.0;
-  MotionEvaluation left;
+  std::vector<VectorXd> left;  ///< shape (motions) of (numbers), as PredictedMotions::e
   Way way;
 };
 
@@ -89,7 +89,7 @@ struct Explained {
 Explained explain(const PredictedMotions& predicted, const MotionReference& reference) {
   Explained best;
   VectorXd x = VectorXd::Zero(predicted.directions);
-  std::vector<VectorXd>& left = best.left.residuals;
+  std::vector<VectorXd>& left = best.left;
   left = predicted.e;
   MatrixXd told;
   for (int step = 0; step < kSteps; ++step) {
@@ -105,7 +105,6 @@ Explained explain(const PredictedMotions& predicted, const MotionReference& refe
     if (moved < kStill) break;
   }
   double loss = 0.0;
-  best.left.valid = true;
   for (std::size_t m = 0; m < left.size(); ++m) {
     if (left[m].size() == 0) {
       loss += kLostMotion;
@@ -124,20 +123,7 @@ Explained explain(const PredictedMotions& predicted, const MotionReference& refe
 
 /// Mean squares of a candidate's residuals; NaN where it cannot play a motion.
 MatrixXd squaresOf(const PredictedMotions& predicted, const std::vector<VectorXd>& residuals) {
-  const auto joints = std::ssize(predicted.posterior->model().joints);
-  MatrixXd squares = MatrixXd::Constant(joints + 2, std::ssize(residuals), std::nan(""));
-  MotionEvaluation at;
-  at.valid = true;
-  at.residuals = residuals;
-  for (std::size_t m = 0; m < residuals.size(); ++m) {
-    if (residuals[m].size() == 0) at.residuals[m] = VectorXd::Zero(predicted.posterior->motions()[m].size());
-  }
-  const MatrixXd all = groupSquares(*predicted.posterior, at);
-  for (std::size_t m = 0; m < residuals.size(); ++m) {
-    const auto column = static_cast<Index>(m);
-    if (residuals[m].size() > 0) squares.col(column) = all.col(column);
-  }
-  return squares;
+  return groupSquares(*predicted.posterior, {true, 0.0, residuals, {}});
 }
 
 /// How improbable what is left is, beside what was left of motions before the change.
@@ -228,9 +214,10 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
     progress(static_cast<double>(c) / static_cast<double>(evidence.candidates.size()));
     const PredictedMotions predicted = predictMotions(evidence, candidate, change, after.motions);
     const Explained explained = explain(predicted, evidence.reference);
-    const MatrixXd left = squaresOf(predicted, explained.left.residuals);
+    const MatrixXd left = squaresOf(predicted, explained.left);
     PlayedCandidate& prediction = result.predictions.emplace_back();
     prediction.squares = squaresOf(predicted, predicted.e);
+    prediction.rms = std::sqrt(meanSquare(prediction.squares));
     prediction.left = std::sqrt(meanSquare(left));
     prediction.p_left = chanceOfRest(left, evidence.reference);
     prediction.p_way = chanceOf(explained.way, evidence.reference);

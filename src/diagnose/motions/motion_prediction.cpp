@@ -47,9 +47,7 @@ PredictedMotions predictMotions(const MotionEvidence& evidence, const MotionCand
   const MotionProblem problem = motionProblem(evidence.given, evidence.config);
   const std::vector<ArmCause> causes = causesBeyond(evidence.given, candidate.model);
   PredictedMotions predicted;
-  predicted.posterior = std::make_unique<MotionPosterior>(
-      withCauses(evidence.given, causes), motions, std::span<const Pose>(), choicesWith(problem.parameters, causes),
-      PoseNoise{}, optionsWith(problem, causes));
+  predicted.posterior = posteriorWith(problem, causes, motions);
   const MotionPosterior& posterior = *predicted.posterior;
   std::vector<ArmModel> models;
   std::vector<double> delays;

@@ -2,26 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "intervention_tables.h"
 #include "simgap/core/csv.h"
 
 namespace simgap {
-namespace {
-
-/// Root of the mean of what was measured.
-double rootMean(const Eigen::MatrixXd& squares) {
-  double sum = 0.0, count = 0.0;
-  for (const double square : squares.reshaped()) {
-    sum += std::isfinite(square) ? square : 0.0;
-    count += std::isfinite(square) ? 1.0 : 0.0;
-  }
-  return std::sqrt(sum / count);  // 0 / 0: NaN
-}
-
-}  // namespace
 
 Json toJson(const MotionIntervention& result, const MotionEvidence& evidence, const ArmChanges& change,
             const MotionSet& after) {
@@ -30,7 +16,7 @@ Json toJson(const MotionIntervention& result, const MotionEvidence& evidence, co
     const PlayedCandidate& prediction = result.predictions[c];
     candidates.push_back({{"causes", evidence.candidates[c].causes},
                           {"role", evidence.candidates[c].role},
-                          {"rms_sd", numberOrNull(rootMean(prediction.squares))},
+                          {"rms_sd", numberOrNull(prediction.rms)},
                           {"left_sd", numberOrNull(prediction.left)},
                           {"p", prediction.p},
                           {"p_left", prediction.p_left},

@@ -19,9 +19,9 @@ constexpr std::uint64_t kAfter = 700;  // the first motion after a change, of a 
 constexpr std::size_t kMotionsAfter = 3;
 
 /// Motions of the same forearm without what was hidden in it.
-MotionSet curedMotions(const MotionCase& one, std::uint64_t seed, std::size_t count = kMotionsAfter) {
+MotionSet curedMotions(const MotionCase& one, std::uint64_t seed) {
   const test::HiddenMotionCase cured = test::drawHidden(test::MotionArm::kForearm, seed, *test::findMotionTruth(""));
-  return test::recordForearm(cured, one.model, 1000 * seed + kAfter, count);
+  return test::recordForearm(cured, one.model, 1000 * seed + kAfter, kMotionsAfter);
 }
 
 MotionSet unchangedMotions(const MotionCase& one, std::uint64_t seed) {
@@ -77,11 +77,9 @@ TEST_F(MotionIntervention, AChangeThatWasNotMadeConfirmsNothing) {
 
 TEST_F(MotionIntervention, ItIsForeseenWhatTellsTheSameEachTime) {
   const MotionEvidence evidence = test::evidenceOf(payload());
-  const ArmChanges off = armChanges("{kind: undo, cause: 'payload:link1'}", evidence.given), none;
-  const auto foresee = [&](const ArmChanges& change) {
-    return foreseeChange(evidence, change, evidence.profile, evidence.profile_names, noNews);
-  };
-  const ForeseenChange taken_off = foresee(off), again = foresee(off);
+  const ArmChanges off = armChanges("{kind: undo, cause: 'payload:link1'}", evidence.given);
+  const auto foresee = [&] { return foreseeChange(evidence, off, evidence.profile, evidence.profile_names, noNews); };
+  const ForeseenChange taken_off = foresee(), again = foresee();
   EXPECT_EQ(taken_off.log_odds, again.log_odds);
   EXPECT_GT(taken_off.smallest, kDecisiveLogOdds);
   EXPECT_EQ(taken_off.largest_shift.front(), 0.0);

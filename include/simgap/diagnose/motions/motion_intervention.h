@@ -43,6 +43,7 @@ struct MotionEvidence {
 struct PlayedCandidate {
   Eigen::MatrixXd
       squares;          ///< mean squares of its residuals, shape (joints + shafts + currents, motions); NaN: not played
+  double rms = 0.0;     ///< root of their mean [noise sd]
   double left = 0.0;    ///< root of the mean square that is left at the best x [noise sd]
   double p_left = 0.0;  ///< of as much left there, were the candidate right
   double p_way = 0.0;   ///< of as far a way to x
