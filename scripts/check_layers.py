@@ -1,26 +1,28 @@
 #!/usr/bin/env python3
 """Fails when a file includes a room it may not know (docs/architecture.md).
 
-Data flows measure -> model -> exchange -> simulate -> fit -> diagnose -> report -> cli: a room may include only what stands to its
-left, and no room below another family's. capture stands beside these rooms: it needs core alone. tests/reality may
-include nothing of the project but core, because the data it makes judges the models.
+Data flows measure -> model -> exchange -> simulate -> fit -> diagnose -> intervene -> report -> cli: a room may include
+only what stands to its left, and no room below another family's. capture stands beside these rooms: it needs core alone. tests/reality may
+include nothing of the project but core, because the data it makes judges the models. Fails, too, when one room holds more than LARGEST of all lines.
 """
 import pathlib
 import re
 import sys
 
-ROOMS = ["core", "optimize", "capture", "decode", "measure", "model", "exchange", "simulate", "fit", "diagnose", "report", "cli"]
+ROOMS = ["core", "optimize", "capture", "decode", "measure", "model", "exchange", "simulate", "fit", "diagnose",
+         "intervene", "report", "cli"]
+LARGEST = 0.16
 # Families inside a room that know nothing of each other.
-APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("diagnose/poses", "diagnose/logs"),
+APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("diagnose/poses", "diagnose/logs"), ("intervene/poses", "intervene/logs"),
         ("model/arm", "model/friction"), ("exchange", "model/friction"), ("exchange", "model/actuator"),
         ("report/poses", "report/actuators"), ("report/capture", "report/actuators"),
         ("report/diagnosis", "report/actuators")]
 # Images become joint angles without a model, and nothing that models or fits sees an image.
-APART += [("capture", room) for room in ("optimize", "measure", "model", "exchange", "simulate", "fit", "diagnose")]
+APART += [("capture", room) for room in ("optimize", "measure", "model", "exchange", "simulate", "fit", "diagnose", "intervene")]
 # What a head says is decoded without a robot.
-APART += [("decode", room) for room in ("capture", "measure", "model", "exchange", "simulate", "fit", "diagnose")]
+APART += [("decode", room) for room in ("capture", "measure", "model", "exchange", "simulate", "fit", "diagnose", "intervene")]
 # What a room's families share never includes one of them.
-SHARED = {"diagnose": ["poses", "logs"], "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
+SHARED = {"diagnose": ["poses", "logs"], "intervene": ["poses", "logs", "motions"], "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?:simgap/)?([\w/]+)/\w+\.h[">]')
 
 
@@ -64,8 +66,18 @@ def violations(root):
                 yield f"{file.relative_to(root)}:{number}: tests/reality may not include {target}"
 
 
+def too_large(root):
+    """A room of more than LARGEST of all lines is two rooms (docs/architecture.md)."""
+    lines = {room: sum(len(file.read_text(encoding="utf-8").splitlines()) for base in ("src", "include/simgap")
+                       for file in (root / base / room).rglob("*.[ch]*") if file.is_file()) for room in ROOMS}
+    room, share = max(((room, count / max(1, sum(lines.values()))) for room, count in lines.items()), key=lambda r: r[1])
+    if share > LARGEST:
+        yield f"{room} has {share:.1%} of the lines, at most {LARGEST:.0%}"
+
+
 def main():
-    found = list(violations(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()))
+    root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
+    found = list(violations(root)) + list(too_large(root))
     for line in found:
         print(line)
     print(f"{len(found)} layer violations")

@@ -8,7 +8,7 @@
 
 #include "simgap/cli/session.h"
 #include "simgap/core/error.h"
-#include "simgap/diagnose/logs/log_intervention.h"
+#include "simgap/intervene/logs/log_intervention.h"
 
 namespace simgap {
 

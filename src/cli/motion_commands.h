@@ -9,7 +9,7 @@
 
 #include "simgap/cli/session.h"
 #include "simgap/core/error.h"
-#include "simgap/diagnose/motions/motion_intervention.h"
+#include "simgap/intervene/motions/motion_intervention.h"
 
 namespace simgap {
 

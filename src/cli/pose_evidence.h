@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "simgap/cli/session.h"
-#include "simgap/diagnose/poses/pose_intervention.h"
+#include "simgap/intervene/poses/pose_intervention.h"
 
 namespace simgap {
 

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "simgap/diagnose/intervention.h"
 #include "simgap/model/arm/arm_effect.h"
 #include "simgap/model/arm/parameter_space.h"
 
@@ -34,15 +33,5 @@ std::vector<ParameterSpace::Choice> choicesWith(const std::vector<ParameterSpace
 std::string labelOf(const std::vector<ArmCause>& causes);
 /// The causes that a candidate has beyond the given model, with the values and choices that it has.
 std::vector<ArmCause> causesBeyond(const ArmModel& given, const ArmModel& candidate);
-/// \tparam Evidence  with the given model and candidates with theirs
-template <class Evidence>
-HeldCauses heldBy(const Evidence& evidence) {
-  HeldCauses held;
-  for (const auto& candidate : evidence.candidates) {
-    std::set<std::string>& causes = held.emplace_back();
-    for (const ArmCause& cause : causesBeyond(evidence.given, candidate.model)) causes.insert(cause.label());
-  }
-  return held;
-}
 
 }  // namespace simgap

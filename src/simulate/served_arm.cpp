@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
+#include <utility>
 
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
@@ -30,6 +32,58 @@ CommandKind kindOfKey(const std::string& muscle, const std::string& key) {
   }
   throw DataError(fmt::format("{}: found {}, expected setpoint_rad, voltage_V or force_N", muscle, key));
 }
+
+/// One line of JSON, put together without a tree: it is written after every step that is served.
+class StateText {
+ public:
+  explicit StateText(double time) { format(FMT_COMPILE(R"({{"time_s":{})"), time); }
+  void number(double value) { format(FMT_COMPILE("{}"), value); }
+  /// A list where there are several.
+  template <class Values>
+  void numbers(const Values& values) {
+    if (values.size() == 1) return number(values[0]);
+    char before = '[';
+    for (const double value : values) {
+      text_.push_back(std::exchange(before, ','));
+      number(value);
+    }
+    text_.push_back(']');
+  }
+  /// "name":{key:item,...} of those that belong to it; nothing when none does.
+  template <class Belongs, class Item>
+  void some(std::string_view name, const std::vector<std::string>& keys, const Belongs& belongs, const Item& item) {
+    bool open = false;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      if (!belongs(i)) continue;
+      if (!std::exchange(open, true)) {
+        format(FMT_COMPILE(R"(,"{}":{{)"), name);
+      } else {
+        text_.push_back(',');
+      }
+      format(FMT_COMPILE("{}:"), keys[i]);
+      item(i);
+    }
+    if (open) text_.push_back('}');
+  }
+  /// The same of all, also when there is none.
+  template <class Item>
+  void all(std::string_view name, const std::vector<std::string>& keys, const Item& item) {
+    if (keys.empty()) return format(FMT_COMPILE(R"(,"{}":{{}})"), name);
+    some(
+        name, keys, [](std::size_t) { return true; }, item);
+  }
+  std::string closed() {
+    text_.push_back('}');
+    return fmt::to_string(text_);
+  }
+
+ private:
+  template <class Format, class... Values>
+  void format(const Format& how, const Values&... values) {
+    fmt::format_to(fmt::appender(text_), how, values...);
+  }
+  fmt::memory_buffer text_;
+};
 
 }  // namespace
 
@@ -152,64 +206,24 @@ std::string ServedArm::answer(std::string_view line) {
 /// Written by hand: a cycle of 2 ms is to take some 10 us, which is what a tree of JSON takes to be made and written.
 std::string ServedArm::state() const {
   const BulletArm& arm = rollout_.arm();
-  fmt::memory_buffer text;
-  const fmt::appender out(text);
-  fmt::format_to(out, FMT_COMPILE(R"({{"time_s":{})"), rollout_.time());
-  const auto list = [&](std::string_view name, const std::vector<std::string>& keys, const auto& item) {
-    fmt::format_to(out, FMT_COMPILE(R"(,"{}":{{)"), name);
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      fmt::format_to(out, FMT_COMPILE("{}{}:"), i > 0 ? "," : "", keys[i]);
-      item(i);
-    }
-    text.push_back('}');
+  StateText text(rollout_.time());
+  text.all("joints", joint_keys_,
+           [&](std::size_t j) { text.numbers(kindOf(model_.joints[j].type).cells(arm.jointPosition(j))); });
+  const auto velocity = [&](std::size_t j) {
+    const Eigen::Vector3d v = arm.jointVelocity(j);
+    text.numbers(std::span(v.data(), model_.joints[j].hasAxis() ? 1 : 3));
   };
-  const auto number = [&](double value) { fmt::format_to(out, FMT_COMPILE("{}"), value); };
-  const auto numbers = [&](const auto& values) {
-    if (values.size() == 1) return number(values[0]);
-    text.push_back('[');
-    for (std::size_t i = 0; i < std::size(values); ++i) {
-      if (i > 0) text.push_back(',');
-      number(values[i]);
-    }
-    text.push_back(']');
-  };
-  list("joints", joint_keys_,
-       [&](std::size_t j) { numbers(kindOf(model_.joints[j].type).cells(arm.jointPosition(j))); });
-  const auto velocities = [&](bool of_slides) {
-    bool first = true;
-    for (std::size_t j = 0; j < joint_keys_.size(); ++j) {
-      if (model_.joints[j].slides() != of_slides) continue;
-      if (first) fmt::format_to(out, FMT_COMPILE(R"(,"joint_velocities_{}":{{)"), of_slides ? "m_s" : "rad_s");
-      fmt::format_to(out, FMT_COMPILE("{}{}:"), first ? "" : ",", joint_keys_[j]);
-      const Eigen::Vector3d v = arm.jointVelocity(j);
-      numbers(std::span(v.data(), model_.joints[j].hasAxis() ? 1 : 3));
-      first = false;
-    }
-    if (!first) text.push_back('}');
-  };
-  velocities(false);
-  velocities(true);
-  list("shaft_rad", muscle_keys_, [&](std::size_t m) { number(arm.shaftAngle(m)); });
-  list("force_N", muscle_keys_, [&](std::size_t m) { number(arm.force(m)); });
-  list("current_A", muscle_keys_, [&](std::size_t m) { number(arm.current(m)); });
-  const auto lines = [&](std::string_view name, bool at_joint) {  // as in motion.csv: along a line, about a joint
-    bool first = true;
-    for (std::size_t l = 0; l < lines_.size(); ++l) {
-      if (lines_[l]->kind->at_joint != at_joint) continue;
-      if (first) {
-        fmt::format_to(out, FMT_COMPILE(R"(,"{}":{{)"), name);
-      } else {
-        text.push_back(',');
-      }
-      fmt::format_to(out, FMT_COMPILE("{}:{}"), line_keys_[l], (at_joint ? -1.0 : 1.0) * arm.lineForce(l));
-      first = false;
-    }
-    if (!first) text.push_back('}');
-  };
-  lines("tension_N", false);
-  lines("torque_Nm", true);
-  text.push_back('}');
-  return fmt::to_string(text);
+  const auto slides = [&](std::size_t j) { return model_.joints[j].slides(); };
+  text.some("joint_velocities_rad_s", joint_keys_, std::not_fn(slides), velocity);
+  text.some("joint_velocities_m_s", joint_keys_, slides, velocity);
+  text.all("shaft_rad", muscle_keys_, [&](std::size_t m) { text.number(arm.shaftAngle(m)); });
+  text.all("force_N", muscle_keys_, [&](std::size_t m) { text.number(arm.force(m)); });
+  text.all("current_A", muscle_keys_, [&](std::size_t m) { text.number(arm.current(m)); });
+  // As in motion.csv: along a line, about a joint.
+  const auto at_joint = [&](std::size_t l) { return lines_[l]->kind->at_joint; };
+  text.some("tension_N", line_keys_, std::not_fn(at_joint), [&](std::size_t l) { text.number(arm.lineForce(l)); });
+  text.some("torque_Nm", line_keys_, at_joint, [&](std::size_t l) { text.number(-arm.lineForce(l)); });
+  return text.closed();
 }
 
 }  // namespace simgap

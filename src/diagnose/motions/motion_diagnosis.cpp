@@ -7,13 +7,13 @@
 #include <cmath>
 #include <iterator>
 
+#include "candidate_motions.h"
 #include "diagnose/verdict.h"
 #include "motion_candidates.h"
 #include "motion_evidence.h"
 #include "motion_faults.h"
 #include "motion_heldout.h"
 #include "motion_ordinary.h"
-#include "motion_prediction.h"
 #include "motion_selection.h"
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
@@ -33,7 +33,7 @@ class MotionDiagnosing {
  public:
   MotionDiagnosing(const ArmModel& model, const MotionCalibrationConfig& config, const MotionDiagnosisOptions& options,
                    const DiagnosisProgress& progress)
-      : problem_(motionProblem(model, config)), config_(config), options_(options), progress_(progress) {}
+      : problem_(motionProblem(model, config)), options_(options), progress_(progress) {}
   MotionDiagnosis run(const MotionSet& motions, const MotionSet* held_out);
 
  private:
@@ -54,7 +54,6 @@ class MotionDiagnosing {
   }
 
   MotionProblem problem_;
-  const MotionCalibrationConfig& config_;
   const MotionDiagnosisOptions& options_;
   const DiagnosisProgress& progress_;
   MotionSplit split_;
@@ -318,8 +317,8 @@ void MotionDiagnosing::keepCandidates() {
   result_.reference = referenceOf(fitted, unseenOf(named));
   compareWithFirst(kept, result_.reference.variance);
   if (kept.size() > 1) {
-    const MotionEvidence evidence{problem_.nominal, config_, {}, result_.reference, {}, {}, {}};
-    result_.reference.way = std::max(1.0, wayOf(evidence, kept.front(), split_.judging.motions));
+    const double way = wayOf(problem_, kept.front(), split_.judging.motions, result_.reference.variance);
+    result_.reference.way = std::max(1.0, way);
   }
   result_.noise = named.posterior().noise();
   for (const std::size_t m : someMotions(split_.selecting.motions.size())) {

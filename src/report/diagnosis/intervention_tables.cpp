@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simgap/diagnose/intervention.h"
+#include "simgap/intervene/intervention.h"
 
 namespace simgap {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "simgap/diagnose/intervention.h"
+#include "simgap/intervene/intervention.h"
 #include "simgap/model/arm/arm_change.h"
 #include "simgap/report/table.h"
 

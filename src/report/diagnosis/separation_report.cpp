@@ -8,7 +8,7 @@
 #include "separation_tables.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/joint_kind.h"
-#include "simgap/diagnose/intervention.h"
+#include "simgap/intervene/intervention.h"
 
 namespace simgap {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "simgap/core/yaml.h"
-#include "simgap/diagnose/motions/motion_intervention.h"
+#include "simgap/diagnose/motions/motion_diagnosis.h"
 #include "support/files.h"
 #include "support/motion_draws.h"
 #include "support/statics.h"
@@ -36,20 +36,6 @@ inline MotionCase diagnoseForearmWith(const MotionTruth& cause, std::uint64_t se
                   judging = recordForearm(one.hidden, one.model, firstJudging(seed), kJudgingMotions);
   one.said = diagnoseMotions(one.model, selecting, &judging, motionConfig(), {}, [](const std::string&, double) {});
   return one;
-}
-
-/// What a diagnosis leaves for an intervention.
-inline MotionEvidence evidenceOf(const MotionCase& one) {
-  MotionEvidence evidence{one.model, motionConfig(), one.said.candidates, one.said.reference, one.said.noise, {}, {}};
-  for (const RecordedMotion& motion : one.said.profile) {
-    evidence.profile_names.push_back(motion.name);
-    evidence.profile.push_back(motion.commands);
-  }
-  return evidence;
-}
-
-inline ArmChanges armChanges(const std::string& list, const ArmModel& model) {
-  return ArmChanges::read(YamlNode::parse("format: simgap/change/1\nchanges: [" + list + "]\n", "change.yaml"), model);
 }
 
 }  // namespace simgap::test

@@ -10,10 +10,10 @@
 
 #include "simgap/core/run_directory.h"
 #include "simgap/core/yaml.h"
-#include "simgap/diagnose/logs/log_intervention.h"
 #include "simgap/diagnose/logs/refitted_model.h"
-#include "simgap/diagnose/motions/motion_intervention.h"
 #include "simgap/diagnose/poses/pose_diagnosis.h"
+#include "simgap/intervene/logs/log_intervention.h"
+#include "simgap/intervene/motions/motion_intervention.h"
 
 namespace simgap {
 

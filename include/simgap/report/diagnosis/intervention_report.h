@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simgap/core/run_directory.h"
-#include "simgap/diagnose/poses/pose_intervention.h"
+#include "simgap/intervene/poses/pose_intervention.h"
 
 namespace simgap {
 

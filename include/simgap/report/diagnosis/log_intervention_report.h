@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simgap/core/run_directory.h"
-#include "simgap/diagnose/logs/log_intervention.h"
+#include "simgap/intervene/logs/log_intervention.h"
 
 namespace simgap {
 

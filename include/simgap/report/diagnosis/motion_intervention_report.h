@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "simgap/core/run_directory.h"
-#include "simgap/diagnose/motions/motion_intervention.h"
+#include "simgap/intervene/motions/motion_intervention.h"
 
 namespace simgap {
 

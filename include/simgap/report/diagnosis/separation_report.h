@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "simgap/core/run_directory.h"
-#include "simgap/diagnose/logs/log_intervention.h"
-#include "simgap/diagnose/motions/motion_separation.h"
-#include "simgap/diagnose/poses/pose_separation.h"
+#include "simgap/intervene/logs/log_intervention.h"
+#include "simgap/intervene/motions/motion_separation.h"
+#include "simgap/intervene/poses/pose_separation.h"
 
 namespace simgap {
 

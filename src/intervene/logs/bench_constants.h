@@ -1,0 +1,28 @@
+/// \file
+/// How the known constants of a bench change.
+#pragma once
+
+#include <fmt/format.h>
+
+#include "simgap/core/error.h"
+#include "simgap/intervene/logs/log_change.h"
+
+namespace simgap {
+
+/// Adds to a constant of the bench, in all its sessions; to one that is fitted when the models are asked.
+/// \throws ConfigError: a fitted length, or mass beside one, of which only products with others are known.
+inline void changeConstant(LogSetting& setting, BenchConstant BenchConstants::*constant, double by, const char* name) {
+  Bench& bench = setting.bench;
+  if (!(bench.*constant).fitted) {
+    (bench.*constant).value += by;
+    for (auto& [session, constants] : bench.sessions) (constants.*constant).value += by;
+    return;
+  }
+  if (constant == &BenchConstants::length || (constant == &BenchConstants::mass && bench.fitsWholeInertia())) {
+    throw ConfigError(fmt::format(
+        "found a change of {}, of which the bench lets only a product be fitted; expected its value there", name));
+  }
+  setting.added[name] += by;
+}
+
+}  // namespace simgap

@@ -1,0 +1,214 @@
+#include "simgap/intervene/logs/log_intervention.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "diagnose/logs/log_candidates.h"
+#include "log_prediction.h"
+#include "simgap/core/error.h"
+#include "simgap/core/text.h"
+
+namespace simgap {
+namespace {
+
+using Eigen::ArrayXd;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kFarRow = 8.0;         // [sd] of a row that no candidate comes near
+constexpr double kMostOutliers = 0.01;  // of the rows: more are no outliers
+
+std::set<std::string> causesOf(const std::string& label) {
+  std::set<std::string> causes;
+  for (std::size_t at = 0; at < label.size();) {
+    const std::size_t end = std::min(label.find(", ", at), label.size());
+    causes.insert(label.substr(at, end - at));
+    at = end + 2;
+  }
+  causes.erase("none");
+  return causes;
+}
+
+HeldCauses heldBy(const LogEvidence& evidence) {
+  HeldCauses held;
+  for (const LogEvidence::Candidate& candidate : evidence.candidates) held.push_back(causesOf(candidate.known.causes));
+  return held;
+}
+
+/// What all candidates say of one log.
+struct Answers {
+  ChangedLog changed;
+  std::vector<PredictedRows> predicted;  ///< shape (candidates)
+  double tau = 1.0;                      ///< [rows]
+};
+
+Answers askAll(const LogEvidence& evidence, const LogChanges& change, const CsvTable* recorded) {
+  const HeldCauses held = heldBy(evidence);
+  for (const LogChange& part : change.changes) requireHeld(held, part.cause);
+  const auto rowsOf = [&](const LogChanges& what) {
+    return recorded != nullptr ? changedLog(evidence, what, *recorded, true)
+                               : changedLog(evidence, what, profileOf(evidence, what), false);
+  };
+  Answers answers{rowsOf(change), std::vector<PredictedRows>(evidence.candidates.size()), 1.0};
+  std::vector<std::pair<ChangedLog, ChangedLog>> moved;
+  for (const auto& [forward, back] : withinUncertainty(change)) {
+    auto& [more, less] = moved.emplace_back(rowsOf(forward), rowsOf(back));
+    more.rows = less.rows = answers.changed.rows;  // a bench a little different keeps other rows: the same are compared
+  }
+  tbb::parallel_for(std::size_t{0}, evidence.candidates.size(), [&](std::size_t c) {
+    answers.predicted[c] = predictRows(evidence.candidates[c], answers.changed, moved);
+  });
+  answers.tau = std::max(1.0, evidence.correlation_s / answers.changed.log.data.rows.step);
+  return answers;
+}
+
+/// Places among the rows that some candidate comes near; all, where too many are far off to be outliers.
+std::vector<Index> comparable(const LogEvidence& evidence, const Answers& answers, const ArrayXd& measured) {
+  std::vector<Index> near;
+  for (Index i = 0; i < measured.size(); ++i) {
+    for (std::size_t c = 0; c < answers.predicted.size(); ++c) {
+      const PredictedRows& predicted = answers.predicted[c];
+      const double variance = evidence.candidates[c].known.posterior.variance + predicted.spread.row(i).squaredNorm();
+      if (std::abs(predicted.values[i] - measured[i]) > kFarRow * std::sqrt(variance)) continue;
+      near.push_back(i);
+      break;
+    }
+  }
+  const auto left_out = static_cast<double>(measured.size() - std::ssize(near));
+  if (left_out <= kMostOutliers * static_cast<double>(measured.size())) return near;
+  near.resize(static_cast<std::size_t>(measured.size()));
+  for (Index i = 0; i < measured.size(); ++i) near[i] = i;
+  return near;
+}
+
+/// Squared errors on pieces of two seconds of the rows that are compared.
+GroupErrors piecesOf(const VectorXd& errors, const std::vector<Index>& rows, const Answers& answers) {
+  constexpr double kSeconds = 2.0;
+  const auto length = static_cast<Index>(std::max(8.0, std::round(kSeconds / answers.changed.log.data.rows.step)));
+  const std::vector<int>& session = answers.changed.log.data.rows.session;
+  std::vector<std::pair<double, double>> pieces;
+  std::pair<Index, int> last{-1, -1};
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Index row = answers.changed.rows[rows[k]];
+    const std::pair<Index, int> place{row / length, session[row]};
+    if (place != last) pieces.emplace_back(0.0, 0.0);
+    last = place;
+    pieces.back().first += errors[static_cast<Index>(k)] * errors[static_cast<Index>(k)];
+    pieces.back().second += 1.0;
+  }
+  GroupErrors groups{ArrayXd(std::ssize(pieces)), ArrayXd(std::ssize(pieces))};
+  for (Index k = 0; k < groups.sum.size(); ++k) std::tie(groups.sum[k], groups.rows[k]) = pieces[k];
+  return groups;
+}
+
+/// P(F > ratio) of a ratio of two mean squares.
+double fTail(double ratio, double above, double below) {
+  if (!(ratio > 0.0)) return 1.0;
+  if (!std::isfinite(ratio)) return 0.0;
+  return boost::math::cdf(boost::math::complement(boost::math::fisher_f(above, below), ratio));
+}
+
+/// Fills what the measured rows say of a candidate. \returns ln p, up to a constant that all share
+double judge(const LogPosterior& known, const PredictedRows& predicted, const ArrayXd& measured,
+             const std::vector<Index>& rows, const Answers& answers, LogPrediction& result) {
+  const double sd = std::sqrt(known.variance), tau = answers.tau;
+  const VectorXd e = ((predicted.values(rows) - measured(rows)) / sd).matrix();
+  const MatrixXd a = predicted.spread(rows, Eigen::all) / sd;
+  const Distance distance = distanceOf(e, a, tau);
+  const double n = static_cast<double>(rows.size()) / tau, nu = known.freedom;
+  result.rms = sd * std::sqrt(e.squaredNorm() / static_cast<double>(rows.size()));
+  result.rms_before = sd;
+  result.distance = distance.value();
+  result.freedom = n;
+  const double beside = fTail(distance.beside / n, freedomOf(piecesOf(distance.left, rows, answers)), nu);
+  const int k = distance.directions;
+  const double along = k > 0 ? fTail(distance.along / k, k, nu) : 1.0;
+  result.p = std::min(1.0, 2.0 * std::min(beside, along));
+  result.log_odds_before = known.log_odds;
+  result.predicted = predicted.values;
+  return std::lgamma(0.5 * (nu + n)) - std::lgamma(0.5 * nu) - 0.5 * n * std::log(nu) - n * std::log(sd) -
+         0.5 * distance.log_volume - 0.5 * (nu + n) * std::log1p(distance.value() / nu);
+}
+
+std::string placeOf(const ActuatorRows& rows, Index row, const ActuatorData& data) {
+  std::string place = fmt::format("{:.4g} s", rows.time[row]);
+  if (rows.speed.size() > 0) {
+    place += fmt::format(", {:.3g} {}", rows.speed[row], data.velocity_unit == "m_s" ? "m/s" : "rad/s");
+  }
+  if (rows.load.size() > 0) place += fmt::format(", {:.3g} {}", rows.load[row], data.load_unit);
+  return place;
+}
+
+/// What of a candidate's prediction is furthest from the named one's.
+void findLargestShift(const Answers& answers, std::size_t c, double variance, ForeseenLogChange& result) {
+  const ArrayXd apart = (answers.predicted[c].values - answers.predicted[0].values).abs();
+  Index at = 0;
+  const double largest = apart.maxCoeff(&at);
+  result.largest_shift.push_back(largest);
+  result.in_noise.push_back(largest / std::sqrt(variance));
+  const ActuatorData& data = answers.changed.log.data;
+  result.where.push_back(largest > 0.0 ? placeOf(data.rows, answers.changed.rows[at], data) : "-");
+}
+
+}  // namespace
+
+LogIntervention judgeChange(const LogEvidence& evidence, const LogChanges& change, const CsvTable& after) {
+  const Answers answers = askAll(evidence, change, &after);
+  const ActuatorRows& rows = answers.changed.log.data.rows;
+  LogIntervention result;
+  result.unit = answers.changed.log.data.effort_unit;
+  result.time = rows.time(answers.changed.rows);
+  result.measured = rows.effort(answers.changed.rows);
+  const std::vector<Index> compared = comparable(evidence, answers, result.measured);
+  result.rows = compared.size();
+  result.left_out = static_cast<std::size_t>(result.measured.size()) - compared.size();
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
+  std::vector<CandidateAnswer> said;
+  double named = 0.0;
+  for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
+    const LogCandidate& known = evidence.candidates[c].known;
+    LogPrediction& prediction = result.predictions.emplace_back();
+    const double density = judge(known.posterior, answers.predicted[c], result.measured, compared, answers, prediction);
+    if (c == 0) named = density;
+    prediction.log_odds = density - named;
+    said.push_back({known.causes, prediction.p, prediction.log_odds, rival[c], prediction.log_odds_before});
+  }
+  Judgement judgement = judgeCandidates(said, "rows");
+  result.verdict = judgement.verdict;
+  result.sentence = std::move(judgement.sentence);
+  return result;
+}
+
+ForeseenLogChange foreseeChange(const LogEvidence& evidence, const LogChanges& change) {
+  const Answers answers = askAll(evidence, change, nullptr);
+  const std::size_t n = answers.predicted.size();
+  ForeseenLogChange result;
+  result.unit = answers.changed.log.data.effort_unit;
+  result.time = answers.changed.log.data.rows.time(answers.changed.rows);
+  result.log_odds.assign(n, std::vector<double>(n, 0.0));
+  result.smallest = std::numeric_limits<double>::infinity();
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
+  for (std::size_t j = 0; j < n; ++j) {
+    const double variance = evidence.candidates[j].known.posterior.variance, sd = std::sqrt(variance);
+    const MatrixXd a = answers.predicted[j].spread / sd;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i == j) continue;
+      const VectorXd apart = ((answers.predicted[i].values - answers.predicted[j].values) / sd).matrix();
+      result.log_odds[i][j] = 0.5 * distanceOf(apart, a, answers.tau).value();
+      const bool asked = (i == 0 && rival[j]) || (j == 0 && rival[i]);
+      if (asked) result.smallest = std::min(result.smallest, result.log_odds[i][j]);
+    }
+    findLargestShift(answers, j, variance, result);
+    result.predicted.push_back(answers.predicted[j].values);
+  }
+  return result;
+}
+
+}  // namespace simgap

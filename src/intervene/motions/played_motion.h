@@ -1,0 +1,16 @@
+/// \file
+/// Motions that are foreseen, in the form in which a rig would have recorded them.
+#pragma once
+
+#include <string>
+
+#include "simgap/intervene/motions/motion_intervention.h"
+
+namespace simgap {
+
+/// The named candidate's own motion under commands, as if it had been recorded without noise.
+/// \throws NumericsError: it blows up
+RecordedMotion playedAsRecorded(const MotionEvidence& evidence, const ArmChanges& change,
+                                const MotionCommands& commands, const std::string& name);
+
+}  // namespace simgap
