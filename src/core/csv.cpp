@@ -50,7 +50,7 @@ std::vector<std::string> renamed(const std::vector<std::string>& headers,
     if (found == headers.end()) {
       failInCsv(name, kHeaderLine,
                 fmt::format("found no column {} to read as {}, expected one of {}{}", column, canonical,
-                            fmt::join(headers, ", "), didYouMean(nearestName(column, headers))));
+                            listed(headers), didYouMean(nearestName(column, headers))));
     }
     const auto index = static_cast<std::size_t>(found - headers.begin());
     if (taken[index]) {
@@ -365,8 +365,8 @@ void CsvTable::failMissing(std::string_view stem, std::string_view unit) const {
   std::string nearest;
   for (std::size_t i = 0; i < spellings.size() && nearest.empty(); ++i) nearest = nearestName(spellings[i], headers_);
   failInCsv(name_, kHeaderLine,
-            fmt::format("found no column {}, expected it among {}{}", fmt::join(spellings, " or "),
-                        fmt::join(headers_, ", "), didYouMean(nearest)));
+            fmt::format("found no column {}, expected it among {}{}", fmt::join(spellings, " or "), listed(headers_),
+                        didYouMean(nearest)));
 }
 
 void CsvTable::failCell(std::size_t row, std::size_t column) const {

@@ -1,5 +1,7 @@
 #include "simgap/core/text.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cstring>
@@ -70,6 +72,13 @@ std::string abridged(std::string_view text, std::size_t most) {
   while (head > 0 && !beginsCharacter(text[head])) --head;
   while (tail < text.size() && !beginsCharacter(text[tail])) ++tail;
   return std::string(text.substr(0, head)) + "…" + std::string(text.substr(tail));
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 20;
+  std::string list;
+  for (std::size_t i = 0; i < std::min(kMost, names.size()); ++i) list += (i > 0 ? ", " : "") + abridged(names[i]);
+  return names.size() <= kMost ? list : fmt::format("{} and {} more", list, names.size() - kMost);
 }
 
 bool matchesGlob(std::string_view pattern, std::string_view text) {

@@ -5,6 +5,13 @@
 namespace simgap {
 namespace {
 
+TEST(Text, ALongListSaysHowManyMoreThereAre) {
+  EXPECT_EQ(listed({"a", "b"}), "a, b");
+  std::vector<std::string> names(50000, "c");
+  EXPECT_LT(listed(names).size(), 100U);
+  EXPECT_TRUE(listed(names).ends_with("c and 49980 more"));
+}
+
 TEST(Text, PrintableHoldsNoControlCharacter) {
   EXPECT_EQ(printable("\x1b[2J\x07 a\tb\r\nc\x7f"), "?[2J? a b  c?");
   EXPECT_EQ(printable("a\nb\n", /*keep_lines=*/true), "a\nb\n");

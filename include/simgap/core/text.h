@@ -16,6 +16,9 @@ std::string printable(std::string_view text, bool keep_lines = false);
 /// At most about `most` bytes: the beginning, "…" and the end. No character of UTF-8 is cut.
 std::string abridged(std::string_view text, std::size_t most = 80);
 
+/// "a, b, c": what a file holds instead of what was looked for. After the first twenty, how many more there are.
+std::string listed(const std::vector<std::string>& names);
+
 /// True when the text is the pattern's, in which `*` stands for any text. Quadratic at worst.
 bool matchesGlob(std::string_view pattern, std::string_view text);
 

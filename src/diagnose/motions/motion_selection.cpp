@@ -22,7 +22,7 @@ constexpr std::size_t kMostRounds = 14;                             // the best,
 constexpr double kLeavesMuch = 2.0;                                 // noise variances that the best leaves
 constexpr int kMoreWaves = 2, kOwedOfMore = 3;
 constexpr double kOfLead = 1e-3;  // of its lead, that a round of the best gains: it need not come to its end
-constexpr int kRoundsBack = 4;
+constexpr int kRoundsBack = 8;
 constexpr double kOnTheWay = 5.0;          // times what its last derivatives gained: a fit may still come so far
 constexpr std::size_t kTold = 5;           // hypotheses that a report lists where none was fitted
 constexpr double kHopelessGain = 3.0;      // promised by the scan [negative log posterior]
@@ -293,7 +293,14 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
     }
   }
   std::ranges::stable_sort(refits, byObjective);
-  bringBack(refits.front());
+  // What looks like the best, and has derivatives of its own, gets the same second look before it is refused.
+  const ArmCause best = refits.front().cause();
+  for (Refit& refit : refits) {
+    const ArmCause& cause = refit.cause();
+    const bool alike = refit.refreshed > 0 && looksLike({cause.effect, cause.target, {}}, best);
+    if (&refit == &refits.front() || alike) bringBack(refit);
+  }
+  std::ranges::stable_sort(refits, byObjective);
 }
 
 /// Scans from where the model without another cause ended, and from the prior's mean while it has none.

@@ -8,6 +8,7 @@
 
 #include "simgap/core/blocks.h"
 #include "simgap/core/error.h"
+#include "simgap/core/text.h"
 #include "simgap/measure/logs/actuator_log.h"
 #include "whole_columns.h"
 
@@ -120,8 +121,7 @@ CsvTable keepSessions(CsvTable table, const std::vector<std::string>& chosen) {
   for (const std::string& name : chosen) {
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
-      throw DataError(
-          fmt::format("{}: found no session {}, expected one of {}", table.name(), name, fmt::join(names, ", ")));
+      throw DataError(fmt::format("{}: found no session {}, expected one of {}", table.name(), name, listed(names)));
     }
     unwanted[static_cast<std::size_t>(found - names.begin())] = false;
   }

@@ -95,7 +95,7 @@ void requireRecorded(const std::vector<Recording>& recordings, const std::vector
     for (const std::string& field : recording.fields()) {
       if (std::ranges::any_of(columns, [&](const auto& name) { return Recording::fits(name, field); })) continue;
       throw DataError(fmt::format("{}: {}: found nothing called {}, expected it among {}{}", file, recording.topic(),
-                                  field.empty() ? "at all" : field, fmt::join(columns, ", "), meant(field, columns)));
+                                  field.empty() ? "at all" : field, listed(columns), meant(field, columns)));
     }
   }
 }
