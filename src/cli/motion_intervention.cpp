@@ -32,8 +32,8 @@ MotionEvidence readMotionEvidence(const std::filesystem::path& run, Session& ses
     candidate.covariance = readCovariance(table("covariance", covarianceFileName(evidence.candidates.size() - 1)));
   }
   for (const MotionCandidateList::Profile& profile : list.profile) {
-    evidence.profile_names.push_back(profile.name);
-    evidence.profile.push_back(readCommands(table("commands", profile.file), evidence.given, profile.linear));
+    evidence.profile.push_back(
+        {profile.name, readCommands(table("commands", profile.file), evidence.given, profile.linear)});
   }
   evidence.validate();
   return evidence;
@@ -86,7 +86,7 @@ ExitCode interveneOnMotions(const InterveneOptions& options, const std::vector<s
   } else {
     std::vector<ForeseenChange> foreseen;
     for (std::size_t k = 0; k < changes.size(); ++k) {
-      foreseen.push_back(foreseeChange(evidence, changes[k], evidence.profile, evidence.profile_names, share(k)));
+      foreseen.push_back(foreseeChange(evidence, changes[k], evidence.profile, share(k)));
     }
     result = toJson(foreseen, evidence, changes);
   }

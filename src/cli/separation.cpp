@@ -78,7 +78,7 @@ ExitCode separateMotionSets(const SeparateOptions& options, Session& session) {
   for (const MotionProtocol& protocol : found.protocols) {
     if (protocol.chosen == 0) continue;
     session.directory().write(nextMotionFile(protocol.chosen),
-                              commandsCsv(protocol.commands, evidence.given.poseLayout()));
+                              commandsCsv(protocol.motion.commands, evidence.given.poseLayout()));
   }
   progress.reset();  // the result stands below its line
   const Json result = toJson(found, evidence);

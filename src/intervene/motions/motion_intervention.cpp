@@ -48,7 +48,7 @@ double chanceOf(const Way& way, const MotionReference& reference) {
 
 /// Where two candidates' joints are furthest apart: how far, shown as the joint's kind is, and where.
 std::pair<double, std::string> furthestApart(const PredictedMotions& one, const PredictedMotions& other,
-                                             const std::vector<std::string>& names) {
+                                             const std::vector<RecordedMotion>& motions) {
   double largest = 0.0;
   std::string where = "-";
   const std::vector<Joint>& joints = one.posterior->model().joints;
@@ -60,7 +60,7 @@ std::pair<double, std::string> furthestApart(const PredictedMotions& one, const 
       const double shown = kindOf(joints[block.item].type).shown(apart.norm());
       if (!(shown > largest)) continue;
       largest = shown;
-      where = fmt::format("{} at {:.1f} s of {}", joints[block.item].name, block.time, names[m]);
+      where = fmt::format("{} at {:.1f} s of {}", joints[block.item].name, block.time, motions[m].name);
     }
   }
   return {largest, where};
@@ -130,13 +130,10 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
 }
 
 ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& change,
-                             const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
-                             const InterventionProgress& progress) {
+                             const std::vector<PlannedMotion>& planned, const InterventionProgress& progress) {
   evidence.require(change);
   std::vector<RecordedMotion> motions;
-  for (std::size_t m = 0; m < commands.size(); ++m) {
-    motions.push_back(playedAsRecorded(evidence, change, commands[m], names[m]));
-  }
+  for (const PlannedMotion& motion : planned) motions.push_back(playedAsRecorded(evidence, change, motion));
   MotionEvidence known = evidence;  // what would be recorded has the noise of what was
   KnownNoise& noise = known.config.motions.noise;
   noise.shafts = evidence.noise.shafts;
@@ -162,7 +159,7 @@ ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& c
       const bool asked = (i == 0 && rival[j]) || (j == 0 && rival[i]);
       if (asked) result.smallest = std::min(result.smallest, result.log_odds[i][j]);
     }
-    const auto [shift, where] = furthestApart(predicted[i], predicted.front(), names);
+    const auto [shift, where] = furthestApart(predicted[i], predicted.front(), motions);
     result.largest_shift.push_back(shift);
     result.where.push_back(where);
   }

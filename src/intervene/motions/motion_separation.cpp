@@ -42,13 +42,13 @@ MotionSeparation separateMotions(const MotionEvidence& evidence, const std::vect
   MotionSeparation result;
   std::vector<std::vector<double>> pairs;
   const auto all = static_cast<double>(evidence.profile.size() * speeds.size());
-  for (std::size_t m = 0; m < evidence.profile.size(); ++m) {
+  for (const PlannedMotion& recorded : evidence.profile) {
     for (const double speed : speeds) {
       const auto done = static_cast<double>(result.protocols.size());
-      MotionProtocol& protocol = result.protocols.emplace_back(
-          MotionProtocol{evidence.profile_names[m], speed, atSpeed(evidence.profile[m], speed)});
-      protocol.foreseen = foreseeChange(evidence, {}, {protocol.commands}, {protocol.motion},
-                                        [&](double part) { progress((done + part) / all); });
+      MotionProtocol& protocol =
+          result.protocols.emplace_back(MotionProtocol{{recorded.name, atSpeed(recorded.commands, speed)}, speed});
+      protocol.foreseen =
+          foreseeChange(evidence, {}, {protocol.motion}, [&](double part) { progress((done + part) / all); });
       pairs.push_back(pairsOf(protocol.foreseen, rival));
     }
   }

@@ -12,11 +12,12 @@ constexpr double kFrameTime = 1.0 / 30;  // [s] of a foreseen capture
 }  // namespace
 
 RecordedMotion playedAsRecorded(const MotionEvidence& evidence, const ArmChanges& change,
-                                const MotionCommands& commands, const std::string& name) {
+                                const PlannedMotion& planned) {
   ArmModel model = evidence.candidates.front().model;
   change.apply(model);
+  const MotionCommands& commands = planned.commands;
   RecordedMotion motion;
-  motion.name = name;
+  motion.name = planned.name;
   motion.commands = commands;
   for (double time = commands.times.front(); time <= commands.end(); time += kFrameTime) {
     motion.joint_times.push_back(time);

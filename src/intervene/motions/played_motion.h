@@ -10,7 +10,6 @@ namespace simgap {
 
 /// The named candidate's own motion under commands, as if it had been recorded without noise.
 /// \throws NumericsError: it blows up
-RecordedMotion playedAsRecorded(const MotionEvidence& evidence, const ArmChanges& change,
-                                const MotionCommands& commands, const std::string& name);
+RecordedMotion playedAsRecorded(const MotionEvidence& evidence, const ArmChanges& change, const PlannedMotion& planned);
 
 }  // namespace simgap

@@ -115,7 +115,7 @@ Json toJson(const MotionSeparation& result, const MotionEvidence& evidence) {
   const CandidateNames names = namesOf(evidence.candidates);
   Json list = Json::array();
   for (const MotionProtocol& protocol : result.protocols) {
-    list.push_back({{"motion", protocol.motion},
+    list.push_back({{"motion", protocol.motion.name},
                     {"speed", protocol.speed},
                     {"smallest_log_odds", numberOrNull(protocol.foreseen.smallest)},
                     {"nearest", nearestOf(protocol.foreseen, names)},

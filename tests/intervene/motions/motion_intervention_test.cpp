@@ -20,11 +20,9 @@ constexpr std::size_t kMotionsAfter = 3;
 
 /// What a diagnosis leaves for an intervention.
 MotionEvidence evidenceOf(const MotionCase& one) {
-  MotionEvidence evidence{one.model, test::motionConfig(), one.said.candidates, one.said.reference, one.said.noise, {},
-                          {}};
+  MotionEvidence evidence{one.model, test::motionConfig(), one.said.candidates, one.said.reference, one.said.noise, {}};
   for (const RecordedMotion& motion : one.said.profile) {
-    evidence.profile_names.push_back(motion.name);
-    evidence.profile.push_back(motion.commands);
+    evidence.profile.push_back({motion.name, motion.commands});
   }
   return evidence;
 }
@@ -93,7 +91,7 @@ TEST_F(MotionIntervention, AChangeThatWasNotMadeConfirmsNothing) {
 TEST_F(MotionIntervention, ItIsForeseenWhatTellsTheSameEachTime) {
   const MotionEvidence evidence = evidenceOf(payload());
   const ArmChanges off = armChanges("{kind: undo, cause: 'payload:link1'}", evidence.given);
-  const auto foresee = [&] { return foreseeChange(evidence, off, evidence.profile, evidence.profile_names, noNews); };
+  const auto foresee = [&] { return foreseeChange(evidence, off, evidence.profile, noNews); };
   const ForeseenChange taken_off = foresee(), again = foresee();
   EXPECT_EQ(taken_off.log_odds, again.log_odds);
   EXPECT_GT(taken_off.smallest, kDecisiveLogOdds);
@@ -126,7 +124,7 @@ TEST(ArmChangeOfSupply, IsOfAllMotorsOrOfOne) {
 /// Causes hidden in forearms, found, and taken away; and the next best, believed and taken away although it was never
 /// there. The table of docs/intervene.md.
 TEST(SlowMotionInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
-  constexpr std::uint64_t kFirst = 321, kLast = 326;  // the rules were made on 301 to 316
+  constexpr std::uint64_t kFirst = 331, kLast = 336;  // the rules were made on 301 to 316 and seen on 321 to 326
   int named = 0, confirmed = 0, alike = 0, refuted = 0, falsely = 0, telling = 0, told = 0;
   for (std::uint64_t seed = kFirst; seed <= kLast; ++seed) {
     for (const test::MotionTruth& truth : test::motionTruths()) {
@@ -154,8 +152,7 @@ TEST(SlowMotionInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
         if (other == label || other.find(',') != std::string::npos || other == "none") continue;
         std::swap(evidence.candidates[0], evidence.candidates[c]);
         const auto result = judgeChange(evidence, undo(other), unchangedMotions(one, seed), noNews);
-        const ForeseenChange foreseen =
-            foreseeChange(evidence, undo(other), evidence.profile, evidence.profile_names, noNews);
+        const ForeseenChange foreseen = foreseeChange(evidence, undo(other), evidence.profile, noNews);
         const bool right = result.verdict == InterventionVerdict::kRefuted;
         const bool tells = foreseen.log_odds[c][0] > kDecisiveLogOdds;
         ++alike;

@@ -16,6 +16,12 @@
 
 namespace simgap {
 
+/// What one motion asks of the muscles.
+struct PlannedMotion {
+  std::string name;
+  MotionCommands commands;
+};
+
 /// What a diagnosis of motions knew.
 struct MotionEvidence {
   ArmModel given;  ///< the model that was diagnosed
@@ -23,8 +29,7 @@ struct MotionEvidence {
   std::vector<MotionCandidate> candidates;  ///< the named one first
   MotionReference reference;
   MotionNoise noise;
-  std::vector<std::string> profile_names;
-  std::vector<MotionCommands> profile;  ///< of a few motions before the change, shape (profile_names)
+  std::vector<PlannedMotion> profile;  ///< a few of the motions before the change
 
   /// \throws ConfigError: a covariance of another number of parameters than its candidate has
   void validate() const;
@@ -61,9 +66,8 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
                                const InterventionProgress& progress);
 
 /// What a change, or other commands, would tell.
-/// \param commands, names  the motions to record after the change
+/// \param planned  to record after the change
 ForeseenChange foreseeChange(const MotionEvidence& evidence, const ArmChanges& change,
-                             const std::vector<MotionCommands>& commands, const std::vector<std::string>& names,
-                             const InterventionProgress& progress);
+                             const std::vector<PlannedMotion>& planned, const InterventionProgress& progress);
 
 }  // namespace simgap

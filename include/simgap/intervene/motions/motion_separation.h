@@ -14,9 +14,8 @@ namespace simgap {
 
 /// One motion that may be recorded.
 struct MotionProtocol {
-  std::string motion;  ///< of which recorded one
-  double speed = 1.0;  ///< so many times as fast
-  MotionCommands commands = {};
+  PlannedMotion motion;  ///< one that was recorded, in another time
+  double speed = 1.0;    ///< so many times as fast
   ForeseenChange foreseen = {};
   int chosen = 0;  ///< its place among those to record, from 1; 0: not one of them
 };
