@@ -197,19 +197,24 @@ void MotionCauseFit::begin(const News& news) {
   narrow();
 }
 
+/// The last cause's parameters as its start has them.
+void MotionCauseFit::putAtStart(Eigen::VectorXd& z) const {
+  const ArmCause& cause = causes_.back();
+  Eigen::Index i = z.size() - 1 - fittedParameters(*cause.effect);
+  for (std::size_t k = 0; k < cause.effect->parameters.size(); ++k) {
+    if (!cause.effect->parameters[k].fitted) continue;
+    z[i] = std::clamp(posterior_->parameters().scaled(i, cause.start[k]), posterior_->lower(i), posterior_->upper(i));
+    ++i;
+  }
+}
+
 bool MotionCauseFit::beginBeside(const MotionPoint& point) {
   const ArmCause& cause = causes_.back();
   const Eigen::Index room = fittedParameters(*cause.effect), first = posterior_->size() - 1 - room;
   Eigen::VectorXd z = withRoom(point.here().z, room);
   const double clock = posterior_->options().capture_delay_sd, was = point.posterior().options().capture_delay_sd;
   if (clock == 0.0) z[z.size() - 1] = 0.0;
-  Eigen::Index i = first;
-  for (std::size_t k = 0; k < cause.effect->parameters.size(); ++k) {
-    if (!cause.effect->parameters[k].fitted) continue;
-    z[i] = posterior_->parameters().scaled(i, cause.start[k]);
-    z[i] = std::clamp(z[i], posterior_->lower(i), posterior_->upper(i));
-    ++i;
-  }
+  putAtStart(z);
   if (!place(z)) return false;
   searchAlong(first);
   z = here_.z;
@@ -244,6 +249,13 @@ bool MotionCauseFit::beginBeside(const MotionPoint& point) {
 bool MotionCauseFit::beginAs(const MotionCauseFit& other, const Eigen::VectorXd& z) {
   if (!place(z)) return false;
   here_.jacobians = other.here_.jacobians;
+  return true;
+}
+
+bool MotionCauseFit::beginAnew(const MotionCauseFit& other, Eigen::VectorXd z) {
+  putAtStart(z);
+  if (!beginAs(other, z)) return false;
+  searchAlong(z.size() - 1 - fittedParameters(*causes_.back().effect));
   return true;
 }
 

@@ -80,6 +80,8 @@ class MotionCauseFit {
   bool beginBeside(const MotionPoint& point);
   /// Begins with the derivatives of a fit of the same parameters. \returns false where the motions cannot be played
   bool beginAs(const MotionCauseFit& other, const Eigen::VectorXd& z);
+  /// The same with the last cause looked for anew, from its start.
+  bool beginAnew(const MotionCauseFit& other, Eigen::VectorXd z);
   /// Steps with the derivatives at hand. \returns what they gained
   double descend();
   /// Derivatives made anew where they count, then steps. \returns what these gained
@@ -110,6 +112,7 @@ class MotionCauseFit {
   Eigen::Index ordinary() const;  ///< parameters before the causes'
   void narrow();
   bool place(const Eigen::VectorXd& z);
+  void putAtStart(Eigen::VectorXd& z) const;
   void searchAlong(Eigen::Index i);
   const MotionProblem* problem_;
   std::vector<ArmCause> causes_;

@@ -198,20 +198,26 @@ void MotionSelector::chooseAgain(Refit& refit) {
 }
 
 /// Ordinary parameters that were driven far from what is expected before the cause had its size may hold the fit in a
-/// valley of its own: once more with these as they are expected, with each choice.
-void MotionSelector::bringBack(Refit& refit) {
+/// valley of its own: once more with these as they are expected, with each choice, and with the cause looked for anew
+/// (a mass and its distance slide along what their inertia tells). \param least  the objective of the best fit: what
+/// will not come so far is given up
+void MotionSelector::bringBack(Refit& refit, double least) {
   const std::optional<Eigen::VectorXd> z = refit.fit->withoutFar();
-  if (!z) return;
+  if (!z && fittedParameters(*refit.cause().effect) < 2) return;
   std::unique_ptr<MotionCauseFit> best;
-  for (const std::vector<ArmCause>& causes : choicesOf(*refit.fit)) {
-    auto other = descended(causes, [&](MotionCauseFit& one) { return one.beginAs(*refit.fit, *z); });
+  const auto keep = [&](std::unique_ptr<MotionCauseFit> other) {
     if (other && (!best || other->objective() < best->objective())) best = std::move(other);
+  };
+  for (const std::vector<ArmCause>& causes : choicesOf(*refit.fit)) {
+    if (z) keep(descended(causes, [&](MotionCauseFit& one) { return one.beginAs(*refit.fit, *z); }));
+    keep(descended(causes,
+                   [&](MotionCauseFit& one) { return one.beginAnew(*refit.fit, z.value_or(refit.fit->here().z)); }));
   }
   if (!best) return;
   const long before = best->rollouts();
   for (int round = 0; round < kRoundsBack; ++round) {
     const double gained = best->refresh(newsOf());
-    if (enough(gained, best->objective()) || best->objective() - refit.fit->objective() > kOnTheWay * gained) break;
+    if (enough(gained, best->objective()) || best->objective() - least > kOnTheWay * gained) break;
   }
   count(best->rollouts() - before);
   if (best->objective() < refit.fit->objective()) refit.fit = std::move(best);
@@ -298,7 +304,7 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
   for (Refit& refit : refits) {
     const ArmCause& cause = refit.cause();
     const bool alike = refit.refreshed > 0 && looksLike({cause.effect, cause.target, {}}, best);
-    if (&refit == &refits.front() || alike) bringBack(refit);
+    if (&refit == &refits.front() || alike) bringBack(refit, refits.front().fit->objective());
   }
   std::ranges::stable_sort(refits, byObjective);
 }

@@ -67,7 +67,7 @@ class MotionSelector {
               int owed_of_new);
   std::vector<std::vector<ArmCause>> choicesOf(const MotionCauseFit& fit) const;
   void chooseAgain(Refit& refit);
-  void bringBack(Refit& refit);
+  void bringBack(Refit& refit, double least);
   static FoundCause conclude(const MotionCauseFit& base, std::vector<Refit>& refits,
                              const std::vector<double>& placebos, std::vector<HypothesisRecord>& records);
   void converge(MotionCauseFit& fit, int most);
