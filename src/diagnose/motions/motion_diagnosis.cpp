@@ -22,8 +22,12 @@ namespace simgap {
 namespace {
 
 constexpr std::size_t kFewestSelecting = 4, kFewestJudging = 3;
-constexpr double kClearEvidence = 12.0;   // in nats: of some hundred hypotheses one gains 8 by chance
-constexpr double kLeastGain = 0.05;       // of the held-out mean square
+constexpr double kClearEvidence = 12.0;  // in nats: of some hundred hypotheses one gains 8 by chance
+constexpr double kLeastGain = 0.05;      // of the held-out mean square
+// Of the held-out mean square: so much is explained by no law that is driven by what cannot be right. Where the model
+// without the cause is lost, the scan promises no more of the cause than of its placebos; held-out motions are asked
+// then.
+constexpr double kNoPlacebo = 0.99;
 constexpr double kLargeRest = 1.5 * 1.5;  // of the noise's variance: what no model of noise leaves
 constexpr double kMostOfIt = 95.0;        // [%] of the error that named causes have to explain, if much is left
 constexpr double kBeyondNoise = 0.25;     // of the noise's variance, that is worth another cause
@@ -104,12 +108,15 @@ bool MotionDiagnosing::faulty(const MotionSet& motions, const MotionSet* held_ou
 bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found) {
   const ArmCause& arm = found.fit->causes().back();
   const Eigen::MatrixXd before = unseenOf(base), after = unseenOf(*found.fit);
-  const Interval gain = gainOf(logGains(before, after));
+  const Eigen::ArrayXd gains = logGains(before, after);
+  const Interval gain = gainOf(gains);
+  const double of_motions = static_cast<double>(hypotheses_.size()) * chanceOfGain(gains),
+               p = gain.lower95 > kNoPlacebo ? std::min(found.p, of_motions) : found.p;
   HypothesisRecord record{
-      base.causes().size() + 1, std::string(arm.effect->name), arm.target, gain, found.p, "", found.evidence};
+      base.causes().size() + 1, std::string(arm.effect->name), arm.target, gain, p, "", found.evidence};
   if (found.evidence < kClearEvidence) {
     record.outcome = fmt::format("rejected: evidence {:.1f}", found.evidence);
-  } else if (found.p > options_.level) {
+  } else if (p > options_.level) {
     record.outcome = "rejected: no better than its placebos";
   } else if (!(gain.lower95 > 0.0) || gain.value < kLeastGain) {
     record.outcome = "rejected: no sure gain on held-out motions";
@@ -130,7 +137,7 @@ bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found
   cause.target = record.target;
   cause.sentence = arm.effect->cause;
   cause.gain_heldout = gain;
-  cause.p_adjusted = found.p;
+  cause.p_adjusted = p;
   cause.ambiguous_with = found.rivals;
   d.causes.push_back(std::move(cause));
   return true;

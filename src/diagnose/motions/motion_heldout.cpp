@@ -53,6 +53,19 @@ Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& 
   return groupSquares(*unseen, at);
 }
 
+namespace {
+
+boost::math::students_t studentOver(const Eigen::ArrayXd& values) {
+  return boost::math::students_t(static_cast<double>(values.size()) - 1.0);
+}
+
+double errorOfMean(const Eigen::ArrayXd& values) {
+  const auto count = static_cast<double>(values.size());
+  return std::sqrt((values - values.mean()).square().sum() / (count - 1.0) / count);
+}
+
+}  // namespace
+
 Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
   Eigen::ArrayXd gains(before.cols());
   for (Eigen::Index m = 0; m < before.cols(); ++m) {
@@ -69,12 +82,15 @@ Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& af
 }
 
 Interval gainOf(const Eigen::ArrayXd& log_gains) {
-  const auto count = static_cast<double>(log_gains.size());
   const double mean = log_gains.mean();
-  const double variance = (log_gains - mean).square().sum() / (count - 1.0);
-  const double quantile = boost::math::quantile(boost::math::students_t(count - 1.0), 0.975);
-  const double half = quantile * std::sqrt(variance / count);
+  const double half = boost::math::quantile(studentOver(log_gains), 0.975) * errorOfMean(log_gains);
   return {-std::expm1(-mean), -std::expm1(half - mean), -std::expm1(-half - mean)};
+}
+
+double chanceOfGain(const Eigen::ArrayXd& log_gains) {
+  const double error = errorOfMean(log_gains);
+  if (error == 0.0) return log_gains.mean() > 0.0 ? 0.0 : 1.0;
+  return boost::math::cdf(boost::math::complement(studentOver(log_gains), log_gains.mean() / error));
 }
 
 double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {

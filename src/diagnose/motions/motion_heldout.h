@@ -26,6 +26,8 @@ Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& 
 Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);
 /// Its mean as a fraction of the mean square, with a 95 % interval by Student's t over motions.
 Interval gainOf(const Eigen::ArrayXd& log_gains);
+/// How probable as large a mean is where nothing was gained.
+double chanceOfGain(const Eigen::ArrayXd& log_gains);
 /// Of what a motion is missed by beyond the noise, the share that `after` does not miss: the median over motions, as
 /// one that falls to the other side of its rest would outweigh all others. \param before, after  as groupSquares
 double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);

@@ -136,6 +136,11 @@ bool MotionSelector::Refit::isOf(const MotionHypothesis& hypothesis) const {
   return cause().effect == hypothesis.effect && cause().target == hypothesis.target;
 }
 
+/// Of the best's effect on all muscles, or what looks like it.
+bool MotionSelector::Refit::standsBeside(const ArmCause& best) const {
+  return cause().effect == best.effect ? cause().target.empty() : looksLike({cause().effect, cause().target, {}}, best);
+}
+
 /// A fit that has begun and descended with the derivatives at hand; null where the motions cannot be played there.
 template <typename Begin>
 std::unique_ptr<MotionCauseFit> MotionSelector::descended(std::vector<ArmCause> causes, const Begin& begin) {
@@ -250,14 +255,10 @@ void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vect
   }
 }
 
-/// The next best that is of the best's effect on all muscles, or looks like it; refits.size(): none.
+/// The next best that stands beside the best; refits.size(): none.
 std::size_t MotionSelector::owedDerivatives(const std::vector<Refit>& refits) {
-  const ArmCause& best = refits.front().cause();
   std::size_t i = 1;
-  for (; i < refits.size(); ++i) {
-    const ArmCause& cause = refits[i].cause();
-    if (cause.effect == best.effect ? cause.target.empty() : looksLike({cause.effect, cause.target, {}}, best)) break;
-  }
+  while (i < refits.size() && !refits[i].standsBeside(refits.front().cause())) ++i;
   return i;
 }
 
@@ -299,12 +300,11 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
     }
   }
   std::ranges::stable_sort(refits, byObjective);
-  // What looks like the best, and has derivatives of its own, gets the same second look before it is refused.
+  // What stands beside the best, and has derivatives of its own, gets the same second look before it is refused.
+  bringBack(refits.front(), refits.front().fit->objective());
   const ArmCause best = refits.front().cause();
-  for (Refit& refit : refits) {
-    const ArmCause& cause = refit.cause();
-    const bool alike = refit.refreshed > 0 && looksLike({cause.effect, cause.target, {}}, best);
-    if (&refit == &refits.front() || alike) bringBack(refit, refits.front().fit->objective());
+  for (Refit& refit : std::span(refits).subspan(1)) {
+    if (refit.refreshed > 0 && refit.standsBeside(best)) bringBack(refit, refits.front().fit->objective());
   }
   std::ranges::stable_sort(refits, byObjective);
 }

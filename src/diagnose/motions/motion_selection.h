@@ -51,6 +51,7 @@ class MotionSelector {
 
     const ArmCause& cause() const { return fit->causes().back(); }
     bool isOf(const MotionHypothesis& hypothesis) const;
+    bool standsBeside(const ArmCause& best) const;
   };
   template <typename Begin>
   std::unique_ptr<MotionCauseFit> descended(std::vector<ArmCause> causes, const Begin& begin);
