@@ -42,6 +42,7 @@ class MotionDiagnosing {
 
  private:
   bool faulty(const MotionSet& motions, const MotionSet* held_out);
+  void review(MotionSelector& selector);
   void search();
   bool judge(const MotionCauseFit& base, const FoundCause& found);
   bool leavesMore() const;
@@ -172,8 +173,33 @@ void MotionDiagnosing::search() {
     if (!named) break;
     last_ = std::move(found->fit);
     found_.push_back(std::move(*found));
+    review(selector);
   }
   result_.rollouts = selector.rollouts();
+}
+
+/// A cause that was named first may have stood for one that was found beside it: what is not missed is taken back.
+void MotionDiagnosing::review(MotionSelector& selector) {
+  Diagnosis& d = result_.diagnosis;
+  for (std::size_t c = 0; c + 1 < d.causes.size();) {
+    std::unique_ptr<MotionCauseFit> without = selector.without(*last_, c);
+    const double variance = std::max(1.0, last_->misfit());
+    if (!without || (without->objective() - last_->objective()) / variance >= kClearEvidence) {
+      ++c;
+      continue;
+    }
+    d.candidates.push_back({d.causes[c].effect, d.causes[c].target,
+                            fmt::format("explains nothing beside {}", d.causes.back().effect),
+                            d.causes[c].gain_heldout});
+    d.causes.erase(d.causes.begin() + static_cast<std::ptrdiff_t>(c));
+    found_.erase(found_.begin() + static_cast<std::ptrdiff_t>(c));
+    last_ = std::move(without);
+    if (d.causes.size() > 1) continue;
+    // What it gains was measured beside the one that went.
+    d.causes.front().gain_heldout = gainOf(logGains(unseenOf(*plain_), unseenOf(*last_)));
+    found_.front().evidence = (plain_->objective() - last_->objective()) / variance;
+    found_.front().by_motion = (plain_->losses() - last_->losses()) / variance;
+  }
 }
 
 void MotionDiagnosing::fillErrors() {

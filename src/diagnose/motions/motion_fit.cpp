@@ -252,6 +252,21 @@ bool MotionCauseFit::beginAs(const MotionCauseFit& other, const Eigen::VectorXd&
   return true;
 }
 
+bool MotionCauseFit::beginWithout(const MotionCauseFit& other, std::size_t cause) {
+  Eigen::Index first = other.ordinary();
+  for (std::size_t c = 0; c < cause; ++c) first += fittedParameters(*other.causes_[c].effect);
+  const Eigen::Index behind = other.here_.z.size() - first - fittedParameters(*other.causes_[cause].effect);
+  Eigen::VectorXd z(posterior_->size());
+  z << other.here_.z.head(first), other.here_.z.tail(behind);
+  if (!place(z)) return false;
+  here_.jacobians.clear();
+  for (const RowMajorF& jacobian : other.here_.jacobians) {
+    RowMajorF& narrower = here_.jacobians.emplace_back(jacobian.rows(), z.size());
+    narrower << jacobian.leftCols(first), jacobian.rightCols(behind);
+  }
+  return true;
+}
+
 bool MotionCauseFit::beginAnew(const MotionCauseFit& other, Eigen::VectorXd z) {
   putAtStart(z);
   if (!beginAs(other, z)) return false;

@@ -80,7 +80,9 @@ class MotionCauseFit {
   bool beginBeside(const MotionPoint& point);
   /// Begins with the derivatives of a fit of the same parameters. \returns false where the motions cannot be played
   bool beginAs(const MotionCauseFit& other, const Eigen::VectorXd& z);
-  /// The same with the last cause looked for anew, from its start.
+  /// Begins where a fit with one cause more stands. \param cause  which of its causes is left out
+  bool beginWithout(const MotionCauseFit& other, std::size_t cause);
+  /// As `beginAs`, with the last cause looked for anew, from its start.
   bool beginAnew(const MotionCauseFit& other, Eigen::VectorXd z);
   /// Steps with the derivatives at hand. \returns what they gained
   double descend();

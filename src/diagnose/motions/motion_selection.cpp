@@ -329,6 +329,17 @@ void MotionSelector::improveBase(MotionCauseFit& base, const MotionCauseFit& wit
   count(base.rollouts() - before);
 }
 
+std::unique_ptr<MotionCauseFit> MotionSelector::without(const MotionCauseFit& fit, std::size_t cause) {
+  std::vector<ArmCause> causes = fit.causes();
+  causes.erase(causes.begin() + static_cast<std::ptrdiff_t>(cause));
+  auto left = descended(std::move(causes), [&](MotionCauseFit& one) { return one.beginWithout(fit, cause); });
+  if (!left) return left;
+  const long before = left->rollouts();
+  converge(*left, kRefreshRounds);
+  count(left->rollouts() - before);
+  return left;
+}
+
 /// The best of the fits, with those that motions do not tell from it.
 FoundCause MotionSelector::conclude(const MotionCauseFit& base, std::vector<Refit>& refits,
                                     const std::vector<double>& placebos, std::vector<HypothesisRecord>& records) {

@@ -39,6 +39,8 @@ class MotionSelector {
   /// The best cause beside those of `base`, whether or not it is worth naming; none where no hypothesis is open or any
   /// better. \param[in,out] base  a fit with the cause may show it a better place \param[out] records  of all refits
   std::optional<FoundCause> step(MotionCauseFit& base, std::vector<HypothesisRecord>& records);
+  /// The fit with one of its causes left out, from where it stands; null where the motions cannot be played so.
+  std::unique_ptr<MotionCauseFit> without(const MotionCauseFit& fit, std::size_t cause);
   long rollouts() const { return rollouts_; }
 
  private:
