@@ -25,6 +25,9 @@ struct FoundCause {
   std::vector<MotionCandidate> others;  ///< that stood in its place, the best first
 };
 
+inline constexpr double kMotionsTellApart = 6.0;  ///< evidence by which a cause has to lead
+inline constexpr double kOnTheWay = 5.0;  ///< times what its last derivatives gained: a fit may still come so far
+
 class MotionSelector {
  public:
   /// Called with the part of the rollouts that are expected.
@@ -70,9 +73,11 @@ class MotionSelector {
               int owed_of_new);
   std::vector<std::vector<ArmCause>> choicesOf(const MotionCauseFit& fit) const;
   void chooseAgain(Refit& refit);
+  void catchUp(MotionCauseFit& fit, double least);
   void bringBack(Refit& refit, double least);
   static FoundCause conclude(const MotionCauseFit& base, std::vector<Refit>& refits,
                              const std::vector<double>& placebos, std::vector<HypothesisRecord>& records);
+  static bool enough(double gain, double objective);  ///< a round that gains less was the last
   void converge(MotionCauseFit& fit, int most);
   void improveBase(MotionCauseFit& base, const MotionCauseFit& with);
   MotionCauseFit::News newsOf();
