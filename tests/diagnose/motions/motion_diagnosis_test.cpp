@@ -116,6 +116,27 @@ TEST(MotionDiagnosis, MuchMoreDampingIsNoRelaxation) {
   EXPECT_GT(expectFound(diagnoseDrawnForearm("cord-damping", 204), "cord-damping"), 4.0);
 }
 
+// A passive torque is accepted first, and stands for nothing once the guides are there.
+TEST(MotionDiagnosis, WhatStoodForAnotherCauseIsTakenBack) {
+  EXPECT_NEAR(expectFound(diagnoseDrawnForearm("guide-friction", 111), "guide-friction"), 0.2026, 0.02);
+}
+
+// The fit of all cords is lost where the scan begins it; it is found from where that of one cord stands.
+TEST(MotionDiagnosis, RelaxationOfAllCordsIsNotNamedAsThatOfOne) {
+  const MotionDiagnosis result = diagnoseDrawnForearm("cord-relaxation", 115);
+  EXPECT_NEAR(expectFound(result, "cord-relaxation"), 0.157, 0.02);
+  ASSERT_FALSE(result.diagnosis.causes.empty());
+  EXPECT_EQ(result.diagnosis.causes.front().target, "") << answerOf(result);
+}
+
+// The model is so lost without it that the scan promises placebos as much; held-out motions speak for it.
+TEST(MotionDiagnosis, WhatExplainsALostModelNeedsNoPlacebo) {
+  const MotionDiagnosis result = diagnoseDrawnForearm("current-limit", 106);
+  EXPECT_NEAR(expectFound(result, "current-limit"), 1.336, 0.05);
+  ASSERT_FALSE(result.diagnosis.causes.empty());
+  EXPECT_LT(result.diagnosis.causes.front().p_adjusted, 0.05);
+}
+
 TEST(MotionDiagnosis, ALimitOfCurrentsIsKnownToAPartOfItself) {
   const MotionDiagnosis result = diagnoseDrawnForearm("current-limit", 203);
   expectFound(result, "current-limit");
