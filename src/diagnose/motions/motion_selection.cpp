@@ -19,10 +19,10 @@ constexpr std::size_t kRefits = 6;  // with derivatives of the model without the
 constexpr std::size_t kOfOneEffect = 2;
 constexpr double kLeavesMuch = 2.0;  // noise variances that the best leaves
 constexpr int kMoreWaves = 2, kOwedOfMore = 3;
-constexpr std::size_t kTold = 5;                      // hypotheses that a report lists where none was fitted
-constexpr double kHopelessGain = 3.0;                 // promised by the scan [negative log posterior]
-constexpr std::size_t kOthersKept = 4;                // that a change of the arm may still prove, besides rivals
-constexpr double kSteady = 2.0;                       // and standard errors over motions
+constexpr std::size_t kTold = 5;        // hypotheses that a report lists where none was fitted
+constexpr double kHopelessGain = 3.0;   // promised by the scan [negative log posterior]
+constexpr std::size_t kOthersKept = 4;  // that a change of the arm may still prove, besides rivals
+constexpr double kSteady = 2.0;         // and standard errors over motions
 constexpr double kGained = 0.5, kGainedShare = 3e-4;
 
 /// Whether motions tell two fits apart: by how much, and whether most of them say so.

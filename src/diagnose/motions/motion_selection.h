@@ -68,6 +68,7 @@ class MotionSelector {
                         std::vector<MotionPoint>& points);
   void startBesideBest(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                        std::vector<Refit>& refits);
+  void lookAgain(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits);
   static std::size_t owedDerivatives(const std::vector<Refit>& refits);
   void settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits,
               int owed_of_new);

@@ -100,6 +100,21 @@ void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vect
   }
 }
 
+/// The best is brought back, and what stands beside it before it is refused: from where the best stands, too.
+void MotionSelector::lookAgain(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+                               std::vector<Refit>& refits) {
+  bringBack(refits.front(), refits.front().fit->objective());
+  startBesideBest(base, open, refits);
+  const ArmCause best = refits.front().cause();
+  const double least = refits.front().fit->objective();
+  for (Refit& refit : std::span(refits).subspan(1)) {
+    const bool kin = refit.cause().effect == best.effect;
+    if (!refit.standsBeside(best) || (refit.refreshed == 0 && !kin)) continue;
+    catchUp(*refit.fit, least);
+    bringBack(refit, least);
+  }
+}
+
 /// The next best that stands beside the best; refits.size(): none.
 std::size_t MotionSelector::owedDerivatives(const std::vector<Refit>& refits) {
   std::size_t i = 1;
@@ -145,17 +160,7 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
     }
   }
   std::ranges::stable_sort(refits, byObjective);
-  // What stands beside the best gets the same second look before it is refused, from where that one stands, too.
-  bringBack(refits.front(), refits.front().fit->objective());
-  startBesideBest(base, open, refits);
-  const ArmCause best = refits.front().cause();
-  const double least = refits.front().fit->objective();
-  for (Refit& refit : std::span(refits).subspan(1)) {
-    const bool kin = refit.cause().effect == best.effect;
-    if (!refit.standsBeside(best) || (refit.refreshed == 0 && !kin)) continue;
-    catchUp(*refit.fit, least);
-    bringBack(refit, least);
-  }
+  lookAgain(base, open, refits);
   std::ranges::stable_sort(refits, byObjective);
 }
 

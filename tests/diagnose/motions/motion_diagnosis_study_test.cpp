@@ -11,7 +11,7 @@
 namespace simgap {
 namespace {
 
-constexpr std::uint64_t kFirstForearm = 116, kForearms = 5;
+constexpr std::uint64_t kFirstForearm = 121, kForearms = 5;
 constexpr double kWorthFinding = 0.05;  // of the held-out mean square
 
 /// silent, right, group (the right one among others), unexplained, WRONG.
