@@ -138,7 +138,6 @@ bool MotionSelector::Refit::standsBeside(const ArmCause& best) const {
 }
 
 /// A fit that has begun and descended with the derivatives at hand; null where the motions cannot be played there.
-template <typename Begin>
 std::unique_ptr<MotionCauseFit> MotionSelector::descended(std::vector<ArmCause> causes, const Begin& begin) {
   auto fit = std::make_unique<MotionCauseFit>(problem_, std::move(causes));
   const bool begun = begin(*fit);

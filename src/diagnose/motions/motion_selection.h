@@ -58,7 +58,7 @@ class MotionSelector {
     bool isOf(const MotionHypothesis& hypothesis) const;
     bool standsBeside(const ArmCause& best) const;
   };
-  template <typename Begin>
+  using Begin = std::function<bool(MotionCauseFit&)>;
   std::unique_ptr<MotionCauseFit> descended(std::vector<ArmCause> causes, const Begin& begin);
   static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan, const std::vector<MotionHypothesis>& open,
                                                       const std::vector<Refit>& fitted);
