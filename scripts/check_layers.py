@@ -13,7 +13,10 @@ ROOMS = ["core", "optimize", "capture", "decode", "measure", "model", "exchange"
          "intervene", "report", "cli"]
 LARGEST = 0.16
 # Families inside a room that know nothing of each other.
-APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("diagnose/poses", "diagnose/logs"), ("intervene/poses", "intervene/logs"),
+APART = [("fit/poses", "fit/actuators"), ("fit/motions", "fit/actuators"), ("fit/dynamics", "fit/poses"),
+        ("fit/dynamics", "fit/motions"), ("diagnose/poses", "diagnose/logs"), ("diagnose/motions", "diagnose/logs"),
+        ("diagnose/motions", "diagnose/robots"), ("diagnose/poses", "diagnose/robots"), ("intervene/poses", "intervene/logs"),
+        ("intervene/motions", "intervene/logs"),
         ("model/arm", "model/friction"), ("exchange", "model/friction"), ("exchange", "model/actuator"),
         ("report/poses", "report/actuators"), ("report/capture", "report/actuators"),
         ("report/diagnosis", "report/actuators")]
@@ -22,7 +25,11 @@ APART += [("capture", room) for room in ("optimize", "measure", "model", "exchan
 # What a head says is decoded without a robot.
 APART += [("decode", room) for room in ("capture", "measure", "model", "exchange", "simulate", "fit", "diagnose", "intervene")]
 # What a room's families share never includes one of them.
-SHARED = {"diagnose": ["poses", "logs"], "intervene": ["poses", "logs", "motions"], "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
+SHARED = {"diagnose": ["poses", "logs", "motions", "robots"], "intervene": ["poses", "logs", "motions"],
+          "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
+# A header in src belongs to its room; these read another one's.
+READS = {"intervene": "diagnose"}
+PRIVATE = re.compile(r'^\s*#\s*include\s*"(\w+)/[\w/]+\.h"')
 INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?:simgap/)?([\w/]+)/\w+\.h[">]')
 
 
@@ -32,6 +39,15 @@ def includes(file):
         match = INCLUDE.match(line)
         if match and match.group(1).split("/")[0] in ROOMS:
             yield number, match.group(1)
+
+
+def private_headers(file, room):
+    """Lines with a header in src of another room that this one may not read."""
+    for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+        match = PRIVATE.match(line)
+        other = match.group(1) if match else room
+        if other in ROOMS and other not in (room, READS.get(room)):
+            yield number, other
 
 
 def below(room, place):
@@ -60,6 +76,8 @@ def violations(root):
             for number, target in includes(file):
                 if why := refusal(room, target):
                     yield f"{file.relative_to(root)}:{number}: {why}"
+            for number, other in private_headers(file, room.split("/")[0]):
+                yield f"{file.relative_to(root)}:{number}: a header in src/{other} belongs to that room"
     for file in sorted((root / "tests/reality").rglob("*.[ch]*")):
         for number, target in includes(file):
             if target != "core":

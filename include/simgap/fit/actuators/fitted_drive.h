@@ -23,7 +23,7 @@ struct JudgedDriveFit {
 
 /// Keeps what `holdout` names from the fit; without one fits twice, to four fifths of the blocks and to all rows (once
 /// when there are fewer than five blocks).
-/// \param block_s  length of the blocks [s]; empty: as blockSeconds. \throws as fitDrive and heldOutRows.
+/// \param block_s  length of the blocks [s]; empty: as blockSeconds. \throws as fitDrive and fittedRows.
 JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, const Holdout& holdout,
                            const std::optional<double>& block_s);
 

@@ -17,7 +17,7 @@ using PamComparison = FitComparison<PamFit>;
 /// \param options  its `spring` is not used. \param maker  fit to the maker's curves: its a, b, c are taken as known.
 /// \param holdout  kept from the fits; without one a fifth of five or more blocks judges, and the final fit has all
 ///        rows. \param block_s  length of the blocks [s]; empty: as blockSeconds
-/// \throws DataError as fitPam and heldOutRows.
+/// \throws DataError as fitPam and fittedRows.
 PamComparison comparePam(const PamLog& log, const PamFitOptions& options, const std::optional<PamFit>& maker,
                          const Holdout& holdout, const std::optional<double>& block_s);
 

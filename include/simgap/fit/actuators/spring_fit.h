@@ -57,7 +57,7 @@ using SpringComparison = FitComparison<SpringFit>;
 
 /// \param holdout  kept from the fits; without one a fifth of five or more blocks judges, and the final fit has all
 ///        rows. \param block_s  length of the blocks [s]; empty: as blockSeconds
-/// \throws DataError as fitSpring and heldOutRows.
+/// \throws DataError as fitSpring and fittedRows.
 SpringComparison compareSprings(const PreparedLog& log, const SpringFitOptions& options, const Holdout& holdout,
                                 const std::optional<double>& block_s);
 

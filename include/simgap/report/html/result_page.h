@@ -13,7 +13,7 @@
 
 namespace simgap {
 
-/// What one command's results look like: one file in src/report/pages, found by CMake.
+/// What one command's results look like: one file in a folder `pages` of src/report, found by CMake.
 struct ResultPage {
   const char* format;  ///< of result.json: "simgap/calibrate/1"
   Page (*make)(const ResultFiles& files);

@@ -1,6 +1,6 @@
 /// \file
 /// The cable or spring between motor and joint stretches under load, so that the joint lags behind the motor. Tested on
-/// the angles, not on the effort (actuator_equations/transmission.cpp).
+/// the angles, not on the effort (src/model/actuator/equations/transmission.cpp).
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::transmission_compliance {
