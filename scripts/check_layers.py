@@ -29,25 +29,15 @@ SHARED = {"diagnose": ["poses", "logs", "motions", "robots"], "intervene": ["pos
           "report/html": ["../poses", "../actuators", "../capture", "../diagnosis"]}
 # A header in src belongs to its room; these read another one's.
 READS = {"intervene": "diagnose"}
-PRIVATE = re.compile(r'^\s*#\s*include\s*"(\w+)/[\w/]+\.h"')
-INCLUDE = re.compile(r'^\s*#\s*include\s*["<](?:simgap/)?([\w/]+)/\w+\.h[">]')
+INCLUDE = re.compile(r'^\s*#\s*include\s*["<](simgap/)?([\w/]+)/\w+\.h[">]')
 
 
 def includes(file):
-    """Room of every file of the project that this one includes, with its line: "fit/poses"."""
+    """Line, room ("fit/poses"), and whether it is a header in src, of every file of the project that this one includes."""
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
         match = INCLUDE.match(line)
-        if match and match.group(1).split("/")[0] in ROOMS:
-            yield number, match.group(1)
-
-
-def private_headers(file, room):
-    """Lines with a header in src of another room that this one may not read."""
-    for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
-        match = PRIVATE.match(line)
-        other = match.group(1) if match else room
-        if other in ROOMS and other not in (room, READS.get(room)):
-            yield number, other
+        if match and match.group(2).split("/")[0] in ROOMS:
+            yield number, match.group(2), not match.group(1)
 
 
 def below(room, place):
@@ -73,13 +63,14 @@ def violations(root):
     for base in ("src", "include/simgap"):
         for file in sorted((root / base).rglob("*.[ch]*")):
             room = file.parent.relative_to(root / base).as_posix()
-            for number, target in includes(file):
+            own = room.split("/")[0]
+            for number, target, private in includes(file):
                 if why := refusal(room, target):
                     yield f"{file.relative_to(root)}:{number}: {why}"
-            for number, other in private_headers(file, room.split("/")[0]):
-                yield f"{file.relative_to(root)}:{number}: a header in src/{other} belongs to that room"
+                elif private and target.split("/")[0] not in (own, READS.get(own)):
+                    yield f"{file.relative_to(root)}:{number}: a header in src/{target} belongs to its room"
     for file in sorted((root / "tests/reality").rglob("*.[ch]*")):
-        for number, target in includes(file):
+        for number, target, _ in includes(file):
             if target != "core":
                 yield f"{file.relative_to(root)}:{number}: tests/reality may not include {target}"
 

@@ -1,6 +1,5 @@
 #include "motion_heldout.h"
 
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
@@ -10,6 +9,11 @@ namespace simgap {
 namespace {
 
 constexpr double kLost = 3.0;  // log gain of a motion that only one of two models can play
+
+double errorOfMean(const Eigen::ArrayXd& values) {
+  const auto count = static_cast<double>(values.size());
+  return std::sqrt((values - values.mean()).square().sum() / (count - 1.0) / count);
+}
 
 }  // namespace
 
@@ -53,19 +57,6 @@ Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& 
   return groupSquares(*unseen, at);
 }
 
-namespace {
-
-boost::math::students_t studentOver(const Eigen::ArrayXd& values) {
-  return boost::math::students_t(static_cast<double>(values.size()) - 1.0);
-}
-
-double errorOfMean(const Eigen::ArrayXd& values) {
-  const auto count = static_cast<double>(values.size());
-  return std::sqrt((values - values.mean()).square().sum() / (count - 1.0) / count);
-}
-
-}  // namespace
-
 Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
   Eigen::ArrayXd gains(before.cols());
   for (Eigen::Index m = 0; m < before.cols(); ++m) {
@@ -83,14 +74,14 @@ Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& af
 
 Interval gainOf(const Eigen::ArrayXd& log_gains) {
   const double mean = log_gains.mean();
-  const double half = boost::math::quantile(studentOver(log_gains), 0.975) * errorOfMean(log_gains);
+  const double half = studentQuantile(static_cast<double>(log_gains.size()) - 1.0) * errorOfMean(log_gains);
   return {-std::expm1(-mean), -std::expm1(half - mean), -std::expm1(-half - mean)};
 }
 
 double chanceOfGain(const Eigen::ArrayXd& log_gains) {
   const double error = errorOfMean(log_gains);
   if (error == 0.0) return log_gains.mean() > 0.0 ? 0.0 : 1.0;
-  return boost::math::cdf(boost::math::complement(studentOver(log_gains), log_gains.mean() / error));
+  return studentTail(log_gains.mean() / error, static_cast<double>(log_gains.size()) - 1.0);
 }
 
 double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {

@@ -4,7 +4,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "diagnose/motions/candidate_motions.h"
@@ -36,8 +35,7 @@ double chanceOfRest(const MatrixXd& squares, const MotionReference& reference) {
   if (!logs.isFinite().all()) return 0.0;
   const double sd = std::max(kLeastSpread, reference.sd), count = static_cast<double>(logs.size());
   const double error = sd * std::sqrt(1.0 / count + 1.0 / std::max(1, reference.motions));
-  const boost::math::students_t student(std::max(1.0, reference.motions - 1.0));
-  return boost::math::cdf(boost::math::complement(student, (logs.mean() - reference.mean) / error));
+  return studentTail((logs.mean() - reference.mean) / error, reference.motions - 1.0);
 }
 
 /// How improbable a way is beside that to motions before the change that no fit has seen.
