@@ -5,8 +5,8 @@
 
 Event by event as src/core/ranks.cpp works: ranks ask for tasks before they run out of them, the first rank answers one
 message after the other and works itself, and hands out fewer towards the end; at the end all results go to all ranks.
-What the model is given was measured on one machine (docs/cluster.md); the network's figures are assumptions, printed
-with the table. Poses differ in length as those of the sample arm do, and some ranks are slow (stragglers).
+What the model is given was measured on one machine (docs/studies/cluster.md); the network's figures are assumptions,
+printed with the table. Poses differ in length as those of the sample arm do, and some ranks are slow (stragglers).
 """
 import heapq
 import math

@@ -1,4 +1,4 @@
-// How well the capture sees rendered arms. The Slow test prints the figures of docs/performance.md (600 pairs per
+// How well the capture sees rendered arms. The Slow test prints the figures of docs/studies/capture.md (600 pairs per
 // setting); the others hold the same limits on fewer pairs.
 #include <gtest/gtest.h>
 

@@ -205,7 +205,7 @@ TEST(DartAgreement, RandomArmsMoveAlike) {
   }
 }
 
-// The study behind docs/simulation.md.
+// The study behind docs/studies/simulation.md.
 TEST(SlowDartAgreement, FiftyRandomArms) {
   const std::vector<double> largest = test::studySteps({0.001, 0.0005, 0.00025, 0.000125}, largestDifferences);
   EXPECT_LE(largest[1], 0.05);

@@ -139,7 +139,7 @@ TEST(Decoder, BetterThanAPlainLogisticOnTheSameFolds) {
   EXPECT_GT(mean.ours, mean.plain);
 }
 
-/// The table of docs/decode.md. RED: with few loud sources CSP is the better one.
+/// The table of docs/studies/decoding.md. RED: with few loud sources CSP is the better one.
 TEST(SlowDecoderStudy, BetterThanAPlainLogisticAndThanCspOnTheSameFolds) {
   const std::vector<reality::EegDesign> designs = {{.channels = 24, .trials = 20},
                                                    {.channels = 24, .trials = 30},

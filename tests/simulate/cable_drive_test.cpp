@@ -297,7 +297,7 @@ TEST(FrictionCompensation, TooMuchOfItHuntsWhereItsSignIsMeasured) {
   EXPECT_LT(study.runs[3].run.tracking.rms, 0.8 * study.runs[0].run.tracking.rms);
 }
 
-/// The table of docs/drives.md.
+/// The table of docs/studies/drives.md.
 TEST(SlowFrictionCompensation, ByLawAndShare) {
   constexpr int kLogs = 5;
   for (const bool by_reference : {false, true}) {

@@ -67,7 +67,7 @@ TEST(MotionAgreement, TwoSecondsOfRandomArmsAgreeWithBodiesAndReactions) {
   }
 }
 
-// The study behind docs/simulation.md: what a step costs.
+// The study behind docs/studies/simulation.md: what a step costs.
 TEST(SlowMotionAgreement, FiftyRandomArms) {
   const std::vector<double> largest = test::studySteps({0.001, 0.0005, 0.00025, 0.000125}, largestDifferences);
   EXPECT_LE(largest[0], 0.05);

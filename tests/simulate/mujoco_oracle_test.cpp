@@ -282,7 +282,7 @@ double ourStep(const ArmModel& arm) {
   return 1e6 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kSteps;
 }
 
-// Says what a step takes there and here (docs/performance.md); the machine decides, so there is no limit but sanity.
+// Says what a step takes there and here (docs/studies/speed.md); the machine decides, so there is no limit but sanity.
 TEST(MujocoOracle, TakesStepsOfTheSameLengthInTheTimeThatIsPrinted) {
   SIMGAP_NEEDS_MUJOCO();
   for (const char* name : {"arm", "finger"}) {

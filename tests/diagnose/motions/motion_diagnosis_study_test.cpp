@@ -1,5 +1,6 @@
 // How often a diagnosis of motions is right: forearms drawn and moved by the independent simulator, off from their
-// models by what a static calibration leaves, with nothing or one cause hidden. The table of docs/diagnose-motions.md.
+// models by what a static calibration leaves, with nothing or one cause hidden. The table of
+// docs/studies/diagnose-motions.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -25,7 +25,8 @@ Diagnosis diagnoseFinger(const std::string& arm, const std::string& poses, std::
       .diagnosis;
 }
 
-/// What acts on lines; the whole catalogue has others that 50 poses hardly tell from them (docs/tendons.md).
+/// What acts on lines; the whole catalogue has others that 50 poses hardly tell from them
+/// (docs/studies/diagnose-poses.md).
 const std::vector<std::string> kOfLines = {"pulley-friction", "ligament-rest-length", "muscle-wrap", "line-elasticity",
                                            "cord-hardening"};
 

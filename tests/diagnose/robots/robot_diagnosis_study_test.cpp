@@ -1,4 +1,4 @@
-// How often `diagnose` names what was hidden in the log of a robot (docs/dynamics.md).
+// How often `diagnose` names what was hidden in the log of a robot (docs/studies/diagnose-robots.md).
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>

@@ -191,7 +191,7 @@ TEST(BenchProtocol, BadLimitsGetASentence) {
   expect(good + kGuess + "colour: red\n", "colour");
 }
 
-/// The figures of docs/drives.md.
+/// The figures of docs/studies/drives.md.
 TEST(SlowBenchProtocol, AgainstThePapersProtocolAtEqualDuration) {
   constexpr int kLogs = 40;
   for (const double bristles : {0.0, 0.02}) {

@@ -1,4 +1,4 @@
-// What fit-dynamics promises, counted on robots that are known (docs/dynamics.md).
+// What fit-dynamics promises, counted on robots that are known (docs/studies/robots.md).
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// How well descent with priors calibrates fresh arms, and what designed poses gain. Tables for docs/performance.md.
+// How well descent with priors calibrates fresh arms, and what designed poses gain. Tables for
+// docs/studies/calibrations.md.
 #include <gtest/gtest.h>
 
 #include <algorithm>

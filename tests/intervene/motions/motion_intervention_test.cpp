@@ -122,7 +122,7 @@ TEST(ArmChangeOfSupply, IsOfAllMotorsOrOfOne) {
 }
 
 /// Causes hidden in forearms, found, and taken away; and the next best, believed and taken away although it was never
-/// there. The table of docs/intervene.md.
+/// there. The table of docs/studies/interventions.md.
 TEST(SlowMotionInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
   constexpr std::uint64_t kFirst = 331, kLast = 336;  // the rules were made on 301 to 316 and seen on 321 to 326
   int named = 0, confirmed = 0, alike = 0, refuted = 0, falsely = 0, telling = 0, told = 0;

@@ -1,5 +1,5 @@
 // The study: a cause is hidden and diagnosed, then taken away, or another one is that never was there, and the poses
-// after it have to confirm the one and refute the other (docs/intervene.md keeps the latest figures).
+// after it have to confirm the one and refute the other (docs/studies/interventions.md keeps the latest figures).
 #include <gtest/gtest.h>
 
 #include <cstdio>

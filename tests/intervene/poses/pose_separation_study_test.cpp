@@ -1,6 +1,6 @@
 // The study: poses are recorded until one name is left, those that `design --separate` chooses against random ones. The
-// arm is another program's; models are the hidden cause and its look-alikes (docs/intervene.md keeps the latest
-// figures).
+// arm is another program's; models are the hidden cause and its look-alikes (docs/studies/interventions.md keeps the
+// latest figures).
 #include <gtest/gtest.h>
 
 #include <algorithm>
