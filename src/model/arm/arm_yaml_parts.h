@@ -26,7 +26,7 @@ std::string readName(const YamlNode& node, std::set<std::string>& taken);
 Eigen::Vector3d readAxis(const YamlNode& node);
 /// `<stem>_orientation: [w, x, y, z]` or `<stem>_rpy_rad: [roll, pitch, yaw]` about fixed axes; identity without.
 Eigen::Quaterniond readOrientation(const YamlNode& node, const std::string& stem);
-/// A joint's quantities have other units where it slides: joint_unit(j, "Nm") is "N".
+/// A joint's quantities have other units where it slides: jointUnit(j, "Nm") is "N".
 std::string_view jointUnit(const Joint& joint, std::string_view unit);
 
 Body readBodyEntry(const YamlNode& node, std::set<std::string>& names, bool second_version, const MeshReader& mesh);
