@@ -44,8 +44,8 @@ Eigen::Matrix4d readTransform(const YamlNode& node) {
   if (rows.size() != 4) node.fail(fmt::format("found {} rows, expected 4", rows.size()));
   Eigen::Matrix4d transform;
   for (Eigen::Index i = 0; i < 4; ++i) {
-    const std::vector<double> row = numbersOfNode(rows[static_cast<std::size_t>(i)], 4);
-    for (Eigen::Index j = 0; j < 4; ++j) transform(i, j) = row[static_cast<std::size_t>(j)];
+    const std::vector<double> row = numbersOfNode(rows[i], 4);
+    for (Eigen::Index j = 0; j < 4; ++j) transform(i, j) = row[j];
   }
   if (transform.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) node.fail("found another last row, expected [0, 0, 0, 1]");
   return transform;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 namespace {
 
@@ -36,7 +38,7 @@ Shade shadeAt(double dx, double dy, double radius, double blur, double fade) {
   const double z = (radius - rho) / blur;
   if (z < -kRimReach) return s;
   const bool inner = z > kRimReach;
-  s.cover = inner ? 1.0 : 0.5 * std::erfc(-z / std::numbers::sqrt2);
+  s.cover = inner ? 1.0 : normalTail(-z);
   const double bell = inner ? 0.0 : std::exp(-0.5 * z * z) / (blur * std::sqrt(2.0 * std::numbers::pi));
   const double part = rho * rho / (radius * radius);
   const double face = 1.0 - fade * part;

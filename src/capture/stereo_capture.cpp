@@ -102,7 +102,7 @@ void StereoCapture::fit(std::size_t target, TargetMatch match) {
   while (match.visible > kFewestMarkers) {
     const auto worst = std::max_element(refined.marker_px.begin(), refined.marker_px.end());
     std::vector<int> fewer = match.candidate;
-    fewer[markers.marker[static_cast<std::size_t>(worst - refined.marker_px.begin())]] = -1;
+    fewer[markers.marker[worst - refined.marker_px.begin()]] = -1;
     const SeenMarkers rest = seenMarkers(definition, fewer, frame_.points);
     const RefinedPose without = refinePose(cameras_, refined.pose, rest.body, rest.seen);
     const double variance = std::max(without.square_sum / freedomsOf(match.visible - 1), square_sum_ / freedoms_);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "simgap/core/statistics.h"
+
 namespace simgap {
 namespace {
 
@@ -36,17 +38,13 @@ template <typename Value>
 double medianOf(const std::vector<DiscFit>& fits, const Value& value) {
   std::vector<double> values;
   for (const DiscFit& fit : fits) values.push_back(value(fit));
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return upperMedian(std::move(values));
 }
 
 double medianArea(const std::vector<const BrightRegion*>& regions) {
   std::vector<double> areas;
   for (const BrightRegion* region : regions) areas.push_back(region->blob.area);
-  const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
-  std::nth_element(areas.begin(), middle, areas.end());
-  return *middle;
+  return upperMedian(std::move(areas));
 }
 
 /// Regions whose windows reach into one another.

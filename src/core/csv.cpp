@@ -192,7 +192,7 @@ class CsvParser {
 
   void scaleColumns(const std::vector<std::string>& headers) {
     for (const auto& [name, factor] : options_.scale) {
-      Column& column = columns_[static_cast<std::size_t>(std::ranges::find(headers, name) - headers.begin())];
+      Column& column = columns_[std::ranges::find(headers, name) - headers.begin()];
       if (column.kind == Kind::kText && rows_ > 0) {
         failInCsv(name_, kHeaderLine, fmt::format("column {} is to be multiplied, expected numbers in it", name));
       }
@@ -262,7 +262,7 @@ std::vector<std::size_t> CsvTable::badRows(std::string_view column) const {
   const auto found = std::ranges::find(headers_, column);
   if (found == headers_.end()) failMissing(column, "");
   std::vector<std::size_t> bad;
-  const auto& numbers = numbers_[static_cast<std::size_t>(found - headers_.begin())];
+  const auto& numbers = numbers_[found - headers_.begin()];
   for (std::size_t row = 0; numbers && row < rows_; ++row) {
     if (std::isnan((*numbers)[row])) bad.push_back(row);
   }

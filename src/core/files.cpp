@@ -1,6 +1,5 @@
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -104,7 +103,7 @@ class ReadDescriptor {
   /// The bytes that were read; 0 at the end.
   std::size_t read(char* bytes, std::size_t count) const {
     while (true) {
-      waitForBytes();
+      waitForBytes(descriptor_);
       const ssize_t got = ::read(descriptor_, bytes, count);
       if (got >= 0) return static_cast<std::size_t>(got);
       if (errno != EINTR && errno != EAGAIN) failToRead(file_, errno);
@@ -112,15 +111,6 @@ class ReadDescriptor {
   }
 
  private:
-  /// A signal interrupts poll, though it only delays read.
-  void waitForBytes() const {
-    constexpr int kLookEvery = 200;  // [ms] a signal just before poll would be waited for otherwise
-    pollfd waited{descriptor_, POLLIN, 0};
-    do {
-      stopIfInterrupted();
-    } while (::poll(&waited, 1, kLookEvery) <= 0);
-  }
-
   const fs::path& file_;
   int descriptor_;
 };

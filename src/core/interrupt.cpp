@@ -1,5 +1,6 @@
 #include "simgap/core/interrupt.h"
 
+#include <poll.h>
 #include <signal.h>
 #include <time.h>
 #include <unistd.h>
@@ -47,6 +48,14 @@ void interruptAnswered() noexcept { requested.store(false, std::memory_order_rel
 
 void stopIfInterrupted() {
   if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+}
+
+void waitForBytes(int descriptor) {
+  constexpr int kLookEvery = 200;  // [ms] a signal just before poll, which it interrupts, would be waited for otherwise
+  pollfd waited{descriptor, POLLIN, 0};
+  do {
+    stopIfInterrupted();
+  } while (::poll(&waited, 1, kLookEvery) <= 0);
 }
 
 }  // namespace simgap

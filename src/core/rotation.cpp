@@ -13,6 +13,12 @@
 
 namespace simgap {
 
+Eigen::Quaterniond fromRollPitchYaw(const Eigen::Vector3d& rpy) {
+  using Eigen::AngleAxisd, Eigen::Vector3d;
+  return AngleAxisd(rpy.z(), Vector3d::UnitZ()) * AngleAxisd(rpy.y(), Vector3d::UnitY()) *
+         AngleAxisd(rpy.x(), Vector3d::UnitX());
+}
+
 double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   // arccos loses half the digits near 0; atan2 keeps them, and takes quaternions that are unit only nearly.
   const Eigen::Quaterniond b_from_a = a.conjugate() * b;

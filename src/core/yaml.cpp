@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "simgap/core/rotation.h"
 #include "simgap/core/run_directory.h"
 #include "simgap/core/text.h"
 #include "yaml_tree.h"
@@ -127,6 +128,16 @@ std::optional<double> YamlNode::findQuantity(std::string_view stem, std::string_
   const auto found = findQuantityNode(stem, unit);
   if (!found) return std::nullopt;
   return found->node.convertedNumber(found->conversion, unit, range);
+}
+
+Eigen::Quaterniond YamlNode::unitQuaternion() const {
+  const std::vector<YamlNode> cells = items();
+  if (cells.size() != 4) fail(fmt::format("found {} numbers, expected a quaternion [w, x, y, z]", cells.size()));
+  const Eigen::Quaterniond q(cells[0].number(), cells[1].number(), cells[2].number(), cells[3].number());
+  if (std::abs(q.norm() - 1.0) > kUnitLengthTolerance) {
+    fail(fmt::format("found a quaternion of length {:.6g}, expected 1 within {:g}", q.norm(), kUnitLengthTolerance));
+  }
+  return q;
 }
 
 Eigen::Vector3d YamlNode::vectorQuantity(std::string_view stem, std::string_view unit) const {

@@ -241,7 +241,7 @@ EegRecording readEdf(std::string_view bytes, const std::string& name, const EegL
   }
   recording.rate = static_cast<double>(samples) / file.record_s;
   for (std::size_t i = 0; i < rows; ++i) recording.times.push_back(static_cast<double>(i) / recording.rate);
-  recording.volts.resize(static_cast<Eigen::Index>(rows), std::ssize(channels));
+  recording.volts.resize(rows, std::ssize(channels));
   for (std::size_t c = 0; c < channels.size(); ++c) {
     const EdfSignal& signal = *channels[c];
     recording.channels.push_back(channelName(signal.label));

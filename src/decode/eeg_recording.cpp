@@ -69,8 +69,7 @@ EegRecording readEeg(const CsvTable& table, const EegLabels& labels) {
   recording.volts.resize(std::ssize(recording.times), std::ssize(recording.channels));
   for (std::size_t c = 0; c < recording.channels.size(); ++c) {
     const std::vector<double> volts = table.quantity(recording.channels[c], "V");
-    recording.volts.col(static_cast<Eigen::Index>(c)) =
-        Eigen::Map<const Eigen::VectorXd>(volts.data(), std::ssize(volts));
+    recording.volts.col(c) = Eigen::Map<const Eigen::VectorXd>(volts.data(), std::ssize(volts));
   }
   recording.instructions = instructionsOf(table, labels);
   return recording;

@@ -62,7 +62,7 @@ class Whitening {
 
 VectorXd labelsOf(const Windows& windows, const Places& places) {
   VectorXd labels(std::ssize(places));
-  for (std::size_t i = 0; i < places.size(); ++i) labels[static_cast<Index>(i)] = windows[places[i]].instruction;
+  for (std::size_t i = 0; i < places.size(); ++i) labels[i] = windows[places[i]].instruction;
   return labels;
 }
 
@@ -167,7 +167,7 @@ void judge(Training& training, const Windows& windows, const VectorXd& odds) {
       of.push_back(0.0);
     }
     last = w;
-    right.back() += odds[static_cast<Index>(w)] * windows[w].instruction > 0.0;
+    right.back() += odds[w] * windows[w].instruction > 0.0;
     of.back() += 1.0;
   }
   const double count = static_cast<double>(right.size());
@@ -209,7 +209,7 @@ Training trainDecoder(const EegRecording& recording, const TrainingOptions& opti
     const std::array<double, 1> part = {bestPart(penaltyLosses(windows, rest, disturbed))};
     const VectorXd odds = logOddsAlong(windows, calmOnes(rest, disturbed), judged, part)[0];
     for (std::size_t i = 0; i < judged.size(); ++i) {
-      held_out[static_cast<Index>(judged[i])] = odds[static_cast<Index>(i)];
+      held_out[judged[i]] = odds[i];
     }
   }
   judge(training, windows, held_out);

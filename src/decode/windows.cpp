@@ -47,8 +47,7 @@ std::vector<LabelledCovariance> labelledWindows(const EegRecording& recording, c
     }
     if (now == 0 || ++inside < length) continue;
     inside = 0;
-    const auto rows =
-        eeg.volts.middleRows(static_cast<Eigen::Index>(i + 1 - length), static_cast<Eigen::Index>(length));
+    const auto rows = eeg.volts.middleRows(i + 1 - length, length);
     windows.push_back(
         {recording.times[eeg.rows[i]], rows.transpose() * rows / static_cast<double>(length), now, trial});
   }

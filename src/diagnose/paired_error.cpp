@@ -44,7 +44,7 @@ Interval pairedGain(const GroupErrors& before, const GroupErrors& after, std::ui
         sum_after += after.sum[(begin + j) % n];
       }
     }
-    draws[static_cast<std::size_t>(d)] = 1.0 - sum_after / std::max(sum_before, 1e-300);
+    draws[d] = 1.0 - sum_after / std::max(sum_before, 1e-300);
   }
   return percentiles(value, draws);
 }

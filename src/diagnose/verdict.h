@@ -11,6 +11,9 @@ namespace simgap {
 /// Causes that cannot be told apart make an answer up to this many; more are none.
 inline constexpr std::size_t kLargestGroup = 3;
 
+/// A size is no measurement where half of its 95 % interval is that many times as large.
+inline constexpr double kMeaningless = 3.0;
+
 /// Whether a cause is one of so many look-alikes that naming it would be no answer.
 bool isLost(const std::vector<std::string>& ambiguous_with);
 

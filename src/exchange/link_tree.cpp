@@ -15,12 +15,6 @@ constexpr std::size_t kMostLinks = 1000;
 
 }  // namespace
 
-Eigen::Matrix3d rotationOf(const Eigen::Vector3d& rpy) {
-  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
-          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
-      .toRotationMatrix();
-}
-
 void LinkTree::fail(const std::string& sentence) const {
   throw DataError(fmt::format("{}: {}", file_.filename().string(), sentence));
 }

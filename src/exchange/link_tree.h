@@ -55,7 +55,4 @@ class LinkTree {
   std::map<std::string, std::pair<int, Eigen::Isometry3d>> places_;  ///< of a link, in a body of the arm
 };
 
-/// Roll, pitch, yaw about fixed axes.
-Eigen::Matrix3d rotationOf(const Eigen::Vector3d& rpy);
-
 }  // namespace simgap

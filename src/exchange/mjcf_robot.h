@@ -8,6 +8,7 @@
 
 #include "mjcf_file.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/units.h"
 #include "simgap/model/arm/arm.h"
 
 namespace simgap {
@@ -86,7 +87,7 @@ struct MjcfActuator {
 
 struct MjcfRobot {
   std::string name;
-  Eigen::Vector3d gravity = {0.0, 0.0, -9.81};
+  Eigen::Vector3d gravity = {0.0, 0.0, -kEarthGravity};
   std::vector<MjcfBody> bodies;  ///< parents before children
   std::map<std::string, MjcfSite> sites;
   std::map<std::string, MjcfSurface> surfaces;

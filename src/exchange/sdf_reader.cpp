@@ -10,6 +10,7 @@
 #include "link_tree.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/rotation.h"
 #include "simgap/core/text.h"
 
 namespace simgap {
@@ -107,7 +108,8 @@ class SdfArm {
       frame.linear() = q.normalized().toRotationMatrix();
     } else {
       const bool in_degrees = degrees != nullptr && std::string_view(degrees) == "true";
-      frame.linear() = rotationOf((in_degrees ? kDegree : 1.0) * Eigen::Vector3d(v[3], v[4], v[5]));
+      frame.linear() =
+          fromRollPitchYaw((in_degrees ? kDegree : 1.0) * Eigen::Vector3d(v[3], v[4], v[5])).toRotationMatrix();
     }
     return frame;
   }

@@ -7,6 +7,7 @@
 #include "link_tree.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/rotation.h"
 #include "simgap/core/text.h"
 
 namespace simgap {
@@ -57,7 +58,7 @@ class UrdfArm {
     if (at == nullptr) return frame;
     if (const char* xyz = xml_.find(*at, "xyz")) frame.translation() = xml_.vector3(*at, "xyz", xyz);
     if (const char* rpy = xml_.find(*at, "rpy")) {
-      frame.linear() = rotationOf(xml_.vector3(*at, "rpy", rpy));
+      frame.linear() = fromRollPitchYaw(xml_.vector3(*at, "rpy", rpy)).toRotationMatrix();
     }
     return frame;
   }

@@ -5,6 +5,7 @@
 #include "remark_list.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/rotation.h"
+#include "simgap/core/units.h"
 #include "simgap/exchange/exchange.h"
 #include "xml_text.h"
 
@@ -172,7 +173,7 @@ class UrdfWriter {
     lost(model_.muscles.size(), "muscles");
     lost(model_.tendons.size(), "passive tendons");
     lost(model_.extensions.size(), "extensions");
-    if (model_.gravity != Eigen::Vector3d(0.0, 0.0, -9.81)) remarks_.add("gravity", "left out: URDF has none");
+    if (model_.gravity != Eigen::Vector3d(0.0, 0.0, -kEarthGravity)) remarks_.add("gravity", "left out: URDF has none");
   }
 
   const ArmModel& model_;

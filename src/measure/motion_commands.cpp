@@ -123,7 +123,7 @@ std::string commandsCsv(const MotionCommands& commands, const PoseLayout& layout
   CsvWriter csv(header);
   for (std::size_t row = 0; row < commands.times.size(); ++row) {
     csv.add(commands.times[row]);
-    for (const double value : commands.values.col(static_cast<Eigen::Index>(row))) csv.add(value);
+    for (const double value : commands.values.col(row)) csv.add(value);
     csv.endRow();
   }
   return csv.text();

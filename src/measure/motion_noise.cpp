@@ -32,7 +32,7 @@ std::vector<std::vector<double>> components(const RecordedMotion& motion, std::s
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t f = 0; f < motion.joints.size(); ++f) {
     if (f > 0) sum += kindOf(type).difference(motion.joints[f - 1][joint], motion.joints[f][joint]);
-    for (std::size_t c = 0; c < ways.size(); ++c) ways[c].push_back(sum[static_cast<Eigen::Index>(c)]);
+    for (std::size_t c = 0; c < ways.size(); ++c) ways[c].push_back(sum[c]);
   }
   return ways;
 }

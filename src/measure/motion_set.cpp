@@ -98,7 +98,6 @@ void refuseMovingStart(const RecordedMotion& motion, const PoseLayout& layout) {
 
 /// `joints: {shoulder: [w, x, y, z], elbow_rad: 0.7, rail_m: 0.1}`, `shafts: {biceps_rad: 3.1, …}`.
 RecordedStart readStart(const YamlNode& node, const PoseLayout& layout) {
-  constexpr double kUnitLengthTolerance = 1e-3;
   RecordedStart start;
   const YamlNode joints = node.at("joints");
   for (const JointChannel& joint : layout.joints) {
@@ -106,14 +105,7 @@ RecordedStart readStart(const YamlNode& node, const PoseLayout& layout) {
     if (kindOf(joint.type).has_axis) {
       position.angle = joints.quantity(joint.name, kindOf(joint.type).unit);
     } else {
-      const YamlNode rotation = joints.at(joint.name);
-      const std::vector<YamlNode> q = rotation.items();
-      if (q.size() != 4) rotation.fail(fmt::format("found {} numbers, expected a quaternion [w, x, y, z]", q.size()));
-      position.rotation = Eigen::Quaterniond(q[0].number(), q[1].number(), q[2].number(), q[3].number());
-      if (std::abs(position.rotation.norm() - 1.0) > kUnitLengthTolerance) {
-        rotation.fail(fmt::format("found a quaternion of length {:.6g}, expected 1", position.rotation.norm()));
-      }
-      position.rotation.normalize();
+      position.rotation = joints.at(joint.name).unitQuaternion().normalized();
     }
     start.joints.push_back(position);
   }
@@ -147,7 +139,7 @@ double firstChange(const RecordedMotion& motion) {
   while (first < values.cols() && values.col(first) == values.col(0)) ++first;
   if (first == values.cols()) return motion.times().back();
   // Straight ones begin to change behind the row before.
-  return motion.times()[static_cast<std::size_t>(motion.commands.linear ? first - 1 : first)];
+  return motion.times()[motion.commands.linear ? first - 1 : first];
 }
 
 MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file, const PoseLayout& layout,

@@ -72,7 +72,7 @@ void BulletArm::followCommands(double step) {
   for (const std::size_t i : commanded_) {
     Passive& line = passive_[i];
     const int lag = line.kind->command.lag;
-    const double time = lag < 0 ? 0.0 : line.p[static_cast<std::size_t>(lag)];
+    const double time = lag < 0 ? 0.0 : line.p[lag];
     line.command = time > 0.0 ? line.told + (line.command - line.told) * std::exp(-step / time) : line.told;
   }
 }

@@ -74,7 +74,7 @@ BulletArm::CordState BulletArm::cordState(const MuscleState& muscle, int index, 
   // The cord has what the kite line leaves of the path: L_S = L - (L_K0 - r phi) - dL(phi), and so
   // dL_S/dt = dL/dt + (r - d dL/dphi) dphi/dt (000 eq. 12 with what effects add to the line).
   const LineState line{drive.shaft_angle, muscle.spindle_radius, pose_time_,
-                       shafts_before_.empty() ? 0.0 : shafts_before_[static_cast<std::size_t>(index)],
+                       shafts_before_.empty() ? 0.0 : shafts_before_[index],
                        muscle.kite_line_length - muscle.spindle_radius * drive.shaft_angle};
   Lengthening longer;
   for (const ArmExtension& extension : extensions_) {
@@ -115,7 +115,7 @@ void BulletArm::applyTendons() {
 }
 
 void BulletArm::applyMuscle(MuscleState& muscle, int index) {
-  const PathParts& way = way_[static_cast<std::size_t>(index)];
+  const PathParts& way = way_[index];
   const bool straight = way.empty() && ropeOf(static_cast<std::size_t>(index)) < 0;
   LinePath path;
   double rate = 0.0;

@@ -123,7 +123,7 @@ struct BulletArm::Ropes {
   }
 
   static btVector3 placed(const Attachment& end, std::span<const BodyInWorld> frames) {
-    return toBullet(frames[static_cast<std::size_t>(end.body)] * end.point);
+    return toBullet(frames[end.body] * end.point);
   }
 
   void addRope(const std::array<Attachment, 2>& ends, std::span<const BodyInWorld> frames) {
@@ -162,7 +162,7 @@ struct BulletArm::Ropes {
     for (Rope& rope : ropes) {
       for (int end = 0; end < 2; ++end) {
         btSoftBody::Node& node = rope.chain->m_nodes[end == 0 ? 0 : kNodes - 1];
-        node.m_x = node.m_q = placed(rope.ends[static_cast<std::size_t>(end)], frames);
+        node.m_x = node.m_q = placed(rope.ends[end], frames);
         node.m_v.setZero();
       }
       tighten(*rope.chain);
@@ -172,7 +172,7 @@ struct BulletArm::Ropes {
       const auto& contacts = rope.chain->m_rcontacts;
       const btSoftBody::Node* first = &rope.chain->m_nodes[0];
       for (int c = 0; c < contacts.size(); ++c) {
-        rope.touched[static_cast<std::size_t>(contacts[c].m_node - first)] = contacts[c].m_cti.m_colObj->getUserIndex();
+        rope.touched[contacts[c].m_node - first] = contacts[c].m_cti.m_colObj->getUserIndex();
       }
     }
   }
@@ -201,7 +201,7 @@ void BulletArm::layRopes() {
 void BulletArm::moveRopes() { ropes_->step(frames_, options_.step); }
 
 BulletArm::PathState BulletArm::followRope(int index) {
-  const Ropes::Rope& rope = ropes_->ropes[static_cast<std::size_t>(index)];
+  const Ropes::Rope& rope = ropes_->ropes[index];
   touches_.clear();
   PathState state{0.0, 0.0};
   const auto node = [&](int i) {
@@ -209,7 +209,7 @@ BulletArm::PathState BulletArm::followRope(int index) {
     return Eigen::Vector3d(x.x(), x.y(), x.z());
   };
   const auto touch = [&](int body, const Eigen::Vector3d& at, const Eigen::Vector3d& slope) {
-    touches_.push_back({body, at - frames_[static_cast<std::size_t>(body)].origin, slope});
+    touches_.push_back({body, at - frames_[body].origin, slope});
   };
   Eigen::Vector3d before = Eigen::Vector3d::Zero(), here = node(0);
   for (int i = 0; i < kNodes; ++i) {
@@ -220,9 +220,7 @@ BulletArm::PathState BulletArm::followRope(int index) {
       if (stretch > 0.0) after = (next - here) / stretch;
       state.length += stretch;
     }
-    const int body = i == 0            ? rope.ends[0].body
-                     : i + 1 == kNodes ? rope.ends[1].body
-                                       : rope.touched[static_cast<std::size_t>(i)];
+    const int body = i == 0 ? rope.ends[0].body : i + 1 == kNodes ? rope.ends[1].body : rope.touched[i];
     if (body >= 0) touch(body, here, before - after);
     before = after;
     here = next;

@@ -59,7 +59,7 @@ class DriveElectronics {
 double restBegins(const MotionCommands& commands) {
   Eigen::Index last = commands.values.cols() - 1;
   while (last > 0 && commands.values(0, last - 1) == commands.values(0, commands.values.cols() - 1)) --last;
-  return commands.times[static_cast<std::size_t>(last)];
+  return commands.times[last];
 }
 
 /// One tick as it is judged.

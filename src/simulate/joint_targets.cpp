@@ -60,7 +60,7 @@ MotionCommands commandsFor(const JointTargets& targets, std::size_t muscles) {
   MotionCommands commands;
   commands.kinds.assign(muscles, CommandKind::kForce);
   commands.times = targets.times;
-  commands.values = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(muscles), std::ssize(targets.times));
+  commands.values = Eigen::MatrixXd::Zero(muscles, std::ssize(targets.times));
   return commands;
 }
 

@@ -65,8 +65,8 @@ ErrorSeries driveSeries(ChannelGroup group, std::size_t muscle, const std::vecto
   const Eigen::Index rows = std::ssize(times);
   for (Eigen::Index row = 0; row < rows; ++row) {
     const Eigen::Index before = std::max<Eigen::Index>(row - 1, 0), after = std::min(row + 1, rows - 1);
-    const auto at = [&](Eigen::Index i) { return times[static_cast<std::size_t>(i)]; };
-    series.errors.emplace_back(simulated(m, row) - measured[static_cast<std::size_t>(row)], 0.0, 0.0);
+    const auto at = [&](Eigen::Index i) { return times[i]; };
+    series.errors.emplace_back(simulated(m, row) - measured[row], 0.0, 0.0);
     series.velocities.emplace_back((simulated(m, after) - simulated(m, before)) / (at(after) - at(before)), 0.0, 0.0);
   }
   return series;

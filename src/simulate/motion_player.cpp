@@ -183,7 +183,7 @@ void MotionPlayer::play(const PlayableMotion& playable, double capture_delay, Pl
   played.shafts.resize(track_.shafts.rows(), rows);
   played.currents.resize(track_.shafts.rows(), rows);
   for (Eigen::Index row = 0; row < rows; ++row) {
-    const auto at = static_cast<Eigen::Index>(moments.of_row[static_cast<std::size_t>(row)]);
+    const auto at = static_cast<Eigen::Index>(moments.of_row[row]);
     played.shafts.col(row) = track_.shafts.col(at);
     played.currents.col(row) = track_.currents.col(at);
   }
@@ -222,8 +222,8 @@ void unpack(BytesReader& from, PlayedMotion& played) {
 
 std::string describeFailure(const PlayedMotion& played, const PoseLayout& layout, const MotionOptions& options) {
   const MotionOutcome& outcome = played.outcome;
-  const std::string what = outcome.joint >= 0    ? layout.joints[static_cast<std::size_t>(outcome.joint)].name
-                           : outcome.muscle >= 0 ? layout.muscles[static_cast<std::size_t>(outcome.muscle)]
+  const std::string what = outcome.joint >= 0    ? layout.joints[outcome.joint].name
+                           : outcome.muscle >= 0 ? layout.muscles[outcome.muscle]
                                                  : "the arm";
   return fmt::format(
       "the simulation blew up at {:.2f} s: {}; a step below {:g} s may hold it (step_s of motions: in "

@@ -83,7 +83,7 @@ void readLines(const YamlNode& node, const ArmModel& model, std::span<Line> line
     const YamlNode entry = node.at(name);
     const auto found = std::ranges::find(tendons, name, &PassiveTendon::name);
     if (found == tendons.end()) entry.fail(model.name + " has no such line that takes a command");
-    Line& line = lines[static_cast<std::size_t>(found - tendons.begin())];
+    Line& line = lines[found - tendons.begin()];
     for (const YamlNode& item : entry.at("segments").items())
       line.segments.push_back(readSegment(item, line, line.unit()));
   }
@@ -98,7 +98,7 @@ MotionCommands sampled(const YamlNode& root, const ArmModel& model, const std::v
   for (std::size_t m = 0; m < lines.size(); ++m) {
     if (lines[m].own_unit.empty()) commands.kinds.push_back(lines[m].kind);
     for (Eigen::Index row = 0; row < rows; ++row) {
-      const double value = lines[m].at(commands.times[static_cast<std::size_t>(row)]);
+      const double value = lines[m].at(commands.times[row]);
       commands.values(static_cast<Eigen::Index>(m), row) = value;
     }
   }

@@ -242,8 +242,8 @@ void Rollout::take(Sample& sample) {
     sample.voltages[i] = arm_.voltage(m);
   }
   for (std::size_t l = 0; l < arm_.lines(); ++l) {
-    sample.line_commands[static_cast<Eigen::Index>(l)] = arm_.lineCommand(l);
-    sample.line_forces[static_cast<Eigen::Index>(l)] = arm_.lineForce(l);
+    sample.line_commands[l] = arm_.lineCommand(l);
+    sample.line_forces[l] = arm_.lineForce(l);
   }
 }
 

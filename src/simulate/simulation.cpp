@@ -61,9 +61,9 @@ std::vector<double> energies(const ArmModel& model, const MotionTrack& track) {
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
       arm.setJointVelocity(j, track.joint_velocities[row * track.joint_count + j]);
     }
-    Eigen::Map<Eigen::VectorXd>(shafts.data(), std::ssize(shafts)) = track.shafts.col(static_cast<Eigen::Index>(row));
+    Eigen::Map<Eigen::VectorXd>(shafts.data(), std::ssize(shafts)) = track.shafts.col(row);
     arm.setShafts(shafts);
-    const auto acting = track.line_commands.col(static_cast<Eigen::Index>(row));
+    const auto acting = track.line_commands.col(row);
     arm.setLineCommands(std::span(acting.data(), static_cast<std::size_t>(acting.size())), true);
     energy.push_back(arm.mechanicalEnergy());
   }
@@ -184,7 +184,7 @@ std::string motionCsv(const ArmModel& model, const MotionTrack& track) {
   header.insert(header.end(), velocities.begin(), velocities.end());
   Eigen::MatrixXd motors = track.shaft_velocities;
   for (std::size_t m = 0; m < model.muscles.size(); ++m) {
-    motors.row(static_cast<Eigen::Index>(m)) *= model.muscles[m].gearbox.ratio;
+    motors.row(m) *= model.muscles[m].gearbox.ratio;
   }
   const std::array<std::tuple<const char*, const char*, const Eigen::MatrixXd*>, 6> channels = {
       {{"shaft", "rad", &track.shafts},
@@ -218,7 +218,7 @@ std::string motionCsv(const ArmModel& model, const MotionTrack& track) {
     for (Eigen::Index l = 0; l < track.line_commands.rows(); ++l) {
       const auto column = static_cast<Eigen::Index>(row);
       // What acts along a line pulls its ends together; about a joint, a torque turns it forwards.
-      const double sign = lines[static_cast<std::size_t>(l)]->kind->at_joint ? -1.0 : 1.0;
+      const double sign = lines[l]->kind->at_joint ? -1.0 : 1.0;
       csv.add(track.line_commands(l, column)).add(sign * track.line_forces(l, column));
     }
     csv.endRow();

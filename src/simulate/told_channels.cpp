@@ -40,7 +40,7 @@ MotionCommands readToldChannels(const YamlNode& root, std::span<const CommandCha
   root.expectAllRead();
   const std::size_t rows = scheduleRows(root, duration, rate);
   MotionCommands commands;
-  commands.values.resize(std::ssize(channels), static_cast<Eigen::Index>(rows));
+  commands.values.resize(std::ssize(channels), rows);
   for (std::size_t row = 0; row < rows; ++row) {
     const double time = static_cast<double>(row) / rate;
     commands.times.push_back(time);

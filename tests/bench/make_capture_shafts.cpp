@@ -50,13 +50,13 @@ std::vector<double> shaftsFor(const Arm& arm, const Configuration& q) {
   for (std::size_t m = 0; m < shafts.size(); ++m) {
     std::vector<double> wound = shafts;
     wound[m] += 0.1;
-    slope.col(static_cast<Eigen::Index>(m)) = (torqueAt(arm, wound, q) - missing) / 0.1;
+    slope.col(m) = (torqueAt(arm, wound, q) - missing) / 0.1;
   }
   const Eigen::VectorXd change = slope.transpose() * (slope * slope.transpose()).ldlt().solve(-missing);
   for (std::size_t m = 0; m < shafts.size(); ++m) {
-    const double stretch = kTaut + arm.muscles[m].spindle_radius * change[static_cast<Eigen::Index>(m)];
+    const double stretch = kTaut + arm.muscles[m].spindle_radius * change[m];
     if (stretch < kLeastTaut) throw std::runtime_error("a cord would be slack");
-    shafts[m] += change[static_cast<Eigen::Index>(m)];
+    shafts[m] += change[m];
   }
   const Equilibrium rest = minimise(arm, shafts, q);
   const double off = (rest.configuration[0].rotation - q[0].rotation).norm();

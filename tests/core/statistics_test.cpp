@@ -32,7 +32,7 @@ TEST(RobustDeviation, IsTheStandardDeviationOfNormalValuesAndBlindToOutliers) {
   for (int i = 0; i < 100000; ++i) values.push_back(normal(random));
   // Its own standard deviation is 1.17 sd / sqrt(n): 0.011 here.
   EXPECT_NEAR(robustDeviation(values), 3.0, 0.05);
-  for (int i = 0; i < 1000; ++i) values[static_cast<std::size_t>(i)] = 1e6;
+  for (int i = 0; i < 1000; ++i) values[i] = 1e6;
   EXPECT_NEAR(robustDeviation(values), 3.0, 0.1);
 }
 

@@ -94,7 +94,7 @@ class DartArm {
 
   VectorXd derivative(const VectorXd& state) {
     const auto joints = jointsAt(state);
-    const VectorXd v = state.tail(static_cast<Eigen::Index>(skeleton_->getNumDofs()));
+    const VectorXd v = state.tail(skeleton_->getNumDofs());
     VectorXd change = VectorXd::Zero(state.size()), torque = VectorXd::Zero(v.size());
     int at = 0;
     Eigen::Index dof = 0;

@@ -94,8 +94,8 @@ std::function<double(const MatrixXd&)> trainPlain(const std::vector<LabelledCova
   MatrixXd rows(std::ssize(windows), d + 1);
   VectorXd labels(std::ssize(windows));
   for (std::size_t i = 0; i < windows.size(); ++i) {
-    rows.row(static_cast<Eigen::Index>(i)) << windows[i].covariance.diagonal().array().log().matrix().transpose(), 1.0;
-    labels[static_cast<Eigen::Index>(i)] = windows[i].instruction;
+    rows.row(i) << windows[i].covariance.diagonal().array().log().matrix().transpose(), 1.0;
+    labels[i] = windows[i].instruction;
   }
   const VectorXd middle = rows.colwise().mean();
   VectorXd shift = middle;

@@ -12,8 +12,7 @@ namespace {
 GroupErrors pieces(std::size_t count, double level, std::uint64_t seed, double memory = 0.0) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
-  GroupErrors errors{Eigen::ArrayXd(static_cast<Eigen::Index>(count)),
-                     Eigen::ArrayXd::Constant(static_cast<Eigen::Index>(count), 100.0)};
+  GroupErrors errors{Eigen::ArrayXd(static_cast<Eigen::Index>(count)), Eigen::ArrayXd::Constant(count, 100.0)};
   double state = 0.0;
   for (double& sum : errors.sum) {
     state = memory * state + std::sqrt(1.0 - memory * memory) * normal(random);

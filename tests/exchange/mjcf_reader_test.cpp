@@ -187,7 +187,7 @@ TEST(MjcfReader, ASideSiteMayBeOnAnotherBodyThanItsSurface) {
                                 "<geom geom='w' sidesite='side'/><site site='up'/></spatial></tendon></mujoco>")
                            .model;
   ASSERT_EQ(arm.tendons[0].between.size(), 1U);
-  EXPECT_EQ(arm.bodies[static_cast<std::size_t>(arm.tendons[0].between[0].side_body)].name, arm.bodies[1].name);
+  EXPECT_EQ(arm.bodies[arm.tendons[0].between[0].side_body].name, arm.bodies[1].name);
   // The slide carries the side point from above the wheel to below it, and the line goes along with it.
   for (const double way : {0.02, -0.02, -0.25, -0.3}) {
     const std::vector<JointPosition> at = {{Eigen::Quaterniond::Identity(), way}};

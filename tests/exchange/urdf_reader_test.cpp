@@ -53,7 +53,7 @@ TEST(UrdfReader, ReadsHingesAndSlidesWithTheirLimitsAndFrictions) {
   std::vector<JointPosition> q(2);
   q[0].angle = 0.2;
   const std::vector<BodyInWorld> bodies = bodiesInWorld(arm, q);
-  EXPECT_LT((bodies[static_cast<std::size_t>(lift.child)].origin - Eigen::Vector3d(-0.1, 0.0, 0.2)).norm(), 1e-12);
+  EXPECT_LT((bodies[lift.child].origin - Eigen::Vector3d(-0.1, 0.0, 0.2)).norm(), 1e-12);
 }
 
 TEST(UrdfReader, AFixedLinkIsAPartOfItsParent) {
@@ -62,7 +62,7 @@ TEST(UrdfReader, AFixedLinkIsAPartOfItsParent) {
            urdfJoint("weld", "fixed", "a", "b", "<origin xyz='0 0 -0.3' rpy='3.141592653589793 0 0'/>"));
   ASSERT_EQ(arm.joints.size(), 1U);
   EXPECT_LT(arm.joints[0].lower_limit, -1e6) << "continuous: no limits";
-  const MassProperties mass = massProperties(arm.bodies[static_cast<std::size_t>(arm.joints[0].child)]);
+  const MassProperties mass = massProperties(arm.bodies[arm.joints[0].child]);
   EXPECT_DOUBLE_EQ(mass.mass, 4.0);
   // At -0.1 and, upside down, at -0.3 + 0.1.
   EXPECT_NEAR(mass.centre_of_mass.z(), -0.15, 1e-12);

@@ -108,7 +108,7 @@ LeastSquaresProblem leastSquares(const std::string& name, const Problem& data) {
       const Jet f = model(name, b.data(), data.x[i]) - y;
       const auto row = static_cast<Eigen::Index>(i - rows.begin);
       r[row] = f.a;
-      if (jacobian != nullptr) jacobian->row(row) = f.v.head(static_cast<Eigen::Index>(theta.size())).transpose();
+      if (jacobian != nullptr) jacobian->row(row) = f.v.head(theta.size()).transpose();
     }
   };
   return problem;

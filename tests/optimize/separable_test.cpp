@@ -118,10 +118,9 @@ TEST(SeparableSearch, ProfileHasTheShapeOfItsAxes) {
   ASSERT_EQ(found.profile.cost.size(), 48u * 20u);
   EXPECT_GT(found.starts, found.profile.cost.size());
   for (const auto& [i, j] : {std::pair{0, 0}, {7, 3}, {30, 19}, {47, 0}, {47, 19}}) {
-    const double v_s = found.profile.axes[0][static_cast<std::size_t>(i)];
-    const double delta = found.profile.axes[1][static_cast<std::size_t>(j)];
-    EXPECT_DOUBLE_EQ(found.profile.cost[static_cast<std::size_t>(i * 20 + j)],
-                     solveBounded(moments.gram(v_s, delta), problem.linear).cost);
+    const double v_s = found.profile.axes[0][i];
+    const double delta = found.profile.axes[1][j];
+    EXPECT_DOUBLE_EQ(found.profile.cost[i * 20 + j], solveBounded(moments.gram(v_s, delta), problem.linear).cost);
   }
   EXPECT_LE(found.minima[0].linear.cost, std::ranges::min(found.profile.cost));
 }

@@ -38,7 +38,7 @@ double paperObjective(const TraceNormCase& drawn, const Eigen::MatrixXd& weights
   double sum = 0.0;
   for (std::size_t t = 0; t < drawn.matrices.size(); ++t) {
     const double log_odds = (weights * drawn.matrices[t]).trace() + bias;
-    sum += std::log(1.0 + std::exp(-drawn.labels[static_cast<Eigen::Index>(t)] * log_odds));
+    sum += std::log(1.0 + std::exp(-drawn.labels[t] * log_odds));
   }
   return sum + penalty * Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(weights).eigenvalues().cwiseAbs().sum();
 }
@@ -82,7 +82,7 @@ TEST(TraceNormLogistic, TheSlopeAtTheEndIsThePenaltysOwn) {
   Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(6, 6);
   double bias_slope = 0.0;
   for (std::size_t t = 0; t < drawn.matrices.size(); ++t) {
-    const double q = drawn.labels[static_cast<Eigen::Index>(t)];
+    const double q = drawn.labels[t];
     const double alpha = 1.0 / (1.0 + std::exp(q * ((weights * drawn.matrices[t]).trace() + fit.bias)));
     slope += q * alpha * drawn.matrices[t];
     bias_slope += q * alpha;

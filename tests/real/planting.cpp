@@ -282,7 +282,7 @@ LogTable LogTable::load(const std::filesystem::path& file, std::size_t every) {
 std::vector<double>& LogTable::column(const std::string& name) {
   const auto found = std::ranges::find(header, name);
   if (found == header.end()) throw std::runtime_error("no column " + name);
-  return columns[static_cast<std::size_t>(found - header.begin())];
+  return columns[found - header.begin()];
 }
 
 void LogTable::append(const LogTable& more) {

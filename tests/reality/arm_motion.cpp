@@ -90,7 +90,7 @@ class Simulation {
   const std::vector<double>& currents() const { return current_; }
 
  private:
-  const LinkMotion& at(int link) const { return link == kTorso ? ground_ : links_[static_cast<std::size_t>(link)]; }
+  const LinkMotion& at(int link) const { return link == kTorso ? ground_ : links_[link]; }
 
   void pose(const Arm& arm) {
     ground_.spin = ground_.drift = Matrix3X::Zero(3, dofs_);

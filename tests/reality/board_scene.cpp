@@ -25,7 +25,7 @@ Image drawBoard(const Lens& lens, const BoardPlate& board, const Eigen::Isometry
   constexpr int kRays = 4;  // per pixel and direction
   const Eigen::Isometry3d camera = pose.inverse();
   Image image{lens.width, lens.height, {}};
-  image.pixels.reserve(static_cast<std::size_t>(lens.width * lens.height));
+  image.pixels.reserve(lens.width * lens.height);
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
       double sum = 0.0;

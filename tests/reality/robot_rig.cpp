@@ -44,7 +44,7 @@ std::vector<Isometry3d> linkPoses(const Robot& robot, const VectorXd& q) {
   for (std::size_t k = 0; k < robot.links.size(); ++k) {
     const RobotLink& link = robot.links[k];
     const Isometry3d parent = link.parent < 0 ? Isometry3d::Identity() : poses[link.parent];
-    const double position = q[static_cast<Index>(k)];
+    const double position = q[k];
     Isometry3d motion = Isometry3d::Identity();
     if (link.slides) {
       motion.translation() = position * link.axis;

@@ -275,9 +275,8 @@ ServoDraw drawServoPair(std::uint64_t seed) {
   for (int k = 0; k < 2; ++k) {
     ServoSecret alone = details;
     const double gain = 0.1 * std::pow(4.0, std::uniform_real_distribution<>()(random));
-    possible[static_cast<std::size_t>(k)]->set(
-        draw.secret, servoMagnitude(*possible[static_cast<std::size_t>(k)], gain, draw.rig, alone));
-    draw.effects.push_back(possible[static_cast<std::size_t>(k)]->name);
+    possible[k]->set(draw.secret, servoMagnitude(*possible[k], gain, draw.rig, alone));
+    draw.effects.push_back(possible[k]->name);
   }
   return draw;
 }

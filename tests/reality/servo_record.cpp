@@ -88,7 +88,7 @@ double expectedGain(const ServoRig& rig, const ServoSecret& secret) {
   Eigen::MatrixXd x(n, 7);
   Eigen::VectorXd y(n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const auto i = static_cast<std::size_t>(rows[static_cast<std::size_t>(k)]);
+    const auto i = static_cast<std::size_t>(rows[k]);
     const double w = r.speed[i], way = w > 0.0 ? 1.0 : -1.0, slow = lorentzian(w, rig.stribeck_speed);
     const double dry = way * (rig.mechanism == Mechanism::kCable ? std::fabs(r.load[i]) : 1.0);
     const double pull = rig.mechanism == Mechanism::kCable ? 0.0 : (w - r.speed[i - 1]) * rig.rate;

@@ -34,7 +34,7 @@ double nearestEnd(const ArmModel& model, const std::string& name) {
     if (muscle.name != name) continue;
     for (const int j : jointsCrossed(model, muscle)) {
       for (const Attachment& end : muscle.attachments) {
-        const Joint& joint = model.joints[static_cast<std::size_t>(j)];
+        const Joint& joint = model.joints[j];
         if (end.body == joint.parent) nearest = std::min(nearest, (end.point - joint.parent_position).norm());
         if (end.body == joint.child) nearest = std::min(nearest, (end.point - joint.child_position).norm());
       }
@@ -169,9 +169,8 @@ TEST_P(ArmEffects, EveryParameterDerivativeAgreesWithDifferencesOfTheGradient) {
       };
       const Eigen::VectorXd slope = (gradientAt(values[p] + h) - gradientAt(values[p] - h)) / (2.0 * h);
       const double scale = std::max(1.0, slope.lpNorm<Eigen::Infinity>());
-      EXPECT_LT((columns.col(static_cast<Eigen::Index>(p)) - slope).lpNorm<Eigen::Infinity>(), 1e-6 * scale)
-          << pose.name << ", " << names[p] << ": " << columns.col(static_cast<Eigen::Index>(p)).transpose() << " for "
-          << slope.transpose();
+      EXPECT_LT((columns.col(p) - slope).lpNorm<Eigen::Infinity>(), 1e-6 * scale)
+          << pose.name << ", " << names[p] << ": " << columns.col(p).transpose() << " for " << slope.transpose();
     }
     for (std::size_t m = 0; m < model.muscles.size(); ++m) {
       const auto gradientAt = [&](double h) {
@@ -181,7 +180,7 @@ TEST_P(ArmEffects, EveryParameterDerivativeAgreesWithDifferencesOfTheGradient) {
         return Eigen::VectorXd(energy.gradient());
       };
       const Eigen::VectorXd slope = (gradientAt(1e-5) - gradientAt(-1e-5)) / 2e-5;
-      EXPECT_LT((by_shaft.col(static_cast<Eigen::Index>(m)) - slope).lpNorm<Eigen::Infinity>(), 1e-6) << "shaft " << m;
+      EXPECT_LT((by_shaft.col(m) - slope).lpNorm<Eigen::Infinity>(), 1e-6) << "shaft " << m;
     }
   }
 }
@@ -208,7 +207,7 @@ TEST_P(ArmEffects, ObservedSensitivitiesAgreeWithDifferences) {
     std::size_t fitted = 0;
     for (std::size_t i = 0; i < c.effect->parameters.size(); ++i) {
       if (!c.effect->parameters[i].fitted) continue;
-      const auto column = columns.col(static_cast<Eigen::Index>(fitted++));
+      const auto column = columns.col(fitted++);
       const double h = 1e-4 * c.effect->parameters[i].scale;
       const auto at = [&](double step) {
         EffectCase changed = c;

@@ -117,7 +117,7 @@ TEST(PneumaticArm, SensitivitiesOfTheRestAgreeWithDifferencesOfRests) {
     EquilibriumArm other(changed);
     EXPECT_TRUE(other.solveFrom(arm.joints(), commands).stable);
     Eigen::VectorXd q(n);
-    for (Eigen::Index j = 0; j < n; ++j) q[j] = other.joints()[static_cast<std::size_t>(j)].angle;
+    for (Eigen::Index j = 0; j < n; ++j) q[j] = other.joints()[j].angle;
     return q;
   };
   int moving = 0;
@@ -131,7 +131,7 @@ TEST(PneumaticArm, SensitivitiesOfTheRestAgreeWithDifferencesOfRests) {
       return restOf(changed, pose.shafts);
     };
     const Eigen::VectorXd slope = (at(h) - at(-h)) / (2.0 * h);
-    EXPECT_LT((columns.col(static_cast<Eigen::Index>(p)) - slope).norm(), 1e-4 * (1.0 + slope.norm())) << names[p];
+    EXPECT_LT((columns.col(p) - slope).norm(), 1e-4 * (1.0 + slope.norm())) << names[p];
     moving += slope.norm() > 1e-6;
   }
   EXPECT_GE(moving, 16);
@@ -144,7 +144,7 @@ TEST(PneumaticArm, SensitivitiesOfTheRestAgreeWithDifferencesOfRests) {
     more[c] += h;
     less[c] -= h;
     const Eigen::VectorXd slope = (restOf(model, more) - restOf(model, less)) / (2.0 * h);
-    EXPECT_LT((by_command.col(static_cast<Eigen::Index>(c)) + slope).norm(), 1e-4 * slope.norm()) << c;
+    EXPECT_LT((by_command.col(c) + slope).norm(), 1e-4 * slope.norm()) << c;
   }
 }
 

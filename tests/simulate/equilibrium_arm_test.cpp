@@ -94,7 +94,7 @@ TEST(EquilibriumArm, SensitivitiesAgreeWithDifferencesOfEquilibria) {
         } else {
           slope[0] = (plus[j].angle - minus[j].angle) / (2.0 * h);
         }
-        const Eigen::VectorXd found = columns.col(static_cast<Eigen::Index>(p)).segment(d, slope.size());
+        const Eigen::VectorXd found = columns.col(p).segment(d, slope.size());
         EXPECT_LT((found - slope).norm(), 1e-5 * std::max(1.0, slope.norm()))
             << "arm " << seed << ", " << names[p] << ": " << found.transpose() << " for " << slope.transpose();
       }

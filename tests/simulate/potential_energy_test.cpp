@@ -118,8 +118,8 @@ TEST_P(PotentialEnergyOfArms, EveryParameterDerivativeAgreesWithDifferencesOfThe
     };
     const Eigen::VectorXd slope = (gradientAt(values[p] + h) - gradientAt(values[p] - h)) / (2.0 * h);
     const double scale = std::max(1.0, slope.lpNorm<Eigen::Infinity>());
-    EXPECT_LT((columns.col(static_cast<Eigen::Index>(p)) - slope).lpNorm<Eigen::Infinity>(), 1e-6 * scale)
-        << names[p] << ": " << columns.col(static_cast<Eigen::Index>(p)).transpose() << " for " << slope.transpose();
+    EXPECT_LT((columns.col(p) - slope).lpNorm<Eigen::Infinity>(), 1e-6 * scale)
+        << names[p] << ": " << columns.col(p).transpose() << " for " << slope.transpose();
     moving += slope.norm() > 1e-6;
   }
   EXPECT_GT(moving, 20);
@@ -137,7 +137,7 @@ TEST_P(PotentialEnergyOfArms, ShaftDerivativesAgreeWithDifferencesOfTheGradient)
       return Eigen::VectorXd(energy_.gradient());
     };
     const Eigen::VectorXd slope = (gradientAt(1e-5) - gradientAt(-1e-5)) / 2e-5;
-    EXPECT_LT((columns.col(static_cast<Eigen::Index>(m)) - slope).lpNorm<Eigen::Infinity>(), 1e-7) << "muscle " << m;
+    EXPECT_LT((columns.col(m) - slope).lpNorm<Eigen::Infinity>(), 1e-7) << "muscle " << m;
   }
 }
 

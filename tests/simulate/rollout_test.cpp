@@ -164,7 +164,7 @@ TEST(Rollout, ComesToRestWhereTheEnergyIsLeast) {
   ASSERT_TRUE(rollout.run(heldCommands(model, CommandKind::kSetpoint, 2.0), {}, times, track).finished);
   EquilibriumArm equilibrium(model);
   std::vector<double> shafts(11);
-  for (Eigen::Index m = 0; m < 11; ++m) shafts[static_cast<std::size_t>(m)] = track.shafts(m, 0);
+  for (Eigen::Index m = 0; m < 11; ++m) shafts[m] = track.shafts(m, 0);
   ASSERT_TRUE(equilibrium.solve(shafts).stable);
   for (std::size_t j = 0; j < 2; ++j) {
     EXPECT_LT(toDegrees(jointError(model.joints[j].type, track.joints[j], equilibrium.joints()[j])), 0.01) << j;

@@ -118,8 +118,8 @@ TEST_P(ArmsOfManyKinds, EveryParameterDerivativeAgreesWithDifferencesOfTheGradie
     };
     const Eigen::VectorXd slope = (gradientAt(values[p] + h) - gradientAt(values[p] - h)) / (2.0 * h);
     const double scale = std::max(1.0, slope.lpNorm<Eigen::Infinity>());
-    EXPECT_LT((columns.col(static_cast<Eigen::Index>(p)) - slope).lpNorm<Eigen::Infinity>(), 1e-6 * scale)
-        << names[p] << ": " << columns.col(static_cast<Eigen::Index>(p)).transpose() << " for " << slope.transpose();
+    EXPECT_LT((columns.col(p) - slope).lpNorm<Eigen::Infinity>(), 1e-6 * scale)
+        << names[p] << ": " << columns.col(p).transpose() << " for " << slope.transpose();
     moving += slope.norm() > 1e-6;
   }
   EXPECT_GT(moving, 60);
@@ -191,8 +191,7 @@ TEST(ArmOfManyKinds, SensitivitiesOfTheRestAgreeWithDifferencesOfRests) {
       };
       const double h = 1e-5;
       const Eigen::VectorXd slope = difference(c.model, arm.energy(), restAt(-h), restAt(h)) / (2.0 * h);
-      EXPECT_LT((columns.col(static_cast<Eigen::Index>(p)) - slope).lpNorm<Eigen::Infinity>(), 2e-3)
-          << names[p] << " of arm " << seed;
+      EXPECT_LT((columns.col(p) - slope).lpNorm<Eigen::Infinity>(), 2e-3) << names[p] << " of arm " << seed;
     }
   }
   EXPECT_GE(rested, 5);

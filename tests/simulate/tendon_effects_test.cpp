@@ -154,7 +154,7 @@ TEST_P(EffectsOnLines, EveryParameterDerivativeAgreesWithDifferences) {
       return Eigen::VectorXd(other.gradient());
     };
     const Eigen::VectorXd slope = (gradientAt(values[p] + h) - gradientAt(values[p] - h)) / (2.0 * h);
-    const Eigen::VectorXd column = columns.col(static_cast<Eigen::Index>(p));
+    const Eigen::VectorXd column = columns.col(p);
     EXPECT_LT((column - slope).lpNorm<Eigen::Infinity>(), 1e-5 * std::max(1.0, slope.lpNorm<Eigen::Infinity>()))
         << names[p];
     by_effect |= names[p].starts_with("extensions") && slope.norm() > 1e-3;
@@ -168,7 +168,7 @@ TEST_P(EffectsOnLines, EveryParameterDerivativeAgreesWithDifferences) {
       return Eigen::VectorXd(energy.gradient());
     };
     const Eigen::VectorXd slope = (gradientAt(1e-5) - gradientAt(-1e-5)) / 2e-5;
-    EXPECT_LT((by_shaft.col(static_cast<Eigen::Index>(m)) - slope).lpNorm<Eigen::Infinity>(), 1e-5) << m;
+    EXPECT_LT((by_shaft.col(m) - slope).lpNorm<Eigen::Infinity>(), 1e-5) << m;
   }
 }
 

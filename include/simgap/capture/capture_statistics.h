@@ -84,7 +84,7 @@ class CaptureStatistics {
   const RunningStatistics& ghosts() const { return ghosts_; }
   const RunningStatistics& epipolar() const { return epipolar_; }   ///< [px] signed, of every marker used
   const BlobRejections& rejections() const { return rejections_; }  ///< of all images
-  const RunningStatistics& blobs(int side) const { return blobs_[static_cast<std::size_t>(side)]; }
+  const RunningStatistics& blobs(int side) const { return blobs_[side]; }
   const std::vector<DistanceStatistics>& distances() const { return distances_; }
   const DistanceHistogram& histogram() const { return histogram_; }
   const RunningStatistics& scaleBar() const { return scale_bar_; }  ///< [m]

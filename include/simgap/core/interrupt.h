@@ -20,4 +20,7 @@ void interruptAnswered() noexcept;
 /// For work that cannot be taken up again. \throws InterruptedError once the user has asked to stop
 void stopIfInterrupted();
 
+/// Until a pipe or a terminal has something to read, or has ended. \throws InterruptedError as stopIfInterrupted
+void waitForBytes(int descriptor);
+
 }  // namespace simgap

@@ -25,6 +25,13 @@ struct JointPosition {
   double angle = 0.0;                                            ///< [rad] about the joint's axis, or [m] along it
 };
 
+/// By how much the length of a quaternion in a file may differ from 1.
+inline constexpr double kUnitLengthTolerance = 1e-3;
+
+/// The turn about x, then y, then z of the frame that does not turn, as URDF has it.
+/// \param rpy  angles about x, y and z [rad]
+Eigen::Quaterniond fromRollPitchYaw(const Eigen::Vector3d& rpy);
+
 /// Geodesic angle between two rotations, 2 arccos|Q . Q'|, in [0, pi] [rad]; accurate near 0 and blind to the sign of a
 /// quaternion. 001 eq. (4) prints arccos(Q . Q'), which is half of it.
 double geodesicAngle(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);

@@ -13,6 +13,9 @@
 
 namespace simgap {
 
+/// Where a file says nothing else [m/s^2].
+inline constexpr double kEarthGravity = 9.81;
+
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// An affine conversion: target value = factor * value + offset.

@@ -3,7 +3,7 @@
 /// ConfigError that names the file, the line and the path.
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -76,6 +76,8 @@ class YamlNode {
   std::optional<double> findQuantity(std::string_view stem, std::string_view unit,
                                      const Range& range = kAnyNumber) const;
   Eigen::Vector3d vectorQuantity(std::string_view stem, std::string_view unit) const;
+  /// [w, x, y, z], as it stands there. \throws ConfigError: of another length than 1 (kUnitLengthTolerance).
+  Eigen::Quaterniond unitQuaternion() const;
   ///@}
 
   /// Refuses every key of the document nobody asked for, with the nearest known key as a suggestion. A value that

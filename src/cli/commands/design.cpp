@@ -9,12 +9,7 @@
 #include "cli/separation.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/error.h"
-#include "simgap/core/interrupt.h"
-#include "simgap/fit/poses/posterior_search.h"
-#include "simgap/model/arm/arm_yaml.h"
 #include "simgap/report/poses/design_report.h"
-#include "simgap/simulate/arm_geometry.h"
-#include "simgap/simulate/replay.h"
 
 namespace simgap::commands::design {
 namespace {
@@ -29,53 +24,28 @@ struct Options {
   DriveDesignOptions drive;
 };
 
-constexpr std::size_t kFewestPoses = 8;
-
 ExitCode nextPoses(const Options& options, const std::vector<std::string>& argv) {
   if (options.model.empty() || options.poses.empty()) {
     throw ConfigError(
         "found no MODEL or no --poses, expected both, or --separate RUN, --excite ROBOT LIMITS or --drive LIMITS");
   }
   Session session("design", options.common, argv);
-  DesignResult result;
-  result.model = readArmFile(session, "model", options.model);
-  const CalibrationConfig config = readConfig(session, options.config, &result.model);
-  const ParameterSpace space(result.model, config.parameters);
-  result.recorded = readPoses(session, "poses", options.poses, result.model, options.table.csv());
-  if (result.recorded.poses.size() < kFewestPoses) {
-    throw DataError(fmt::format("{}: found {} poses, expected at least {} to design the next ones from",
-                                result.recorded.file, result.recorded.poses.size(), kFewestPoses));
-  }
-  DesignOptions& design = result.options;
-  design.candidates = options.candidates;
-  design.poses = options.count;
+  const ArmModel model = readArmFile(session, "model", options.model);
+  const CalibrationConfig config = readConfig(session, options.config, &model);
+  const PoseSet recorded = readPoses(session, "poses", options.poses, model, options.table.csv());
+  DesignOptions design{options.candidates, options.count};
   design.seed = options.common.seed.value_or(config.strategy.seed);
   if (options.criterion == "information") design.criterion = DesignCriterion::kInformation;
   if (options.common.dry_run) {
     session.print(fmt::format("would fit {} parameters to {} poses and choose {} of {} commands; nothing was written\n",
-                              space.size(), result.recorded.poses.size(), design.poses, design.candidates));
+                              ParameterSpace(model, config.parameters).size(), recorded.poses.size(), design.poses,
+                              design.candidates));
     return ExitCode::kDone;
   }
   session.begin(design.seed);
   session.directory().write("config.resolved.yaml", config.toYaml());
-
-  PosePosterior posterior(result.model, result.recorded.poses, space, config.noise);
-  const PosteriorSearchOptions search{.starts = config.starts, .seed = design.seed};
-  const std::vector<PosteriorFit> fits = searchPosterior(posterior, search);
-  stopIfInterrupted();
-  const auto best = std::min_element(fits.begin(), fits.end(),
-                                     [](const auto& a, const auto& b) { return a.objective < b.objective; });
-  if (std::isinf(best->objective)) throw NumericsError("no start led to stable equilibria in all recorded poses");
-  posterior.whiten(best->z);
-  result.design = designPoses(posterior, best->z, space, design);
-  result.model = posterior.modelAt(best->z);
-
-  const PoseSet next{"next_poses.csv", result.design.poses};
-  const Assessment expected = replayAll(*makeEvaluator("equilibrium", {}), result.model, next);
-  const ReplayedSet replay{"next", "expected", result.model, next, expected.outcomes};
-  writeArmGeometry({&replay, 1}, session.directory());
-  session.directory().write("next_poses.csv", nextPosesCsv(result));
-  session.directory().write("model.yaml", writeArm(result.model));
+  const DesignResult result = designNextPoses(model, recorded, config, design);
+  writeDesignReport(result, session.directory());
   session.finish(toJson(result), terminalTable(result));
   return ExitCode::kDone;
 }

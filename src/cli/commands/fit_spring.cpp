@@ -18,19 +18,6 @@ struct Options {
   std::string log, model, into, muscle;
 };
 
-/// \throws DataError for a force that falls where the deflection grows.
-SpringLog readSigned(const CsvTable& table) {
-  constexpr double kMirrored = -0.7;  // correlation
-  SpringLog spring = readSpringLog(table);
-  if (const double r = agreement(spring); r < kMirrored) {
-    throw DataError(
-        fmt::format("{}: {}_{} falls where {} grows (correlation {:.2f}), expected both to count tension as "
-                    "positive",
-                    spring.file, spring.forceName(), spring.forceUnit(), spring.deflectionColumn(), r));
-  }
-  return spring;
-}
-
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-spring", options.common, argv);
   if (!options.model.empty()) return runRefit({"fit-spring", options.model, options.log, options.table}, session, app);
@@ -42,7 +29,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   const LogTable file_rows = readLog(session, "log", options.log, options.table, options.fit.sessions);
   const CsvTable& table = file_rows.table;
   const Holdout holdout = readHoldout(options.fit.holdout, table);
-  const SpringLog spring = readSigned(table);
+  const SpringLog spring = readSignedSpringLog(table);
   if (report.into && spring.angular) {
     throw DataError(fmt::format("{}: found a torque over an angle, expected a force over a length for a muscle's cord",
                                 spring.file));

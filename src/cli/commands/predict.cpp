@@ -23,36 +23,15 @@ struct Options {
   std::optional<double> ratio;
 };
 
-/// A gearbox stands behind a motor whose model has a file of its own.
-Prediction predictDriveOf(const FittedModel& model, const CsvTable& table, const Options& options, Session& session) {
-  if (model.kind == "motor") return predictDrive(readMotorLog(table), motorFrom(model), {}, options.inverse);
-  if (options.motor.empty()) throw ConfigError("a gearbox model needs --motor MODEL too");
-  const Motor motor = motorFrom(readModel(session, "motor", options.motor, {"motor"}));
-  return predictDrive(readMotorLog(table), motor, gearboxFrom(model), options.inverse);
-}
-
-Prediction predictLog(const FittedModel& model, const Options& options, Session& session) {
+Prediction predictWith(const FittedModel& model, const Options& options, Session& session) {
   if (options.simulate && options.inverse) throw ConfigError("found --simulate and --inverse, expected one of them");
-  const bool diagnosed = !model.extensions.empty() || model.has("presliding");
-  if (diagnosed && (model.kind == "gearbox" || options.inverse)) {
-    throw ConfigError(fmt::format("{}: found a diagnosed model {}, expected none there", options.model,
-                                  options.inverse ? "with --inverse" : "in a gearbox model"));
-  }
-  if (model.kind == "spring" && options.inverse) {
-    throw ConfigError(options.model + ": found a spring with --inverse, expected a muscle or a drive there");
-  }
   const LogTable rows = readLog(session, "log", options.log, options.table);
-  const CsvTable& table = rows.table;
   for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
-  const auto rig = [&] {
-    return readRig(session, options.bench,
-                   options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio")));
-  };
-  if (options.simulate) return runFreely(model, table, rig());
-  if (model.kind == "spring") return predictDiagnosed(model, table, {});
-  if (!diagnosed && model.kind == "pam") return predictPam(model, table, options.inverse);
-  if (!diagnosed && model.kind != "friction") return predictDriveOf(model, table, options, session);
-  return diagnosed ? predictDiagnosed(model, table, rig()) : predictFriction(model, table, rig());
+  PredictionOptions prediction{options.inverse, {}};
+  if (!options.motor.empty()) prediction.motor = readModel(session, "motor", options.motor, {"motor"});
+  const std::optional<double> ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
+  const Bench bench = readRig(session, options.bench, ratio);
+  return options.simulate ? runFreely(model, rows.table, bench) : predictLog(model, rows.table, bench, prediction);
 }
 
 /// All joints of a robot at once.
@@ -106,7 +85,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   if (const auto robot = findRobotModel(session, options.model)) return runRobot(*robot, options, session, app);
   const FittedModel model = readFittedModel(YamlNode::parse(session.input("model").content, options.model));
   if (options.joint_angle) return runJointAngle(model, options, session, app);
-  const Prediction prediction = predictLog(model, options, session);
+  const Prediction prediction = predictWith(model, options, session);
   if (options.common.dry_run) {
     session.print(
         fmt::format("would predict {} rows of {}; nothing was written\n", prediction.predicted.size(), options.log));

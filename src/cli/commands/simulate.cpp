@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <poll.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
@@ -96,11 +95,7 @@ class InputLines {
   bool readMore() {
     constexpr std::size_t kLongest = 1U << 20U;  // of a line [bytes]
     if (read_.size() > kLongest) throw DataError("standard input: found a line of more than 1 MiB, expected JSON");
-    constexpr int kLookEvery = 200;  // [ms] a signal just before poll would be waited for otherwise
-    pollfd waited{STDIN_FILENO, POLLIN, 0};
-    do {
-      stopIfInterrupted();
-    } while (::poll(&waited, 1, kLookEvery) <= 0);
+    waitForBytes(STDIN_FILENO);
     std::array<char, 4096> bytes;
     const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
     if (count > 0) read_.append(bytes.data(), static_cast<std::size_t>(count));

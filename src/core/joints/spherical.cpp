@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::string_view kColumns[] = {"_qw", "_qx", "_qy", "_qz"};
 constexpr std::string_view kVelocityColumns[] = {"_velocity_x_rad_s", "_velocity_y_rad_s", "_velocity_z_rad_s"};
-constexpr double kUnitLengthTolerance = 1e-3;
 
 std::vector<JointPosition> read(const CsvTable& table, const std::string& joint) {
   std::array<std::vector<double>, 4> q;

@@ -29,7 +29,6 @@ constexpr double kBeyond = 3.0;  // times the largest effort or load: a size tha
 /// together are not: whether the cause is there at all was tested before, here only sizes that mean nothing are
 /// refused.
 bool isMeasured(const Estimate& p, double neutral, double t) {
-  constexpr double kMeaningless = 3.0;  // half widths of the interval, in sizes
   return std::isfinite(p.sd) && p.sd > 0.0 && t * p.sd < kMeaningless * std::abs(p.value - neutral);
 }
 
@@ -42,7 +41,7 @@ Eigen::MatrixXd jacobianAt(const ActuatorRegression& model, std::span<const doub
 
 /// Whether a parameter changes anything: a warm-up time does not where a temperature was logged.
 bool acts(const ActuatorRegression& model, std::span<const double> theta, std::size_t parameter) {
-  return jacobianAt(model, theta).col(static_cast<Index>(parameter)).squaredNorm() > 0.0;
+  return jacobianAt(model, theta).col(parameter).squaredNorm() > 0.0;
 }
 
 /// Why the cause's own parameters are no measurement; empty when they are.
@@ -109,7 +108,7 @@ bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t 
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(jacobian.rows());
   double largest = 0.0;
   for (Index k = first; k < first + static_cast<Index>(count); ++k) {
-    const Eigen::VectorXd term = fitted.theta[static_cast<std::size_t>(k)] * jacobian.col(k);
+    const Eigen::VectorXd term = fitted.theta[k] * jacobian.col(k);
     largest = std::max(largest, term.norm());
     sum += term;
   }

@@ -129,8 +129,7 @@ GroupErrors heldOutErrors(const LogSearch& search, const VectorXd& residual, con
   const auto count = static_cast<Index>(folds.size());
   GroupErrors errors{ArrayXd(count), ArrayXd(count)};
   for (Index u = 0; u < count; ++u) {
-    const GroupErrors own =
-        search.errors(residual, folds[static_cast<std::size_t>(u)].blocks, LogSearch::kPieceSeconds);
+    const GroupErrors own = search.errors(residual, folds[u].blocks, LogSearch::kPieceSeconds);
     errors.sum[u] = own.sum.sum();
     errors.rows[u] = own.rows.sum();
   }

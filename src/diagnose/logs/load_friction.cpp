@@ -67,7 +67,7 @@ bool isMostlyByTheLoad(const LogSearch& search, const Fitted& full, std::size_t 
   for (std::size_t k = 0; k < cause.columns.size(); ++k) {
     const std::size_t i = full.model->firstColumn(effect) + k;
     (goesWithLoad(cause.columns[k]) ? by_load : constant) +=
-        full.theta[i] * full.theta[i] * jacobian.col(static_cast<Eigen::Index>(i)).squaredNorm();
+        full.theta[i] * full.theta[i] * jacobian.col(i).squaredNorm();
   }
   return by_load > kMostly * kMostly * constant;
 }

@@ -93,7 +93,7 @@ bool actsUnseen(const PreparedLog& log, const Eigen::VectorXd& residual, double 
   constexpr double kFar = 2.0;
   std::vector<double> sizes;
   for (Eigen::Index i = 0; i < residual.size(); ++i) {
-    if (log.data.keep[static_cast<std::size_t>(i)]) sizes.push_back(residual[i]);
+    if (log.data.keep[i]) sizes.push_back(residual[i]);
   }
   return noise_floor > 0.0 && robustDeviation(std::move(sizes)) > kFar * std::sqrt(noise_floor);
 }

@@ -46,12 +46,12 @@ GroupErrors LogSearch::errors(const Eigen::VectorXd& residual, const std::vector
   GroupErrors errors{Eigen::ArrayXd(static_cast<Index>(parts.size())),
                      Eigen::ArrayXd(static_cast<Index>(parts.size()))};
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    const auto part = residual.segment(static_cast<Index>(parts[k].begin), static_cast<Index>(parts[k].size()));
+    const auto part = residual.segment(parts[k].begin, parts[k].size());
     const double rows = rowsIn({parts[k]}, data_.keep);
     // A delay moves the rows that do not count: the mean is compared, over the rows that every model has.
     const auto counted = static_cast<double>((part.array() != 0.0).count());
-    errors.sum[static_cast<Index>(k)] = part.squaredNorm() * rows / std::max(counted, 1.0);
-    errors.rows[static_cast<Index>(k)] = rows;
+    errors.sum[k] = part.squaredNorm() * rows / std::max(counted, 1.0);
+    errors.rows[k] = rows;
   }
   return errors;
 }
@@ -64,7 +64,7 @@ Nested LogSearch::added(const Eigen::VectorXd& rest, const Eigen::VectorXd& full
   const auto count = static_cast<Index>(parts.size());
   Nested nested{Eigen::ArrayXd(count), Eigen::ArrayXd(count)};
   for (Index k = 0; k < count; ++k) {
-    const Block& part = parts[static_cast<std::size_t>(k)];
+    const Block& part = parts[k];
     const auto begin = static_cast<Index>(part.begin), size = static_cast<Index>(part.size());
     nested.products[k] = rest.segment(begin, size).dot(more.segment(begin, size));
     nested.squares[k] = more.segment(begin, size).squaredNorm();

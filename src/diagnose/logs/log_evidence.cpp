@@ -41,7 +41,7 @@ void leaveOutTurns(const PreparedLog& log, std::vector<std::size_t>& kept) {
     const auto at = static_cast<std::size_t>(i);
     if (rows.direction[i] == rows.direction[i - 1] && log.data.keep[at] == log.data.keep[at - 1]) continue;
     for (Index k = std::max<Index>(0, i - reach); k < std::min(rows.rows(), i + reach); ++k) {
-      blurred[static_cast<std::size_t>(k)] = true;
+      blurred[k] = true;
     }
   }
   std::erase_if(kept, [&](std::size_t i) { return blurred[i]; });
@@ -64,7 +64,7 @@ struct Means {
 Means meanOf(const VectorXd& residual, std::span<const std::size_t> rows, double correlation) {
   double sum = 0.0, squares = 0.0;
   for (const std::size_t i : rows) {
-    const double r = residual[static_cast<Index>(i)];
+    const double r = residual[i];
     sum += r;
     squares += r * r;
   }
@@ -77,8 +77,7 @@ cv::Mat features(const std::vector<EvidenceChannel>& channels, std::span<const s
   cv::Mat x(static_cast<int>(rows.size()), static_cast<int>(channels.size()), CV_32F);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t c = 0; c < channels.size(); ++c) {
-      x.at<float>(static_cast<int>(i), static_cast<int>(c)) =
-          static_cast<float>(channels[c].values[static_cast<Index>(rows[i])]);
+      x.at<float>(static_cast<int>(i), static_cast<int>(c)) = static_cast<float>(channels[c].values[rows[i]]);
     }
   }
   return x;
@@ -104,7 +103,7 @@ std::vector<std::size_t> thinned(const std::vector<std::size_t>& rows, std::size
 
 VectorXd valuesAt(const VectorXd& all, std::span<const std::size_t> rows) {
   VectorXd some(static_cast<Index>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) some[static_cast<Index>(i)] = all[static_cast<Index>(rows[i])];
+  for (std::size_t i = 0; i < rows.size(); ++i) some[i] = all[rows[i]];
   return some;
 }
 
@@ -113,7 +112,7 @@ VectorXd valuesAt(const VectorXd& all, std::span<const std::size_t> rows) {
 VectorXd bounded(VectorXd residual, std::span<const std::size_t> rows) {
   constexpr double kFar = 4.0;  // robust standard deviations
   std::vector<double> sizes;
-  for (const std::size_t i : rows) sizes.push_back(residual[static_cast<Index>(i)]);
+  for (const std::size_t i : rows) sizes.push_back(residual[i]);
   const double far = kFar * robustDeviation(std::move(sizes));
   return residual.cwiseMax(-far).cwiseMin(far);
 }
@@ -138,7 +137,7 @@ std::vector<EvidenceChannel> evidenceChannels(const PreparedLog& log) {
   const ArrayXd driven = (rows.load * rows.direction < 0.0).cast<double>();
   channels.push_back({"power_quadrant", 1.0 + driven + 2.0 * (rows.direction < 0.0).cast<double>(), {}});
   ArrayXd session(rows.rows());
-  for (Index i = 0; i < rows.rows(); ++i) session[i] = rows.session[static_cast<std::size_t>(i)];
+  for (Index i = 0; i < rows.rows(); ++i) session[i] = rows.session[i];
   channels.push_back({"session", session, {}});
   std::erase_if(channels, [](const EvidenceChannel& c) { return !(c.values.maxCoeff() > c.values.minCoeff()); });
   return channels;
@@ -149,7 +148,7 @@ namespace {
 /// Bins of equal counts of a channel. \param rows  by its values
 void addBins(const EvidenceChannel& channel, const std::string& against, const std::vector<std::size_t>& rows,
              const VectorXd& before, const VectorXd& after, double correlation, std::vector<EvidenceBin>& bins) {
-  const auto value = [&](std::size_t i) { return channel.values[static_cast<Index>(i)]; };
+  const auto value = [&](std::size_t i) { return channel.values[i]; };
   for (std::size_t begin = 0, end = 0; begin < rows.size(); begin = end) {
     end = std::min(rows.size(), begin + rows.size() / kBins + 1);
     while (end < rows.size() && value(rows[end]) == value(rows[end - 1])) ++end;
@@ -174,7 +173,7 @@ std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<E
   std::vector<EvidenceBin> bins;
   for (const EvidenceChannel& channel : channels) {
     std::ranges::sort(rows);  // rows of one value stand in the log's order
-    std::ranges::stable_sort(rows, {}, [&](std::size_t i) { return channel.values[static_cast<Index>(i)]; });
+    std::ranges::stable_sort(rows, {}, [&](std::size_t i) { return channel.values[i]; });
     addBins(channel, channel.name, rows, before, after, correlation, bins);
     if (channel.name != "direction") {
       addBins(channel, drag + channel.name, rows, drag_before, drag_after, correlation, bins);
@@ -209,7 +208,7 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
     const VectorXd y_training = valuesAt(near, training), y = valuesAt(near, test);
     cv::Mat target(static_cast<int>(training.size()), 1, CV_32F);
     for (std::size_t i = 0; i < training.size(); ++i) {
-      target.at<float>(static_cast<int>(i)) = static_cast<float>(y_training[static_cast<Index>(i)]);
+      target.at<float>(static_cast<int>(i)) = static_cast<float>(y_training[i]);
     }
     const cv::Ptr<cv::ml::RTrees> forest = cv::ml::RTrees::create();
     forest->setMaxDepth(10);

@@ -39,8 +39,8 @@ void leaveOut(const std::string& channel, const std::string& sentence, const std
     const bool of_effort = channel == log.effort_column;
     if (of_effort) log.data.effort_lost.resize(log.data.keep.size(), false);
     for (const Index i : bad) {
-      log.data.keep[static_cast<std::size_t>(i)] = false;
-      if (of_effort) log.data.effort_lost[static_cast<std::size_t>(i)] = true;
+      log.data.keep[i] = false;
+      if (of_effort) log.data.effort_lost[i] = true;
     }
   }
   faults.push_back(std::move(fault));
@@ -156,7 +156,7 @@ void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   Eigen::MatrixXd x(n, 5);
   x << rows.load, rows.load.abs() * rows.direction, rows.direction, rows.speed, Eigen::ArrayXd::Ones(n);
   for (Index i = 0; i < n; ++i) {
-    if (!log.data.keep[static_cast<std::size_t>(i)]) x.row(i).setZero();
+    if (!log.data.keep[i]) x.row(i).setZero();
   }
   const Eigen::VectorXd scale = x.colwise().norm().transpose();
   const Eigen::VectorXd c = solveLeastSquares(x, rows.effort.matrix()).cwiseProduct(scale);
@@ -213,7 +213,7 @@ std::vector<Index> standingAlone(const PreparedLog& log, const Eigen::VectorXd& 
   std::vector<Index> alone;
   for (Index i = 2, end = 0; i + 2 < residual.size(); i = std::max(end, i + 1)) {
     end = i;
-    while (end + 2 < residual.size() && far[static_cast<std::size_t>(end)]) ++end;
+    while (end + 2 < residual.size() && far[end]) ++end;
     if (end == i || end - i > kTogether) continue;
     const Index last = end - 1;
     const bool single = last == i, counts = residual[i - 2] != 0.0 && residual[last + 2] != 0.0;
@@ -268,7 +268,7 @@ std::size_t takeOutUndecided(PreparedLog& log, const Eigen::VectorXd& residual, 
     const bool other = std::abs(flipped[i]) < std::min(limit, kOther * std::abs(residual[i]));
     if (!(between || other) || std::abs(residual[i]) < limit || std::abs(log.data.rows.speed[i]) > log.dead_band)
       continue;
-    log.data.keep[static_cast<std::size_t>(i)] = false;
+    log.data.keep[i] = false;
     ++rows;
   }
   return rows;
@@ -282,7 +282,7 @@ std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& re
   for (Index i = 0; i < residual.size(); ++i) {
     const bool sure = std::abs(rows.speed[i]) >= 3.0 * log.dead_band;  // of the direction; else neither explains it
     const bool neither = flipped.size() > 0 && std::abs(flipped[i]) > limit && residual[i] * flipped[i] > 0.0;
-    far[static_cast<std::size_t>(i)] = std::abs(residual[i]) > limit && (sure || neither);
+    far[i] = std::abs(residual[i]) > limit && (sure || neither);
   }
   const std::vector<Index> spikes = standingAlone(log, residual, far);
   if (spikes.empty()) return {};

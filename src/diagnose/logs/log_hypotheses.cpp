@@ -46,7 +46,7 @@ double distinctShare(const ActuatorRegression& model, std::span<const double> th
   const Index p = jacobian.cols();
   Eigen::MatrixXd h = Eigen::MatrixXd::Zero(p, p);
   for (const Block& b : blocks) {
-    const auto rows = jacobian.middleRows(static_cast<Index>(b.begin), static_cast<Index>(b.size()));
+    const auto rows = jacobian.middleRows(b.begin, b.size());
     h.noalias() += rows.transpose() * rows;
   }
   std::vector<Index> own, others;
@@ -192,12 +192,10 @@ void LogSearch::validate(Fitted& fitted) const {
   tbb::parallel_for(0, kFolds, [&](int f) {
     std::vector<Block> others;
     for (int g = 0; g < kFolds; ++g) {
-      if (g != f)
-        others.insert(others.end(), folds_[static_cast<std::size_t>(g)].begin(),
-                      folds_[static_cast<std::size_t>(g)].end());
+      if (g != f) others.insert(others.end(), folds_[g].begin(), folds_[g].end());
     }
     const Eigen::VectorXd residual = residualOf(refitted(fitted, others));
-    for (const Block& b : folds_[static_cast<std::size_t>(f)]) {
+    for (const Block& b : folds_[f]) {
       const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
       fitted.unseen.segment(begin, size) = residual.segment(begin, size);
     }
@@ -266,7 +264,7 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   if (hypothesis.effect->in_every_drive) {  // and where the nuisance was
     const auto nuisance = std::ranges::find(base.model->parameters(), kNuisance, &ParameterSpec::name);
     starts.push_back(start);
-    starts.back()[first] = base.theta[static_cast<std::size_t>(nuisance - base.model->parameters().begin())];
+    starts.back()[first] = base.theta[nuisance - base.model->parameters().begin()];
   }
   if (starts.empty()) return trial;
   for (std::size_t s = starts.size(); s-- > 0;) {

@@ -26,7 +26,7 @@ std::vector<Index> countedRows(const LogSearch& search, const VectorXd& residual
   std::vector<Index> rows;
   for (const Block& b : search.training()) {
     for (std::size_t k = b.begin; k < b.end; ++k) {
-      if (residual[static_cast<Index>(k)] != 0.0) rows.push_back(static_cast<Index>(k));
+      if (residual[k] != 0.0) rows.push_back(static_cast<Index>(k));
     }
   }
   return rows;
@@ -100,7 +100,7 @@ CommonErrors compare(const LogSearch& search, const VectorXd& before, const Vect
   };
   for (const Block& block : search.training()) {
     for (std::size_t k = block.begin; k < block.end; ++k) {
-      const double b = before[static_cast<Index>(k)], a = after[static_cast<Index>(k)];
+      const double b = before[k], a = after[k];
       if (b == 0.0 || a == 0.0) {
         average();
         continue;

@@ -9,34 +9,32 @@
 namespace simgap {
 namespace {
 
-/// Of a winding, a muscle or a spring: what was fitted replaces what the file had; the tendon's spring of 002 and a
-/// cord's rest length are parameters there.
-void takeOver(const LogFit& fit, FittedModel& model) {
-  const auto put = [&](const Estimate& parameter) {
-    std::erase_if(model.parameters, [&](const Estimate& p) { return p.name == parameter.name; });
-    model.parameters.push_back(parameter);
-  };
-  for (const Estimate& p : fit.parameters) {
-    if (p.name.find('.') == std::string::npos) put({p.name, p.unit, p.value, p.sd, false});
+/// A parameter that models of this kind hold as their own, for the effect that stands for it.
+void replaceByOwn(const ActuatorEffect& effect, FittedModel& model) {
+  const OwnParameter& own = *effect.own_parameter;
+  model.law = own.law_without;
+  std::erase_if(model.parameters, [&](const Estimate& p) { return p.name == own.name; });
+  const auto found = std::ranges::find(model.extensions, effect.name, &Extension::effect);
+  if (found == model.extensions.end()) return;
+  Estimate p = found->parameters.front();
+  if (own.inverse) p = {"", "", own.convert(p.value), p.sd / (p.value * p.value), false};
+  p.name = own.name;
+  if (!own.unit.empty()) p.unit = own.unit;
+  model.law = own.law;
+  model.parameters.push_back(p);
+  model.extensions.erase(found);
+}
+
+/// Of a winding, a muscle or a spring: what was fitted replaces what the file had.
+void takeOver(const LogFit& fit, ActuatorKind kind, FittedModel& model) {
+  for (const Estimate& fitted : fit.parameters) {
+    if (fitted.name.find('.') != std::string::npos) continue;
+    std::erase_if(model.parameters, [&](const Estimate& p) { return p.name == fitted.name; });
+    model.parameters.push_back({fitted.name, fitted.unit, fitted.value, fitted.sd, false});
   }
-  if (model.kind == "spring") {
-    model.law.clear();
-    std::erase_if(model.parameters, [](const Estimate& p) { return p.name == "rest_length"; });
-    const auto slack = std::ranges::find(model.extensions, "spring-slack", &Extension::effect);
-    if (slack == model.extensions.end()) return;
-    model.law = kCord;
-    put(slack->parameters[0]);
-    model.extensions.erase(slack);
+  for (const ActuatorEffect* effect : actuator_effects::all()) {
+    if (effect->own_parameter != nullptr && effect->kind == kind) replaceByOwn(*effect, model);
   }
-  if (model.kind != "pam") return;
-  model.law = "no-spring";
-  std::erase_if(model.parameters, [](const Estimate& p) { return p.name == "k"; });
-  const auto spring = std::ranges::find(model.extensions, "tendon-compliance", &Extension::effect);
-  if (spring == model.extensions.end()) return;
-  const Estimate& compliance = spring->parameters[0];
-  model.law = "spring";
-  put({"k", "N", 1.0 / compliance.value, compliance.sd / (compliance.value * compliance.value), false});
-  model.extensions.erase(spring);
 }
 
 }  // namespace
@@ -51,10 +49,10 @@ FittedModel refittedModel(const FittedModel& given, const ActuatorModel& subject
   model.extensions = fit.extensions;
   if (subject.base.equation != nullptr) {
     model.kind = subject.base.name();
-    takeOver(fit, model);
+    takeOver(fit, subject.base.kind, model);
     return model;
   }
-  model.kind = "friction";
+  model.kind = kindOf(ActuatorKind::kFriction).name;
   model.law = subject.base.name();
   model.parameters.clear();
   for (const Estimate& p : fit.parameters) {

@@ -27,7 +27,7 @@ ArrayXd resampled(const PreparedLog& log, const Eigen::VectorXd& residual, const
     const double u = random.uniform({.generation = draw, .individual = static_cast<std::uint32_t>(b), .purpose = 1});
     auto from = static_cast<std::size_t>(u * static_cast<double>(noise.size()));
     for (std::size_t i = log.blocks[b].begin; i < log.blocks[b].end; ++i) {
-      result[static_cast<Index>(i)] = noise[from++ % noise.size()];
+      result[i] = noise[from++ % noise.size()];
     }
   }
   return result;
@@ -110,12 +110,12 @@ SelfTest runSelfTest(const ActuatorModel& subject, const PreparedLog& log, const
   stopIfInterrupted();
   for (std::size_t k = 0; k < runs; ++k) {
     const auto column = std::ranges::find(test.answers, answers[k]) - test.answers.begin();
-    ++test.count[k % hidden.size()][static_cast<std::size_t>(column)];
+    ++test.count[k % hidden.size()][column];
   }
   int right = 0;
   for (std::size_t h = 1; h < hidden.size(); ++h) {
     const auto column = std::ranges::find(test.answers, test.hidden[h]) - test.answers.begin();
-    right += test.count[h][static_cast<std::size_t>(column)];
+    right += test.count[h][column];
   }
   test.false_alarm_rate = 1.0 - static_cast<double>(test.count[0][0]) / options.self_tests;
   test.power = hidden.size() > 1 ? static_cast<double>(right) /

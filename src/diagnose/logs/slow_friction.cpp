@@ -41,7 +41,7 @@ double slowBelow(const LogSearch& search, const Fitted& baseline) {
   const ActuatorData& data = search.data();
   std::vector<double> speeds;
   for (Index i = 0; i < data.rows.rows(); ++i) {
-    if (data.keep[static_cast<std::size_t>(i)]) speeds.push_back(std::abs(data.rows.speed[i]));
+    if (data.keep[i]) speeds.push_back(std::abs(data.rows.speed[i]));
   }
   return std::min(v_s * std::pow(kFallen, 1.0 / delta), kMost * quantile(std::move(speeds), kFast));
 }

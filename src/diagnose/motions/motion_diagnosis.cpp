@@ -247,8 +247,7 @@ void MotionDiagnosing::fillErrors() {
   for (Eigen::Index g = 0; g + 1 < unseen.rows(); ++g) {
     const double left = unseen.row(g).mean();
     if (!(left > kLargeRest)) continue;
-    const std::string name = g + 2 < unseen.rows() ? "joint " + result_.layout.joints[static_cast<std::size_t>(g)].name
-                                                   : std::string("shafts");
+    const std::string name = g + 2 < unseen.rows() ? "joint " + result_.layout.joints[g].name : std::string("shafts");
     d.unexplained.push_back({name, 1.0 - 1.0 / left, ""});
     d.left_over_percent += 100.0 * (left - 1.0) / static_cast<double>(unseen.rows()) / d.baseline.mse_heldout;
   }

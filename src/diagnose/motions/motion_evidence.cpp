@@ -96,8 +96,7 @@ std::vector<Absorption> shiftsBetween(const MotionCauseFit& plain, const MotionC
   const Eigen::Index ordinary = plain.here().z.size() - 1;
   for (Eigen::Index i = 0; i < ordinary; ++i) {
     const double sd = std::sqrt(std::max(1e-12, known(i, i)));
-    shifts.push_back({plain.posterior().space().parameters()[static_cast<std::size_t>(i)].name,
-                      (with.here().z[i] - plain.here().z[i]) / sd});
+    shifts.push_back({plain.posterior().space().parameters()[i].name, (with.here().z[i] - plain.here().z[i]) / sd});
   }
   return absorbed(std::move(shifts));
 }

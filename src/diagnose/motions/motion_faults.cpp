@@ -65,14 +65,14 @@ void findStuckShafts(const RecordedMotion& motion, const PoseLayout& layout, std
   for (std::size_t m = 0; m < layout.muscles.size(); ++m) {
     const std::vector<double>& shafts = motion.muscles[m].shafts;
     if (shafts.empty() || motion.commands.kinds[m] != CommandKind::kSetpoint) continue;
-    const auto row = motion.commands.values.row(static_cast<Eigen::Index>(m));
+    const auto row = motion.commands.values.row(m);
     const double commanded = row.maxCoeff() - row.minCoeff();
     if (commanded < kCommanded) continue;
     (rangeOf(shafts) < kStands * commanded ? stuck.push_back(m) : void(++follow));
   }
   if (follow == 0) return;
   for (const std::size_t m : stuck) {
-    const auto row = motion.commands.values.row(static_cast<Eigen::Index>(m));
+    const auto row = motion.commands.values.row(m);
     faults.push_back(
         faultOf("shaft_" + layout.muscles[m] + "_rad",
                 fmt::format("motion {}: the shaft of {} stands (within {:.1f} deg) while its set-point moves by {:.0f} "

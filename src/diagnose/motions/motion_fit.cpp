@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -38,9 +39,7 @@ double squareOfMost(const MotionPosterior& posterior, const MotionEvaluation& at
                         static_cast<double>(block.size));
     }
   }
-  const auto most = squares.begin() + std::ssize(squares) * 9 / 10;
-  std::ranges::nth_element(squares, most);
-  return *most;
+  return quantile(std::move(squares), 0.9);
 }
 
 }  // namespace
@@ -171,16 +170,15 @@ void MotionCauseFit::searchAlong(Eigen::Index i) {
   for (int search = 0; search < kSearches; ++search) {
     std::vector<Eigen::VectorXd> places(kPlaces, found);
     for (int k = 0; k < kPlaces; ++k) {
-      places[static_cast<std::size_t>(k)][i] =
-          std::clamp(from + k * spacing, posterior_->lower(i), posterior_->upper(i));
+      places[k][i] = std::clamp(from + k * spacing, posterior_->lower(i), posterior_->upper(i));
     }
     const std::vector<double> objectives = posterior_->objectives(places, some);
     rollouts_ += kPlaces * std::ssize(some);
     stopIfInterrupted();
     const auto best = std::ranges::min_element(objectives) - objectives.begin();
-    if (objectives[static_cast<std::size_t>(best)] < least) {
-      found = places[static_cast<std::size_t>(best)];
-      least = objectives[static_cast<std::size_t>(best)];
+    if (objectives[best] < least) {
+      found = places[best];
+      least = objectives[best];
     }
     if (best + 1 < kPlaces) spacing *= 0.25;  // else it may be larger still
     from = found[i] - kPlaces / 2 * spacing;
@@ -238,7 +236,7 @@ bool MotionCauseFit::beginBeside(const MotionPoint& point) {
     RowMajorF wider(known.rows(), known.cols() + room);
     wider.leftCols(first) = known.leftCols(first);
     for (Eigen::Index k = 0; k < room; ++k) {
-      wider.col(first + k) = moved[static_cast<std::size_t>(k)].residuals[m].cast<float>();
+      wider.col(first + k) = moved[k].residuals[m].cast<float>();
     }
     wider.rightCols(1) = known.rightCols(1) * static_cast<float>(was > 0.0 ? clock / was : 0.0);
     here_.jacobians.push_back(std::move(wider));
@@ -347,7 +345,7 @@ Eigen::VectorXd MotionCauseFit::losses() const {
     for (const ResidualBlock& block : posterior_->motions()[m].blocks()) {
       loss += robustLoss(here_.at.residuals[m].segment(block.first, block.size).squaredNorm());
     }
-    losses[static_cast<Eigen::Index>(m)] = 0.5 * posterior_->motions()[m].motion().weight * loss;
+    losses[m] = 0.5 * posterior_->motions()[m].motion().weight * loss;
   }
   return losses;
 }

@@ -73,10 +73,10 @@ CauseParameter factorOf(const Group& group, const MotionCauseFit& fit, const Eig
   const Eigen::VectorXd z = fit.here().z.head(ordinary);
   const std::vector<double> now = scaled.values(z), expected = scaled.values(Eigen::VectorXd::Zero(ordinary));
   const auto count = static_cast<double>(group.members.size());
-  const auto relative = [&](Eigen::Index i) { return scaled.slope(i, z[i]) / now[static_cast<std::size_t>(i)]; };
+  const auto relative = [&](Eigen::Index i) { return scaled.slope(i, z[i]) / now[i]; };
   double log_factor = 0.0, variance = 0.0;
   for (const Eigen::Index i : group.members) {
-    log_factor += std::log(now[static_cast<std::size_t>(i)] / expected[static_cast<std::size_t>(i)]) / count;
+    log_factor += std::log(now[i] / expected[i]) / count;
     for (const Eigen::Index k : group.members) variance += relative(i) * known(i, k) * relative(k) / (count * count);
   }
   const double half = 1.96 * std::sqrt(std::max(0.0, variance));

@@ -228,7 +228,7 @@ std::vector<std::vector<Eigen::Index>> Scanner::shifts(std::uint32_t draw) const
       const std::size_t count = last - first, by = static_cast<std::size_t>(part * static_cast<double>(count));
       for (std::size_t b = 0; b < count; ++b) {
         const ResidualBlock &to = blocks[first + b], &source = blocks[first + (b + by) % count];
-        for (Eigen::Index i = 0; i < to.size; ++i) moved[static_cast<std::size_t>(to.first + i)] = source.first + i;
+        for (Eigen::Index i = 0; i < to.size; ++i) moved[to.first + i] = source.first + i;
       }
     }
     from.push_back(std::move(moved));

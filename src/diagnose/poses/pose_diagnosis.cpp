@@ -22,7 +22,6 @@
 namespace simgap {
 namespace {
 
-constexpr std::size_t kFewestPoses = 8;
 constexpr double kLargeExcess = 0.5;  // of the cross-validated error over what the model itself expects
 constexpr double kClearExcess = 4.0;  // standard deviations
 constexpr double kLeastOdds = 1.0;    // log, of causes by all poses together

@@ -267,7 +267,7 @@ PoseChannels channelsOf(PoseFit& fit) {
     energy.differentiateByShafts(levers);
     const Eigen::VectorXd torque = energy.hessian() * channels.errors.row(p).transpose();
     for (Eigen::Index m = 0; m < muscles; ++m) {
-      const Muscle& muscle = model.muscles[static_cast<std::size_t>(m)];
+      const Muscle& muscle = model.muscles[m];
       const double tension = energy.tension(static_cast<std::size_t>(m));
       channels.values(p, c++) = tension;
       const Eigen::VectorXd arm = levers.col(m) / (muscle.shock_cord.stiffness * muscle.spindle_radius);
@@ -280,9 +280,9 @@ PoseChannels channelsOf(PoseFit& fit) {
 /// Mean and half width of its 95 % interval.
 std::pair<double, double> meanOf(const Eigen::VectorXd& values, std::span<const std::size_t> rows) {
   double sum = 0.0, squares = 0.0;
-  for (const std::size_t r : rows) sum += values[static_cast<Eigen::Index>(r)];
+  for (const std::size_t r : rows) sum += values[r];
   const auto n = static_cast<double>(rows.size());
-  for (const std::size_t r : rows) squares += std::pow(values[static_cast<Eigen::Index>(r)] - sum / n, 2);
+  for (const std::size_t r : rows) squares += std::pow(values[r] - sum / n, 2);
   return {sum / n, n > 1.0 ? 1.96 * std::sqrt(squares / (n - 1.0) / n) : 0.0};
 }
 
@@ -290,7 +290,7 @@ void addBins(std::vector<EvidenceBin>& bins, const std::string& against, const E
              const Eigen::VectorXd& before, const Eigen::VectorXd& after) {
   std::vector<std::size_t> order(static_cast<std::size_t>(channel.size()));
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return channel[static_cast<Eigen::Index>(i)]; });
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return channel[i]; });
   for (std::size_t b = 0; b < kPoseBins; ++b) {
     const std::size_t first = b * order.size() / kPoseBins, last = (b + 1) * order.size() / kPoseBins;
     if (first == last) continue;
@@ -328,8 +328,8 @@ std::vector<EvidenceBin> poseEvidence(PoseFit& before, PoseFit& after) {
   }
   for (Eigen::Index m = 0; m < old.missing.cols(); ++m) {
     const Eigen::Index c = 1 + std::ssize(joints) + m;
-    addBins(bins, fmt::format("missing tension [N] against {} [N]", old.names[static_cast<std::size_t>(c)]),
-            old.values.col(c), old.missing.col(m), now.missing.col(m));
+    addBins(bins, fmt::format("missing tension [N] against {} [N]", old.names[c]), old.values.col(c),
+            old.missing.col(m), now.missing.col(m));
   }
   return bins;
 }
@@ -351,7 +351,7 @@ std::vector<Leftover> poseLeftovers(PoseFit& fit) {
     const double total = channels.whitened.squaredNorm();
     const double explained = fitted.squaredNorm() / total;
     const double by_chance = 3.0 / static_cast<double>(n);
-    leftovers.push_back({channels.names[static_cast<std::size_t>(c)], (explained - by_chance) / (1.0 - by_chance), {}});
+    leftovers.push_back({channels.names[c], (explained - by_chance) / (1.0 - by_chance), {}});
   }
   std::ranges::stable_sort(leftovers, std::greater<>(), &Leftover::share);
   std::erase_if(leftovers, [](const Leftover& leftover) { return leftover.share < 0.05; });

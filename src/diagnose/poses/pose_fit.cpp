@@ -28,7 +28,7 @@ PoseFit::PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::v
       space_(prior_, choicesWith(problem.parameters, causes_)),
       posterior_(prior_, poses, space_, problem.noise),
       ordinary_(space_.size()),
-      z_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(space_.size()))) {
+      z_(Eigen::VectorXd::Zero(space_.size())) {
   for (const PoseCause& cause : causes_) ordinary_ -= static_cast<std::size_t>(fittedParameters(*cause.effect));
 }
 

@@ -26,8 +26,7 @@ std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<cons
       for (const EffectParameters& start : effect->starts) {
         Extension extension = makeExtension(*effect, target, start);
         if (!checkExtension(extension, model).empty()) continue;
-        if (effect->from_previous >= 0 && start[static_cast<std::size_t>(effect->from_previous)] != 0.0 && !timed)
-          continue;
+        if (effect->from_previous >= 0 && start[effect->from_previous] != 0.0 && !timed) continue;
         hypothesis.starts.push_back(start);
       }
       const Extension named{std::string(effect->name), target, {}};

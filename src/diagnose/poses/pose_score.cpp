@@ -16,7 +16,7 @@ constexpr double kJump = 3.0;  // [sd] of a whitened pose
 Eigen::VectorXd stackErrors(const std::vector<PoseResidual>& poses) {
   const Eigen::Index n = poses.front().error.size();
   Eigen::VectorXd all(n * std::ssize(poses));
-  for (Eigen::Index p = 0; p < std::ssize(poses); ++p) all.segment(p * n, n) = poses[static_cast<std::size_t>(p)].error;
+  for (Eigen::Index p = 0; p < std::ssize(poses); ++p) all.segment(p * n, n) = poses[p].error;
   return all;
 }
 
@@ -39,7 +39,7 @@ PoseScore::PoseScore(PoseFit& fit) : fit_(fit) {
   residual_.resize(n * std::ssize(poses));
   left_.resize(fit.z().size(), residual_.size());
   for (Eigen::Index p = 0; p < std::ssize(poses); ++p) {
-    const PoseResidual& pose = poses[static_cast<std::size_t>(p)];
+    const PoseResidual& pose = poses[p];
     roots_.push_back(std::sqrt(robustWeight(pose.error.squaredNorm())));
     residual_.segment(p * n, n) = roots_.back() * pose.error;
     left_.middleCols(p * n, n) = roots_.back() * pose.jacobian.transpose();

@@ -131,7 +131,7 @@ SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vect
       const std::string& name = names[e * static_cast<std::size_t>(options.self_test) + n];
       if (name.empty()) continue;
       const auto column = std::ranges::find(test.answers, name) - test.answers.begin();
-      if (column < std::ssize(test.answers)) ++test.count[e][static_cast<std::size_t>(column)];
+      if (column < std::ssize(test.answers)) ++test.count[e][column];
       if (e == 0) test.false_alarm_rate += isQuiet(name) ? 0.0 : 1.0 / options.self_test;
       if (e > 0 && name == test.hidden[e]) ++right;
     }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "robot_rows.h"
@@ -33,7 +34,7 @@ struct RobotHypothesis {
   bool linear = true;
   int drive = -1;         ///< the joint whose drive alone it changes; -1: more than one drive
   bool ordinary = false;  ///< no cause: numbers of a drive that a model without causes has
-  double searched = 1.0;  ///< places at which its shape was looked for
+  double searched = 1.0;  ///< places at which its shape was looked for; of more than one several can act at once
   /// \name Either of them; theta has shape (C)
   ///@{
   std::function<Eigen::VectorXd(const Eigen::VectorXd& theta)> change = {};  ///< of the parameters, shape (P)
@@ -51,7 +52,8 @@ struct RobotHypothesis {
 };
 
 struct RobotCause {
-  std::span<const char* const> names;  ///< of the causes that it makes
+  using Names = std::vector<std::string_view>;
+  Names (*names)();  ///< of the causes that it makes
   std::vector<RobotHypothesis> (*hypotheses)(const RobotRows& rows);
 };
 

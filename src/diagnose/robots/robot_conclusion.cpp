@@ -97,7 +97,7 @@ bool holdCause(const RobotRegressor& regressor, const BaseParameters& base, cons
   }
   MatrixXd slopes(base.combination.rows(), theta.size());
   for (Index k = 0; k < theta.size(); ++k) {
-    const double step = hypothesis.parameters[static_cast<std::size_t>(k)].step;
+    const double step = hypothesis.parameters[k].step;
     VectorXd before = theta, after = theta;
     before[k] -= step;
     after[k] += step;

@@ -52,8 +52,8 @@ void splitBlocks(const RobotLog& log, double holdout, RobotGround& ground) {
 std::vector<RobotHypothesis> hypothesesOf(const RobotRows& rows, const RobotDiagnosisOptions& options) {
   std::vector<RobotHypothesis> all;
   for (const RobotCause* cause : robot_causes::all()) {
-    const auto wanted = [&](const char* name) { return options.wants(name); };
-    if (std::ranges::none_of(cause->names, wanted)) continue;
+    const auto wanted = [&](std::string_view name) { return options.wants(name); };
+    if (std::ranges::none_of(cause->names(), wanted)) continue;
     for (RobotHypothesis& h : cause->hypotheses(rows)) {
       if (options.wants(h.cause)) all.push_back(std::move(h));
     }
@@ -64,7 +64,7 @@ std::vector<RobotHypothesis> hypothesesOf(const RobotRows& rows, const RobotDiag
 /// The law's base parameters as the regressor's own: only what is kept has a value.
 VectorXd keptParameters(const RobotRegressor& regressor, const BaseParameters& base, const VectorXd& x) {
   VectorXd parameters = VectorXd::Zero(regressor.columns());
-  for (std::size_t k = 0; k < base.columns.size(); ++k) parameters[base.columns[k]] = x[static_cast<Index>(k)];
+  for (std::size_t k = 0; k < base.columns.size(); ++k) parameters[base.columns[k]] = x[k];
   return parameters;
 }
 
@@ -122,7 +122,7 @@ std::vector<Absorption> absorbedBy(const RobotSearch& search, const RobotSearch:
 
 void addUntestable(const RobotSearch& search, bool known, Diagnosis& d) {
   for (const RobotCause* cause : robot_causes::all()) {
-    for (const char* name : cause->names) {
+    for (const std::string_view name : cause->names()) {
       bool any = false, open = false;
       for (std::size_t h = 0; h < search.size(); ++h) {
         if (search.hypothesis(h).cause != name) continue;
@@ -131,9 +131,10 @@ void addUntestable(const RobotSearch& search, bool known, Diagnosis& d) {
       }
       if (!any || open) continue;
       d.not_testable.push_back(
-          {name, known ? "what is known of the robot leaves it open"
-                       : "the fit of bodies and drives to this log says the same: give the robot as fit-dynamics finds "
-                         "it from a log without the cause"});
+          {std::string(name),
+           known ? "what is known of the robot leaves it open"
+                 : "the fit of bodies and drives to this log says the same: give the robot as fit-dynamics finds "
+                   "it from a log without the cause"});
     }
   }
 }
@@ -298,8 +299,8 @@ class RobotDiagnoser {
     result_.before = before;
     result_.after = after;
     for (std::size_t c = 0; c < rows.joints(); ++c) {
-      result_.before.col(static_cast<Index>(c)) /= ground_.constants[c];
-      result_.after.col(static_cast<Index>(c)) /= ground_.constants[c];
+      result_.before.col(c) /= ground_.constants[c];
+      result_.after.col(c) /= ground_.constants[c];
     }
     RobotLog unseen = log_;  // of whose rows only the held-out ones count
     const std::vector<bool> training = rowsOf(log_, ground_.training);
@@ -346,8 +347,9 @@ class RobotDiagnoser {
 
 void RobotDiagnosisOptions::validate() const {
   std::vector<std::string> known;
-  for (const RobotCause* cause : robot_causes::all())
-    known.insert(known.end(), cause->names.begin(), cause->names.end());
+  for (const RobotCause* cause : robot_causes::all()) {
+    for (const std::string_view name : cause->names()) known.emplace_back(name);
+  }
   std::ranges::sort(known);
   for (const std::string& effect : effects) {
     if (std::ranges::find(known, effect) != known.end()) continue;

@@ -45,7 +45,7 @@ std::vector<std::size_t> movingRows(const RobotRows& rows, std::size_t c) {
 
 /// Bins of equal counts, in the order of the driver. \param order  rows, is sorted
 std::vector<std::span<const std::size_t>> binsOf(const ArrayXd& values, std::vector<std::size_t>& order) {
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return values[static_cast<Index>(i)]; });
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return values[i]; });
   std::vector<std::span<const std::size_t>> bins;
   for (std::size_t k = 0; k < kJointBins; ++k) {
     const std::size_t begin = k * order.size() / kJointBins, end = (k + 1) * order.size() / kJointBins;
@@ -63,7 +63,7 @@ double savedBy(const ArrayXd& values, const ArrayXd& residual, const std::vector
     double sum = 0.0, count = 0.0, own[kRobotFolds] = {}, of[kRobotFolds] = {};
     for (const std::size_t i : bin) {
       if (fold[i] < 0) continue;
-      const double r = residual[static_cast<Index>(i)];
+      const double r = residual[i];
       sum += r, count += 1.0;
       own[fold[i]] += r, of[fold[i]] += 1.0;
     }
@@ -97,8 +97,8 @@ void addJointBins(const RobotSearch& search, const Driver& driver, std::size_t c
   for (const std::span<const std::size_t> bin : binsOf(driver.values, order)) {
     double center = 0.0, sums[2] = {}, squares[2] = {};
     for (const std::size_t i : bin) {
-      center += driver.values[static_cast<Index>(i)];
-      const double errors[2] = {before[static_cast<Index>(i)], after[static_cast<Index>(i)]};
+      center += driver.values[i];
+      const double errors[2] = {before[i], after[i]};
       for (int k = 0; k < 2; ++k) sums[k] += errors[k], squares[k] += errors[k] * errors[k];
     }
     const auto n = static_cast<double>(bin.size());
@@ -118,14 +118,14 @@ MatrixXd predictedTorque(const RobotSearch& search, const RobotSearch::Set& set,
   const RobotRows& rows = search.rows();
   VectorXd parameters = VectorXd::Zero(rows.regressor().columns());
   for (std::size_t k = 0; k < search.ground().base.columns.size(); ++k) {
-    parameters[search.ground().base.columns[k]] = fit.z[static_cast<Index>(k)];
+    parameters[search.ground().base.columns[k]] = fit.z[k];
   }
   MatrixXd torque = predictTorques(rows.log(), rows.regressor(), parameters, rows.model().curves);
   for (std::size_t k = 0; k < set.size(); ++k) {
     if (!search.hypothesis(set[k]).torque) continue;  // others stand in the parameters
     const ExtraColumn own = signatureOf(rows, search.hypothesis(set[k]), fit.theta[k]);
     for (std::size_t c = 0; c < own.size(); ++c) {
-      if (own[c].size() > 0) torque.col(static_cast<Index>(c)).array() += own[c];
+      if (own[c].size() > 0) torque.col(c).array() += own[c];
     }
   }
   return torque;
@@ -145,11 +145,11 @@ RobotLeft whatIsLeft(const RobotSearch& search, const RobotSearch::Set& set, con
   const MatrixXd predicted = predictedTorque(search, set, fit);
   const std::vector<int> folds = foldsOfRows(search);
   for (const std::size_t c : joints) {
-    const ArrayXd residual = search.rows().drive(c).effort - predicted.col(static_cast<Index>(c)).array();
+    const ArrayXd residual = search.rows().drive(c).effort - predicted.col(c).array();
     const std::vector<std::size_t> counted = movingRows(search.rows(), c);
     double squares = 1e-300;
     for (const std::size_t i : counted) {
-      if (folds[i] >= 0) squares += std::pow(residual[static_cast<Index>(i)], 2);
+      if (folds[i] >= 0) squares += std::pow(residual[i], 2);
     }
     Leftover most{"", 0.0, {}};
     for (const Driver& driver : driversOf(search.rows(), c)) {
@@ -170,7 +170,7 @@ std::vector<EvidenceBin> robotEvidence(const RobotSearch& search, const RobotSea
                                        const RobotSearch::Fit& fit, const MatrixXd& before, const MatrixXd& after) {
   const RobotRows& rows = search.rows();
   const auto left = [&](const MatrixXd& predicted, std::size_t c) {
-    return ArrayXd(rows.drive(c).effort - predicted.col(static_cast<Index>(c)).array());
+    return ArrayXd(rows.drive(c).effort - predicted.col(c).array());
   };
   std::vector<EvidenceBin> evidence;
   std::vector<bool> shown(rows.joints(), set.empty());
@@ -197,10 +197,10 @@ double robotNoiseFloor(const RobotSearch& search, const MatrixXd& predicted) {
   const RobotRows& rows = search.rows();
   double sum = 0.0, pairs = 0.0;
   for (std::size_t c = 0; c < rows.joints(); ++c) {
-    const ArrayXd residual = rows.drive(c).effort - predicted.col(static_cast<Index>(c)).array();
+    const ArrayXd residual = rows.drive(c).effort - predicted.col(c).array();
     for (std::size_t i = 1; i < rows.log().rows(); ++i) {
       if (!rows.counts(i, c) || !rows.counts(i - 1, c)) continue;
-      const double step = residual[static_cast<Index>(i)] - residual[static_cast<Index>(i - 1)];
+      const double step = residual[i] - residual[i - 1];
       sum += 0.5 * step * step / search.ground().variance[c];
       pairs += 1.0;
     }

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "diagnose/surrogates.h"
+#include "diagnose/verdict.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/statistics.h"
 
@@ -81,7 +82,6 @@ VectorXd explainedAlone(const RobotNormal& normal, const RobotGround& ground, In
 
 /// Why its own numbers are no measurement; empty when they are.
 std::string unmeasured(const RobotSearch& search, const RobotSearch::Set& set, std::size_t cause) {
-  constexpr double kMeaningless = 3.0;  // half widths of the interval, in sizes
   const RobotSearch::Fit fit = search.fit(set, kRobotFolds);
   const MatrixXd covariance = search.covariance(set, fit);
   Index first = 0;
@@ -90,7 +90,7 @@ std::string unmeasured(const RobotSearch& search, const RobotSearch::Set& set, s
   const RobotHypothesis& hypothesis = search.hypothesis(set[cause]);
   bool any = false;
   for (Index k = 0; k < theta.size(); ++k) {
-    const RobotCauseParameter& parameter = hypothesis.parameters[static_cast<std::size_t>(k)];
+    const RobotCauseParameter& parameter = hypothesis.parameters[k];
     const double sd = std::sqrt(std::max(0.0, covariance(first + k, first + k)));
     any = any || (sd > 0.0 && kNormalQuantile * sd < kMeaningless * std::abs(theta[k]));
     if (theta[k] >= parameter.lower - 2.0 * sd && theta[k] <= parameter.upper + 2.0 * sd) continue;

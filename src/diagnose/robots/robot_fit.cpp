@@ -54,7 +54,7 @@ MatrixXd RobotSearch::waysOf(const Set& set) const {
 
 RobotSearch::Fit RobotSearch::fit(const Set& named, int left_out, bool without_prior) const {
   const Set set = expanded(named);
-  const RobotNormal& normal = without_[static_cast<std::size_t>(left_out)];
+  const RobotNormal& normal = without_[left_out];
   // Ways to go from where it stands: every base parameter, and the hypotheses' own.
   const MatrixXd ways = waysOf(set);
   VectorXd start = VectorXd::Zero(all_);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -23,8 +24,7 @@ ArrayXd arrayOf(const std::vector<double>& values) {
 double medianStep(const std::vector<double>& time) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
-  std::ranges::nth_element(steps, steps.begin() + std::ssize(steps) / 2);
-  return steps[steps.size() / 2];
+  return upperMedian(std::move(steps));
 }
 
 double frictionSum(const RobotRegressor& regressor, const VectorXd& parameters, std::size_t c, FrictionBasis basis) {
@@ -56,10 +56,10 @@ RobotRows::RobotRows(const RobotLog& log, const RobotModel& model, const RobotRe
     rows.effort = constant(c) * arrayOf(joint.effort);
     rows.speed = arrayOf(joint.velocity);
     rows.direction = rows.speed.unaryExpr([](double) { return 1.0; });
-    for (std::size_t i = 0; i < log.rows(); ++i) rows.direction[static_cast<Index>(i)] = joint.direction[i];
+    for (std::size_t i = 0; i < log.rows(); ++i) rows.direction[i] = joint.direction[i];
     rows.acceleration = arrayOf(joint.acceleration);
     rows.joint_angle = arrayOf(joint.position);
-    rows.load = rigid_.col(static_cast<Index>(c)).array();
+    rows.load = rigid_.col(c).array();
     rows.travel = rows.rest = ArrayXd::Zero(rows.time.size());
     rows.session = log.session;
     rows.step = medianStep(log.time);
@@ -69,9 +69,9 @@ RobotRows::RobotRows(const RobotLog& log, const RobotModel& model, const RobotRe
 }
 
 ArrayXd RobotRows::residual(std::size_t c) const {
-  ArrayXd left = drives_[c].effort - flat_torque_.col(static_cast<Index>(c)).array();
+  ArrayXd left = drives_[c].effort - flat_torque_.col(c).array();
   for (std::size_t i = 0; i < log_.rows(); ++i) {
-    if (!training_[i] || !counts(i, c)) left[static_cast<Index>(i)] = 0.0;
+    if (!training_[i] || !counts(i, c)) left[i] = 0.0;
   }
   return left;
 }
@@ -100,8 +100,7 @@ MatrixXd RobotRows::rigidChange(const Change& change) const {
       const auto i = static_cast<Index>(row);
       torque.row(i) = (y * bodies).transpose();
       for (Index c = 0; c < torque.cols(); ++c) {
-        torque(i, c) +=
-            dynamics.springTorque(static_cast<std::size_t>(c), motion.position[static_cast<std::size_t>(c)]);
+        torque(i, c) += dynamics.springTorque(static_cast<std::size_t>(c), motion.position[c]);
       }
       torque.row(i) -= rigid_.row(i);
     }
@@ -145,8 +144,7 @@ ArrayXd RobotRows::shifted(const Eigen::Ref<const ArrayXd>& values, double later
   for (std::size_t row = 0; row < log_.rows(); ++row) {
     const auto [i, share] = momentAfter(row, later);
     const std::size_t next = std::min(i + 1, log_.rows() - 1);
-    result[static_cast<Index>(row)] =
-        (1.0 - share) * values[static_cast<Index>(i)] + share * values[static_cast<Index>(next)];
+    result[row] = (1.0 - share) * values[i] + share * values[next];
   }
   return result;
 }

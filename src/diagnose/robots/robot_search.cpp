@@ -46,9 +46,9 @@ RobotNormal normalOf(const std::vector<JointSums>& sums, const std::vector<std::
     const Index known = std::ssize(acts[c]), effort = known + 1;
     const double weight = 1.0 / variance[c];
     for (Index i = 0; i < known; ++i) {
-      const auto row = static_cast<Index>(acts[c][static_cast<std::size_t>(i)]);
+      const auto row = static_cast<Index>(acts[c][i]);
       for (Index k = 0; k < known; ++k) {
-        normal.a(row, static_cast<Index>(acts[c][static_cast<std::size_t>(k)])) += weight * p(i, k);
+        normal.a(row, static_cast<Index>(acts[c][k])) += weight * p(i, k);
       }
       normal.b[row] += weight * (constants[c] * p(i, effort) - p(i, known));
     }
@@ -127,7 +127,7 @@ void RobotSearch::shape(std::size_t h) {
     theta[k] += by;
     return theta;
   };
-  const auto step = [&](Index k) { return hypothesis.parameters[static_cast<std::size_t>(k)].step; };
+  const auto step = [&](Index k) { return hypothesis.parameters[k].step; };
   if (hypothesis.change) {
     const auto base = [&](const VectorXd& theta) {
       return VectorXd(ground_.base.combination * hypothesis.change(theta));
@@ -138,7 +138,7 @@ void RobotSearch::shape(std::size_t h) {
     if (!hypothesis.linear) s.known.head(base_) = base(s.at) - s.columns.topRows(base_) * s.at;
     return;
   }
-  const auto extra = [&](Index k) -> ExtraColumn& { return extras_[static_cast<std::size_t>(s.first_extra + k)]; };
+  const auto extra = [&](Index k) -> ExtraColumn& { return extras_[s.first_extra + k]; };
   for (Index k = 0; k < count; ++k) {
     s.columns(base_ + s.first_extra + k, k) = 1.0;
     if (hypothesis.linear) {
@@ -181,7 +181,7 @@ void RobotSearch::sum() {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     if (!ground_.training[b]) continue;
     for (int f = 0; f <= kRobotFolds; ++f) {
-      if (ground_.fold[b] != f) without_[static_cast<std::size_t>(f)] += blocks_[b];
+      if (ground_.fold[b] != f) without_[f] += blocks_[b];
     }
   }
 }
@@ -211,10 +211,10 @@ void RobotSearch::findActive(std::size_t h, const std::vector<JointSums>& total)
     const MatrixXd columns = s.columns(acts_[c], Eigen::all);
     const MatrixXd& products = total[c].products;
     const MatrixXd squares = columns.transpose() * products.topLeftCorner(columns.rows(), columns.rows()) * columns;
-    for (const Index k : s.active) weight[static_cast<Index>(c)] += squares(k, k) / ground_.variance[c] / gram(k, k);
+    for (const Index k : s.active) weight[c] += squares(k, k) / ground_.variance[c] / gram(k, k);
   }
   for (std::size_t c = 0; c < acts_.size(); ++c) {
-    if (weight[static_cast<Index>(c)] > kActs * weight.sum()) s.joints.push_back(c);
+    if (weight[c] > kActs * weight.sum()) s.joints.push_back(c);
   }
 }
 
@@ -272,7 +272,7 @@ BlockErrors RobotSearch::validate(const Set& set, bool without_prior) const {
 VectorXd RobotSearch::clamped(std::size_t h, VectorXd theta) const {
   for (std::size_t k = 0; k < hypotheses_[h].parameters.size(); ++k) {
     const RobotCauseParameter& parameter = hypotheses_[h].parameters[k];
-    double& value = theta[static_cast<Index>(k)];
+    double& value = theta[k];
     value = std::clamp(value, parameter.lower, parameter.upper);
   }
   return theta;
@@ -324,7 +324,7 @@ GroupErrors groupErrors(const BlockErrors& errors, const BlockErrors& counted, c
                         const std::vector<std::size_t>& joints) {
   std::vector<double> sums, rows;
   for (Index b = 0; b < errors.rows(); ++b) {
-    if (!blocks[static_cast<std::size_t>(b)]) continue;
+    if (!blocks[b]) continue;
     double sum = 0.0, count = 0.0;
     for (const std::size_t c : joints) {
       sum += errors(b, static_cast<Index>(c));

@@ -81,7 +81,7 @@ std::vector<RobotTrial> RobotSelector::step(const RobotSearch::Set& set, bool op
   for (std::size_t h = 0; h < search_.size(); ++h) {
     const bool taken = std::ranges::any_of(set, [&](std::size_t other) {
       return search_.hypothesis(other).label() == search_.hypothesis(h).label() &&
-             search_.hypothesis(h).cause != "position-ripple";
+             search_.hypothesis(h).searched == 1.0;
     });
     const bool asked = search_.testable(h) && !search_.hypothesis(h).ordinary;
     if (asked && !taken && !(open_only && refused_[h])) open.push_back(h);
@@ -101,7 +101,7 @@ std::vector<RobotTrial> RobotSelector::step(const RobotSearch::Set& set, bool op
     if (interruptRequested()) return;
     const RobotSearch::Set other = search_.beside(open[k]);
     const auto s = other.empty() ? std::ssize(drives) : std::ranges::find(drives, other.front()) - drives.begin();
-    trials[k] = tryOne(starts[static_cast<std::size_t>(s)], starts.back().errors, open[k]);
+    trials[k] = tryOne(starts[s], starts.back().errors, open[k]);
   });
   stopIfInterrupted();
   for (RobotTrial& trial : trials) trial.p_adjusted = std::min(1.0, trial.p * static_cast<double>(trials.size()));

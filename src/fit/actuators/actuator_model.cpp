@@ -11,39 +11,47 @@
 namespace simgap {
 namespace {
 
-ActuatorBase baseOf(std::string_view name) {
-  const auto kind = std::ranges::find(log_kinds::all(), name, &LogKind::name);
-  if (kind == log_kinds::all().end() || (*kind)->prepare == nullptr) return friction::find(name);
-  if (const ActuatorEquation* const equation = actuator_equations::find((*kind)->kind)) return *equation;
-  return {friction::find((*kind)->law != nullptr ? (*kind)->law : name), (*kind)->kind};
+/// What explains the logs of a kind: its equation, its law, or else the model's.
+ActuatorModel subjectOf(const LogKind& kind, std::string_view law) {
+  const ActuatorEquation* const equation = actuator_equations::find(kind.kind);
+  ActuatorModel subject{equation != nullptr
+                            ? ActuatorBase(*equation)
+                            : ActuatorBase(friction::find(kind.law != nullptr ? kind.law : law), kind.kind),
+                        {},
+                        {}};
+  if (kind.effect != nullptr) subject.effects.push_back(&actuator_effects::find(kind.effect));
+  return subject;
+}
+
+/// Effects that models of this kind hold as parameters of their own.
+void addOwnParameters(const FittedModel& model, const LogKind& kind, ActuatorModel& subject) {
+  for (const ActuatorEffect* effect : actuator_effects::all()) {
+    const OwnParameter* const own = effect->own_parameter;
+    if (own == nullptr || effect->kind != kind.kind || (model.law != own->law && !model.has(own->name))) continue;
+    const double value = model.value(own->name);
+    if (!std::isfinite(value)) continue;
+    const EffectParameter& parameter = effect->parameters.front();
+    subject.effects.push_back(effect);
+    subject.values.push_back(
+        {fmt::format("{}.{}", effect->name, parameter.name), std::string(parameter.unit), own->convert(value)});
+  }
 }
 
 }  // namespace
 
 ActuatorModel subjectOf(std::string_view name) {
-  ActuatorModel subject{baseOf(name), {}, {}};
-  if (const char* const effect = kindOf(subject.base.kind).effect) {
-    subject.effects.push_back(&actuator_effects::find(effect));
-  }
-  return subject;
+  const LogKind* const kind = log_kinds::find(name);
+  if (kind == nullptr || kind->prepare == nullptr) return {friction::find(name), {}, {}};
+  return subjectOf(*kind, name);
 }
 
 ActuatorModel subjectOf(const FittedModel& model) {
-  ActuatorModel subject = subjectOf(model.kind == "friction" ? model.law : model.kind);
-  const double k = model.valueOr("k", std::numeric_limits<double>::infinity());
-  if (model.kind == "pam" && std::isfinite(k)) {
-    subject.effects.push_back(&actuator_effects::find("tendon-compliance"));
-    subject.values.push_back({"tendon-compliance.compliance", "1_N", 1.0 / k});
-  }
-  if (model.kind == "spring" && model.law == kCord) {
-    subject.effects.push_back(&actuator_effects::find("spring-slack"));
-    subject.values.push_back({"spring-slack.rest_length", "m", model.value("rest_length")});
-  }
+  const LogKind* const kind = log_kinds::find(model.kind);
+  ActuatorModel subject = subjectOf(*kind, model.law);
+  addOwnParameters(model, *kind, subject);
   for (const Extension& extension : model.extensions) {
     const ActuatorEffect& effect = actuator_effects::find(extension.effect, extension.form);
-    const bool of_angles = kindOf(effect.kind).prepare == nullptr  // made of both angles
-        ;
-    if (of_angles) {
+    if (&effect == &actuator_effects::ofTransmission()) {
       subject.of_angles.push_back(extension);
     } else {
       subject.effects.push_back(&effect);

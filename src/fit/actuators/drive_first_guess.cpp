@@ -27,7 +27,7 @@ VectorXd column(const std::vector<double>& v) {
 
 /// d/dt per session, of a channel smoothed at a tenth of the sampling rate.
 VectorXd slope(const MotorLog& log, const std::vector<double>& channel) {
-  VectorXd result = VectorXd::Zero(static_cast<Index>(channel.size()));
+  VectorXd result = VectorXd::Zero(channel.size());
   for (const Block& rows : splitRows(log.session, log.rows())) {
     if (rows.size() < 4) continue;
     const auto time = std::span(log.time).subspan(rows.begin, rows.size());

@@ -71,7 +71,7 @@ class FreeDrive {
     one.linear = log_.linear;
     one.effort_unit = log_.effort_unit;
     one.session = {0};
-    one.session_names = {log_.session_names[static_cast<std::size_t>(log_.session[k])]};
+    one.session_names = {log_.session_names[log_.session[k]]};
     one.position = {s.position * ratio_};
     one.acceleration = {acceleration};
     if (!log_.load.empty()) one.load = {log_.load[k]};

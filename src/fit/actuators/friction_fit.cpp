@@ -118,8 +118,7 @@ std::vector<StribeckMoments> sumParts(const FrictionModel& model, const Eigen::V
     for (std::size_t b = static_cast<std::size_t>(part); b < data.blocks.size(); b += static_cast<std::size_t>(parts)) {
       for (Block rows = {data.blocks[b].begin, 0}; rows.begin < data.blocks[b].end; rows.begin = rows.end) {
         rows.end = std::min(rows.begin + 2048, data.blocks[b].end);
-        sums[part].add(data.log_speed.segment(static_cast<Index>(rows.begin), static_cast<Index>(rows.size())),
-                       model.columns(rig, rows));
+        sums[part].add(data.log_speed.segment(rows.begin, rows.size()), model.columns(rig, rows));
       }
     }
   });
@@ -311,7 +310,7 @@ Eigen::ArrayXd predictEffort(const LeastSquaresProblem& problem, const FrictionF
   const Eigen::ArrayXd& measured = options.predict_load ? data.load : data.effort;
   Eigen::VectorXd predicted(static_cast<Index>(rows.size()));
   problem.evaluate(fit.theta, rows, predicted, nullptr);
-  return predicted.array() + measured.segment(static_cast<Index>(rows.begin), static_cast<Index>(rows.size()));
+  return predicted.array() + measured.segment(rows.begin, rows.size());
 }
 
 Eigen::ArrayXd predictEffort(const FrictionFit& fit, const FrictionData& data, const FrictionFitOptions& options,

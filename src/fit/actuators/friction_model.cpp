@@ -168,7 +168,7 @@ std::vector<double> FrictionModel::thetaOf(const SeparableMinimum& minimum) cons
     if (terms[i].times_gain) physical[i] /= gain;
   }
   const auto law = static_cast<Index>(1 + terms_);
-  const std::vector<double> rig = data_->rigConstants(physical.segment(law, static_cast<Index>(rig_columns_)));
+  const std::vector<double> rig = data_->rigConstants(physical.segment(law, rig_columns_));
   theta[0] = predict_load_ ? gain : 1.0 / gain;
   std::copy(physical.begin() + 1, physical.begin() + law, theta.begin() + 1);
   std::ranges::copy(rig, theta.begin() + law);

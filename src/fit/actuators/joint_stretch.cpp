@@ -16,7 +16,6 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
-constexpr const char* kStretches = "transmission-compliance";
 constexpr int kStretchCells = 12;  // per axis
 
 /// Offset and lag of the encoders that explain `rest` best, over the rows that count.
@@ -79,12 +78,13 @@ double JointStretch::stiffness(double load) const {
 }
 
 JointStretch predictJointAngle(const FittedModel& model, const CsvTable& table, const Bench& bench) {
-  const auto own = std::ranges::find(model.extensions, kStretches, &Extension::effect);
+  const std::string_view stretches = actuator_effects::ofTransmission().name;
+  const auto own = std::ranges::find(model.extensions, stretches, &Extension::effect);
   if (own == model.extensions.end()) {
     throw ConfigError(
         fmt::format("found no {} in the model with --joint-angle, expected that of simgap diagnose on a log "
                     "with both angles",
-                    kStretches));
+                    stretches));
   }
   if (!bench.ratio) throw ConfigError("found no ratio with --joint-angle, expected --ratio, or one in the model");
   if (!table.offersQuantity("motor_position", "rad")) {

@@ -1,12 +1,16 @@
 #include "simgap/fit/actuators/prediction.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 
 #include "simgap/core/error.h"
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/actuator_model.h"
+#include "simgap/fit/actuators/fitted_drive.h"
 #include "simgap/fit/actuators/friction_fit.h"
+#include "simgap/measure/logs/log_kind.h"
 #include "simgap/model/actuator/friction_drive.h"
 #include "simgap/model/actuator/pam.h"
 
@@ -38,6 +42,27 @@ std::vector<Estimate> estimatesOf(const FittedModel& model) {
 }
 
 }  // namespace
+
+bool isDiagnosed(const FittedModel& model) { return !model.extensions.empty() || model.has(kNuisance); }
+
+Prediction predictLog(const FittedModel& model, const CsvTable& table, const Bench& bench,
+                      const PredictionOptions& options) {
+  const ActuatorKind kind = log_kinds::find(model.kind)->kind;
+  const bool diagnosed = isDiagnosed(model);
+  if (diagnosed && (kind == ActuatorKind::kGearbox || options.inverse)) {
+    throw ConfigError(fmt::format("found a diagnosed model {}, expected none there",
+                                  options.inverse ? "with --inverse" : "in a gearbox model"));
+  }
+  if (kind == ActuatorKind::kSpring && options.inverse) {
+    throw ConfigError("found a spring with --inverse, expected a muscle or a drive there");
+  }
+  if (diagnosed || kind == ActuatorKind::kSpring) return predictDiagnosed(model, table, bench);
+  if (kind == ActuatorKind::kFriction) return predictFriction(model, table, bench);
+  if (kind == ActuatorKind::kPam) return predictPam(model, table, options.inverse);
+  if (kind == ActuatorKind::kMotor) return predictDrive(readMotorLog(table), motorFrom(model), {}, options.inverse);
+  if (!options.motor) throw ConfigError("a gearbox model needs --motor MODEL too");
+  return predictDrive(readMotorLog(table), motorFrom(*options.motor), gearboxFrom(model), options.inverse);
+}
 
 Prediction predictDiagnosed(const FittedModel& model, const CsvTable& table, const Bench& bench) {
   const ActuatorModel subject = subjectOf(model);

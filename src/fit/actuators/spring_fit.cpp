@@ -58,7 +58,7 @@ class SpringProblem {
     Eigen::MatrixXd x(std::ssize(taut), 2);
     Eigen::VectorXd f(std::ssize(taut));
     for (Index k = 0; k < f.size(); ++k) {
-      const std::size_t i = taut[static_cast<std::size_t>(k)];
+      const std::size_t i = taut[k];
       x.row(k) << deflection[i], 1.0;
       f[k] = force[i];
     }

@@ -60,7 +60,7 @@ StribeckMoments::StribeckMoments(std::vector<FrictionShape> shapes, const Eigen:
 void StribeckMoments::makeBins(Index bins) {
   if (products_.empty()) return;
   count_ = sum_log_ = Eigen::VectorXd::Zero(bins);
-  mixed_ = Eigen::MatrixXd::Zero(bins, static_cast<Index>(products_.size()));
+  mixed_ = Eigen::MatrixXd::Zero(bins, products_.size());
 }
 
 Index StribeckMoments::cellOf(double log_speed) const {

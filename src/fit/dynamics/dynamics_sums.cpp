@@ -68,7 +68,7 @@ void sumBlock(const RobotLog& log, const Block& block, const RobotRegressor& reg
       const Index joint = c;
       Index at = 0;
       for (const std::size_t k : base.acts[c]) chunk.rows(chunk.filled, at++) = y(joint, base.columns[k]);
-      for (const Eigen::ArrayXd* extra : own[c]) chunk.rows(chunk.filled, at++) = (*extra)[static_cast<Index>(row)];
+      for (const Eigen::ArrayXd* extra : own[c]) chunk.rows(chunk.filled, at++) = (*extra)[row];
       chunk.rows(chunk.filled, at++) = regressor.dynamics().springTorque(c, motion.position[c]);
       chunk.rows(chunk.filled, at) = log.joints[c].effort[row];
       if (++chunk.filled == kChunk) chunk.addTo(sums[c]);

@@ -196,7 +196,7 @@ class Search {
   }
 
   double effort(std::size_t j, const RobotMotion& now, const RegressorMatrix& y) const {
-    return y.row(static_cast<Index>(j)).dot(given_) + regressor_.dynamics().springTorque(j, now.position[j]);
+    return y.row(j).dot(given_) + regressor_.dynamics().springTorque(j, now.position[j]);
   }
 
   double distance(const DistanceLimit& limit, const RobotRegressor::Workspace& work) const {

@@ -63,7 +63,7 @@ std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, cons
     return has_prior ? std::min(1.0, sd) : sd;
   };
   for (Eigen::Index i = 0; i < scaled.size(); ++i) {
-    const SearchParameter& p = posterior.space().parameters()[static_cast<std::size_t>(i)];
+    const SearchParameter& p = posterior.space().parameters()[i];
     const double wide = knownTo(i, scaled.hasPrior(i));
     const double slope = scaled.slope(i, fit.z[i]);
     parameters.push_back({p.name, p.unit, p.initial, scaled.value(i, fit.z[i]),
@@ -93,10 +93,10 @@ std::vector<std::string> alikePairs(const std::vector<MotionParameter>& paramete
       other = j;
     }
     if (other < 0 || !told.insert(std::minmax(i, other)).second) continue;
-    words.push_back(
-        fmt::format("{} and {}: these motions tell little but their {} (correlation {:.3f})",
-                    parameters[static_cast<std::size_t>(i)].name, parameters[static_cast<std::size_t>(other)].name,
-                    covariance(i, other) < 0.0 ? "sum" : "difference", covariance(i, other) / (root[i] * root[other])));
+    words.push_back(fmt::format("{} and {}: these motions tell little but their {} (correlation {:.3f})",
+                                parameters[i].name, parameters[other].name,
+                                covariance(i, other) < 0.0 ? "sum" : "difference",
+                                covariance(i, other) / (root[i] * root[other])));
   }
   return words;
 }

@@ -103,13 +103,13 @@ std::vector<PoseResidual> MotionPosterior::evaluatePoses(const Eigen::VectorXd& 
   if (!poses_) return {};
   Eigen::VectorXd apart(std::ssize(owners_));
   for (std::size_t i = 0; i < owners_.size(); ++i) {
-    apart[static_cast<Eigen::Index>(i)] = z[static_cast<Eigen::Index>(owners_[i])];
+    apart[i] = z[owners_[i]];
   }
   std::vector<PoseResidual> poses = poses_->evaluate(apart, jacobians);
   for (PoseResidual& pose : poses) {
     Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(pose.jacobian.rows(), scaled_.size());
     for (std::size_t i = 0; i < owners_.size(); ++i) {
-      jacobian.col(static_cast<Eigen::Index>(owners_[i])) += pose.jacobian.col(static_cast<Eigen::Index>(i));
+      jacobian.col(owners_[i]) += pose.jacobian.col(i);
     }
     pose.jacobian = std::move(jacobian);
   }

@@ -25,8 +25,7 @@ using Squares = Eigen::VectorXd;
 
 Squares squaresOf(const MotionRms& rms) {
   Squares squares(std::ssize(rms.joints) + 2);
-  for (std::size_t j = 0; j < rms.joints.size(); ++j)
-    squares[static_cast<Eigen::Index>(j)] = std::pow(rms.joints[j], 2);
+  for (std::size_t j = 0; j < rms.joints.size(); ++j) squares[j] = std::pow(rms.joints[j], 2);
   squares.tail<2>() << rms.shafts * rms.shafts, rms.currents * rms.currents;
   return squares;
 }
@@ -78,7 +77,7 @@ PlayedDraws playDraws(const MotionPosterior& motions, const Eigen::VectorXd& fou
     played.ways.emplace_back(groups, std::ssize(motions.motions()));
     for (std::size_t m = 0; m < motions.motions().size(); ++m) {
       const Squares way = wayBetween(motions.motions()[m], here.residuals[m], there.residuals[m], groups);
-      played.ways.back().col(static_cast<Eigen::Index>(m)) = way;
+      played.ways.back().col(m) = way;
       played.weighed += (there.residuals[m] - here.residuals[m]).squaredNorm();
     }
   }
@@ -200,7 +199,7 @@ std::optional<MotionPrediction> predictMotions(const MotionPosterior& posterior,
   const double part = std::min(1.0, most / std::max(most, seen.weighed)) / static_cast<double>(seen.ways.size());
   Eigen::MatrixXd left = Eigen::MatrixXd::Zero(groups, std::ssize(fitted));
   for (const Eigen::MatrixXd& way : seen.ways) left += part * way;
-  for (std::size_t m = 0; m < fitted.size(); ++m) left.col(static_cast<Eigen::Index>(m)) += squaresOf(fitted[m]);
+  for (std::size_t m = 0; m < fitted.size(); ++m) left.col(m) += squaresOf(fitted[m]);
   const Eigen::MatrixXd numbers = numbersOf(posterior, groups), numbers_unseen = numbersOf(unseen, groups);
   Eigen::MatrixX3d quantiles(groups, 3);
   for (Eigen::Index group = 0; group < groups; ++group) {

@@ -75,8 +75,8 @@ Eigen::VectorXd dampedStep(const MotionPosterior& posterior, const MotionPosteri
     std::vector<Eigen::Index> still_free;
     for (std::size_t k = 0; k < free.size(); ++k) {
       const Eigen::Index i = free[k];
-      const double to = std::clamp(z[i] + solved[static_cast<Eigen::Index>(k)], posterior.lower(i), posterior.upper(i));
-      if (to == z[i] + solved[static_cast<Eigen::Index>(k)]) {
+      const double to = std::clamp(z[i] + solved[k], posterior.lower(i), posterior.upper(i));
+      if (to == z[i] + solved[k]) {
         still_free.push_back(i);
       } else {
         step[i] = to - z[i];

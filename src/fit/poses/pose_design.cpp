@@ -9,7 +9,7 @@
 #include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
-#include "simgap/simulate/replay.h"
+#include "simgap/fit/poses/posterior_search.h"
 
 namespace simgap {
 namespace {
@@ -128,6 +128,25 @@ PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const
   for (std::size_t k = 0; k < design.poses.size(); ++k) addPose(uncertainty.covariance, residuals[k].jacobian);
   design.after_random = predictError(posterior, z, uncertainty, unseen);
   return design;
+}
+
+DesignResult designNextPoses(const ArmModel& model, const PoseSet& recorded, const CalibrationConfig& config,
+                             const DesignOptions& options) {
+  if (recorded.poses.size() < kFewestPoses) {
+    throw DataError(fmt::format("{}: found {} poses, expected at least {} to design the next ones from", recorded.file,
+                                recorded.poses.size(), kFewestPoses));
+  }
+  const ParameterSpace space(model, config.parameters);
+  PosePosterior posterior(model, recorded.poses, space, config.noise);
+  const PosteriorSearchOptions search{.starts = config.starts, .seed = options.seed};
+  const std::vector<PosteriorFit> fits = searchPosterior(posterior, search);
+  stopIfInterrupted();
+  const PosteriorFit& best = *std::ranges::min_element(fits, {}, &PosteriorFit::objective);
+  if (std::isinf(best.objective)) throw NumericsError("no start led to stable equilibria in all recorded poses");
+  posterior.whiten(best.z);
+  DesignResult result{posterior.modelAt(best.z), recorded, options, designPoses(posterior, best.z, space, options), {}};
+  result.expected = replayAll(*makeEvaluator("equilibrium", {}), result.model, {"next_poses.csv", result.design.poses});
+  return result;
 }
 
 }  // namespace simgap

@@ -301,7 +301,7 @@ std::vector<Eigen::VectorXd> explore(const PosePosterior& posterior, int threads
 std::vector<PosteriorFit> bestOf(std::vector<PosteriorFit> fits, int count) {
   std::stable_sort(fits.begin(), fits.end(),
                    [](const PosteriorFit& a, const PosteriorFit& b) { return a.objective < b.objective; });
-  if (std::ssize(fits) > count) fits.resize(static_cast<std::size_t>(count));
+  if (std::ssize(fits) > count) fits.resize(count);
   return fits;
 }
 

@@ -83,7 +83,7 @@ std::vector<Index> comparable(const LogEvidence& evidence, const Answers& answer
   }
   const auto left_out = static_cast<double>(measured.size() - std::ssize(near));
   if (left_out <= kMostOutliers * static_cast<double>(measured.size())) return near;
-  near.resize(static_cast<std::size_t>(measured.size()));
+  near.resize(measured.size());
   for (Index i = 0; i < measured.size(); ++i) near[i] = i;
   return near;
 }
@@ -100,7 +100,7 @@ GroupErrors piecesOf(const VectorXd& errors, const std::vector<Index>& rows, con
     const std::pair<Index, int> place{row / length, session[row]};
     if (place != last) pieces.emplace_back(0.0, 0.0);
     last = place;
-    pieces.back().first += errors[static_cast<Index>(k)] * errors[static_cast<Index>(k)];
+    pieces.back().first += errors[k] * errors[k];
     pieces.back().second += 1.0;
   }
   GroupErrors groups{ArrayXd(std::ssize(pieces)), ArrayXd(std::ssize(pieces))};

@@ -137,7 +137,7 @@ void changeLoads(ChangedLog& changed) {
   for (std::size_t k = 0; k < data.rig_parameters.size(); ++k) {
     const auto added = changed.setting.added.find(
         data.rig_parameters[k].name == "total_inertia" ? "inertia" : data.rig_parameters[k].name);
-    if (added != changed.setting.added.end()) data.rows.load += added->second * data.rig.col(static_cast<Index>(k));
+    if (added != changed.setting.added.end()) data.rows.load += added->second * data.rig.col(k);
   }
   const double gear = changed.setting.gear;
   if (gear == 1.0) return;
@@ -202,7 +202,7 @@ PredictedRows predictRows(const LogEvidence::Candidate& candidate, const Changed
   result.spread.resize(own.rows(), own.cols() + std::ssize(moved));
   result.spread.leftCols(own.cols()) = own;
   for (Index k = 0; k < std::ssize(moved); ++k) {
-    const auto& [forward, back] = moved[static_cast<std::size_t>(k)];
+    const auto& [forward, back] = moved[k];
     result.spread.col(own.cols() + k) =
         0.5 * (Asking(candidate, forward).predict() - Asking(candidate, back).predict()).matrix();
   }

@@ -42,7 +42,7 @@ Predicted PosePrediction::after(const ArmChanges& change, std::span<const Pose> 
   result.uncertain.resize(result.e.size(), std::ssize(uncertain));
   for (std::size_t k = 0; k < uncertain.size(); ++k) {
     const auto& [forward, back] = uncertain[k];
-    result.uncertain.col(static_cast<Index>(k)) =
+    result.uncertain.col(k) =
         0.5 * (predict(forward, poses, false, &result).e - predict(back, poses, false, &result).e);
   }
   result.covariance += result.uncertain * result.uncertain.transpose();

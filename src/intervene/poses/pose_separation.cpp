@@ -247,7 +247,7 @@ PoseSeparation separatePoses(const PoseEvidence& evidence, const SeparationOptio
     forEach(problemOf(evidence, evidence.candidates.front()), usable.size(),
             [&](std::size_t i) { doubt[i] = sequence.doubtAfter(usable[i]); });
     const auto best = std::ranges::min_element(doubt) - doubt.begin();
-    const std::size_t command = usable[static_cast<std::size_t>(best)];
+    const std::size_t command = usable[best];
     usable.erase(usable.begin() + best);
     sequence.add(command);
     result.poses.push_back(commands[command]);

@@ -123,10 +123,10 @@ CsvTable keepSessions(CsvTable table, const std::vector<std::string>& chosen) {
     if (found == names.end()) {
       throw DataError(fmt::format("{}: found no session {}, expected one of {}", table.name(), name, listed(names)));
     }
-    unwanted[static_cast<std::size_t>(found - names.begin())] = false;
+    unwanted[found - names.begin()] = false;
   }
   std::vector<bool> out(table.rows());
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = unwanted[static_cast<std::size_t>(session[i])];
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = unwanted[session[i]];
   return table.withoutRows(out);
 }
 

@@ -73,6 +73,14 @@ std::vector<std::size_t> findClipped(std::span<const double> values, std::span<c
   return clipped;
 }
 
-double agreement(const SpringLog& log) { return correlation(log.deflection, log.force); }
+SpringLog readSignedSpringLog(const CsvTable& table) {
+  constexpr double kMirrored = -0.7;
+  SpringLog spring = readSpringLog(table);
+  const double r = correlation(spring.deflection, spring.force);
+  if (r >= kMirrored) return spring;
+  throw DataError(
+      fmt::format("{}: {}_{} falls where {} grows (correlation {:.2f}), expected both to count tension as positive",
+                  spring.file, spring.forceName(), spring.forceUnit(), spring.deflectionColumn(), r));
+}
 
 }  // namespace simgap

@@ -42,8 +42,8 @@ double apart(const std::vector<Speeds>& speeds, int rows, double fast) {
   for (const Speeds& run : speeds) {
     const auto n = std::ssize(run.slope);
     for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, -late); i < std::min(n, n - late); ++i) {
-      const double slope = run.slope[static_cast<std::size_t>(i)];
-      if (std::abs(slope) >= fast) differences.push_back(slope - run.velocity[static_cast<std::size_t>(i + late)]);
+      const double slope = run.slope[i];
+      if (std::abs(slope) >= fast) differences.push_back(slope - run.velocity[i + late]);
     }
   }
   const double sd = robustDeviation(std::move(differences));

@@ -1,4 +1,5 @@
 #include "simgap/model/actuator/cable_drive.h"
+#include "simgap/core/units.h"
 
 #include <fmt/format.h>
 
@@ -25,10 +26,9 @@ DriveFeedForward readFriction(const YamlNode& node, const std::function<FittedMo
 }
 
 void readTurned(const YamlNode& node, CableDrive& drive) {
-  constexpr double kGravity = 9.81;  // [m/s^2]
   drive.inertia = node.quantity("inertia", "kg_m2", kPositive);
   const double mass = node.findQuantity("mass", "kg", kNonNegative).value_or(0.0);
-  if (mass > 0.0) drive.weight = mass * kGravity * node.quantity("centre", "m", kNonNegative);
+  if (mass > 0.0) drive.weight = mass * kEarthGravity * node.quantity("centre", "m", kNonNegative);
   drive.hangs_at = node.findQuantity("hangs_at", "rad").value_or(0.0);
   drive.viscous_friction = node.findQuantity("viscous_friction", "Nms", kNonNegative).value_or(0.0);
 }

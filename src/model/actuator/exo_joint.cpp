@@ -1,4 +1,5 @@
 #include "simgap/model/actuator/exo_joint.h"
+#include "simgap/core/units.h"
 
 #include <fmt/format.h>
 
@@ -68,11 +69,10 @@ ExoMotor readExoMotor(const YamlNode& node) {
 }
 
 ExoLink readExoLink(const YamlNode& node) {
-  constexpr double kGravity = 9.81;  // [m/s^2]
   ExoLink link;
   link.inertia = node.quantity("inertia", "kg_m2", kPositive);
   const double mass = node.findQuantity("mass", "kg", kNonNegative).value_or(0.0);
-  if (mass > 0.0) link.weight = mass * kGravity * node.quantity("centre", "m", kNonNegative);
+  if (mass > 0.0) link.weight = mass * kEarthGravity * node.quantity("centre", "m", kNonNegative);
   link.hangs_at = node.findQuantity("hangs_at", "rad").value_or(0.0);
   link.coulomb_friction = node.findQuantity("coulomb_friction", "Nm", kNonNegative).value_or(0.0);
   link.viscous_friction = node.findQuantity("viscous_friction", "Nms", kNonNegative).value_or(0.0);

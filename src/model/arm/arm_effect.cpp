@@ -232,7 +232,7 @@ void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model) {
     if (effect->path && wrapsAsSurface(model, target)) wrapLine(p, target, model);
     if (effect->rest_shift) {
       PassiveTendon& tendon = model.tendons[target - static_cast<int>(model.muscles.size())];
-      tendon.p[static_cast<std::size_t>(restLengthOf(tendon))] += effect->rest_shift(p);
+      tendon.p[restLengthOf(tendon)] += effect->rest_shift(p);
     }
     if (!effect->mass) continue;
     constexpr double kRadius = 0.005;  // [m]: small, for a simulation that asks for its inertia

@@ -8,6 +8,7 @@
 
 #include "arm_yaml_parts.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/rotation.h"
 
 namespace simgap::arm_yaml {
 namespace {
@@ -267,17 +268,10 @@ Eigen::Quaterniond readOrientation(const YamlNode& node, const std::string& stem
   const auto given = node.find(stem + "orientation");
   if (node.hasQuantity(stem + "rpy", "rad")) {
     if (given) given->fail(fmt::format("found {0}rpy beside {0}orientation, expected one of them", stem));
-    const Eigen::Vector3d rpy = node.vectorQuantity(stem + "rpy", "rad");
-    return Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
-           Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX());
+    return fromRollPitchYaw(node.vectorQuantity(stem + "rpy", "rad"));
   }
   if (!given) return Eigen::Quaterniond::Identity();
-  const std::vector<YamlNode> cells = given->items();
-  if (cells.size() != 4) given->fail(fmt::format("found {} numbers, expected a quaternion [w, x, y, z]", cells.size()));
-  const Eigen::Quaterniond q(cells[0].number(), cells[1].number(), cells[2].number(), cells[3].number());
-  if (std::abs(q.norm() - 1.0) > 1e-3) {
-    given->fail(fmt::format("found a quaternion of length {:.6g}, expected 1 within 0.001", q.norm()));
-  }
+  const Eigen::Quaterniond q = given->unitQuaternion();
   return std::abs(q.norm() - 1.0) < 1e-12 ? q : q.normalized();
 }
 

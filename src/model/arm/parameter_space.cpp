@@ -227,7 +227,7 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
       chosen = &choices[c];
     }
     if (chosen && matchesPattern(chosen->only, name)) {
-      std::optional<std::size_t>& one = shared[static_cast<std::size_t>(chosen - choices.data())];
+      std::optional<std::size_t>& one = shared[chosen - choices.data()];
       if (!chosen->together || !one) {
         one = parameters_.size();
         parameters_.push_back(makeParameter(chosen->together ? chosen->pattern : name, kind, value, *chosen));

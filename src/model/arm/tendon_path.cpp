@@ -224,7 +224,7 @@ PathParts partsOf(const TendonPath& path) {
   }
   if (!path.jointsOnly()) meetPoint(path.attachments[1], last);
   if (path.wrap) {
-    PathStretch& stretch = parts.stretches[static_cast<std::size_t>(path.wrap->stretch)];
+    PathStretch& stretch = parts.stretches[path.wrap->stretch];
     stretch.over = 0;
     stretch.body = path.wrap->body;
     stretch.surface = path.wrap->surface;

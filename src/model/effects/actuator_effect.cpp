@@ -49,6 +49,10 @@ const ActuatorEffect& actuator_effects::find(std::string_view name, std::string_
   throw ConfigError(fmt::format("found no effect '{}' on actuators, expected one of {}", name, known));
 }
 
+const ActuatorEffect& actuator_effects::ofTransmission() {
+  return **std::ranges::find(all(), ActuatorKind::kTransmission, &ActuatorEffect::kind);
+}
+
 const ActuatorEffect& actuator_effects::inEveryDrive() {
   return **std::ranges::find_if(all(), [](const ActuatorEffect* effect) { return effect->in_every_drive; });
 }

@@ -122,7 +122,7 @@ Mesh readObj(const std::string& text, const std::string& name) {
       std::from_chars(corner.data(), corner.data() + corner.size(), index);
       const long at = index < 0 ? std::ssize(places) + index : index - 1;
       if (at < 0 || at >= std::ssize(places)) failMesh(name, number, fmt::format("found no corner '{}'", corner));
-      corners.push_back(places[static_cast<std::size_t>(at)]);
+      corners.push_back(places[at]);
     }
     if (corners.size() < 3) failMesh(name, number, fmt::format("found a face of {} corners", corners.size()));
     for (std::size_t k = 2; k < corners.size(); ++k) {
@@ -142,7 +142,7 @@ void refuseOpen(const Mesh& mesh, const std::string& name) {
   std::ranges::sort(edges);
   const auto twice = std::ranges::adjacent_find(edges);
   const auto place = [&](const std::array<int, 2>& edge) {
-    const Eigen::Vector3d& p = mesh.points[static_cast<std::size_t>(edge[0])];
+    const Eigen::Vector3d& p = mesh.points[edge[0]];
     return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
   };
   if (twice != edges.end()) {
@@ -178,7 +178,7 @@ MeshVolume volumeOf(const Mesh& mesh, const std::string& name) {
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (const std::array<int, 3>& t : mesh.triangles) {
     std::array<Eigen::Vector3d, 3> p;
-    for (std::size_t k = 0; k < 3; ++k) p[k] = mesh.points[static_cast<std::size_t>(t[k])] - origin;
+    for (std::size_t k = 0; k < 3; ++k) p[k] = mesh.points[t[k]] - origin;
     const Eigen::Vector3d sum = p[0] + p[1] + p[2];
     const double det = p[0].dot(p[1].cross(p[2]));
     volume += det / 6.0;

@@ -30,7 +30,7 @@ void forRows(const ExcitationReport& report, const Row& row) {
 }
 
 std::vector<double> rowOf(const Eigen::MatrixXd& matrix, std::size_t row) {
-  const Eigen::VectorXd values = matrix.row(static_cast<Eigen::Index>(row));
+  const Eigen::VectorXd values = matrix.row(row);
   return {values.begin(), values.end()};
 }
 
@@ -53,7 +53,7 @@ Json jointRecords(const ExcitationReport& report, const InverseDynamics& dynamic
                          {"velocity", limits.velocity},
                          {"acceleration", limits.acceleration},
                          {"effort", numberOrNull(limits.effort)}}},
-                       {"start", report.found.motion.start()[static_cast<Eigen::Index>(c)]},
+                       {"start", report.found.motion.start()[c]},
                        {"cosines", rowOf(report.found.motion.cosines(), c)},
                        {"sines", rowOf(report.found.motion.sines(), c)}});
   }

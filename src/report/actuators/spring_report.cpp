@@ -26,7 +26,7 @@ std::vector<Index> shownRows(const SpringReport& report) {
   const Index count = report.log.data.rows.rows(), stride = std::max<Index>(1, count / kMost);
   std::vector<Index> rows;
   for (Index i = 0; i < count; i += stride) {
-    if (report.log.data.keep[static_cast<std::size_t>(i)]) rows.push_back(i);
+    if (report.log.data.keep[i]) rows.push_back(i);
   }
   return rows;
 }

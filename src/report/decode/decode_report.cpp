@@ -117,14 +117,14 @@ std::string patternsCsv(const Decoder& decoder) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(eigen.values.size()));
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(order, std::greater(), [&](Eigen::Index k) { return std::abs(eigen.values[k]); });
-  order.resize(static_cast<std::size_t>(std::min(kPatterns, eigen.values.size())));
+  order.resize(std::min(kPatterns, eigen.values.size()));
   std::vector<std::string> header = {"channel"};
   for (const Eigen::Index k : order) {
     header.push_back(fmt::format("{}_{}", eigen.values[k] > 0.0 ? "up" : "down", header.size()));
   }
   CsvWriter csv(header);
   for (Eigen::Index c = 0; c < decoder.weights.rows(); ++c) {
-    csv.add(decoder.channels[static_cast<std::size_t>(c)]);
+    csv.add(decoder.channels[c]);
     for (const Eigen::Index k : order) csv.add(eigen.vectors(c, k));
     csv.endRow();
   }

@@ -28,7 +28,7 @@ std::vector<std::string> channelsByGain(const CsvTable& table) {
 std::string channelUnit(const CsvTable& table, const std::string& against) {
   if (std::ranges::find(table.columns(), "unit") == table.columns().end()) return {};
   const std::vector<std::string> all = table.text("against");
-  return table.text("unit")[static_cast<std::size_t>(std::ranges::find(all, against) - all.begin())];
+  return table.text("unit")[std::ranges::find(all, against) - all.begin()];
 }
 
 }  // namespace

@@ -30,10 +30,10 @@ LogPosterior posteriorOf(const YamlNode& node) {
   const auto n = std::ssize(posterior.names);
   if (std::ssize(rows) != n) covariance.fail(fmt::format("found {} rows, expected {}", rows.size(), n));
   for (Eigen::Index i = 0; i < n; ++i) {
-    const std::vector<YamlNode> row = rows[static_cast<std::size_t>(i)].items();
+    const std::vector<YamlNode> row = rows[i].items();
     if (std::ssize(row) != n) covariance.fail(fmt::format("found a row of {} numbers, expected {}", row.size(), n));
     if (i == 0) posterior.covariance.resize(n, n);  // not before a row is as long as the names say
-    for (Eigen::Index k = 0; k < n; ++k) posterior.covariance(i, k) = row[static_cast<std::size_t>(k)].number();
+    for (Eigen::Index k = 0; k < n; ++k) posterior.covariance(i, k) = row[k].number();
   }
   return posterior;
 }

@@ -4,6 +4,8 @@
 
 #include "pose_tables.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/model/arm/arm_yaml.h"
+#include "simgap/simulate/arm_geometry.h"
 
 namespace simgap {
 
@@ -61,6 +63,14 @@ std::string terminalTable(const DesignResult& result) {
   const Table errors = expectedErrors(toJson(result));
   return errors.caption + "\n" + alignedTable(errors) +
          "record the commands of next_poses.csv in this order; calibrate with all poses\n";
+}
+
+void writeDesignReport(const DesignResult& result, const RunDirectory& directory) {
+  const PoseSet next{"next_poses.csv", result.design.poses};
+  const ReplayedSet replay{"next", "expected", result.model, next, result.expected.outcomes};
+  writeArmGeometry({&replay, 1}, directory);
+  directory.write("next_poses.csv", nextPosesCsv(result));
+  directory.write("model.yaml", writeArm(result.model));
 }
 
 }  // namespace simgap

@@ -34,7 +34,7 @@ Eigen::VectorXd nonNegative(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) 
 void foldFollowers(const PotentialEnergy& energy, Eigen::VectorXd& wanted, Eigen::MatrixXd& arms) {
   const std::vector<Joint>& joints = energy.model().joints;
   for (auto j = std::ssize(joints) - 1; j >= 0; --j) {
-    const Joint& joint = joints[static_cast<std::size_t>(j)];
+    const Joint& joint = joints[j];
     if (!joint.follows()) continue;
     const int own = energy.firstDof(static_cast<int>(j)), leader = energy.firstDof(joint.leader);
     wanted[leader] += joint.coupling_ratio * wanted[own];
@@ -89,7 +89,7 @@ void JointPositionController::forces(double time, const BulletArm& arm, std::spa
   Eigen::VectorXd wanted = -wantedTorque(time, arm) - rest;
   foldFollowers(energy_, wanted, arms);
   const Eigen::VectorXd more = nonNegative(arms, wanted - least_force_ * arms.rowwise().sum());
-  for (Eigen::Index m = 0; m < muscles; ++m) forces[static_cast<std::size_t>(m)] = least_force_ + more[m];
+  for (Eigen::Index m = 0; m < muscles; ++m) forces[m] = least_force_ + more[m];
 }
 
 }  // namespace simgap

@@ -13,10 +13,9 @@ std::array<double, N + 1> polynomial(const std::array<double, N>& rates, double 
   std::array<double, N + 1> c{};
   c[0] = 1.0;
   for (int n = 0; n < N; ++n) {
-    const double root = std::exp(-rates[static_cast<std::size_t>(n)] * period);
+    const double root = std::exp(-rates[n] * period);
     for (int k = n + 1; k >= 0; --k) {
-      c[static_cast<std::size_t>(k)] =
-          (k > 0 ? c[static_cast<std::size_t>(k - 1)] : 0.0) - root * c[static_cast<std::size_t>(k)];
+      c[k] = (k > 0 ? c[k - 1] : 0.0) - root * c[k];
     }
   }
   return c;
@@ -31,7 +30,7 @@ Eigen::Matrix<double, 1, N> placePoles(const Eigen::Matrix<double, N, N>& a, con
                                                wanted = Eigen::Matrix<double, N, N>::Zero();
   for (int k = 0; k < N; ++k) {
     controllability.col(k) = power * b;
-    wanted += c[static_cast<std::size_t>(k)] * power;
+    wanted += c[k] * power;
     power = power * a;
   }
   wanted += power;

@@ -165,8 +165,7 @@ TEST_P(DriveEffectContract, SurvivesAModelFile) {
   if (GetParam()->kind == ActuatorKind::kTransmission) GTEST_SKIP() << "says nothing about the effort";
   const ActuatorRegression model(base(), {GetParam()}, data(), std::nullopt);
   const std::vector<double> theta = middle(model, data().rows);
-  const Eigen::MatrixXd none =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(theta.size()), static_cast<Eigen::Index>(theta.size()));
+  const Eigen::MatrixXd none = Eigen::MatrixXd::Zero(theta.size(), theta.size());
   FittedModel file;
   file.kind = modelOf(*GetParam()) == "classic" ? "friction" : modelOf(*GetParam());
   file.law = "classic";

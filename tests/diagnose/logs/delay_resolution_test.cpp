@@ -62,7 +62,7 @@ TEST(DelayedRows, CountWhereTheirMotionDoesAndTheirEffortIsThere) {
   for (std::size_t i = 2; i < log.data.keep.size(); ++i) {
     if (log.data.rows.session[i] != log.data.rows.session[i - 1]) continue;
     const bool counts = log.data.keep[i - 1] && !log.data.effort_lost[i];
-    ASSERT_EQ(residual[static_cast<Eigen::Index>(i)] != 0.0, counts) << "row " << i;
+    ASSERT_EQ(residual[i] != 0.0, counts) << "row " << i;
   }
 }
 

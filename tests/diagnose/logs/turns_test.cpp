@@ -45,7 +45,7 @@ TEST_F(Turns, AreStopsAndStartsToo) {
   Eigen::VectorXd at_stops = noise_;
   for (Eigen::Index i = 100; i + 13 < at_stops.size(); i += 60) {  // stands for ten rows, then goes on
     if ((direction.segment(i - 10, 24) != direction[i]).any()) continue;
-    for (Eigen::Index k = i; k < i + 10; ++k) log_.data.keep[static_cast<std::size_t>(k)] = false;
+    for (Eigen::Index k = i; k < i + 10; ++k) log_.data.keep[k] = false;
     for (Eigen::Index k = i - 3; k < i + 13; ++k) {  // the smoother's answer to both jumps
       log_.data.rows.acceleration[k] = 10.0 * top * direction[k];
       at_stops[k] += 4.0 * direction[k];

@@ -48,7 +48,7 @@ TEST_P(LawDerivativeTest, AgreeWithCentralDifferences) {
       data.rig_units = Names(rig.size(), "1");
       data.fits_angle = std::ranges::find(rig, "angle_offset") != rig.end();
       const bool known_amplitude = data.fits_angle && rig.front() == "angle_offset";
-      data.load_per.resize(data.load.size(), static_cast<Eigen::Index>(rig.size() + (known_amplitude ? 1 : 0)));
+      data.load_per.resize(data.load.size(), rig.size() + (known_amplitude ? 1 : 0));
       for (Eigen::Index k = 0; k < data.load_per.cols(); ++k) {
         data.load_per.col(k) =
             0.3 + 0.2 * static_cast<double>(k) + data.velocity * 0.01 * static_cast<double>(1 + k * k);
@@ -63,7 +63,7 @@ TEST_P(LawDerivativeTest, AgreeWithCentralDifferences) {
       const auto rows = static_cast<Eigen::Index>(data.rows());
       const Block all{0, data.rows()};
       Eigen::VectorXd r(rows), up(rows), down(rows);
-      Eigen::MatrixXd j = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(theta.size()));
+      Eigen::MatrixXd j = Eigen::MatrixXd::Zero(rows, theta.size());
       Eigen::Ref<Eigen::MatrixXd> jacobian(j);
       problem.evaluate(theta, all, r, &jacobian);
       for (std::size_t k = 0; k < theta.size(); ++k) {
@@ -74,7 +74,7 @@ TEST_P(LawDerivativeTest, AgreeWithCentralDifferences) {
         moved[k] = theta[k] - step;
         problem.evaluate(moved, all, down, nullptr);
         const Eigen::VectorXd difference = (up - down) / (2.0 * step);
-        const auto column = j.col(static_cast<Eigen::Index>(k));
+        const auto column = j.col(k);
         // Central differences are good to the square of the step and the rounding of the residuals over it.
         EXPECT_LT((difference - column).cwiseAbs().maxCoeff(), 1e-6 * (1.0 + column.cwiseAbs().maxCoeff()))
             << problem.parameters[k].name;
@@ -241,7 +241,7 @@ TEST(FrictionFit, SaysWhatTheLogCannotShow) {
   EXPECT_THAT(errorOf([&] { fit("variant-b", selectRows(data, few)); }), HasSubstr("6 usable rows for 8 parameters"));
   std::vector<bool> forward(data.rows());
   for (std::size_t i = 0; i < forward.size(); ++i) {
-    forward[i] = data.direction[static_cast<Eigen::Index>(i)] > 0.0 && data.load[static_cast<Eigen::Index>(i)] > 0.0;
+    forward[i] = data.direction[i] > 0.0 && data.load[i] > 0.0;
   }
   const FrictionFit one_way = fit("load-coulomb", selectRows(data, forward));
   EXPECT_THAT(one_way.warnings, testing::Contains(HasSubstr("one direction")));
@@ -252,7 +252,7 @@ TEST(FrictionFit, SaysWhatTheLogCannotShow) {
 TEST(FrictionFit, NamesTheStribeckVelocityWhenNothingIsSlow) {
   const FrictionData data = frictionData(simulateFrictionLog(variantA(0.1), {.rows = 8000}));
   std::vector<bool> fast(data.rows());
-  for (std::size_t i = 0; i < fast.size(); ++i) fast[i] = std::abs(data.velocity[static_cast<Eigen::Index>(i)]) > 80.0;
+  for (std::size_t i = 0; i < fast.size(); ++i) fast[i] = std::abs(data.velocity[i]) > 80.0;
   const FrictionFit found = fit("variant-a", selectRows(data, fast));
   const bool flagged = !estimate(found, "v_s").identifiable || estimate(found, "v_s").at_bound ||
                        estimate(found, "v_s").sd > 0.3 * estimate(found, "v_s").value || !found.warnings.empty();

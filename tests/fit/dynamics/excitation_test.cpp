@@ -79,7 +79,7 @@ void expectWithin(const reality::Robot& robot, const ArmModel& arm, const Excita
     }
     const VectorXd torque = reality::rigidTorques(robot, q, v, a);
     for (std::size_t j = 0; j < links.size(); ++j) {
-      ASSERT_LE(std::abs(torque[static_cast<Index>(links[j])]), limits.joints[j].effort) << "joint " << j;
+      ASSERT_LE(std::abs(torque[links[j]]), limits.joints[j].effort) << "joint " << j;
     }
   }
 }
@@ -178,7 +178,7 @@ VectorXd errorsAfter(const reality::Robot& robot, const ArmModel& arm, const Fou
     const VectorXd rigid = reality::rigidTorques(robot, q, v, a);
     csv += fmt::format("\n{}", 0.01 * i);
     for (Index l = 0; l < n; ++l) {
-      const reality::RobotLink& link = robot.links[static_cast<std::size_t>(l)];
+      const reality::RobotLink& link = robot.links[l];
       const auto j = static_cast<std::size_t>(std::ranges::find(links, static_cast<std::size_t>(l)) - links.begin());
       const double drive = link.rotor * a[l] + link.viscous * v[l] + link.offset +
                            (v[l] > 0.0   ? link.coulomb
@@ -207,7 +207,7 @@ std::pair<double, double> gainOf(std::uint64_t seed) {
   const Excitation first = excite(arm, limits);
   std::vector<double> noise;
   for (JointExcitationLimits& joint : limits.joints) {
-    joint.noise = 0.02 * first.reached[static_cast<std::size_t>(&joint - limits.joints.data())].effort;
+    joint.noise = 0.02 * first.reached[&joint - limits.joints.data()].effort;
     noise.push_back(joint.noise);
   }
   const Excitation found = excite(arm, limits);

@@ -120,8 +120,8 @@ TEST(RobotFit, FindsARobotWithoutNoise) {
   const VectorXd truth = test::trueBase(robot, arm);
   for (std::size_t k = 0; k < found.fit.base.size(); ++k) {
     const Estimate& e = found.fit.base[k].estimate;
-    const double size = std::max(0.02, std::abs(truth[static_cast<Index>(k)]));
-    EXPECT_NEAR(e.value, truth[static_cast<Index>(k)], 0.01 * size + 4.0 * e.sd) << e.name;  // smoothing errs, too
+    const double size = std::max(0.02, std::abs(truth[k]));
+    EXPECT_NEAR(e.value, truth[k], 0.01 * size + 4.0 * e.sd) << e.name;  // smoothing errs, too
   }
   for (std::size_t c = 0; c < robot.links.size(); ++c) {
     EXPECT_LT(found.heldout.model[c], 0.01) << "joint " << c;

@@ -36,7 +36,7 @@ TEST_F(DescentOfARig, EndsWhereNoDirectionLeadsFurtherDown) {
   for (Eigen::Index i = 0; i < fit.z.size(); i += 9) {
     for (const double step : {-0.02, 0.02}) {
       const double beside = objectiveAt(fit.z + step * Eigen::VectorXd::Unit(fit.z.size(), i));
-      EXPECT_GT(beside, fit.objective * (1.0 - 1e-6)) << space_.parameters()[static_cast<std::size_t>(i)].name;
+      EXPECT_GT(beside, fit.objective * (1.0 - 1e-6)) << space_.parameters()[i].name;
     }
   }
 }

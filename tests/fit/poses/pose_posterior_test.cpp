@@ -42,7 +42,7 @@ TEST_F(PosteriorOfARig, JacobiansAgreeWithDifferences) {
       ASSERT_TRUE(at[p].valid && plus[p].valid && minus[p].valid);
       const Eigen::VectorXd slope = (plus[p].error - minus[p].error) / (2.0 * h);
       EXPECT_LT((at[p].jacobian.col(i) - slope).norm(), 1e-5 * std::max(1.0, slope.norm()))
-          << space_.parameters()[static_cast<std::size_t>(i)].name << ", pose " << p;
+          << space_.parameters()[i].name << ", pose " << p;
     }
   }
 }

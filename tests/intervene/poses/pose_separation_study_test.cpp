@@ -28,7 +28,7 @@ Race raceOf(const PoseEvidence& evidence, const std::string& truth, const PoseSe
   Race race;
   for (int k = 1; k <= kMost; ++k) {
     PoseSet first = fresh;
-    first.poses.resize(static_cast<std::size_t>(k));
+    first.poses.resize(k);
     const Intervention said = judgeChange(evidence, {"further poses", {}}, first);
     std::vector<double> odds;
     for (const CandidatePrediction& p : said.predictions) odds.push_back(p.log_odds + p.log_odds_before);

@@ -99,7 +99,7 @@ double velocityError(const StampedLog& log, FrictionData& data) {
   double sum = 0.0;
   for (std::size_t i = 20; i + 20 < log.sampled.size(); ++i) {
     const double t = log.sampled[i], truth = 1.4 * std::cos(0.7 * t) + 1.55 * std::cos(3.1 * t);
-    sum += std::pow(data.velocity[static_cast<Eigen::Index>(i)] - truth, 2);
+    sum += std::pow(data.velocity[i] - truth, 2);
   }
   return std::sqrt(sum / static_cast<double>(log.sampled.size() - 40));
 }

@@ -33,7 +33,7 @@ std::ptrdiff_t poweredByNothing(const PreparedLog& log) {
   std::ptrdiff_t count = 0;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const bool nothing = rows.effort[i] == 0.0 && std::abs(rows.speed[i]) > 0.1 * rows.top_speed;
-    count += nothing && log.data.keep[static_cast<std::size_t>(i)] ? 1 : 0;
+    count += nothing && log.data.keep[i] ? 1 : 0;
   }
   return count;
 }
@@ -45,7 +45,7 @@ double voltsPerSpeed(const PreparedLog& log) {
   x << rows.load, rows.direction, rows.speed, rows.acceleration, Eigen::ArrayXd::Ones(rows.rows());
   Eigen::VectorXd y = rows.effort;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    if (log.data.keep[static_cast<std::size_t>(i)]) continue;
+    if (log.data.keep[i]) continue;
     x.row(i).setZero();
     y[i] = 0.0;
   }
@@ -66,8 +66,8 @@ TEST(SwitchedOff, RowsOfAVoltageAreLeftOut) {
   std::ptrdiff_t off = 0;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const bool falls = rows.effort[i] == 0.0 && std::abs(rows.speed[i]) > 0.1 * rows.top_speed;
-    off += falls && !f.log.data.keep[static_cast<std::size_t>(i)] ? 1 : 0;
-    if (falls) f.log.data.keep[static_cast<std::size_t>(i)] = true;
+    off += falls && !f.log.data.keep[i] ? 1 : 0;
+    if (falls) f.log.data.keep[i] = true;
   }
   EXPECT_GT(off, 100);
   EXPECT_LT(voltsPerSpeed(f.log), 0.9 * always_on);  // they would bend it: that is the trap

@@ -41,7 +41,7 @@ std::string stl(const Mesh& mesh, bool binary) {
       text += " facet normal 0 0 0\n  outer loop\n";
     }
     for (const int corner : t) {
-      const Eigen::Vector3d& p = mesh.points[static_cast<std::size_t>(corner)];
+      const Eigen::Vector3d& p = mesh.points[corner];
       if (!binary) text += fmt::format("   vertex {} {} {}\n", p.x(), p.y(), p.z());
       for (int k = 0; binary && k < 3; ++k) raw(static_cast<float>(p[k]));
     }

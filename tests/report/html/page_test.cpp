@@ -232,7 +232,7 @@ TEST(Thinning, KeepsEveryPeakTheOrderAndTheGaps) {
   EXPECT_TRUE(std::ranges::is_sorted(thin.x));
   const auto at = [&](double x) {
     const auto found = std::ranges::find(thin.x, x);
-    return found == thin.x.end() ? 0.0 : thin.y[static_cast<std::size_t>(found - thin.x.begin())];
+    return found == thin.x.end() ? 0.0 : thin.y[found - thin.x.begin()];
   };
   EXPECT_EQ(at(12'345), 7.0);
   EXPECT_EQ(at(54'321), -7.0);

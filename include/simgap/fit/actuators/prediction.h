@@ -21,6 +21,21 @@ struct Prediction {
   std::size_t refused = 0;        ///< rows outside the model's range, or left out
 };
 
+/// What else a prediction may need.
+struct PredictionOptions {
+  bool inverse = false;              ///< a muscle's pressure from its force, a drive's current
+  std::optional<FittedModel> motor;  ///< of a gearbox
+};
+
+/// Whether it is a model of `diagnose`, predicted on the rows that mean something.
+bool isDiagnosed(const FittedModel& model);
+
+/// As the functions below, whichever fits the model. \param bench  of a drive under load; the others have none
+/// \throws ConfigError: `inverse` of a diagnosed model or a spring, a diagnosed gearbox, a gearbox without its motor;
+///         DataError as they.
+Prediction predictLog(const FittedModel& model, const CsvTable& table, const Bench& bench,
+                      const PredictionOptions& options);
+
 /// A model of `diagnose`, its law with presliding and extensions, on the rows that mean something: what a motor draws,
 /// the voltage of a winding, the force of a muscle. \throws DataError as prepareLog.
 Prediction predictDiagnosed(const FittedModel& model, const CsvTable& table, const Bench& bench);

@@ -5,7 +5,9 @@
 
 #include <vector>
 
+#include "simgap/fit/poses/calibration.h"
 #include "simgap/fit/poses/pose_uncertainty.h"
+#include "simgap/simulate/replay.h"
 
 namespace simgap {
 
@@ -27,6 +29,20 @@ struct PoseDesign {
   std::vector<PredictedError> after;  ///< shape (poses): with the first 1, 2, … chosen poses added
   PredictedError after_random;        ///< with as many random candidates instead, for comparison
 };
+
+/// A design with what it was made from.
+struct DesignResult {
+  ArmModel model;  ///< fitted to the recorded poses
+  PoseSet recorded;
+  DesignOptions options;
+  PoseDesign design;
+  Assessment expected;  ///< the chosen poses in the model
+};
+
+/// Fits the arm to the recorded poses and chooses the next ones.
+/// \throws DataError: fewer than kFewestPoses; NumericsError: no fit, or as designPoses.
+DesignResult designNextPoses(const ArmModel& model, const PoseSet& recorded, const CalibrationConfig& config,
+                             const DesignOptions& options);
 
 /// \param z  fitted to the posterior's poses
 /// \throws NumericsError when too few candidates have a stable equilibrium.

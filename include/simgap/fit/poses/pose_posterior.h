@@ -26,6 +26,9 @@
 
 namespace simgap {
 
+/// With fewer recorded poses a fit says nothing about others.
+inline constexpr std::size_t kFewestPoses = 8;
+
 /// Parameters as a fit sees them, z = 0: the model as it was measured by hand.
 class ScaledParameters {
  public:
@@ -36,7 +39,7 @@ class ScaledParameters {
   double slope(Eigen::Index i, double z) const;       ///< d value / d z
   double lower(Eigen::Index i) const;                 ///< bounds of z, may be infinite
   double upper(Eigen::Index i) const;
-  bool hasPrior(Eigen::Index i) const { return parameters_[static_cast<std::size_t>(i)].prior_sd.has_value(); }
+  bool hasPrior(Eigen::Index i) const { return parameters_[i].prior_sd.has_value(); }
   std::vector<double> values(const Eigen::VectorXd& z) const;
   Eigen::VectorXd scaled(std::span<const double> values) const;
 

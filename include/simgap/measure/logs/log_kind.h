@@ -4,6 +4,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 
 #include "simgap/measure/logs/bench.h"
 #include "simgap/measure/logs/prepared_log.h"
@@ -36,6 +37,8 @@ const LogKind& kindOf(ActuatorKind kind);
 
 namespace log_kinds {
 std::span<const LogKind* const> all();
-}
+/// By the name of its models; nullptr: none is called so.
+const LogKind* find(std::string_view name);
+}  // namespace log_kinds
 
 }  // namespace simgap

@@ -35,6 +35,9 @@ struct SpringLog {
 /// session, and all that
 ///         CsvTable refuses.
 SpringLog readSpringLog(CsvTable table);
+/// The same of a log that a spring is to be fitted to. \throws DataError for a force that falls where the deflection
+/// grows, too.
+SpringLog readSignedSpringLog(const CsvTable& table);
 
 /// Rows with the largest or smallest value of a channel, where it stays on that for at least four rows while the other
 /// channel moves on, twice or more: a sensor at its limit. At rest both stand still, and a coarse channel repeats its
@@ -42,8 +45,5 @@ SpringLog readSpringLog(CsvTable table);
 /// \param values, other  shape (n)
 std::vector<std::size_t> findClipped(std::span<const double> values, std::span<const double> other,
                                      std::span<const int> session);
-
-/// Correlation of force and deflection, -1 to 1.
-double agreement(const SpringLog& log);
 
 }  // namespace simgap

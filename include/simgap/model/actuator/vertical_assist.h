@@ -14,6 +14,8 @@
 #include <array>
 #include <cmath>
 
+#include "simgap/core/units.h"
+
 namespace simgap {
 
 struct LegSegment {
@@ -27,8 +29,8 @@ using LegTorques = std::array<double, 2>;  ///< [N m]
 
 struct PlanarLeg {
   LegSegment shank, thigh;
-  double load = 0.0;      ///< carried in the hip [kg]
-  double gravity = 9.81;  ///< [m/s^2]
+  double load = 0.0;          ///< carried in the hip [kg]
+  double gravity = kEarthGravity;  ///< [m/s^2]
 
   double mass() const noexcept { return shank.mass + thigh.mass + load; }
   /// Masses times levers of the shank and of the thigh. [kg m]

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "simgap/core/units.h"
 #include "simgap/measure/pose_set.h"
 #include "simgap/model/arm/body.h"
 #include "simgap/model/arm/joint.h"
@@ -16,7 +17,7 @@ namespace simgap {
 
 struct ArmModel {
   std::string name;
-  Eigen::Vector3d gravity = {0.0, 0.0, -9.81};  ///< [m/s^2]
+  Eigen::Vector3d gravity = {0.0, 0.0, -kEarthGravity};  ///< [m/s^2]
   std::vector<Body> bodies;
   std::vector<Joint> joints;  ///< every joint's parent is fixed or the child of an earlier joint
   std::vector<Muscle> muscles;

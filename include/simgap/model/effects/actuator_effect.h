@@ -73,6 +73,18 @@ struct EffectColumn {
   bool torque = true;  ///< false: adds to the effort itself
 };
 
+/// A number that models of a kind hold as one of their own: who finds it there has the effect, whose only parameter it
+/// stands for.
+struct OwnParameter {
+  std::string_view law;          ///< of models that have it
+  std::string_view law_without;  ///< of those that have not
+  std::string_view name;
+  std::string_view unit;  ///< empty: as the effect's
+  bool inverse = false;   ///< 1 / the effect's parameter
+
+  double convert(double value) const { return inverse ? 1.0 / value : value; }  ///< to the effect's and from it
+};
+
 /// A named physical cause. Whoever needs to know something of an effect reads it here: nothing outside its file tests
 /// an effect by its name, and docs/effects.md is written from these fields (tests/model/effects/effects_page_test.cpp).
 struct ActuatorEffect {
@@ -101,7 +113,10 @@ struct ActuatorEffect {
   bool remembers = false;       ///< it depends on the rows before: on travel, rests, another time
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
   bool on_drive = false;        ///< a gearbox's cause that any drive can have, too
-  bool on_gearbox = true;       ///< false: a gearbox's own causes say it in other words, or its rows cannot show it
+  bool on_robot = false;        ///< a joint of a robot shows it: its log has the channels, and rests say nothing
+  double places = 1.0;          ///< at which its shape is looked for; of more than one several can act at once
+  const OwnParameter* own_parameter = nullptr;
+  bool on_gearbox = true;  ///< false: a gearbox's own causes say it in other words, or its rows cannot show it
 
   /// Changes the terms. \param p  shape (P), within the bounds.
   void (*apply)(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) = nullptr;
@@ -136,6 +151,8 @@ std::span<const ActuatorEffect* const> all();
 /// \param form  of the effect; empty: its usual one
 /// \throws ConfigError that lists the known effects, or the forms of this one.
 const ActuatorEffect& find(std::string_view name, std::string_view form = {});
+/// The one between the two angles of a drive.
+const ActuatorEffect& ofTransmission();
 /// The effect that every real drive has a little of.
 const ActuatorEffect& inEveryDrive();
 }  // namespace actuator_effects

@@ -9,16 +9,11 @@
 
 namespace simgap {
 
-struct DesignResult {
-  ArmModel model;  ///< fitted to the recorded poses
-  PoseSet recorded;
-  DesignOptions options;
-  PoseDesign design;
-};
-
 Json toJson(const DesignResult& result);
 /// The commands, ready for the rig: pose, shaft_<muscle>_rad, and where the model expects the joints.
 std::string nextPosesCsv(const DesignResult& result);
 std::string terminalTable(const DesignResult& result);
+/// model.yaml, next_poses.csv, and the arm in these poses for the page.
+void writeDesignReport(const DesignResult& result, const RunDirectory& directory);
 
 }  // namespace simgap

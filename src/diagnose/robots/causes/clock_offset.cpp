@@ -11,7 +11,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr const char* kNames[] = {"clock-offset"};
+constexpr char kName[] = "clock-offset";
 
 MatrixXd lateBy(const RobotRows& rows, std::size_t late, double dt) {
   MatrixXd torque = rows.rigidChange(
@@ -29,7 +29,7 @@ MatrixXd lateBy(const RobotRows& rows, std::size_t late, double dt) {
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   if (rows.joints() < 2) return {};
   const double step = rows.drive(0).step;
-  return onEveryJoint(rows, kNames[0], [&rows, step](std::size_t c, RobotHypothesis& h) {
+  return onEveryJoint(rows, kName, [&rows, step](std::size_t c, RobotHypothesis& h) {
     h.sentence = "all that is logged of this joint comes later, or earlier, than what is logged of the others";
     h.separates = "a knock at the base that all joints see";
     h.parameters = {{"dt", "s", step, -0.5, 0.5}};
@@ -43,6 +43,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{[] { return RobotCause::Names{kName}; }, hypotheses};
 
 }  // namespace simgap::robot_causes::clock_offset

@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr const char* kNames[] = {"coupled-friction"};
+constexpr char kName[] = "coupled-friction";
 
 /// The joint before a body's own, through bodies that are fixed to each other; -1: the base.
 int coordinateBefore(const RobotRows& rows, std::size_t c) {
@@ -30,7 +30,7 @@ int coordinateBefore(const RobotRows& rows, std::size_t c) {
 
 RobotHypothesis byNeighbour(const RobotRows& rows, std::size_t c, std::size_t k) {
   RobotHypothesis h;
-  h.cause = kNames[0];
+  h.cause = kName;
   h.target = rows.jointName(c) + " by " + rows.jointName(k);
   h.drive = static_cast<int>(c);
   h.sentence = "friction of the first joint grows with the load of the second, its neighbour";
@@ -58,6 +58,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{[] { return RobotCause::Names{kName}; }, hypotheses};
 
 }  // namespace simgap::robot_causes::coupled_friction

@@ -14,11 +14,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 using Kind = EffectParameter::Kind;
 
-/// Those whose channels a robot's log has and that ask for no rests; dry and viscous friction as such are parameters.
-constexpr const char* kNames[] = {"channel-delay",   "current-bias", "direction-asymmetry", "load-dependence",
-                                  "position-ripple", "stribeck",     "viscous-asymmetry",   "viscous-nonlinearity"};
 constexpr std::size_t kMostStarts = 4;
-constexpr double kSearched = 1000.0;  // ratios at which a ripple is looked for
 
 ActuatorTerms termsOf(const ActuatorRows& rows) {
   ActuatorTerms terms;
@@ -35,7 +31,7 @@ ArrayXd changedTorque(const RobotRows& rows, std::size_t c, const ActuatorEffect
   effect.apply(p, drive, terms);
   ArrayXd more = rows.coulomb(c) * (terms.dry - drive.direction) + rows.viscous(c) * (terms.viscous - drive.speed);
   if (terms.delay == 0.0) return more;
-  const ArrayXd torque = rows.torque().col(static_cast<Index>(c)).array();
+  const ArrayXd torque = rows.torque().col(c).array();
   return more + rows.shifted(torque, -terms.delay) - torque;
 }
 
@@ -64,14 +60,14 @@ RobotHypothesis byColumns(const RobotRows& rows, std::size_t c, const ActuatorEf
   for (const EffectColumn& column : effect.columns) {
     h.parameters.push_back({std::string(column.name), unitAt(rows, c, column), 1.0, column.lower, column.upper});
   }
-  if (effect.name == std::string_view("position-ripple")) h.searched = kSearched;
+  h.searched = effect.places;
   h.torque = [&rows, c, &effect, p](const VectorXd& theta) {
     const ActuatorRows& drive = rows.drive(c);
     Eigen::ArrayXXd x(drive.rows(), std::ssize(effect.columns));
     effect.fill(p, drive, termsOf(drive), ArrayXd::Zero(drive.rows()), x);
     ArrayXd torque = ArrayXd::Zero(drive.rows());
     for (Index k = 0; k < x.cols(); ++k) {
-      const bool is_torque = effect.columns[static_cast<std::size_t>(k)].torque;
+      const bool is_torque = effect.columns[k].torque;
       torque += theta[k] * (is_torque ? 1.0 : rows.constant(c)) * x.col(k);
     }
     return onJoint(rows.joints(), c, torque);
@@ -108,7 +104,7 @@ RobotHypothesis byChange(const RobotRows& rows, std::size_t c, const ActuatorEff
     std::vector<double> values = p;
     for (std::size_t k = 0; k < free.size(); ++k) {
       const EffectParameter& parameter = effect.parameters[free[k]];
-      values[free[k]] = std::clamp(parameter.neutral + theta[static_cast<Index>(k)], parameter.lower, parameter.upper);
+      values[free[k]] = std::clamp(parameter.neutral + theta[k], parameter.lower, parameter.upper);
     }
     return values;
   };
@@ -141,12 +137,21 @@ void addOf(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, s
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   std::vector<RobotHypothesis> list;
   for (std::size_t c = 0; c < rows.joints(); ++c) {
-    for (const char* name : kNames) {
-      const ActuatorEffect& effect = actuator_effects::find(name);
-      if (effect.contained_in != nullptr && effect.contained_in(rows.regressor().law())) continue;
-      addOf(rows, c, effect, list);
-      for (const ActuatorEffect* form : effect.other_forms) addOf(rows, c, *form, list);
+    for (const ActuatorEffect* effect : actuator_effects::all()) {
+      if (!effect->on_robot) continue;
+      if (effect->contained_in != nullptr && effect->contained_in(rows.regressor().law())) continue;
+      addOf(rows, c, *effect, list);
+      for (const ActuatorEffect* form : effect->other_forms) addOf(rows, c, *form, list);
     }
+  }
+  return list;
+}
+
+/// Dry and viscous friction as such are parameters.
+RobotCause::Names names() {
+  RobotCause::Names list;
+  for (const ActuatorEffect* effect : actuator_effects::all()) {
+    if (effect->on_robot) list.push_back(effect->name);
   }
   return list;
 }
@@ -154,6 +159,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{names, hypotheses};
 
 }  // namespace simgap::robot_causes::drive_effects

@@ -63,6 +63,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{[] { return RobotCause::Names(std::begin(kNames), std::end(kNames)); }, hypotheses};
 
 }  // namespace simgap::robot_causes::drive_parameters

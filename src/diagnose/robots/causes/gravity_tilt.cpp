@@ -1,23 +1,15 @@
 /// \file
 /// The base stands otherwise than the model says: gravity is turned about the two axes of the base that lie across it.
-#include <Eigen/Geometry>
-
 #include "diagnose/robots/robot_cause.h"
+#include "simgap/core/rotation.h"
 
 namespace simgap::robot_causes::gravity_tilt {
 namespace {
 
-using Eigen::AngleAxisd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr const char* kNames[] = {"gravity-tilt"};
-
-/// By a turn of `angle` about an axis of the base.
-Vector3d turned(const Vector3d& gravity, const Vector3d& turn) {
-  const double angle = turn.norm();
-  return angle > 0.0 ? Vector3d(AngleAxisd(angle, turn / angle) * gravity) : gravity;
-}
+constexpr char kName[] = "gravity-tilt";
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   const Vector3d gravity = rows.model().arm.gravity;
@@ -32,7 +24,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     return turn;
   };
   RobotHypothesis h;
-  h.cause = kNames[0];
+  h.cause = kName;
   h.sentence = "the base is tilted against gravity";
   h.separates = "the base with a level beside it, or the same slow motion after the base was turned about the vertical";
   for (const Eigen::Index axis : {first, second}) {
@@ -41,10 +33,10 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   h.linear = false;
   h.torque = [&rows, turnOf](const VectorXd& theta) {
     const Vector3d turn = turnOf(theta);
-    return onAll(rows.rigidChange([&](std::size_t, RobotMotion&, Vector3d& g) { g = turned(g, turn); }));
+    return onAll(rows.rigidChange([&](std::size_t, RobotMotion&, Vector3d& g) { g = expSo3(turn) * g; }));
   };
   h.hold = [turnOf](const VectorXd& theta, RobotModel& model) {
-    model.arm.gravity = turned(model.arm.gravity, turnOf(theta));
+    model.arm.gravity = expSo3(turnOf(theta)) * model.arm.gravity;
     return true;
   };
   return {h};
@@ -53,6 +45,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{[] { return RobotCause::Names{kName}; }, hypotheses};
 
 }  // namespace simgap::robot_causes::gravity_tilt

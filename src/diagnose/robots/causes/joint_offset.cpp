@@ -7,10 +7,10 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr const char* kNames[] = {"joint-offset"};
+constexpr char kName[] = "joint-offset";
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
-  return onEveryJoint(rows, kNames[0], [&rows](std::size_t c, RobotHypothesis& h) {
+  return onEveryJoint(rows, kName, [&rows](std::size_t c, RobotHypothesis& h) {
     const bool slides = rows.joint(c).slides();
     h.sentence = "the joint's zero is not where the model has it";
     h.separates = "this joint driven against a mark or a stop whose position is known";
@@ -27,6 +27,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{[] { return RobotCause::Names{kName}; }, hypotheses};
 
 }  // namespace simgap::robot_causes::joint_offset

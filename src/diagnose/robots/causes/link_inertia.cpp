@@ -9,16 +9,16 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr const char* kNames[] = {"link-inertia"};
+constexpr char kName[] = "link-inertia";
 constexpr Index kFirst = 4;  // of a body's ten numbers
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   const RobotRegressor& regressor = rows.regressor();
-  return onEveryBody(rows, kNames[0], [&regressor](std::size_t b, RobotHypothesis& h) {
+  return onEveryBody(rows, kName, [&regressor](std::size_t b, RobotHypothesis& h) {
     h.sentence = "the body's inertia differs from the model's, its mass and centre do not";
     h.separates = "fast turns of this joint and of those before it, the arm once stretched and once folded";
     for (Index k = kFirst; k < kBodyParameters; ++k) {
-      h.parameters.push_back({std::string("d") + bodyParameterNames()[static_cast<std::size_t>(k)], "kg_m2"});
+      h.parameters.push_back({std::string("d") + bodyParameterNames()[k], "kg_m2"});
     }
     h.change = [&regressor, b](const VectorXd& theta) {
       VectorXd change = VectorXd::Zero(regressor.columns());
@@ -31,6 +31,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{[] { return RobotCause::Names{kName}; }, hypotheses};
 
 }  // namespace simgap::robot_causes::link_inertia

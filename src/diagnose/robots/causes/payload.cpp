@@ -11,7 +11,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr const char* kNames[] = {"payload"};
+constexpr char kName[] = "payload";
 constexpr double kFarthest = 1.5;  // [m] from the body's origin: nothing hangs farther
 constexpr double kLeast = 0.01;    // [kg] of which a centre can be said
 
@@ -41,7 +41,7 @@ VectorXd centred(const VectorXd& theta, MatrixXd& slopes) {
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   const RobotRegressor& regressor = rows.regressor();
-  return onEveryBody(rows, kNames[0], [&regressor](std::size_t b, RobotHypothesis& h) {
+  return onEveryBody(rows, kName, [&regressor](std::size_t b, RobotHypothesis& h) {
     h.sentence = "the body carries a mass that the model does not have";
     h.separates = "the same motion with the load taken off, or with a known mass at another place of the body";
     h.parameters = {
@@ -59,6 +59,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{[] { return RobotCause::Names{kName}; }, hypotheses};
 
 }  // namespace simgap::robot_causes::payload

@@ -9,17 +9,17 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr const char* kNames[] = {"torque-constant"};
+constexpr char kName[] = "torque-constant";
 
 std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
-  return onEveryJoint(rows, kNames[0], [&rows](std::size_t c, RobotHypothesis& h) {
+  return onEveryJoint(rows, kName, [&rows](std::size_t c, RobotHypothesis& h) {
     h.sentence = "the joint's effort is worth another torque than was said";
     h.separates = "a known weight held by this joint at several positions";
     h.parameters = {{"change", "1", 1e-2, -0.8, 4.0}};
     h.linear = false;
     h.torque = [&rows, c](const VectorXd& theta) {
       const double factor = 1.0 / (1.0 + std::max(theta[0], -0.9)) - 1.0;
-      return onJoint(rows.joints(), c, factor * rows.torque().col(static_cast<Index>(c)).array());
+      return onJoint(rows.joints(), c, factor * rows.torque().col(c).array());
     };
     h.hold = [c](const VectorXd& theta, RobotModel& model) {
       if (model.currents) model.torque_constants[c] *= 1.0 + theta[0];
@@ -31,6 +31,6 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
 }  // namespace
 
 extern const RobotCause entry;
-const RobotCause entry{kNames, hypotheses};
+const RobotCause entry{[] { return RobotCause::Names{kName}; }, hypotheses};
 
 }  // namespace simgap::robot_causes::torque_constant

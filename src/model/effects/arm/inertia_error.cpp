@@ -14,7 +14,7 @@ constexpr std::string_view kLookAlikes[] = {"payload"};
 /// Point masses on the three principal axes that add (factor - 1) I, and take their mass away at the centre.
 void change(const EffectParameters& p, int target, ArmModel& model) {
   constexpr double kRadius = 1e-3, kReach = 0.1;  // [m]
-  Body& body = model.bodies[static_cast<std::size_t>(target)];
+  Body& body = model.bodies[target];
   const MassProperties whole = massProperties(body);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(whole.inertia);
   const auto add = [&](double mass, const Eigen::Vector3d& position) {

@@ -17,8 +17,8 @@ std::string expected(const EffectParameters& p, const ArmModel& model, int targe
   const PassiveTendon& tendon = model.tendons[target - static_cast<int>(model.muscles.size())];
   const int rest = restLengthOf(tendon);
   if (rest < 0) return "a tendon with a rest length";
-  const Range& range = tendon.kind->parameters[static_cast<std::size_t>(rest)].range;
-  const double shifted = tendon.p[static_cast<std::size_t>(rest)] + p[0];
+  const Range& range = tendon.kind->parameters[rest].range;
+  const double shifted = tendon.p[rest] + p[0];
   return shifted > range.lower ? "" : "an offset that leaves a rest length above 0";
 }
 

@@ -37,6 +37,7 @@ const ActuatorEffect entry = {
     .separates = "fast reversals under load, and a knock that all channels see",
     .parameters = kParameters,
     .remembers = true,
+    .on_robot = true,
     .on_gearbox = false,
     .apply = apply,
     .starts = starts,

@@ -23,6 +23,7 @@ const ActuatorEffect entry = {
     .look_alikes = "current-bias, torque-bias, backdrive-asymmetry",
     .separates = "both directions under large loads of both signs",
     .parameters = kParameters,
+    .on_robot = true,
     .apply = apply,
 };
 

@@ -35,6 +35,7 @@ constexpr ActuatorEffect kUsual = {
     .columns = kColumns,
     .needs = kNeeds,
     .contained_in = containedIn,
+    .on_robot = true,
     .on_gearbox = false,
     .fill = fill,
 };

@@ -46,7 +46,7 @@ void applyCeiling(std::span<const double> p, const ActuatorRows& rows, ActuatorT
 bool standsAtItsCeiling(std::span<const double> p, const ActuatorRows& rows) {
   constexpr double kSag = 0.05, kMostly = 0.5, kSeldom = 0.2;
   std::vector<double> sizes(static_cast<std::size_t>(rows.rows()));
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) sizes[static_cast<std::size_t>(i)] = std::abs(rows.effort[i]);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) sizes[i] = std::abs(rows.effort[i]);
   const double ceiling = (1.0 - kSag) * quantile(std::move(sizes), 0.99);
   const Eigen::ArrayXd fast = (rows.speed.abs() > p[0]).cast<double>();
   const Eigen::ArrayXd at_ceiling = (rows.effort * rows.direction > ceiling).cast<double>();

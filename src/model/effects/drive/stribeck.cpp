@@ -48,6 +48,7 @@ constexpr ActuatorEffect kUsual = {
     .parameters = kParameters,
     .columns = kColumns,
     .contained_in = containedIn,
+    .on_robot = true,
     .on_gearbox = false,
     .fill = fill,
     .starts = starts,

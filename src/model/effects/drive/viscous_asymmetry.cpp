@@ -24,6 +24,7 @@ const ActuatorEffect entry = {
     .look_alikes = "direction-asymmetry, current-bias, viscous-nonlinearity",
     .separates = "several constant speeds in both directions",
     .columns = kColumns,
+    .on_robot = true,
     .fill = fill,
 };
 

@@ -28,6 +28,7 @@ const ActuatorEffect entry = {
     .look_alikes = "stribeck, inertia, torque-saturation",
     .separates = "at least five constant speeds up to the largest",
     .parameters = kParameters,
+    .on_robot = true,
     .apply = apply,
     .starts = starts,
 };

@@ -9,6 +9,8 @@ namespace {
 
 constexpr EffectParameter kParameters[] = {{"compliance", "1_N", 0.0, 1e-2, 0.0, 0.0}};
 
+constexpr OwnParameter kOwn{.law = "spring", .law_without = "no-spring", .name = "k", .unit = "N", .inverse = true};
+
 void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
   terms.contraction += p[0] * terms.effort;
 }
@@ -27,6 +29,7 @@ const ActuatorEffect entry = {
     .separates = "contraction at several pressures while the joint is held, with the muscle's own length measured",
     .parameters = kParameters,
     .implicit = true,
+    .own_parameter = &kOwn,
     .apply = apply,
 };
 

@@ -4,6 +4,7 @@
 ///     F = stiffness max(x, L_0) + offset + damping dx/dt [x > L_0].
 ///
 /// What is left below L_0, stiffness L_0 + offset, is the reading of the unloaded sensor.
+#include "simgap/model/actuator/fitted_model.h"
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::spring_slack {
@@ -12,6 +13,8 @@ namespace {
 constexpr double kNever = -10.0;  // [m] or [rad]: no spring of a log is as short
 constexpr EffectParameter kParameters[] = {
     {"rest_length", "rad", kNever, 10.0, kNever, 0.0, EffectParameter::Kind::kShape}};
+
+constexpr OwnParameter kOwn{.law = kCord, .law_without = "", .name = "rest_length", .unit = "", .inverse = false};
 
 void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
   terms.viscous = (terms.deflection > p[0]).select(terms.viscous, 0.0);
@@ -44,6 +47,7 @@ const ActuatorEffect entry = {
     .look_alikes = "spring-hardening (a toe region), spring-direction",
     .separates = "deflections from well below the rest length, slowly",
     .parameters = kParameters,
+    .own_parameter = &kOwn,
     .apply = apply,
     .starts = starts,
     .counts = counts,
