@@ -269,11 +269,11 @@ std::vector<std::size_t> CsvTable::badRows(std::string_view column) const {
   return bad;
 }
 
-CsvTable CsvTable::withoutRows(const std::vector<bool>& out) const {
+CsvTable CsvTable::onlyRows(const std::vector<bool>& keep) const {
   CsvTable rest = *this;
   rest.lines_.clear();
   for (std::size_t row = 0; row < rows_; ++row) {
-    if (!out[row]) rest.lines_.push_back(static_cast<std::uint32_t>(lineOf(row)));
+    if (keep[row]) rest.lines_.push_back(static_cast<std::uint32_t>(lineOf(row)));
   }
   rest.rows_ = rest.lines_.size();
   for (auto& column : rest.numbers_) {
@@ -281,7 +281,7 @@ CsvTable CsvTable::withoutRows(const std::vector<bool>& out) const {
     auto kept = std::make_shared<std::vector<double>>();
     kept->reserve(rest.rows_);
     for (std::size_t row = 0; row < rows_; ++row) {
-      if (!out[row]) kept->push_back((*column)[row]);
+      if (keep[row]) kept->push_back((*column)[row]);
     }
     column = std::move(kept);
   }

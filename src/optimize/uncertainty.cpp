@@ -209,12 +209,8 @@ Uncertainty estimateUncertainty(const LeastSquaresProblem& problem, std::span<co
   Uncertainty result;
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const ParameterSpec& p = problem.parameters[i];
-    result.estimates.push_back({.name = p.name,
-                                .unit = p.unit,
-                                .value = theta[i],
-                                .fixed = p.fixed,
-                                .lower95 = theta[i],
-                                .upper95 = theta[i]});
+    result.estimates.push_back(
+        withInterval({.name = p.name, .unit = p.unit, .value = theta[i], .fixed = p.fixed}, 0.0));
   }
 
   // One pass over the rows: the residuals r, the factor of J^T J, and J^T J and J^T r over pieces of the log.

@@ -17,11 +17,7 @@
 #include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
-namespace {
-
-constexpr double kShortest = 1e-9;  // [m], a line without length has no direction
-
-}  // namespace
+namespace {}  // namespace
 
 PotentialEnergy::PotentialEnergy(const ArmModel& model) {
   joint_of_body_.assign(model.bodies.size(), -1);
@@ -194,7 +190,7 @@ void PotentialEnergy::addMuscle(std::size_t m) {
   }
   // L = |d|, u = d / L.
   const Eigen::Vector3d d = ends[1] - ends[0];
-  line.length = std::max(d.norm(), kShortest);
+  line.length = std::max(d.norm(), kShortestLine);
   line.direction = d / line.length;
   setForce(m);
   if (line.force == 0.0) return;

@@ -172,7 +172,7 @@ TEST(Csv, LeavesOutRowsOnDemand) {
   const CsvTable table = parseCsv("x,note\n1,a\nnan,b\n3,\"c\nd\"\n,e\n5,f\n");
   EXPECT_THAT(table.badRows("x"), ElementsAre(1u, 3u));
   EXPECT_THAT(table.badRows("note"), IsEmpty());
-  const CsvTable rest = table.withoutRows({false, true, false, true, false});
+  const CsvTable rest = table.onlyRows({true, false, true, false, true});
   EXPECT_THAT(rest.quantity("x", ""), ElementsAre(1.0, 3.0, 5.0));
   EXPECT_THAT(rest.text("note"), ElementsAre("a", "c\nd", "f"));
   EXPECT_EQ(rest.lineOf(2), 7u);

@@ -64,7 +64,7 @@ TEST(CounterRandom, UniformIsOpenAndFlat) {
     const double u = random.uniform({i, 0, 0, 0});
     ASSERT_GT(u, 0.0);
     ASSERT_LT(u, 1.0);
-    ++counts[u * kCells];
+    ++counts[static_cast<std::size_t>(u * kCells)];
   }
   const double expected = static_cast<double>(kDraws) / kCells;
   double chi_square = 0.0;

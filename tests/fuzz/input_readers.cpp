@@ -82,7 +82,7 @@ void readLog(std::string bytes) {
   tryReading([](const CsvTable& table) { readActuatorLog(table, {}); });
   tryReading([](const CsvTable& table) { readMotorLog(table); });
   tryReading([](const CsvTable& table) { readPamLog(table); });
-  tryReading([](const CsvTable& table) { agreement(readSpringLog(table)); });
+  tryReading([](const CsvTable& table) { readSignedSpringLog(table); });
 }
 
 /// A recording, and every number of it.

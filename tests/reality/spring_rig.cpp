@@ -90,7 +90,7 @@ std::vector<double> motionOf(const SpringDesign& design, std::mt19937_64& random
         x.push_back(middle + reach * std::sin(2.0 * 3.14159265 * t / period));
     }
   }
-  x.resize(design.seconds * design.rate);
+  x.resize(static_cast<std::size_t>(design.seconds * design.rate));
   return x;
 }
 
@@ -128,8 +128,8 @@ SpringRecord recordSpring(const SpringTruth& truth, const SpringDesign& design) 
   }
   const auto rows = static_cast<double>(record.time.size());
   for (int k = 0; k < design.spikes; ++k) {
-    record.deflection[rows * uniform(random)] += 0.3 * (design.high - design.low);
-    record.force[rows * uniform(random)] -= 8.0;
+    record.deflection[static_cast<std::size_t>(rows * uniform(random))] += 0.3 * (design.high - design.low);
+    record.force[static_cast<std::size_t>(rows * uniform(random))] -= 8.0;
   }
   return record;
 }

@@ -55,8 +55,8 @@ class CsvTable {
   /// Rows, rising, in which a column of numbers has an empty cell, NaN, infinity or no number. \throws DataError when
   /// missing.
   std::vector<std::size_t> badRows(std::string_view column) const;
-  /// The table without the rows marked. \param out  shape (rows)
-  CsvTable withoutRows(const std::vector<bool>& out) const;
+  /// The table of some of the rows. \param keep  shape (rows)
+  CsvTable onlyRows(const std::vector<bool>& keep) const;
 
   /// The quantity in SI, shape (rows). Empty unit: a plain number column `stem`.
   /// \throws DataError: column missing (lists what is there, or names the wrong unit found), the quantity in two

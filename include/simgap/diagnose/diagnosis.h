@@ -30,12 +30,6 @@ struct Interval {
   double upper95 = 0.0;
 };
 
-struct CauseParameter {
-  std::string name;
-  std::string unit;  ///< SI, as a suffix; "1" when dimensionless
-  Interval value;
-};
-
 /// An ordinary parameter of the model that had been carrying a cause.
 struct Absorption {
   std::string parameter;
@@ -48,7 +42,7 @@ struct Cause {
   std::string target;    ///< which muscle, body or joint; empty otherwise
   std::string channel;   ///< the channel it depends on, or that is shifted; empty otherwise
   std::string sentence;  ///< the physical cause in words
-  std::vector<CauseParameter> parameters;
+  std::vector<Estimate> parameters;
   Interval gain_heldout;  ///< fraction of the held-out mean squared error; 0.1: 10 %
   double p_adjusted = 1.0;
   std::vector<std::string> ambiguous_with;  ///< "effect" or "effect:target"

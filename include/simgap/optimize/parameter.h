@@ -29,4 +29,11 @@ struct Estimate {
   double upper95 = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// With as much on both sides of the value.
+inline Estimate withInterval(Estimate estimate, double half) {
+  estimate.lower95 = estimate.value - half;
+  estimate.upper95 = estimate.value + half;
+  return estimate;
+}
+
 }  // namespace simgap

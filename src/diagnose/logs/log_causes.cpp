@@ -97,7 +97,7 @@ std::vector<Cause> causesOf(const Selection& selection, const std::vector<GroupE
     for (const Estimate& p : extended.extensions[own + k].parameters) {
       // What was looked for step by step has no derivative to tell its interval by: none is stated.
       const double half = isScanned(effect, p.name) ? std::nan("") : std::isfinite(p.sd) ? extended.t * p.sd : 0.0;
-      cause.parameters.push_back({p.name, p.unit, {p.value, p.value - half, p.value + half}});
+      cause.parameters.push_back(withInterval(p, half));
     }
     cause.absorbed_by = absorbed(shifts(baseline.parameters, extended.parameters));
   }

@@ -117,6 +117,15 @@ void measureLeft(const Selection& selection, const PreparedLog& log, const Eigen
   }
 }
 
+/// Nothing was fitted.
+void endWith(const DataFault& fault, Diagnosis& d) {
+  d.verdict = DiagnosisVerdict::kDataFault;
+  d.baseline = d.extended = {std::nan(""), std::nan("")};
+  d.noise_floor = d.explained_percent = d.explainable_percent = std::nan("");
+  d.sentence = "Data fault: " + fault.sentence + ".";
+  d.next_experiment = "Mend or leave out these rows and diagnose again, or go on with --ignore-faults.";
+}
+
 }  // namespace
 
 void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& options) {
@@ -155,11 +164,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   const LogSearch search(subject.base, log.data, split.training, options);
   if (openFault(d.faults) == nullptr) takeOutRows(subject, search, log, d);
   if (const DataFault* fault = openFault(d.faults); fault != nullptr && !options.ignore_faults) {
-    d.verdict = DiagnosisVerdict::kDataFault;
-    d.baseline = d.extended = {std::nan(""), std::nan("")};  // nothing was fitted
-    d.noise_floor = d.explained_percent = d.explainable_percent = std::nan("");
-    d.sentence = "Data fault: " + fault->sentence + ".";
-    d.next_experiment = "Mend or leave out these rows and diagnose again, or go on with --ignore-faults.";
+    endWith(*fault, d);
     return result;
   }
 

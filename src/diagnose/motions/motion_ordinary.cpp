@@ -67,7 +67,7 @@ std::string labelOf(const Group& group) {
 }
 
 /// The factor by which the members differ from what was expected, their geometric mean.
-CauseParameter factorOf(const Group& group, const MotionCauseFit& fit, const Eigen::MatrixXd& known) {
+Estimate factorOf(const Group& group, const MotionCauseFit& fit, const Eigen::MatrixXd& known) {
   const ScaledParameters& scaled = fit.posterior().parameters();
   const Eigen::Index ordinary = fit.posterior().size() - 1;
   const Eigen::VectorXd z = fit.here().z.head(ordinary);
@@ -80,7 +80,10 @@ CauseParameter factorOf(const Group& group, const MotionCauseFit& fit, const Eig
     for (const Eigen::Index k : group.members) variance += relative(i) * known(i, k) * relative(k) / (count * count);
   }
   const double half = 1.96 * std::sqrt(std::max(0.0, variance));
-  return {"factor", "1", {std::exp(log_factor), std::exp(log_factor - half), std::exp(log_factor + half)}};
+  Estimate factor{"factor", "1", std::exp(log_factor)};
+  factor.lower95 = std::exp(log_factor - half);
+  factor.upper95 = std::exp(log_factor + half);
+  return factor;
 }
 
 }  // namespace

@@ -55,11 +55,6 @@ Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std
 
 double mean(const Eigen::ArrayXd& values) { return values.size() > 0 ? values.mean() : 0.0; }
 
-Interval intervalOf(const Estimate& p) {
-  const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
-  return {p.value, p.value - half, p.value + half};
-}
-
 std::vector<PoseCause> causesOf(const PoseSelection& selection, std::size_t first) {
   std::vector<PoseCause> causes;
   for (std::size_t c = 0; c < first; ++c) causes.push_back(selection.causes[c].cause);
@@ -302,7 +297,7 @@ PoseDiagnosis Diagnosing::run() {
   d.extensions = fit.extensions();
   for (std::size_t c = 0; c < d.causes.size(); ++c) {
     for (const Estimate& p : d.extensions[c].parameters) {
-      d.causes[c].parameters.push_back({p.name, p.unit, intervalOf(p)});
+      d.causes[c].parameters.push_back(withInterval(p, std::isfinite(p.sd) ? 1.96 * p.sd : 0.0));
     }
   }
   fillAbsorption(plain, fit);

@@ -13,15 +13,13 @@
 
 #include "robot_rows.h"
 #include "simgap/diagnose/diagnosis.h"
+#include "simgap/optimize/parameter.h"
 
 namespace simgap {
 
-/// A number of a cause, 0 without it.
-struct RobotCauseParameter {
-  std::string name, unit;                                   ///< SI suffix; "1" without dimension
-  double step = 1.0;                                        ///< by which its slope is taken
-  double lower = -std::numeric_limits<double>::infinity();  ///< beyond: no physical size
-  double upper = std::numeric_limits<double>::infinity();
+/// A number of a cause, 0 without it; beyond its bounds it has no physical size.
+struct RobotCauseParameter : ParameterSpec {
+  double step = 1.0;     ///< by which its slope is taken
   double neutral = 0.0;  ///< is added where people read it
 };
 

@@ -100,7 +100,7 @@ Cause causeOf(const RobotSearch& search, const RobotSelection& selection, std::s
     const double half = studentQuantile(blocks - 1.0) * std::sqrt(std::max(0.0, own(i, i)));
     if (half == 0.0) continue;  // no joint feels it
     const double value = shown[i] + parameter.neutral;
-    cause.parameters.push_back({parameter.name, parameter.unit, {value, value - half, value + half}});
+    cause.parameters.push_back(withInterval({parameter.name, parameter.unit, value}, half));
   }
   return cause;
 }

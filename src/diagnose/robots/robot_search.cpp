@@ -89,7 +89,7 @@ void RobotSearch::addOrdinary() {
     h.target = rows_.jointName(c);
     h.ordinary = true;
     h.drive = static_cast<int>(c);
-    for (Index k = 0; k <= own; ++k) h.parameters.push_back({"number", "1"});
+    for (Index k = 0; k <= own; ++k) h.parameters.push_back({{"number", "1"}});
     h.change = [&regressor, c, own](const VectorXd& theta) {
       VectorXd change = VectorXd::Zero(regressor.columns());
       change.segment(regressor.offsetColumn(c), own) = theta.head(own);

@@ -170,7 +170,7 @@ class ProtocolSearch {
  private:
   void drawMotions();
   void chooseParameters();
-  ProtocolWorth worth(const MatrixXd& plain, const MatrixXd& correlated) const;
+  ProtocolPrecision precision(const MatrixXd& plain, const MatrixXd& correlated) const;
   double cost(const MatrixXd& plain, const MatrixXd& correlated) const {
     return (0.5 * logDeterminant(correlated) - logDeterminant(plain)) / static_cast<double>(free_.size());
   }
@@ -239,7 +239,7 @@ void ProtocolSearch::chooseParameters() {
   }
 }
 
-ProtocolWorth ProtocolSearch::worth(const MatrixXd& plain, const MatrixXd& correlated) const {
+ProtocolPrecision ProtocolSearch::precision(const MatrixXd& plain, const MatrixXd& correlated) const {
   const SymmetricEigen eigen = symmetricEigen(plain);
   const MatrixXd inverse =
       eigen.vectors * eigen.values.cwiseMax(kTellsNothing).cwiseInverse().asDiagonal() * eigen.vectors.transpose();
@@ -249,14 +249,14 @@ ProtocolWorth ProtocolSearch::worth(const MatrixXd& plain, const MatrixXd& corre
   for (Index i = 0; i < std::ssize(free_); ++i) {
     for (Index j = 0; j < std::ssize(free_); ++j) covariance(free_[i], free_[j]) = scale_[i] * scaled(i, j) * scale_[j];
   }
-  ProtocolWorth worth;
-  worth.expected = first_->regression().physical(first_->theta(), covariance);
-  for (Estimate& e : worth.expected) {
+  ProtocolPrecision precision;
+  precision.expected = first_->regression().physical(first_->theta(), covariance);
+  for (Estimate& e : precision.expected) {
     e.lower95 = e.value - kNormalQuantile * e.sd;
     e.upper95 = e.value + kNormalQuantile * e.sd;
   }
-  worth.log_sd = cost(plain, correlated);
-  return worth;
+  precision.log_sd = cost(plain, correlated);
+  return precision;
 }
 
 std::vector<std::size_t> ProtocolSearch::drawProtocol(std::size_t number) const {
@@ -321,7 +321,7 @@ BenchProtocol ProtocolSearch::find() {
   double lowest = kInfinity;
   for (std::size_t k = 0; k < kRandomProtocols; ++k) {
     const std::vector<std::size_t> drawn = drawProtocol(k);
-    protocol.random.push_back(worth(sumOf(drawn, &Information::plain), sumOf(drawn, &Information::correlated)));
+    protocol.random.push_back(precision(sumOf(drawn, &Information::plain), sumOf(drawn, &Information::correlated)));
     if (protocol.random.back().log_sd >= lowest && !chosen.empty()) continue;
     lowest = protocol.random.back().log_sd;
     chosen = drawn;
@@ -332,7 +332,7 @@ BenchProtocol ProtocolSearch::find() {
     const BenchMotion &one = motions_[a].motion, &other = motions_[b].motion;
     return std::tuple(one.weight, -one.speed, a) < std::tuple(other.weight, -other.speed, b);
   });
-  protocol.worth = worth(sumOf(chosen, &Information::plain), sumOf(chosen, &Information::correlated));
+  protocol.precision = precision(sumOf(chosen, &Information::plain), sumOf(chosen, &Information::correlated));
   for (const std::size_t m : chosen) protocol.sessions.push_back(motions_[m].motion);
   fillRows(protocol);
   for (const Index i : silent_) protocol.silent.push_back(first_->regression().parameters()[i].name);

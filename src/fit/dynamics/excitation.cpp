@@ -91,23 +91,23 @@ class Search {
   double cost(const FourierMotion& motion) {
     const double worst = sum(motion);
     if (worst > 0.0) return kBroken + kPerShare * worst;
-    return std::min(worth().log_sd, kBroken);
+    return std::min(precision().log_sd, kBroken);
   }
 
   /// Of the motion that was summed last.
-  ExcitationWorth worth() const {
+  ExcitationPrecision precision() const {
     const Index k = information_.rows();
     const VectorXd scale = information_.diagonal().cwiseMax(kNothing).cwiseSqrt().cwiseInverse();
     MatrixXd scaled = scale.asDiagonal() * information_ * scale.asDiagonal();
     scaled.diagonal().array() += kNothing;
     const SymmetricEigen eigen = symmetricEigen(scaled);
     const VectorXd values = eigen.values.cwiseMax(kNothing);
-    ExcitationWorth worth;
+    ExcitationPrecision precision;
     const MatrixXd inverse = eigen.vectors * values.cwiseInverse().asDiagonal() * eigen.vectors.transpose();
-    worth.sd = scale.cwiseProduct(inverse.diagonal().cwiseSqrt());
-    worth.log_sd = (scale.array().log().sum() - 0.5 * values.array().log().sum()) / static_cast<double>(k);
-    worth.condition = std::sqrt(values[k - 1] / values[0]);
-    return worth;
+    precision.sd = scale.cwiseProduct(inverse.diagonal().cwiseSqrt());
+    precision.log_sd = (scale.array().log().sum() - 0.5 * values.array().log().sum()) / static_cast<double>(k);
+    precision.condition = std::sqrt(values[k - 1] / values[0]);
+    return precision;
   }
 
   /// Over the rows of the trajectory; and the least of each distance.
@@ -293,32 +293,47 @@ void FourierMotion::at(double time, RobotMotion& motion) const {
   }
 }
 
-Excitation exciteRobot(const ArmModel& arm, const FrictionLaw& law, const ExcitationLimits& limits, std::uint64_t seed,
-                       const std::function<void(double share)>& news) {
-  Search search(arm, law, limits);
-  const CounterRandom random(seed);
+namespace {
+
+/// Series that were drawn, and the best of them.
+struct DrawnSeries {
   std::vector<double> best;
-  std::vector<FourierMotion> series;
-  std::vector<ExcitationWorth> others;
-  double lowest = kInfinity;
-  int draw = 0;
-  for (; draw < kSeriesDrawn && std::ssize(series) < kSeriesKept; ++draw) {
-    const std::vector<double> x = drawn(random, search.unknowns(), static_cast<std::uint32_t>(draw));
+  double lowest = kInfinity;  ///< its cost
+  int draws = 0;
+  std::vector<FourierMotion> kept;              ///< within the limits
+  std::vector<ExcitationPrecision> precisions;  ///< of these
+};
+
+DrawnSeries drawSeries(Search& search, std::uint64_t seed) {
+  const CounterRandom random(seed);
+  DrawnSeries series;
+  for (; series.draws < kSeriesDrawn && std::ssize(series.kept) < kSeriesKept; ++series.draws) {
+    const std::vector<double> x = drawn(random, search.unknowns(), static_cast<std::uint32_t>(series.draws));
     const FourierMotion motion = search.motionOf(x);
     const double cost = search.cost(motion);
     if (cost < kBroken) {
-      series.push_back(motion);
-      others.push_back(search.worth());
+      series.kept.push_back(motion);
+      series.precisions.push_back(search.precision());
     }
-    if (cost < lowest) {
-      lowest = cost;
-      best = x;
+    if (cost < series.lowest) {
+      series.lowest = cost;
+      series.best = x;
     }
     stopIfInterrupted();
   }
-  const std::vector<double> centre = best;
+  return series;
+}
+
+}  // namespace
+
+Excitation exciteRobot(const ArmModel& arm, const FrictionLaw& law, const ExcitationLimits& limits, std::uint64_t seed,
+                       const std::function<void(double share)>& news) {
+  Search search(arm, law, limits);
+  DrawnSeries series = drawSeries(search, seed);
+  std::vector<double> best = series.best;
+  double lowest = series.lowest;
   const auto moved = [&](const std::vector<double>& x) {
-    std::vector<double> there = centre;
+    std::vector<double> there = series.best;
     for (std::size_t i = 0; i < there.size(); ++i) there[i] += x[i];
     return there;
   };
@@ -346,10 +361,10 @@ Excitation exciteRobot(const ArmModel& arm, const FrictionLaw& law, const Excita
   search.cost(motion);
   auto [reached, nearest] = search.reached(motion);
   return {motion,
-          search.worth(),
-          draw,
-          std::move(series),
-          std::move(others),
+          search.precision(),
+          series.draws,
+          std::move(series.kept),
+          std::move(series.precisions),
           std::move(reached),
           std::move(nearest),
           search.names(),

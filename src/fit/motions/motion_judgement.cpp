@@ -66,15 +66,19 @@ std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, cons
     const SearchParameter& p = posterior.space().parameters()[i];
     const double wide = knownTo(i, scaled.hasPrior(i));
     const double slope = scaled.slope(i, fit.z[i]);
-    parameters.push_back({p.name, p.unit, p.initial, scaled.value(i, fit.z[i]),
-                          scaled.hasPrior(i) ? scaled.slope(i, 0.0) : kInfinity, slope * wide, p.lower, p.upper,
-                          fit.z[i], verdictOf(wide, scaled.hasPrior(i))});
+    MotionParameter& found = parameters.emplace_back(p);
+    if (found.prior_sd) found.prior_sd = scaled.slope(i, 0.0);
+    found.value = scaled.value(i, fit.z[i]);
+    found.sd = slope * wide;
+    found.shift = fit.z[i];
+    found.verdict = verdictOf(wide, scaled.hasPrior(i));
   }
   const Eigen::Index last = scaled.size();
   const double unit = posterior.options().capture_delay_sd;
   const double sd = knownTo(last, true);
-  parameters.push_back({"capture_delay_s", "s", 0.0, posterior.captureDelay(fit.z), unit, unit * sd,
-                        unit * posterior.lower(last), unit * posterior.upper(last), fit.z[last], verdictOf(sd, true)});
+  const ParameterSpec delay{"capture_delay_s", "s", unit * posterior.lower(last), unit * posterior.upper(last)};
+  parameters.push_back(
+      {{delay, 0.0, unit, unit}, posterior.captureDelay(fit.z), unit * sd, fit.z[last], verdictOf(sd, true)});
   return parameters;
 }
 

@@ -37,7 +37,7 @@ bool mayBeSparse(const std::string& column) { return splitUnit(column).stem == "
 
 void leaveOutEmptyCells(LogTable& log) {
   const CsvTable& table = log.table;
-  std::vector<bool> out(table.rows(), false);
+  std::vector<bool> keep(table.rows(), true);
   for (const std::string& column : table.columns()) {
     if (!isLogChannel(column)) continue;
     const std::vector<std::size_t> bad = table.badRows(column);
@@ -51,9 +51,9 @@ void leaveOutEmptyCells(LogTable& log) {
                              percent(bad.size(), table), column, 100.0 * kMostLeftOut));
     }
     log.left_out.push_back(leftOut(table, column, "has no number", bad));
-    for (const std::size_t row : bad) out[row] = true;
+    for (const std::size_t row : bad) keep[row] = false;
   }
-  if (!log.left_out.empty()) log.table = table.withoutRows(out);
+  if (!log.left_out.empty()) log.table = table.onlyRows(keep);
 }
 
 /// Rows of a block that are not in its longest rising subsequence (Schensted 1961), the fewest that can go.
@@ -106,10 +106,10 @@ void leaveOutBadStamps(LogTable& log) {
                     "begin anew)",
                     time[i - 1], time[i], bad.size(), table.rows(), percent(bad.size(), table), 100.0 * kMostLeftOut));
   }
-  std::vector<bool> out(table.rows(), false);
-  for (const std::size_t row : bad) out[row] = true;
+  std::vector<bool> keep(table.rows(), true);
+  for (const std::size_t row : bad) keep[row] = false;
   log.left_out.push_back(leftOut(table, "time", "repeats or goes back", bad));
-  log.table = table.withoutRows(out);
+  log.table = table.onlyRows(keep);
 }
 
 CsvTable keepSessions(CsvTable table, const std::vector<std::string>& chosen) {
@@ -117,17 +117,17 @@ CsvTable keepSessions(CsvTable table, const std::vector<std::string>& chosen) {
   CsvTable copy = table;
   std::vector<std::string> names;
   const std::vector<int> session = readSessions(copy, names);
-  std::vector<bool> unwanted(names.size(), true);
+  std::vector<bool> wanted(names.size(), false);
   for (const std::string& name : chosen) {
     const auto found = std::ranges::find(names, name);
     if (found == names.end()) {
       throw DataError(fmt::format("{}: found no session {}, expected one of {}", table.name(), name, listed(names)));
     }
-    unwanted[found - names.begin()] = false;
+    wanted[found - names.begin()] = true;
   }
-  std::vector<bool> out(table.rows());
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] = unwanted[session[i]];
-  return table.withoutRows(out);
+  std::vector<bool> keep(table.rows());
+  for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = wanted[session[i]];
+  return table.onlyRows(keep);
 }
 
 }  // namespace

@@ -106,15 +106,15 @@ struct Stretches {
     }
   }
 
-  /// Stretches that outweigh nearly all others even with the least smoothing: an outlier that nobody put right.
-  std::vector<bool> outlying() const {
+  /// All but stretches that outweigh nearly all others even with the least smoothing: an outlier that nobody put right.
+  std::vector<bool> inliers() const {
     constexpr double kMost = 0.95, kFar = 4.0;
     std::vector<double> sizes;
     for (std::size_t k = 0; k < squares.size(); ++k) sizes.push_back(squares[k] / rows[k]);
     const double limit = kFar * quantile(sizes, kMost);
-    std::vector<bool> out;
-    for (const double size : sizes) out.push_back(size > limit);
-    return out;
+    std::vector<bool> keep;
+    for (const double size : sizes) keep.push_back(size <= limit);
+    return keep;
   }
 };
 
@@ -122,10 +122,10 @@ struct Trial {
   double bandwidth, score, residual;  ///< score: cross-validation error, residual: RMS of the noise it stands for
 };
 
-Trial judge(const Stretches& stretches, const std::vector<bool>& out, double bandwidth) {
+Trial judge(const Stretches& stretches, const std::vector<bool>& keep, double bandwidth) {
   double squares = 0.0, rows = 0.0, free = 0.0;
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    if (out[k]) continue;
+  for (std::size_t k = 0; k < keep.size(); ++k) {
+    if (!keep[k]) continue;
     squares += stretches.squares[k];
     rows += stretches.rows[k];
     free += stretches.free[k];
@@ -149,11 +149,11 @@ double smoothingBandwidth(std::span<const double> time, std::span<const double> 
     seconds = std::max(seconds, piece.time.back() - piece.time.front());
   }
   std::vector<Trial> trials;
-  std::vector<bool> out;
+  std::vector<bool> keep;
   for (double b = std::min(highest, kUsable / step); b * seconds >= kFewestPeriods; b /= kLadder) {
     const Stretches stretches(pieces, b);
-    if (trials.empty()) out = stretches.outlying();
-    trials.push_back(judge(stretches, out, b));
+    if (trials.empty()) keep = stretches.inliers();
+    trials.push_back(judge(stretches, keep, b));
   }
   if (trials.empty()) return highest;
   const Trial& best = *std::ranges::min_element(trials, {}, &Trial::score);

@@ -11,7 +11,6 @@ namespace {
 
 /// The shortest line between two points round a sphere, both as vectors from its centre: from, points on the arc, to.
 std::vector<Eigen::Vector3d> bentLine(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double radius) {
-  constexpr int kArcPoints = 7;
   const Eigen::Vector3d e = from.normalized();
   const Eigen::Vector3d across = (to - e * e.dot(to)).normalized();
   const double first = std::acos(radius / from.norm());

@@ -15,7 +15,6 @@
 namespace simgap {
 namespace {
 
-constexpr double kShortest = 1e-9;  // [m], a line without length has no direction
 constexpr double kSmallestSine = 1e-6;
 
 using Eigen::Vector2d;
@@ -71,7 +70,7 @@ bool roundCircle(const std::array<Vector2d, 2>& d, double radius, const Vector2d
   if (way.clockwise) way.angle = -way.angle;
   if (way.angle < -1e-9) way.angle += 2.0 * std::numbers::pi;
   for (int a = 0; a < 2; ++a) {
-    way.free[a] = std::max(kShortest, (d[a] - way.touch[a]).norm());
+    way.free[a] = std::max(kShortestLine, (d[a] - way.touch[a]).norm());
     way.along[a] = (d[a] - way.touch[a]) / way.free[a];
   }
   return true;
@@ -150,7 +149,7 @@ void addHeight(const CircleWay& way, const Eigen::Vector3d& axis, const std::arr
 
 void straightStretch(const Eigen::Vector3d& x0, const Eigen::Vector3d& x1, Stretch& s) {
   s.wrapped = false;
-  s.length = std::max((x1 - x0).norm(), kShortest);
+  s.length = std::max((x1 - x0).norm(), kShortestLine);
   s.slope[1] = (x1 - x0) / s.length;
   s.slope[0] = -s.slope[1];
   s.curvature[0][0] = (Eigen::Matrix3d::Identity() - s.slope[1] * s.slope[1].transpose()) / s.length;
@@ -261,7 +260,6 @@ namespace {
 
 /// Points of the arc between where a stretch touches its surface.
 void addArc(const PlacedSurface& surface, const Stretch& s, std::vector<Eigen::Vector3d>& points) {
-  constexpr int kArcPoints = 7;
   const Eigen::Vector3d a = s.touch[0] - surface.centre, b = s.touch[1] - surface.centre;
   // It sets out against the slope of the first end, about the normal of that and of the radius.
   const bool ball = surface.shape == Surface::Shape::kSphere;

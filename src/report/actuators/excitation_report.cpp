@@ -64,7 +64,7 @@ Json jointRecords(const ExcitationReport& report, const InverseDynamics& dynamic
 template <class Value>
 double medianOfRandom(const ExcitationReport& report, const Value& value) {
   std::vector<double> values;
-  for (const ExcitationWorth& worth : report.found.random) values.push_back(value(worth));
+  for (const ExcitationPrecision& precision : report.found.random) values.push_back(value(precision));
   return values.empty() ? std::nan("") : upperMedian(std::move(values));
 }
 
@@ -74,11 +74,11 @@ Json toJson(const ExcitationReport& report) {
   const InverseDynamics dynamics(report.robot);
   const Excitation& found = report.found;
   Json parameters = Json::array(), distances = Json::array();
-  for (Eigen::Index k = 0; k < found.worth.sd.size(); ++k) {
-    const double random = medianOfRandom(report, [k](const ExcitationWorth& worth) { return worth.sd[k]; });
+  for (Eigen::Index k = 0; k < found.precision.sd.size(); ++k) {
+    const double random = medianOfRandom(report, [k](const ExcitationPrecision& precision) { return precision.sd[k]; });
     parameters.push_back({{"name", found.names[k]},
                           {"unit", found.units[k]},
-                          {"expected_sd", found.worth.sd[k]},
+                          {"expected_sd", found.precision.sd[k]},
                           {"expected_sd_random", numberOrNull(random)}});
   }
   for (std::size_t d = 0; d < found.nearest.size(); ++d) {
@@ -86,9 +86,10 @@ Json toJson(const ExcitationReport& report) {
     distances.push_back({{"name", limit.name}, {"nearest_m", found.nearest[d]}, {"at_least_m", limit.least}});
   }
   double best_random = kInfinity;
-  for (const ExcitationWorth& worth : found.random) best_random = std::min(best_random, worth.log_sd);
-  const double median = medianOfRandom(report, [](const ExcitationWorth& worth) { return worth.log_sd; });
-  const double condition = medianOfRandom(report, [](const ExcitationWorth& worth) { return worth.condition; });
+  for (const ExcitationPrecision& precision : found.random) best_random = std::min(best_random, precision.log_sd);
+  const double median = medianOfRandom(report, [](const ExcitationPrecision& precision) { return precision.log_sd; });
+  const double condition =
+      medianOfRandom(report, [](const ExcitationPrecision& precision) { return precision.condition; });
   return {{"format", "simgap/excitation/1"},
           {"robot", report.robot.name},
           {"law", report.law},
@@ -99,9 +100,9 @@ Json toJson(const ExcitationReport& report) {
           {"harmonics", report.limits.harmonics},
           {"random", {{"drawn", found.random_drawn}, {"within_limits", found.random.size()}}},
           {"sd_ratio",
-           {{"median_random", numberOrNull(std::exp(median - found.worth.log_sd))},
-            {"best_random", numberOrNull(std::exp(best_random - found.worth.log_sd))}}},
-          {"condition", {{"found", found.worth.condition}, {"median_random", numberOrNull(condition)}}},
+           {{"median_random", numberOrNull(std::exp(median - found.precision.log_sd))},
+            {"best_random", numberOrNull(std::exp(best_random - found.precision.log_sd))}}},
+          {"condition", {{"found", found.precision.condition}, {"median_random", numberOrNull(condition)}}},
           {"joints", jointRecords(report, dynamics)},
           {"distances", distances},
           {"parameters", parameters}};

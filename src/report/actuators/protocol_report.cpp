@@ -33,13 +33,13 @@ Json sessionRecords(const ProtocolReport& report) {
 /// Of random protocols, the median.
 double medianSd(const ProtocolReport& report, std::size_t parameter) {
   std::vector<double> values;
-  for (const ProtocolWorth& worth : report.found.random) values.push_back(worth.expected[parameter].sd);
+  for (const ProtocolPrecision& precision : report.found.random) values.push_back(precision.expected[parameter].sd);
   return upperMedian(std::move(values));
 }
 
 Json expectedRecords(const ProtocolReport& report) {
   Json records = Json::array();
-  const std::vector<Estimate>& expected = report.found.worth.expected;
+  const std::vector<Estimate>& expected = report.found.precision.expected;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     const Estimate& e = expected[i];
     if (!std::isfinite(e.sd)) continue;
@@ -65,7 +65,7 @@ double largestOf(const std::vector<double>& values) {
 Json toJson(const ProtocolReport& report) {
   const BenchProtocol& found = report.found;
   std::vector<double> random;
-  for (const ProtocolWorth& worth : found.random) random.push_back(worth.log_sd);
+  for (const ProtocolPrecision& precision : found.random) random.push_back(precision.log_sd);
   const double best = std::ranges::min(random);
   Json causes = Json::array();
   for (const Extension& cause : report.limits.guess.extensions) causes.push_back(cause.effect);
@@ -78,8 +78,8 @@ Json toJson(const ProtocolReport& report) {
           {"transmission_ratio", report.limits.ratio},
           {"motions", {{"drawn", found.drawn}, {"within_limits", found.within}}},
           {"sd_ratio",
-           {{"median_random", std::exp(upperMedian(random) - found.worth.log_sd)},
-            {"best_random", std::exp(best - found.worth.log_sd)},
+           {{"median_random", std::exp(upperMedian(random) - found.precision.log_sd)},
+            {"best_random", std::exp(best - found.precision.log_sd)},
             {"protocols", random.size()}}},
           {"reached",
            {{"velocity_rad_s", largestOf(found.velocity)},

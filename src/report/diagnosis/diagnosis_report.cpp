@@ -30,9 +30,11 @@ Json causesJson(const Diagnosis& d) {
   Json causes = Json::array();
   for (const Cause& c : d.causes) {
     Json parameters = Json::array(), absorbed = Json::array();
-    for (const CauseParameter& p : c.parameters) {
-      parameters.push_back(
-          {{"name", p.name}, {"unit", p.unit}, {"value", numberOrNull(p.value.value)}, {"ci95", pair(p.value)}});
+    for (const Estimate& p : c.parameters) {
+      parameters.push_back({{"name", p.name},
+                            {"unit", p.unit},
+                            {"value", numberOrNull(p.value)},
+                            {"ci95", pair({p.value, p.lower95, p.upper95})}});
     }
     for (const Absorption& a : c.absorbed_by) {
       absorbed.push_back({{"parameter", a.parameter}, {"shift_sd", numberOrNull(a.shift_sd)}});

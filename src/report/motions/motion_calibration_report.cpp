@@ -19,7 +19,7 @@ Json parametersJson(const MotionCalibrationResult& result) {
                           {"value", p.value},
                           {"sd", numberOrNull(p.sd)},
                           {"ci95", {numberOrNull(p.value - 1.96 * p.sd), numberOrNull(p.value + 1.96 * p.sd)}},
-                          {"prior_sd", numberOrNull(p.prior_sd)},
+                          {"prior_sd", numberOrNull(p.prior_sd.value_or(NAN))},
                           {"shift_sd", numberOrNull(p.shift)},
                           {"lower", numberOrNull(p.lower)},
                           {"upper", numberOrNull(p.upper)},

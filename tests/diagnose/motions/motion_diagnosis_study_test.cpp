@@ -32,10 +32,9 @@ std::string causesOf(const Diagnosis& said) {
   for (const Cause& cause : said.causes) {
     text += " " + cause.effect + ":" + cause.target;
     for (const std::string& rival : cause.ambiguous_with) text += "|" + rival;
-    for (const CauseParameter& p : cause.parameters) {
+    for (const Estimate& p : cause.parameters) {
       char value[96];
-      std::snprintf(value, sizeof value, " %s=%.4g [%.4g, %.4g]", p.name.c_str(), p.value.value, p.value.lower95,
-                    p.value.upper95);
+      std::snprintf(value, sizeof value, " %s=%.4g [%.4g, %.4g]", p.name.c_str(), p.value, p.lower95, p.upper95);
       text += value;
     }
   }
@@ -61,7 +60,7 @@ TEST(SlowMotionDiagnosisStudy, NamesWhatIsHidden) {
       std::fflush(stdout);
       ++(effect.empty() ? nothing : effect == "drag" ? outside : worth >= kWorthFinding ? hidden : nothing)[outcome];
       if (outcome != "right") continue;
-      const Interval& value = said.causes.front().parameters.front().value;
+      const Estimate& value = said.causes.front().parameters.front();
       ++intervals;
       holding += value.lower95 <= one.hidden.magnitude && one.hidden.magnitude <= value.upper95;
     }

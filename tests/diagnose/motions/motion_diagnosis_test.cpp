@@ -31,7 +31,7 @@ std::string answerOf(const MotionDiagnosis& result) {
   for (const Cause& cause : result.diagnosis.causes) {
     text += "; " + cause.effect + ":" + cause.target;
     for (const std::string& rival : cause.ambiguous_with) text += " | " + rival;
-    for (const CauseParameter& p : cause.parameters) text += " " + p.name + "=" + std::to_string(p.value.value);
+    for (const Estimate& p : cause.parameters) text += " " + p.name + "=" + std::to_string(p.value);
   }
   for (const HypothesisRecord& h : result.diagnosis.hypotheses) {
     text += "\n  " + h.effect + ":" + h.target + " " + h.outcome + " " + std::to_string(h.log_odds.value_or(NAN));
@@ -54,7 +54,7 @@ double expectFound(const MotionDiagnosis& result, const std::string& effect) {
   EXPECT_EQ(first.effect, effect) << answerOf(result);
   EXPECT_GT(first.gain_heldout.lower95, 0.0);
   EXPECT_LE(result.diagnosis.causes.size(), 1u) << answerOf(result);
-  return first.parameters.front().value.value;
+  return first.parameters.front().value;
 }
 
 TEST(MotionDiagnosis, WhereNothingIsHiddenNothingIsNamed) {
@@ -76,7 +76,7 @@ TEST(MotionDiagnosis, FindsLateCommands) {
   const MotionDiagnosis result = diagnoseForearm(truth);
   EXPECT_NEAR(expectFound(result, "command-latency"), 0.04, 0.002);
   ASSERT_FALSE(result.diagnosis.causes.empty());
-  const Interval& delay = result.diagnosis.causes.front().parameters.front().value;
+  const Estimate& delay = result.diagnosis.causes.front().parameters.front();
   EXPECT_LE(delay.upper95 - delay.value, 0.012);  // a row of the commands is 10 ms
   EXPECT_GE(delay.upper95 - delay.value, 0.010);
 }
@@ -141,7 +141,7 @@ TEST(MotionDiagnosis, ALimitOfCurrentsIsKnownToAPartOfItself) {
   const MotionDiagnosis result = diagnoseDrawnForearm("current-limit", 203);
   expectFound(result, "current-limit");
   ASSERT_FALSE(result.diagnosis.causes.empty());
-  const Interval& limit = result.diagnosis.causes.front().parameters.front().value;
+  const Estimate& limit = result.diagnosis.causes.front().parameters.front();
   EXPECT_LT(limit.lower95, 1.168);
   EXPECT_GT(limit.upper95, 1.168);
   EXPECT_LT(limit.upper95 - limit.lower95, 0.3);

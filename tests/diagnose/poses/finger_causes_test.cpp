@@ -37,7 +37,7 @@ void expectAlone(const Diagnosis& diagnosis, const std::string& effect, const st
 }
 
 void expectWithin(const Diagnosis& diagnosis, double hidden) {
-  const Interval& found = diagnosis.causes[0].parameters[0].value;
+  const Estimate& found = diagnosis.causes[0].parameters[0];
   EXPECT_LE(found.lower95, hidden);
   EXPECT_GE(found.upper95, hidden);
 }

@@ -90,7 +90,7 @@ struct Rates {
     alone += right && cause.ambiguous_with.empty();
     in_group += (right || listed) && cause.ambiguous_with.size() <= 2;
     for (std::size_t i = 0; right && i < draw.hidden[0].parameters.size(); ++i) {
-      const Interval& interval = cause.parameters[i].value;
+      const Estimate& interval = cause.parameters[i];
       const double value = draw.hidden[0].parameters[i];
       ++intervals;
       covered += interval.lower95 <= value && value <= interval.upper95;

@@ -31,8 +31,8 @@ TEST(SlowTorsoCauses, FrictionOfTheBicepsLineAmongTheWholeCatalogue) {
   ASSERT_EQ(diagnosis.causes.size(), 1u) << diagnosis.sentence;
   EXPECT_EQ(diagnosis.causes[0].effect, "pulley-friction");
   EXPECT_EQ(diagnosis.causes[0].target, "r_biceps");
-  EXPECT_LE(diagnosis.causes[0].parameters[0].value.lower95, 0.3);
-  EXPECT_GE(diagnosis.causes[0].parameters[0].value.upper95, 0.3);
+  EXPECT_LE(diagnosis.causes[0].parameters[0].lower95, 0.3);
+  EXPECT_GE(diagnosis.causes[0].parameters[0].upper95, 0.3);
 }
 
 }  // namespace

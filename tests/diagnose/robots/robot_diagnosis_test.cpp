@@ -23,8 +23,8 @@ class RobotDiagnosisTest : public ::testing::Test {
   static inline test::RobotCase* drawn_ = nullptr;
 };
 
-const CauseParameter& parameterOf(const Cause& cause, const std::string& name) {
-  return *std::ranges::find(cause.parameters, name, &CauseParameter::name);
+const Estimate& parameterOf(const Cause& cause, const std::string& name) {
+  return *std::ranges::find(cause.parameters, name, &Estimate::name);
 }
 
 TEST_F(RobotDiagnosisTest, NothingHiddenIsNothingFound) {
@@ -52,10 +52,10 @@ TEST_F(RobotDiagnosisTest, APayloadIsWeighedAndPlaced) {
   ASSERT_EQ(found.diagnosis.causes.size(), 1u) << found.diagnosis.sentence;
   const Cause& cause = found.diagnosis.causes.front();
   EXPECT_EQ(test::labelOf(cause), "payload:link3");
-  const CauseParameter& weighed = parameterOf(cause, "mass");
-  EXPECT_LE(weighed.value.lower95, mass);
-  EXPECT_GE(weighed.value.upper95, mass);
-  EXPECT_LT(weighed.value.upper95 - weighed.value.lower95, 0.5 * mass);
+  const Estimate& weighed = parameterOf(cause, "mass");
+  EXPECT_LE(weighed.lower95, mass);
+  EXPECT_GE(weighed.upper95, mass);
+  EXPECT_LT(weighed.upper95 - weighed.lower95, 0.5 * mass);
   ASSERT_TRUE(found.extended.has_value());
   const RobotLog log = test::robotLog(drawn_->arm, reality::recordRobot(truth, test::shortRig(20.0), 78));
   const Eigen::MatrixXd before = predictEfforts(drawn_->known, log), after = predictEfforts(*found.extended, log);
@@ -120,7 +120,7 @@ TEST_F(RobotDiagnosisTest, TheSameLogGivesTheSameNumbers) {
   const Diagnosis first = diagnosed(truth).diagnosis, second = diagnosed(truth).diagnosis;
   ASSERT_FALSE(first.causes.empty());
   EXPECT_EQ(first.causes.front().gain_heldout.value, second.causes.front().gain_heldout.value);
-  EXPECT_EQ(first.causes.front().parameters.front().value.value, second.causes.front().parameters.front().value.value);
+  EXPECT_EQ(first.causes.front().parameters.front().value, second.causes.front().parameters.front().value);
 }
 
 TEST(RobotDiagnosisOptionsTest, AnUnknownCauseIsRefused) {

@@ -87,7 +87,7 @@ TEST(BenchProtocol, KeepsTheLimitsAndIsExpectedToTellMoreThanSessionsAtRandom) {
                 1e-9);
   }
   EXPECT_LE(step, limits.velocity);
-  for (const ProtocolWorth& random : found.random) EXPECT_LT(found.worth.log_sd, random.log_sd);
+  for (const ProtocolPrecision& random : found.random) EXPECT_LT(found.precision.log_sd, random.log_sd);
 }
 
 TEST(BenchProtocol, TheSameSeedGivesTheSameSessions) {
@@ -141,7 +141,7 @@ TEST(BenchProtocol, FitsToARecordingReachWhatWasExpected) {
   const FrictionTruth truth = benchTruth();
   const BenchProtocol protocol = protocolFor(limitsYaml(300) + kGuess);
   const Reached reached = fitsOf([&](int seed) { return recorded(protocol, truth, seed); }, truth, 3);
-  for (const Estimate& e : protocol.worth.expected) {
+  for (const Estimate& e : protocol.precision.expected) {
     // A standard deviation from blocks of 20 s is itself known to some 20 %.
     EXPECT_GT(reached.stated.at(e.name), 0.6 * e.sd) << e.name;
     EXPECT_LT(reached.stated.at(e.name), 1.6 * e.sd) << e.name;
@@ -153,12 +153,12 @@ TEST(BenchProtocol, CausesAreToldWithTheLaw) {
   const BenchProtocol with =
       protocolFor(limitsYaml(120) + kGuess + "causes: [bend-friction, direction-asymmetry, inertia]\n");
   std::map<std::string, double> sd;
-  for (const Estimate& e : with.worth.expected) sd[e.name] = e.sd;
+  for (const Estimate& e : with.precision.expected) sd[e.name] = e.sd;
   EXPECT_GT(sd.at("bend-friction.mu"), 0.0);
   EXPECT_LT(sd.at("bend-friction.mu"), 0.2) << "per rad";
   EXPECT_GT(sd.at("direction-asymmetry.a"), 0.0);
   EXPECT_LT(sd.at("direction-asymmetry.a"), 0.2);
-  EXPECT_LT(alone.worth.expected.size(), with.worth.expected.size());
+  EXPECT_LT(alone.precision.expected.size(), with.precision.expected.size());
 }
 
 TEST(BenchProtocol, BadLimitsGetASentence) {
@@ -212,7 +212,7 @@ TEST(SlowBenchProtocol, AgainstThePapersProtocolAtEqualDuration) {
           "%g s, bristles of %g rad: parameter, expected sd, stated, RMS error; stated and RMS error on the "
           "paper's protocol\n",
           seconds, bristles);
-      for (const Estimate& e : protocol.worth.expected) {
+      for (const Estimate& e : protocol.precision.expected) {
         expected[e.name] = e.sd;
         std::printf("  %-6s %.4g %.4g %.4g; %.4g %.4g\n", e.name.c_str(), e.sd, designed.stated.at(e.name),
                     designed.error.at(e.name), paper.stated.at(e.name), paper.error.at(e.name));

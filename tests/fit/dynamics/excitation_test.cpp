@@ -94,7 +94,7 @@ TEST(Excitation, KeepsTheLimitsOfMotionAndEffort) {
     for (std::size_t j = 0; j < limits.joints.size(); ++j) limits.joints[j].effort = 0.9 * free.reached[j].effort;
     const Excitation bound = excite(arm, limits);
     expectWithin(robot, arm, limits, bound.motion);
-    EXPECT_LE(free.worth.log_sd, bound.worth.log_sd) << "a limit cannot make a motion tell more";
+    EXPECT_LE(free.precision.log_sd, bound.precision.log_sd) << "a limit cannot make a motion tell more";
   }
 }
 
@@ -212,11 +212,11 @@ std::pair<double, double> gainOf(std::uint64_t seed) {
   }
   const Excitation found = excite(arm, limits);
   constexpr int kRepeats = 4;
-  VectorXd ours = VectorXd::Zero(found.worth.sd.size()), theirs = ours, promised = ours;
+  VectorXd ours = VectorXd::Zero(found.precision.sd.size()), theirs = ours, promised = ours;
   for (std::uint64_t k = 0; k < kRepeats; ++k) {
     ours += errorsAfter(robot, arm, found.motion, noise, 100 * seed + k).cwiseAbs2();
     theirs += errorsAfter(robot, arm, found.drawn[k], noise, 100 * seed + k).cwiseAbs2();
-    promised += found.random[k].sd.cwiseQuotient(found.worth.sd).cwiseAbs2();
+    promised += found.random[k].sd.cwiseQuotient(found.precision.sd).cwiseAbs2();
   }
   const auto mean = [](const VectorXd& squares) { return std::exp(0.5 * squares.array().log().mean()); };
   return {mean(theirs.cwiseQuotient(ours)), mean(promised / kRepeats)};

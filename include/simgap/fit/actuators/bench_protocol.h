@@ -69,17 +69,17 @@ struct BenchMotion {
 };
 
 /// A protocol, and what it is expected to tell.
-struct ProtocolWorth {
+struct ProtocolPrecision {
   std::vector<Estimate> expected;  ///< shape (P): the values it is for; NaN deviations of what is not determined
   double log_sd = 0.0;             ///< mean logarithm over all directions, each in a unit of its own: what is minimised
 };
 
 struct BenchProtocol {
   std::vector<BenchMotion> sessions;
-  ProtocolWorth worth;
-  std::vector<ProtocolWorth> random;  ///< of as many sessions drawn at random from the same motions
-  std::size_t drawn = 0, within = 0;  ///< motions drawn, and of those within all limits
-  std::vector<std::string> silent;    ///< parameters that no motion within the limits tells anything of
+  ProtocolPrecision precision;
+  std::vector<ProtocolPrecision> random;  ///< of as many sessions drawn at random from the same motions
+  std::size_t drawn = 0, within = 0;      ///< motions drawn, and of those within all limits
+  std::vector<std::string> silent;        ///< parameters that no motion within the limits tells anything of
   std::vector<double> time, angle, velocity, acceleration, load, current;  ///< shape (rows) of the log to be recorded
   std::vector<std::size_t> session;                                        ///< shape (rows)
 };

@@ -73,7 +73,7 @@ class FourierMotion {
 };
 
 /// What a motion is worth.
-struct ExcitationWorth {
+struct ExcitationPrecision {
   Eigen::VectorXd sd;      ///< expected, shape (K) of base parameters, or (4) of a payload: m, m c_x, m c_y, m c_z
   double log_sd = 0.0;     ///< mean logarithm over all directions: what is minimised
   double condition = 0.0;  ///< of the information, its columns scaled to length 1
@@ -86,13 +86,13 @@ struct JointExcursion {
 
 struct Excitation {
   FourierMotion motion;
-  ExcitationWorth worth;
-  int random_drawn = 0;                   ///< series at random
-  std::vector<FourierMotion> drawn;       ///< of those the ones that keep the limits
-  std::vector<ExcitationWorth> random;    ///< and what they are worth
-  std::vector<JointExcursion> reached;    ///< shape (N), over the rows
-  std::vector<double> nearest;            ///< shape (distances) [m]
-  std::vector<std::string> names, units;  ///< of `worth.sd`
+  ExcitationPrecision precision;
+  int random_drawn = 0;                     ///< series at random
+  std::vector<FourierMotion> drawn;         ///< of those the ones that keep the limits
+  std::vector<ExcitationPrecision> random;  ///< and what they are worth
+  std::vector<JointExcursion> reached;      ///< shape (N), over the rows
+  std::vector<double> nearest;              ///< shape (distances) [m]
+  std::vector<std::string> names, units;    ///< of `worth.sd`
 };
 
 /// \param news  called with the share done; \throws ConfigError: a payload or limits that leave no motion;

@@ -80,11 +80,9 @@ struct MotionSetResult {
 };
 
 /// What is known of a parameter of the search; the last one is the capture's delay.
-struct MotionParameter {
-  std::string name, unit;
-  double initial, value, prior_sd, sd;  ///< sd in the parameter's unit
-  double lower, upper;
-  double shift;  ///< from the initial value [prior standard deviations]
+struct MotionParameter : SearchParameter {
+  double value, sd;  ///< in the parameter's unit
+  double shift;      ///< from the initial value [prior standard deviations]
   Verdict verdict;
 };
 

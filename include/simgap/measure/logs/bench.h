@@ -34,7 +34,7 @@ struct BenchConstants {
 struct Bench : BenchConstants {
   std::string file;  ///< it was read from; empty when there is none
   BenchLoad load = BenchLoad::kTorqueSensor;
-  double gravity = kEarthGravity;        ///< [m/s^2]
+  double gravity = kEarthGravity;   ///< [m/s^2]
   std::optional<double> bandwidth;  ///< [Hz] of the smoothing that gives velocity and acceleration
   std::optional<double> ratio;      ///< motor per joint
   /// The constants of each session of a log, where they change from one to the next; empty where they do not. What is

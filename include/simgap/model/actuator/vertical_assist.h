@@ -29,7 +29,7 @@ using LegTorques = std::array<double, 2>;  ///< [N m]
 
 struct PlanarLeg {
   LegSegment shank, thigh;
-  double load = 0.0;          ///< carried in the hip [kg]
+  double load = 0.0;               ///< carried in the hip [kg]
   double gravity = kEarthGravity;  ///< [m/s^2]
 
   double mass() const noexcept { return shank.mass + thigh.mass + load; }

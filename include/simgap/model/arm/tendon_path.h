@@ -20,6 +20,11 @@
 
 namespace simgap {
 
+/// A line without length has no direction: none is shorter [m].
+inline constexpr double kShortestLine = 1e-9;
+/// Where a drawn line lies on a surface.
+inline constexpr int kArcPoints = 7;
+
 /// Length of a line between two points and its derivatives. Those by the place of a surface follow: to move it is to
 /// move both points the other way.
 struct Stretch {

@@ -32,7 +32,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   return onEveryJoint(rows, kName, [&rows, step](std::size_t c, RobotHypothesis& h) {
     h.sentence = "all that is logged of this joint comes later, or earlier, than what is logged of the others";
     h.separates = "a knock at the base that all joints see";
-    h.parameters = {{"dt", "s", step, -0.5, 0.5}};
+    h.parameters = {{{"dt", "s", -0.5, 0.5}, step}};
     h.linear = false;
     h.torque = [&rows, c](const VectorXd& theta) { return onAll(lateBy(rows, c, theta[0])); };
     // What the reading of a log puts right by halves of a row is no clock.

@@ -36,7 +36,7 @@ RobotHypothesis byNeighbour(const RobotRows& rows, std::size_t c, std::size_t k)
   h.sentence = "friction of the first joint grows with the load of the second, its neighbour";
   h.separates = "slow motion of the first joint while the second holds different loads";
   const bool alike = rows.joint(c).slides() == rows.joint(k).slides();
-  h.parameters = {{"n", alike ? "1" : rows.joint(c).slides() ? "1_m" : "m", 1.0, 0.0}};
+  h.parameters = {{{"n", alike ? "1" : rows.joint(c).slides() ? "1_m" : "m", 0.0}}};
   h.torque = [&rows, c, k](const VectorXd& theta) {
     return onJoint(rows.joints(), c, theta[0] * rows.drive(k).load.abs() * rows.drive(c).direction);
   };

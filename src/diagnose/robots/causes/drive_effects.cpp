@@ -58,7 +58,7 @@ RobotHypothesis byColumns(const RobotRows& rows, std::size_t c, const ActuatorEf
                           const std::vector<double>& p) {
   RobotHypothesis h = named(rows, c, effect);
   for (const EffectColumn& column : effect.columns) {
-    h.parameters.push_back({std::string(column.name), unitAt(rows, c, column), 1.0, column.lower, column.upper});
+    h.parameters.push_back({{std::string(column.name), unitAt(rows, c, column), column.lower, column.upper}});
   }
   h.searched = effect.places;
   h.torque = [&rows, c, &effect, p](const VectorXd& theta) {
@@ -94,8 +94,9 @@ RobotHypothesis byChange(const RobotRows& rows, std::size_t c, const ActuatorEff
     const EffectParameter& parameter = effect.parameters[k];
     if (parameter.kind != Kind::kSmooth) continue;
     const double step = parameter.unit == "s" ? rows.drive(c).step : 0.02;
-    h.parameters.push_back({std::string(parameter.name), std::string(parameter.unit), step,
-                            parameter.lower - parameter.neutral, parameter.upper - parameter.neutral,
+    h.parameters.push_back({{std::string(parameter.name), std::string(parameter.unit),
+                             parameter.lower - parameter.neutral, parameter.upper - parameter.neutral},
+                            step,
                             parameter.neutral});
     p[k] = parameter.neutral;
     free.push_back(k);

@@ -42,15 +42,15 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   const RobotRegressor& regressor = rows.regressor();
   for (std::size_t c = 0; c < rows.joints(); ++c) {
     const bool slides = rows.joint(c).slides();
-    RobotHypothesis rotor = changed(rows, kNames[0], c, {"dJ", slides ? "kg" : "kg_m2"}, {regressor.rotorColumn(c)});
+    RobotHypothesis rotor = changed(rows, kNames[0], c, {{"dJ", slides ? "kg" : "kg_m2"}}, {regressor.rotorColumn(c)});
     rotor.sentence = "the drive's rotor, as it is felt at the joint, is heavier or lighter than the model's";
     rotor.separates = "fast and slow turns of this joint alone, the others held";
-    RobotHypothesis dry = changed(rows, kNames[1], c, {"n_c2", effortUnit(rows.joint(c))},
+    RobotHypothesis dry = changed(rows, kNames[1], c, {{"n_c2", effortUnit(rows.joint(c))}},
                                   frictionColumns(regressor, c, FrictionBasis::kDirection));
     dry.sentence = "dry friction of the joint differs from the model's by the same at every load";
     dry.separates = "slow motion of this joint in both directions";
     dry.parameters[0].lower = -std::max(rows.coulomb(c), 0.0) * 1.05;
-    RobotHypothesis viscous = changed(rows, kNames[2], c, {"k_v", slides ? "Ns_m" : "Nms_rad"},
+    RobotHypothesis viscous = changed(rows, kNames[2], c, {{"k_v", slides ? "Ns_m" : "Nms_rad"}},
                                       frictionColumns(regressor, c, FrictionBasis::kVelocity));
     viscous.sentence = "viscous friction of the joint differs from the model's";
     viscous.separates = "several constant speeds of this joint in both directions";

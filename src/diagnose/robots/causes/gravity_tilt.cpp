@@ -28,7 +28,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   h.sentence = "the base is tilted against gravity";
   h.separates = "the base with a level beside it, or the same slow motion after the base was turned about the vertical";
   for (const Eigen::Index axis : {first, second}) {
-    h.parameters.push_back({std::string("turn_") + "xyz"[axis], "rad", 1e-2, -0.8, 0.8});
+    h.parameters.push_back({{std::string("turn_") + "xyz"[axis], "rad", -0.8, 0.8}, 1e-2});
   }
   h.linear = false;
   h.torque = [&rows, turnOf](const VectorXd& theta) {

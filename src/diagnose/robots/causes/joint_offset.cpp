@@ -14,8 +14,8 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     const bool slides = rows.joint(c).slides();
     h.sentence = "the joint's zero is not where the model has it";
     h.separates = "this joint driven against a mark or a stop whose position is known";
-    h.parameters = {slides ? RobotCauseParameter{"delta", "m", 1e-3, -0.5, 0.5}
-                           : RobotCauseParameter{"delta", "rad", 1e-2, -0.8, 0.8}};
+    h.parameters = {slides ? RobotCauseParameter{{"delta", "m", -0.5, 0.5}, 1e-3}
+                           : RobotCauseParameter{{"delta", "rad", -0.8, 0.8}, 1e-2}};
     h.linear = false;
     h.torque = [&rows, c](const VectorXd& theta) {
       return onAll(rows.rigidChange(

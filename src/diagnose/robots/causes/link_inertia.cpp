@@ -18,7 +18,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     h.sentence = "the body's inertia differs from the model's, its mass and centre do not";
     h.separates = "fast turns of this joint and of those before it, the arm once stretched and once folded";
     for (Index k = kFirst; k < kBodyParameters; ++k) {
-      h.parameters.push_back({std::string("d") + bodyParameterNames()[k], "kg_m2"});
+      h.parameters.push_back({{std::string("d") + bodyParameterNames()[k], "kg_m2"}});
     }
     h.change = [&regressor, b](const VectorXd& theta) {
       VectorXd change = VectorXd::Zero(regressor.columns());

@@ -44,9 +44,11 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   return onEveryBody(rows, kName, [&regressor](std::size_t b, RobotHypothesis& h) {
     h.sentence = "the body carries a mass that the model does not have";
     h.separates = "the same motion with the load taken off, or with a known mass at another place of the body";
-    h.parameters = {
-        {"mass", "kg", 1e-3, -500.0, 500.0}, {"mc_x", "kg_m", 1e-3}, {"mc_y", "kg_m", 1e-3}, {"mc_z", "kg_m", 1e-3}};
-    h.shown_as = {{"mass", "kg"}, {"centre_x", "m"}, {"centre_y", "m"}, {"centre_z", "m"}};
+    h.parameters = {{{"mass", "kg", -500.0, 500.0}, 1e-3},
+                    {{"mc_x", "kg_m"}, 1e-3},
+                    {{"mc_y", "kg_m"}, 1e-3},
+                    {{"mc_z", "kg_m"}, 1e-3}};
+    h.shown_as = {{{"mass", "kg"}}, {{"centre_x", "m"}}, {{"centre_y", "m"}}, {{"centre_z", "m"}}};
     h.linear = false;
     h.change = [&regressor, b](const VectorXd& theta) { return pointMass(regressor, b, theta); };
     h.counts = [](const VectorXd& theta) {

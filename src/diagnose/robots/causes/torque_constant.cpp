@@ -15,7 +15,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   return onEveryJoint(rows, kName, [&rows](std::size_t c, RobotHypothesis& h) {
     h.sentence = "the joint's effort is worth another torque than was said";
     h.separates = "a known weight held by this joint at several positions";
-    h.parameters = {{"change", "1", 1e-2, -0.8, 4.0}};
+    h.parameters = {{{"change", "1", -0.8, 4.0}, 1e-2}};
     h.linear = false;
     h.torque = [&rows, c](const VectorXd& theta) {
       const double factor = 1.0 / (1.0 + std::max(theta[0], -0.9)) - 1.0;
