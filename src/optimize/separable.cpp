@@ -3,12 +3,14 @@
 /// gaps of speed narrow valleys. So it is searched by values: on a grid, then by simplices.
 #include "simgap/optimize/separable.h"
 
+#include <nlopt.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <numeric>
 
 namespace simgap {
@@ -187,88 +189,50 @@ bool same(const SeparableMinimum& a, const SeparableMinimum& b, std::span<const 
   return true;
 }
 
-using Point = std::array<double, 3>;  ///< in the unit cube; what is not free stays 0
-
-/// The simplex of Nelder & Mead (1965) in the unit cube. \param edge  of the first simplex, per coordinate.
-/// \param tolerance  of the cost, relative: what the simplex spans when it ends.
-template <typename Cost>
-Point descend(const Cost& cost, std::size_t dimensions, const Point& start, const Point& edge, double tolerance) {
-  struct Vertex {
-    Point u;
-    double cost;
+/// The simplex of Nelder & Mead (1965) in the unit cube, as NLopt has it. \param edge  of the first simplex, per
+/// coordinate. \param tolerance  of the cost, relative: what the simplex spans when it ends.
+/// \param at  where to start; left at the best point  shape (free parameters), as `edge`
+void descend(const std::function<double(const double*)>& cost, const std::vector<double>& edge, double tolerance,
+             std::vector<double>& at) {
+  const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> simplex(
+      nlopt_create(NLOPT_LN_NELDERMEAD, static_cast<unsigned>(at.size())), nlopt_destroy);
+  const auto call = [](unsigned /*n*/, const double* u, double* /*gradient*/, void* data) {
+    return (*static_cast<const std::function<double(const double*)>*>(data))(u);
   };
-  const auto vertex = [&](Point u) {
-    for (std::size_t k = 0; k < dimensions; ++k) u[k] = std::clamp(u[k], 0.0, 1.0);
-    return Vertex{u, cost(u)};
-  };
-  const auto blend = [&](const Point& a, const Point& b, double t) {
-    Point u{};
-    for (std::size_t k = 0; k < dimensions; ++k) u[k] = a[k] + t * (b[k] - a[k]);
-    return u;
-  };
-  std::vector<Vertex> simplex{vertex(start)};
-  for (std::size_t k = 0; k < dimensions; ++k) {
-    Point u = start;
-    u[k] += u[k] < 0.5 ? edge[k] : -edge[k];
-    simplex.push_back(vertex(u));
-  }
-  for (int iteration = 0; iteration < 200; ++iteration) {
-    std::ranges::stable_sort(simplex, {}, &Vertex::cost);
-    double width = 0.0;
-    for (std::size_t k = 0; k < dimensions; ++k) {
-      for (const Vertex& v : simplex) width = std::max(width, std::abs(v.u[k] - simplex[0].u[k]));
-    }
-    if (width < 1e-8 || simplex.back().cost - simplex[0].cost <= tolerance * simplex[0].cost) break;
-    // The centre of all but the worst; the worst goes to centre + t (worst - centre).
-    Point centre{};
-    for (std::size_t k = 0; k < dimensions; ++k) {
-      for (std::size_t v = 0; v + 1 < simplex.size(); ++v) centre[k] += simplex[v].u[k];
-      centre[k] /= static_cast<double>(simplex.size() - 1);
-    }
-    Vertex& worst = simplex.back();
-    const auto attempt = [&](double t) { return vertex(blend(centre, worst.u, t)); };
-    // t = -1 reflects it; -2 expands beyond, when that is the best; +-1/2 contracts on the better side; when nothing
-    // helps all shrink halfway to the best.
-    const Vertex reflected = attempt(-1.0);
-    if (reflected.cost < simplex[0].cost) {
-      const Vertex expanded = attempt(-2.0);
-      worst = expanded.cost < reflected.cost ? expanded : reflected;
-    } else if (reflected.cost < simplex[simplex.size() - 2].cost) {
-      worst = reflected;
-    } else {
-      const Vertex contracted = attempt(reflected.cost < worst.cost ? -0.5 : 0.5);
-      if (contracted.cost < std::min(worst.cost, reflected.cost)) {
-        worst = contracted;
-      } else {
-        for (std::size_t v = 1; v < simplex.size(); ++v) simplex[v] = vertex(blend(simplex[0].u, simplex[v].u, 0.5));
-      }
-    }
-  }
-  return std::ranges::min_element(simplex, {}, &Vertex::cost)->u;
+  nlopt_set_min_objective(simplex.get(), call, const_cast<std::function<double(const double*)>*>(&cost));
+  nlopt_set_lower_bounds1(simplex.get(), 0.0);
+  nlopt_set_upper_bounds1(simplex.get(), 1.0);
+  nlopt_set_initial_step(simplex.get(), edge.data());
+  nlopt_set_ftol_rel(simplex.get(), tolerance);
+  nlopt_set_xtol_abs1(simplex.get(), 1e-8);
+  nlopt_set_maxeval(simplex.get(), 500);
+  double lowest = 0.0;
+  nlopt_optimize(simplex.get(), at.data(), &lowest);
 }
 
 /// One descent from a start. \param edge  of the first simplex, in steps that resolve the columns.
 SeparableMinimum descendFrom(const SeparableProblem& problem, std::span<const double> start, double edge,
                              double tolerance) {
   std::vector<std::size_t> free;
-  Point u{}, edges{};
+  std::vector<double> u, edges;
   for (std::size_t i = 0; i < problem.nonlinear.size(); ++i) {
     const NonlinearTerm& term = problem.nonlinear[i];
     if (cells(term) == 0) continue;
-    u[free.size()] = toUnit(term, start[i]);
-    edges[free.size()] = edge * stepInCells(term, start) / static_cast<double>(cells(term));
+    u.push_back(std::clamp(toUnit(term, start[i]), 0.0, 1.0));
+    edges.push_back(edge * stepInCells(term, start) / static_cast<double>(cells(term)));
     free.push_back(i);
   }
   if (free.empty()) return evaluate(problem, start);
   std::vector<double> p(start.begin(), start.end());
-  const auto place = [&](const Point& at) {
+  const auto place = [&](const double* at) {
     for (std::size_t k = 0; k < free.size(); ++k) p[free[k]] = fromUnit(problem.nonlinear[free[k]], at[k]);
   };
-  const auto cost = [&](const Point& at) {
+  const auto cost = [&](const double* at) {
     place(at);
     return solveBounded(problem.gram(p), problem.linear).cost;
   };
-  place(descend(cost, free.size(), u, edges, tolerance));
+  descend(cost, edges, tolerance, u);
+  place(u.data());
   return evaluate(problem, p);
 }
 

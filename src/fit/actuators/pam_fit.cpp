@@ -30,10 +30,6 @@ class PamProblem {
       opposing_pressure.push_back(log.opposing_pressure[i]);
       opposing_contraction.push_back(log.opposing_contraction[i]);
     }
-    // The force of a muscle, which stretches its own tendon: measured, or of two what a rigid tendon would give.
-    inside_ = force;
-    opposing_inside_.assign(opposing_pressure.size(), 0.0);
-    if (log.opposed()) estimateForces();
     parameters = {{"a", "m2", -kInfinity, kInfinity},
                   {"b", "m2", -kInfinity, kInfinity},
                   {"c", "m2", -kInfinity, kInfinity},
@@ -41,6 +37,10 @@ class PamProblem {
     constrain({options.fixed, options.bounds}, parameters);
     if (!options.spring) parameters[3].fixed = true;
     if (options.tied) parameters[1].fixed = true;
+    // The force of a muscle, which stretches its own tendon: measured, or of two what a rigid tendon would give.
+    inside_ = force;
+    opposing_inside_.assign(opposing_pressure.size(), 0.0);
+    if (log.opposed()) estimateForces();
   }
 
   std::size_t rows() const { return force.size(); }
