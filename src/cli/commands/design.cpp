@@ -33,6 +33,7 @@ ExitCode nextPoses(const Options& options, const std::vector<std::string>& argv)
   const ArmModel model = readArmFile(session, "model", options.model);
   const CalibrationConfig config = readConfig(session, options.config, &model);
   const PoseSet recorded = readPoses(session, "poses", options.poses, model, options.table.csv());
+  requireDesignable(recorded);
   DesignOptions design{options.candidates, options.count};
   design.seed = options.common.seed.value_or(config.strategy.seed);
   if (options.criterion == "information") design.criterion = DesignCriterion::kInformation;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "simgap/core/units.h"
+#include "simgap/measure/logs/log_kind.h"
 
 namespace simgap {
 namespace {

@@ -66,12 +66,10 @@ std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, cons
     const SearchParameter& p = posterior.space().parameters()[i];
     const double wide = knownTo(i, scaled.hasPrior(i));
     const double slope = scaled.slope(i, fit.z[i]);
-    MotionParameter& found = parameters.emplace_back(p);
-    if (found.prior_sd) found.prior_sd = scaled.slope(i, 0.0);
-    found.value = scaled.value(i, fit.z[i]);
-    found.sd = slope * wide;
-    found.shift = fit.z[i];
-    found.verdict = verdictOf(wide, scaled.hasPrior(i));
+    SearchParameter known = p;
+    if (known.prior_sd) known.prior_sd = scaled.slope(i, 0.0);
+    parameters.push_back(
+        {std::move(known), scaled.value(i, fit.z[i]), slope * wide, fit.z[i], verdictOf(wide, scaled.hasPrior(i))});
   }
   const Eigen::Index last = scaled.size();
   const double unit = posterior.options().capture_delay_sd;

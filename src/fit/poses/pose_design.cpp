@@ -130,12 +130,14 @@ PoseDesign designPoses(PosePosterior& posterior, const Eigen::VectorXd& z, const
   return design;
 }
 
+void requireDesignable(const PoseSet& recorded) {
+  if (recorded.poses.size() >= kFewestPoses) return;
+  throw DataError(fmt::format("{}: found {} poses, expected at least {} to design the next ones from", recorded.file,
+                              recorded.poses.size(), kFewestPoses));
+}
+
 DesignResult designNextPoses(const ArmModel& model, const PoseSet& recorded, const CalibrationConfig& config,
                              const DesignOptions& options) {
-  if (recorded.poses.size() < kFewestPoses) {
-    throw DataError(fmt::format("{}: found {} poses, expected at least {} to design the next ones from", recorded.file,
-                                recorded.poses.size(), kFewestPoses));
-  }
   const ParameterSpace space(model, config.parameters);
   PosePosterior posterior(model, recorded.poses, space, config.noise);
   const PosteriorSearchOptions search{.starts = config.starts, .seed = options.seed};

@@ -39,8 +39,11 @@ struct DesignResult {
   Assessment expected;  ///< the chosen poses in the model
 };
 
-/// Fits the arm to the recorded poses and chooses the next ones.
-/// \throws DataError: fewer than kFewestPoses; NumericsError: no fit, or as designPoses.
+/// \throws DataError: fewer than kFewestPoses.
+void requireDesignable(const PoseSet& recorded);
+
+/// Fits the arm to the recorded poses, which requireDesignable takes, and chooses the next ones.
+/// \throws NumericsError: no fit, or as designPoses.
 DesignResult designNextPoses(const ArmModel& model, const PoseSet& recorded, const CalibrationConfig& config,
                              const DesignOptions& options);
 
