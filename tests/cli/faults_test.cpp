@@ -12,10 +12,10 @@ class FaultsTest : public CliTest {
  protected:
   /// Runs in which the writing call `at` into `out` fails.
   ProcessResult runFailing(const Arguments& arguments, long at, const std::string& on) const {
-    Arguments all{"/usr/bin/env",        std::string("LD_PRELOAD=") + SIMGAP_FAIL_WRITES,
-                  "FAIL_UNDER=" + out(), "FAIL_AT=" + std::to_string(at),
-                  "FAIL_ON=" + on,       "FAIL_COUNT=" + path("count").string()};
-    all.insert(all.begin() + 1, "ASAN_OPTIONS=detect_leaks=0:verify_asan_link_order=0");  // loaded after the faults
+    Arguments all{"/usr/bin/env", std::string("LD_PRELOAD=") + SIMGAP_FAIL_WRITES, "FAIL_UNDER=" + out(),
+                  "FAIL_AT=" + std::to_string(at), "FAIL_ON=" + on, "FAIL_COUNT=" + path("count").string(),
+                  // The sanitizer asks to be the first library; what lets writes fail comes before it.
+                  "ASAN_OPTIONS=detect_leaks=0:verify_asan_link_order=0"};
     for (const std::string& word : command(arguments)) all.push_back(word);
     return runProcess(all, folder_.path());
   }

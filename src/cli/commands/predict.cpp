@@ -27,7 +27,7 @@ Prediction predictWith(const FittedModel& model, const Options& options, Session
   if (options.simulate && options.inverse) throw ConfigError("found --simulate and --inverse, expected one of them");
   const LogTable rows = readLog(session, "log", options.log, options.table);
   for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
-  PredictionOptions prediction{options.inverse, {}};
+  PredictionOptions prediction{options.inverse, {}, options.model};
   if (!options.motor.empty()) prediction.motor = readModel(session, "motor", options.motor, {"motor"});
   const std::optional<double> ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
   const Bench bench = readRig(session, options.bench, ratio);

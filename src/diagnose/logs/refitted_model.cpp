@@ -18,7 +18,8 @@ void replaceByOwn(const ActuatorEffect& effect, FittedModel& model) {
   const auto found = std::ranges::find(model.extensions, effect.name, &Extension::effect);
   if (found == model.extensions.end()) return;
   Estimate p = found->parameters.front();
-  if (own.inverse) p = {"", "", own.convert(p.value), p.sd / (p.value * p.value), false};
+  if (own.inverse) p.sd /= p.value * p.value;
+  p.value = own.convert(p.value);
   p.name = own.name;
   if (!own.unit.empty()) p.unit = own.unit;
   model.law = own.law;

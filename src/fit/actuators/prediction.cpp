@@ -26,21 +26,6 @@ FrictionDataOptions dataOptions(const FittedModel& model) {
   return options;
 }
 
-/// The file's values as a fit would hand them over.
-std::vector<Estimate> estimatesOf(const FittedModel& model) {
-  std::vector<Estimate> estimates;
-  for (const Estimate& p : model.parameters) {
-    Estimate e;
-    e.name = p.name;
-    e.unit = p.unit;
-    e.value = p.value;
-    e.sd = p.sd;
-    e.fixed = p.fixed;
-    estimates.push_back(e);
-  }
-  return estimates;
-}
-
 }  // namespace
 
 bool isDiagnosed(const FittedModel& model) { return !model.extensions.empty() || model.has(kNuisance); }
@@ -50,11 +35,11 @@ Prediction predictLog(const FittedModel& model, const CsvTable& table, const Ben
   const ActuatorKind kind = log_kinds::find(model.kind)->kind;
   const bool diagnosed = isDiagnosed(model);
   if (diagnosed && (kind == ActuatorKind::kGearbox || options.inverse)) {
-    throw ConfigError(fmt::format("found a diagnosed model {}, expected none there",
+    throw ConfigError(fmt::format("{}: found a diagnosed model {}, expected none there", options.file,
                                   options.inverse ? "with --inverse" : "in a gearbox model"));
   }
   if (kind == ActuatorKind::kSpring && options.inverse) {
-    throw ConfigError("found a spring with --inverse, expected a muscle or a drive there");
+    throw ConfigError(options.file + ": found a spring with --inverse, expected a muscle or a drive there");
   }
   if (diagnosed || kind == ActuatorKind::kSpring) return predictDiagnosed(model, table, bench);
   if (kind == ActuatorKind::kFriction) return predictFriction(model, table, bench);
@@ -84,7 +69,7 @@ Prediction predictFriction(const FittedModel& model, const CsvTable& table, cons
   const FrictionData data =
       prepareFrictionData(readActuatorLog(table, {.ratio = bench.ratio.value_or(0.0)}), bench, dataOptions(model));
   const FrictionLaw& law = friction::find(model.law);
-  const DriveFeedForward drive = feedForward(law, estimatesOf(model));
+  const DriveFeedForward drive = feedForward(law, model.parameters);
   const bool torque = model.setting("predicts") == "torque";
   Prediction result{
       torque ? "external_load" : data.effort_name, torque ? data.load_unit : data.effort_unit, {}, {}, {}, 0};

@@ -25,6 +25,7 @@ struct Prediction {
 struct PredictionOptions {
   bool inverse = false;              ///< a muscle's pressure from its force, a drive's current
   std::optional<FittedModel> motor;  ///< of a gearbox
+  std::string file;                  ///< of the model, for messages
 };
 
 /// Whether it is a model of `diagnose`, predicted on the rows that mean something.

@@ -92,7 +92,7 @@ struct Excitation {
   std::vector<ExcitationPrecision> random;  ///< and what they are worth
   std::vector<JointExcursion> reached;      ///< shape (N), over the rows
   std::vector<double> nearest;              ///< shape (distances) [m]
-  std::vector<std::string> names, units;    ///< of `worth.sd`
+  std::vector<std::string> names, units;    ///< of `precision.sd`
 };
 
 /// \param news  called with the share done; \throws ConfigError: a payload or limits that leave no motion;
