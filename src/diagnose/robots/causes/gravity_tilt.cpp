@@ -32,8 +32,8 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
   }
   h.linear = false;
   h.torque = [&rows, turnOf](const VectorXd& theta) {
-    const Vector3d turn = turnOf(theta);
-    return onAll(rows.rigidChange([&](std::size_t, RobotMotion&, Vector3d& g) { g = expSo3(turn) * g; }));
+    const Eigen::Matrix3d turned = expSo3(turnOf(theta)).toRotationMatrix();
+    return onAll(rows.rigidChange([&](std::size_t, RobotMotion&, Vector3d& g) { g = turned * g; }));
   };
   h.hold = [turnOf](const VectorXd& theta, RobotModel& model) {
     model.arm.gravity = expSo3(turnOf(theta)) * model.arm.gravity;
