@@ -50,7 +50,9 @@ void BulletArm::slipGuides(double step) {
     const double most = pull.taut ? step * muscles_[i].guide.loss * pull.force : 0.0;
     if (most > 0.0) m.guides.add(pull.row, most, muscles_[i].guide.creep);
   }
-  if (!m.guides.empty()) m.guides.solve(m.inertia, m.v, m.next);
+  if (m.guides.empty()) return;
+  m.guides.solve(m.inertia, m.v, m.next);
+  m.mobility = m.guides.mobility();  // friction and limits push against lines that creep, too
 }
 
 /// y follows x, exactly for an x that holds.

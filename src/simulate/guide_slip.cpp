@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "invert_in_place.h"
+
 namespace simgap {
 namespace {
 
@@ -12,34 +14,14 @@ constexpr int kMostParts = 30;      // looked at along a step
 constexpr double kSettled = 1e-8;   // [m/s]: no slip changes by more in the last step, and after it by its square
 constexpr double kLevelled = 0.05;  // of the slope at its beginning, where a search along a step ends
 
-/// a x = b for a symmetric positive definite a, of which the lower half is read and overwritten (Cholesky). Small,
-/// without memory of its own. \param[in,out] x  b, then x
-void solveInPlace(Eigen::MatrixXd& a, Eigen::VectorXd& x) {
-  const Eigen::Index n = a.rows();
-  for (Eigen::Index j = 0; j < n; ++j) {
-    for (Eigen::Index i = j; i < n; ++i) {
-      double sum = a(i, j);
-      for (Eigen::Index k = 0; k < j; ++k) sum -= a(i, k) * a(j, k);
-      a(i, j) = i == j ? std::sqrt(sum) : sum / a(j, j);
-    }
-  }
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index k = 0; k < i; ++k) x[i] -= a(i, k) * x[k];
-    x[i] /= a(i, i);
-  }
-  for (Eigen::Index i = n - 1; i >= 0; --i) {
-    for (Eigen::Index k = i + 1; k < n; ++k) x[i] -= a(k, i) * x[k];
-    x[i] /= a(i, i);
-  }
-}
-
 }  // namespace
 
 GuideSlip::GuideSlip(Eigen::Index degrees_of_freedom, std::size_t lines)
     : lines_(lines, {Eigen::VectorXd::Zero(degrees_of_freedom), 0.0, 0.0, 0.0, 0.0}),
-      curvature_(Eigen::MatrixXd::Zero(degrees_of_freedom, degrees_of_freedom)),
+      mobility_(Eigen::MatrixXd::Zero(degrees_of_freedom, degrees_of_freedom)),
       at_(Eigen::VectorXd::Zero(degrees_of_freedom)),
       step_(at_),
+      downhill_(at_),
       push_(at_) {}
 
 void GuideSlip::add(const Eigen::VectorXd& row, double most, double creep) {
@@ -84,19 +66,20 @@ int GuideSlip::solve(const Eigen::MatrixXd& inertia, const Eigen::VectorXd& near
   int steps = 0;
   while (steps < kMostSteps) {
     ++steps;
-    curvature_ = inertia;
+    mobility_ = inertia;  // the second derivative, then its inverse
     push_ = v - at_;
-    step_.noalias() = inertia.lazyProduct(push_);  // minus the gradient, then the step
+    step_.noalias() = inertia.lazyProduct(push_);
     slope_of_bodies_ = 0.0;
-    push_ = step_;
+    push_ = downhill_ = step_;
     for (std::size_t i = 0; i < used_; ++i) {
       const Line& line = lines_[i];
       const double square = line.slip * line.slip + line.creep * line.creep, root = std::sqrt(square);
-      step_ -= (line.most * line.slip / root) * line.row;
+      downhill_ -= (line.most * line.slip / root) * line.row;
       const double bend = line.most * line.creep * line.creep / (square * root);
-      for (Eigen::Index j = 0; j < step_.size(); ++j) curvature_.col(j) += (bend * line.row[j]) * line.row;
+      for (Eigen::Index j = 0; j < downhill_.size(); ++j) mobility_.col(j) += (bend * line.row[j]) * line.row;
     }
-    solveInPlace(curvature_, step_);
+    invertInPlace(mobility_);
+    step_.noalias() = mobility_.lazyProduct(downhill_);
     double largest = 0.0;
     for (std::size_t i = 0; i < used_; ++i) {
       lines_[i].by_step = lines_[i].row.dot(step_);

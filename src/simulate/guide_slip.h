@@ -29,6 +29,9 @@ class GuideSlip {
   /// \param inertia  A, shape (dof, dof)  \param near  where to begin, shape (dof)
   /// \param[in,out] v  v_0, and what friction leaves of it  \returns Newton's steps
   int solve(const Eigen::MatrixXd& inertia, const Eigen::VectorXd& near, Eigen::VectorXd& v);
+  /// How velocities answer to further impulses beside the guides, a line that creeps holding the bodies: inverse of
+  /// A + sum_i J_i^T m_i c_i^2 / (s_i^2 + c_i^2)^1.5 J_i at what solve() has found, shape (dof, dof)
+  const Eigen::MatrixXd& mobility() const { return mobility_; }
 
  private:
   struct Line {
@@ -41,8 +44,8 @@ class GuideSlip {
 
   std::vector<Line> lines_;
   std::size_t used_ = 0;
-  Eigen::MatrixXd curvature_;
-  Eigen::VectorXd at_, step_, push_;
+  Eigen::MatrixXd mobility_;
+  Eigen::VectorXd at_, step_, downhill_, push_;
   double slope_of_bodies_ = 0.0, bend_of_bodies_ = 0.0;  ///< of the first term along a step
 };
 

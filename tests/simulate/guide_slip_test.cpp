@@ -132,6 +132,41 @@ TEST(GuideSlip, AHeavyTensionHoldsTheLine) {
   EXPECT_NEAR(left(10.0), slip / 0.03, 1e-5);
 }
 
+TEST(GuideSlip, ItsMobilityIsTheAnswerToAFurtherImpulse) {
+  GuideSlip guides(kTurns, kGuides);
+  for (std::uint64_t seed = 0; seed < 50; seed += 2) {
+    const DrawnStep step(seed);
+    step.giveTo(guides);
+    Eigen::VectorXd v = step.free;
+    guides.solve(step.inertia, step.free, v);
+    const Eigen::MatrixXd mobility = guides.mobility();
+    const Eigen::VectorXd impulse = step.creep * step.inertia * Eigen::VectorXd::LinSpaced(kTurns, -1.0, 1.0) * 1e-2;
+    Eigen::VectorXd pushed = step.free + step.inertia.inverse() * impulse;
+    guides.solve(step.inertia, v, pushed);
+    EXPECT_LT((pushed - v - mobility * impulse).norm(), 0.02 * (mobility * impulse).norm()) << seed;
+  }
+}
+
+/// A pendulum that a cord pulls to the side, k h l cos(a) against m g l sin(a), creeps on over its guide until what is
+/// left between both is the dry friction of its joint, however slowly the guide lets it come.
+TEST(GuideSlip, DryFrictionOfAJointStopsItsCreepNoSoonerThanFrictionIsLarge) {
+  constexpr double kDry = 0.1, kAside = 0.02;  // [N m], [m]
+  ArmModel model = test::pendulum();
+  model.joints[0].coulomb_friction = kDry;
+  Muscle& muscle = test::addMuscle(model, {0, {0.0, kAside, 0.0}}, {1, {0.0, 0.0, -test::kPendulumLength}}, 0.0);
+  muscle.gearbox.coulomb_friction = 1e3;
+  model.extensions.push_back(makeExtension(*findArmEffect("guide-friction"), "", {0.3, 1e-3}));
+  const double pull = muscle.shock_cord.stiffness * kAside * test::kPendulumLength;
+  for (const double step : {0.002, 0.00025}) {
+    BulletArm arm(model, {.step = step});
+    for (double t = 0.0; t < 40.0; t += step) arm.stepMotion();
+    const double angle = arm.jointPosition(0).angle;
+    const double left =
+        pull * std::cos(angle) - test::kPendulumMass * test::kGravity * test::kPendulumLength * std::sin(angle);
+    EXPECT_NEAR(std::abs(left), kDry, 0.03 * kDry) << step;
+  }
+}
+
 TEST(GuideSlip, StepsOfAnArmWithGuidesTakeNoMemory) {
 #ifdef SIMGAP_COUNTS_ALLOCATIONS
   ArmModel model = test::exampleArm();
