@@ -157,8 +157,7 @@ class Simulation {
       yielded_[m] += kStep / hidden_.relaxing_time * (stretched - yielded_[m]);
       const double branch = hidden_.relaxing_share * muscle.stiffness * (stretched - yielded_[m]);
       force_[m] = expansion > 0.0 ? std::max(0.0, muscle.stiffness * expansion + branch + muscle.damping * rate) : 0.0;
-      constexpr double kCreep = 1e-3;  // [m/s]
-      const double slip = slope.dot(v_), share = hidden_.guide_loss * slip / std::hypot(slip, kCreep);
+      const double slip = slope.dot(v_), share = hidden_.guide_loss * slip / std::hypot(slip, hidden_.guide_creep);
       torque -= (1.0 + share) * force_[m] * slope.transpose();
     }
     ++time_;

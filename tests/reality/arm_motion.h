@@ -28,8 +28,8 @@ struct DriveTruth {
 
 /// What a model of the arm may not know; each by its own law, none from the model's.
 struct HiddenCauses {
-  /// Share of the tension that guides take on the way to the body, s/sqrt(s^2 + 1 mm/s) of it against the slip s.
-  double guide_loss = 0.0;
+  /// Share of the tension that guides take on the way to the body, s/sqrt(s^2 + creep^2) of it against the slip s.
+  double guide_loss = 0.0, guide_creep = 1e-3;          ///< [1], [m/s]
   double command_delay = 0.0;                           ///< [s]
   double current_limit = 1e9;                           ///< of every amplifier, at once [A]
   double relaxing_share = 0.0, relaxing_time = 0.5;     ///< Maxwell branch of every cord, of k; [s]

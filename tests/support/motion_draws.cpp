@@ -129,6 +129,7 @@ HiddenMotionCase drawHidden(MotionArm arm, std::uint64_t seed, const MotionTruth
   for (reality::DriveTruth& drive : drawn.drawn.truth.drives) deviations.scale(drive.coulomb, 0.3);
   const auto kind = static_cast<std::uint32_t>(&truth - kMotionTruths);
   drawn.magnitude = truth.from + (truth.to - truth.from) * CounterRandom(seed).uniform({kind, 0, 0, 96});
+  drawn.drawn.truth.hidden.guide_creep = 3e-4 * std::pow(10.0, CounterRandom(seed).uniform({kind, 0, 0, 98}));
   truth.hide(drawn.magnitude, drawn.drawn);
   const reality::Link &is = drawn.drawn.truth.arm.links.back(), &was = drawn.believed.arm.links.back();
   const std::string effect = truth.effect;  // what is named of ordinary parameters is against what is believed

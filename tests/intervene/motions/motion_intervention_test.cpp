@@ -124,7 +124,7 @@ TEST(ArmChangeOfSupply, IsOfAllMotorsOrOfOne) {
 /// Causes hidden in forearms, found, and taken away; and the next best, believed and taken away although it was never
 /// there. The table of docs/studies/interventions.md.
 TEST(SlowMotionInterventionStudy, TheTrueCauseIsConfirmedAndLookAlikesRefuted) {
-  constexpr std::uint64_t kFirst = 331, kLast = 336;  // the rules were made on 301 to 316 and seen on 321 to 326
+  constexpr std::uint64_t kFirst = 341, kLast = 346;  // the rules were made on 301 to 336
   int named = 0, confirmed = 0, alike = 0, refuted = 0, falsely = 0, telling = 0, told = 0;
   for (std::uint64_t seed = kFirst; seed <= kLast; ++seed) {
     for (const test::MotionTruth& truth : test::motionTruths()) {

@@ -9,8 +9,8 @@ namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
     {"loss", "1", {0.0, 0.9, false, "a number in [0, 0.9]"}, 0.0, 0.1},
-    {"creep", "m_s", {1e-5, 1.0, false, "a number in [1e-5, 1]"}, 1e-3, 1e-3, false}};
-constexpr EffectParameters kStarts[] = {{0.1, 1e-3}, {0.1, 5e-3}, {0.1, 2e-2}};
+    {"creep", "m_s", {1e-5, 1.0, false, "a number in [1e-5, 1]"}, 1e-3, 1.5e-3}};
+constexpr EffectParameters kStarts[] = {{0.1, 3e-4}, {0.1, 1e-3}, {0.1, 5e-3}, {0.1, 2e-2}};
 constexpr std::string_view kLookAlikes[] = {"cord-relaxation"};
 
 GuideTerm loss(const EffectParameters& p) { return {p[0], p[1]}; }
