@@ -6,6 +6,7 @@
 #include <set>
 
 #include "cli/inputs.h"
+#include "cli/kept_inputs.h"
 #include "cli/motion_commands.h"
 #include "simgap/cli/command.h"
 #include "simgap/core/joint_kind.h"
@@ -33,7 +34,6 @@ struct Options {
   std::string only;
 };
 
-constexpr const char* kInputsFile = "inputs/inputs.json";
 constexpr int kSmallestPopulation = 5;  // of a CMA-ES in pagmo
 
 /// An option of another optimiser would change nothing.
@@ -121,61 +121,16 @@ CalibrationTask readTask(const Options& options, Session& session) {
   return task;
 }
 
-/// Copies the inputs into the result directory, so that --resume needs nothing else.
-void keepInputs(const Options& options, const Session& session, const CalibrationTask& task) {
-  if (!isFirstRank()) return;
-  const RunDirectory& directory = session.directory();
-  std::filesystem::create_directories(directory.file("inputs"));
-  Json kept = {{"map", options.table.map}, {"skip_bad_rows", options.table.skip_bad_rows}};
-  for (const Input& input : session.inputs()) {
-    const std::string extension = input.file.extension() == ".gz" ? ".csv.gz" : input.file.extension().string();
-    const std::string name = "inputs/" + input.role + extension;
-    directory.write(name, input.content);
-    kept[input.role] = name;
-  }
-  directory.write("config.resolved.yaml", task.config.toYaml());
-  directory.write(kInputsFile, kept);  // last: with it a run can be resumed
-}
-
-/// A copy that keepInputs made. A directory may come from somebody else: it must not name, or link to, other files.
-std::string keptInput(const RunDirectory& directory, const std::string& name) {
-  const std::filesystem::path file = directory.file(name), inputs = directory.file("inputs");
-  const bool beside = std::filesystem::path(name).lexically_normal() == name && file.parent_path() == inputs;
-  std::error_code none;
-  const bool plain = std::filesystem::is_directory(std::filesystem::symlink_status(inputs, none)) &&
-                     std::filesystem::is_regular_file(std::filesystem::symlink_status(file, none));
-  if (beside && plain) return file.string();
-  throw ConfigError(fmt::format("{}: found '{}', expected a file in {}", directory.file(kInputsFile).string(), name,
-                                inputs.string()));
-}
-
-/// What keepInputs wrote, with the files' names looked at.
-Json keptInputs(const std::filesystem::path& resumed) {
-  const RunDirectory directory = RunDirectory::open(resumed);
-  Json kept = readJson(directory.file(kInputsFile));
-  for (const char* role : {"model", "poses", "validation"}) {
-    if (kept.contains(role)) kept[role] = keptInput(directory, kept.at(role).get<std::string>());
-  }
-  return kept;
-}
-
 /// The options with which an interrupted run goes on: the copies in its own directory.
 Options resumedOptions(const Options& given) {
-  const auto path = [&](const char* name) { return (given.resume / name).string(); };
   Options options = given;
-  try {
-    const Json kept = Json::parse(shareFromFirstRank([&] { return toText(keptInputs(given.resume)); }));
-    kept.at("map").get_to(options.table.map);
-    kept.at("skip_bad_rows").get_to(options.table.skip_bad_rows);
-    kept.at("model").get_to(options.model);
-    kept.at("poses").get_to(options.poses);
-    if (kept.contains("validation")) kept.at("validation").get_to(options.validation);
-  } catch (const DataError& error) {
-    throw ConfigError(error.what());
-  } catch (const Json::exception& error) {
-    throw ConfigError(fmt::format("{}: is no calibration that can be resumed: {}", path(kInputsFile), error.what()));
-  }
-  options.config = path("config.resolved.yaml");
+  KeptInputs kept = readKeptInputs(given.resume);
+  options.table.map = std::move(kept.map);
+  options.table.skip_bad_rows = kept.skip_bad_rows;
+  options.model = std::move(kept.model);
+  options.poses = std::move(kept.poses);
+  options.validation = std::move(kept.validation);
+  options.config = (given.resume / kKeptConfig).string();
   return options;
 }
 
@@ -239,7 +194,7 @@ ExitCode run(const Options& given, const std::vector<std::string>& argv) {
     }
   } else {
     session.begin(task.config.strategy.seed);
-    keepInputs(options, session, task);
+    keepInputs(session, options.table, task.config);
   }
   const CalibrationResult result = searchAndJudge(calibration, task, evaluators, session);
   const ArmModel best = calibration.bestModel();

@@ -208,10 +208,19 @@ class Judge {
     }
   }
 
-  /// Whether data that decided nothing confirm what others showed, and not next to the least. Small gains are what a
-  /// law's shape leaves, which is no chance: they have to be surer.
-  bool isConfirmed(const Interval& gain, double p) const {
-    return gain.value >= 2.0 * options_.least_gain && p < (gain.value < kSmall ? 0.001 : 0.01);
+  /// Why data that decided nothing do not confirm what others showed, and not next to the least; empty when they do.
+  /// Small gains are what a law's shape leaves, which is no chance: they have to be surer.
+  std::string doubtOfGain(const Interval& gain, double p) const {
+    const double asked = 2.0 * options_.least_gain;
+    const bool sure = p < (gain.value < kSmall ? 0.001 : 0.01);
+    if (sure && gain.value >= asked) return {};
+    const std::string found = fmt::format("({:.1f} %, {:.1f} to {:.0f}, p = {:.2g})", 100.0 * gain.value,
+                                          100.0 * gain.lower95, 100.0 * gain.upper95, p);
+    if (sure && gain.lower95 > 0.0) {
+      return fmt::format("it gains less on held-out data than the {:.0f} % that a law's own shape may leave {}",
+                         100.0 * asked, found);
+    }
+    return "its gain on held-out data may be nothing " + found;
   }
 
   /// Why a cause is no finding; empty when it is one.
@@ -228,10 +237,7 @@ class Judge {
     if (!beyond.empty()) return beyond;
     const Interval gain = gainOf(cause);
     const double p = heldOutP(unseen_without_[cause], unseen_);
-    if (!isConfirmed(gain, p)) {
-      return fmt::format("its gain on held-out data may be nothing ({:.0f} %, {:.1f} to {:.0f}, p = {:.2g})",
-                         100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95, p);
-    }
+    if (std::string small = doubtOfGain(gain, p); !small.empty()) return small;
     if (selection_.unnamed && selection_.unnamed->gain->value > gain.value) {
       return fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
                          selection_.unnamed->hypothesis.target);
@@ -307,7 +313,7 @@ class Judge {
     });
     const Interval gain = predictedGain(errorsOf(unseen[0]).sum, errorsOf(unseen[1]).sum, options_.seed);
     const double p = heldOutP(unseen[0], unseen[1]);
-    if (isConfirmed(gain, p) && gain.lower95 >= least_again) return {};
+    if (doubtOfGain(gain, p).empty() && gain.lower95 >= least_again) return {};
     return fmt::format("it may explain nothing ({:.1f} %, {:.1f} to {:.0f}, p = {:.2g})", 100.0 * gain.value,
                        100.0 * gain.lower95, 100.0 * gain.upper95, p);
   }

@@ -1,0 +1,30 @@
+/// \file
+/// What `calibrate` copies into its result directory, so that --resume needs nothing else.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "simgap/cli/command.h"
+#include "simgap/fit/poses/calibration.h"
+
+namespace simgap {
+
+inline constexpr const char* kKeptConfig = "config.resolved.yaml";
+
+/// Paths of the copies, and how tables among them are read.
+struct KeptInputs {
+  std::vector<std::string> map;
+  bool skip_bad_rows = false;
+  std::string model, poses;
+  std::string validation;  ///< empty: none
+};
+
+/// Copies the inputs of a session that has begun. On the first rank alone.
+void keepInputs(const Session& session, const TableOptions& table, const CalibrationConfig& config);
+
+/// \throws ConfigError: no directory of a calibration, or one whose copies lie elsewhere
+KeptInputs readKeptInputs(const std::filesystem::path& resumed);
+
+}  // namespace simgap
