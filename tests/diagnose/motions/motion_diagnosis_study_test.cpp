@@ -12,7 +12,7 @@
 namespace simgap {
 namespace {
 
-constexpr std::uint64_t kFirstForearm = 116, kForearms = 10;
+constexpr std::uint64_t kFirstForearm = 126, kForearms = 10;
 constexpr double kWorthFinding = 0.05;  // of the held-out mean square
 
 /// silent, right, group (the right one among others), unexplained, WRONG.
