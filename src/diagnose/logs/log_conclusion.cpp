@@ -119,7 +119,7 @@ void conclude(Diagnosis& d) {
 }
 
 std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
-  const double minutes = log.data.rows.time[log.data.rows.rows() - 1] / 60.0;
+  const double minutes = log.data.rows.elapsed[log.data.rows.rows() - 1] / 60.0;
   for (const Cause& cause : d.causes) {
     if (cause.ambiguous_with.empty()) continue;
     std::string text = fmt::format("To tell {} from {}: record {}", cause.effect, fmt::join(cause.ambiguous_with, ", "),

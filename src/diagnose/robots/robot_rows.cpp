@@ -63,6 +63,7 @@ RobotRows::RobotRows(const RobotLog& log, const RobotModel& model, const RobotRe
     rows.travel = rows.rest = ArrayXd::Zero(rows.time.size());
     rows.session = log.session;
     rows.step = medianStep(log.time);
+    rows.elapsed = elapsedOf(rows.time, rows.session);
     rows.top_speed = std::max(rows.speed.abs().maxCoeff(), 1e-9);
     rows.top_load = rows.load.abs().maxCoeff();
   }

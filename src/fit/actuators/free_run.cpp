@@ -43,7 +43,12 @@ struct State {
 class FreeDrive {
  public:
   FreeDrive(const ActuatorModel& subject, const ActuatorLog& log, const ArrayXd& temperature, const Bench& bench)
-      : subject_(subject), log_(log), temperature_(temperature), bench_(bench), ratio_(bench.ratio.value_or(1.0)) {
+      : subject_(subject),
+        log_(log),
+        temperature_(temperature),
+        bench_(bench),
+        ratio_(bench.ratio.value_or(1.0)),
+        elapsed_(elapsedOf(Eigen::Map<const ArrayXd>(log.time.data(), std::ssize(log.time)), log.session)) {
     const ActuatorData data = at(0, {log.position[0] / ratio_, 0.0}, 1, 0.0);
     theta_ = ActuatorRegression(subject_.base, subject_.effects, data, std::nullopt).thetaOf(subject_.values);
     if (!(effort(0, {log.position[0] / ratio_, 0.0}, 1, 1.0) > effort(0, {log.position[0] / ratio_, 0.0}, 1, 0.0))) {
@@ -86,6 +91,7 @@ class FreeDrive {
     data.offset = offset_;
     ActuatorRows& rows = data.rows;
     rows.time = ArrayXd::Constant(1, log_.time[k]);
+    rows.elapsed = elapsed_.segment(row, 1);
     rows.effort = rows.travel = rows.rest = ArrayXd::Zero(1);
     rows.speed = ArrayXd::Constant(1, s.velocity);
     rows.direction = ArrayXd::Constant(1, direction);
@@ -120,6 +126,7 @@ class FreeDrive {
   const ArrayXd& temperature_;
   Bench bench_;
   double ratio_;
+  ArrayXd elapsed_;
   bool offset_ = std::ranges::find(subject_.values, "offset", &Estimate::name) != subject_.values.end();
   std::vector<double> theta_;
 };

@@ -42,4 +42,15 @@ bool ActuatorRows::has(OptionalChannel channel) const {
   return false;
 }
 
+Eigen::ArrayXd elapsedOf(const Eigen::ArrayXd& time, const std::vector<int>& session) {
+  Eigen::ArrayXd elapsed = time;
+  double before = 0.0;  // what the clocks of earlier sessions showed
+  for (Eigen::Index i = 1; i < time.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (session[k] != session[k - 1] && time[i] <= time[i - 1]) before += time[i - 1] - time[i];
+    elapsed[i] += before;
+  }
+  return elapsed;
+}
+
 }  // namespace simgap

@@ -106,6 +106,7 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   rows.direction = friction.direction;
   fillDirection(rows);
   rows.step = medianStep(rows);
+  rows.elapsed = elapsedOf(rows.time, rows.session);
   leaveOutUncertainReversals(rows, log.dead_band, data.keep);
   addRig(friction, data);
   rows.top_speed = rows.speed.abs().maxCoeff();
@@ -125,7 +126,7 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   addContext(table, log);
   addContext(log, "motor_velocity", rows.speed);
   addContext(log, "external_torque", rows.load);
-  addContext(log, "time", rows.time);
+  addContext(log, "time", rows.elapsed);
   return log;
 }
 

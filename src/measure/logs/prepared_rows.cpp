@@ -37,6 +37,7 @@ PreparedLog prepared(ActuatorKind kind, const std::string& file, const std::vect
   rows.time = toArray(time);
   rows.session = session;
   rows.step = medianStep(rows);
+  rows.elapsed = elapsedOf(rows.time, rows.session);
   rows.speed = rows.load = rows.acceleration = rows.travel = rows.rest = ArrayXd::Zero(rows.time.size());
   return log;
 }
@@ -97,7 +98,7 @@ void addOptional(const CsvTable& table, PreparedLog& log,
   log.data.rows.temperature = optional(table, "temperature", "degC", log);
   addContext(table, log);
   for (const auto& [name, values] : own) addContext(log, name, *values);
-  addContext(log, "time", log.data.rows.time);
+  addContext(log, "time", log.data.rows.elapsed);
 }
 
 ArrayXd slopeOf(const ActuatorRows& rows, const ArrayXd& values, double bandwidth) {

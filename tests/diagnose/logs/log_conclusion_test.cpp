@@ -20,7 +20,7 @@ Diagnosis withoutCauses(double rms, double noise) {
 
 PreparedLog minutesOfLog(double minutes) {
   PreparedLog log;
-  log.data.rows.time = Eigen::ArrayXd::LinSpaced(10, 0.0, 60.0 * minutes);
+  log.data.rows.time = log.data.rows.elapsed = Eigen::ArrayXd::LinSpaced(10, 0.0, 60.0 * minutes);
   return log;
 }
 

@@ -38,7 +38,8 @@ std::string_view toString(OptionalChannel channel);
 
 /// The rows of a log as effects see them; every array has shape (n), or is empty when the log has no such channel.
 struct ActuatorRows {
-  Eigen::ArrayXd time;                  ///< [s]
+  Eigen::ArrayXd time;                  ///< [s] of the session's clock
+  Eigen::ArrayXd elapsed;               ///< [s] as elapsedOf
   Eigen::ArrayXd effort;                ///< what the motor drew; a winding's voltage, a muscle's or spring's force
   Eigen::ArrayXd speed;                 ///< [rad/s]
   Eigen::ArrayXd direction;             ///< +1 or -1: the last direction of motion, held through rests
@@ -65,5 +66,9 @@ struct ActuatorRows {
   Eigen::Index rows() const { return time.size(); }
   bool has(OptionalChannel channel) const;
 };
+
+/// Time since the log began: a session whose clock begins anew follows the one before it at once; else `time`.
+/// \param time  [s], shape (n)  \param session  shape (n)
+Eigen::ArrayXd elapsedOf(const Eigen::ArrayXd& time, const std::vector<int>& session);
 
 }  // namespace simgap

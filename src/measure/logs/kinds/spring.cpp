@@ -56,7 +56,7 @@ PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const Frictio
   addContext(log, "deflection", rows.deflection);
   if (spring.has_time) {
     addContext(log, "deflection_rate", rows.speed);
-    addContext(log, "time", rows.time);
+    addContext(log, "time", rows.elapsed);
   }
   return log;
 }

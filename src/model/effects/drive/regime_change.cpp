@@ -10,7 +10,9 @@ constexpr EffectParameter kParameters[] = {{"a", "1", -0.9, 3.0, 0.0, 0.0},
                                            {"t_c", "s", -1e12, 1e12, 0.0, 0.0, EffectParameter::Kind::kScanned}};
 constexpr EffectColumn kColumns[] = {{.name = "I_1", .unit = "A", .torque = false}};
 
-Eigen::ArrayXd after(std::span<const double> p, const ActuatorRows& rows) { return (rows.time >= p[1]).cast<double>(); }
+Eigen::ArrayXd after(std::span<const double> p, const ActuatorRows& rows) {
+  return (rows.elapsed >= p[1]).cast<double>();
+}
 
 void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
   terms.dry *= 1.0 + p[0] * after(p, rows);
@@ -22,7 +24,7 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
-  const double begin = rows.time[0], length = rows.time[rows.rows() - 1] - begin;
+  const double begin = rows.elapsed[0], length = rows.elapsed[rows.rows() - 1] - begin;
   std::vector<std::vector<double>> list;
   for (int k = 2; k <= 38; ++k) list.push_back({0.0, begin + length * k / 40.0});
   return list;
