@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "diagnose/verdict.h"
+#include "drift.h"
 #include "load_friction.h"
 #include "log_conclusion.h"
 #include "placebos.h"
@@ -24,6 +25,13 @@ using Kind = EffectParameter::Kind;
 constexpr double kCancelling = 30.0;  // times what a cause's terms add up to: each of them alone means nothing
 constexpr double kPlaceboLevel = 0.05;
 constexpr double kBeyond = 3.0;  // times the largest effort or load: a size that was extrapolated, not measured
+
+/// More than the whole error is no share of it: data that a model was not fitted to are then off without bound.
+std::string inWords(const Interval& gain, double p) {
+  if (gain.value < -1.0) return fmt::format("worse than without it, p = {:.2g}", p);
+  const std::string lower = gain.lower95 < -1.0 ? "below -100" : fmt::format("{:.1f}", 100.0 * gain.lower95);
+  return fmt::format("{:.1f} %, {} to {:.0f}, p = {:.2g}", 100.0 * gain.value, lower, 100.0 * gain.upper95, p);
+}
 
 /// A size that was measured. With a shape beside it (how fast it heats up) each alone may be known badly where the two
 /// together are not: whether the cause is there at all was tested before, here only sizes that mean nothing are
@@ -214,13 +222,11 @@ class Judge {
     const double asked = 2.0 * options_.least_gain;
     const bool sure = p < (gain.value < kSmall ? 0.001 : 0.01);
     if (sure && gain.value >= asked) return {};
-    const std::string found = fmt::format("({:.1f} %, {:.1f} to {:.0f}, p = {:.2g})", 100.0 * gain.value,
-                                          100.0 * gain.lower95, 100.0 * gain.upper95, p);
     if (sure && gain.lower95 > 0.0) {
-      return fmt::format("it gains less on held-out data than the {:.0f} % that a law's own shape may leave {}",
-                         100.0 * asked, found);
+      return fmt::format("it gains less on held-out data than the {:.0f} % that a law's own shape may leave ({})",
+                         100.0 * asked, inWords(gain, p));
     }
-    return "its gain on held-out data may be nothing " + found;
+    return fmt::format("its gain on held-out data may be nothing ({})", inWords(gain, p));
   }
 
   /// Why a cause is no finding; empty when it is one.
@@ -244,6 +250,7 @@ class Judge {
     }
     std::string not_late = doubtOfDelay(search_, full, without_[cause], effect);
     if (!not_late.empty()) return not_late;
+    if (isDrift(cause)) return "a drift over time explains as much as a change at one moment";
     if (std::string slow = doubtOfSlowMotion(cause); !slow.empty()) return slow;
     if (std::string weight = doubtOfWeight(cause); !weight.empty()) return weight;
     if (std::string load = doubtOfLoad(cause); !load.empty()) return load;
@@ -251,6 +258,12 @@ class Judge {
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
                        100.0 * placebos.largest, 100.0 * placebos.gain);
+  }
+
+  /// Whether friction and effort that drift over the log explain as much as a change at one moment.
+  bool isDrift(std::size_t cause) const {
+    if (!selection_.chosen.model->effects()[own_ + cause]->at_moment) return false;
+    return trained(besideDrift(search_, without_[cause])) <= trained(selection_.chosen);
   }
 
   /// Why a cause only bends the law's curve of slow motion; empty when it explains something beside any such curve, and
@@ -297,6 +310,8 @@ class Judge {
     return doubt.empty() ? doubt : "beside friction that grows with the load " + doubt;
   }
 
+  double trained(const Fitted& fitted) const { return search_.errors(fitted, search_.training()).mse(); }
+
   /// Empty where a cause gains on held-out data beside something that is none. \param beside  the models of a part with
   /// that, without the cause and with it; none: it does not apply. Where it explains nothing beside the cause it stays
   /// out there: terms that nothing determines only scatter on data that had no part in the fit.
@@ -305,7 +320,6 @@ class Judge {
                           double least_again = 0.0) const {
     const auto here = beside(parts_.parts().front());
     if (!here) return {};
-    const auto trained = [&](const Fitted& fitted) { return search_.errors(fitted, search_.training()).mse(); };
     const bool needed = trained(here->full) < (1.0 - options_.least_gain) * trained(selection_.chosen);
     const std::vector<Eigen::VectorXd> unseen = parts_.residuals([&](const HeldOutPart& part) -> std::vector<Fitted> {
       const Beside both = &part == &parts_.parts().front() ? *here : *beside(part);
@@ -314,8 +328,7 @@ class Judge {
     const Interval gain = predictedGain(errorsOf(unseen[0]).sum, errorsOf(unseen[1]).sum, options_.seed);
     const double p = heldOutP(unseen[0], unseen[1]);
     if (doubtOfGain(gain, p).empty() && gain.lower95 >= least_again) return {};
-    return fmt::format("it may explain nothing ({:.1f} %, {:.1f} to {:.0f}, p = {:.2g})", 100.0 * gain.value,
-                       100.0 * gain.lower95, 100.0 * gain.upper95, p);
+    return fmt::format("it may explain nothing ({})", inWords(gain, p));
   }
 
   /// Of "what the cause adds is none of the truth", by pieces of the held-out blocks. \param rest, full  shape (rows)

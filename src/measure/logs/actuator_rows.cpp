@@ -18,6 +18,8 @@ std::string_view toString(OptionalChannel channel) {
       return "rests of 1 s and longer";
     case OptionalChannel::kTime:
       return "time_s";
+    case OptionalChannel::kTurn:
+      return "a joint that turns";
   }
   return "";
 }
@@ -38,6 +40,8 @@ bool ActuatorRows::has(OptionalChannel channel) const {
       return (rest > 0.5).any();
     case OptionalChannel::kTime:
       return timed;
+    case OptionalChannel::kTurn:
+      return turns;
   }
   return false;
 }

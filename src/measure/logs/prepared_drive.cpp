@@ -115,6 +115,7 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   rows.acceleration = slopeOf(rows, rows.speed, options.bandwidth.value_or(speedBandwidth(friction, rows)));
   rows.travel = travelOf(rows);
   rows.rest = restOf(rows, log.dead_band);
+  rows.turns = !drive.linear;
   if (!drive.linear) {
     rows.joint_angle = optional(table, "joint_position", "rad", log);
     rows.motor_angle = optional(table, "motor_position", "rad", log);

@@ -33,6 +33,7 @@ enum class OptionalChannel {
   kLoadSensor,  ///< a load that was measured, not worked out from a bench's weights
   kRest,        ///< of 1 s and longer
   kTime,        ///< without it a log is rows in their order
+  kTurn,        ///< a joint that turns: a slide's position is no angle
 };
 std::string_view toString(OptionalChannel channel);
 
@@ -62,6 +63,7 @@ struct ActuatorRows {
   double top_load = 0.0;                ///< [N m]
   bool timed = true;                    ///< false: `time` counts rows
   bool load_measured = false;           ///< false: worked out, or none
+  bool turns = true;                    ///< false: joint_angle is the position of a slide [m]
 
   Eigen::Index rows() const { return time.size(); }
   bool has(OptionalChannel channel) const;

@@ -110,6 +110,7 @@ struct ActuatorEffect {
   bool implicit = false;        ///< `apply` reads terms.effort: the effort stands on both sides of the equation
   /// A channel that it is a multiple of: where a fitted constant of the bench is one, too, they say the same.
   Eigen::ArrayXd ActuatorRows::*multiple_of = nullptr;
+  bool at_moment = false;       ///< from a moment on: no rival of an offset, and more than a drift has to explain
   bool remembers = false;       ///< it depends on the rows before: on travel, rests, another time
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
   bool on_drive = false;        ///< a gearbox's cause that any drive can have, too

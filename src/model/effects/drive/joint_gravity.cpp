@@ -6,7 +6,7 @@
 namespace simgap::actuator_effects::joint_gravity {
 namespace {
 
-constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle, OptionalChannel::kTurn};
 constexpr EffectParameter kParameters[] = {{"mgl", "Nm", -1e4, 1e4, 0.0, 0.1},
                                            {"theta_0", "rad", -4.0, 4.0, 0.0, 0.0, EffectParameter::Kind::kShape}};
 

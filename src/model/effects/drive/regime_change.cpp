@@ -43,6 +43,7 @@ const ActuatorEffect entry = {
     .separates = "the first motion of the log once more at its end",
     .parameters = kParameters,
     .columns = kColumns,
+    .at_moment = true,
     .apply = apply,
     .fill = fill,
     .starts = starts,
