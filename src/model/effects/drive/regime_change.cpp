@@ -38,6 +38,8 @@ const ActuatorEffect entry = {
     .cause = "something was altered at one moment: a cable re-tensioned or slipped",
     .equation = "tau_dry (1 + a) and I + I_1 from t_c on",
     .signature = "a residual that changes once, at one moment",
+    .remarks =
+        "The moment t_c counts from the log's beginning: a session whose clock begins anew follows the one before it",
     .source = "catalogue of causes",
     .look_alikes = "friction-heating and other drifts in time",
     .separates = "the first motion of the log once more at its end",
