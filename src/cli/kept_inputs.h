@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "simgap/cli/command.h"
+#include "simgap/cli/session.h"
 #include "simgap/fit/poses/calibration.h"
 
 namespace simgap {
