@@ -14,7 +14,7 @@ constexpr int kMostLag = 12;            // of lag
 constexpr std::size_t kRowsOfRun = 50;  // of a run
 constexpr double kFollows = 0.25;       // of the median speed, squared: a velocity that differs by more is another one
 constexpr double kClearlyNearer = 2.0;  // times what they do not share
-constexpr double kNoLag = 0.5;          // rows: less is a row's own width
+constexpr double kNoLag = 0.2;          // rows: less is what rounding and jitter make
 
 struct Speeds {
   std::vector<double> slope, velocity;  ///< of one run, smoothed alike

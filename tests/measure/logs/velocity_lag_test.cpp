@@ -44,6 +44,13 @@ TEST(VelocityLag, IsTheTimeByWhichItIsLate) {
   }
 }
 
+/// Beside bristles 4.5 ms at 100 Hz passed for an inertia.
+TEST(VelocityLag, IsFoundWhereItIsLessThanHalfARow) {
+  const auto lag = recordMotion(0.0045, 0.01).lag();
+  ASSERT_TRUE(lag);
+  EXPECT_NEAR(*lag, 0.0045, 0.0005);
+}
+
 TEST(VelocityLag, IsAFiltersTimeConstant) {
   MotionLog log = recordMotion(0.0, 0.0);
   double filtered = log.velocity[0];
