@@ -49,21 +49,28 @@ void keepInputs(const Session& session, const TableOptions& table, const Calibra
   directory.write(kInputsFile, kept);  // last: with it a run can be resumed
 }
 
-KeptInputs readKeptInputs(const std::filesystem::path& resumed) {
-  KeptInputs inputs;
+void takeKept(const std::filesystem::path& file, const std::function<Json()>& read,
+              const std::function<void(const Json& kept)>& take) {
   try {
-    const Json kept = Json::parse(shareFromFirstRank([&] { return toText(keptInputs(resumed)); }));
-    kept.at("map").get_to(inputs.map);
-    kept.at("skip_bad_rows").get_to(inputs.skip_bad_rows);
-    kept.at("model").get_to(inputs.model);
-    kept.at("poses").get_to(inputs.poses);
-    if (kept.contains("validation")) kept.at("validation").get_to(inputs.validation);
+    take(Json::parse(shareFromFirstRank([&] { return toText(read()); })));
   } catch (const DataError& error) {
     throw ConfigError(error.what());
   } catch (const Json::exception& error) {
-    throw ConfigError(
-        fmt::format("{}: is no calibration that can be resumed: {}", (resumed / kInputsFile).string(), error.what()));
+    throw ConfigError(fmt::format("{}: is no calibration that can be resumed: {}", file.string(), error.what()));
   }
+}
+
+KeptInputs readKeptInputs(const std::filesystem::path& resumed) {
+  KeptInputs inputs;
+  takeKept(
+      resumed / kInputsFile, [&] { return keptInputs(resumed); },
+      [&](const Json& kept) {
+        kept.at("map").get_to(inputs.map);
+        kept.at("skip_bad_rows").get_to(inputs.skip_bad_rows);
+        kept.at("model").get_to(inputs.model);
+        kept.at("poses").get_to(inputs.poses);
+        if (kept.contains("validation")) kept.at("validation").get_to(inputs.validation);
+      });
   return inputs;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "cli/inputs.h"
+#include "cli/kept_inputs.h"
 #include "cli/motion_commands.h"
 #include "simgap/core/error.h"
 #include "simgap/core/progress.h"
@@ -71,7 +72,7 @@ void keepMotionInputs(const MotionCalibrateOptions& options, const Session& sess
   Json sums = Json::object();
   for (const Input& input : session.inputs()) sums[absoluteName(input.file)] = sumOf(input);
   const auto absolute = [](const std::string& file) { return file.empty() ? file : absoluteName(file); };
-  session.directory().write("config.resolved.yaml", task.config.toYaml());
+  session.directory().write(kKeptConfig, task.config.toYaml());
   session.directory().write(kKeptFile, Json{{"model", absolute(options.model)},
                                             {"motions", absolute(options.motions)},
                                             {"validation_motions", absolute(options.validation_motions)},
@@ -96,20 +97,18 @@ void refuseStrangeFiles(const Json& sums, const std::vector<std::string>& files)
 MotionCalibrateOptions resumedMotionOptions(const MotionCalibrateOptions& given) {
   MotionCalibrateOptions options = given;
   const std::filesystem::path file = given.resume / kKeptFile;
-  try {
-    const Json kept = Json::parse(shareFromFirstRank([&] { return toText(readJson(file)); }));
-    kept.at("model").get_to(options.model);
-    kept.at("motions").get_to(options.motions);
-    kept.at("validation_motions").get_to(options.validation_motions);
-    kept.at("poses").get_to(options.poses);
-    kept.at("skip_bad_rows").get_to(options.skip_bad_rows);
-    refuseStrangeFiles(kept.at("sha256"), {options.model, options.motions, options.validation_motions, options.poses});
-  } catch (const Json::exception& error) {
-    throw ConfigError(fmt::format("{}: is no calibration that can be resumed: {}", file.string(), error.what()));
-  } catch (const DataError& error) {
-    throw ConfigError(error.what());
-  }
-  options.config = (given.resume / "config.resolved.yaml").string();
+  takeKept(
+      file, [&] { return readJson(file); },
+      [&](const Json& kept) {
+        kept.at("model").get_to(options.model);
+        kept.at("motions").get_to(options.motions);
+        kept.at("validation_motions").get_to(options.validation_motions);
+        kept.at("poses").get_to(options.poses);
+        kept.at("skip_bad_rows").get_to(options.skip_bad_rows);
+        refuseStrangeFiles(kept.at("sha256"),
+                           {options.model, options.motions, options.validation_motions, options.poses});
+      });
+  options.config = (given.resume / kKeptConfig).string();
   return options;
 }
 

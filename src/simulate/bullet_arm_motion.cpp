@@ -15,6 +15,7 @@
 #include "invert_in_place.h"
 
 namespace simgap {
+
 void BulletArm::MotionDeleter::operator()(Motion* motion) const { delete motion; }
 
 BulletArm::Motion& BulletArm::motion() {

@@ -68,9 +68,8 @@ int GuideSlip::solve(const Eigen::MatrixXd& inertia, const Eigen::VectorXd& near
     ++steps;
     mobility_ = inertia;  // the second derivative, then its inverse
     push_ = v - at_;
-    step_.noalias() = inertia.lazyProduct(push_);
-    slope_of_bodies_ = 0.0;
-    push_ = downhill_ = step_;
+    downhill_.noalias() = inertia.lazyProduct(push_);
+    push_ = downhill_;
     for (std::size_t i = 0; i < used_; ++i) {
       const Line& line = lines_[i];
       const double square = line.slip * line.slip + line.creep * line.creep, root = std::sqrt(square);

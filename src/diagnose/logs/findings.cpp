@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include "diagnose/verdict.h"
 #include "drift.h"
@@ -373,34 +372,6 @@ Findings keepFindings(const LogSearch& search, const PreparedLog& log, HeldOutPa
                       const std::vector<Hypothesis>& hypotheses, const LogDiagnosisOptions& options,
                       Selection& selection) {
   return Judge(search, log, parts, own, hypotheses, options, selection).run();
-}
-
-void addLikely(const Selection& selection, Diagnosis& d) {
-  constexpr double kWorthSaying = 0.1;  // of the error
-  constexpr double kMostP = 0.1;        // of the hypothesis alone
-  constexpr double kSmallestP = 1e-3;
-  constexpr std::size_t kMost = 3;
-  std::vector<const Trial*> likely;
-  for (const Trial& trial : selection.last) {
-    const bool found = std::ranges::find(d.causes, trial.hypothesis.effect->name, &Cause::effect) != d.causes.end();
-    if (!found && trial.gain && trial.gain->value >= kWorthSaying && trial.p_paired < kMostP) likely.push_back(&trial);
-  }
-  std::ranges::stable_sort(likely, std::greater<>(), [](const Trial* trial) { return trial->gain->value; });
-  for (const Trial* trial : likely) {
-    const std::string name(trial->hypothesis.effect->name);
-    if (std::ranges::find(d.candidates, name, &Candidate::effect) != d.candidates.end()) continue;
-    if (d.candidates.size() >= kMost) break;
-    // At best p argues by that much against chance (Sellke, Bayarri & Berger 2001).
-    const double p = std::max(trial->p_paired, kSmallestP);
-    const double odds = 1.0 / (-std::numbers::e * p * std::log(p));
-    d.candidates.push_back(
-        {name,
-         {},
-         fmt::format("likely, not certain: odds of at best {:.0f} : 1 (p = {:.2g}), and {} causes were "
-                     "tried; a longer log would tell",
-                     odds, trial->p_paired, selection.last.size()),
-         *trial->gain});
-  }
 }
 
 }  // namespace simgap

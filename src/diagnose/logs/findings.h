@@ -26,7 +26,4 @@ Findings keepFindings(const LogSearch& search, const PreparedLog& log, HeldOutPa
                       const std::vector<Hypothesis>& hypotheses, const LogDiagnosisOptions& options,
                       Selection& selection);
 
-/// Causes that a short log makes likely, but not certain, join the candidates, with their odds.
-void addLikely(const Selection& selection, Diagnosis& d);
-
 }  // namespace simgap

@@ -10,6 +10,7 @@
 #include "diagnose/verdict.h"
 #include "findings.h"
 #include "held_out.h"
+#include "likely_causes.h"
 #include "log_candidates.h"
 #include "log_causes.h"
 #include "log_conclusion.h"

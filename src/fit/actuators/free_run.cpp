@@ -42,13 +42,9 @@ struct State {
 /// A drive between two rows of its log.
 class FreeDrive {
  public:
-  FreeDrive(const ActuatorModel& subject, const ActuatorLog& log, const ArrayXd& temperature, const Bench& bench)
-      : subject_(subject),
-        log_(log),
-        temperature_(temperature),
-        bench_(bench),
-        ratio_(bench.ratio.value_or(1.0)),
-        elapsed_(elapsedOf(Eigen::Map<const ArrayXd>(log.time.data(), std::ssize(log.time)), log.session)) {
+  /// \param rows  of the log, as the model's kind sees them
+  FreeDrive(const ActuatorModel& subject, const ActuatorLog& log, const ActuatorRows& rows, const Bench& bench)
+      : subject_(subject), log_(log), rows_(rows), bench_(bench), ratio_(bench.ratio.value_or(1.0)) {
     const ActuatorData data = at(0, {log.position[0] / ratio_, 0.0}, 1, 0.0);
     theta_ = ActuatorRegression(subject_.base, subject_.effects, data, std::nullopt).thetaOf(subject_.values);
     if (!(effort(0, {log.position[0] / ratio_, 0.0}, 1, 1.0) > effort(0, {log.position[0] / ratio_, 0.0}, 1, 0.0))) {
@@ -91,14 +87,14 @@ class FreeDrive {
     data.offset = offset_;
     ActuatorRows& rows = data.rows;
     rows.time = ArrayXd::Constant(1, log_.time[k]);
-    rows.elapsed = elapsed_.segment(row, 1);
+    rows.elapsed = rows_.elapsed.segment(row, 1);
     rows.effort = rows.travel = rows.rest = ArrayXd::Zero(1);
     rows.speed = ArrayXd::Constant(1, s.velocity);
     rows.direction = ArrayXd::Constant(1, direction);
     rows.load = load.load;
     rows.acceleration = ArrayXd::Constant(1, acceleration);
     rows.joint_angle = ArrayXd::Constant(1, s.position);
-    if (temperature_.size() > 0) rows.temperature = temperature_.segment(row, 1);
+    if (rows_.temperature.size() > 0) rows.temperature = rows_.temperature.segment(row, 1);
     rows.session = {0};
     return data;
   }
@@ -123,10 +119,9 @@ class FreeDrive {
 
   const ActuatorModel& subject_;
   const ActuatorLog& log_;
-  const ArrayXd& temperature_;
+  const ActuatorRows& rows_;
   Bench bench_;
   double ratio_;
-  ArrayXd elapsed_;
   bool offset_ = std::ranges::find(subject_.values, "offset", &Estimate::name) != subject_.values.end();
   std::vector<double> theta_;
 };
@@ -155,7 +150,7 @@ Prediction runFreely(const FittedModel& model, const CsvTable& table, const Benc
   const ActuatorLog log = readActuatorLog(table, {.ratio = bench.ratio.value_or(0.0)});
   if (log.position.empty()) throw DataError(log.file + ":1: found no position, expected it to start the motion from");
   const ActuatorRows& rows = prepared.data.rows;
-  const FreeDrive drive(subject, log, rows.temperature, bench);
+  const FreeDrive drive(subject, log, rows, bench);
   Prediction result{log.linear ? "position" : "joint_position", log.angleUnit(), log.time, {}, {}, 0};
   State state{};
   for (Index i = 0; i < rows.rows(); ++i) {
