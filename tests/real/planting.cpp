@@ -194,9 +194,10 @@ Shape otherShape(const Motion& m, const std::string& effect, double u, double v)
     return {
         "knee", [=](double c) { return Series(c * m.effort.sign() * (m.effort.abs() - knee).max(0.0)); }, 0.3, "", {}};
   }
-  if (effect == "backlash") {
+  if (effect == "backlash") {  // of the effort only its noise is left there: a sensor never reads one value for long
+    const Series carried = m.effort - unexplained(m, m.effort);
     return {"dead travel",
-            [=](double play) { return Series(m.effort * (inContact(m, play) - 1.0)); },
+            [=](double play) { return Series(carried * (inContact(m, play) - 1.0)); },
             0.02 * (m.angle.maxCoeff() - m.angle.minCoeff()),
             "play",
             {}};

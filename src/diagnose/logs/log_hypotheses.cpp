@@ -171,7 +171,7 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
 Fitted LogSearch::fitInTurn(const std::vector<const ActuatorEffect*>& effects) const {
   Fitted fitted = fit({}, nullptr);
   validate(fitted);
-  for (const ActuatorEffect* effect : effects) fitted = tryOne(fitted, {effect, {}, {}}).fitted;
+  for (const ActuatorEffect* effect : effects) fitted = tryOne(fitted, {effect, {}, {}}, nullptr).fitted;
   return fit(effects, &fitted);
 }
 
@@ -243,28 +243,29 @@ void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<doub
   }
 }
 
-Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const {
+Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis, const Fitted* near) const {
   Trial trial;
   trial.hypothesis = hypothesis;
   const std::vector<const ActuatorEffect*> effects = withOneMore(base.model->effects(), hypothesis.effect);
   const auto model = makeModel(effects);
-  std::vector<double> start = model->startFrom(*base.model, base.theta);
   const std::size_t first = model->firstParameter(effects.size() - 1);
-  std::ranges::copy(hypothesis.fixed, start.begin() + static_cast<std::ptrdiff_t>(first));
-  std::vector<std::vector<double>> starts;
+  std::vector<std::vector<double>> origins = {model->startFrom(*base.model, base.theta)}, starts;
+  if (near != nullptr) origins.push_back(model->startFrom(*near->model, near->theta));
+  const auto startAt = [&](std::vector<double> start, const std::vector<double>& own) {
+    std::ranges::copy(own, start.begin() + static_cast<std::ptrdiff_t>(first));
+    starts.push_back(std::move(start));
+  };
+  std::vector<std::vector<double>> own = {hypothesis.fixed};
   if (hypothesis.effect->starts != nullptr && hypothesis.fixed.empty()) {
-    const Eigen::VectorXd residual = residualOf(base);
-    for (const std::vector<double>& p : hypothesis.effect->starts(data_.rows, residual.array())) {
-      starts.push_back(start);
-      std::ranges::copy(p, starts.back().begin() + static_cast<std::ptrdiff_t>(first));
-    }
-  } else {
-    starts.push_back(start);
+    own = hypothesis.effect->starts(data_.rows, residualOf(base).array());
+    if (near != nullptr) startAt(origins.back(), {});
+  }
+  for (const std::vector<double>& origin : origins) {
+    for (const std::vector<double>& p : own) startAt(origin, p);
   }
   if (hypothesis.effect->in_every_drive) {  // and where the nuisance was
     const auto nuisance = std::ranges::find(base.model->parameters(), kNuisance, &ParameterSpec::name);
-    starts.push_back(start);
-    starts.back()[first] = base.theta[nuisance - base.model->parameters().begin()];
+    startAt(origins[0], {base.theta[nuisance - base.model->parameters().begin()]});
   }
   if (starts.empty()) return trial;
   for (std::size_t s = starts.size(); s-- > 0;) {
@@ -290,12 +291,13 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis) const 
   return trial;
 }
 
-std::vector<Trial> LogSearch::tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses) const {
+std::vector<Trial> LogSearch::tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses,
+                                     const Fitted* near) const {
   if (base.unseen.size() == 0) validate(base);
   std::vector<Trial> trials(hypotheses.size());
   Bytes digest;
   pack(digest, base.theta);
-  const auto tryThis = [&](std::size_t h) { return tryOne(base, hypotheses[h]); };
+  const auto tryThis = [&](std::size_t h) { return tryOne(base, hypotheses[h], near); };
   computeOnRanks(std::span(trials), tryThis, /*one_by_one=*/false, std::move(digest));
   for (std::size_t h = 0; h < trials.size(); ++h) {  // pointers stay on the rank that made them
     trials[h].hypothesis = hypotheses[h];

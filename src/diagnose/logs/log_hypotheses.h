@@ -73,7 +73,10 @@ class LogSearch {
   Fitted refitted(const Fitted& fitted, const std::vector<Block>& blocks) const;
 
   /// Every hypothesis on top of `base` (validated first where it is not), in their order; on the threads of all ranks.
-  std::vector<Trial> tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses) const;
+  /// \param near  another model where a search may begin, too: without one of its causes the others may have left
+  /// their places to stand in for it.
+  std::vector<Trial> tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses,
+                            const Fitted* near = nullptr) const;
 
   /// True when `rival` cannot take the place of `winner`: in a model with both, the winner is significant, and the
   /// rival adds next to nothing (encompassing: Mizon & Richard 1986) or takes little from it. Both on top of the same
@@ -104,7 +107,7 @@ class LogSearch {
   std::vector<Block> pieces(const std::vector<Block>& blocks, double seconds = kPieceSeconds) const;
 
  private:
-  Trial tryOne(const Fitted& base, const Hypothesis& hypothesis) const;
+  Trial tryOne(const Fitted& base, const Hypothesis& hypothesis, const Fitted* near) const;
   /// From each start, the most promising ones to the end. \param hopeless  cost that one of them has to promise to stay
   /// below, or there is no fit; 0: none.
   Fitted fitFromStarts(std::shared_ptr<const ActuatorRegression> model, const std::vector<std::vector<double>>& starts,

@@ -50,7 +50,7 @@ class Selector {
   std::optional<std::size_t> best(const std::vector<Trial>& trials) const;
   std::size_t simplest(const std::vector<Trial>& trials, std::size_t best) const;
   enum class Open { kNotDropped, kAll };
-  std::vector<Trial> step(const Fitted& base, Open open);
+  std::vector<Trial> step(const Fitted& base, Open open, const Fitted* near = nullptr);
   void record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted);
   void prune();
   void review();
@@ -97,14 +97,14 @@ std::optional<std::size_t> Selector::best(const std::vector<Trial>& trials) cons
   return best ? std::optional(simplest(trials, *best)) : std::nullopt;
 }
 
-std::vector<Trial> Selector::step(const Fitted& base, Open open) {
+std::vector<Trial> Selector::step(const Fitted& base, Open open, const Fitted* near) {
   std::vector<Hypothesis> tried;
   for (const Hypothesis& h : hypotheses_) {
     const std::vector<const ActuatorEffect*>& in = base.model->effects();
     const bool chosen = std::ranges::find(in, h.effect->name, &ActuatorEffect::name) != in.end();
     if (!chosen && (open == Open::kAll || !dropped_.contains(h.effect->name))) tried.push_back(h);
   }
-  return search_.tryAll(base, tried);
+  return search_.tryAll(base, tried, near);
 }
 
 void Selector::record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted) {
@@ -209,7 +209,7 @@ void Selector::dropStandIns() {
 void Selector::review() {
   for (std::size_t k = 0; k < causes(); ++k) {
     const Fitted rest = validatedWithout(selection_.chosen, k);
-    const std::vector<Trial> trials = step(rest, Open::kAll);
+    const std::vector<Trial> trials = step(rest, Open::kAll, &selection_.chosen);
     const auto winner = best(trials);
     record(trials, winner);
     if (!winner) continue;
