@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <set>
 
 namespace simgap {
@@ -10,6 +11,8 @@ namespace {
 
 /// Two causes whose validation errors differ by less than that share of the gain cannot be told apart.
 constexpr double kTie = 0.03;
+/// Where no cause explains so much, two that each explain the lesser share may together.
+constexpr double kClear = 0.5, kPromising = 0.1;
 
 /// How many numbers a cause fits.
 std::size_t sizesOf(const ActuatorEffect& effect) {
@@ -27,6 +30,18 @@ void rebuildSteps(const LogSearch& search, std::size_t own, Selection& selection
                                                   effects.begin() + static_cast<std::ptrdiff_t>(own + k));
     selection.steps.push_back(k == causes ? selection.chosen : search.fit(some, &selection.chosen));
   }
+}
+
+/// Causes none of whose forms the model's own parameters leave anything to say.
+std::vector<std::string> aliased(const std::vector<Trial>& trials) {
+  std::vector<std::string> names;
+  for (const Trial& trial : trials) {
+    const std::string name(trial.hypothesis.effect->name);
+    const auto told = [&](const Trial& other) { return other.identifiable && other.hypothesis.effect->name == name; };
+    const bool known = std::ranges::find(names, name) != names.end();
+    if (!known && std::ranges::none_of(trials, told)) names.push_back(name);
+  }
+  return names;
 }
 
 class Selector {
@@ -51,6 +66,15 @@ class Selector {
   std::size_t simplest(const std::vector<Trial>& trials, std::size_t best) const;
   enum class Open { kNotDropped, kAll };
   std::vector<Trial> step(const Fitted& base, Open open, const Fitted* near = nullptr);
+  /// Two causes at once: which of the trials is the first, and those on top of it.
+  struct Pair {
+    std::size_t first, second;
+    std::vector<Trial> seconds;
+    const Trial& both() const { return seconds[second]; }
+  };
+  std::optional<Pair> bestPair(const std::vector<Trial>& trials, std::optional<std::size_t> accepted);
+  std::vector<std::size_t> promising(const std::vector<Trial>& trials) const;
+  void accept(std::vector<Trial> trials, std::size_t accepted);
   void record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted);
   void prune();
   void review();
@@ -105,6 +129,51 @@ std::vector<Trial> Selector::step(const Fitted& base, Open open, const Fitted* n
     if (!chosen && (open == Open::kAll || !dropped_.contains(h.effect->name))) tried.push_back(h);
   }
   return search_.tryAll(base, tried, near);
+}
+
+/// The few that gain most, significant or not: firsts of pairs.
+std::vector<std::size_t> Selector::promising(const std::vector<Trial>& trials) const {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::size_t> order(trials.size()), few;
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto gainOf = [&](std::size_t t) { return trials[t].gain ? trials[t].gain->value : 0.0; };
+  std::ranges::stable_sort(order, std::greater<>(), gainOf);
+  for (const std::size_t t : order) {
+    const auto same = [&](std::size_t other) {
+      return trials[other].hypothesis.effect->name == trials[t].hypothesis.effect->name;
+    };
+    if (few.size() < kMost && gainOf(t) >= kPromising && std::ranges::none_of(few, same)) few.push_back(t);
+  }
+  return few;
+}
+
+/// What two causes leave may be far less than what either leaves alone: a weight that is not in the model hides how
+/// friction heats up, and heat the weight, until neither is significant, or a third takes their place. Each of a pair
+/// has to be significant beside the other, among all pairs that were tried.
+std::optional<Selector::Pair> Selector::bestPair(const std::vector<Trial>& trials,
+                                                 std::optional<std::size_t> accepted) {
+  if (accepted && trials[*accepted].gain->value >= kClear) return std::nullopt;
+  const std::vector<std::size_t> firsts = promising(trials);
+  std::optional<Pair> best;
+  for (const std::size_t first : firsts) {
+    Pair pair{first, 0, step(trials[first].fitted, Open::kNotDropped)};
+    const std::size_t tried = firsts.size() * pair.seconds.size();
+    std::optional<std::size_t> second;
+    for (std::size_t t = 0; t < pair.seconds.size(); ++t) {
+      const Trial& trial = pair.seconds[t];
+      if (!acceptable(trial, tried) || trial.gain->value < kPromising) continue;
+      if (!second || trial.gain->value > pair.seconds[*second].gain->value) second = t;
+    }
+    if (!second) continue;
+    pair.second = *second;
+    const Fitted& both = pair.both().fitted;
+    if (best && both.validation.mse() >= best->both().fitted.validation.mse()) continue;
+    const Fitted rest = validatedWithout(both, both.model->effects().size() - 2 - own_);
+    const double gain = 1.0 - both.validation.mse() / rest.validation.mse();
+    const double p = pairedP(rest.validation, both.validation) * static_cast<double>(tried);
+    if (gain >= kPromising && p < options_.level) best = std::move(pair);
+  }
+  return best && best->first != accepted ? std::move(best) : std::nullopt;
 }
 
 void Selector::record(const std::vector<Trial>& trials, std::optional<std::size_t> accepted) {
@@ -233,6 +302,15 @@ void Selector::review() {
   }
 }
 
+void Selector::accept(std::vector<Trial> trials, std::size_t accepted) {
+  selection_.last = std::move(trials);
+  const Trial& winner = selection_.last[accepted];
+  selection_.p_adjusted.push_back(adjusted(winner, selection_.last.size()));
+  selection_.ambiguous_with.push_back(rivals(selection_.last, accepted));
+  selection_.instead.push_back(runnersUp(selection_.last, accepted));
+  selection_.chosen = winner.fitted;
+}
+
 Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std::vector<Hypothesis>& unnamed) {
   own_ = own.size();
   tell("fitting the model as it is", 0.0);
@@ -243,22 +321,21 @@ Selection Selector::run(const std::vector<const ActuatorEffect*>& own, const std
   while (static_cast<int>(causes()) < options_.max_causes) {
     tell("trying causes", 0.1 + share * static_cast<double>(step_));
     std::vector<Trial> trials = step(selection_.chosen, Open::kNotDropped);
-    const auto accepted = best(trials);
+    auto accepted = best(trials);
+    std::optional<Pair> pair =
+        static_cast<int>(causes()) + 2 <= options_.max_causes ? bestPair(trials, accepted) : std::nullopt;
+    if (pair) accepted = pair->first;
     record(trials, accepted);
-    if (step_ == 1) {
-      for (const Trial& t : trials) {
-        const std::string name(t.hypothesis.effect->name);
-        const bool new_one = std::ranges::find(selection_.aliased, name) == selection_.aliased.end();
-        if (!t.identifiable && new_one) selection_.aliased.push_back(name);
-      }
+    if (step_ == 1) selection_.aliased = aliased(trials);
+    if (!accepted) {
+      selection_.last = std::move(trials);
+      break;
     }
-    selection_.last = std::move(trials);
-    if (!accepted) break;
-    Trial& winner = selection_.last[*accepted];
-    selection_.p_adjusted.push_back(adjusted(winner, selection_.last.size()));
-    selection_.ambiguous_with.push_back(rivals(selection_.last, *accepted));
-    selection_.instead.push_back(runnersUp(selection_.last, *accepted));
-    selection_.chosen = winner.fitted;
+    accept(std::move(trials), *accepted);
+    if (pair) {
+      record(pair->seconds, pair->second);
+      accept(std::move(pair->seconds), pair->second);
+    }
     prune();
   }
   tell("comparing each cause with its rivals", 0.8);

@@ -1,6 +1,12 @@
 #include "diagnose/logs/log_selection.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <random>
 
 #include "diagnose/logs/held_out.h"
 #include "prepared_logs.h"
@@ -44,6 +50,46 @@ TEST(LogSelection, PicksNothingWhereNothingIsHidden) {
   EXPECT_TRUE(selection.p_adjusted.empty());
   EXPECT_EQ(selection.steps.size(), 1u);
   EXPECT_EQ(selection.chosen.mse, selection.baseline.mse);
+}
+
+/// A joint that lifts a weight nobody knows of with friction that falls as it warms up, for less than a minute.
+PreparedLog weightAndHeat(int seed, int rows, double weight) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<> phase(0.0, 2.0 * std::numbers::pi);
+  std::normal_distribution<> noise(0.0, 0.04);
+  std::array<double, 6> phases;
+  for (double& p : phases) p = phase(random);
+  std::string text = "time_s,motor_position_rad,motor_velocity_rad_s,motor_current_A,temperature_degC\n";
+  for (int i = 0; i < rows; ++i) {
+    const double t = 0.02 * i;
+    double q = 0.0, w = 0.0;
+    for (int k = 0; k < 5; ++k) {
+      q += 0.3 * std::sin(0.35 * (k + 1) * t + phases[k]);
+      w += 0.105 * (k + 1) * std::cos(0.35 * (k + 1) * t + phases[k]);
+    }
+    const double warm = 30.0 + 10.0 * std::sin(9.42 * i / rows + phases[5]);
+    const double friction = (0.3 * std::tanh(w / 0.01) + 0.4 * w) / (1.0 + 0.05 * (warm - 28.0));
+    text += fmt::format("{},{},{},{},{}\n", t, q, w, friction + weight * std::sin(q - 0.6) + noise(random), warm);
+  }
+  Bench bench;
+  bench.load = BenchLoad::kFreeAxis;
+  bench.inertia = {.fitted = true};
+  bench.bandwidth = 5.0;
+  return prepareLog(CsvTable::parse(text, "log.csv"), bench, ActuatorKind::kFriction);
+}
+
+TEST(LogSelection, TwoCausesThatHideEachOtherAreFoundTogether) {
+  const std::vector<Hypothesis> both = {{&actuator_effects::find("joint-gravity"), {}, {}},
+                                        {&actuator_effects::find("friction-heating"), {}, {}}};
+  for (const int seed : {3, 7}) {
+    const PreparedLog log = weightAndHeat(seed, 1000, 0.3);
+    LogDiagnosisOptions options;
+    const LogSearch search(friction::find("coulomb"), log.data, splitLog(log, options).training, options);
+    options.max_causes = 1;
+    EXPECT_TRUE(selectCauses(search, {}, both, {}, options, {}).p_adjusted.empty()) << "each alone is not significant";
+    options.max_causes = 2;
+    EXPECT_EQ(selectCauses(search, {}, both, {}, options, {}).p_adjusted.size(), 2u);
+  }
 }
 
 TEST(LogSelection, ReviewPutsABetterRivalInACausesPlace) {
