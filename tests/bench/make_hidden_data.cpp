@@ -29,6 +29,8 @@ const std::map<std::string, void (*)(PamTruth&)> kPam = {
     {"pressure-bias", [](PamTruth& t) { t.sensor_offset = -2e4; }},
     {"contraction-hysteresis", [](PamTruth& t) { t.braid_friction = 3e-5; }},
     {"end-effect", [](PamTruth& t) { t.ends = 0.2; }},
+    {"wall-stiffness", [](PamTruth& t) { t.wall = 400.0; }},
+    {"muscle-creep", [](PamTruth& t) { t.creep = 0.08; }},
     {"force-bias", [](PamTruth& t) { t.force_offset = 15.0; }}};
 
 const std::map<std::string, void (*)(SpringTruth&)> kSpring = {
@@ -39,6 +41,7 @@ const std::map<std::string, void (*)(SpringTruth&)> kSpring = {
        t.curve = {{-1.0, -210.0}, {0.0, 0.0}, {1.0, 150.0}};
      }},
     {"spring-slack", [](SpringTruth& t) { t.pulls_only = true; }},
+    {"damping-nonlinearity", [](SpringTruth& t) { t.sliding = 0.15; }},
     {"spring-creep", [](SpringTruth& t) { t.creep_stiffness = 60.0; }},
     {"spring-hysteresis", [](SpringTruth& t) { t.friction = 0.6; }}};
 
@@ -55,6 +58,7 @@ std::string shockCord(std::uint64_t seed) {
 const std::map<std::string, void (*)(MotorTruth&)> kMotor = {
     {"brush-drop", [](MotorTruth& t) { t.brush_drop = 0.6; }},
     {"winding-heating", [](MotorTruth& t) { t.heating = 0.2; }},
+    {"voltage-bias", [](MotorTruth& t) { t.current_offset = 0.2; }},
     {"load-dependent-efficiency", [](MotorTruth& t) { t.load_loss = 0.25; }},
     {"gearbox-ripple", [](MotorTruth& t) { t.ripple = 0.0015; }},
     {"backlash", [](MotorTruth& t) { t.play = 4.0; }}};

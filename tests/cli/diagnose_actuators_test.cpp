@@ -78,7 +78,8 @@ TEST_F(DiagnoseActuators, FindTheTendonOf002) {
 TEST_F(DiagnoseActuators, NameWhatIsWrongWithAMuscle) {
   reality::PamTruth hysteresis, ends, bias;
   hysteresis.braid_friction = 3e-5;
-  ends.ends = 0.2;
+  ends.ends = 0.4;
+  ends.ends_pressure = 5e4;
   bias.force_offset = 15.0;
   EXPECT_TRUE(alone(askMuscle(hysteresis, 4), "contraction-hysteresis"));
   EXPECT_TRUE(alone(askMuscle(ends, 5), "end-effect"));
@@ -87,6 +88,27 @@ TEST_F(DiagnoseActuators, NameWhatIsWrongWithAMuscle) {
   EXPECT_NEAR(valueOf(force, "f0"), 15.0, 1.5);
   succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});
   EXPECT_LT(Json::parse(text("p/result.json")).at("rms_error").get<double>(), 6.0);
+}
+
+// What no catalogue had took another name: end-effect, force-bias.
+TEST_F(DiagnoseActuators, NameTheRubberOfAMuscle) {
+  reality::PamTruth wall, creep;
+  wall.wall = 400.0;
+  creep.creep = 0.08;
+  const Json stiff = askMuscle(wall, 21);
+  ASSERT_TRUE(alone(stiff, "wall-stiffness")) << stiff.at("sentence");
+  EXPECT_NEAR(valueOf(stiff, "k_w"), 400.0, 60.0);
+  const Json slow = askMuscle(creep, 22);
+  ASSERT_TRUE(alone(slow, "muscle-creep")) << slow.at("sentence");
+  EXPECT_NEAR(valueOf(slow, "share"), 0.08, 0.02);
+}
+
+TEST_F(DiagnoseActuators, NameTheOffsetOfAWindingsSensor) {
+  reality::MotorTruth offset;
+  offset.current_offset = 0.2;
+  const Json result = askMotor(offset, 23);
+  ASSERT_TRUE(alone(result, "voltage-bias")) << result.at("sentence");
+  EXPECT_NEAR(valueOf(result, "V_0"), -0.2 * offset.resistance, 0.02);
 }
 
 TEST_F(DiagnoseActuators, SayWhenNoLogCanTellTwoCausesApart) {
@@ -98,6 +120,12 @@ TEST_F(DiagnoseActuators, SayWhenNoLogCanTellTwoCausesApart) {
   group.push_back(result.at("causes")[0].at("effect"));
   EXPECT_THAT(group, ::testing::UnorderedElementsAre("pressure-threshold", "pressure-bias"));
   EXPECT_NEAR(valueOf(result, "p0"), 2e4, 1e3);
+  reality::PamTruth ends;  // over most of the pressures what a wall of rubber does, too
+  ends.ends = 0.2;
+  const Json either = askMuscle(ends, 5);
+  EXPECT_EQ(either.at("verdict"), "ambiguous");
+  EXPECT_THAT(either.at("causes")[0].dump(),
+              ::testing::AllOf(::testing::HasSubstr("\"end-effect\""), ::testing::HasSubstr("\"wall-stiffness\"")));
   truth.bladder = 0.0;
   truth.sensor_offset = -2e4;  // more force than the reading explains: no bladder does that
   EXPECT_TRUE(alone(askMuscle(truth, 8), "pressure-bias"));

@@ -1,5 +1,8 @@
 // `simgap fit-spring` and `simgap diagnose spring` on logs of a simulated rig, with and without a secret.
+#include <fmt/format.h>
+
 #include <cmath>
+#include <random>
 
 #include "cli/cli_fixture.h"
 #include "reality/spring_rig.h"
@@ -206,6 +209,30 @@ TEST_F(Springs, NameWhatTheyRemember) {
   EXPECT_NEAR(Json::parse(text("refit/result.json")).at("mse").get<double>(), error * error, 0.1 * error * error);
   succeed({"diagnose", "d/model.yaml", "--log", "log.csv", "-q", "-o", "again"});
   EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "nothing-found");
+}
+
+// Rubber's molecules slide: the loop grows with the logarithm of the rate, and hysteresis was named.
+TEST_F(Springs, NameADampingThatIsNoMultipleOfTheRate) {
+  reality::SpringTruth truth;
+  truth.sliding = 0.15;
+  const Json result = ask(truth, rig(13));
+  ASSERT_TRUE(alone(result, "damping-nonlinearity")) << result.at("sentence");
+  EXPECT_LT(valueOf(result, "n"), 0.8);
+}
+
+TEST_F(Springs, RefuseRests) {
+  std::string rest = "time_s,deflection_m,force_N\n", same = rest;
+  std::mt19937_64 random(1);
+  std::normal_distribution<> noise;
+  for (int i = 0; i < 2000; ++i) {
+    rest += fmt::format("{},{},{}\n", 0.01 * i, 0.05 + 1e-6 * noise(random), 700.0 + 3.0 * noise(random));
+    same += fmt::format("{},0.05,700\n", 0.01 * i);
+  }
+  put("rest.csv", rest);
+  put("same.csv", same);
+  expectRefused({"fit-spring", "rest.csv"}, 3, "stays within its own noise");
+  expectRefused({"diagnose", "spring", "--log", "rest.csv"}, 3, "stays within its own noise");
+  expectRefused({"diagnose", "spring", "--log", "same.csv"}, 3, "is constant throughout");
 }
 
 TEST_F(Springs, NameTwoCausesAtOnce) {

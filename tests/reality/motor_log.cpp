@@ -40,7 +40,8 @@ MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
       log.voltage.push_back(quantised(before(voltages, design.voltage_late), design.voltage_grain));
       log.load.push_back(load);
       log.current.push_back(
-          quantised(before(currents, design.current_late) + current_noise.next(normal(random)), design.current_grain));
+          quantised(before(currents, design.current_late) + m.current_offset + current_noise.next(normal(random)),
+                    design.current_grain));
       log.velocity.push_back(quantised(w + velocity_noise.next(normal(random)), design.velocity_grain));
       log.session.push_back(session);
       for (int s = 0; s < inner; ++s) {

@@ -16,6 +16,7 @@ struct MotorTruth {
   double heating = 0.0, heating_seconds = 20.;  ///< relative rise of the resistance at 2 A for long
   double load_loss = 0.0;                       ///< share of the load's torque that the teeth take, either way
   double ripple = 0.0, ripple_turns = 2.0;      ///< [N m] at the output, so often per turn of the rotor
+  double current_offset = 0.0;                  ///< [A] that the sensor reads too much
   double play = 0.0;                            ///< [rad] of the rotor between the teeth
 };
 

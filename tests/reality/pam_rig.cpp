@@ -25,11 +25,17 @@ double braidForce(const PamTruth& m, double pressure, double contraction) {
   return -pressure * (volume(m, length + h) - volume(m, length - h)) / (2.0 * h);
 }
 
+/// A tube of neo-Hookean rubber pushes back when it is shortened.
+double wallForce(const PamTruth& m, double contraction) {
+  const double stretch = 1.0 - contraction;
+  return m.wall / 3.0 * (stretch - 1.0 / (stretch * stretch));
+}
+
 double muscleForce(const PamTruth& m, double pressure, double joint_contraction) {
   const auto excess = [&](double f) {
     const double stretch = m.tendon > 0.0 ? f / (m.tendon * (1.0 + m.tendon_hardening * f)) : 0.0;
     const double own = (joint_contraction + stretch) * (1.0 + m.ends * std::exp(-pressure / m.ends_pressure));
-    return braidForce(m, std::max(pressure - m.bladder, 0.0), own) - f;
+    return braidForce(m, std::max(pressure - m.bladder, 0.0), own) + wallForce(m, own) - f;
   };
   double low = 0.0, high = 1e4;
   for (int k = 0; k < 60; ++k) {
@@ -55,7 +61,7 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
     const double phase_e = 6.28 * uniform(random), phase_p = 6.28 * uniform(random);
     const double middle_e = 0.06 + 0.06 * uniform(random), swing_e = 0.02 + 0.04 * uniform(random);
     const double middle_p = (2.2 + 1.2 * uniform(random)) * 1e5, swing_p = (1.0 + 0.9 * uniform(random)) * 1e5;
-    double last = 0.0, bristle = 0.0;
+    double last = 0.0, bristle = 0.0, settled = 0.0;
     for (std::size_t k = 0; k < design.rows; ++k) {
       const double t = static_cast<double>(k) / design.rate;
       const double e = middle_e + swing_e * std::sin(6.2831853 * t / period_e + phase_e);
@@ -67,6 +73,8 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
       humid += 0.002 * normal(random) + 0.004;
       const double humidity = 50.0 + 20.0 * std::sin(humid);
       double f = muscleForce(m, p, e) - m.braid_friction * p * bristle;
+      settled += k == 0 ? f : (f - settled) / (m.creep_seconds * design.rate);
+      f += m.creep * (f - settled);
       f *= 1.0 + m.breathing * std::sin(humid);
       record.time.push_back(t);
       const double seen = middle_p + swing_p * std::sin(6.2831853 * (t - late) / period_p + phase_p);

@@ -21,6 +21,9 @@ struct PamTruth {
   double braid_friction = 0.0;    ///< [m^2] force per pressure
   double ends = 0.0;              ///< share by which contraction counts more, without pressure
   double ends_pressure = 1.2e5;   ///< [Pa] over which that goes
+  double wall = 0.0;              ///< [N] stiffness of the rubber tube inside, without pressure
+  double creep = 0.0;             ///< share of a change of force that dies away …
+  double creep_seconds = 4.0;     ///< … within that time
   double breathing = 0.0;         ///< a cause without a name: force swings with humidity
 };
 

@@ -111,7 +111,8 @@ SpringRecord recordSpring(const SpringTruth& truth, const SpringDesign& design) 
       const double dt = (0.9 + 0.2 * uniform(random)) / design.rate;
       // A wire follows its end only while it is taut.
       const double now = truth.pulls_only ? std::max(end, truth.slack_below) : end;
-      double force = readOff(truth.curve, now) + truth.damping * (now - wire) / dt + memory.moveTo(now, dt);
+      double force = readOff(truth.curve, now) + truth.damping * (now - wire) / dt +
+                     truth.sliding * std::asinh((now - wire) / dt / 1e-3) + memory.moveTo(now, dt);
       if (truth.pulls_only)
         force = end > truth.slack_below ? std::max(0.0, force - readOff(truth.curve, truth.slack_below)) : 0.0;
       wire = now;

@@ -15,6 +15,7 @@ struct SpringTruth {
   /// (deflection [m], force [N]), rising; straight between them and beyond; empty: 150 N/m.
   std::vector<std::pair<double, double>> curve;
   double damping = 4.0;          ///< [N s/m]
+  double sliding = 0.0;          ///< [N] of molecules that slide (Eyring): sliding asinh(rate / 1 mm/s)
   double creep_stiffness = 0.0;  ///< [N/m] of all Maxwell elements together
   double creep_seconds = 2.0;    ///< middle of their relaxation times
   double creep_decades = 0.0;    ///< over which these are spread

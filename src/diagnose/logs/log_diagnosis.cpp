@@ -18,6 +18,7 @@
 #include "log_faults.h"
 #include "self_test.h"
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/channel_checks.h"
 #include "simgap/optimize/uncertainty.h"
 #include "testable.h"
 #include "transmission.h"
@@ -131,6 +132,10 @@ void endWith(const DataFault& fault, Diagnosis& d) {
 
 void requireDiagnosable(const PreparedLog& log, const LogDiagnosisOptions& options) {
   for (const std::string& name : options.effects) actuator_effects::find(name);
+  const ActuatorRows& rows = log.data.rows;
+  for (const auto& [name, driver] : {std::pair("the deflection", &rows.deflection), {"current_A", &rows.current}}) {
+    if (driver->size() > 0) requireMotion(log.file, name, spanOf(*driver), spanOf(rows.effort));
+  }
   static_cast<void>(splitLog(log, options));
 }
 

@@ -188,6 +188,7 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
   leaveOutTurns(log, kept);
   if (kept.empty()) return {};
   const VectorXd near = bounded(residual, kept);
+  if (near.isZero(0.0)) return {};  // nothing is left
   std::vector<EvidenceChannel> used;
   for (const EvidenceChannel& c : channels) {
     if (c.name != "session" && c.name != "power_quadrant") used.push_back(c);  // others say the same

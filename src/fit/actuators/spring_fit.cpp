@@ -111,6 +111,7 @@ void requireFittable(const PreparedLog& log, const SpringProblem& model, std::si
     if (isConstant(values))
       throw DataError(fmt::format("{}: {} is constant throughout: nothing can be found from it", log.file, name));
   }
+  requireMotion(log.file, deflection, model.deflection, model.force);
 }
 
 }  // namespace

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
+#include "simgap/measure/logs/resolution.h"
 
 namespace simgap {
 namespace {
@@ -42,6 +44,22 @@ Run longestRun(std::span<const double> values) {
 
 bool isConstant(std::span<const double> values) {
   return std::ranges::all_of(values, [&](double value) { return value == values.front(); });
+}
+
+void requireMotion(const std::string& file, const std::string& name, std::span<const double> values,
+                   std::span<const double> driven) {
+  constexpr double kSpread = 8.0;   // noise levels: more than the whole range of a rest
+  constexpr double kFollows = 0.1;  // correlation: rows may be levels in any order, whose neighbours differ by much
+  if (isConstant(values)) {
+    throw DataError(fmt::format("{}: {} is constant throughout: nothing can be found from it", file, name));
+  }
+  const std::vector<double> sorted(values.begin(), values.end());
+  const double spread = quantile(sorted, 0.995) - quantile(sorted, 0.005), noise = noiseLevel(values);
+  if (spread > kSpread * noise || isConstant(driven) || std::abs(correlation(values, driven)) > kFollows) return;
+  throw DataError(
+      fmt::format("{}: {} stays within its own noise (it spreads by {:.2g}, noise {:.2g}): nothing can be "
+                  "found from rests alone; record motion",
+                  file, name, spread, noise));
 }
 
 std::vector<std::string> checkChannels(const std::string& file, std::span<const ChannelCheck> channels) {

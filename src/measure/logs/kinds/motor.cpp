@@ -4,6 +4,7 @@
 #include "measure/logs/prepared_rows.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/log_kind.h"
+#include "simgap/measure/logs/resolution.h"
 
 namespace simgap::log_kinds::motor {
 namespace {
@@ -21,6 +22,7 @@ PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const Frictio
   ActuatorRows& rows = log.data.rows;
   rows.effort = toArray(motor.voltage);
   rows.current = toArray(motor.current);
+  rows.current_noise = noiseLevel(motor.current);
   rows.speed = toArray(motor.velocity);
   setDirection(motor.velocity, log);
   rows.current_rate = slopeOf(rows, rows.current, FrictionDataOptions::kDefaultBandwidth / rows.step);

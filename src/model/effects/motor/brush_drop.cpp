@@ -1,8 +1,9 @@
 /// \file
 /// Brushes drop a nearly constant voltage against the current: V += V_b sign(i), smooth within a fiftieth of the usual
-/// current, where noise would decide the sign.
+/// current, and within its noise, which would decide the sign and thin out the drop.
 #include "simgap/model/effects/actuator_effect.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace simgap::actuator_effects::brush_drop {
@@ -12,7 +13,9 @@ constexpr EffectColumn kColumns[] = {{.name = "V_b", .unit = "V", .lower = 0.0, 
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
-  const double small = 0.02 * std::sqrt(rows.current.square().mean()) + 1e-12;
+  constexpr double kNoise = 3.5;  // standard deviations
+  const double usual = std::sqrt(rows.current.square().mean());
+  const double small = std::max(0.02 * usual, kNoise * rows.current_noise) + 1e-12;
   x.col(0) = (rows.current / small).tanh();
 }
 
