@@ -291,8 +291,7 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis, const 
   return trial;
 }
 
-std::vector<Trial> LogSearch::tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses,
-                                     const Fitted* near) const {
+std::vector<Trial> LogSearch::tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses, const Fitted* near) const {
   if (base.unseen.size() == 0) validate(base);
   std::vector<Trial> trials(hypotheses.size());
   Bytes digest;

@@ -75,8 +75,7 @@ class LogSearch {
   /// Every hypothesis on top of `base` (validated first where it is not), in their order; on the threads of all ranks.
   /// \param near  another model where a search may begin, too: without one of its causes the others may have left
   /// their places to stand in for it.
-  std::vector<Trial> tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses,
-                            const Fitted* near = nullptr) const;
+  std::vector<Trial> tryAll(Fitted base, const std::vector<Hypothesis>& hypotheses, const Fitted* near = nullptr) const;
 
   /// True when `rival` cannot take the place of `winner`: in a model with both, the winner is significant, and the
   /// rival adds next to nothing (encompassing: Mizon & Richard 1986) or takes little from it. Both on top of the same

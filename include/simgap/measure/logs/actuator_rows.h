@@ -53,7 +53,7 @@ struct ActuatorRows {
   Eigen::ArrayXd temperature;           ///< [deg C]
   Eigen::ArrayXd current;               ///< [A] of a winding
   Eigen::ArrayXd current_rate;          ///< [A/s]
-  double current_noise = 0.0;    ///< [A] standard deviation of the current's noise
+  double current_noise = 0.0;           ///< [A] standard deviation of the current's noise
   Eigen::ArrayXd pressure;              ///< [Pa] gauge, of a muscle
   Eigen::ArrayXd contraction;           ///< [1] apparent: of the muscle with its tendon
   Eigen::ArrayXd deflection;            ///< [m] or [rad] of a spring

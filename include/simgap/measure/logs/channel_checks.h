@@ -20,8 +20,8 @@ std::vector<std::string> checkChannels(const std::string& file, std::span<const 
 
 bool isConstant(std::span<const double> values);
 
-/// \throws DataError: a channel never leaves its own noise, and what it should drive does not follow it: a log of rests.
-/// \param name  "deflection_m"; \param values, \param driven  shape (rows)
+/// \throws DataError: a channel never leaves its own noise, and what it should drive does not follow it: a log of
+/// rests. \param name  "deflection_m"; \param values, \param driven  shape (rows)
 void requireMotion(const std::string& file, const std::string& name, std::span<const double> values,
                    std::span<const double> driven);
 
