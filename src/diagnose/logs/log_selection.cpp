@@ -285,6 +285,8 @@ void Selector::review() {
     const ActuatorEffect* present = selection_.chosen.model->effects()[own_ + k];
     const auto current = std::ranges::find_if(trials, [&](const Trial& t) { return t.hypothesis.effect == present; });
     const auto at = static_cast<std::size_t>(current - trials.begin());
+    // Beside later causes, which may not stay, it moves to where it would be no finding; it still explains the most.
+    if (!current->gain && current->gain_training > trials[*winner].gain_training) continue;
     // What says more by fewer numbers stands for its group: of those that data cannot tell apart, the simplest.
     const bool simpler = sizesOf(*trials[*winner].hypothesis.effect) < sizesOf(*present);
     const bool swap =
