@@ -1,10 +1,14 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "prepared_rows.h"
 #include "simgap/core/decompositions.h"
+#include "simgap/core/statistics.h"
 #include "simgap/core/units.h"
 #include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/resolution.h"
 
 namespace simgap {
 namespace {
@@ -37,6 +41,20 @@ double speedBandwidth(const FrictionData& friction, const ActuatorRows& rows) {
   const std::vector<Block> runs = splitRuns(spanOf(rows.time), rows.session);
   return smoothingBandwidth(spanOf(rows.time), spanOf(rows.speed), runs,
                             FrictionDataOptions::kDefaultBandwidth / rows.step);
+}
+
+/// The noise of a torque sensor on which nothing acts is no load: k_a would be whatever makes it explain a little.
+void dropNoiseOfLoad(const ActuatorLog& drive, ActuatorRows& rows, std::vector<std::string>& warnings) {
+  constexpr double kNoise = 8.0;  // standard deviations: more than the whole range of noise about nothing
+  if (drive.load.empty()) return;
+  const ArrayXd sizes = rows.load.abs();
+  const double top = quantile({sizes.begin(), sizes.end()}, 0.995), noise = noiseLevel(spanOf(rows.load));
+  if (top == 0.0 || top > kNoise * noise) return;
+  rows.load.setZero();
+  warnings.push_back(
+      fmt::format("the load never leaves its sensor's noise ({:.2g}): it is taken for none, and torques "
+                  "are told in what the motor draws",
+                  noise));
 }
 
 /// Where the fit of an angle offset begins: effort by linear least squares from sine, cosine, the other loads,
@@ -108,6 +126,7 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   rows.step = medianStep(rows);
   rows.elapsed = elapsedOf(rows.time, rows.session);
   leaveOutUncertainReversals(rows, log.dead_band, data.keep);
+  dropNoiseOfLoad(drive, rows, log.warnings);
   addRig(friction, data);
   rows.top_speed = rows.speed.abs().maxCoeff();
   rows.top_load = rows.load.abs().maxCoeff();
