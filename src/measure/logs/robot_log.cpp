@@ -137,7 +137,8 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   joint.dead_band = sign.dead_band;
   FrictionData rests;  // its sentence is that of one drive; here the rows are counted per joint
   rests.bandwidth = notes.bandwidth;
-  leaveOutRests(log, !joint.measured_velocity, options, sign, rests);
+  // Velocity is smoothed and acceleration worked out even where velocity was measured: both are blurred beside rests.
+  leaveOutRests(log, /*derived=*/true, options, sign, rests);
   for (const ChannelSpikes& spikes : notes.spikes) {
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;
   }

@@ -1,0 +1,43 @@
+// Which rows of a robot's joint say what its friction in motion is.
+#include "simgap/measure/logs/robot_log.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace simgap {
+namespace {
+
+/// 60 s at 100 Hz: 2 s forwards, 1 s at rest, 2 s back, 1 s at rest, between ramps of 80 ms.
+RobotLog recordStops(bool velocity) {
+  std::string csv = velocity ? "time_s,j1_rad,torque_j1_Nm,j1_velocity_rad_s\n" : "time_s,j1_rad,torque_j1_Nm\n";
+  double position = 0.0;
+  for (int i = 0; i < 6000; ++i) {
+    const int phase = i % 300;
+    const double v = (i % 600 < 300 ? 1.0 : -1.0) * std::clamp(std::min(phase, 200 - phase) / 8.0, 0.0, 1.0);
+    position += 0.01 * v;
+    csv += fmt::format("{:.2f},{:.6f},{:.4f}", 0.01 * i, position, 0.5 * v + 0.3 * std::sin(0.07 * i));
+    csv += velocity ? fmt::format(",{:.4f}\n", v) : "\n";
+  }
+  const std::vector<LoggedJoint> joints = {{"j1", false, -10.0, 10.0}};
+  return readRobotLog(CsvTable::parse(csv, "log.csv"), joints);
+}
+
+/// Velocity is smoothed and acceleration worked out in either case.
+TEST(RobotLogTest, RowsBesideRestsAreBlurredWhereVelocityWasMeasuredToo) {
+  for (const bool velocity : {false, true}) {
+    const RobotLog log = recordStops(velocity);
+    const RobotJointLog& joint = log.joints[0];
+    const int blurred = static_cast<int>(0.3 / joint.bandwidth * 100.0);
+    ASSERT_GE(blurred, 2) << joint.bandwidth;
+    for (const int stop : {1400, 1700, 2000}) {
+      for (int k = 1; k <= blurred; ++k) EXPECT_FALSE(joint.moves[stop - k]) << velocity << " " << stop - k;
+    }
+    EXPECT_TRUE(joint.moves[1300]);
+  }
+}
+
+}  // namespace
+}  // namespace simgap
