@@ -13,6 +13,9 @@
 #include "row_faults.h"
 #include "simgap/core/error.h"
 #include "simgap/core/rotation.h"
+#include "simgap/core/statistics.h"
+#include "simgap/measure/logs/rests.h"
+#include "turns.h"
 
 namespace simgap {
 namespace {
@@ -112,6 +115,26 @@ JointReader readJoint(CsvTable& table, const RobotLog& robot, const LoggedJoint&
   return reader;
 }
 
+/// The median of the times between rows [s]; 0 of a single one.
+double usualTimeBetween(const std::vector<double>& time, const std::vector<std::size_t>& rows) {
+  std::vector<double> gaps;
+  for (std::size_t k = 1; k < rows.size(); ++k) gaps.push_back(time[rows[k]] - time[rows[k - 1]]);
+  return gaps.empty() ? 0.0 : upperMedian(std::move(gaps));
+}
+
+/// Beside turns, and after them and after rests until friction has built up.
+void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, const RobotJointLog& joint,
+                        double bandwidth, MotionSign& sign) {
+  // For so long after a turn the load is a parabola: some periods of the smoother's bandwidth, above which there is
+  // noise alone, or a part of the usual time from turn to turn.
+  constexpr double kParabola = 3.0, kOfTurns = 0.125;
+  const std::vector<std::size_t> turns = turnsOf(sign.direction, runs);
+  const double seconds = std::max(kParabola / bandwidth, kOfTurns * usualTimeBetween(log.time, turns));
+  const double travel = travelOfFriction({log.time, joint.position, log.effort}, turns, runs, sign, seconds);
+  leaveOutTurns(log.time, runs, bandwidth, sign);
+  leaveOutFirstTravel(joint.position, log.velocity, runs, restingSpeed(log.velocity, sign.dead_band), travel, sign);
+}
+
 /// Velocity and acceleration, and in which rows the joint moves.
 void completeJoint(JointReader& reader, std::span<const Block> runs, const std::vector<double>& time,
                    RobotJointLog& joint) {
@@ -139,6 +162,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   rests.bandwidth = notes.bandwidth;
   // Velocity is smoothed and acceleration worked out even where velocity was measured: both are blurred beside rests.
   leaveOutRests(log, /*derived=*/true, options, sign, rests);
+  leaveOutPresliding(log, runs, joint, notes.bandwidth, sign);
   for (const ChannelSpikes& spikes : notes.spikes) {
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;
   }
