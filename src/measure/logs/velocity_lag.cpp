@@ -12,7 +12,8 @@ namespace {
 
 constexpr int kMostLag = 12;            // of lag
 constexpr std::size_t kRowsOfRun = 50;  // of a run
-constexpr double kFollows = 0.25;       // of the median speed, squared: a velocity that differs by more is another one
+constexpr double kQuick = 0.75;         // quantile of speeds, and of their changes: rests may be half of a log
+constexpr double kFollows = 0.25;       // of that speed, squared: a velocity that differs by more is another one
 constexpr double kClearlyNearer = 2.0;  // times what they do not share
 constexpr double kNoLag = 0.2;          // rows: less is what rounding and jitter make
 
@@ -34,29 +35,35 @@ std::vector<Speeds> smoothedAlike(std::span<const double> time, std::span<const 
   return all;
 }
 
-/// Variance of the slope less the velocity some rows later, in the faster half of the rows; a few spikes do not count.
-/// \param fast  [rad/s]
-double apart(const std::vector<Speeds>& speeds, int rows, double fast) {
+/// By how much speed changes from the row before to the row after; 0 at the ends of a run.
+double changeAt(const Speeds& run, std::size_t row) {
+  return row > 0 && row + 1 < run.slope.size() ? std::abs(run.slope[row + 1] - run.slope[row - 1]) : 0.0;
+}
+
+/// Variance of the slope less the velocity some rows later, in the rows in which speed changes most: at an even speed
+/// none is late. A few spikes do not count.
+/// \param bend  [rad/s] that it changes by at least
+double apart(const std::vector<Speeds>& speeds, int rows, double bend) {
   std::vector<double> differences;
   const auto late = static_cast<std::ptrdiff_t>(rows);
   for (const Speeds& run : speeds) {
     const auto n = std::ssize(run.slope);
     for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(0, -late); i < std::min(n, n - late); ++i) {
-      const double slope = run.slope[i];
-      if (std::abs(slope) >= fast) differences.push_back(slope - run.velocity[i + late]);
+      if (changeAt(run, i) >= bend) differences.push_back(run.slope[i] - run.velocity[i + late]);
     }
   }
   const double sd = robustDeviation(std::move(differences));
   return sd * sd;
 }
 
-/// The median of all speeds.
-double medianSpeed(const std::vector<Speeds>& speeds) {
+/// Of all rows that quantile of a speed, or of its changes.
+template <typename Of>
+double quickest(const std::vector<Speeds>& speeds, Of of) {
   std::vector<double> sizes;
   for (const Speeds& run : speeds) {
-    for (const double slope : run.slope) sizes.push_back(std::abs(slope));
+    for (std::size_t i = 0; i < run.slope.size(); ++i) sizes.push_back(of(run, i));
   }
-  return upperMedian(std::move(sizes));
+  return quantile(std::move(sizes), kQuick);
 }
 
 }  // namespace
@@ -65,9 +72,10 @@ std::optional<double> velocityLag(std::span<const double> time, std::span<const 
                                   std::span<const double> velocity, std::span<const Block> runs) {
   const std::vector<Speeds> speeds = smoothedAlike(time, position, velocity, runs);
   if (speeds.empty()) return std::nullopt;
-  const double fast = medianSpeed(speeds);
+  const double fast = quickest(speeds, [](const Speeds& run, std::size_t row) { return std::abs(run.slope[row]); });
+  const double bend = quickest(speeds, changeAt);
   std::vector<double> at;
-  for (int rows = -kMostLag; rows <= kMostLag; ++rows) at.push_back(apart(speeds, rows, fast));
+  for (int rows = -kMostLag; rows <= kMostLag; ++rows) at.push_back(apart(speeds, rows, bend));
   const auto best = std::ranges::min_element(at) - at.begin();
   if (best == 0 || best == 2 * kMostLag || at[best] > kFollows * fast * fast) return std::nullopt;
   // The vertex of the parabola through the three lowest.

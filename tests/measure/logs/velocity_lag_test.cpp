@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -58,6 +59,32 @@ TEST(VelocityLag, IsAFiltersTimeConstant) {
   const auto lag = log.lag();
   ASSERT_TRUE(lag);
   EXPECT_NEAR(*lag, 0.02, 0.006);  // of the filter as sampled: 30 ms less a row
+}
+
+/// Four seconds each: a second of even speed between ramps of a tenth, and a rest of the other half and more. The median
+/// speed is 0, and at an even speed none is late.
+MotionLog recordTrapezoids(double late) {
+  const auto trapezoid = [](double t) {
+    const double phase = std::fmod(std::max(t, 0.0), 4.0);
+    return 2.0 * std::clamp(std::min(phase, 1.2 - phase) / 0.1, 0.0, 1.0);
+  };
+  MotionLog log;
+  double angle = 0.0;
+  for (int i = 0; i < 4000; ++i) {
+    const double t = 0.01 * i, side = std::fmod(t, 8.0) < 4.0 ? 1.0 : -1.0;
+    log.time.push_back(t);
+    log.position.push_back(std::round(angle / 1e-4) * 1e-4);
+    log.velocity.push_back((std::fmod(std::max(t - late, 0.0), 8.0) < 4.0 ? 1.0 : -1.0) * trapezoid(t - late));
+    log.session.push_back(0);
+    for (int k = 0; k < 20; ++k) angle += side * trapezoid(t + 5e-4 * k) * 5e-4;
+  }
+  return log;
+}
+
+TEST(VelocityLag, IsFoundInTrapezoidsBetweenRests) {
+  const auto lag = recordTrapezoids(0.015).lag();
+  ASSERT_TRUE(lag);
+  EXPECT_NEAR(*lag, 0.015, 0.006);
 }
 
 TEST(VelocityLag, IsNoneWhereNothingIsLate) {
