@@ -3,6 +3,8 @@
 //     e = sum_k g_k G_k(q) + a tau_0(q, dq, ddq) + own friction,   k = x, y, z,
 //
 // where G_k is what the bodies of the file weigh under a unit of gravity along k, and tau_0 their torque without any.
+#include "gravity_check.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -64,11 +66,11 @@ MatrixXd without(const MatrixXd& columns, const MatrixXd& others) {
 
 }  // namespace
 
-std::optional<Vector3d> gravityOfLog(const ArmModel& arm, const RobotLog& log) {
+std::optional<LoggedGravity> gravityOfLog(const ArmModel& arm, const RobotLog& log) {
   constexpr double kMuch = 0.3;    // share of what the other columns leave that gravity has to explain
   constexpr double kClear = 0.02;  // of the stiffest direction: one that no joint feels stays open
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Vector3d right = Vector3d::Zero();
+  Vector3d right = Vector3d::Zero(), torque = Vector3d::Zero();
   double squares = 0.0;
   for (const MatrixXd& rows : gravityRows(arm, log)) {
     if (rows.rows() < 20) continue;
@@ -77,20 +79,35 @@ std::optional<Vector3d> gravityOfLog(const ArmModel& arm, const RobotLog& log) {
     if (!(size > 0.0) || !(pull > 1e-6 * rows.leftCols(3).squaredNorm())) continue;
     // Of each joint the direction alone: its effort may be a current, and masses may be wrong.
     const double scale = std::sqrt(pull / size);
+    const Vector3d along = left.leftCols(3).transpose() * left.col(3) / pull;
     normal += left.leftCols(3).transpose() * left.leftCols(3) / pull;
-    right += left.leftCols(3).transpose() * left.col(3) * scale / pull;
+    right += scale * along;
+    torque += along;
     squares += 1.0;
   }
   if (squares == 0.0) return std::nullopt;
   const SymmetricEigen eigen = symmetricEigen(normal);
-  Vector3d gravity = Vector3d::Zero();
+  LoggedGravity found;
   for (Index k = 0; k < 3; ++k) {
-    if (eigen.values[k] < kClear * eigen.values[2]) return std::nullopt;
+    if (eigen.values[k] < kClear * eigen.values[2]) continue;
     const Vector3d v = eigen.vectors.col(k);
-    gravity += v * v.dot(right) / eigen.values[k];
+    found.direction += v * v.dot(right) / eigen.values[k];
+    found.size += v * v.dot(torque) / eigen.values[k];
+    found.felt += v * v.transpose();
   }
-  if (gravity.dot(right) < kMuch * squares) return std::nullopt;
-  return gravity;
+  if (found.direction.dot(right) < kMuch * squares) return std::nullopt;
+  return found;
+}
+
+bool contradicts(const LoggedGravity& found, const Vector3d& gravity, bool currents) {
+  constexpr double kFar = 0.5;      // cosine: 60 degrees
+  constexpr double kHardly = 0.2;   // of gravity: so little of it that its direction says nothing
+  constexpr double kClearly = 0.5;  // of gravity, that the log shows where the file has none: masses may be wrong
+  const Vector3d part = found.felt * gravity;
+  if (part.norm() >= kHardly * gravity.norm()) {
+    return found.direction.normalized().dot(part.normalized()) <= kFar;
+  }
+  return !currents && found.size.norm() >= kClearly * gravity.norm();
 }
 
 }  // namespace simgap

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 
+#include "gravity_check.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/dynamics/base_fit.h"
 
@@ -44,15 +45,15 @@ void checkLogOfRobot(const RobotLog& log, const RobotFitOptions& options) {
 
 /// \throws DataError: gravity of the log points away from that of the file.
 void checkGravity(const ArmModel& arm, const RobotLog& log) {
-  constexpr double kFar = 0.5;  // cosine: 60 degrees
-  const std::optional<Vector3d> found = gravityOfLog(arm, log);
-  if (!found || arm.gravity.norm() == 0.0) return;
-  if (found->normalized().dot(arm.gravity.normalized()) > kFar) return;
-  const Vector3d seen = arm.gravity.norm() * found->normalized();
+  const std::optional<LoggedGravity> found = gravityOfLog(arm, log);
+  const bool currents = log.joints.front().effort_unit == "A";
+  if (!found || arm.gravity.norm() == 0.0 || !contradicts(*found, arm.gravity, currents)) return;
+  const Vector3d seen = arm.gravity.norm() * found->direction.normalized();
   throw DataError(fmt::format(
-      "{}: the torques are those of gravity along ({:.1f}, {:.1f}, {:.1f}) m/s^2, but the robot has ({:.1f}, {:.1f}, "
+      "{}: the torques are those of gravity along ({:.1f}, {:.1f}, {:.1f}) m/s^2{}, but the robot has ({:.1f}, {:.1f}, "
       "{:.1f}), expected the same direction: say how it stood with --gravity, or turn the sign of the efforts (--map)",
-      log.file, seen.x(), seen.y(), seen.z(), arm.gravity.x(), arm.gravity.y(), arm.gravity.z()));
+      log.file, seen.x(), seen.y(), seen.z(), found->felt.trace() < 2.5 ? " as far as its joints feel it" : "",
+      arm.gravity.x(), arm.gravity.y(), arm.gravity.z()));
 }
 
 /// Some of the blocks, so that a search over curves goes through a few thousand rows.

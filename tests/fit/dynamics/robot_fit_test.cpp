@@ -226,6 +226,37 @@ TEST(RobotFit, GravityThatContradictsTheLogIsRefused) {
   EXPECT_NE(refusal(arm, csv).find("but the robot has (9.8, 0.0, 0.0)"), std::string::npos) << refusal(arm, csv);
 }
 
+/// Of a planar arm no joint feels gravity along the axes: what they do feel is judged.
+TEST(RobotFit, GravityIsCheckedAsFarAsJointsFeelIt) {
+  reality::Robot robot = reality::randomRobot(15, 3, false, false);
+  for (reality::RobotLink& link : robot.links) {
+    link.axis = Eigen::Vector3d::UnitY();
+    link.origin.linear().setIdentity();
+  }
+  ArmModel arm = test::drawnArm(robot, 5);
+  const std::string csv = reality::recordRobot(robot, {}, 5);
+  EXPECT_EQ(refusal(arm, csv), "no error");
+  arm.gravity = {0.0, 4.0, -9.0};
+  EXPECT_EQ(refusal(arm, csv), "no error");
+  arm.gravity = {0.0, 0.0, 9.81};
+  EXPECT_NE(refusal(arm, csv).find("as far as its joints feel it, but the robot has"), std::string::npos)
+      << refusal(arm, csv);
+  arm.gravity = {0.0, 9.81, 0.0};
+  EXPECT_NE(refusal(arm, csv).find("as far as its joints feel it, but the robot has"), std::string::npos)
+      << refusal(arm, csv);
+}
+
+/// Joints about the vertical feel no weight: what the log says of the plane contradicts nothing.
+TEST(RobotFit, ARobotThatFeelsNoWeightIsNotRefused) {
+  reality::Robot robot = reality::randomRobot(17, 3, false, false);
+  for (reality::RobotLink& link : robot.links) {
+    link.axis = Eigen::Vector3d::UnitZ();
+    link.origin.linear().setIdentity();
+  }
+  const ArmModel arm = test::drawnArm(robot, 5);
+  EXPECT_EQ(refusal(arm, reality::recordRobot(robot, {}, 5)), "no error");
+}
+
 TEST(RobotFit, LogsThatCannotAnswerAreRefused) {
   const reality::Robot robot = reality::randomRobot(16, 2, false, false);
   const ArmModel arm = test::drawnArm(robot, 0);

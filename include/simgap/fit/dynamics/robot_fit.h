@@ -33,8 +33,4 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
 /// What fitRobot() refuses before it fits. \throws ConfigError, DataError: as there
 void requireRobotLog(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options);
 
-/// The direction in which the log's torques say that gravity pulls on the bodies of the file, [m/s^2] as far as their
-/// masses are right; none where they do not say it clearly.
-std::optional<Eigen::Vector3d> gravityOfLog(const ArmModel& arm, const RobotLog& log);
-
 }  // namespace simgap
