@@ -30,9 +30,10 @@ struct RobotHypothesis {
   std::string sentence, separates;
   std::vector<RobotCauseParameter> parameters;  ///< shape (C)
   bool linear = true;
-  int drive = -1;         ///< the joint whose drive alone it changes; -1: more than one drive
-  bool ordinary = false;  ///< no cause: numbers of a drive that a model without causes has
-  double searched = 1.0;  ///< places at which its shape was looked for; of more than one several can act at once
+  Eigen::VectorXd start = {};  ///< where its slopes are taken first, shape (C); empty: 0. Of those that are not linear
+  int drive = -1;              ///< the joint whose drive alone it changes; -1: more than one drive
+  bool ordinary = false;       ///< no cause: numbers of a drive that a model without causes has
+  double searched = 1.0;       ///< places at which its shape was looked for; of more than one several can act at once
   /// \name Either of them; theta has shape (C)
   ///@{
   std::function<Eigen::VectorXd(const Eigen::VectorXd& theta)> change = {};  ///< of the parameters, shape (P)

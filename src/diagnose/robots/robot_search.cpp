@@ -62,7 +62,8 @@ RobotSearch::RobotSearch(const RobotRows& rows, const RobotGround& ground, std::
   shapes_.resize(hypotheses_.size());
   base_ = std::ssize(ground.base.columns);
   for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
-    shapes_[h].at = VectorXd::Zero(std::ssize(hypotheses_[h].parameters));
+    const RobotHypothesis& own = hypotheses_[h];
+    shapes_[h].at = own.start.size() > 0 ? own.start : VectorXd(VectorXd::Zero(std::ssize(own.parameters)));
     if (!hypotheses_[h].torque) continue;
     shapes_[h].first_extra = std::ssize(extras_);
     extras_.resize(extras_.size() + hypotheses_[h].parameters.size() + (hypotheses_[h].linear ? 0 : 1));

@@ -65,6 +65,24 @@ TEST_F(RobotDiagnosisTest, APayloadIsWeighedAndPlaced) {
   EXPECT_LT(gained, 0.7);  // on another motion, by the file that was written
 }
 
+/// The spectrum's peak is coarse; the period is a number of the cause, with an interval.
+TEST_F(RobotDiagnosisTest, TheRatioOfARippleIsFitted) {
+  reality::Robot truth = drawn_->robot;
+  truth.links[1].ripple = 0.4 * truth.links[1].coulomb;
+  truth.links[1].ripple_ratio = 11.37;
+  const RobotDiagnosis found = diagnosed(truth);
+  ASSERT_EQ(found.diagnosis.causes.size(), 1u) << found.diagnosis.sentence;
+  const Cause& cause = found.diagnosis.causes.front();
+  EXPECT_EQ(test::labelOf(cause), "position-ripple:j2");
+  ASSERT_EQ(cause.parameters.size(), 3u);
+  const Estimate& ratio = parameterOf(cause, "r");
+  EXPECT_LE(ratio.lower95, 11.37);
+  EXPECT_GE(ratio.upper95, 11.37);
+  EXPECT_LT(ratio.upper95 - ratio.lower95, 0.3);
+  const double size = std::hypot(parameterOf(cause, "a").value, parameterOf(cause, "b").value);
+  EXPECT_NEAR(size, truth.links[1].ripple, 0.15 * truth.links[1].ripple);
+}
+
 TEST_F(RobotDiagnosisTest, ARotorOfAnotherDriveIsNamedWithItsJoint) {
   reality::Robot truth = drawn_->robot;
   truth.links[1].rotor += 0.8;

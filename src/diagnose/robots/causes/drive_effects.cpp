@@ -2,8 +2,10 @@
 /// Causes of single drives (src/model/effects/drive) at every joint of a robot: a joint is a drive whose load is what
 /// the bodies ask of it. Their columns, or what they change of friction and of time, are the torque that they add.
 #include <algorithm>
+#include <numbers>
 
 #include "diagnose/robots/robot_cause.h"
+#include "simgap/core/decompositions.h"
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::robot_causes::drive_effects {
@@ -86,6 +88,43 @@ RobotHypothesis byColumns(const RobotRows& rows, std::size_t c, const ActuatorEf
   return h;
 }
 
+/// Whether columns have one shape that is looked for over the joint's angle: periods of a ripple.
+bool repeats(const ActuatorEffect& effect) {
+  return effect.places > 1.0 && effect.parameters.size() == 1 && effect.parameters[0].kind == Kind::kShape &&
+         std::ranges::find(effect.needs, OptionalChannel::kJointAngle) != effect.needs.end();
+}
+
+/// Columns whose period is fitted besides, from where a search over the angle has found it. \param r  periods per 2 pi
+RobotHypothesis byPeriod(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, double r) {
+  RobotHypothesis h = byColumns(rows, c, effect, {r});
+  const ActuatorRows& drive = rows.drive(c);
+  const EffectParameter& parameter = effect.parameters[0];
+  // Half a period over the whole range: beyond that lies another peak.
+  const double half = std::numbers::pi / (drive.joint_angle.maxCoeff() - drive.joint_angle.minCoeff());
+  const Index columns = std::ssize(effect.columns);
+  h.parameters.push_back({{std::string(parameter.name), rows.joint(c).slides() ? "1_m" : std::string(parameter.unit),
+                           std::max(parameter.lower - r, -half), std::min(parameter.upper - r, half)},
+                          0.02 * half,
+                          r});
+  const auto fixed = [&rows, c, &effect, r, columns](const VectorXd& theta) {
+    return byColumns(rows, c, effect, {r + theta[columns]});
+  };
+  h.linear = false;
+  h.torque = [fixed, columns](const VectorXd& theta) { return fixed(theta).torque(theta.head(columns)); };
+  if (effect.counts != nullptr) {
+    h.counts = [fixed, columns](const VectorXd& theta) { return fixed(theta).counts(theta.head(columns)); };
+  }
+  // Where it is nothing its period has no slope: it starts with the size that the residual alone says.
+  const ArrayXd residual = rows.residual(c), counted = (residual != 0.0).cast<double>();
+  Eigen::MatrixXd shapes(drive.rows(), columns);
+  for (Index k = 0; k < columns; ++k) {
+    shapes.col(k) = (counted * h.torque(VectorXd::Unit(columns + 1, k))[c]).matrix();
+  }
+  h.start = VectorXd::Zero(columns + 1);
+  h.start.head(columns) = solveLeastSquares(shapes.transpose() * shapes, shapes.transpose() * residual.matrix());
+  return h;
+}
+
 /// A change of friction or of time by the effect's own numbers; others stay where a search begins.
 RobotHypothesis byChange(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, std::vector<double> p) {
   RobotHypothesis h = named(rows, c, effect);
@@ -131,7 +170,7 @@ void addOf(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, s
     return;
   }
   for (std::size_t s = 0; s < std::min(starts.size(), kMostStarts); ++s) {
-    list.push_back(byColumns(rows, c, effect, starts[s]));
+    list.push_back(repeats(effect) ? byPeriod(rows, c, effect, starts[s][0]) : byColumns(rows, c, effect, starts[s]));
   }
 }
 
