@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnose/verdict.h"
+#include "robot_findings.h"
 #include "simgap/fit/dynamics/dynamics_fit.h"
 #include "simgap/fit/dynamics/pseudo_inertia.h"
 
@@ -55,9 +56,14 @@ std::string nextStep(const RobotSearch& search, const RobotSelection& selection,
                        search.hypothesis(selection.set.front()).separates);
   }
   if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) {
-    if (d.unexplained.front().channel == "time") return "Repeat the first motion at the end: that tells a drift.";
-    return fmt::format("Repeat one motion while {} goes slowly over its range and the rest is held.",
-                       d.unexplained.front().channel);
+    const std::string& channel = d.unexplained.front().channel;
+    if (channel == "time") return "Repeat the first motion at the end: that tells a drift.";
+    if (channel.starts_with(kAllNumbers)) {
+      return "More than one number of its bodies or drives has changed, or the known ones are wrong: find the robot "
+             "from "
+             "this log, too (fit-dynamics), and compare the two base_parameters.csv.";
+    }
+    return fmt::format("Repeat one motion while {} goes slowly over its range and the rest is held.", channel);
   }
   if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
   return "Nothing is missing at this noise; a motion from `simgap design --excite` shows smaller effects than those "

@@ -136,10 +136,19 @@ RobotLeft whatIsLeft(const RobotSearch& search, const RobotSearch::Set& set, con
   const auto total = [&](const BlockErrors& errors) {
     return groupErrors(errors, search.counted(), ground.training, joints).sum.sum();
   };
-  const double without = std::max(total(search.validate({})), 1e-300), with = total(search.validate(set));
+  const BlockErrors with = search.validate(set), free = search.validate(set, /*without_prior=*/true);
+  const double without = std::max(total(search.validate({})), 1e-300);
   RobotLeft left;
-  const double free = std::max(0.0, with - total(search.validate(set, /*without_prior=*/true))) / without;
-  if (free > kJointStructure) left.channels.push_back({"all numbers of its bodies and drives", free, {}});
+  const double saved_by_all = std::max(0.0, total(with) - total(free)) / without;
+  if (saved_by_all > kJointStructure) {
+    const auto saved = [&](std::size_t c) {
+      return groupErrors(with, search.counted(), ground.training, {c}).sum.sum() -
+             groupErrors(free, search.counted(), ground.training, {c}).sum.sum();
+    };
+    const std::size_t most = *std::ranges::max_element(joints, {}, saved);
+    left.channels.push_back(
+        {fmt::format("{}, most at {}", kAllNumbers, search.rows().jointName(most)), saved_by_all, {}});
+  }
   // What no numbers of the model can say: means over each joint's own channels.
   const RobotSearch::Fit fit = search.fit(set, kRobotFolds, /*without_prior=*/true);
   const MatrixXd predicted = predictedTorque(search, set, fit);

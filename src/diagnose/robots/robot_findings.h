@@ -2,6 +2,8 @@
 /// A fit is no finding: what an accepted cause of a robot has to hold against before it is named.
 #pragma once
 
+#include <string_view>
+
 #include "robot_selection.h"
 
 namespace simgap {
@@ -18,6 +20,9 @@ ExtraColumn signatureOf(const RobotRows& rows, const RobotHypothesis& hypothesis
 /// Share of the placebos that explain as much as the cause itself, one more counted on either side; 0 for a constant,
 /// which has no colour that a placebo could have.
 double placeboP(const RobotSearch& search, const RobotSearch::Set& set, std::size_t cause, std::uint64_t seed);
+
+/// Channel of what other numbers of bodies and drives would save, behind which stands the joint that it helps most.
+inline constexpr std::string_view kAllNumbers = "all numbers of its bodies and drives";
 
 /// What is left beside the causes on unseen folds, of the error of the model without any: by other numbers of the
 /// bodies and drives, where those were known, and by the channels of each joint.

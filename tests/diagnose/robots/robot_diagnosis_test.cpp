@@ -20,6 +20,10 @@ class RobotDiagnosisTest : public ::testing::Test {
   static RobotDiagnosis diagnosed(const reality::Robot& truth) {
     return test::diagnoseCase(*drawn_, truth, test::shortRig(30.0), 77);
   }
+  static RobotDiagnosis diagnosed(const reality::Robot& truth, const RobotDiagnosisOptions& options) {
+    const std::string csv = reality::recordRobot(truth, test::shortRig(30.0), 77);
+    return diagnoseRobot(drawn_->known, test::robotLog(drawn_->arm, csv), options, {});
+  }
   static inline test::RobotCase* drawn_ = nullptr;
 };
 
@@ -33,6 +37,22 @@ TEST_F(RobotDiagnosisTest, NothingHiddenIsNothingFound) {
   EXPECT_TRUE(found.diagnosis.causes.empty());
   ASSERT_EQ(found.joints.size(), 3u);
   for (const JointVerdict& joint : found.joints) EXPECT_LT(joint.after, 0.1) << joint.joint;
+}
+
+/// With several numbers changed and none of them asked for, no motion of one joint would tell what it is.
+TEST_F(RobotDiagnosisTest, WhatAllNumbersSaveHasWordsOfItsOwn) {
+  reality::Robot truth = drawn_->robot;
+  for (reality::RobotLink& link : truth.links) {
+    link.mass *= 1.2;
+    link.coulomb *= 0.8;
+    link.rotor *= 1.3;
+  }
+  RobotDiagnosisOptions options;
+  options.effects = {"channel-delay"};
+  const Diagnosis d = diagnosed(truth, options).diagnosis;
+  ASSERT_EQ(d.verdict, DiagnosisVerdict::kUnexplained) << d.sentence;
+  EXPECT_NE(d.sentence.find("by all numbers of its bodies and drives, most at j"), std::string::npos) << d.sentence;
+  EXPECT_NE(d.next_experiment.find("find the robot from this log, too"), std::string::npos) << d.next_experiment;
 }
 
 /// Mass and place of a weight that hangs on the last link, and the robot that holds it.
