@@ -38,7 +38,27 @@ const RobotHypothesis* findLabel(const RobotSearch& search, const std::string& l
   return nullptr;
 }
 
-std::string nextStep(const RobotSearch& search, const RobotSelection& selection, const Diagnosis& d) {
+/// Joints whose error is beyond what it was when their numbers were found: "j2 (3.1 times), j3 (2.2 times)".
+std::string beyondKnown(const std::vector<JointVerdict>& joints) {
+  constexpr double kTwice = 2.0;  // the variance
+  std::vector<std::string> names;
+  for (const JointVerdict& joint : joints) {
+    if (joint.times_known > kTwice) names.push_back(fmt::format("{} ({:.1f} times)", joint.joint, joint.times_known));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string elsewhereText(const std::vector<LeftAtJoint>& joints) {
+  std::string text;
+  for (const LeftAtJoint& joint : joints) {
+    text += fmt::format("; {:.0f} % of the squared error of {}, on which no named cause acts, by {}",
+                        100.0 * joint.share, joint.joint, joint.channels.front().channel);
+  }
+  return text;
+}
+
+std::string nextStep(const RobotSearch& search, const RobotSelection& selection, const RobotDiagnosis& result) {
+  const Diagnosis& d = result.diagnosis;
   for (std::size_t k = 0; k < d.causes.size(); ++k) {
     const Cause& cause = d.causes[k];
     if (cause.ambiguous_with.empty()) continue;
@@ -65,6 +85,10 @@ std::string nextStep(const RobotSearch& search, const RobotSelection& selection,
     }
     return fmt::format("Repeat one motion while {} goes slowly over its range and the rest is held.", channel);
   }
+  if (d.verdict == DiagnosisVerdict::kUnexplained) {
+    return "Record the motion of the log of the known robot again: an error that is as large there is a change of the "
+           "robot or of its sensors; one that is not is something that motion never asked for.";
+  }
   if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
   return "Nothing is missing at this noise; a motion from `simgap design --excite` shows smaller effects than those "
          "under `detectable`.";
@@ -72,11 +96,14 @@ std::string nextStep(const RobotSearch& search, const RobotSelection& selection,
 
 }  // namespace
 
-void concludeRobot(const RobotSearch& search, const RobotSelection& selection, Diagnosis& d) {
-  d.verdict = verdictOf(d.causes, d.left_over_percent >= 1.0);
-  const std::string left = d.unexplained.empty() ? "nothing that the logged channels show"
-                                                 : fmt::format("{:.0f} % of the squared error, by {}",
-                                                               d.left_over_percent, d.unexplained.front().channel);
+void concludeRobot(const RobotSearch& search, const RobotSelection& selection, RobotDiagnosis& result) {
+  Diagnosis& d = result.diagnosis;
+  const std::string beyond = beyondKnown(result.joints);
+  d.verdict = verdictOf(d.causes, d.left_over_percent >= 1.0 || !beyond.empty());
+  const std::string left = (d.unexplained.empty() ? "nothing that the logged channels show"
+                                                  : fmt::format("{:.0f} % of the squared error, by {}",
+                                                                d.left_over_percent, d.unexplained.front().channel)) +
+                           elsewhereText(result.elsewhere);
   if (d.verdict == DiagnosisVerdict::kNothingFound) {
     d.sentence = "Nothing found: no cause improves the model of any joint on data it has not seen.";
   } else if (!d.causes.empty() && d.verdict == DiagnosisVerdict::kUnexplained) {
@@ -89,7 +116,10 @@ void concludeRobot(const RobotSearch& search, const RobotSelection& selection, D
                              d.verdict == DiagnosisVerdict::kAmbiguous ? ", but not alone" : "", robotNamesOf(d.causes),
                              d.explained_percent, left);
   }
-  d.next_experiment = nextStep(search, selection, d);
+  if (!beyond.empty()) {
+    d.sentence += fmt::format(" Beyond the squared error of the log in which the robot was found: {}.", beyond);
+  }
+  d.next_experiment = nextStep(search, selection, result);
 }
 
 bool holdCause(const RobotRegressor& regressor, const BaseParameters& base, const RobotHypothesis& hypothesis,

@@ -3,11 +3,12 @@
 #pragma once
 
 #include "robot_selection.h"
+#include "simgap/diagnose/robots/robot_diagnosis.h"
 
 namespace simgap {
 
-/// Verdict, sentence, what to record next.
-void concludeRobot(const RobotSearch& search, const RobotSelection& selection, Diagnosis& diagnosis);
+/// Verdict, sentence, what to record next, from all that has been found besides.
+void concludeRobot(const RobotSearch& search, const RobotSelection& selection, RobotDiagnosis& result);
 
 /// Puts a cause into a robot. \param covariance  of theta, shape (C, C) \returns false where its file cannot hold it,
 /// or no such body can exist; the robot is then as it was

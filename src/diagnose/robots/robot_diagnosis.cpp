@@ -251,7 +251,8 @@ class RobotDiagnoser {
     const MatrixXd torque_before = predictedTorque(search, {}, before),
                    torque_after = predictedTorque(search, selection.set, after);
     measure(search, selection, before, after, d);
-    d.noise_floor = robotNoiseFloor(search, torque_after);
+    const std::vector<double> floors = noiseFloors(search, torque_after);
+    d.noise_floor = floors.back();
     d.candidates = std::move(findings.candidates);
     d.hypotheses = selection.records;
     const RobotLeft left = whatIsLeft(search, selection.set, named_);
@@ -261,9 +262,10 @@ class RobotDiagnoser {
     d.evidence = robotEvidence(search, selection.set, after, torque_before, torque_after);
     addUntestable(search, known_, d);
     addDetectable(search, selection, options_, d);
-    concludeRobot(search, selection, d);
+    joints(search, after, floors, torque_before, torque_after);
+    lookElsewhere(search, selection.set);
+    concludeRobot(search, selection, result_);
     warnOfHarm(d);
-    joints(search.rows(), torque_before, torque_after);
     if (known_) extend(search, selection, after, covariance);
   }
 
@@ -295,7 +297,28 @@ class RobotDiagnoser {
     d.explained_percent = 100.0 * std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
   }
 
-  void joints(const RobotRows& rows, const MatrixXd& before, const MatrixXd& after) {
+  /// What is left in the joints on which no cause acts, each of its own error.
+  void lookElsewhere(const RobotSearch& search, const RobotSearch::Set& set) {
+    for (std::size_t c = 0; c < search.rows().joints(); ++c) {
+      if (std::ranges::find(named_, c) != named_.end()) continue;
+      RobotLeft left = whatIsLeft(search, set, {c});
+      if (!left.channels.empty()) {
+        result_.elsewhere.push_back({search.rows().jointName(c), left.share, std::move(left.channels)});
+      }
+    }
+  }
+
+  /// By how much the squared error of a joint on data never used exceeds what the fit left of it on such data; where
+  /// neighbouring rows differ by more than that, as noise that grows with the effort does, what they differ by.
+  double timesKnown(double error, double floor, std::size_t c) const {
+    if (robot_.heldout_sd.empty() || !(robot_.heldout_sd[c] > 0.0)) return std::nan("");
+    const double known = std::pow(ground_.constants[c] * robot_.heldout_sd[c], 2) / ground_.variance[c];
+    return error / std::max(known, floor);
+  }
+
+  void joints(const RobotSearch& search, const RobotSearch::Fit& fit, const std::vector<double>& floors,
+              const MatrixXd& before, const MatrixXd& after) {
+    const RobotRows& rows = search.rows();
     result_.before = before;
     result_.after = after;
     for (std::size_t c = 0; c < rows.joints(); ++c) {
@@ -305,11 +328,15 @@ class RobotDiagnoser {
     RobotLog unseen = log_;  // of whose rows only the held-out ones count
     const std::vector<bool> training = rowsOf(log_, ground_.training);
     for (std::size_t i = 0; i < unseen.rows(); ++i) unseen.usable[i] = unseen.usable[i] && !training[i];
+    std::vector<bool> heldout;
+    for (const bool learned : ground_.training) heldout.push_back(!learned);
+    const BlockErrors errors = search.errors(fit.z, heldout);
     const MatrixXd given = known_ ? predictEfforts(robot_, log_) : MatrixXd();
     for (std::size_t c = 0; c < rows.joints(); ++c) {
       result_.joints.push_back({rows.jointName(c), log_.joints[c].effort_unit,
                                 known_ ? relativeError(unseen, c, given) : std::nan(""),
-                                relativeError(unseen, c, result_.before), relativeError(unseen, c, result_.after)});
+                                relativeError(unseen, c, result_.before), relativeError(unseen, c, result_.after),
+                                timesKnown(groupErrors(errors, search.counted(), heldout, {c}).mse(), floors[c], c)});
     }
   }
 

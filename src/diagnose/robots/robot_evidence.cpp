@@ -145,9 +145,11 @@ RobotLeft whatIsLeft(const RobotSearch& search, const RobotSearch::Set& set, con
       return groupErrors(with, search.counted(), ground.training, {c}).sum.sum() -
              groupErrors(free, search.counted(), ground.training, {c}).sum.sum();
     };
-    const std::size_t most = *std::ranges::max_element(joints, {}, saved);
-    left.channels.push_back(
-        {fmt::format("{}, most at {}", kAllNumbers, search.rows().jointName(most)), saved_by_all, {}});
+    std::string channel(kAllNumbers);
+    if (joints.size() > 1) {
+      channel += ", most at " + search.rows().jointName(*std::ranges::max_element(joints, {}, saved));
+    }
+    left.channels.push_back({std::move(channel), saved_by_all, {}});
   }
   // What no numbers of the model can say: means over each joint's own channels.
   const RobotSearch::Fit fit = search.fit(set, kRobotFolds, /*without_prior=*/true);
@@ -202,19 +204,25 @@ std::vector<EvidenceBin> robotEvidence(const RobotSearch& search, const RobotSea
   return evidence;
 }
 
-double robotNoiseFloor(const RobotSearch& search, const MatrixXd& predicted) {
+std::vector<double> noiseFloors(const RobotSearch& search, const MatrixXd& predicted) {
   const RobotRows& rows = search.rows();
-  double sum = 0.0, pairs = 0.0;
+  std::vector<double> floors;
+  double all = 0.0, all_pairs = 0.0;
   for (std::size_t c = 0; c < rows.joints(); ++c) {
     const ArrayXd residual = rows.drive(c).effort - predicted.col(c).array();
+    double sum = 0.0, pairs = 0.0;
     for (std::size_t i = 1; i < rows.log().rows(); ++i) {
       if (!rows.counts(i, c) || !rows.counts(i - 1, c)) continue;
       const double step = residual[i] - residual[i - 1];
       sum += 0.5 * step * step / search.ground().variance[c];
       pairs += 1.0;
     }
+    floors.push_back(pairs > 0.0 ? sum / pairs : 0.0);
+    all += sum;
+    all_pairs += pairs;
   }
-  return pairs > 0.0 ? sum / pairs : 0.0;
+  floors.push_back(all_pairs > 0.0 ? all / all_pairs : 0.0);
+  return floors;
 }
 
 }  // namespace simgap

@@ -16,7 +16,8 @@ std::vector<EvidenceBin> robotEvidence(const RobotSearch& search, const RobotSea
                                        const RobotSearch::Fit& fit, const Eigen::MatrixXd& before,
                                        const Eigen::MatrixXd& after);
 
-/// Mean squared error between neighbours, each joint's over its variance: no model can go below it.
-double robotNoiseFloor(const RobotSearch& search, const Eigen::MatrixXd& predicted);
+/// Mean squared error between neighbours, each joint's over its variance: no model can go below it. Shape (N + 1): of
+/// each joint, and of all rows of all joints.
+std::vector<double> noiseFloors(const RobotSearch& search, const Eigen::MatrixXd& predicted);
 
 }  // namespace simgap

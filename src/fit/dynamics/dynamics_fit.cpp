@@ -89,7 +89,7 @@ HeldOutErrors crossValidate(const ArmModel& arm, const RobotRegressor& regressor
                             const std::vector<int>& fold) {
   const int folds = *std::ranges::max_element(fold) + 1;
   const std::size_t n = regressor.coordinates();
-  MatrixXd alone(folds, n), model(folds, n), squares(folds, n);
+  MatrixXd alone(folds, n), model(folds, n), squares(folds, n), rows(folds, n);
   tbb::parallel_for(0, folds, [&](int f) {
     std::vector<bool> fitted, held_out;
     for (const int of_block : fold) {
@@ -105,6 +105,7 @@ HeldOutErrors crossValidate(const ArmModel& arm, const RobotRegressor& regressor
       const Index column = c;
       const double constant = torque_constants[c];
       squares(f, column) = own[c].effortSquares();
+      rows(f, column) = own[c].rows;
       alone(f, column) = squaredErrorAlone(own[c], fitAlone(data, fits.sums[c], c));
       model(f, column) = squaredError(own[c], data.base.acts[c], x, constant) / (constant * constant);
     }
@@ -113,6 +114,7 @@ HeldOutErrors crossValidate(const ArmModel& arm, const RobotRegressor& regressor
   for (Index c = 0; c < alone.cols(); ++c) {
     errors.alone.push_back(relative(alone.col(c).sum(), squares.col(c).sum()));
     errors.model.push_back(relative(model.col(c).sum(), squares.col(c).sum()));
+    errors.sd.push_back(std::sqrt(model.col(c).sum() / std::max(1.0, rows.col(c).sum())));
   }
   return errors;
 }

@@ -170,6 +170,7 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   found.model.parameters = found.fit.model.parameters;
   found.model.sd = found.fit.sd;
   found.model.base_covariance = found.fit.base_covariance;
+  found.model.heldout_sd = found.heldout.sd;
   found.warnings = warningsOf(log, found);
   return found;
 }

@@ -99,6 +99,7 @@ std::string writeRobotModel(const RobotModel& model) {
   for (std::size_t c = 0; c < regressor.coordinates(); ++c) {
     text += fmt::format("  - name: {}\n", yamlText(model.arm.joints[regressor.dynamics().joints()[c]].name));
     if (model.currents) text += fmt::format("    torque_constant_Nm_A: {}\n", model.torque_constants[c]);
+    if (!model.heldout_sd.empty()) text += fmt::format("    heldout_sd: {:.6g}\n", model.heldout_sd[c]);
     if (!regressor.law().hasStribeck()) continue;
     text += fmt::format("    v_s_rad_s: {}\n    delta: {}\n", model.curves[c].v_s, model.curves[c].delta);
   }
@@ -125,6 +126,8 @@ RobotModel readRobotModel(const YamlNode& root) {
     names.push_back(joint.at("name").text());
     StribeckCurve& curve = model.curves.emplace_back();
     if (model.currents) model.torque_constants.push_back(joint.quantity("torque_constant", "Nm_A", kPositive));
+    // Files of before have none: what has not been looked at of all joints is not known of any.
+    if (const auto sd = joint.find("heldout_sd")) model.heldout_sd.push_back(sd->number(kNonNegative));
     if (!stribeck) continue;
     curve.v_s = joint.at("v_s_rad_s").number(kPositive);
     curve.delta = joint.at("delta").number(kPositive);
@@ -149,6 +152,12 @@ RobotModel readRobotModel(const YamlNode& root) {
     root.at("joints").fail(
         fmt::format("found {} joints, expected the {} of its robot", names.size(), regressor.coordinates()));
   }
+  const auto requireAllOrNone = [&](const char* key, std::size_t found) {
+    if (found == 0 || found == names.size()) return;
+    root.at("joints").fail(
+        fmt::format("found {} of {} joints, expected it of all {} or of none", key, found, names.size()));
+  };
+  requireAllOrNone("heldout_sd", model.heldout_sd.size());
   return model;
 }
 

@@ -16,8 +16,17 @@ Json toJson(const RobotDiagnosis& result) {
                       {"effort_unit", joint.unit},
                       {"error_given", numberOrNull(joint.given)},
                       {"error_before", numberOrNull(joint.before)},
-                      {"error_after", numberOrNull(joint.after)}});
+                      {"error_after", numberOrNull(joint.after)},
+                      {"times_known", numberOrNull(joint.times_known)}});
   }
+  Json elsewhere = Json::array();
+  for (const LeftAtJoint& left : result.elsewhere) {
+    for (const Leftover& channel : left.channels) {
+      elsewhere.push_back(
+          {{"joint", left.joint}, {"channel", channel.channel}, {"share_percent", 100.0 * channel.share}});
+    }
+  }
+  json["left_elsewhere"] = elsewhere;
   json["joints"] = joints;
   json["not_held"] = result.not_held;
   return json;

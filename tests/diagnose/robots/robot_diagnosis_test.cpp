@@ -36,7 +36,57 @@ TEST_F(RobotDiagnosisTest, NothingHiddenIsNothingFound) {
   EXPECT_EQ(found.diagnosis.verdict, DiagnosisVerdict::kNothingFound) << found.diagnosis.sentence;
   EXPECT_TRUE(found.diagnosis.causes.empty());
   ASSERT_EQ(found.joints.size(), 3u);
-  for (const JointVerdict& joint : found.joints) EXPECT_LT(joint.after, 0.1) << joint.joint;
+  for (const JointVerdict& joint : found.joints) {
+    EXPECT_LT(joint.after, 0.1) << joint.joint;
+    EXPECT_NEAR(joint.times_known, 1.0, 0.5) << joint.joint;
+  }
+}
+
+/// A robot that is as it was, with a sensor that drifts about: no cause, but no robot of which nothing is missing
+/// either.
+TEST_F(RobotDiagnosisTest, AnErrorBeyondTheKnownOneIsNotSilent) {
+  reality::RobotRigOptions noisy = test::shortRig(30.0);
+  noisy.torque_noise *= 3.0;
+  noisy.correlation = 0.97;
+  const RobotDiagnosis found = test::diagnoseCase(*drawn_, drawn_->robot, noisy, 77);
+  EXPECT_EQ(found.diagnosis.verdict, DiagnosisVerdict::kUnexplained) << found.diagnosis.sentence;
+  EXPECT_NE(found.diagnosis.sentence.find("Beyond the squared error of the log in which the robot was found: j1 ("),
+            std::string::npos)
+      << found.diagnosis.sentence;
+  EXPECT_EQ(found.diagnosis.next_experiment.find("Nothing is missing"), std::string::npos);
+  // Nine times, but for how much more or less torque this motion asks for: the noise is a part of that.
+  for (const JointVerdict& joint : found.joints) {
+    EXPECT_GT(joint.times_known, 3.0) << joint.joint;
+    EXPECT_LT(joint.times_known, 20.0) << joint.joint;
+  }
+}
+
+/// More noise from row to row is no cause that anything could find.
+TEST_F(RobotDiagnosisTest, MoreNoiseFromRowToRowIsNothing) {
+  reality::RobotRigOptions noisy = test::shortRig(30.0);
+  noisy.torque_noise *= 3.0;
+  noisy.correlation = 0.0;
+  const RobotDiagnosis found = test::diagnoseCase(*drawn_, drawn_->robot, noisy, 77);
+  EXPECT_EQ(found.diagnosis.verdict, DiagnosisVerdict::kNothingFound) << found.diagnosis.sentence;
+  for (const JointVerdict& joint : found.joints) EXPECT_LT(joint.times_known, 1.5) << joint.joint;
+}
+
+TEST_F(RobotDiagnosisTest, WhatIsLeftOfOtherJointsIsSaidOfThem) {
+  reality::Robot truth = drawn_->robot;
+  truth.links[0].effort_gain = 1.3;
+  truth.links[2].ripple = 0.5 * truth.links[2].coulomb;
+  truth.links[2].ripple_ratio = 4.0;
+  RobotDiagnosisOptions options;
+  options.effects = {"torque-constant"};
+  const RobotDiagnosis found = diagnosed(truth, options);
+  ASSERT_EQ(found.diagnosis.causes.size(), 1u) << found.diagnosis.sentence;
+  ASSERT_EQ(found.elsewhere.size(), 1u) << found.diagnosis.sentence;
+  EXPECT_EQ(found.elsewhere[0].joint, "j3");
+  EXPECT_EQ(found.elsewhere[0].channels[0].channel, "position of j3");
+  EXPECT_NE(
+      found.diagnosis.sentence.find("of the squared error of j3, on which no named cause acts, by position of j3"),
+      std::string::npos)
+      << found.diagnosis.sentence;
 }
 
 /// With several numbers changed and none of them asked for, no motion of one joint would tell what it is.

@@ -169,6 +169,20 @@ TEST(RobotFit, ModelReadsBackAsItWas) {
   const RobotModel read = readRobotModel(YamlNode::parse(writeRobotModel(found.model), "model.yaml"));
   EXPECT_EQ(predictEfforts(read, log), predictEfforts(found.model, log));
   EXPECT_EQ(writeRobotModel(read), writeRobotModel(found.model));
+  ASSERT_EQ(read.heldout_sd.size(), 2u);
+  for (std::size_t c = 0; c < 2; ++c) {
+    EXPECT_NEAR(read.heldout_sd[c], found.heldout.sd[c], 1e-5 * found.heldout.sd[c]);
+    EXPECT_GT(read.heldout_sd[c], 0.8 * found.fit.noise[c]);
+    EXPECT_LT(read.heldout_sd[c], 1.5 * found.fit.noise[c]);
+  }
+}
+
+/// Files of before do not say what their robot leaves of data it was not fitted to.
+TEST(RobotFit, AModelWithoutHeldOutDeviationsIsRead) {
+  const RobotModel model = robotModelOf(test::drawnArm(reality::randomRobot(13, 2, false, false), 3));
+  const std::string text = writeRobotModel(model);
+  EXPECT_EQ(text.find("heldout_sd"), std::string::npos);
+  EXPECT_TRUE(readRobotModel(YamlNode::parse(text, "model.yaml")).heldout_sd.empty());
 }
 
 /// Currents are torques over constants: what is found of the robot is the same.

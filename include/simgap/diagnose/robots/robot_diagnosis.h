@@ -37,11 +37,23 @@ struct JointVerdict {
   double given = 0.0;   ///< of the robot as it was given; nan where its bodies were to be found first
   double before = 0.0;  ///< with what the log itself says of its parameters
   double after = 0.0;   ///< with the causes
+  /// Its squared error with the causes, over what was left of it on data that the robot was not fitted to when it was
+  /// found (RobotModel::heldout_sd), or over the noise between neighbouring rows where that is more; nan where nobody
+  /// has written the first down.
+  double times_known = 0.0;
+};
+
+/// What is left in a joint on which no named cause acts.
+struct LeftAtJoint {
+  std::string joint;
+  double share;  ///< of the joint's own squared error
+  std::vector<Leftover> channels;
 };
 
 struct RobotDiagnosis {
   Diagnosis diagnosis;
   std::vector<JointVerdict> joints;
+  std::vector<LeftAtJoint> elsewhere;
   std::optional<RobotModel> extended;  ///< the robot with those causes that its file can hold; none: it holds none
   std::vector<std::string> not_held;   ///< causes that it cannot hold
   Eigen::MatrixXd before, after;       ///< shape (rows, N): predicted efforts, in the log's unit

@@ -51,10 +51,11 @@ struct DynamicsFit {
   bool converged = true;
 };
 
-/// Relative errors |k i - tau| / |k i| of each joint, shape (N), on blocks that the model was not fitted to.
+/// Errors of each joint, shape (N), on blocks that the model was not fitted to: relative, |k i - tau| / |k i|.
 struct HeldOutErrors {
   std::vector<double> alone;  ///< a joint with its own friction and offset only
   std::vector<double> model;
+  std::vector<double> sd;  ///< the model's in the log's unit; 0 of a joint that never moves
 };
 
 /// \param torque_constants  shape (N) [N m/A]; 1 where the log holds torques

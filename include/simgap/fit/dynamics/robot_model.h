@@ -20,6 +20,9 @@ struct RobotModel {
   std::vector<StribeckCurve> curves;     ///< shape (N)
   Eigen::VectorXd parameters, sd;        ///< shape (P), in the order of RobotRegressor
   Eigen::MatrixXd base_covariance;       ///< shape (K, K): how well its base parameters are known; empty: not at all
+  /// Shape (N): deviation that it leaves in each joint's effort on data it was not fitted to, in the log's unit; empty:
+  /// nobody has looked.
+  std::vector<double> heldout_sd;
   std::string data_file, data_sha256;
 };
 
