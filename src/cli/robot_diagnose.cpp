@@ -37,7 +37,7 @@ bool namesRobot(Session& session, const std::string& model) {
 ExitCode diagnoseRobotLog(const RobotDiagnoseOptions& options, Session& session, const CLI::App& app) {
   options.diagnose.validate();
   RobotModel robot = *findRobotModel(session, options.robot);
-  RobotLog log = readRobotLogs(session, robot.arm, options.logs, options.table);
+  RobotLog log = readRobotLogs(session, loggedJoints(robot), options.logs, options.table);
   takeConstants(options, log, robot);
   if (options.common.dry_run) {
     session.print(fmt::format("would diagnose {} joints on {} rows of {}; nothing was written\n", log.joints.size(),

@@ -51,12 +51,12 @@ std::optional<RobotModel> findRobotModel(Session& session, const std::string& fi
   return std::nullopt;
 }
 
-RobotLog readRobotLogs(Session& session, const ArmModel& arm, const std::vector<std::string>& files,
+RobotLog readRobotLogs(Session& session, std::span<const LoggedJoint> joints, const std::vector<std::string>& files,
                        const LogFileOptions& options) {
   std::vector<LogTable> logs;
   for (const std::string& file : files) logs.push_back(readLog(session, "log", file, options));
   LogTable all = logs.size() == 1 ? std::move(logs.front()) : joinedLogs(std::move(logs));
-  RobotLog log = readRobotLog(std::move(all.table), loggedJoints(arm));
+  RobotLog log = readRobotLog(std::move(all.table), joints);
   for (const std::string& sentence : all.summary()) log.warnings.push_back(sentence);
   return log;
 }

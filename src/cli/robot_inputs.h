@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,7 @@ ArmModel readRobotFile(Session& session, const std::string& file, const std::str
 std::optional<RobotModel> findRobotModel(Session& session, const std::string& file);
 
 /// One or several logs of it, each a session. \throws DataError as readLog and readRobotLog
-RobotLog readRobotLogs(Session& session, const ArmModel& arm, const std::vector<std::string>& files,
+RobotLog readRobotLogs(Session& session, std::span<const LoggedJoint> joints, const std::vector<std::string>& files,
                        const LogFileOptions& options);
 
 }  // namespace simgap

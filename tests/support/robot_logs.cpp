@@ -12,6 +12,10 @@ RobotLog robotLog(const ArmModel& arm, const std::string& csv) {
   return readRobotLog(CsvTable::parse(csv, "log.csv"), loggedJoints(arm));
 }
 
+RobotLog robotLog(const RobotModel& model, const std::string& csv) {
+  return readRobotLog(CsvTable::parse(csv, "log.csv"), loggedJoints(model));
+}
+
 std::vector<std::size_t> linksOfJoints(const ArmModel& arm) {
   std::vector<std::size_t> links;
   for (const Joint& joint : arm.joints) links.push_back(std::stoul(joint.name.substr(1)) - 1);

@@ -15,6 +15,7 @@ ArmModel drawnArm(const reality::Robot& robot, std::uint64_t draw);
 /// The link of the robot that each joint of the arm moves: a reader goes through a tree in an order of its own.
 std::vector<std::size_t> linksOfJoints(const ArmModel& arm);
 RobotLog robotLog(const ArmModel& arm, const std::string& csv);
+RobotLog robotLog(const RobotModel& model, const std::string& csv);
 /// What the robot's base parameters are, with the law `coulomb`, shape (K).
 Eigen::VectorXd trueBase(const reality::Robot& robot, const ArmModel& arm);
 /// The same as all parameters, shape (P), in the order of RobotRegressor.

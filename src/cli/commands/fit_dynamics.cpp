@@ -21,7 +21,7 @@ ExitCode run(Options options, const std::vector<std::string>& argv, const CLI::A
   Session session("fit-dynamics", options.common, argv);
   DynamicsReport report;
   report.file = readRobotFile(session, options.robot, options.gravity);
-  report.log = readRobotLogs(session, report.file, options.logs, options.table);
+  report.log = readRobotLogs(session, loggedJoints(report.file), options.logs, options.table);
   if (!options.torque_constants.empty()) options.fit.torque_constants = options.torque_constants;
   if (options.common.dry_run) {
     session.print(fmt::format("would fit {} joints to {} rows of {}; nothing was written\n", report.log.joints.size(),

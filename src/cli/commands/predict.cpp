@@ -42,7 +42,7 @@ ExitCode runRobot(const RobotModel& model, const Options& options, Session& sess
                       ": found a robot, expected no --simulate, --inverse, --joint-angle, --ratio, --motor or --bench");
   }
   const RobotPrediction prediction =
-      predictRobot(model, readRobotLogs(session, model.arm, {options.log}, options.table));
+      predictRobot(model, readRobotLogs(session, loggedJoints(model), {options.log}, options.table));
   if (options.common.dry_run) {
     session.print(
         fmt::format("would predict {} rows of {}; nothing was written\n", prediction.log.rows(), options.log));

@@ -171,6 +171,7 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   found.model.sd = found.fit.sd;
   found.model.base_covariance = found.fit.base_covariance;
   found.model.heldout_sd = found.heldout.sd;
+  for (const RobotJointLog& joint : log.joints) found.model.presliding.push_back(joint.presliding);
   found.warnings = warningsOf(log, found);
   return found;
 }

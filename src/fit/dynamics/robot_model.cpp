@@ -99,6 +99,7 @@ std::string writeRobotModel(const RobotModel& model) {
   for (std::size_t c = 0; c < regressor.coordinates(); ++c) {
     text += fmt::format("  - name: {}\n", yamlText(model.arm.joints[regressor.dynamics().joints()[c]].name));
     if (model.currents) text += fmt::format("    torque_constant_Nm_A: {}\n", model.torque_constants[c]);
+    if (!model.presliding.empty()) text += fmt::format("    presliding: {:.6g}\n", model.presliding[c]);
     if (!model.heldout_sd.empty()) text += fmt::format("    heldout_sd: {:.6g}\n", model.heldout_sd[c]);
     if (!regressor.law().hasStribeck()) continue;
     text += fmt::format("    v_s_rad_s: {}\n    delta: {}\n", model.curves[c].v_s, model.curves[c].delta);
@@ -126,6 +127,7 @@ RobotModel readRobotModel(const YamlNode& root) {
     names.push_back(joint.at("name").text());
     StribeckCurve& curve = model.curves.emplace_back();
     if (model.currents) model.torque_constants.push_back(joint.quantity("torque_constant", "Nm_A", kPositive));
+    if (const auto travel = joint.find("presliding")) model.presliding.push_back(travel->number(kNonNegative));
     // Files of before have none: what has not been looked at of all joints is not known of any.
     if (const auto sd = joint.find("heldout_sd")) model.heldout_sd.push_back(sd->number(kNonNegative));
     if (!stribeck) continue;
@@ -158,6 +160,7 @@ RobotModel readRobotModel(const YamlNode& root) {
         fmt::format("found {} of {} joints, expected it of all {} or of none", key, found, names.size()));
   };
   requireAllOrNone("heldout_sd", model.heldout_sd.size());
+  requireAllOrNone("presliding", model.presliding.size());
   return model;
 }
 
@@ -168,6 +171,12 @@ std::vector<LoggedJoint> loggedJoints(const ArmModel& arm) {
     const Joint& joint = arm.joints[index];
     joints.push_back({joint.name, joint.slides(), joint.lower_limit, joint.upper_limit});
   }
+  return joints;
+}
+
+std::vector<LoggedJoint> loggedJoints(const RobotModel& model) {
+  std::vector<LoggedJoint> joints = loggedJoints(model.arm);
+  for (std::size_t c = 0; c < model.presliding.size(); ++c) joints[c].presliding = model.presliding[c];
   return joints;
 }
 

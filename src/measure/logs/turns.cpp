@@ -11,7 +11,7 @@
 namespace simgap {
 namespace {
 
-constexpr double kBlurredBefore = 0.5, kBlurredAfter = 1.0;  // periods of the smoother's bandwidth
+constexpr double kBlurred = 0.5;  // periods of the smoother's bandwidth, on either side
 
 std::ptrdiff_t countKept(const std::vector<bool>& keep) { return std::ranges::count(keep, true); }
 
@@ -105,9 +105,9 @@ void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, do
     std::vector<bool> keep = sign.keep;
     for (const std::size_t turn : turns) {
       const auto run = std::ranges::find_if(runs, [&](const Block& b) { return turn >= b.begin && turn < b.end; });
-      const double before = share * kBlurredBefore / bandwidth, after = share * kBlurredAfter / bandwidth;
-      for (std::size_t k = turn; k-- > run->begin && time[turn] - time[k] <= before;) keep[k] = false;
-      for (std::size_t k = turn; k < run->end && time[k] - time[turn] <= after; ++k) keep[k] = false;
+      const double beside = share * kBlurred / bandwidth;
+      for (std::size_t k = turn; k-- > run->begin && time[turn] - time[k] <= beside;) keep[k] = false;
+      for (std::size_t k = turn; k < run->end && time[k] - time[turn] <= beside; ++k) keep[k] = false;
     }
     return keep;
   };
@@ -123,8 +123,8 @@ void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, do
 double travelOfFriction(const TurningJoint& joint, std::span<const std::size_t> turns, std::span<const Block> runs,
                         const MotionSign& sign, double seconds) {
   constexpr std::size_t kFewestTurns = 6;
-  constexpr double kClear = 4.0;    // deviations of A, from turn to turn
-  constexpr double kBuiltUp = 4.6;  // ln 100: of the way a hundredth is left
+  constexpr double kClear = 4.0;                                     // deviations of A, from turn to turn
+  constexpr double kBuiltUp = 4.6;                                   // ln 100: of the way a hundredth is left
   constexpr double kFinest = 1e5, kFewestScales = 3.0, kStep = 1.3;  // x_s: parts of the usual travel after a turn
   const std::vector<AfterTurn> after = rowsAfterTurns(joint, turns, runs, sign, seconds);
   if (after.size() < kFewestTurns) return 0.0;

@@ -29,8 +29,8 @@ struct TurningJoint {
 double travelOfFriction(const TurningJoint& joint, std::span<const std::size_t> turns, std::span<const Block> runs,
                         const MotionSign& sign, double seconds);
 
-/// Takes rows out of `sign.keep` until that much travel [rad] has passed since a turn, a rest or the beginning of a run;
-/// at least half of the rows that it kept stay. \param slow  [rad/s]: a joint that is not faster rests
+/// Takes rows out of `sign.keep` until that much travel [rad] has passed since a turn, a rest or the beginning of a
+/// run; at least half of the rows that it kept stay. \param slow  [rad/s]: a joint that is not faster rests
 void leaveOutFirstTravel(std::span<const double> position, std::span<const double> velocity,
                          std::span<const Block> runs, double slow, double travel, MotionSign& sign);
 

@@ -34,7 +34,7 @@ inline RobotCase drawCase(std::uint64_t seed, int joints, const reality::RobotRi
 
 inline RobotDiagnosis diagnoseCase(const RobotCase& drawn, const reality::Robot& truth,
                                    const reality::RobotRigOptions& rig, std::uint64_t motion) {
-  return diagnoseRobot(drawn.known, robotLog(drawn.arm, reality::recordRobot(truth, rig, motion)), {}, {});
+  return diagnoseRobot(drawn.known, robotLog(drawn.known, reality::recordRobot(truth, rig, motion)), {}, {});
 }
 
 inline std::string labelOf(const Cause& cause) {

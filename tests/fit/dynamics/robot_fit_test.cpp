@@ -169,6 +169,8 @@ TEST(RobotFit, ModelReadsBackAsItWas) {
   const RobotModel read = readRobotModel(YamlNode::parse(writeRobotModel(found.model), "model.yaml"));
   EXPECT_EQ(predictEfforts(read, log), predictEfforts(found.model, log));
   EXPECT_EQ(writeRobotModel(read), writeRobotModel(found.model));
+  ASSERT_EQ(read.presliding.size(), 2u);
+  for (std::size_t c = 0; c < 2; ++c) EXPECT_EQ(loggedJoints(read)[c].presliding, read.presliding[c]);
   ASSERT_EQ(read.heldout_sd.size(), 2u);
   for (std::size_t c = 0; c < 2; ++c) {
     EXPECT_NEAR(read.heldout_sd[c], found.heldout.sd[c], 1e-5 * found.heldout.sd[c]);

@@ -11,7 +11,7 @@ namespace simgap {
 namespace {
 
 /// 60 s at 100 Hz: 2 s forwards, 1 s at rest, 2 s back, 1 s at rest, between ramps of 80 ms.
-RobotLog recordStops(bool velocity) {
+RobotLog recordStops(bool velocity, double presliding = 0.0) {
   std::string csv = velocity ? "time_s,j1_rad,torque_j1_Nm,j1_velocity_rad_s\n" : "time_s,j1_rad,torque_j1_Nm\n";
   double position = 0.0;
   for (int i = 0; i < 6000; ++i) {
@@ -21,7 +21,7 @@ RobotLog recordStops(bool velocity) {
     csv += fmt::format("{:.2f},{:.6f},{:.4f}", 0.01 * i, position, 0.5 * v + 0.3 * std::sin(0.07 * i));
     csv += velocity ? fmt::format(",{:.4f}\n", v) : "\n";
   }
-  const std::vector<LoggedJoint> joints = {{"j1", false, -10.0, 10.0}};
+  const std::vector<LoggedJoint> joints = {{"j1", false, -10.0, 10.0, presliding}};
   return readRobotLog(CsvTable::parse(csv, "log.csv"), joints);
 }
 
@@ -36,6 +36,18 @@ TEST(RobotLogTest, RowsBesideRestsAreBlurredWhereVelocityWasMeasuredToo) {
       for (int k = 1; k <= blurred; ++k) EXPECT_FALSE(joint.moves[stop - k]) << velocity << " " << stop - k;
     }
     EXPECT_TRUE(joint.moves[1300]);
+  }
+}
+
+/// A delay of the effort hides how friction builds up; what is known of that from another log still counts.
+TEST(RobotLogTest, KnownPreslidingIsLeftOutWhereTheLogShowsNone) {
+  const RobotJointLog plain = recordStops(true).joints[0], known = recordStops(true, 0.5).joints[0];
+  EXPECT_LT(plain.presliding, 0.01);
+  EXPECT_EQ(known.presliding, 0.5);
+  for (const int start : {1200, 1500, 1800}) {
+    EXPECT_TRUE(plain.moves[start + 45]);
+    EXPECT_FALSE(known.moves[start + 45]);
+    EXPECT_TRUE(known.moves[start + 70]);
   }
 }
 

@@ -61,8 +61,8 @@ TEST(VelocityLag, IsAFiltersTimeConstant) {
   EXPECT_NEAR(*lag, 0.02, 0.006);  // of the filter as sampled: 30 ms less a row
 }
 
-/// Four seconds each: a second of even speed between ramps of a tenth, and a rest of the other half and more. The median
-/// speed is 0, and at an even speed none is late.
+/// Four seconds each: a second of even speed between ramps of a tenth, and a rest of the other half and more. The
+/// median speed is 0, and at an even speed none is late.
 MotionLog recordTrapezoids(double late) {
   const auto trapezoid = [](double t) {
     const double phase = std::fmod(std::max(t, 0.0), 4.0);

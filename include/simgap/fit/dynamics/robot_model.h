@@ -23,6 +23,7 @@ struct RobotModel {
   /// Shape (N): deviation that it leaves in each joint's effort on data it was not fitted to, in the log's unit; empty:
   /// nobody has looked.
   std::vector<double> heldout_sd;
+  std::vector<double> presliding;  ///< shape (N): LoggedJoint::presliding, of the log it was found in; empty: not known
   std::string data_file, data_sha256;
 };
 
@@ -36,6 +37,8 @@ RobotModel readRobotModel(const YamlNode& root);
 
 /// The joints whose channels a log has to hold: those that follow no other. \throws ConfigError: a ball
 std::vector<LoggedJoint> loggedJoints(const ArmModel& arm);
+/// With what is known of their friction.
+std::vector<LoggedJoint> loggedJoints(const RobotModel& model);
 
 /// Effort of every joint in every row of a log, shape (rows, N), in the model's unit.
 Eigen::MatrixXd predictEfforts(const RobotModel& model, const RobotLog& log);

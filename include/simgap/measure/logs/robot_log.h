@@ -16,6 +16,9 @@ struct LoggedJoint {
   std::string name;
   bool slides = false;
   double lower, upper;  ///< [rad] or [m] that it can reach
+  /// Travel [rad] or [m] over which its friction builds up, as far as that is known: an effort that is logged late
+  /// hides it.
+  double presliding = 0.0;
 };
 
 /// A joint's channels, shape (rows) each. Lengths and forces of a slide are metres and newtons.
@@ -31,6 +34,7 @@ struct RobotJointLog {
   double dead_band = 0.0, bandwidth = 0.0;  ///< [rad/s] of the direction; [Hz] of the smoothing
   bool measured_velocity = false;           ///< otherwise worked out from the position
   std::size_t resting = 0;                  ///< rows in which it does not move
+  double presliding = 0.0;                  ///< [rad] of travel after turns and rests that does not count as motion
 };
 
 struct RobotLog {
