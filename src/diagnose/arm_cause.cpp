@@ -10,10 +10,11 @@ Eigen::Index fittedParameters(const ArmEffect& effect) {
 
 ArmModel withCauses(const ArmModel& model, const std::vector<ArmCause>& causes) {
   ArmModel extended = model;
+  const ArmSizes arm = sizesOf(model);
   for (const ArmCause& cause : causes) {
     EffectParameters p{};
     for (std::size_t i = 0; i < cause.effect->parameters.size(); ++i) {
-      const ArmEffectParameter& parameter = cause.effect->parameters[i];
+      const ArmEffectParameter parameter = onArm(cause.effect->parameters[i], arm);
       p[i] = parameter.fitted ? parameter.neutral : cause.start[i];
     }
     extended.extensions.push_back(makeExtension(*cause.effect, cause.target, p));
@@ -22,11 +23,12 @@ ArmModel withCauses(const ArmModel& model, const std::vector<ArmCause>& causes) 
 }
 
 std::vector<ParameterSpace::Choice> choicesWith(const std::vector<ParameterSpace::Choice>& parameters,
-                                                const std::vector<ArmCause>& causes) {
+                                                const std::vector<ArmCause>& causes, const ArmSizes& arm) {
   std::vector<ParameterSpace::Choice> choices = parameters;
   for (const ArmCause& cause : causes) {
-    for (const ArmEffectParameter& p : cause.effect->parameters) {
-      if (!p.fitted) continue;
+    for (const ArmEffectParameter& stated : cause.effect->parameters) {
+      if (!stated.fitted) continue;
+      const ArmEffectParameter p = onArm(stated, arm);
       choices.push_back(
           {"extensions." + cause.label() + "." + std::string(p.name), 0.1 * p.scale, {}, {}, p.scale, {}});
     }

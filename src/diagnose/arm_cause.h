@@ -25,9 +25,9 @@ Eigen::Index fittedParameters(const ArmEffect& effect);
 
 /// The model with causes at their expected values, choices as they were made.
 ArmModel withCauses(const ArmModel& model, const std::vector<ArmCause>& causes);
-/// The parameters of a fit with theirs, each with the prior that the effect states.
+/// The parameters of a fit with theirs, each with the prior that the effect states for an arm of those sizes.
 std::vector<ParameterSpace::Choice> choicesWith(const std::vector<ParameterSpace::Choice>& parameters,
-                                                const std::vector<ArmCause>& causes);
+                                                const std::vector<ArmCause>& causes, const ArmSizes& arm);
 
 /// "payload:forearm, guide-friction"; "none"
 std::string labelOf(const std::vector<ArmCause>& causes);

@@ -122,8 +122,8 @@ MotionPosterior::Options optionsWith(const MotionProblem& problem, const std::ve
 std::unique_ptr<MotionPosterior> posteriorWith(const MotionProblem& problem, const std::vector<ArmCause>& causes,
                                                std::span<const RecordedMotion> motions) {
   return std::make_unique<MotionPosterior>(withCauses(problem.nominal, causes), motions, std::span<const Pose>(),
-                                           choicesWith(problem.parameters, causes), PoseNoise{},
-                                           optionsWith(problem, causes));
+                                           choicesWith(problem.parameters, causes, sizesOf(problem.nominal)),
+                                           PoseNoise{}, optionsWith(problem, causes));
 }
 
 MotionCauseFit::MotionCauseFit(const MotionProblem& problem, std::vector<ArmCause> causes)

@@ -37,7 +37,9 @@ bool looksLike(const MotionHypothesis& hypothesis, const ArmCause& cause) {
 std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target,
                                              const ArmModel& model) {
   std::vector<EffectParameters> starts;
-  for (const EffectParameters& start : effect.starts) {
+  const ArmSizes arm = sizesOf(model);
+  for (const EffectParameters& stated : effect.starts) {
+    const EffectParameters start = startOn(effect, stated, arm);
     Extension extension = makeExtension(effect, target, start);
     if (checkExtension(extension, model).empty()) starts.push_back(start);
   }

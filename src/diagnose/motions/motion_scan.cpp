@@ -32,10 +32,11 @@ double fromPriorUnits(const ArmEffectParameter& p, double z) {
   return p.range.lower > 0.0 ? p.neutral * std::exp(z * p.scale / p.neutral) : p.neutral + z * p.scale;
 }
 
-double priorOf(const ArmEffect& effect, const EffectParameters& values) {
+double priorOf(const ArmEffect& effect, const EffectParameters& values, const ArmSizes& arm) {
   double sum = 0.0;
   for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
-    if (effect.parameters[i].fitted) sum += std::pow(priorUnits(effect.parameters[i], values[i]), 2);
+    const ArmEffectParameter p = onArm(effect.parameters[i], arm);
+    if (p.fitted) sum += std::pow(priorUnits(p, values[i]), 2);
   }
   return 0.5 * sum;
 }
@@ -59,7 +60,12 @@ class Scanner {
   /// \param some  the motions that the points know; empty: all
   Scanner(std::span<const MotionPoint> points, const std::vector<MotionHypothesis>& hypotheses, std::uint64_t seed,
           const std::function<void(long)>& news, std::vector<std::size_t> some = {})
-      : points_(points), hypotheses_(hypotheses), random_(seed), news_(news), some_(std::move(some)) {
+      : points_(points),
+        hypotheses_(hypotheses),
+        random_(seed),
+        news_(news),
+        some_(std::move(some)),
+        arm_(sizesOf(points.front().posterior().modelAt(Eigen::VectorXd::Zero(points.front().here().z.size())))) {
     for (const MotionPoint& point : points_) {
       Column plain;
       for (const Eigen::VectorXd& r : point.here().at.residuals) plain.push_back(r.cast<float>());
@@ -100,6 +106,7 @@ class Scanner {
   CounterRandom random_;
   const std::function<void(long)>& news_;
   std::vector<std::size_t> some_;
+  ArmSizes arm_;
   double numbers_ = 0.0;                 // of all motions
   std::vector<double> without_;          // what the quadratic promises without a further cause, by point
   std::vector<Eigen::VectorXd> solved_;  // A^-1 g there
@@ -157,11 +164,11 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
       const MotionPoint::OwnClock clock = clockBeside(effect);
       const double objective = points_[one.point].predicted(played[i], clock);
       if (!std::isfinite(objective)) continue;
-      trial.gain = told(without_[one.point] - objective - priorOf(effect, one.start), one.point);
+      trial.gain = told(without_[one.point] - objective - priorOf(effect, one.start, arm_), one.point);
       keep(trial);
       trials.push_back(trial);
       if (!profiles || one.point != 0) continue;
-      const double unit = priorUnits(effect.parameters[0], one.start[0]);
+      const double unit = priorUnits(onArm(effect.parameters[0], arm_), one.start[0]);
       Column column;
       for (std::size_t m = 0; m < played[i].size(); ++m) {
         column.push_back((played[i][m].cast<float>() - plain_[0][m]) / static_cast<float>(unit));
@@ -176,7 +183,7 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
 bool Scanner::extrapolate(std::size_t hypothesis, const EffectParameters& from, double z, EffectParameters& to) const {
   const MotionHypothesis& h = hypotheses_[hypothesis];
   to = from;
-  const ArmEffectParameter& first = h.effect->parameters[0];
+  const ArmEffectParameter first = onArm(h.effect->parameters[0], arm_);
   to[0] = fromPriorUnits(first, std::clamp(z, -5.0, 5.0));
   return to[0] >= first.range.lower && to[0] <= first.range.upper;
 }

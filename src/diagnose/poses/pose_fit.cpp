@@ -25,7 +25,7 @@ PoseFit::PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::v
     : prior_(priorModel(problem, causes)),
       nominal_joints_(problem.nominal.joints),
       causes_(std::move(causes)),
-      space_(prior_, choicesWith(problem.parameters, causes_)),
+      space_(prior_, choicesWith(problem.parameters, causes_, sizesOf(problem.nominal))),
       posterior_(prior_, poses, space_, problem.noise),
       ordinary_(space_.size()),
       z_(Eigen::VectorXd::Zero(space_.size())) {

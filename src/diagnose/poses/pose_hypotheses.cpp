@@ -10,6 +10,7 @@ std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<cons
                                            const std::vector<std::string>& effects,
                                            std::vector<NotTestable>& not_testable) {
   const bool timed = std::ranges::none_of(poses, [](const Pose& pose) { return std::isnan(pose.time); });
+  const ArmSizes arm = sizesOf(model);
   std::vector<PoseHypothesis> hypotheses;
   for (const ArmEffect* effect : arm_effects::all()) {
     if (!effects.empty() && std::ranges::find(effects, effect->name) == effects.end()) continue;
@@ -23,7 +24,8 @@ std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<cons
     }
     for (const std::string& target : effectTargets(*effect, model)) {
       PoseHypothesis hypothesis{effect, target, {}};
-      for (const EffectParameters& start : effect->starts) {
+      for (const EffectParameters& stated : effect->starts) {
+        const EffectParameters start = startOn(*effect, stated, arm);
         Extension extension = makeExtension(*effect, target, start);
         if (!checkExtension(extension, model).empty()) continue;
         if (effect->from_previous >= 0 && start[effect->from_previous] != 0.0 && !timed) continue;

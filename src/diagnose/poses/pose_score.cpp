@@ -125,7 +125,7 @@ namespace {
 /// Without contact a wrap has no slope: it grows until what it changes would be seen, and the last doubling is
 /// interpolated as a power law.
 double smallestWrap(const PoseProblem& problem, const PoseScore& score, PoseCause cause) {
-  const ArmEffectParameter& p = cause.effect->parameters[0];
+  const ArmEffectParameter p = onArm(cause.effect->parameters[0], sizesOf(problem.nominal));
   double below = 0.0, below_gain = 0.0;
   for (double magnitude = 0.1 * p.scale; magnitude <= 3.0 * p.scale; magnitude *= 1.3) {
     cause.start[0] = magnitude;

@@ -69,7 +69,7 @@ std::pair<double, std::string> furthestApart(const PredictedMotions& one, const 
 void MotionEvidence::validate() const {
   for (const MotionCandidate& candidate : candidates) {
     const std::vector<ArmCause> causes = causesBeyond(given, candidate.model);
-    const ParameterSpace space(withCauses(given, causes), choicesWith(config.parameters, causes));
+    const ParameterSpace space(withCauses(given, causes), choicesWith(config.parameters, causes, sizesOf(given)));
     const auto size = static_cast<Index>(space.size()) + 1;  // and the capture's clock
     if (candidate.covariance.rows() == size) continue;
     throw ConfigError(fmt::format("candidate '{}': found a covariance of {} parameters, expected {}", candidate.causes,

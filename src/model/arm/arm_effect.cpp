@@ -165,6 +165,7 @@ std::string checkExtension(Extension& extension, const ArmModel& model) {
   }
   std::vector<Estimate> ordered;
   EffectParameters p{};
+  const ArmSizes arm = sizesOf(model);
   for (const ArmEffectParameter& wanted : effect->parameters) {
     const auto found = std::ranges::find(extension.parameters, wanted.name, &Estimate::name);
     if (found == extension.parameters.end()) {
@@ -175,9 +176,12 @@ std::string checkExtension(Extension& extension, const ArmModel& model) {
       return fmt::format("found {} of {} in '{}', expected the unit {}", wanted.name, effect->name, found->unit,
                          wanted.unit);
     }
-    if (!(found->value >= wanted.range.lower && found->value <= wanted.range.upper)) {
+    const Range range = rangeOn(wanted.range, wanted.size, arm);
+    if (!(found->value >= range.lower && found->value <= range.upper)) {
       return fmt::format("found {} = {} of {}, expected {}", wanted.name, found->value, effect->name,
-                         wanted.range.expected);
+                         range.upper == wanted.range.upper
+                             ? std::string(range.expected)
+                             : fmt::format("a number in [{:.4g}, {:.4g}]", range.lower, range.upper));
     }
     p[ordered.size()] = found->value;
     ordered.push_back(*found);
@@ -191,6 +195,26 @@ std::string checkExtension(Extension& extension, const ArmModel& model) {
   if (!effect->expected) return "";
   const std::string expected = effect->expected(p, model, targetIndex(*effect, model, extension.target));
   return expected.empty() ? "" : fmt::format("{} of {}: expected {}", effect->name, extension.target, expected);
+}
+
+Range rangeOn(const Range& range, ArmSize size, const ArmSizes& arm) {
+  const double wider = std::max(1.0, arm.of(size));
+  return {wider * range.lower, wider * range.upper, range.lower_open, range.expected};
+}
+
+ArmEffectParameter onArm(const ArmEffectParameter& parameter, const ArmSizes& arm) {
+  const double factor = arm.of(parameter.size);
+  ArmEffectParameter on = parameter;
+  on.range = rangeOn(parameter.range, parameter.size, arm);
+  on.neutral *= factor;
+  on.scale *= factor;
+  return on;
+}
+
+EffectParameters startOn(const ArmEffect& effect, const EffectParameters& start, const ArmSizes& arm) {
+  EffectParameters on = start;
+  for (std::size_t i = 0; i < effect.parameters.size(); ++i) on[i] *= arm.of(effect.parameters[i].size);
+  return on;
 }
 
 Extension makeExtension(const ArmEffect& effect, const std::string& target, const EffectParameters& p) {

@@ -19,8 +19,9 @@ class ItemVisitor {
  public:
   ItemVisitor(std::string_view group, std::string_view item, const Visit& visit)
       : group_(group), item_(item), visit_(visit) {}
-  void operator()(std::string_view member, std::string_view unit, const Range& range, double& value) const {
-    visit_(ParameterPath{group_, item_, member, -1}, ParameterKind{unit, range}, value);
+  void operator()(std::string_view member, std::string_view unit, const Range& range, double& value,
+                  ArmSize size = ArmSize::kNone) const {
+    visit_(ParameterPath{group_, item_, member, -1}, ParameterKind{unit, range, size}, value);
   }
   void operator()(std::string_view member, std::string_view unit, Eigen::Vector3d& value) const {
     for (int i = 0; i < 3; ++i)
@@ -132,7 +133,7 @@ void traverse(ArmModel& model, const Visit& visit) {
     const ArmEffect& effect = *findArmEffect(extension.effect);
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
       const ArmEffectParameter& p = effect.parameters[i];
-      if (p.fitted) item(p.name, p.unit, p.range, extension.parameters[i].value);
+      if (p.fitted) item(p.name, p.unit, p.range, extension.parameters[i].value, p.size);
     }
   }
 }
@@ -211,6 +212,7 @@ std::vector<ParameterSpace::Choice> ParameterSpace::readChoices(const YamlNode& 
 
 ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>& choices) {
   ArmModel copy = model;
+  const ArmSizes arm = sizesOf(model);
   std::vector<bool> used(choices.size());
   std::vector<std::optional<std::size_t>> shared(choices.size());  // the parameter of a choice that is one together
   std::size_t position = 0;
@@ -230,7 +232,8 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
       std::optional<std::size_t>& one = shared[chosen - choices.data()];
       if (!chosen->together || !one) {
         one = parameters_.size();
-        parameters_.push_back(makeParameter(chosen->together ? chosen->pattern : name, kind, value, *chosen));
+        const ParameterKind here{kind.unit, rangeOn(kind.range, kind.size, arm), kind.size};
+        parameters_.push_back(makeParameter(chosen->together ? chosen->pattern : name, here, value, *chosen));
       }
       const double initial = parameters_[*one].initial;
       numbers_.push_back({position, *one, value == initial ? 1.0 : value / initial});

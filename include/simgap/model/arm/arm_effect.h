@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "simgap/model/arm/arm.h"
+#include "simgap/model/arm/arm_sizes.h"
 
 namespace simgap {
 
@@ -21,13 +22,15 @@ inline constexpr int kMaxEffectParameters = 4;
 using EffectParameters = std::array<double, kMaxEffectParameters>;  ///< values in the effect's order; the rest unused
 using EffectSlopes = Eigen::Matrix<double, 3, kMaxEffectParameters>;
 
+/// Numbers are the sample arm's; on another they are as many times as large as that arm is (`onArm`).
 struct ArmEffectParameter {
   std::string_view name;
-  std::string_view unit;  ///< SI, as a suffix; "1" when dimensionless
-  Range range;            ///< what a model file may hold
-  double neutral;         ///< expected before any data; the first parameter's changes nothing
-  double scale;           ///< by how much it may plausibly differ from that (standard deviation of a prior)
-  bool fitted = true;     ///< false: a choice or a moment, found by trying
+  std::string_view unit;          ///< SI, as a suffix; "1" when dimensionless
+  Range range;                    ///< what a model file may hold; wider, never narrower, of an arm that is larger
+  double neutral;                 ///< expected before any data; the first parameter's changes nothing
+  double scale;                   ///< by how much it may plausibly differ from that (standard deviation of a prior)
+  bool fitted = true;             ///< false: a choice or a moment, found by trying
+  ArmSize size = ArmSize::kNone;  ///< of the arm that it goes with
 };
 
 /// \name What hooks are given and return. Derivatives `by_...`; those by effect parameters in the effect's order.
@@ -173,6 +176,12 @@ struct ArmEffect {
   /// Whether a choice makes sense for a target; null: always. \returns what is expected instead, empty when it does
   std::string (*expected)(const EffectParameters& p, const ArmModel& model, int target) = nullptr;
 };
+
+/// What may be in a model of an arm that large.
+Range rangeOn(const Range& range, ArmSize size, const ArmSizes& arm);
+/// A parameter's numbers, and a start of an effect, on an arm of those sizes.
+ArmEffectParameter onArm(const ArmEffectParameter& parameter, const ArmSizes& arm);
+EffectParameters startOn(const ArmEffect& effect, const EffectParameters& start, const ArmSizes& arm);
 
 namespace arm_effects {
 std::span<const ArmEffect* const> all();

@@ -11,6 +11,7 @@
 
 #include "simgap/core/yaml.h"
 #include "simgap/model/arm/arm.h"
+#include "simgap/model/arm/arm_sizes.h"
 #include "simgap/optimize/parameter.h"
 
 namespace simgap {
@@ -26,8 +27,9 @@ struct ParameterPath {
 
 /// What a number of the model is, whatever its value.
 struct ParameterKind {
-  std::string_view unit;  ///< SI, as a suffix: "N_m"
-  Range range;            ///< what a model file may hold
+  std::string_view unit;          ///< SI, as a suffix: "N_m"
+  Range range;                    ///< what a model file may hold
+  ArmSize size = ArmSize::kNone;  ///< of the arm that the range goes with
 };
 
 /// Calls `visit` with every number of the model that a calibration may change, in a fixed order.

@@ -9,7 +9,7 @@ namespace simgap::arm_effects::cord_creep {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
-    {"rate", "m_s", {-1e-3, 1e-3, false, "a number in [-1e-3, 1e-3]"}, 0.0, 5e-6},
+    {"rate", "m_s", {-1e-3, 1e-3, false, "a number in [-1e-3, 1e-3]"}, 0.0, 5e-6, true, ArmSize::kLength},
     {"time_constant", "s", {1.0, 1e7, false, "a number in [1, 1e7]"}, 1800.0, 1800.0}};
 constexpr EffectParameters kStarts[] = {{1e-6, 400.0}, {1e-6, 8000.0}, {1e-5, 2000.0}};
 constexpr std::string_view kLookAlikes[] = {"potentiometer-slip"};

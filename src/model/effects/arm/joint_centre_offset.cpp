@@ -5,8 +5,9 @@ namespace simgap::arm_effects::joint_centre_offset {
 namespace {
 
 constexpr Range kRange{-0.2, 0.2, false, "a number in [-0.2, 0.2]"};
-constexpr ArmEffectParameter kParameters[] = {
-    {"x", "m", kRange, 0.0, 0.04}, {"y", "m", kRange, 0.0, 0.04}, {"z", "m", kRange, 0.0, 0.04}};
+constexpr ArmEffectParameter kParameters[] = {{"x", "m", kRange, 0.0, 0.04, true, ArmSize::kLength},
+                                              {"y", "m", kRange, 0.0, 0.04, true, ArmSize::kLength},
+                                              {"z", "m", kRange, 0.0, 0.04, true, ArmSize::kLength}};
 constexpr EffectParameters kStarts[] = {{0.0, 0.0, 0.0}};
 constexpr std::string_view kLookAlikes[] = {"muscle-wrap"};
 

@@ -6,6 +6,7 @@
 namespace simgap::arm_effects::ligament_rest_length {
 namespace {
 
+// How well a ligament is tied does not depend on how large the arm is.
 constexpr ArmEffectParameter kParameters[] = {
     {"offset", "m", {-0.5, 0.5, false, "a number in [-0.5, 0.5]"}, 0.0, 0.01}};
 constexpr EffectParameters kStarts[] = {{0.002}, {-0.002}};

@@ -9,7 +9,7 @@ namespace simgap::arm_effects::line_elasticity {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
-    {"compliance", "1_N", {-2e-3, 0.1, false, "a number in [-0.002, 0.1]"}, 0.0, 2e-3}};
+    {"compliance", "1_N", {-2e-3, 0.1, false, "a number in [-0.002, 0.1]"}, 0.0, 2e-3, true, ArmSize::kCompliance}};
 constexpr EffectParameters kStarts[] = {{5e-4}};
 constexpr std::string_view kLookAlikes[] = {"spindle-coiling", "cord-hardening"};
 

@@ -15,7 +15,7 @@ namespace simgap::arm_effects::passive_joint_torque {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
-    {"stiffness", "Nm_rad", {-50.0, 500.0, false, "a number in [-50, 500]"}, 0.0, 1.0},
+    {"stiffness", "Nm_rad", {-50.0, 500.0, false, "a number in [-50, 500]"}, 0.0, 1.0, true, ArmSize::kTorque},
     {"rest_angle", "rad", {-3.2, 3.2, false, "a number in [-3.2, 3.2]"}, 0.5, 0.7},
     {"side", "1", {-1.0, 1.0, false, "-1, 0 or 1"}, 0.0, 1.0, false}};
 constexpr EffectParameters kStarts[] = {{0.05, 0.3, 0.0}, {0.1, 0.7, 1.0},  {0.3, 1.3, 1.0},
