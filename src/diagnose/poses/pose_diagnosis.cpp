@@ -283,6 +283,7 @@ PoseDiagnosis Diagnosing::run() {
   problem_.stray_friction = selection_.stray;
   takeBack(without);
   d.hypotheses = selection_.records;
+  d.candidates = selection_.impossible;
   fillCauses();
   say("gain on held-out poses");
   measureGain(without);

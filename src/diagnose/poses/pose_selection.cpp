@@ -10,11 +10,13 @@
 #include <span>
 
 #include "diagnose/paired_error.h"
+#include "impossible_sizes.h"
 #include "pose_evidence.h"
 #include "pose_score.h"
 #include "pose_validation.h"
 #include "simgap/core/statistics.h"
 #include "simgap/fit/poses/levenberg_marquardt.h"
+#include "stray_friction.h"
 
 namespace simgap {
 namespace {
@@ -28,8 +30,6 @@ constexpr double kHopelessPoseCause =
     30.0;                             // log odds behind a step's best, beyond which no exchange will bring a rival back
 constexpr double kSameMinimum = 0.3;  // objectives nearer than this belong to one minimum
 constexpr int kBetterBases = 3;
-constexpr double kShareStep = 1.4;  // of stray friction
-constexpr double kSmallestShare = 0.1, kLargestShare = 4.0;
 constexpr std::size_t kFewPoses = 30;
 constexpr double kMostPosesLeftOut = 0.1;  // of the poses: where more have no rest, the model is wrong, not the poses
 constexpr std::size_t kKept = 3;           // models of other causes that are kept beside each
@@ -66,7 +66,9 @@ class PoseSelector {
  private:
   PoseFit refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
                 double tolerance = 1e-7) const;
-  PoseFit settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z);
+  PoseFit settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) {
+    return settledFit(problem_, poses_, causes, z);
+  }
   std::vector<PoseHypothesis> openBeside(const std::vector<PoseCause>& causes) const;
   std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const;
   void lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidates) const;
@@ -78,6 +80,9 @@ class PoseSelector {
   void leaveOut(PoseFit& fit, PoseSelection& selection);
   void exchange(PoseFit& fit, PoseSelection& selection);
   void prune(PoseFit& fit, PoseSelection& selection);
+  std::string impossibleWith(const PoseFit& fit, const PoseCandidate& candidate) const;
+  void dropImpossible(PoseFit& fit, PoseSelection& selection);
+  void takeOut(std::size_t cause, std::string outcome, PoseFit& fit, PoseSelection& selection);
 
   PoseProblem problem_;  ///< with the stray friction of the fit that others are compared with
   std::span<const Pose> poses_;
@@ -93,39 +98,6 @@ PoseFit PoseSelector::refit(const std::vector<PoseCause>& causes, PoseFit& like,
   fit.posterior().whitenLike(like.posterior());
   fit.descend(fit.extended(z), tolerance);
   return fit;
-}
-
-/// Whitened anew with its own solution and the stray friction that makes the poses most probable. How much of a joint's
-/// friction points anywhere is not known beforehand: an arm that is wound slowly lags on one side.
-PoseFit PoseSelector::settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) {
-  const auto fitWith = [&](double share) {
-    problem_.stray_friction = share;
-    PoseFit fit(problem_, poses_, causes);
-    fit.posterior().whiten(z);
-    fit.descend(z);
-    return fit;
-  };
-  const auto logPosterior = [](PoseFit& fit, double share) {
-    return fit.logEvidence() - 0.5 * std::pow(std::log(share), 2);
-  };
-  double share = problem_.stray_friction;
-  PoseFit best = fitWith(share);
-  double highest = logPosterior(best, share);
-  const double half_step = std::sqrt(kShareStep);
-  for (const double factor : {1.0 / kShareStep, kShareStep, 1.0 / half_step, half_step}) {
-    bool better = true;
-    for (double next = share * factor; better && next > kSmallestShare && next < kLargestShare; next *= factor) {
-      PoseFit other = fitWith(next);
-      const double value = logPosterior(other, next);
-      better = value > highest;
-      if (!better) break;
-      highest = value;
-      share = next;
-      best = std::move(other);
-    }
-  }
-  problem_.stray_friction = share;
-  return best;
 }
 
 std::vector<PoseHypothesis> PoseSelector::openBeside(const std::vector<PoseCause>& causes) const {
@@ -208,6 +180,15 @@ bool PoseSelector::improveBase(PoseFit& fit, const PoseCandidate& candidate) con
   return true;
 }
 
+/// Why a candidate cannot be, with the sizes that fitted best.
+std::string PoseSelector::impossibleWith(const PoseFit& fit, const PoseCandidate& candidate) const {
+  std::vector<PoseCause> causes = fit.causes();
+  causes.push_back(candidate.cause);
+  PoseFit with(problem_, poses_, causes);
+  with.setSolution(candidate.z);
+  return impossibleSize(with, causes.size() - 1);
+}
+
 /// Why a candidate that the evidence speaks for is not accepted: poses that its fits have not seen. \returns empty when
 /// it is
 std::string PoseSelector::objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before,
@@ -242,6 +223,7 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
   const std::size_t number = selection.causes.size() + 1;
   const CrossValidation before = folds_.validate(problem_, fit.causes(), fit.z(), fit.causes(), fit.z());
   const PoseCandidate* accepted = nullptr;
+  selection.impossible.clear();
   std::size_t tried = 0;
   for (const PoseCandidate& candidate : candidates) {
     const double odds = candidate.odds;
@@ -253,8 +235,11 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
     } else if (accepted || tried == kTried) {
       record.outcome = "passed over";
     } else {
+      const std::string impossible = impossibleWith(fit, candidate);
+      if (!impossible.empty()) selection.impossible.push_back({record.effect, record.target, impossible, kNotMeasured});
       ++tried;
-      record.outcome = objection(fit, candidate, before, odds, record.gain_inner);
+      record.outcome =
+          impossible.empty() ? objection(fit, candidate, before, odds, record.gain_inner) : "rejected: " + impossible;
       if (record.outcome.empty()) {
         record.outcome = fmt::format("accepted: log odds {:.1f}", odds);
         accepted = &candidate;
@@ -312,7 +297,8 @@ void PoseSelector::exchange(PoseFit& fit, PoseSelection& selection) {
       return !cause.contenders.contains(PoseCause{h.effect, h.target, {}}.label());
     });
     placeMoments(problem_, without, open);
-    const std::vector<PoseCandidate> candidates = tryAll(without, open);
+    std::vector<PoseCandidate> candidates = tryAll(without, open);
+    std::erase_if(candidates, [&](const PoseCandidate& c) { return !impossibleWith(without, c).empty(); });
     if (candidates.empty()) {
       selection.causes.push_back(cause);
       causes.push_back(cause.cause);
@@ -340,16 +326,32 @@ void PoseSelector::exchange(PoseFit& fit, PoseSelection& selection) {
   }
 }
 
+void PoseSelector::takeOut(std::size_t cause, std::string outcome, PoseFit& fit, PoseSelection& selection) {
+  const PoseCause& gone = selection.causes[cause].cause;
+  selection.records.push_back({selection.causes.size() + 1, std::string(gone.effect->name), gone.target, kNotMeasured,
+                               1.0, std::move(outcome)});
+  const auto place = static_cast<std::ptrdiff_t>(cause);
+  std::vector<PoseCause> causes = fit.causes();
+  causes.erase(causes.begin() + place);
+  selection.causes.erase(selection.causes.begin() + place);
+  fit = settled(causes, fit.solutionWithout(cause));
+}
+
 /// Removes causes that the later ones have made needless.
 void PoseSelector::prune(PoseFit& fit, PoseSelection& selection) {
   for (std::size_t c = selection.causes.size(); c-- > 0 && selection.causes.size() > 1;) {
-    if (selection.causes[c].odds >= kClearOdds) continue;
-    selection.records.push_back({selection.causes.size() + 1, std::string(selection.causes[c].cause.effect->name),
-                                 selection.causes[c].cause.target, kNotMeasured, 1.0, "pruned"});
-    std::vector<PoseCause> causes = fit.causes();
-    causes.erase(causes.begin() + static_cast<std::ptrdiff_t>(c));
-    selection.causes.erase(selection.causes.begin() + static_cast<std::ptrdiff_t>(c));
-    fit = settled(causes, fit.solutionWithout(c));
+    if (selection.causes[c].odds < kClearOdds) takeOut(c, "pruned", fit, selection);
+  }
+}
+
+/// Removes causes whose sizes cannot be beside the others.
+void PoseSelector::dropImpossible(PoseFit& fit, PoseSelection& selection) {
+  for (std::size_t c = selection.causes.size(); c-- > 0;) {
+    const std::string why = impossibleSize(fit, c);
+    if (why.empty()) continue;
+    const PoseCause& cause = selection.causes[c].cause;
+    selection.impossible.push_back({std::string(cause.effect->name), cause.target, why, kNotMeasured});
+    takeOut(c, "rejected: " + why, fit, selection);
   }
 }
 
@@ -362,6 +364,7 @@ PoseSelection PoseSelector::run(const Eigen::VectorXd& start, const std::functio
   stage("rivals");
   exchange(fit, selection);
   prune(fit, selection);
+  dropImpossible(fit, selection);
   dropNamedRivals(selection);
   selection.z = fit.z();
   selection.stray = problem_.stray_friction;

@@ -31,6 +31,7 @@ struct ArmEffectParameter {
   double scale;                   ///< by how much it may plausibly differ from that (standard deviation of a prior)
   bool fitted = true;             ///< false: a choice or a moment, found by trying
   ArmSize size = ArmSize::kNone;  ///< of the arm that it goes with
+  bool positive = false;          ///< a size of 0 or less is none: no friction drives, no line shrinks under load
 };
 
 /// \name What hooks are given and return. Derivatives `by_...`; those by effect parameters in the effect's order.

@@ -7,7 +7,7 @@ namespace simgap::arm_effects::joint_stiction {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
-    {"torque", "Nm", {-0.5, 10.0, false, "a number in [-0.5, 10]"}, 0.0, 0.05, true, ArmSize::kTorque},
+    {"torque", "Nm", {-0.5, 10.0, false, "a number in [-0.5, 10]"}, 0.0, 0.05, true, ArmSize::kTorque, true},
     {"from_previous", "1", {0.0, 1.0, false, "0 or 1"}, 0.0, 1.0, false}};
 constexpr EffectParameters kStarts[] = {{0.01, 0.0}, {0.01, 1.0}};
 constexpr std::string_view kLookAlikes[] = {"passive-joint-torque"};

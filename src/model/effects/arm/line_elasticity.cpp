@@ -8,8 +8,14 @@
 namespace simgap::arm_effects::line_elasticity {
 namespace {
 
-constexpr ArmEffectParameter kParameters[] = {
-    {"compliance", "1_N", {-2e-3, 0.1, false, "a number in [-0.002, 0.1]"}, 0.0, 2e-3, true, ArmSize::kCompliance}};
+constexpr ArmEffectParameter kParameters[] = {{"compliance",
+                                               "1_N",
+                                               {-2e-3, 0.1, false, "a number in [-0.002, 0.1]"},
+                                               0.0,
+                                               2e-3,
+                                               true,
+                                               ArmSize::kCompliance,
+                                               true}};
 constexpr EffectParameters kStarts[] = {{5e-4}};
 constexpr std::string_view kLookAlikes[] = {"spindle-coiling", "cord-hardening"};
 

@@ -15,7 +15,7 @@ namespace simgap::arm_effects::muscle_wrap {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
-    {"radius", "m", {0.0, 0.5, false, "a number in [0, 0.5]"}, 0.0, 0.06, true, ArmSize::kLength},
+    {"radius", "m", {0.0, 0.5, false, "a number in [0, 0.5]"}, 0.0, 0.06, true, ArmSize::kLength, true},
     {"joint", "1", {1.0, 9.0, false, "which of the joints the line crosses, from 1"}, 1.0, 1.0, false}};
 constexpr EffectParameters kStarts[] = {{0.02, 1.0},  {0.035, 1.0}, {0.055, 1.0}, {0.075, 1.0}, {0.02, 2.0},
                                         {0.035, 2.0}, {0.008, 1.0}, {0.008, 2.0}, {0.008, 3.0}, {0.008, 4.0}};

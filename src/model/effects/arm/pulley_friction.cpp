@@ -8,8 +8,9 @@
 namespace simgap::arm_effects::pulley_friction {
 namespace {
 
-constexpr ArmEffectParameter kParameters[] = {{"loss", "1", {-0.2, 0.9, false, "a number in [-0.2, 0.9]"}, 0.0, 0.1},
-                                              {"from_previous", "1", {0.0, 1.0, false, "0 or 1"}, 0.0, 1.0, false}};
+constexpr ArmEffectParameter kParameters[] = {
+    {"loss", "1", {-0.2, 0.9, false, "a number in [-0.2, 0.9]"}, 0.0, 0.1, true, ArmSize::kNone, true},
+    {"from_previous", "1", {0.0, 1.0, false, "0 or 1"}, 0.0, 1.0, false}};
 constexpr EffectParameters kStarts[] = {{0.05, 0.0}, {0.05, 1.0}};
 constexpr std::string_view kLookAlikes[] = {"joint-stiction", "cord-hardening"};
 constexpr double kStill = 0.01;  // [rad]: a shaft that has hardly moved has no direction

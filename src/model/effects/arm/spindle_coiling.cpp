@@ -6,7 +6,7 @@ namespace simgap::arm_effects::spindle_coiling {
 namespace {
 
 constexpr ArmEffectParameter kParameters[] = {
-    {"growth", "1_rad", {0.0, 0.5, false, "a number in [0, 0.5]"}, 0.0, 0.15}};
+    {"growth", "1_rad", {0.0, 0.5, false, "a number in [0, 0.5]"}, 0.0, 0.15, true, ArmSize::kNone, true}};
 constexpr EffectParameters kStarts[] = {{0.02}};
 constexpr std::string_view kLookAlikes[] = {"cord-hardening", "muscle-wrap"};
 
