@@ -84,6 +84,7 @@ Eigen::VectorXd PoseScore::change(const PoseProblem& problem, const PoseCause& c
 void placeMoments(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypothesis>& hypotheses) {
   constexpr std::size_t kMoments = 2;  // per muscle; neighbours of the best hardly differ from it
   constexpr Eigen::Index kApart = 4;   // [poses]
+  constexpr Eigen::Index kSide = 4;    // poses before a moment and behind it: one pose that is off is no slip
   const std::span<const Pose> poses = fit.posterior().poses();
   const Eigen::Index n = fit.posterior().degreesOfFreedom();
   std::vector<PoseHypothesis*> slips;
@@ -103,6 +104,7 @@ void placeMoments(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypo
     std::vector<Moment> moments;
     for (Eigen::Index p = 1; p < std::ssize(poses); ++p) {
       s.segment((p - 1) * n, n).setZero();
+      if (p < kSide || p + kSide > std::ssize(poses)) continue;
       const double information = own_score.information(s) + 1.0 / std::pow(slip.effect->parameters[0].scale, 2);
       const double slope = s.dot(own_score.residual());
       moments.push_back({p, 0.5 * slope * slope / information, -slope / information});

@@ -41,6 +41,23 @@ TEST(PoseScore, PlacesASlipWhereItHappened) {
   }
 }
 
+TEST(PoseScore, OnePoseThatIsOffIsNoSlip) {
+  PoseRig rig(21, {.poses = 40, .causes = 0});
+  rig.set.poses.back().joints[1].angle += 0.1;
+  PoseFit fit(rig.problem, rig.set.poses, {});
+  fit.setSolution(rig.plain.z());
+  std::vector<PoseHypothesis> hypotheses = hypothesesOf(rig, {"potentiometer-slip"});
+  placeMoments(rig.problem, fit, hypotheses);
+  const std::vector<Pose>& poses = rig.set.poses;
+  for (const PoseHypothesis& h : hypotheses) {
+    ASSERT_FALSE(h.starts.empty()) << h.target;
+    for (const EffectParameters& start : h.starts) {
+      EXPECT_GT(start[1], poses[3].time) << h.target;
+      EXPECT_LT(start[1], poses[poses.size() - 4].time) << h.target;
+    }
+  }
+}
+
 TEST(PoseScore, EveryHypothesisHasASmallestMagnitude) {
   PoseRig rig(21, {.poses = 20, .causes = 0});
   const std::vector<PoseHypothesis> hypotheses = hypothesesOf(rig, {"gravity-tilt", "payload"});
