@@ -79,6 +79,9 @@ class Diagnosing {
   [[noreturn]] void failForPoses(std::size_t found) const;
   void leaveOut();
   void takeBack(const PoseProblem& without);
+  void forget(std::size_t cause);
+  void makeCandidate(std::size_t cause, std::string reason);
+  void forgetHarmful(const PoseProblem& without);
   void measureGain(const PoseProblem& without);
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
@@ -160,16 +163,58 @@ void Diagnosing::takeBack(const PoseProblem& without) {
     if (record.outcome.starts_with("accepted"))
       record.outcome = fmt::format("rejected: log odds {:.1f} by all poses", odds);
   }
-  selection_.causes.clear();
-  selection_.z = selection_.z_plain;
-  selection_.stray = selection_.stray_plain;
-  selection_.excess = selection_.excess_plain;
-  problem_.stray_friction = selection_.stray;
+  while (!selection_.causes.empty()) forget(selection_.causes.size() - 1);
+}
+
+/// Takes a cause out of the model.
+void Diagnosing::forget(std::size_t cause) {
+  PoseFit with(problem_, split_.selection, causesOf(selection_, selection_.causes.size()));
+  with.setSolution(selection_.z);
+  const Eigen::VectorXd z = with.solutionWithout(cause);
+  selection_.causes.erase(selection_.causes.begin() + static_cast<std::ptrdiff_t>(cause));
+  if (selection_.causes.empty()) {
+    selection_.z = selection_.z_plain;
+    selection_.stray = selection_.stray_plain;
+    selection_.excess = selection_.excess_plain;
+    problem_.stray_friction = selection_.stray;
+    return;
+  }
+  PoseFit rest(problem_, split_.selection, causesOf(selection_, selection_.causes.size()));
+  rest.posterior().whiten(z);
+  rest.descend(z);
+  selection_.z = rest.z();
+}
+
+/// A cause that is no finding: the reason is said, and a change of the arm may still be asked about it.
+void Diagnosing::makeCandidate(std::size_t cause, std::string reason) {
+  const AcceptedCause& accepted = selection_.causes[cause];
+  const std::string effect(accepted.cause.effect->name);
+  result_.diagnosis.candidates.push_back(
+      {effect, accepted.cause.target, std::move(reason), result_.diagnosis.causes[cause].gain_heldout});
+  selection_.refused.insert(selection_.refused.begin(), accepted.cause);
+  for (HypothesisRecord& record : selection_.records) {
+    if (record.outcome.starts_with("accepted") && record.effect == effect && record.target == accepted.cause.target)
+      record.outcome = "candidate";
+  }
+  forget(cause);
+}
+
+/// Causes for which the poses held out do not speak, the worst first: without it others may gain.
+void Diagnosing::forgetHarmful(const PoseProblem& without) {
+  if (!(result_.diagnosis.baseline.mse_heldout > 0.0)) return;  // none was held out that could tell
+  std::vector<Cause>& causes = result_.diagnosis.causes;
+  while (!causes.empty()) {
+    const auto worst = std::ranges::min_element(causes, {}, [](const Cause& c) { return c.gain_heldout.value; });
+    if (worst->gain_heldout.value > 0.0) return;
+    makeCandidate(static_cast<std::size_t>(worst - causes.begin()), "the poses held out become no better with it");
+    measureGain(without);
+  }
 }
 
 /// Errors on the poses held out, without causes and with ever more of them.
 void Diagnosing::measureGain(const PoseProblem& without) {
   Diagnosis& d = result_.diagnosis;
+  fillCauses();
   PoseFit plain(without, split_.selection, {});
   plain.posterior().whiten(selection_.z_plain);
   plain.setSolution(selection_.z_plain);
@@ -190,6 +235,7 @@ void Diagnosing::measureGain(const PoseProblem& without) {
 }
 
 void Diagnosing::fillCauses() {
+  result_.diagnosis.causes.clear();
   for (const AcceptedCause& accepted : selection_.causes) {
     Cause& cause = result_.diagnosis.causes.emplace_back();
     cause.effect = accepted.cause.effect->name;
@@ -282,11 +328,11 @@ PoseDiagnosis Diagnosing::run() {
   without.stray_friction = selection_.stray_plain;
   problem_.stray_friction = selection_.stray;
   takeBack(without);
-  d.hypotheses = selection_.records;
   d.candidates = selection_.impossible;
-  fillCauses();
   say("gain on held-out poses");
   measureGain(without);
+  forgetHarmful(without);
+  d.hypotheses = selection_.records;
 
   PoseFit plain(without, split_.all, {});
   plain.posterior().whiten(selection_.z_plain);
