@@ -11,6 +11,7 @@
 #include "diagnose/verdict.h"
 #include "pose_advice.h"
 #include "pose_candidates.h"
+#include "pose_conclusion.h"
 #include "pose_evidence.h"
 #include "pose_score.h"
 #include "pose_selection.h"
@@ -22,9 +23,7 @@
 namespace simgap {
 namespace {
 
-constexpr double kLargeExcess = 0.5;  // of the cross-validated error over what the model itself expects
-constexpr double kClearExcess = 4.0;  // standard deviations
-constexpr double kLeastOdds = 1.0;    // log, of causes by all poses together
+constexpr double kLeastOdds = 1.0;  // log, of causes by all poses together
 
 /// Poses of the selection and those held out, without the faulty ones.
 struct Split {
@@ -82,10 +81,10 @@ class Diagnosing {
   void forget(std::size_t cause);
   void makeCandidate(std::size_t cause, std::string reason);
   void forgetHarmful(const PoseProblem& without);
+  void forgetPartial(const PoseProblem& without);
   void measureGain(const PoseProblem& without);
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
-  void decide();
   std::string poseErrorsCsv(const ArmModel& before, const ArmModel& after) const;
 
   PoseProblem problem_;
@@ -96,6 +95,7 @@ class Diagnosing {
   Split split_;
   std::vector<PoseHypothesis> hypotheses_;
   PoseSelection selection_;
+  bool partial_ = false;  ///< causes were taken back since too much is left beside them
   PoseDiagnosis result_;
 };
 
@@ -196,6 +196,7 @@ void Diagnosing::makeCandidate(std::size_t cause, std::string reason) {
     if (record.outcome.starts_with("accepted") && record.effect == effect && record.target == accepted.cause.target)
       record.outcome = "candidate";
   }
+  result_.diagnosis.causes.erase(result_.diagnosis.causes.begin() + static_cast<std::ptrdiff_t>(cause));
   forget(cause);
 }
 
@@ -209,6 +210,25 @@ void Diagnosing::forgetHarmful(const PoseProblem& without) {
     makeCandidate(static_cast<std::size_t>(worst - causes.begin()), "the poses held out become no better with it");
     measureGain(without);
   }
+}
+
+/// Causes that take a part of an error of which much is left: what has no name may look like them.
+void Diagnosing::forgetPartial(const PoseProblem& without) {
+  Diagnosis& d = result_.diagnosis;
+  if (d.causes.empty()) return;
+  PoseProblem stated = problem_;
+  stated.stray_friction = std::min(1.0, problem_.stray_friction);
+  PoseFit fit(stated, split_.all, causesOf(selection_, selection_.causes.size()));
+  fit.posterior().whiten(selection_.z);
+  fit.setSolution(selection_.z);
+  const double noise = poseNoiseFloor(fit);
+  if (!leavesTooMuch(selection_, d, noise)) return;
+  partial_ = true;
+  const std::string reason = fmt::format(
+      "takes away, with all that was found, only {:.0f} % of an error of which {:.1f} times the noise is left",
+      100.0 * (1.0 - d.extended.mse_heldout / d.baseline.mse_heldout), leftInNoise(d, noise));
+  while (!selection_.causes.empty()) makeCandidate(0, reason);
+  measureGain(without);
 }
 
 /// Errors on the poses held out, without causes and with ever more of them.
@@ -259,46 +279,6 @@ void Diagnosing::fillAbsorption(PoseFit& plain, PoseFit& fit) {
   result_.diagnosis.causes.back().absorbed_by = absorbed(std::move(shifts));
 }
 
-void Diagnosing::decide() {
-  Diagnosis& d = result_.diagnosis;
-  const bool structure = selection_.excess > kLargeExcess && selection_.excess > kClearExcess * selection_.excess_sd;
-  const DataFault* fault = openFault(d.faults);
-  d.verdict = fault != nullptr ? DiagnosisVerdict::kDataFault : verdictOf(d.causes, d.causes.empty() && structure);
-  std::string names;
-  for (const AcceptedCause& cause : selection_.causes) names += (names.empty() ? "" : ", ") + cause.cause.label();
-  const double gain = 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout;
-  const bool one = d.causes.size() == 1;
-  switch (d.verdict) {
-    case DiagnosisVerdict::kDataFault:
-      d.sentence = fault->sentence;
-      break;
-    case DiagnosisVerdict::kCauseFound:
-    case DiagnosisVerdict::kAmbiguous:
-      d.sentence = gain > 0.0
-                       ? fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out", names,
-                                     one ? "takes away" : "take away", 100.0 * gain, split_.heldout.size())
-                       : fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it",
-                                     names, one ? "makes" : "make", split_.heldout.size());
-      break;
-    case DiagnosisVerdict::kUnexplained:
-      d.sentence = d.causes.empty()
-                       ? fmt::format(
-                             "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no "
-                             "cause of the catalogue takes it away",
-                             100.0 * selection_.excess)
-                       : fmt::format("something like {} is there, but these poses do not tell it from {} other causes",
-                                     names, d.causes.front().ambiguous_with.size());
-      break;
-    case DiagnosisVerdict::kNothingFound:
-      d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
-  }
-  if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {
-    d.warnings.push_back(
-        fmt::format("the error on unseen poses is still {:.0f} % above what noise and parameters explain",
-                    100.0 * selection_.excess));
-  }
-}
-
 std::string Diagnosing::poseErrorsCsv(const ArmModel& before, const ArmModel& after) const {
   CsvWriter csv({"pose", "held_out", "used", "before_deg", "after_deg"});
   const std::vector<double> old = squaredErrors(before, set_.poses), now = squaredErrors(after, set_.poses);
@@ -332,6 +312,7 @@ PoseDiagnosis Diagnosing::run() {
   say("gain on held-out poses");
   measureGain(without);
   forgetHarmful(without);
+  forgetPartial(without);
   d.hypotheses = selection_.records;
 
   PoseFit plain(without, split_.all, {});
@@ -357,7 +338,7 @@ PoseDiagnosis Diagnosing::run() {
   say("what these poses could reveal");
   d.detectable = detectableMagnitudes(problem_, fit, hypotheses_);
   d.next_experiment = nextPoseExperiment(problem_, fit, selection_, hypotheses_, d.not_testable);
-  decide();
+  concludePoses(selection_, split_.heldout.size(), partial_, d);
   warnOfHarm(d);
   result_.candidates = candidateModels(problem_, plain, selection_.stray_plain, fit, selection_);
   result_.excess = selection_.excess;

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "diagnose/poses/pose_conclusion.h"
 #include "support/drawn_poses.h"
 
 namespace simgap {
@@ -32,6 +33,56 @@ TEST(PoseFindings, WhatPosesHeldOutDenyIsACandidate) {
   EXPECT_LE(found.candidates[0].gain_heldout.value, 0.0);
   EXPECT_NE(found.candidates[0].reason.find("held out"), std::string::npos) << found.candidates[0].reason;
   EXPECT_EQ(found.extended.mse_heldout, found.baseline.mse_heldout);
+}
+
+// The elbow's angle counts the other way, from another zero: whatever takes a part of that is no answer.
+TEST(PoseFindings, CausesThatLeaveMostOfTheErrorAreNone) {
+  const reality::PoseDraw draw = reality::drawPoses(21, {.poses = 48, .causes = 0});
+  PoseSet set = test::posesOf(draw, draw.poses);
+  for (Pose& pose : set.poses) pose.joints[1].angle = 2.0 - pose.joints[1].angle;
+  const Diagnosis found = diagnoseFor(draw, set, {"cord-hardening", "passive-joint-torque", "spindle-coiling"});
+  EXPECT_EQ(found.verdict, DiagnosisVerdict::kUnexplained) << found.sentence;
+  EXPECT_TRUE(found.causes.empty());
+  ASSERT_FALSE(found.candidates.empty());
+  EXPECT_NE(found.candidates[0].reason.find("times the noise is left"), std::string::npos);
+}
+
+TEST(PoseFindings, ASentenceCountsTheRivalsOfTheCauseThatHasThem) {
+  PoseSelection selection;
+  Diagnosis d;
+  d.causes.resize(2);
+  d.causes[0].effect = "cord-creep";
+  d.causes[1].effect = "payload";
+  d.causes[1].target = "forearm";
+  d.causes[1].ambiguous_with = {"gravity-tilt", "joint-stiction:elbow", "muscle-wrap:biceps"};
+  concludePoses(selection, 20, false, d);
+  EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained);
+  EXPECT_EQ(d.sentence, "something like payload:forearm is there, but these poses do not tell it from 3 other causes");
+}
+
+TEST(PoseFindings, TheFirstLineSaysWhatIsLeft) {
+  PoseSelection selection;
+  Diagnosis d;
+  selection.causes.push_back({{findArmEffect("payload"), "forearm", {}}, 9.0, 0.0, {}, {}, {}});
+  d.causes.resize(1);
+  d.causes[0].effect = "payload";
+  d.baseline.mse_heldout = 4.0;
+  d.extended.mse_heldout = 1.0;
+  d.noise_floor = 0.9;
+  concludePoses(selection, 20, false, d);
+  EXPECT_NE(d.sentence.find("takes away 75 % of the squared error on 20 poses that were held out. Left: 25 %, about "
+                            "the noise"),
+            std::string::npos)
+      << d.sentence;
+  d.noise_floor = 0.16;
+  concludePoses(selection, 20, false, d);
+  EXPECT_NE(d.sentence.find("Left: 25 %, 2.5 times the noise"), std::string::npos) << d.sentence;
+  EXPECT_FALSE(leavesTooMuch(selection, d, d.noise_floor)) << "cross-validation sees no structure";
+  selection.excess = 5.0;
+  selection.excess_sd = 0.1;
+  EXPECT_TRUE(leavesTooMuch(selection, d, d.noise_floor));
+  d.noise_floor = 0.9;
+  EXPECT_FALSE(leavesTooMuch(selection, d, d.noise_floor));
 }
 
 }  // namespace

@@ -1,0 +1,92 @@
+#include "pose_conclusion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/verdict.h"
+
+namespace simgap {
+namespace {
+
+constexpr double kLargeExcess = 0.5;   // of the cross-validated error over what the model itself expects
+constexpr double kClearExcess = 4.0;   // standard deviations
+constexpr double kFarFromNoise = 2.0;  // RMS, in noise floors
+constexpr double kSmallRest = 0.05;    // of the error without causes: what the law of a named cause may leave
+constexpr double kNearNoise = 1.5;     // RMS, in noise floors: what poses not fitted to may have
+
+/// Structure on poses not fitted to.
+bool isStructure(const PoseSelection& selection) {
+  return selection.excess > kLargeExcess && selection.excess > kClearExcess * selection.excess_sd;
+}
+
+std::string acceptedNames(const PoseSelection& selection) {
+  std::string names;
+  for (const AcceptedCause& cause : selection.causes) names += (names.empty() ? "" : ", ") + cause.cause.label();
+  return names;
+}
+
+std::string foundText(const PoseSelection& selection, std::size_t heldout, const Diagnosis& d) {
+  const double left = d.extended.mse_heldout / d.baseline.mse_heldout;
+  const bool one = d.causes.size() == 1;
+  if (!(left < 1.0)) {
+    return fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it",
+                       acceptedNames(selection), one ? "makes" : "make", heldout);
+  }
+  const double times = leftInNoise(d, d.noise_floor);
+  const std::string rest = times > kNearNoise ? fmt::format("{:.1f} times the noise", times) : "about the noise";
+  return fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out. Left: {:.0f} %, {}",
+                     acceptedNames(selection), one ? "takes away" : "take away", 100.0 * (1.0 - left), heldout,
+                     100.0 * left, rest);
+}
+
+std::string unexplainedText(const PoseSelection& selection, const Diagnosis& d) {
+  for (const Cause& cause : d.causes) {
+    if (!isLost(cause.ambiguous_with)) continue;
+    return fmt::format("something like {} is there, but these poses do not tell it from {} other causes",
+                       extensionLabel({cause.effect, cause.target, {}}), cause.ambiguous_with.size());
+  }
+  return fmt::format(
+      "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no cause of the catalogue "
+      "takes it away",
+      100.0 * selection.excess);
+}
+
+}  // namespace
+
+double leftInNoise(const Diagnosis& d, double noise) {
+  return noise > 0.0 ? std::sqrt(d.extended.mse_heldout / noise) : 0.0;
+}
+
+bool leavesTooMuch(const PoseSelection& selection, const Diagnosis& d, double noise) {
+  return isStructure(selection) && leftInNoise(d, noise) > kFarFromNoise &&
+         d.extended.mse_heldout > kSmallRest * d.baseline.mse_heldout;
+}
+
+void concludePoses(const PoseSelection& selection, std::size_t heldout, bool partial, Diagnosis& d) {
+  const bool structure = isStructure(selection);
+  const DataFault* fault = openFault(d.faults);
+  d.verdict = fault != nullptr ? DiagnosisVerdict::kDataFault : verdictOf(d.causes, structure || partial);
+  switch (d.verdict) {
+    case DiagnosisVerdict::kDataFault:
+      d.sentence = fault->sentence;
+      break;
+    case DiagnosisVerdict::kCauseFound:
+    case DiagnosisVerdict::kAmbiguous:
+      d.sentence = foundText(selection, heldout, d);
+      break;
+    case DiagnosisVerdict::kUnexplained:
+      d.sentence = unexplainedText(selection, d);
+      break;
+    case DiagnosisVerdict::kNothingFound:
+      d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
+  }
+  if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {
+    d.warnings.push_back(
+        fmt::format("the error on unseen poses is still {:.0f} % above what noise and parameters explain",
+                    100.0 * selection.excess));
+  }
+}
+
+}  // namespace simgap
