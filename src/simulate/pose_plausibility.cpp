@@ -23,6 +23,7 @@ constexpr double kBeyondStop = 0.25;                     // [m] beyond its limit
 constexpr double kLongestSlide = 10.0;                   // [m], of a slide without limits
 constexpr double kContradicted = 45.0 * kDegree;         // mean error of a reading that is in doubt,
 constexpr double kClearlyBetter = 0.5;                   // and what of it the other reading may leave
+constexpr double kOneTurn = 2.0 * std::numbers::pi;      // [rad]: beyond it angles look like degrees
 constexpr double kTwoTurns = 4.0 * std::numbers::pi;     // [rad] of a shaft
 constexpr double kLeastPressure = 1000.0;                // [Pa]
 constexpr std::size_t kLooked = 40;                      // poses, enough for a mean
@@ -76,11 +77,12 @@ void refusePressuresInBar(const ArmModel& model, const PoseSet& set) {
 struct Reach {
   double unlimited, beyond;
   double mistaken;                      ///< one of the unit that is confused with the right one
+  double largest;                       ///< that is looked for in the right one
   const char *what, *looks_like, *end;  ///< of a column named rightly
 };
 Reach reachOf(const Joint& joint) {
-  if (joint.slides()) return {kLongestSlide, kBeyondStop, 1e-3, "a way in m", "millimetres", "_mm"};
-  return {kUnlimited, kBeyondLimit, kDegree, "an angle in rad", "degrees", "_deg"};
+  if (joint.slides()) return {kLongestSlide, kBeyondStop, 1e-3, 0.0, "a way in m", "millimetres", "_mm"};
+  return {kUnlimited, kBeyondLimit, kDegree, kOneTurn, "an angle in rad", "degrees", "_deg"};
 }
 
 /// How far a position is outside a joint's limits [rad], of a slide [m].
@@ -100,14 +102,19 @@ void refusePositionsOutOfReach(const ArmModel& model, const PoseSet& set) {
           set.poses, [&](const Pose& pose) { return beyond(joint, factor * pose.joints[j].angle) < reach.beyond; });
     };
     if (reached(1.0)) continue;
+    const auto largest =
+        std::ranges::max_element(set.poses, {}, [&](const Pose& pose) { return std::abs(pose.joints[j].angle); });
+    std::string help;
+    if (reached(-1.0)) {
+      help = "; its sign looks turned: positions count about the joint's axis, as the model has it";
+    } else if (std::abs(largest->joints[j].angle) > reach.largest && reached(reach.mistaken)) {
+      help = fmt::format("; it looks like {}: name the column {}{}", reach.looks_like, joint.name, reach.end);
+    }
     const auto farthest =
         std::ranges::max_element(set.poses, {}, [&](const Pose& pose) { return beyond(joint, pose.joints[j].angle); });
-    throw DataError(fmt::format(
-        "{}: pose {}: {}_{}: found {:.6g}, expected {} within the joint's limits{}", set.file, farthest->name,
-        joint.name, kindOf(joint.type).unit, farthest->joints[j].angle, reach.what,
-        reached(reach.mistaken)
-            ? fmt::format("; it looks like {}: name the column {}{}", reach.looks_like, joint.name, reach.end)
-            : ""));
+    throw DataError(fmt::format("{}: pose {}: {}_{}: found {:.6g}, expected {} within the joint's limits{}", set.file,
+                                farthest->name, joint.name, kindOf(joint.type).unit, farthest->joints[j].angle,
+                                reach.what, help));
   }
 }
 

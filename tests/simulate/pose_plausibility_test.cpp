@@ -14,6 +14,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 class PosePlausibility : public testing::TestWithParam<std::uint64_t> {
  protected:
@@ -52,6 +53,13 @@ TEST_P(PosePlausibility, ShaftsInDegreesAreNamed) {
 TEST_P(PosePlausibility, JointAnglesInDegreesAreNamed) {
   for (Pose& pose : poses_) pose.joints[1].angle = toDegrees(pose.joints[1].angle);
   EXPECT_THAT(said(), AllOf(HasSubstr("3: poses.csv: "), HasSubstr("looks like degrees")));
+}
+
+TEST_P(PosePlausibility, JointAnglesOfTheOtherSignAreNamed) {
+  for (Pose& pose : poses_) pose.joints[1].angle *= -1.0;
+  poses_.front().joints[1].angle = -2.0;  // of limits from 0 to 2.36
+  EXPECT_THAT(said(),
+              AllOf(HasSubstr("3: poses.csv: "), HasSubstr("its sign looks turned"), Not(HasSubstr("degrees"))));
 }
 
 TEST_P(PosePlausibility, QuaternionsInTheOrderOfRosAreNamed) {

@@ -120,8 +120,9 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   }
   if (!flipped.empty()) {
     faults.push_back(fault(poses, flipped,
-                           "turned far from where any model puts them, as when markers are confused; "
-                           "record them anew or leave them out"));
+                           "turned far from where this model can be, as when markers are confused, or something strong "
+                           "is missing in the model; record them anew: if they come back, look for that, else leave "
+                           "them out"));
   }
   if (!stuck.empty()) {
     faults.push_back(fault(poses, stuck,
