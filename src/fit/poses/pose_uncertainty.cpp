@@ -56,6 +56,23 @@ Eigen::VectorXd posteriorGradient(const std::vector<PoseResidual>& poses, const 
   return gradient;
 }
 
+/// How far the optimum still is [sd]: what is gained along the Newton step says it, where that promises more than there
+/// is. Where a line is just slack the posterior has a kink, at which slopes do not vanish.
+double stillToGo(PosePosterior& posterior, const Eigen::VectorXd& z, const Eigen::VectorXd& gradient,
+                 const Eigen::MatrixXd& covariance) {
+  constexpr int kHalvings = 10;
+  const double promised = std::sqrt(gradient.dot(covariance * gradient));
+  if (promised <= kAtOptimum) return promised;
+  const double here = posterior.objective(z);
+  if (!std::isfinite(here)) return promised;
+  const Eigen::VectorXd step = covariance * gradient;
+  double lowest = std::numeric_limits<double>::infinity(), part = 1.0;
+  for (int i = 0; i < kHalvings; ++i, part *= 0.5) lowest = std::min(lowest, posterior.objective(z - part * step));
+  posterior.objective(z);                       // which it holds again
+  if (!std::isfinite(lowest)) return promised;  // no way that way, and nothing said of others
+  return std::min(promised, std::sqrt(2.0 * std::max(0.0, here - lowest)));
+}
+
 /// Inverse of a curvature; directions that nothing bounds get the variance 1 / kTinyCurvature.
 Eigen::MatrixXd invertCurvature(const Eigen::MatrixXd& curvature) {
   const SymmetricEigen eigen = symmetricEigen(curvature);
@@ -103,7 +120,7 @@ PoseUncertainty assessUncertainty(PosePosterior& posterior, const Eigen::VectorX
   const Eigen::MatrixXd jacobian = stackJacobians(residuals, true);
   result.covariance = posteriorCovariance(jacobian, scaled);
   const Eigen::VectorXd gradient = posteriorGradient(residuals, scaled, z);
-  result.from_optimum = std::sqrt(gradient.dot(result.covariance * gradient));
+  result.from_optimum = stillToGo(posterior, z, gradient, result.covariance);
   const Eigen::VectorXd singular = singularValues(jacobian);
   result.singular_values.assign(singular.begin(), singular.end());
 

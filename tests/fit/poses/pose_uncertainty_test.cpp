@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
 #include "simgap/core/random.h"
 #include "simgap/fit/poses/levenberg_marquardt.h"
+#include "support/arms.h"
 #include "support/rig.h"
 #include "support/statics.h"
 
@@ -140,6 +142,42 @@ TEST(Identifiability, WhatMovesNoEquilibriumHasNoEffect) {
       test::recordRig(2).model, manyPoses());
   EXPECT_EQ(f.verdict("muscles.muscle9.shock_cord.damping_Ns_m"), Verdict::kNotIdentifiable);
   EXPECT_EQ(f.verdict("muscles.muscle9.kite_line_length_m"), Verdict::kIdentifiable);
+}
+
+/// A cord that is just slack in the only pose: where it is taut the pose, where it is not the prior pushes it back.
+TEST(Uncertainty, KnowsAnOptimumAtAKink) {
+  constexpr double kKnown = 0.01;  // [m] sd of the line
+  const PoseNoise noise{0.3 * kDegree, false};
+  ArmModel model = test::exampleArm();
+  const auto brachialis = std::ranges::find(model.muscles, "brachialis", &Muscle::name) - model.muscles.begin();
+  double& line = model.muscles[static_cast<std::size_t>(brachialis)].kite_line_length;
+  Pose pose;
+  pose.name = "p";
+  pose.shafts.assign(model.muscles.size(), 0.0);
+  const auto restsAt = [&](double length) {
+    line = length;
+    EquilibriumArm arm(model);
+    EXPECT_TRUE(arm.solve(pose.shafts).stable);
+    pose.joints = arm.joints();
+    return arm.energy().expansion(static_cast<std::size_t>(brachialis));
+  };
+  double taut = line - 0.1, slack = line + 0.1;
+  ASSERT_GT(restsAt(taut), 0.0);
+  while (slack - taut > 1e-9) (restsAt(0.5 * (taut + slack)) > 0.0 ? taut : slack) = 0.5 * (taut + slack);
+  restsAt(taut - 1e-3);
+  const double pulled = pose.joints[1].angle;
+  restsAt(slack);
+  pose.joints[1].angle -= 3.0 * noise.capture_sd * (pulled > pose.joints[1].angle ? 1.0 : -1.0);
+  pose.spread.assign(2, 0.0);
+  line = taut - 0.5 * kKnown;  // half a standard deviation into what is taut
+  const ParameterSpace space(model, {{"muscles.brachialis.kite_line_length_m", 1e-3, {}, {}, kKnown, {}}});
+  const std::vector<Pose> poses{pose};
+  PosePosterior posterior(model, poses, space, noise);
+  const auto distanceAt = [&](double z) {
+    return assessUncertainty(posterior, Eigen::VectorXd::Constant(1, z), space).from_optimum;
+  };
+  EXPECT_LT(distanceAt(0.5 - 1e-5), kAtOptimum);  // the slope promises 3
+  EXPECT_GT(distanceAt(0.0), kAtOptimum);
 }
 
 TEST(Prediction, WithoutCommandsThereIsNoneInPlaceOfAnErrorOfZero) {

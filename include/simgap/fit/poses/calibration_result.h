@@ -46,9 +46,6 @@ struct CalibrationResult {
       {};  ///< of commands like the recorded ones; empty without uncertainty or such commands
 };
 
-/// Laplace's approximation says nothing of parameters farther than this from the most probable ones [sd].
-inline constexpr double kAtOptimum = 1.0;
-
 /// What of a result can be given to the user.
 struct Delivery {
   bool calibrated = true;  ///< false: it is worse than the start, which is kept

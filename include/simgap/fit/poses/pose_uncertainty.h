@@ -36,13 +36,17 @@ struct Combination {
   std::string text;                     ///< "kite_line_length_m and shock_cord.rest_length_m of biceps: only their sum"
 };
 
+/// Laplace's approximation says nothing of parameters farther than this from the most probable ones [sd].
+inline constexpr double kAtOptimum = 1.0;
+
 struct PoseUncertainty {
   Eigen::MatrixXd covariance;           ///< of z, shape (parameters, parameters)
   std::vector<double> singular_values;  ///< of the whitened Jacobian, in prior standard deviations, descending
   std::vector<ParameterUncertainty> parameters;
   std::vector<Combination> combinations;
   /// Length of the Newton step to the most probable parameters, in standard deviations: sqrt(g^T N^-1 g) with the
-  /// gradient g of the negative log posterior. Far above 0, nothing else here holds.
+  /// gradient g of the negative log posterior; beyond kAtOptimum no more than what the way along that step gains says,
+  /// as slopes do not vanish at a kink. Far above 0, nothing else here holds.
   double from_optimum = 0.0;
   std::vector<double>
       distances;  ///< d_p of each pose; NaN without an equilibrium; beyond kRobustScale it is an outlier
