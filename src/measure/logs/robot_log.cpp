@@ -132,6 +132,7 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, dou
   const double seconds = std::max(kParabola / bandwidth, kOfTurns * usualTimeBetween(log.time, turns));
   joint.presliding =
       std::max(joint.presliding, travelOfFriction({log.time, joint.position, log.effort}, turns, runs, sign, seconds));
+  if (joint.presliding == 0.0) return;  // friction that turns at once says in turning what it is at low speed
   leaveOutTurns(log.time, runs, bandwidth, sign);
   leaveOutFirstTravel(joint.position, log.velocity, runs, restingSpeed(log.velocity, sign.dead_band), joint.presliding,
                       sign);
