@@ -80,8 +80,7 @@ std::string nextStep(const RobotSearch& search, const RobotSelection& selection,
     if (channel == "time") return "Repeat the first motion at the end: that tells a drift.";
     if (channel.starts_with(kAllNumbers)) {
       return "More than one number of its bodies or drives has changed, or the known ones are wrong: find the robot "
-             "from "
-             "this log, too (fit-dynamics), and compare the two base_parameters.csv.";
+             "from this log, too (fit-dynamics), and compare the two base_parameters.csv.";
     }
     return fmt::format("Repeat one motion while {} goes slowly over its range and the rest is held.", channel);
   }

@@ -169,7 +169,7 @@ std::vector<LoggedJoint> loggedJoints(const ArmModel& arm) {
   const InverseDynamics dynamics(arm);
   for (const int index : dynamics.joints()) {
     const Joint& joint = arm.joints[index];
-    joints.push_back({joint.name, joint.slides(), joint.lower_limit, joint.upper_limit});
+    joints.push_back({joint.name, joint.slides(), joint.lower_limit, joint.upper_limit, {}});
   }
   return joints;
 }

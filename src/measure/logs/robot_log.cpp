@@ -123,15 +123,15 @@ double usualTimeBetween(const std::vector<double>& time, const std::vector<std::
 }
 
 /// Beside turns, and after them and after rests until friction has built up.
-void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, double bandwidth, RobotJointLog& joint,
-                        MotionSign& sign) {
+void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, double bandwidth,
+                        std::optional<double> known, RobotJointLog& joint, MotionSign& sign) {
   // For so long after a turn the load is a parabola: some periods of the smoother's bandwidth, above which there is
   // noise alone, or a part of the usual time from turn to turn.
   constexpr double kParabola = 3.0, kOfTurns = 0.125;
   const std::vector<std::size_t> turns = turnsOf(sign.direction, runs);
   const double seconds = std::max(kParabola / bandwidth, kOfTurns * usualTimeBetween(log.time, turns));
   joint.presliding =
-      std::max(joint.presliding, travelOfFriction({log.time, joint.position, log.effort}, turns, runs, sign, seconds));
+      known ? *known : travelOfFriction({log.time, joint.position, log.effort}, turns, runs, sign, seconds);
   if (joint.presliding == 0.0) return;  // friction that turns at once says in turning what it is at low speed
   leaveOutTurns(log.time, runs, bandwidth, sign);
   leaveOutFirstTravel(joint.position, log.velocity, runs, restingSpeed(log.velocity, sign.dead_band), joint.presliding,
@@ -140,7 +140,7 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, dou
 
 /// Velocity and acceleration, and in which rows the joint moves.
 void completeJoint(JointReader& reader, std::span<const Block> runs, const std::vector<double>& time,
-                   RobotJointLog& joint) {
+                   std::optional<double> presliding, RobotJointLog& joint) {
   ActuatorLog& log = reader.log;
   FrictionData& notes = reader.notes;
   log.time = time;
@@ -165,7 +165,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   rests.bandwidth = notes.bandwidth;
   // Velocity is smoothed and acceleration worked out even where velocity was measured: both are blurred beside rests.
   leaveOutRests(log, /*derived=*/true, options, sign, rests);
-  leaveOutPresliding(log, runs, notes.bandwidth, joint, sign);
+  leaveOutPresliding(log, runs, notes.bandwidth, presliding, joint, sign);
   for (const ChannelSpikes& spikes : notes.spikes) {
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;
   }
@@ -214,9 +214,8 @@ RobotLog readRobotLog(CsvTable table, std::span<const LoggedJoint> joints) {
   robot.joints.resize(joints.size());
   tbb::parallel_for(std::size_t{0}, joints.size(), [&](std::size_t j) {
     robot.joints[j].name = joints[j].name;
-    robot.joints[j].presliding = joints[j].presliding;
     robot.joints[j].effort_unit = readers[j].log.effort_unit;
-    completeJoint(readers[j], runs, robot.time, robot.joints[j]);
+    completeJoint(readers[j], runs, robot.time, joints[j].presliding, robot.joints[j]);
   });
   for (std::size_t j = 0; j < joints.size(); ++j) {
     for (const std::string& sentence : readers[j].notes.warnings) {

@@ -74,6 +74,8 @@ ArmSizes sizesOf(const ArmModel& model) {
     sizes.force = weight / kSampleWeight;
   }
   sizes.mass = masses.empty() ? sizes.force : median(std::move(masses)) / kSampleMass;
+  // Narrower priors lose what they were to help finding: a light forearm's payload, in motions.
+  for (double* size : {&sizes.length, &sizes.force, &sizes.mass}) *size = std::max(1.0, *size);
   return sizes;
 }
 

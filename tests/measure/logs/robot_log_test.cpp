@@ -11,7 +11,7 @@ namespace simgap {
 namespace {
 
 /// 60 s at 100 Hz: 2 s forwards, 1 s at rest, 2 s back, 1 s at rest, between ramps of 80 ms.
-RobotLog recordStops(bool velocity, double presliding = 0.0) {
+RobotLog recordStops(bool velocity, std::optional<double> presliding = {}) {
   std::string csv = velocity ? "time_s,j1_rad,torque_j1_Nm,j1_velocity_rad_s\n" : "time_s,j1_rad,torque_j1_Nm\n";
   double position = 0.0;
   for (int i = 0; i < 6000; ++i) {

@@ -20,6 +20,12 @@ TEST(ArmSizes, AreOneOnTheSampleArm) {
   EXPECT_NEAR(sizes.mass, 1.0, 1e-3);
 }
 
+TEST(ArmSizes, OfASmallerArmAreTheSampleArms) {
+  const ArmSizes sizes = sizesOf(test::withForces(sampleArm(), 1.0 / 80.0));
+  EXPECT_NEAR(sizes.of(ArmSize::kTorque), 1.0, 1e-3);
+  EXPECT_NEAR(sizes.mass, 1.0, 1e-3);
+}
+
 TEST(ArmSizes, OfAnArmWithoutCordsAreItsWeights) {
   ArmModel arm = sampleArm();
   arm.muscles.clear();

@@ -2,6 +2,7 @@
 /// The log of a robot: position, velocity and effort of every joint on one clock (docs/formats.md, "Logs").
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -16,9 +17,9 @@ struct LoggedJoint {
   std::string name;
   bool slides = false;
   double lower, upper;  ///< [rad] or [m] that it can reach
-  /// Travel [rad] or [m] over which its friction builds up, as far as that is known: an effort that is logged late
-  /// hides it.
-  double presliding = 0.0;
+  /// Travel [rad] or [m] over which its friction builds up, where that is known: an effort that is logged late hides
+  /// it, or looks like it. None: from the log.
+  std::optional<double> presliding;
 };
 
 /// A joint's channels, shape (rows) each. Lengths and forces of a slide are metres and newtons.

@@ -23,7 +23,7 @@ struct ArmSizes {
 
 /// From the model alone: lengths are the distances of lines' attachments from the nearest joint of their body, masses
 /// those of the bodies, forces what the cords pull with at a stretch of such a length, or, of an arm without, the
-/// weight of the bodies. What an arm does not have is as on the sample arm.
+/// weight of the bodies. What an arm does not have, or has smaller, is as on the sample arm.
 ArmSizes sizesOf(const ArmModel& model);
 
 }  // namespace simgap
