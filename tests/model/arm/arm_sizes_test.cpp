@@ -40,16 +40,14 @@ TEST(ArmSizes, CarryWhatEffectsState) {
   EXPECT_NEAR(sizes.length, plain.length, 1e-12);
   EXPECT_NEAR(sizes.of(ArmSize::kTorque), 80.0 * plain.of(ArmSize::kTorque), 1e-9);
   EXPECT_NEAR(sizes.of(ArmSize::kCompliance), plain.of(ArmSize::kCompliance) / 80.0, 1e-12);
-  const ArmEffect& payload = *findArmEffect("payload");
-  const ArmEffectParameter mass = onArm(payload.parameters[0], sizes), distance = onArm(payload.parameters[1], sizes);
-  EXPECT_NEAR(mass.scale, 80.0 * onArm(payload.parameters[0], plain).scale, 1e-9);
-  EXPECT_EQ(distance.scale, onArm(payload.parameters[1], plain).scale);
-  // A file may hold what such an arm may carry, and no more.
-  Extension load = makeExtension(payload, "forearm", {300.0, 0.2});
-  EXPECT_EQ(checkExtension(load, strong), "");
-  EXPECT_NE(checkExtension(load, sampleArm()).find("expected a number in [-2, 20]"), std::string::npos);
-  load = makeExtension(payload, "forearm", {3000.0, 0.2});
-  EXPECT_NE(checkExtension(load, strong).find("expected a number in [-160"), std::string::npos);
+  const ArmEffect& spring = *findArmEffect("passive-joint-torque");
+  EXPECT_NEAR(onArm(spring.parameters[0], sizes).scale, 80.0 * onArm(spring.parameters[0], plain).scale, 1e-9);
+  // A file may hold what such an arm may have, and no more.
+  Extension stiff = makeExtension(spring, "elbow", {3000.0});
+  EXPECT_EQ(checkExtension(stiff, strong), "");
+  EXPECT_NE(checkExtension(stiff, sampleArm()).find("expected a number in [-50"), std::string::npos);
+  stiff = makeExtension(spring, "elbow", {300000.0});
+  EXPECT_NE(checkExtension(stiff, strong).find("expected a number in [-4"), std::string::npos);
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 namespace simgap::arm_effects::payload {
 namespace {
 
-constexpr ArmEffectParameter kParameters[] = {
-    {"mass", "kg", {-2.0, 20.0, false, "a number in [-2, 20]"}, 0.0, 1.0, true, ArmSize::kMass},
-    {"distance", "m", {0.0, 2.0, false, "a number in [0, 2]"}, 0.15, 0.1, true, ArmSize::kLength}};
+// Of no size of the arm: often only mass x distance is known, and wider priors leave both without meaning.
+constexpr ArmEffectParameter kParameters[] = {{"mass", "kg", {-2.0, 20.0, false, "a number in [-2, 20]"}, 0.0, 1.0},
+                                              {"distance", "m", {0.0, 2.0, false, "a number in [0, 2]"}, 0.15, 0.1}};
 constexpr EffectParameters kStarts[] = {{0.05, 0.15}};
 constexpr std::string_view kLookAlikes[] = {"gravity-tilt", "passive-joint-torque"};
 
