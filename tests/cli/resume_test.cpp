@@ -118,7 +118,7 @@ TEST_P(ResumeOptimiserTest, CtrlCKeepsWhatIsFinished) {
 
 INSTANTIATE_TEST_SUITE_P(All, ResumeOptimiserTest,
                          testing::Values(Arguments{"--optimizer", "cma-es", "--generations", "40"},
-                                         Arguments{"--optimizer", "lm", "--starts", "100", "--verify", "none"},
+                                         Arguments{"--optimizer", "lm", "--starts", "400", "--verify", "none"},
                                          Arguments{"--optimizer", "hybrid", "--starts", "200", "--verify", "none"}));
 
 TEST_F(ResumeTest, AKillInTheFirstMomentsLeavesADirectoryThatCanBeReplacedOrResumed) {
