@@ -10,8 +10,7 @@ std::string bodyOfNoMass(const ArmModel& model) {
   ArmModel whole = model;
   applyToModel(resolveExtensions(model), whole);
   for (const Body& body : whole.bodies) {
-    double mass = 0.0;
-    for (const Part& part : body.parts) mass += part.mass;
+    const double mass = massProperties(body).mass;
     if (mass < 0.0) return fmt::format("{} would have a mass of {:.3g} kg", body.name, mass);
   }
   return "";

@@ -78,6 +78,7 @@ class Diagnosing {
   [[noreturn]] void failForPoses(std::size_t found) const;
   void leaveOut();
   void takeBack(const PoseProblem& without);
+  void forgetAll();
   void forget(std::size_t cause);
   void makeCandidate(std::size_t cause, std::string reason);
   void forgetHarmful(const PoseProblem& without);
@@ -163,22 +164,24 @@ void Diagnosing::takeBack(const PoseProblem& without) {
     if (record.outcome.starts_with("accepted"))
       record.outcome = fmt::format("rejected: log odds {:.1f} by all poses", odds);
   }
-  while (!selection_.causes.empty()) forget(selection_.causes.size() - 1);
+  forgetAll();
+}
+
+void Diagnosing::forgetAll() {
+  selection_.causes.clear();
+  selection_.z = selection_.z_plain;
+  selection_.stray = selection_.stray_plain;
+  selection_.excess = selection_.excess_plain;
+  problem_.stray_friction = selection_.stray;
 }
 
 /// Takes a cause out of the model.
 void Diagnosing::forget(std::size_t cause) {
+  if (selection_.causes.size() == 1) return forgetAll();
   PoseFit with(problem_, split_.selection, causesOf(selection_, selection_.causes.size()));
   with.setSolution(selection_.z);
   const Eigen::VectorXd z = with.solutionWithout(cause);
   selection_.causes.erase(selection_.causes.begin() + static_cast<std::ptrdiff_t>(cause));
-  if (selection_.causes.empty()) {
-    selection_.z = selection_.z_plain;
-    selection_.stray = selection_.stray_plain;
-    selection_.excess = selection_.excess_plain;
-    problem_.stray_friction = selection_.stray;
-    return;
-  }
   PoseFit rest(problem_, split_.selection, causesOf(selection_, selection_.causes.size()));
   rest.posterior().whiten(z);
   rest.descend(z);
@@ -196,8 +199,6 @@ void Diagnosing::makeCandidate(std::size_t cause, std::string reason) {
     if (record.outcome.starts_with("accepted") && record.effect == effect && record.target == accepted.cause.target)
       record.outcome = "candidate";
   }
-  result_.diagnosis.causes.erase(result_.diagnosis.causes.begin() + static_cast<std::ptrdiff_t>(cause));
-  forget(cause);
 }
 
 /// Causes for which the poses held out do not speak, the worst first: without it others may gain.
@@ -207,7 +208,9 @@ void Diagnosing::forgetHarmful(const PoseProblem& without) {
   while (!causes.empty()) {
     const auto worst = std::ranges::min_element(causes, {}, [](const Cause& c) { return c.gain_heldout.value; });
     if (worst->gain_heldout.value > 0.0) return;
-    makeCandidate(static_cast<std::size_t>(worst - causes.begin()), "the poses held out become no better with it");
+    const auto cause = static_cast<std::size_t>(worst - causes.begin());
+    makeCandidate(cause, "the poses held out become no better with it");
+    forget(cause);
     measureGain(without);
   }
 }
@@ -227,7 +230,8 @@ void Diagnosing::forgetPartial(const PoseProblem& without) {
   const std::string reason = fmt::format(
       "takes away, with all that was found, only {:.0f} % of an error of which {:.1f} times the noise is left",
       100.0 * (1.0 - d.extended.mse_heldout / d.baseline.mse_heldout), leftInNoise(d, noise));
-  while (!selection_.causes.empty()) makeCandidate(0, reason);
+  for (std::size_t c = 0; c < selection_.causes.size(); ++c) makeCandidate(c, reason);
+  forgetAll();
   measureGain(without);
 }
 

@@ -255,7 +255,8 @@ class RobotDiagnoser {
     d.noise_floor = floors.back();
     d.candidates = std::move(findings.candidates);
     d.hypotheses = selection.records;
-    const RobotLeft left = whatIsLeft(search, selection.set, named_);
+    const RobotUnseen unseen = unseenOf(search, selection.set);
+    const RobotLeft left = whatIsLeft(unseen, named_);
     d.left_over_percent = 100.0 * left.share;
     d.unexplained = left.channels;
     d.explainable_percent = std::min(100.0, d.explained_percent + d.left_over_percent);
@@ -263,7 +264,7 @@ class RobotDiagnoser {
     addUntestable(search, known_, d);
     addDetectable(search, selection, options_, d);
     joints(search, after, floors, torque_before, torque_after);
-    lookElsewhere(search, selection.set);
+    lookElsewhere(unseen);
     concludeRobot(search, selection, result_);
     warnOfHarm(d);
     if (known_) extend(search, selection, after, covariance);
@@ -298,12 +299,13 @@ class RobotDiagnoser {
   }
 
   /// What is left in the joints on which no cause acts, each of its own error.
-  void lookElsewhere(const RobotSearch& search, const RobotSearch::Set& set) {
-    for (std::size_t c = 0; c < search.rows().joints(); ++c) {
+  void lookElsewhere(const RobotUnseen& unseen) {
+    const RobotRows& rows = unseen.search.rows();
+    for (std::size_t c = 0; c < rows.joints(); ++c) {
       if (std::ranges::find(named_, c) != named_.end()) continue;
-      RobotLeft left = whatIsLeft(search, set, {c});
+      RobotLeft left = whatIsLeft(unseen, {c});
       if (!left.channels.empty()) {
-        result_.elsewhere.push_back({search.rows().jointName(c), left.share, std::move(left.channels)});
+        result_.elsewhere.push_back({rows.jointName(c), left.share, std::move(left.channels)});
       }
     }
   }

@@ -131,19 +131,25 @@ MatrixXd predictedTorque(const RobotSearch& search, const RobotSearch::Set& set,
   return torque;
 }
 
-RobotLeft whatIsLeft(const RobotSearch& search, const RobotSearch::Set& set, const std::vector<std::size_t>& joints) {
+RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set) {
+  const RobotSearch::Fit fit = search.fit(set, kRobotFolds, /*without_prior=*/true);
+  return {search, search.validate({}), search.validate(set), search.validate(set, /*without_prior=*/true),
+          predictedTorque(search, set, fit)};
+}
+
+RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints) {
+  const RobotSearch& search = unseen.search;
   const RobotGround& ground = search.ground();
   const auto total = [&](const BlockErrors& errors) {
     return groupErrors(errors, search.counted(), ground.training, joints).sum.sum();
   };
-  const BlockErrors with = search.validate(set), free = search.validate(set, /*without_prior=*/true);
-  const double without = std::max(total(search.validate({})), 1e-300);
+  const double without = std::max(total(unseen.plain), 1e-300);
   RobotLeft left;
-  const double saved_by_all = std::max(0.0, total(with) - total(free)) / without;
+  const double saved_by_all = std::max(0.0, total(unseen.with) - total(unseen.free)) / without;
   if (saved_by_all > kJointStructure) {
     const auto saved = [&](std::size_t c) {
-      return groupErrors(with, search.counted(), ground.training, {c}).sum.sum() -
-             groupErrors(free, search.counted(), ground.training, {c}).sum.sum();
+      return groupErrors(unseen.with, search.counted(), ground.training, {c}).sum.sum() -
+             groupErrors(unseen.free, search.counted(), ground.training, {c}).sum.sum();
     };
     std::string channel(kAllNumbers);
     if (joints.size() > 1) {
@@ -152,11 +158,9 @@ RobotLeft whatIsLeft(const RobotSearch& search, const RobotSearch::Set& set, con
     left.channels.push_back({std::move(channel), saved_by_all, {}});
   }
   // What no numbers of the model can say: means over each joint's own channels.
-  const RobotSearch::Fit fit = search.fit(set, kRobotFolds, /*without_prior=*/true);
-  const MatrixXd predicted = predictedTorque(search, set, fit);
   const std::vector<int> folds = foldsOfRows(search);
   for (const std::size_t c : joints) {
-    const ArrayXd residual = search.rows().drive(c).effort - predicted.col(c).array();
+    const ArrayXd residual = search.rows().drive(c).effort - unseen.predicted.col(c).array();
     const std::vector<std::size_t> counted = movingRows(search.rows(), c);
     double squares = 1e-300;
     for (const std::size_t i : counted) {

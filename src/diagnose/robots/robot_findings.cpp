@@ -146,7 +146,7 @@ class RobotJudge {
       return fmt::format("its gain of {:.1f} % on held-out blocks is not significant (p {:.2g})", 100.0 * gain.value,
                          p);
     }
-    const RobotLeft left = whatIsLeft(search_, set, search_.joints(set[cause]));
+    const RobotLeft left = whatIsLeft(unseenOf(search_, set), search_.joints(set[cause]));
     if (left.share > gain.value) {
       return fmt::format("{:.0f} % of the error are left without a name beside its {:.0f} %: it may only stand in",
                          100.0 * left.share, 100.0 * gain.value);

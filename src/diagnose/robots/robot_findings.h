@@ -30,7 +30,14 @@ struct RobotLeft {
   double share = 0.0;
   std::vector<Leftover> channels;
 };
-RobotLeft whatIsLeft(const RobotSearch& search, const RobotSearch::Set& set, const std::vector<std::size_t>& joints);
+/// What it is seen by, of all joints at once.
+struct RobotUnseen {
+  const RobotSearch& search;
+  BlockErrors plain, with, free;  ///< on unseen folds: without causes, with them, and with all other numbers free, too
+  Eigen::MatrixXd predicted;      ///< with the last, shape (rows, N)
+};
+RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set);
+RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
 
 /// Takes causes out of the selection that are no findings.
 RobotFindings judgeFindings(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,

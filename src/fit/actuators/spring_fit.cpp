@@ -106,10 +106,9 @@ void requireFittable(const PreparedLog& log, const SpringProblem& model, std::si
     throw DataError(
         fmt::format("{}: found {} rows for {} parameters, expected many more", log.file, model.force.size(), free));
   }
-  for (const auto& [name, values] : {std::pair<std::string, const std::vector<double>&>{log.effort_column, model.force},
-                                     {deflection, model.deflection}}) {
-    if (isConstant(values))
-      throw DataError(fmt::format("{}: {} is constant throughout: nothing can be found from it", log.file, name));
+  if (isConstant(model.force)) {
+    throw DataError(
+        fmt::format("{}: {} is constant throughout: nothing can be found from it", log.file, log.effort_column));
   }
   requireMotion(log.file, deflection, model.deflection, model.force);
 }

@@ -53,8 +53,8 @@ void requireMotion(const std::string& file, const std::string& name, std::span<c
   if (isConstant(values)) {
     throw DataError(fmt::format("{}: {} is constant throughout: nothing can be found from it", file, name));
   }
-  const std::vector<double> sorted(values.begin(), values.end());
-  const double spread = quantile(sorted, 0.995) - quantile(sorted, 0.005), noise = noiseLevel(values);
+  const std::vector<double> all(values.begin(), values.end());
+  const double spread = quantile(all, 0.995) - quantile(all, 0.005), noise = noiseLevel(values);
   if (spread > kSpread * noise || isConstant(driven) || std::abs(correlation(values, driven)) > kFollows) return;
   throw DataError(
       fmt::format("{}: {} stays within its own noise (it spreads by {:.2g}, noise {:.2g}): nothing can be "

@@ -20,8 +20,9 @@ std::vector<std::string> checkChannels(const std::string& file, std::span<const 
 
 bool isConstant(std::span<const double> values);
 
-/// \throws DataError: a channel never leaves its own noise, and what it should drive does not follow it: a log of
-/// rests. \param name  "deflection_m"; \param values, \param driven  shape (rows)
+/// A log of rests says nothing.
+/// \param name  "deflection_m"  \param driven  what should follow the values; both of shape (rows)
+/// \throws DataError: the values are constant, or never leave their own noise while what they drive does not follow
 void requireMotion(const std::string& file, const std::string& name, std::span<const double> values,
                    std::span<const double> driven);
 

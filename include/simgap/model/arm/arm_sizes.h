@@ -1,6 +1,6 @@
 /// \file
 /// How large an arm is, as multiples of the sample arm (data/arm): what an effect's sizes, stated for that arm, are
-/// worth on another. The same arm with all forces, or all lengths, times any factor has the same causes.
+/// worth on a larger one. The sample arm with all forces times a factor has the same springs and friction.
 #pragma once
 
 #include "simgap/model/arm/arm.h"

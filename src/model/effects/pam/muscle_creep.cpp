@@ -5,15 +5,14 @@
 ///
 /// z solved exactly for a force that is constant between rows. A session begins settled or, with `carried` = 1, as the
 /// one before it ended.
-#include <algorithm>
 #include <cmath>
 
+#include "model/effects/relaxation.h"
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::muscle_creep {
 namespace {
 
-constexpr double kShortest = 3.0;  // time steps: faster is a lag of a sensor or a valve
 constexpr EffectParameter kParameters[] = {{"tau", "s", 1e-2, 1e4, 10.0, 10.0, EffectParameter::Kind::kShape},
                                            {"carried", "1", 0.0, 1.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 constexpr EffectColumn kColumns[] = {{.name = "share", .unit = "1", .lower = -0.5, .upper = 0.5, .torque = false}};
@@ -33,22 +32,11 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
   }
 }
 
-double longestSession(const ActuatorRows& rows) {
-  double longest = 0.0;
-  for (Eigen::Index i = 1, begin = 0; i < rows.rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (rows.session[k] != rows.session[k - 1]) begin = i;
-    longest = std::max(longest, rows.time[i] - rows.time[begin]);
-  }
-  return longest;
-}
-
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
-  const double low = 3.0 * kShortest * rows.step, high = std::max(longestSession(rows) / 3.0, 2.0 * low);
   std::vector<std::vector<double>> list;
   const bool several = rows.session.back() != rows.session.front();
   for (const double part : {0.0, 0.33, 0.67, 1.0}) {
-    const double tau = low * std::pow(high / low, part);
+    const double tau = relaxationTime(rows, part);
     list.push_back({tau, 0.0});
     if (several) list.push_back({tau, 1.0});
   }
@@ -56,9 +44,7 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
 }
 
 /// Slower than a session it is force itself.
-bool counts(std::span<const double> p, const ActuatorRows& rows) {
-  return p[0] > kShortest * rows.step && p[0] < longestSession(rows);
-}
+bool counts(std::span<const double> p, const ActuatorRows& rows) { return showsRelaxation(rows, p[0]); }
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTime};
 

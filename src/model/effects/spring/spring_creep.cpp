@@ -7,6 +7,7 @@
 /// 2 the stiffness is shared by five of them, from tau / 10 to 10 tau. Every session begins relaxed.
 #include <cmath>
 
+#include "model/effects/relaxation.h"
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::spring_creep {
@@ -43,32 +44,17 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
   }
 }
 
-double longestSession(const ActuatorRows& rows) {
-  double longest = 0.0;
-  for (Eigen::Index i = 1, begin = 0; i < rows.rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (rows.session[k] != rows.session[k - 1]) begin = i;
-    longest = std::max(longest, rows.time[i] - rows.time[begin]);
-  }
-  return longest;
-}
-
-constexpr double kShortest = 3.0;  // time steps: faster branches are damping
-
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   constexpr int kCount = 5;
-  const double low = 3.0 * kShortest * rows.step, high = std::max(longestSession(rows) / 3.0, 2.0 * low);
   std::vector<std::vector<double>> list;
   for (const double decades : {0.0, 2.0}) {
-    for (int k = 0; k < kCount; ++k) list.push_back({low * std::pow(high / low, k / (kCount - 1.0)), decades});
+    for (int k = 0; k < kCount; ++k) list.push_back({relaxationTime(rows, k / (kCount - 1.0)), decades});
   }
   return list;
 }
 
 /// Slower than a session it is stiffness, or time itself.
-bool counts(std::span<const double> p, const ActuatorRows& rows) {
-  return p[0] > kShortest * rows.step && p[0] < longestSession(rows);
-}
+bool counts(std::span<const double> p, const ActuatorRows& rows) { return showsRelaxation(rows, p[0]); }
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTime};
 

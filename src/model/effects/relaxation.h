@@ -1,0 +1,34 @@
+/// \file
+/// Relaxation times that a log can show: of some time steps and more, and shorter than its longest session.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "simgap/measure/logs/actuator_rows.h"
+
+namespace simgap::actuator_effects {
+
+inline constexpr double kShortestRelaxation = 3.0;  // time steps: faster is damping, or a sensor's or valve's lag
+
+inline double longestSession(const ActuatorRows& rows) {
+  double longest = 0.0;
+  for (Eigen::Index i = 1, begin = 0; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (rows.session[k] != rows.session[k - 1]) begin = i;
+    longest = std::max(longest, rows.time[i] - rows.time[begin]);
+  }
+  return longest;
+}
+
+/// Where a search may begin [s]. \param part  0: fast, 1: slow
+inline double relaxationTime(const ActuatorRows& rows, double part) {
+  const double low = 3.0 * kShortestRelaxation * rows.step, high = std::max(longestSession(rows) / 3.0, 2.0 * low);
+  return low * std::pow(high / low, part);
+}
+
+inline bool showsRelaxation(const ActuatorRows& rows, double tau) {
+  return tau > kShortestRelaxation * rows.step && tau < longestSession(rows);
+}
+
+}  // namespace simgap::actuator_effects
