@@ -94,9 +94,9 @@ class Database {
     throw std::bad_alloc();
   }
 
+  /// Also too little memory is the file's fault: a damaged length asks for more than SQLite would ever take.
   void require(int code) const {
     if (code == SQLITE_OK) return;
-    if (code == SQLITE_NOMEM) throw std::bad_alloc();
     stopIfInterrupted();
     throw Malformed(fmt::format("found no rosbag2 recording, expected one ({})", sqlite3_errmsg(connection_.get())));
   }
@@ -105,11 +105,9 @@ class Database {
 };
 
 std::string textOf(const Statement& row, int column, std::string_view what) {
-  if (sqlite3_column_type(row.get(), column) != SQLITE_TEXT) {
-    throw Malformed(fmt::format("found no text for {} of a topic, expected one", what));
-  }
-  const auto* const text = reinterpret_cast<const char*>(sqlite3_column_text(row.get(), column));
-  if (text == nullptr) throw std::bad_alloc();
+  const bool is_text = sqlite3_column_type(row.get(), column) == SQLITE_TEXT;
+  const auto* const text = is_text ? reinterpret_cast<const char*>(sqlite3_column_text(row.get(), column)) : nullptr;
+  if (text == nullptr) throw Malformed(fmt::format("found no text for {} of a topic, expected one", what));
   return {text, static_cast<std::size_t>(sqlite3_column_bytes(row.get(), column))};
 }
 
