@@ -72,7 +72,7 @@ MotionSet readMotions(Session& session, const std::string& role, const std::stri
                       bool skip_bad_rows, double restart) {
   CsvOptions csv;
   csv.skip_bad_rows = skip_bad_rows;
-  return readMotionsFor(
+  MotionSet set = readMotionsFor(
       model, YamlNode::parse(session.read(role, file).content, file), file,
       [&](const std::filesystem::path& path) {
         CsvTable table = CsvTable::parse(session.take(role + " table", path), path.string(), csv);
@@ -80,6 +80,8 @@ MotionSet readMotions(Session& session, const std::string& role, const std::stri
         return table;
       },
       restart);
+  for (const std::string& note : set.notes) spdlog::warn("{}", note);
+  return set;
 }
 
 LogTable readLog(Session& session, const std::string& role, const std::string& file, const LogFileOptions& options,

@@ -118,7 +118,7 @@ RecordedMotion between(const RecordedMotion& motion, double from, double to) {
 }  // namespace
 
 MotionSet restarted(const MotionSet& set, const PoseLayout& layout, double every) {
-  MotionSet pieces{set.file, {}};
+  MotionSet pieces{set.file, {}, set.notes};
   for (const RecordedMotion& motion : set.motions) {
     const auto count = std::max(1L, std::lround(motion.duration() / every));
     const double begin = motion.times().front(), end = motion.times().back();

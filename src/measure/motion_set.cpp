@@ -8,6 +8,7 @@
 #include <set>
 
 #include "motion_checks.h"
+#include "motion_spikes.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/measure/joint_columns.h"
@@ -160,6 +161,7 @@ MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file,
     readMuscles(table(motion.muscles_file), layout, motion);
     readJoints(table(motion.joints_file), layout, motion);
     refuseClocksApart(motion);
+    if (std::string note = repairMotionSpikes(motion, layout); !note.empty()) set.notes.push_back(std::move(note));
     refuseShaftsApart(motion, layout.muscles);
     if (!motion.start) refuseMovingStart(motion, layout);
   }

@@ -180,6 +180,25 @@ TEST_F(DiagnoseActuators, NameWhatIsWrongWithAGearbox) {
   EXPECT_NEAR(valueOf(played, "play"), 4.0, 0.3);
 }
 
+TEST_F(DiagnoseActuators, TellBristlesOfAGearFromPlay) {
+  reality::MotorTruth soft;
+  soft.bristle_travel = 4.0;
+  reality::MotorDesign slow = bench(15);
+  slow.voltage = 3.0;
+  const Json bent = ask("gearbox", reality::simulateMotor(soft, slow).csv());
+  ASSERT_TRUE(alone(bent, "presliding-hysteresis")) << bent.at("sentence") << bent.at("candidates");
+  EXPECT_NEAR(valueOf(bent, "x_s"), 4.0, 0.4);
+}
+
+TEST_F(DiagnoseActuators, SayThatAWindingsCurrentIsTurned) {
+  reality::MotorBenchLog log = reality::simulateMotor({}, bench(16));
+  for (double& current : log.current) current = -current;
+  const Json turned = ask("motor", log.csv());
+  ASSERT_EQ(turned.at("verdict"), "data-fault") << turned.at("sentence");
+  EXPECT_NE(turned.at("faults")[0].at("sentence").get<std::string>().find("current_A has the opposite sign"),
+            std::string::npos);
+}
+
 // 003: friction without load on the sliding part alone (variant A) is worth some 15 %, and is no static offset.
 TEST_F(DiagnoseActuators, FindTheOffsetOf003) {
   reality::FrictionTruth truth;

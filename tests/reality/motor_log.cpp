@@ -30,7 +30,7 @@ MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
       const auto steps = static_cast<std::size_t>(std::lround(rows_late * inner));
       return past[past.size() - 1 - std::min(steps, past.size() - 1)];
     };
-    double i = 0.0, w = 0.0, voltage = 0.0, load = 0.0, warmth = 0.0, angle = 0.0, wheel = 0.0;
+    double i = 0.0, w = 0.0, voltage = 0.0, load = 0.0, warmth = 0.0, angle = 0.0, wheel = 0.0, bent = 0.0;
     for (int k = 0; k < rows; ++k) {
       if (k % 317 == 0) voltage = design.voltage * uniform(random);
       if (k % 523 == 0) load = design.load * uniform(random);
@@ -61,6 +61,12 @@ MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
         const double driving = gain * m.torque * i - felt - viscous * w;
         const double free = w + driving * kStep / inertia;
         const double hold = (meshes ? coulomb + teeth : 0.2 * coulomb) * kStep / inertia;
+        if (m.bristle_travel > 0.0) {  // bristles that bend and slip: never held altogether
+          const double side = w < 0.0 ? -1.0 : 1.0;
+          bent = side + (bent - side) * std::exp(-std::abs(w) * kStep / m.bristle_travel);
+          w = free - hold * bent;
+          continue;
+        }
         w = free > hold ? free - hold : free < -hold ? free + hold : 0.0;
       }
     }

@@ -18,6 +18,7 @@ struct MotorTruth {
   double ripple = 0.0, ripple_turns = 2.0;      ///< [N m] at the output, so often per turn of the rotor
   double current_offset = 0.0;                  ///< [A] that the sensor reads too much
   double play = 0.0;                            ///< [rad] of the rotor between the teeth
+  double bristle_travel = 0.0;                  ///< [rad] of the rotor in which dry friction builds up; 0: at once
 };
 
 struct MotorDesign {

@@ -51,6 +51,7 @@ struct RecordedMotion {
 struct MotionSet {
   std::string file;
   std::vector<RecordedMotion> motions;
+  std::vector<std::string> notes = {};  ///< what was done to them as they were read
 };
 
 /// When the first command changes; the end, if none does [s].

@@ -73,6 +73,22 @@ Means meanOf(const VectorXd& residual, std::span<const std::size_t> rows, double
   return {mean, 1.96 * std::sqrt(variance / std::max(n / correlation, 1.0))};
 }
 
+/// A measured channel as its neighbours see it: the noise of a row is in what a model makes of that row, too, and read
+/// back from there it would look like structure.
+ArrayXd besidesOwnNoise(const ArrayXd& values, const std::vector<int>& session) {
+  const auto together = [&](Index i, Index k) {
+    return k >= 0 && k < values.size() && session[static_cast<std::size_t>(i)] == session[static_cast<std::size_t>(k)];
+  };
+  ArrayXd besides = values;
+  for (Index i = 0; i < values.size(); ++i) {
+    const bool before = together(i, i - 1), behind = together(i, i + 1);
+    if (before || behind) {
+      besides[i] = ((before ? values[i - 1] : 0.0) + (behind ? values[i + 1] : 0.0)) / (before + behind);
+    }
+  }
+  return besides;
+}
+
 cv::Mat features(const std::vector<EvidenceChannel>& channels, std::span<const std::size_t> rows) {
   cv::Mat x(static_cast<int>(rows.size()), static_cast<int>(channels.size()), CV_32F);
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -191,7 +207,10 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
   if (near.isZero(0.0)) return {};  // nothing is left
   std::vector<EvidenceChannel> used;
   for (const EvidenceChannel& c : channels) {
-    if (c.name != "session" && c.name != "power_quadrant") used.push_back(c);  // others say the same
+    if (c.name == "session" || c.name == "power_quadrant") continue;  // others say the same
+    used.push_back(c);
+    const bool measured = std::ranges::find(log.context, c.name, &ContextChannel::name) != log.context.end();
+    if (measured) used.back().values = besidesOwnNoise(c.values, log.data.rows.session);
   }
   std::vector<int> fold(log.data.keep.size(), 0);
   for (std::size_t b = 0; b < log.blocks.size(); ++b) {

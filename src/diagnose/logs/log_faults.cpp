@@ -7,6 +7,7 @@
 
 #include "simgap/core/decompositions.h"
 #include "simgap/core/statistics.h"
+#include "simgap/fit/actuators/winding_signs.h"
 #include "simgap/measure/logs/log_kind.h"
 #include "simgap/measure/logs/resolution.h"
 
@@ -149,6 +150,14 @@ void findSpringFaults(PreparedLog& log, std::vector<DataFault>& faults) {
                                       log.effort_column, agreement)});
 }
 
+/// A winding whose current or velocity has the wrong sign.
+void findTurnedWinding(const PreparedLog& log, std::vector<DataFault>& faults) {
+  const ActuatorRows& rows = log.data.rows;
+  if (rows.current.size() == 0) return;
+  const std::string sentence = oppositeWindingSign(spanOf(rows.effort), spanOf(rows.current), spanOf(rows.speed));
+  if (!sentence.empty()) faults.push_back({log.effort_column, sentence});
+}
+
 /// Signs that no drive can have: load that helps to draw current, a joint that turns against its motor.
 void findMirrored(const PreparedLog& log, std::vector<DataFault>& faults) {
   const ActuatorRows& rows = log.data.rows;
@@ -246,6 +255,7 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
   }
   if (kind.checks == FaultChecks::kLevels) {
     findDropouts({kind.answer, rows.*kind.answers}, log, faults);
+    findTurnedWinding(log, faults);
     return faults;
   }
   std::vector<NamedChannel> channels = {{log.effort_column, rows.effort}, {"motor_velocity", rows.speed}};

@@ -32,6 +32,10 @@ bool MotionDiagnosing::faulty(const MotionSet& motions, const MotionSet* held_ou
   const PoseLayout layout = problem_.nominal.poseLayout();
   split_ = splitMotions(motions, held_out, options_.holdout);
   std::vector<DataFault>& faults = result_.diagnosis.faults;
+  for (const MotionSet* set : {&motions, held_out}) {
+    if (set == nullptr) continue;
+    for (const std::string& note : set->notes) faults.push_back({"motions", note, 0, 0, 0, true});
+  }
   for (MotionSet* set : {&split_.selecting, &split_.judging}) {
     std::vector<bool> wrong;
     for (DataFault& fault : findMotionFaults(*set, layout, wrong)) {

@@ -92,7 +92,8 @@ std::string unmeasured(const RobotSearch& search, const RobotSearch::Set& set, s
   for (Index k = 0; k < theta.size(); ++k) {
     const RobotCauseParameter& parameter = hypothesis.parameters[k];
     const double sd = std::sqrt(std::max(0.0, covariance(first + k, first + k)));
-    any = any || (sd > 0.0 && kNormalQuantile * sd < kMeaningless * std::abs(theta[k]));
+    const bool possible = theta[k] >= parameter.lower && theta[k] <= parameter.upper;
+    any = any || (possible && sd > 0.0 && kNormalQuantile * sd < kMeaningless * std::abs(theta[k]));
     if (theta[k] >= parameter.lower - 2.0 * sd && theta[k] <= parameter.upper + 2.0 * sd) continue;
     return fmt::format("{} = {:.3g} is no physical size", parameter.name, theta[k] + parameter.neutral);
   }

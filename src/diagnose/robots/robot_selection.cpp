@@ -168,8 +168,9 @@ std::vector<std::string> RobotSelector::rivals(const RobotSearch::Set& set, cons
     const std::string name = search_.hypothesis(trial.hypothesis).label();
     if (name == own || std::ranges::find(names, name) != names.end()) continue;  // other forms are no rivals
     if (!acceptable(trial) || !ties(trial, best) || !overlap(set, best, trial)) continue;
-    // With more numbers it says the same and more: the simpler cause stands for both.
-    const bool simpler = search_.freedom(best.hypothesis) < search_.freedom(trial.hypothesis);
+    // With several numbers more it says the same and more: the simpler cause stands for both. One more is no argument:
+    // a base tilted about the first joint's axis is as likely as a wrong zero of that joint.
+    const bool simpler = search_.freedom(best.hypothesis) + 1 < search_.freedom(trial.hypothesis);
     if (simpler && search_.contains(trial.hypothesis, best.hypothesis)) continue;
     if (!encompasses(set, best, trial)) names.push_back(name);
   }

@@ -7,6 +7,7 @@
 
 #include "drive_parameters.h"
 #include "simgap/core/error.h"
+#include "simgap/fit/actuators/winding_signs.h"
 #include "simgap/measure/logs/channel_checks.h"
 
 namespace simgap {
@@ -143,6 +144,10 @@ std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& opt
   if (!log.voltage.empty() && !voltage) fail("voltage_V is constant throughout: record steps of voltage");
   if (!log.velocity.empty() && !velocity) fail("velocity_rad_s is constant throughout: record steps with motion");
   if (!log.current.empty() && !current) fail("current_A is constant throughout: nothing can be found from it");
+  if (options.fit_motor && voltage && current && velocity) {
+    const std::string turned = oppositeWindingSign(log.voltage, log.current, log.velocity);
+    if (!turned.empty()) fail(turned);
+  }
   if (options.fit_motor && !voltage) {
     warnings.emplace_back("no voltage in the log: R, L and K_E cannot be found; record voltage_V");
     for (const char* name : {"R", "L", "K_E"}) {

@@ -81,7 +81,8 @@ TEST(Testable, OnlyWhatIsWanted) {
 TEST(Testable, AGearboxHasItsOwnWordsForSome) {
   EXPECT_TRUE(appliesTo(actuator_effects::find("inertia"), ActuatorKind::kGearbox));
   EXPECT_TRUE(appliesTo(actuator_effects::find("backlash"), ActuatorKind::kGearbox));
-  EXPECT_FALSE(appliesTo(actuator_effects::find("presliding-hysteresis"), ActuatorKind::kGearbox));
+  EXPECT_TRUE(appliesTo(actuator_effects::find("presliding-hysteresis"), ActuatorKind::kGearbox));
+  EXPECT_FALSE(appliesTo(actuator_effects::find("backdrive-asymmetry"), ActuatorKind::kGearbox));
   EXPECT_FALSE(appliesTo(actuator_effects::find("load-dependent-efficiency"), ActuatorKind::kFriction));
 }
 

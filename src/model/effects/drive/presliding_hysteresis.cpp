@@ -44,7 +44,6 @@ const ActuatorEffect entry = {
     .parameters = kParameters,
     .remembers = true,
     .in_every_drive = true,
-    .on_gearbox = false,
     .apply = apply,
     .starts = starts,
 };
