@@ -69,6 +69,9 @@ std::string unpackCsv(std::string packed, const std::string& file, std::size_t l
   const std::string_view bytes = packed;
   if (!bytes.starts_with(kGzipMagic)) {
     if (file.ends_with(".gz")) failInCsv(file, 1, "found no gzip data, expected them by the name's ending");
+    if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) {
+      failInCsv(file, 1, "found UTF-16 text, expected UTF-8: a spreadsheet saves it as \"CSV UTF-8\"");
+    }
     return packed;
   }
   z_stream stream = {};

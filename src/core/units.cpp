@@ -65,6 +65,8 @@ constexpr Unit kUnits[] = {
     {"mV", Dimension::kVoltage, 1e-3},
     {"uV", Dimension::kVoltage, 1e-6},
     {"N", Dimension::kForce, 1.0},
+    {"mN", Dimension::kForce, 1e-3},
+    {"kN", Dimension::kForce, 1e3},
     {"Nm", Dimension::kTorque, 1.0},
     {"mNm", Dimension::kTorque, 1e-3},
     {"m", Dimension::kLength, 1.0},

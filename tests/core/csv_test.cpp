@@ -83,6 +83,13 @@ TEST(Csv, ReadsQuotesCarriageReturnsAndAByteOrderMark) {
   EXPECT_EQ(table.lineOf(2), 5u);  // the row before takes two lines
 }
 
+TEST(Csv, RefusesUtf16) {
+  using namespace std::string_literals;
+  for (const std::string& mark : {"\xFF\xFE"s, "\xFE\xFF"s}) {
+    EXPECT_THAT(parseSentence(mark + "t\0i\0"s), ::testing::HasSubstr("log.csv:1: found UTF-16 text, expected UTF-8"));
+  }
+}
+
 TEST(Csv, TakesEmptyLinesAtTheEndOnly) {
   EXPECT_EQ(parseCsv("a,b\n1,2\n\r\n\n").rows(), 1u);
   EXPECT_EQ(parseCsv("a,b\n1,2").rows(), 1u);
@@ -163,7 +170,7 @@ TEST(CsvQuantity, OffersNoColumnWhoseUnitItWouldDrop) {
   EXPECT_FALSE(table.offersQuantity("current", "A"));
   EXPECT_FALSE(table.offersQuantity("force", "N"));  // a reference, whatever its unit
   EXPECT_EQ(csvSentence([&] { table.offersQuantity("load", "N"); }),
-            "log.csv:1: column load_lbf: unit 'lbf' does not exist, expected one of N");
+            "log.csv:1: column load_lbf: unit 'lbf' does not exist, expected one of N, mN, kN");
   EXPECT_EQ(csvSentence([&] { table.offersQuantity("angle", "rad"); }),
             "log.csv:1: column angle: unit is missing, expected one of rad, deg");
 }

@@ -40,10 +40,10 @@ const RobotHypothesis* findLabel(const RobotSearch& search, const std::string& l
 
 /// Joints whose error is beyond what it was when their numbers were found: "j2 (3.1 times), j3 (2.2 times)".
 std::string beyondKnown(const std::vector<JointVerdict>& joints) {
-  constexpr double kTwice = 2.0;  // the variance
   std::vector<std::string> names;
   for (const JointVerdict& joint : joints) {
-    if (joint.times_known > kTwice) names.push_back(fmt::format("{} ({:.1f} times)", joint.joint, joint.times_known));
+    if (joint.times_known > kBeyondKnown)
+      names.push_back(fmt::format("{} ({:.1f} times)", joint.joint, joint.times_known));
   }
   return fmt::format("{}", fmt::join(names, ", "));
 }

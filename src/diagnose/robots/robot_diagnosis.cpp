@@ -310,14 +310,6 @@ class RobotDiagnoser {
     }
   }
 
-  /// By how much the squared error of a joint on data never used exceeds what the fit left of it on such data; where
-  /// neighbouring rows differ by more than that, as noise that grows with the effort does, what they differ by.
-  double timesKnown(double error, double floor, std::size_t c) const {
-    if (robot_.heldout_sd.empty() || !(robot_.heldout_sd[c] > 0.0)) return std::nan("");
-    const double known = std::pow(ground_.constants[c] * robot_.heldout_sd[c], 2) / ground_.variance[c];
-    return error / std::max(known, floor);
-  }
-
   void joints(const RobotSearch& search, const RobotSearch::Fit& fit, const std::vector<double>& floors,
               const MatrixXd& before, const MatrixXd& after) {
     const RobotRows& rows = search.rows();
@@ -335,10 +327,11 @@ class RobotDiagnoser {
     const BlockErrors errors = search.errors(fit.z, heldout);
     const MatrixXd given = known_ ? predictEfforts(robot_, log_) : MatrixXd();
     for (std::size_t c = 0; c < rows.joints(); ++c) {
+      const double error = groupErrors(errors, search.counted(), heldout, {c}).mse();
       result_.joints.push_back({rows.jointName(c), log_.joints[c].effort_unit,
                                 known_ ? relativeError(unseen, c, given) : std::nan(""),
                                 relativeError(unseen, c, result_.before), relativeError(unseen, c, result_.after),
-                                timesKnown(groupErrors(errors, search.counted(), heldout, {c}).mse(), floors[c], c)});
+                                error / knownError(search, floors[c], c)});
     }
   }
 

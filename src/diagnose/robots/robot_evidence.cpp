@@ -181,6 +181,26 @@ RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& 
   return left;
 }
 
+double leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints) {
+  const RobotSearch& search = unseen.search;
+  const std::vector<double> floors = noiseFloors(search, unseen.predicted);
+  double beyond = 0.0, without = 1e-300;
+  for (const std::size_t c : joints) {
+    const GroupErrors of_joint = groupErrors(unseen.with, search.counted(), search.ground().training, {c});
+    without += groupErrors(unseen.plain, search.counted(), search.ground().training, {c}).sum.sum();
+    const double expected = kBeyondKnown * knownError(search, floors[c], c);
+    if (of_joint.mse() > expected) beyond += of_joint.sum.sum() - expected * of_joint.rows.sum();
+  }
+  return beyond / without;
+}
+
+double knownError(const RobotSearch& search, double floor, std::size_t joint) {
+  const std::vector<double>& heldout_sd = search.rows().model().heldout_sd;
+  if (heldout_sd.empty() || !(heldout_sd[joint] > 0.0)) return std::nan("");
+  const RobotGround& ground = search.ground();
+  return std::max(std::pow(ground.constants[joint] * heldout_sd[joint], 2) / ground.variance[joint], floor);
+}
+
 std::vector<EvidenceBin> robotEvidence(const RobotSearch& search, const RobotSearch::Set& set,
                                        const RobotSearch::Fit& fit, const MatrixXd& before, const MatrixXd& after) {
   const RobotRows& rows = search.rows();

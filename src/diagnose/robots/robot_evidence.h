@@ -20,4 +20,9 @@ std::vector<EvidenceBin> robotEvidence(const RobotSearch& search, const RobotSea
 /// each joint, and of all rows of all joints.
 std::vector<double> noiseFloors(const RobotSearch& search, const Eigen::MatrixXd& predicted);
 
+/// The squared error of a joint that is no news, over its variance: what was left of it on data that the robot was not
+/// fitted to when it was found (RobotModel::heldout_sd), or the noise between neighbouring rows where that is more, as
+/// of noise that grows with the effort; nan where nobody has written the first down. \param floor  of noiseFloors
+double knownError(const RobotSearch& search, double floor, std::size_t joint);
+
 }  // namespace simgap

@@ -147,10 +147,18 @@ class RobotJudge {
       return fmt::format("its gain of {:.1f} % on held-out blocks is not significant (p {:.2g})", 100.0 * gain.value,
                          p);
     }
-    const RobotLeft left = whatIsLeft(unseenOf(search_, set), search_.joints(set[cause]));
-    if (left.share > gain.value) {
+    constexpr double kBeside = 0.5;  // of what it explains: with more left beside it, it may have the wrong shape
+    const RobotUnseen unseen = unseenOf(search_, set);
+    const std::vector<std::size_t>& joints = search_.joints(set[cause]);
+    if (const double left = whatIsLeft(unseen, joints).share; left > kBeside * gain.value) {
       return fmt::format("{:.0f} % of the error are left without a name beside its {:.0f} %: it may only stand in",
-                         100.0 * left.share, 100.0 * gain.value);
+                         100.0 * left, 100.0 * gain.value);
+    }
+    if (const double beyond = leftBeyondKnown(unseen, joints); beyond > kBeside * gain.value) {
+      return fmt::format(
+          "{:.0f} % of the error are beyond that of the log in which the robot was found, beside its "
+          "{:.0f} %: it may only stand in",
+          100.0 * beyond, 100.0 * gain.value);
     }
     if (const double placebo = placeboP(search_, set, cause, options_.seed); placebo > kRobotPlaceboLevel) {
       return fmt::format("signals of the same spectrum that belong to no motion explain as much (p {:.2g})", placebo);

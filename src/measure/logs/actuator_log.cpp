@@ -129,10 +129,27 @@ MotorLog readMotorLog(CsvTable table) {
   return log;
 }
 
+namespace {
+
+/// A muscle needs some 10 kPa to pull at all. \throws DataError: pressures that look like bar or psi
+void requireMusclePressure(const std::string& file, const std::string& name, std::span<const double> pressure) {
+  constexpr double kLeast = 1e3;  // [Pa]
+  double largest = 0.0;
+  for (const double p : pressure) largest = std::max(largest, std::abs(p));
+  if (largest == 0.0 || largest >= kLeast) return;
+  throw DataError(
+      fmt::format("{}: {}: found at most {:.3g} Pa, expected what makes a muscle pull, 10 kPa and more: is "
+                  "that the unit? (--map {}=COLUMN*1e5 for bar)",
+                  file, name, largest, name));
+}
+
+}  // namespace
+
 PamLog readPamLog(CsvTable table) {
   PamLog log;
   log.file = table.name();
   log.pressure = table.takeQuantity("pressure", "Pa");
+  requireMusclePressure(log.file, "pressure_Pa", log.pressure);
   log.contraction = table.takeQuantity("contraction", "");
   log.force = table.takeQuantity("force", "N");
   if (log.rows() == 0) throw DataError(table.name() + ": found no rows, expected a log");
@@ -155,6 +172,8 @@ PamLog readJointPamLog(CsvTable table, const MusclePulley& pulley) {
     throw DataError(table.name() +
                     ":1: found neither pressure_flexor_Pa nor pressure_extensor_Pa, expected one at least");
   }
+  requireMusclePressure(log.file, "pressure_flexor_Pa", flexor);
+  requireMusclePressure(log.file, "pressure_extensor_Pa", extensor);
   const double sign = flexor.empty() ? -1.0 : 1.0, per_angle = pulley.radius / pulley.length;
   for (std::size_t i = 0; i < torque.size(); ++i) {
     const double in_flexor = pulley.rest_flexor + per_angle * angle[i];

@@ -79,5 +79,13 @@ TEST(LogChecks, NameImplausibleClippedAndStuckChannels) {
   EXPECT_THAT(check(100.0), ElementsAre(HasSubstr("looks stuck")));
 }
 
+TEST(ActuatorLog, APressureInBarUnderTheNameOfPascalsIsRefused) {
+  const std::string rows = ",contraction,force_N\n0,0.1,1\n0.45,0.1,20\n";
+  EXPECT_THAT(errorOf([&] { readPamLog(CsvTable::parse("pressure_Pa" + rows, "muscle.csv")); }),
+              testing::AllOf(testing::HasSubstr("muscle.csv: pressure_Pa: found at most 0.45 Pa"),
+                             testing::HasSubstr("--map pressure_Pa=COLUMN*1e5")));
+  EXPECT_DOUBLE_EQ(readPamLog(CsvTable::parse("pressure_bar" + rows, "muscle.csv")).pressure[1], 45000.0);
+}
+
 }  // namespace
 }  // namespace simgap::test
