@@ -27,17 +27,24 @@ void MotionDiagnosing::fillErrors() {
                         seen_after = groupSquares(after.posterior(), after.here().at), before = unseenOf(*plain_),
                         unseen = unseenOf(after);
   d.error_unit = "noise2";
-  d.noise_floor = 1.0;
+  const Eigen::MatrixXd of_noise = noiseSquares(*posteriorWith(problem_, {}, split_.judging.motions));
+  d.noise_floor = meanSquare(of_noise);
   d.samples = split_.selecting.motions.size() + split_.judging.motions.size();
   d.effective_samples = static_cast<double>(d.samples);
   d.baseline = {meanSquare(seen_before), meanSquare(before)};
   d.extended = {meanSquare(seen_after), meanSquare(unseen)};
-  d.explained_percent = 100.0 * explainedShare(before, unseen);
+  const auto floors = [](const Eigen::MatrixXd& squares) {
+    Eigen::ArrayXd means(squares.cols());
+    for (Eigen::Index m = 0; m < means.size(); ++m) means[m] = meanSquare(squares.col(m));
+    return means;
+  };
+  d.explained_percent = 100.0 * explainedShare(before, unseen, floors(of_noise));
   Eigen::MatrixXd all_before(before.rows(), seen_before.cols() + before.cols()), all_after = all_before;
   all_before << seen_before, before;
   all_after << seen_after, unseen;
-  explained_of_all_ = 100.0 * explainedShare(all_before, all_after);
-  d.explainable_percent = 100.0 * std::max(0.0, 1.0 - 1.0 / d.baseline.mse_heldout);
+  // The right causes leave the discrepancy, too.
+  explained_of_all_ = 100.0 * explainedShare(all_before, all_after, Eigen::ArrayXd::Ones(all_before.cols()));
+  d.explainable_percent = 100.0 * std::max(0.0, 1.0 - d.noise_floor / d.baseline.mse_heldout);
   result_.baseline = plain_->model();
   result_.model = after.model();
   result_.held_out = split_.judging;

@@ -30,23 +30,40 @@ MotionSplit splitMotions(const MotionSet& motions, const MotionSet* held_out, do
   return split;
 }
 
-Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvaluation& at) {
+namespace {
+
+/// Means over each group's numbers, shape (joints, shafts and currents; motions); NaN where a motion has none.
+/// \param squares  summed over the numbers of a block of a motion
+template <class Squares>
+Eigen::MatrixXd groupMeans(const MotionPosterior& posterior, const Squares& squares) {
   const auto joints = std::ssize(posterior.model().joints);
   const auto motions = std::ssize(posterior.motions());
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(joints + 2, motions), counts = sums;
   for (Eigen::Index m = 0; m < motions; ++m) {
-    const auto motion = static_cast<std::size_t>(m);
-    if (at.residuals[motion].size() == 0) continue;  // it could not be played
-    for (const ResidualBlock& block : posterior.motions()[motion].blocks()) {
+    for (const ResidualBlock& block : posterior.motions()[static_cast<std::size_t>(m)].blocks()) {
       const Eigen::Index group = block.group == ChannelGroup::kJoint   ? static_cast<Eigen::Index>(block.item)
                                  : block.group == ChannelGroup::kShaft ? joints
                                                                        : joints + 1;
-      sums(group, m) += at.residuals[motion].segment(block.first, block.size).squaredNorm();
+      sums(group, m) += squares(static_cast<std::size_t>(m), block);
       counts(group, m) += static_cast<double>(block.size);
     }
   }
-  if (!at.valid) sums.setConstant(std::nan(""));
   return sums.cwiseQuotient(counts);  // 0 / 0: NaN
+}
+
+}  // namespace
+
+Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvaluation& at) {
+  return groupMeans(posterior, [&at](std::size_t motion, const ResidualBlock& block) {
+    if (!at.valid || at.residuals[motion].size() == 0) return std::nan("");  // it could not be played
+    return at.residuals[motion].segment(block.first, block.size).squaredNorm();
+  });
+}
+
+Eigen::MatrixXd noiseSquares(const MotionPosterior& posterior) {
+  return groupMeans(posterior, [](std::size_t, const ResidualBlock& block) {
+    return static_cast<double>(block.size) * block.noise_share;
+  });
 }
 
 Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& z, const MotionProblem& problem,
@@ -84,12 +101,12 @@ double chanceOfGain(const Eigen::ArrayXd& log_gains) {
   return studentTail(log_gains.mean() / error, static_cast<double>(log_gains.size()) - 1.0);
 }
 
-double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
+double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after, const Eigen::ArrayXd& floor) {
   std::vector<double> shares;
   for (Eigen::Index m = 0; m < before.cols(); ++m) {
     const double was = meanSquare(before.col(m)), is = meanSquare(after.col(m));
     if (!std::isfinite(was) && !std::isfinite(is)) continue;
-    const double gap = was - std::min(1.0, is);
+    const double gap = was - std::min(floor[m], is);
     shares.push_back(!std::isfinite(was) ? 1.0 : !std::isfinite(is) || gap <= 0.0 ? 0.0 : (was - is) / gap);
   }
   return shares.empty() ? 0.0 : median(std::move(shares));

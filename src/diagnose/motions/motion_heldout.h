@@ -17,6 +17,8 @@ MotionSplit splitMotions(const MotionSet& motions, const MotionSet* held_out, do
 /// Mean squares of the whitened residuals, each joint, the shafts and the currents counting alike: in one sum the many
 /// channels of drives would drown the joints. Shape (groups, motions); NaN: not measured.
 Eigen::MatrixXd groupSquares(const MotionPosterior& posterior, const MotionEvaluation& at);
+/// What noise alone makes of them: less than 1, as a channel may miss by the discrepancy, too.
+Eigen::MatrixXd noiseSquares(const MotionPosterior& posterior);
 /// The same of other motions played with the fit's model at z; NaN where one cannot be played.
 Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& z, const MotionProblem& problem,
                               std::span<const RecordedMotion> motions);
@@ -30,7 +32,8 @@ Interval gainOf(const Eigen::ArrayXd& log_gains);
 double chanceOfGain(const Eigen::ArrayXd& log_gains);
 /// Of what a motion is missed by beyond the noise, the share that `after` does not miss: the median over motions, as
 /// one that falls to the other side of its rest would outweigh all others. \param before, after  as groupSquares
-double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);
+/// \param floor  shape (motions): the mean square that no cause takes away
+double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after, const Eigen::ArrayXd& floor);
 /// Mean over groups and motions; what cannot be played left out.
 double meanSquare(const Eigen::MatrixXd& squares);
 

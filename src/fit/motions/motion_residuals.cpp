@@ -37,8 +37,9 @@ void MotionResiduals::addBlocks(ChannelGroup group, std::size_t item, const std:
   for (auto begin = static_cast<std::size_t>(first); begin < times.size();) {
     std::size_t end = begin + 1;
     while (end < times.size() && times[end] < times[begin] + kWindow * (1.0 - 1e-6)) ++end;
-    const double sd = std::sqrt(noise * noise / static_cast<double>(end - begin) + lasting);
-    blocks_.push_back({group, item, 0.5 * (times[begin] + times[end - 1]), size_, size, begin, end, sd});
+    const double of_noise = noise * noise / static_cast<double>(end - begin), variance = of_noise + lasting;
+    blocks_.push_back({group, item, 0.5 * (times[begin] + times[end - 1]), size_, size, begin, end, std::sqrt(variance),
+                       of_noise / variance});
     size_ += size;
     begin = end;
   }

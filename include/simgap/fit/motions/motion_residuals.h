@@ -36,6 +36,7 @@ struct ResidualBlock {
   Eigen::Index size;       ///< 1, or 3 of a ball
   std::size_t begin, end;  ///< samples averaged
   double sd;               ///< of each of its numbers [rad, m or A]
+  double noise_share;      ///< of its variance: what is noise's, and no discrepancy's
 };
 
 /// The residuals of one motion.
