@@ -1,5 +1,8 @@
 // fit-dynamics and predict on the sample robot, as a user runs them.
+#include <fmt/format.h>
+
 #include "cli_fixture.h"
+#include "reality/robot_rig.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/run_directory.h"
 
@@ -67,6 +70,42 @@ TEST_F(FitDynamicsTest, WhatCannotBeIsOneSentence) {
   expectRefused({"fit-dynamics", "arm.yaml", "--log", log}, 2, "found a ball");
   put("short.csv", "time_s,j1_rad\n0,0\n");
   expectRefused({"fit-dynamics", robot, "--log", "short.csv"}, 3, "found no torque or current of joint j1");
+}
+
+TEST_F(FitDynamicsTest, CurrentsWithAndWithoutALoadTellTorqueConstants) {
+  reality::Robot robot = reality::randomRobot(4, 3, false, false);
+  reality::RobotRigOptions rig;
+  rig.current = true;
+  const std::vector<double> constants = {12.0, 8.0, 5.0};
+  put("robot.urdf", reality::drawnUrdf(robot, 1));
+  put("free.csv", reality::recordRobot(robot, rig, 1, constants));
+  reality::RobotLink& link = robot.links.back();  // a point where its centre is changes nothing but its mass
+  link.mass += 1.5;
+  put("loaded.csv", reality::recordRobot(robot, rig, 2, constants));
+  const std::string load = fmt::format("link3,1.5,{},{},{}", link.centre.x(), link.centre.y(), link.centre.z());
+  const Arguments free{"fit-dynamics", "robot.urdf", "--log", "free.csv"};
+  const auto with = [&](const Arguments& more) {
+    Arguments all = free;
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  };
+  succeed(with({"--loaded-log", "loaded.csv", "--payload", load, "-q", "-o", "fit"}));
+  const Json result = Json::parse(text("fit/result.json"));
+  for (std::size_t c = 0; c < constants.size(); ++c) {
+    const Json& joint = result.at("joints").at(c);
+    EXPECT_NEAR(joint.at("torque_constant_Nm_A").get<double>(), constants[c], 0.01 * constants[c]);
+    EXPECT_GT(joint.at("torque_constant_sd").get<double>(), 0.0);
+    EXPECT_LT(joint.at("error_fitted").get<double>(), 0.05) << "the loaded log is explained, too";
+  }
+  succeed({"predict", "fit/model.yaml", "--log", "free.csv", "-q", "-o", "predicted"});
+
+  expectRefused(free, 2, "or --payload and --loaded-log");
+  expectRefused(with({"--payload", load}), 2, "found --payload without --loaded-log");
+  expectRefused(with({"--loaded-log", "loaded.csv"}), 2, "found --loaded-log without --payload");
+  expectRefused(with({"--loaded-log", "loaded.csv", "--payload", "link3,heavy,0,0,0"}), 2, "found 'heavy'");
+  expectRefused(with({"--loaded-log", "loaded.csv", "--payload", "link3,1.5"}), 2, "expected BODY,MASS,X,Y,Z");
+  expectRefused(with({"--loaded-log", "loaded.csv", "--payload", "gripper,1.5,0,0,0"}), 2, "found the body gripper");
+  expectRefused(with({"--loaded-log", "loaded.csv", "--payload", "link3,0.0015,0,0,0.1"}), 3, "is it in kg and m?");
 }
 
 TEST_F(FitDynamicsTest, DesignsTheMotionToRecord) {

@@ -17,12 +17,6 @@ constexpr double kWeakest = 1e-11;  // of the largest eigenvalue of the scaled n
 constexpr double kPart = 0.1;       // of a direction that the log does not determine
 constexpr double kRounding = 1e-9;  // of the effort's squares: finer no rigid body is known to explain a log
 
-/// A x = b of all joints, weighed.
-struct NormalEquations {
-  MatrixXd a;
-  VectorXd b;
-};
-
 NormalEquations normalEquations(const DynamicsData& data, const std::vector<JointSums>& sums,
                                 const std::vector<double>& variance, const std::vector<double>& constants) {
   const Index count = std::ssize(data.base.columns);
@@ -40,28 +34,45 @@ NormalEquations normalEquations(const DynamicsData& data, const std::vector<Join
   return all;
 }
 
-void solveNormal(const NormalEquations& equations, BaseSolution& solution) {
-  const Index count = equations.b.size();
-  VectorXd scale = equations.a.diagonal().cwiseSqrt();
+}  // namespace
+
+MatrixXd weighedInverse(const MatrixXd& a, std::vector<bool>* determined) {
+  const Index count = a.rows();
+  VectorXd scale = a.diagonal().cwiseSqrt();
   for (double& s : scale) s = s > 0.0 ? 1.0 / s : 0.0;
-  const SymmetricEigen eigen = symmetricEigen(scale.asDiagonal() * equations.a * scale.asDiagonal());
-  solution.inverse = MatrixXd::Zero(count, count);
-  solution.determined.assign(solution.determined.size(), true);
+  const SymmetricEigen eigen = symmetricEigen(scale.asDiagonal() * a * scale.asDiagonal());
+  MatrixXd inverse = MatrixXd::Zero(count, count);
+  if (determined) determined->assign(count, true);
   for (Index k = 0; k < count; ++k) {
     const VectorXd v = eigen.vectors.col(k);
     if (eigen.values[k] > kWeakest * eigen.values[count - 1]) {
       const VectorXd direction = scale.cwiseProduct(v);
-      solution.inverse += direction * direction.transpose() / eigen.values[k];
+      inverse += direction * direction.transpose() / eigen.values[k];
       continue;
     }
-    for (Index i = 0; i < count; ++i) {
-      if (std::abs(v[i]) > kPart) solution.determined[i] = false;
+    for (Index i = 0; determined && i < count; ++i) {
+      if (std::abs(v[i]) > kPart) (*determined)[i] = false;
     }
   }
-  solution.x = solution.inverse * equations.b;
+  return inverse;
 }
 
-}  // namespace
+MatrixXd jackknifeOver(const MatrixXd& inverse, std::size_t blocks,
+                       const std::function<NormalEquations(std::size_t block)>& of_block) {
+  const Index count = inverse.rows();
+  MatrixXd covariance = MatrixXd::Zero(count, count);
+  double used = 0.0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const NormalEquations own = of_block(b);
+    if (own.a.diagonal().maxCoeff() == 0.0) continue;
+    const MatrixXd rest = MatrixXd::Identity(count, count) - own.a * inverse;
+    VectorXd move = inverse * rest.partialPivLu().solve(own.b);
+    if (!move.allFinite()) move = inverse * own.b;
+    covariance += move * move.transpose();
+    ++used;
+  }
+  return covariance * (used > 1.0 ? (used - 1.0) / used : 1.0);
+}
 
 double squaredError(const JointSums& sums, const std::vector<std::size_t>& acts, const VectorXd& x, double constant) {
   VectorXd v(sums.products.cols());
@@ -76,14 +87,15 @@ BaseSolution solveBase(const DynamicsData& data, const std::vector<JointSums>& s
                        const std::vector<double>& constants) {
   constexpr int kPasses = 4;
   BaseSolution solution;
-  solution.determined.assign(data.base.columns.size(), true);
   solution.variance.assign(sums.size(), 1.0);
   for (std::size_t c = 0; c < sums.size(); ++c) {
     const double squares = constants[c] * constants[c] * sums[c].effortSquares();
     solution.variance[c] = squares > 0.0 ? squares / std::max(sums[c].rows, 1.0) : 1.0;
   }
   for (int pass = 0; pass < kPasses; ++pass) {
-    solveNormal(normalEquations(data, sums, solution.variance, constants), solution);
+    const NormalEquations equations = normalEquations(data, sums, solution.variance, constants);
+    solution.inverse = weighedInverse(equations.a, &solution.determined);
+    solution.x = solution.inverse * equations.b;
     for (std::size_t c = 0; c < sums.size(); ++c) {
       if (sums[c].rows == 0.0) continue;
       const double squares = constants[c] * constants[c] * sums[c].effortSquares();
@@ -97,21 +109,13 @@ BaseSolution solveBase(const DynamicsData& data, const std::vector<JointSums>& s
 
 MatrixXd jackknifeCovariance(const DynamicsData& data, const BaseSolution& solution,
                              const std::vector<double>& constants, const std::vector<bool>& used) {
-  const Index count = solution.x.size();
-  MatrixXd covariance = MatrixXd::Zero(count, count);
-  double blocks = 0.0;
-  for (std::size_t b = 0; b < used.size(); ++b) {
-    if (!used[b]) continue;
-    const NormalEquations own = normalEquations(data, data.sums.blocks[b], solution.variance, constants);
-    if (own.a.diagonal().maxCoeff() == 0.0) continue;
-    const VectorXd score = own.b - own.a * solution.x;
-    const MatrixXd rest = MatrixXd::Identity(count, count) - own.a * solution.inverse;
-    VectorXd move = solution.inverse * rest.partialPivLu().solve(score);
-    if (!move.allFinite()) move = solution.inverse * score;
-    covariance += move * move.transpose();
-    ++blocks;
-  }
-  return covariance * (blocks > 1.0 ? (blocks - 1.0) / blocks : 1.0);
+  return jackknifeOver(solution.inverse, used.size(), [&](std::size_t b) {
+    const Index count = solution.x.size();
+    if (!used[b]) return NormalEquations{MatrixXd::Zero(count, count), VectorXd::Zero(count)};
+    NormalEquations own = normalEquations(data, data.sums.blocks[b], solution.variance, constants);
+    own.b -= own.a * solution.x;
+    return own;
+  });
 }
 
 double inflationOf(const DynamicsData& data, const std::vector<JointSums>& sums, const BaseSolution& solution,

@@ -41,7 +41,7 @@ RobotMotion emptyMotion(std::size_t coordinates) {
 }
 
 void sumBlock(const RobotLog& log, const Block& block, const RobotRegressor& regressor, const BaseParameters& base,
-              std::span<const StribeckCurve> curves, std::span<const ExtraColumn> extras,
+              std::span<const StribeckCurve> curves, std::span<const ExtraColumn> extras, const ExtraColumn& known,
               std::vector<JointSums>& sums) {
   const std::size_t n = regressor.coordinates();
   RobotRegressor::Workspace work = regressor.workspace();
@@ -69,7 +69,8 @@ void sumBlock(const RobotLog& log, const Block& block, const RobotRegressor& reg
       Index at = 0;
       for (const std::size_t k : base.acts[c]) chunk.rows(chunk.filled, at++) = y(joint, base.columns[k]);
       for (const Eigen::ArrayXd* extra : own[c]) chunk.rows(chunk.filled, at++) = (*extra)[row];
-      chunk.rows(chunk.filled, at++) = regressor.dynamics().springTorque(c, motion.position[c]);
+      chunk.rows(chunk.filled, at++) =
+          regressor.dynamics().springTorque(c, motion.position[c]) + (known.empty() ? 0.0 : known[c][row]);
       chunk.rows(chunk.filled, at) = log.joints[c].effort[row];
       if (++chunk.filled == kChunk) chunk.addTo(sums[c]);
     }
@@ -97,13 +98,13 @@ std::vector<JointSums> DynamicsSums::total(const std::vector<bool>& used) const 
 
 DynamicsSums sumDynamics(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
                          std::span<const StribeckCurve> curves, const std::vector<bool>& used,
-                         std::span<const ExtraColumn> extras) {
+                         std::span<const ExtraColumn> extras, const ExtraColumn& known) {
   DynamicsSums sums;
   sums.blocks.resize(log.blocks.size());
   tbb::parallel_for(std::size_t{0}, log.blocks.size(), [&](std::size_t b) {
     if (interruptRequested()) return;
     const Block rows = used[b] ? log.blocks[b] : Block{log.blocks[b].begin, log.blocks[b].begin};
-    sumBlock(log, rows, regressor, base, curves, extras, sums.blocks[b]);
+    sumBlock(log, rows, regressor, base, curves, extras, known, sums.blocks[b]);
   });
   stopIfInterrupted();
   return sums;

@@ -9,11 +9,13 @@
 
 #include "gravity_check.h"
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 #include "simgap/fit/dynamics/base_fit.h"
 
 namespace simgap {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
 constexpr std::size_t kFewestBlocks = 10;
@@ -23,10 +25,10 @@ void checkLogOfRobot(const RobotLog& log, const RobotFitOptions& options) {
   if (options.torque_constants && !currents) {
     throw ConfigError(log.file + ": found torques and torque constants, expected constants with currents only");
   }
-  if (!options.torque_constants && currents) {
+  if (!options.torque_constants && !options.payload && currents) {
     throw ConfigError(fmt::format(
-        "{}: found currents, expected --torque-constants too, one for each of {} joints [Nm/A]: currents alone tell "
-        "constants and masses only as products",
+        "{}: found currents, expected --torque-constants too, one for each of {} joints [Nm/A], or --payload and "
+        "--loaded-log: currents alone tell constants and masses only as products",
         log.file, log.joints.size()));
   }
   if (options.torque_constants && options.torque_constants->size() != log.joints.size()) {
@@ -70,7 +72,8 @@ std::vector<bool> thinnedBlocks(const RobotLog& log, const std::vector<bool>& us
 /// Of each joint the curve with which all columns that act on it leave least in some blocks, among speeds that it
 /// reaches.
 std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
-                                      const std::vector<double>& constants, const std::vector<bool>& used) {
+                                      const std::vector<double>& constants, const std::vector<bool>& used,
+                                      const ExtraColumn& load) {
   std::vector<StribeckCurve> best(regressor.coordinates());
   if (!regressor.law().hasStribeck()) return best;
   std::vector<double> lowest(best.size(), INFINITY), top;
@@ -85,7 +88,7 @@ std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor&
     for (double share = 0.01; share < 0.7; share *= 2.0) {
       std::vector<StribeckCurve> curves;
       for (const double speed : top) curves.push_back({share * speed, delta});
-      const DynamicsSums sums = sumDynamics(log, regressor, base, curves, some);
+      const DynamicsSums sums = sumDynamics(log, regressor, base, curves, some, {}, load);
       const BaseSolution solution = solveBase({no_arm, regressor, base, sums}, sums.total(some), constants);
       for (std::size_t c = 0; c < best.size(); ++c) {
         if (solution.variance[c] >= lowest[c]) continue;
@@ -124,6 +127,23 @@ std::vector<std::string> warningsOf(const RobotLog& log, const RobotFit& found) 
   return warnings;
 }
 
+std::vector<std::string> jointNames(const RobotLog& log) {
+  std::vector<std::string> names;
+  for (const RobotJointLog& joint : log.joints) names.push_back(joint.name);
+  return names;
+}
+
+/// By what the torque constants' own uncertainty adds to the base parameters.
+void widen(DynamicsFit& fit, const MatrixXd& of_constants, std::size_t blocks) {
+  const double quantile = studentQuantile(static_cast<double>(blocks) - 1.0);
+  fit.base_covariance += of_constants;
+  for (std::size_t k = 0; k < fit.base.size(); ++k) {
+    Estimate& e = fit.base[k].estimate;
+    e.sd = std::sqrt(e.sd * e.sd + of_constants(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)));
+    e = withInterval(e, quantile * e.sd);
+  }
+}
+
 }  // namespace
 
 void requireRobotLog(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options) {
@@ -140,19 +160,32 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   found.names = regressor.names();
   found.units = regressor.units();
   found.without_effect = base.without_effect;
-  const std::vector<double> constants = options.torque_constants.value_or(std::vector<double>(log.joints.size(), 1.0));
   const std::vector<bool> all(log.blocks.size(), true);
-  found.model.curves = findCurves(log, regressor, base, constants, all);
-  const auto sums = std::make_shared<const DynamicsSums>(sumDynamics(log, regressor, base, found.model.curves, all));
+  if (options.payload) found.load = payloadTorques(*options.payload, log, regressor, arm);
+  std::vector<double> constants = options.torque_constants.value_or(std::vector<double>(log.joints.size(), 1.0));
+  const auto curvesOf = [&](const std::vector<bool>& used) {
+    return findCurves(log, regressor, base, constants, used, found.load);
+  };
+  const auto sumsWith = [&](const std::vector<StribeckCurve>& curves) {
+    return std::make_shared<const DynamicsSums>(sumDynamics(log, regressor, base, curves, all, {}, found.load));
+  };
+  found.model.curves = curvesOf(all);
+  std::shared_ptr<const DynamicsSums> sums = sumsWith(found.model.curves);
+  MatrixXd of_constants = MatrixXd::Zero(std::ssize(base.columns), std::ssize(base.columns));
+  if (currents && !options.torque_constants) {
+    const TorqueConstants told = findTorqueConstants({arm, regressor, base, *sums}, jointNames(log));
+    found.constants = told.constants;
+    constants = told.values();
+    of_constants = told.base_covariance;
+  }
   found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
+  widen(found.fit, of_constants, log.blocks.size());
   if (!found.fit.converged) {
     throw NumericsError("the search for bodies that can exist did not converge: is the log of this robot?");
   }
   // Held-out blocks have no part in choosing the curves that are to predict them.
   const SumsOfFold sums_of = [&](const std::vector<bool>& fitted) {
-    if (!regressor.law().hasStribeck()) return sums;
-    const std::vector<StribeckCurve> curves = findCurves(log, regressor, base, constants, fitted);
-    return std::make_shared<const DynamicsSums>(sumDynamics(log, regressor, base, curves, all));
+    return regressor.law().hasStribeck() ? sumsWith(curvesOf(fitted)) : sums;
   };
   const auto judge = [&](const std::vector<int>& fold) {
     return crossValidate(arm, regressor, base, sums_of, constants, fold);

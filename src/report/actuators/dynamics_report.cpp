@@ -20,6 +20,7 @@ Json jointRecord(const DynamicsReport& report, std::size_t c) {
   const RobotJointLog& joint = report.log.joints[c];
   const DynamicsFit& fit = report.found.fit;
   const bool currents = report.found.model.currents;
+  const std::vector<Estimate>& found = report.found.constants;
   return {{"name", joint.name},
           {"effort_unit", joint.effort_unit},
           {"rows", static_cast<long>(fit.rows[c])},
@@ -31,7 +32,10 @@ Json jointRecord(const DynamicsReport& report, std::size_t c) {
           {"error_heldout", numberOrNull(report.found.heldout.model[c])},
           {"error_other_logs", report.found.over_logs ? numberOrNull(report.found.over_logs->model[c]) : Json(nullptr)},
           {"error_fitted", numberOrNull(fit.error[c])},
-          {"torque_constant_Nm_A", currents ? Json(fit.model.torque_constants[c]) : Json(nullptr)}};
+          {"torque_constant_Nm_A", currents ? Json(fit.model.torque_constants[c]) : Json(nullptr)},
+          {"torque_constant_sd", found.empty() ? Json(nullptr) : numberOrNull(found[c].sd)},
+          {"torque_constant_ci95",
+           found.empty() ? Json(nullptr) : Json{numberOrNull(found[c].lower95), numberOrNull(found[c].upper95)}}};
 }
 
 Json bodyRecord(const DynamicsReport& report, const RobotRegressor& regressor, const ArmModel& file, std::size_t b) {
@@ -101,7 +105,8 @@ std::string dynamicsPredictionsCsv(const DynamicsReport& report) {
   for (std::size_t i = begin; i < begin + shown; ++i) {
     csv.add(report.log.time[i]);
     for (std::size_t c = 0; c < report.log.joints.size(); ++c) {
-      csv.add(report.log.joints[c].effort[i]).add(predicted(i, c));
+      const double load = report.found.load.empty() ? 0.0 : report.found.load[c][static_cast<Index>(i)];
+      csv.add(report.log.joints[c].effort[i]).add(predicted(i, c) + load / report.found.fit.model.torque_constants[c]);
     }
     csv.endRow();
   }

@@ -90,8 +90,10 @@ Table dynamicsDrives(const Json& result) {
   }
   for (const Json& joint : result.at("joints")) {
     if (joint.at("torque_constant_Nm_A").is_null()) continue;
-    table.rows.push_back({joint.at("name").get<std::string>() + ".torque_constant", "Nm/A",
-                          numberText(joint.at("torque_constant_Nm_A"), "{:.4g}"), "given"});
+    table.rows.push_back(
+        {joint.at("name").get<std::string>() + ".torque_constant", "Nm/A",
+         numberText(joint.at("torque_constant_Nm_A"), "{:.4g}"),
+         joint.at("torque_constant_sd").is_null() ? "given" : numberText(joint.at("torque_constant_sd"), "{:.2g}")});
   }
   return table;
 }

@@ -2,11 +2,25 @@
 /// Least squares of base parameters on a log's sums.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "simgap/fit/dynamics/dynamics_fit.h"
 
 namespace simgap {
+
+/// A x = b, weighed.
+struct NormalEquations {
+  Eigen::MatrixXd a;
+  Eigen::VectorXd b;
+};
+/// Of a normal matrix, without the directions that it does not determine. \param determined  unless null, of which
+/// unknowns it does
+Eigen::MatrixXd weighedInverse(const Eigen::MatrixXd& a, std::vector<bool>* determined = nullptr);
+/// Covariance of a solution by the jackknife over blocks (uncertainty.h). \param inverse  of all blocks' normal matrix
+/// \param of_block  its own matrix, and its gradient at the solution; a matrix of 0: it has no part
+Eigen::MatrixXd jackknifeOver(const Eigen::MatrixXd& inverse, std::size_t blocks,
+                              const std::function<NormalEquations(std::size_t block)>& of_block);
 
 struct BaseSolution {
   Eigen::VectorXd x;             ///< shape (K); the shortest where the log leaves a choice
@@ -19,7 +33,7 @@ struct BaseSolution {
 BaseSolution solveBase(const DynamicsData& data, const std::vector<JointSums>& sums,
                        const std::vector<double>& constants);
 
-/// Covariance of the solution by the jackknife over blocks (uncertainty.h), shape (K, K).
+/// jackknifeOver of the solution, shape (K, K).
 /// \param used  shape (blocks): those that it was found from
 Eigen::MatrixXd jackknifeCovariance(const DynamicsData& data, const BaseSolution& solution,
                                     const std::vector<double>& constants, const std::vector<bool>& used);

@@ -39,10 +39,11 @@ struct DynamicsSums {
 
 /// Rows in which a joint moves, and all joints' motions are known, count for it. \throws InterruptedError
 /// \param used  shape (blocks): others stay empty. \param extras  of each joint those that act on it stand in their
-/// order between its base parameters and its known torque
+/// order between its base parameters and its known torque \param known  torques, shape (N)(rows), that are known
+/// beside those of springs; empty: none
 DynamicsSums sumDynamics(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
                          std::span<const StribeckCurve> curves, const std::vector<bool>& used,
-                         std::span<const ExtraColumn> extras = {});
+                         std::span<const ExtraColumn> extras = {}, const ExtraColumn& known = {});
 
 /// Torque of every joint in the rows [begin, end), shape (end - begin, N), of all parameters p, shape (P).
 Eigen::MatrixXd predictTorques(const RobotLog& log, const RobotRegressor& regressor, const Eigen::VectorXd& p,
