@@ -39,6 +39,10 @@ JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool
                                   table.name(), column));
     }
   }
+  if (model.muscles.empty()) {
+    throw DataError(fmt::format("{}:1: found target_…, but {} has no muscle, expected some that lead its joints",
+                                table.name(), model.name));
+  }
   for (const PassiveTendon& tendon : model.tendons) {
     if (!tendon.kind->command) continue;
     throw DataError(

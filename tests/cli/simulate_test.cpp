@@ -226,6 +226,10 @@ TEST_F(SimulateTest, JointsFollowTheirTargetsThroughTheTendonJacobian) {
   expectRefused(simulate("both.csv"), 3, "expected joints or muscles to be commanded");
   put("none.csv", "time_s,target_knee_deg\n0,40\n1,40\n");
   expectRefused(simulate("none.csv"), 3, "target_elbow");
+  succeed({"convert", robotFile("robot.urdf"), "robot.yaml"});
+  put("joints.csv", "time_s,target_j1_deg,target_j2_deg,target_j3_deg,target_j4_deg\n0,0,0,0,0\n1,0,0,0,0\n");
+  expectRefused({"simulate", "robot.yaml", "--commands", "joints.csv", "-q", "-o", "led"}, 3,
+                "has no muscle, expected some that lead its joints");
 }
 
 }  // namespace
