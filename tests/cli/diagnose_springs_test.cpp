@@ -76,6 +76,17 @@ TEST_F(Springs, AreFittedWithinTheirIntervals) {
   EXPECT_NEAR(result.at("mse").get<double>(), 0.0025, 0.0003);
 }
 
+TEST_F(Springs, ANewCordSoftensWhereItHasBeenStretched) {
+  reality::SpringTruth truth;
+  truth.breaking = 60.0;
+  reality::SpringDesign further = pulled(31);
+  further.growing = true;
+  const Json result = ask(truth, further);
+  ASSERT_TRUE(alone(result, "stress-softening")) << result.at("sentence") << result.at("candidates");
+  // Of chains drawn up to 0.12 m the furthest stretch breaks reach / 0.12.
+  EXPECT_NEAR(valueOf(result, "softening"), 60.0 * valueOf(result, "reach") / 0.12, 5.0);
+}
+
 TEST_F(Springs, ACordHangsLooseBelowItsRestLength) {
   reality::SpringTruth truth;
   truth.pulls_only = true;

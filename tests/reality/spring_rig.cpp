@@ -37,6 +37,9 @@ class Memory {
     }
     element_stiffness_ = truth.creep_stiffness / kMaxwell;
     dashpot_.assign(kMaxwell, 0.0);
+    constexpr int kChains = 400;
+    for (int k = 0; truth.breaking > 0.0 && k < kChains; ++k)
+      chains_.push_back({truth.breaking / kChains, truth.breaking_reach * uniform(random), true});
     slider_.assign(kSliders, 0.0);
   }
   /// Force of all parts after the end has moved to x over dt: each dashpot flows, each slider is dragged along.
@@ -54,12 +57,26 @@ class Memory {
     }
     return force;
   }
+  /// Force of the chains that no stretch up to now has broken.
+  double ofChains(double x) {
+    double force = 0.0;
+    for (Chain& chain : chains_) {
+      chain.whole = chain.whole && std::abs(x) < chain.longest;
+      if (chain.whole) force += chain.stiffness * x;
+    }
+    return force;
+  }
   void settleAt(double x) {
     std::ranges::fill(dashpot_, x);
     std::ranges::fill(slider_, x);
   }
 
  private:
+  struct Chain {
+    double stiffness, longest;
+    bool whole;
+  };
+  std::vector<Chain> chains_;
   std::vector<double> slip_, slider_, tau_, dashpot_;
   double slider_stiffness_ = 0.0, element_stiffness_ = 0.0;
 };
@@ -104,7 +121,9 @@ SpringRecord recordSpring(const SpringTruth& truth, const SpringDesign& design) 
   SpringRecord record;
   double humid = 6.0 * uniform(random);
   for (int s = 0; s < design.sessions; ++s) {
-    const std::vector<double> x = motionOf(design, random);
+    SpringDesign session = design;
+    if (design.growing) session.low *= (s + 1.0) / design.sessions, session.high *= (s + 1.0) / design.sessions;
+    const std::vector<double> x = motionOf(session, random);
     memory.settleAt(x[0]);
     double t = 0.0, wire = std::max(x[0], truth.pulls_only ? truth.slack_below : x[0]);
     for (const double end : x) {
@@ -112,7 +131,8 @@ SpringRecord recordSpring(const SpringTruth& truth, const SpringDesign& design) 
       // A wire follows its end only while it is taut.
       const double now = truth.pulls_only ? std::max(end, truth.slack_below) : end;
       double force = readOff(truth.curve, now) + truth.damping * (now - wire) / dt +
-                     truth.sliding * std::asinh((now - wire) / dt / 1e-3) + memory.moveTo(now, dt);
+                     truth.sliding * std::asinh((now - wire) / dt / 1e-3) + memory.moveTo(now, dt) +
+                     memory.ofChains(now);
       if (truth.pulls_only)
         force = end > truth.slack_below ? std::max(0.0, force - readOff(truth.curve, truth.slack_below)) : 0.0;
       wire = now;

@@ -22,6 +22,8 @@ struct SpringTruth {
   double friction = 0.0;         ///< [N] of all sliders together
   double slip = 0.004;           ///< [m] mean distance after which they slip
   double slip_spread = 0.0;      ///< 0: all alike; 1: drawn between 0 and twice the mean
+  double breaking = 0.0;         ///< [N/m] of chains that break for good, each beyond a stretch of its own
+  double breaking_reach = 0.12;  ///< [m] up to which these are drawn
   bool pulls_only = false;       ///< no force below slack_below
   double slack_below = 0.0;      ///< [m]
   double force_offset = 0.0;     ///< [N] of the sensor
@@ -33,6 +35,7 @@ struct SpringDesign {
   double seconds = 60.0;            ///< per session
   double rate = 50.0;               ///< [Hz]
   double low = -0.05, high = 0.05;  ///< [m] range of the motion
+  bool growing = false;             ///< every session goes further than the one before it
   double force_noise = 0.05;        ///< [N]
   double encoder_step = 2e-5;       ///< [m]
   int spikes = 0;                   ///< single wrong samples of either channel

@@ -27,12 +27,11 @@ inline double unloadedDeflection(const ActuatorRows& rows) {
 ///
 ///     e u^(exponent - 1) / (1 - saturation + saturation u),
 ///
-/// 1 x e at u = 1. The form (exponent and saturation) is chosen among the starts, origin and reach are references.
-inline constexpr EffectParameter kBendParameters[] = {
-    {"exponent", "1", 1.0, 10.0, 2.0, 2.0, EffectParameter::Kind::kConstant},
-    {"saturation", "1", 0.0, 0.99, 0.0, 0.0, EffectParameter::Kind::kConstant},
-    {"origin", "rad", -100.0, 100.0, 0.0, 0.0, EffectParameter::Kind::kConstant},
-    {"reach", "rad", 1e-12, 100.0, 1.0, 1.0, EffectParameter::Kind::kConstant}};
+/// 1 x e at u = 1. Origin and form are fitted from several starts: with one of a few forms instead, what it lacks of
+/// the curve would be named for itself, as a bend the other way. Reach is a reference.
+inline constexpr EffectParameter kBendOrigin = {
+    "origin", "rad", -100.0, 100.0, 0.0, 0.0, EffectParameter::Kind::kShape};
+inline constexpr EffectParameter kReach = {"reach", "rad", 1e-12, 100.0, 1.0, 1.0, EffectParameter::Kind::kConstant};
 struct BendForm {
   double exponent, saturation;
 };
@@ -54,6 +53,12 @@ inline std::vector<std::vector<double>> bendStarts(const ActuatorRows& rows, std
   std::vector<std::vector<double>> starts;
   for (const auto& [exponent, saturation] : forms) starts.push_back({exponent, saturation, origin, reach});
   return starts;
+}
+
+/// A curve that bends about another place than where there is no force has a kink there, or begins there.
+inline bool bendsAboutRest(std::span<const double> p, const ActuatorRows& rows) {
+  constexpr double kFar = 0.1;  // of the reach
+  return std::abs(p[2] - unloadedDeflection(rows)) < kFar * p[3];
 }
 
 }  // namespace simgap::actuator_effects

@@ -9,6 +9,10 @@
 namespace simgap::actuator_effects::spring_hardening {
 namespace {
 
+constexpr EffectParameter kParameters[] = {{"exponent", "1", 1.5, 10.0, 2.0, 2.0, EffectParameter::Kind::kShape},
+                                           {"saturation", "1", 0.0, 0.0, 0.0, 0.0, EffectParameter::Kind::kConstant},
+                                           kBendOrigin,
+                                           kReach};
 constexpr BendForm kForms[] = {{2.0, 0.0}, {3.0, 0.0}, {5.0, 0.0}};
 
 void fill(std::span<const double> p, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
@@ -31,14 +35,15 @@ const ActuatorEffect entry = {
     .signature = "force over deflection bends towards the axis of force, the same way up and down",
     .remarks =
         "each side has its own s (`positive`, `negative`), the stiffness gained at the largest deflection "
-        "(`reach`); the data choose n (`exponent`): 2, 3 or 5",
+        "(`reach`); n (`exponent`) is fitted",
     .source = "Treloar 1944 (rubber); 000 section IV: a shock cord is linear up to 80 % of expansion",
     .look_alikes = "spring-slack (a toe region), spring-direction",
     .separates = "slow pulls from the slack spring to the largest deflection",
-    .parameters = kBendParameters,
+    .parameters = kParameters,
     .columns = kBendColumns,
     .fill = fill,
     .starts = starts,
+    .counts = bendsAboutRest,
 };
 
 }  // namespace simgap::actuator_effects::spring_hardening

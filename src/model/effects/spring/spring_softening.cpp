@@ -9,7 +9,11 @@
 namespace simgap::actuator_effects::spring_softening {
 namespace {
 
-constexpr BendForm kForms[] = {{2.0, 0.0}, {2.0, 0.5}, {2.0, 0.8}, {3.0, 0.0}};
+constexpr EffectParameter kParameters[] = {{"exponent", "1", 1.0, 10.0, 2.0, 2.0, EffectParameter::Kind::kConstant},
+                                           {"saturation", "1", 0.0, 0.9, 0.0, 0.0, EffectParameter::Kind::kShape},
+                                           kBendOrigin,
+                                           kReach};
+constexpr BendForm kForms[] = {{2.0, 0.0}, {2.0, 0.5}, {2.0, 0.7}, {3.0, 0.0}};
 
 void fill(std::span<const double> p, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
@@ -18,6 +22,12 @@ void fill(std::span<const double> p, const ActuatorRows& /*rows*/, const Actuato
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   return bendStarts(rows, kForms);
+}
+
+/// A bend that levels off at once is a kink, which spring-direction says.
+bool counts(std::span<const double> p, const ActuatorRows& rows) {
+  constexpr double kKink = 0.8;
+  return p[1] < kKink && bendsAboutRest(p, rows);
 }
 
 }  // namespace
@@ -31,14 +41,15 @@ const ActuatorEffect entry = {
     .signature = "force over deflection bends towards the deflection's axis, the same way up and down",
     .remarks =
         "each side has its own s (`positive`, `negative`), the stiffness lost at the largest deflection (`reach`); "
-        "the data choose the form: a square (n, `exponent`, 2), a cube, or one that levels off (c, `saturation`)",
+        "the data choose a square or a cube (n, `exponent`); how soon the bend levels off (c, `saturation`) is fitted",
     .source = "Treloar 1944 (rubber)",
     .look_alikes = "spring-hysteresis when only one amplitude was recorded, spring-direction",
     .separates = "slow loops of several amplitudes, from small ones to the largest, in both directions",
-    .parameters = kBendParameters,
+    .parameters = kParameters,
     .columns = kBendColumns,
     .fill = fill,
     .starts = starts,
+    .counts = counts,
 };
 
 }  // namespace simgap::actuator_effects::spring_softening
