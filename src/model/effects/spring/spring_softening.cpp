@@ -10,10 +10,10 @@ namespace simgap::actuator_effects::spring_softening {
 namespace {
 
 constexpr EffectParameter kParameters[] = {{"exponent", "1", 1.0, 10.0, 2.0, 2.0, EffectParameter::Kind::kConstant},
-                                           {"saturation", "1", 0.0, 0.9, 0.0, 0.0, EffectParameter::Kind::kShape},
+                                           {"saturation", "1", 0.0, 0.8, 0.0, 0.0, EffectParameter::Kind::kShape},
                                            kBendOrigin,
                                            kReach};
-constexpr BendForm kForms[] = {{2.0, 0.0}, {2.0, 0.5}, {2.0, 0.7}, {3.0, 0.0}};
+constexpr BendForm kForms[] = {{2.0, 0.0}, {2.0, 0.5}, {2.0, 0.75}, {3.0, 0.0}};
 
 void fill(std::span<const double> p, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
@@ -22,12 +22,6 @@ void fill(std::span<const double> p, const ActuatorRows& /*rows*/, const Actuato
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   return bendStarts(rows, kForms);
-}
-
-/// A bend that levels off at once is a kink, which spring-direction says.
-bool counts(std::span<const double> p, const ActuatorRows& rows) {
-  constexpr double kKink = 0.8;
-  return p[1] < kKink && bendsAboutRest(p, rows);
 }
 
 }  // namespace
@@ -49,7 +43,7 @@ const ActuatorEffect entry = {
     .columns = kBendColumns,
     .fill = fill,
     .starts = starts,
-    .counts = counts,
+    .counts = bendsAboutRest,
 };
 
 }  // namespace simgap::actuator_effects::spring_softening
