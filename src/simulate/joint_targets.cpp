@@ -39,16 +39,16 @@ JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool
                                   table.name(), column));
     }
   }
-  if (model.muscles.empty()) {
-    throw DataError(fmt::format("{}:1: found target_…, but {} has no muscle, expected some that lead its joints",
-                                table.name(), model.name));
-  }
   for (const PassiveTendon& tendon : model.tendons) {
     if (!tendon.kind->command) continue;
     throw DataError(
         fmt::format("{}:1: found target_…, but '{}' is a {}: joints are led by muscles that a motor winds alone, "
                     "expected {}_{} and the commands of all others",
                     table.name(), tendon.name, tendon.kind->name, tendon.commandStem(), tendon.kind->command.unit));
+  }
+  if (model.muscles.empty()) {
+    throw DataError(fmt::format("{}:1: found target_…, but {} has no muscle, expected some that lead its joints",
+                                table.name(), model.name));
   }
   JointTargets targets{readRisingTimes(table), {}, linear};
   const std::size_t joints = model.joints.size();

@@ -182,6 +182,14 @@ TorqueConstants findTorqueConstants(const DynamicsData& data, const std::vector<
   constexpr int kPasses = 4;
   const std::vector<bool> all(data.sums.blocks.size(), true);
   const std::vector<JointSums> sums = data.sums.total(all);
+  for (std::size_t c = 0; c < joints.size(); ++c) {
+    if (sums[c].rows == 0.0) {
+      throw DataError(
+          fmt::format("joint {} does not move in any row, expected motion of every joint: nothing tells its "
+                      "torque constant",
+                      joints[c]));
+    }
+  }
   const CurrentFit fit(data);
   VectorXd z = fit.start(sums), variance(joints.size());
   for (int pass = 0; pass < kPasses; ++pass) {

@@ -38,8 +38,8 @@ struct TorqueConstants {
 
 /// \param data  of logs with and without the load, whose torques are among the known ones of the sums
 /// \param joints  names, shape (N)
-/// \throws DataError: the load makes bodies of quite other masses than the file's; NumericsError: a joint that hardly
-/// feels it
+/// \throws DataError: a joint that never moves, or a load that makes bodies of quite other masses than the file's;
+/// NumericsError: a joint that hardly feels it
 TorqueConstants findTorqueConstants(const DynamicsData& data, const std::vector<std::string>& joints);
 
 }  // namespace simgap
