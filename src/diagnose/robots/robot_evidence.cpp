@@ -132,21 +132,9 @@ MatrixXd predictedTorque(const RobotSearch& search, const RobotSearch::Set& set,
 }
 
 RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set) {
-  const RobotRows& rows = search.rows();
-  MatrixXd predicted = predictedTorque(search, set, search.fit(set, kRobotFolds, /*without_prior=*/true));
-  // Without what was known a cause may be no different from other numbers, a tilt from the bodies' moments: its size is
-  // then anything, and what bends with it is off.
-  const MatrixXd of_known = predictedTorque(search, set, search.fit(set, kRobotFolds));
-  for (Index c = 0; c < predicted.cols(); ++c) {
-    const std::vector<std::size_t> counted = movingRows(rows, static_cast<std::size_t>(c));
-    const ArrayXd effort = rows.drive(static_cast<std::size_t>(c)).effort(counted);
-    const auto squares = [&](const MatrixXd& torque) {
-      return (effort - torque.col(c)(counted).array()).square().sum();
-    };
-    if (squares(of_known) < squares(predicted)) predicted.col(c) = of_known.col(c);
-  }
+  const RobotSearch::Fit fit = search.fit(set, kRobotFolds, /*without_prior=*/true);
   return {search, search.validate({}), search.validate(set), search.validate(set, /*without_prior=*/true),
-          std::move(predicted)};
+          predictedTorque(search, set, fit)};
 }
 
 RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints) {

@@ -34,7 +34,7 @@ struct RobotLeft {
 struct RobotUnseen {
   const RobotSearch& search;
   BlockErrors plain, with, free;  ///< on unseen folds: without causes, with them, and with all other numbers free, too
-  Eigen::MatrixXd predicted;      ///< of each joint with what misses it less of the last two, shape (rows, N)
+  Eigen::MatrixXd predicted;      ///< with the last, shape (rows, N)
 };
 RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set);
 RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
