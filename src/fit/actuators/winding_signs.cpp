@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Core>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "simgap/optimize/separable.h"

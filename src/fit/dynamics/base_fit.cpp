@@ -74,6 +74,13 @@ MatrixXd jackknifeOver(const MatrixXd& inverse, std::size_t blocks,
   return covariance * (used > 1.0 ? (used - 1.0) / used : 1.0);
 }
 
+VectorXd baseInFile(const DynamicsData& data) {
+  VectorXd file = VectorXd::Zero(data.regressor.columns());
+  file.segment(data.regressor.bodyColumn(0), data.regressor.dynamics().parameters()) =
+      data.regressor.dynamics().parametersOf(data.arm);
+  return data.base.combination * file;
+}
+
 double squaredError(const JointSums& sums, const std::vector<std::size_t>& acts, const VectorXd& x, double constant) {
   VectorXd v(sums.products.cols());
   const Index known = std::ssize(acts);

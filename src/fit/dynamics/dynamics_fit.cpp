@@ -65,10 +65,7 @@ DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& tor
   fit.inflation = fits.inflation;
   fit.converged = fits.consistent.converged;
   const double quantile = studentQuantile(static_cast<double>(data.sums.blocks.size()) - 1.0);
-  VectorXd file = VectorXd::Zero(data.regressor.columns());
-  file.segment(data.regressor.bodyColumn(0), data.regressor.dynamics().parameters()) =
-      data.regressor.dynamics().parametersOf(data.arm);
-  const VectorXd in_file = data.base.combination * file, in_model = data.base.combination * fit.model.parameters;
+  const VectorXd in_file = baseInFile(data), in_model = data.base.combination * fit.model.parameters;
   for (Index k = 0; k < in_file.size(); ++k) {
     fit.base.push_back(baseEstimate(data, fits, k, quantile));
     fit.base.back().in_file = in_file[k];

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/statistics.h"
@@ -133,11 +132,8 @@ void descendTo(const CurrentFit& fit, const std::vector<JointSums>& sums, const 
 
 /// What the bodies found ask of the joints, as a multiple of what those of the file do.
 double timesTheFile(const DynamicsData& data, const VectorXd& x, const MatrixXd& products) {
-  VectorXd file = VectorXd::Zero(data.regressor.columns());
-  file.segment(data.regressor.bodyColumn(0), data.regressor.dynamics().parameters()) =
-      data.regressor.dynamics().parametersOf(data.arm);
-  const VectorXd drawn = products * (data.base.combination * file);
-  return x.dot(drawn) / (data.base.combination * file).dot(drawn);
+  const VectorXd in_file = baseInFile(data), drawn = products * in_file;
+  return x.dot(drawn) / in_file.dot(drawn);
 }
 
 }  // namespace

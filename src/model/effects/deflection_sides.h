@@ -23,6 +23,11 @@ inline double unloadedDeflection(const ActuatorRows& rows) {
   return upperMedian(std::move(least));
 }
 
+/// The largest deflection from there.
+inline double furthestDeflection(const ActuatorRows& rows, double origin) {
+  return std::max((rows.deflection - origin).abs().maxCoeff(), 1e-12);
+}
+
 /// What bends a curve: with u = |e| / reach, on either side of its own,
 ///
 ///     e u^(exponent - 1) / (1 - saturation + saturation u),
@@ -49,7 +54,7 @@ inline void fillBend(std::span<const double> p, const Eigen::ArrayXd& deflection
 
 inline std::vector<std::vector<double>> bendStarts(const ActuatorRows& rows, std::span<const BendForm> forms) {
   const double origin = unloadedDeflection(rows);
-  const double reach = std::max((rows.deflection - origin).abs().maxCoeff(), 1e-12);
+  const double reach = furthestDeflection(rows, origin);
   std::vector<std::vector<double>> starts;
   for (const auto& [exponent, saturation] : forms) starts.push_back({exponent, saturation, origin, reach});
   return starts;

@@ -22,6 +22,9 @@ Eigen::MatrixXd weighedInverse(const Eigen::MatrixXd& a, std::vector<bool>* dete
 Eigen::MatrixXd jackknifeOver(const Eigen::MatrixXd& inverse, std::size_t blocks,
                               const std::function<NormalEquations(std::size_t block)>& of_block);
 
+/// Base parameters of the bodies in the robot's file, without friction and rotors, shape (K).
+Eigen::VectorXd baseInFile(const DynamicsData& data);
+
 struct BaseSolution {
   Eigen::VectorXd x;             ///< shape (K); the shortest where the log leaves a choice
   Eigen::MatrixXd inverse;       ///< shape (K, K): of the weighed normal matrix, without what is not determined

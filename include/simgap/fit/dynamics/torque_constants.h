@@ -23,7 +23,7 @@ struct KnownPayload {
   std::vector<bool> carried;                         ///< shape (sessions)
 };
 
-/// Its torques, shape (N)(rows); 0 where it is not carried. \throws ConfigError: a body that no joint moves, no mass
+/// Its torques, shape (N)(rows); 0 where it is not carried. \throws ConfigError: no body of the robot that moves
 ExtraColumn payloadTorques(const KnownPayload& payload, const RobotLog& log, const RobotRegressor& regressor,
                            const ArmModel& arm);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr EffectParameter kParameters[] = {{"rejoins", "1", 0.0, 1.0, 1.0, 1.0, EffectParameter::Kind::kConstant},
                                            {"origin", "rad", -100.0, 100.0, 0.0, 0.0, EffectParameter::Kind::kConstant},
-                                           {"reach", "rad", 1e-12, 100.0, 1.0, 1.0, EffectParameter::Kind::kConstant}};
+                                           kReach};
 constexpr EffectColumn kColumns[] = {{.name = "softening", .unit = "Nm_rad", .lower = 0.0, .torque = false}};
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
@@ -28,7 +28,7 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   const double origin = unloadedDeflection(rows);
-  const double reach = std::max((rows.deflection - origin).abs().maxCoeff(), 1e-12);
+  const double reach = furthestDeflection(rows, origin);
   return {{1.0, origin, reach}, {0.0, origin, reach}};
 }
 
