@@ -67,9 +67,9 @@ struct Coarse {
 
 /// On the way to somewhere else: of an objective of a hundred, the last hundredth is not worth its steps.
 PosteriorFit descendRoughly(PosePosterior& posterior, const Eigen::VectorXd& z) {
-  constexpr int kMostSteps = 60;
+  constexpr int kRoughSteps = 60;
   constexpr double kRoughTolerance = 1e-4;
-  return descendPosterior(posterior, z, kMostSteps, kRoughTolerance);
+  return descendPosterior(posterior, z, kRoughSteps, kRoughTolerance);
 }
 
 /// Near a minimum, or where it ends: from where the torques at the measured poses balance down on some of the poses.

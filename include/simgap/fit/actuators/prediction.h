@@ -31,24 +31,17 @@ struct PredictionOptions {
 /// Whether it is a model of `diagnose`, predicted on the rows that mean something.
 bool isDiagnosed(const FittedModel& model);
 
-/// As the functions below, whichever fits the model. \param bench  of a drive under load; the others have none
-/// \throws ConfigError: `inverse` of a diagnosed model or a spring, a diagnosed gearbox, a gearbox without its motor;
-///         DataError as they.
+/// As the kind of the model predicts it (src/fit/actuators/predictions), or as predictDiagnosed.
+/// \param bench  of a drive under load; the others have none
+/// \throws ConfigError: `inverse` of a diagnosed model or where it means nothing, a diagnosed gearbox, a gearbox
+/// without
+///         its motor; DataError as the reader of the kind, and where a motor's log has neither voltage nor current.
 Prediction predictLog(const FittedModel& model, const CsvTable& table, const Bench& bench,
                       const PredictionOptions& options);
 
 /// A model of `diagnose`, its law with presliding and extensions, on the rows that mean something: what a motor draws,
 /// the voltage of a winding, the force of a muscle. \throws DataError as prepareLog.
 Prediction predictDiagnosed(const FittedModel& model, const CsvTable& table, const Bench& bench);
-
-/// The motor's effort, or the load torque of a model that was fitted to predict it.
-Prediction predictFriction(const FittedModel& model, const CsvTable& table, const Bench& bench);
-
-/// A muscle's force, or with `inverse` the pressure that gives the measured one.
-Prediction predictPam(const FittedModel& model, const CsvTable& table, bool inverse);
-
-/// A drive's velocity, or with `inverse` its current. \throws DataError: neither voltage nor current in the log.
-Prediction predictDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, bool inverse);
 
 /// Root of the mean squared error against the log; empty when there is nothing to compare with.
 std::optional<double> rmsError(const Prediction& prediction);

@@ -26,10 +26,22 @@ void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& t
   }
 }
 
+/// The longest travel [rad] in one direction: no more play than this can be told from a drive that carries nothing.
+double longestStroke(const ActuatorRows& rows) {
+  double longest = 0.0, stroke = 0.0;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const bool goesOn = i > 0 && rows.session[k] == rows.session[k - 1] && rows.direction[i] == rows.direction[i - 1];
+    stroke = goesOn ? stroke + rows.travel[i] : rows.travel[i];
+    longest = std::max(longest, stroke);
+  }
+  return longest;
+}
+
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
-  const double stride = rows.top_speed * rows.step;
+  const double stride = rows.top_speed * rows.step, most = std::min(0.5 * longestStroke(rows), 20.0);
   std::vector<std::vector<double>> list;
-  for (double play = 0.2 * stride; play < std::min(60.0 * stride, 20.0); play *= 1.8) list.push_back({play});
+  for (double play = 0.2 * stride; play < most; play *= 1.8) list.push_back({play});
   return list;
 }
 
