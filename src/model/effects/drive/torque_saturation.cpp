@@ -8,7 +8,7 @@ namespace {
 
 constexpr EffectParameter kParameters[] = {{"s", "1_A2", 0.0, 1.0, 0.0, 0.0}};
 
-constexpr EffectParameter kKneeParameters[] = {{"s", "1", 0.0, 50.0, 0.0, 0.0},
+constexpr EffectParameter kKneeParameters[] = {{"s", "1", 0.0, 5.0, 0.0, 0.0},
                                                {"I_knee", "A", 0.0, 1e6, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
 void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
