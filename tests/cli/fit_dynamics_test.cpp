@@ -46,6 +46,39 @@ TEST_F(FitDynamicsTest, PredictsAnotherTrajectory) {
   }
 }
 
+TEST_F(FitDynamicsTest, PlaysTheRobotUnderTheEffortsOfALog) {
+  fit({});
+  const Arguments found{"predict", "fit/model.yaml", robotFile("other_log.csv.gz"), "--simulate", "-q", "-o", "run"};
+  const auto worst = [&](Arguments arguments) {
+    arguments.emplace_back("--force");
+    succeed(arguments);
+    double share = 0.0;
+    const Json result = Json::parse(text("run/result.json"));
+    for (const Json& joint : result.at("joints")) {
+      share = std::max(share, joint.at("rms_error").get<double>() / joint.at("range").get<double>());
+    }
+    return share;
+  };
+  const auto with = [](Arguments arguments, const std::string& gains) {
+    arguments.insert(arguments.end(), {"--gains", gains});
+    return arguments;
+  };
+  const std::string gains = robotFile("gains.yaml");
+  const double held = worst(with(found, gains));
+  EXPECT_GT(held, 0.0);
+  EXPECT_LT(held, 1e-3);
+  Arguments drawn = with(found, gains);
+  drawn[1] = robotFile("robot.urdf");
+  EXPECT_GT(worst(drawn), 1e-2);
+  EXPECT_GT(worst(found), 0.1);  // a minute without a controller
+  EXPECT_THAT(text("run/prediction.csv"), testing::HasSubstr("j1_predicted_rad,j1_measured_rad"));
+
+  put("other.yaml", replaced(text(gains), "j4:", "j5:"));
+  expectRefused(with(found, "other.yaml"), 2, "expected the key 'j4'");
+  expectRefused({"predict", "fit/model.yaml", robotFile("other_log.csv.gz"), "--gains", gains, "-o", "x"}, 2,
+                "expected --simulate with them");
+}
+
 TEST_F(FitDynamicsTest, SeveralLogsAreJudgedByEachOther) {
   const Json result = fit({"--log", robotFile("other_log.csv.gz")});
   EXPECT_EQ(result.at("logs").size(), 2u);

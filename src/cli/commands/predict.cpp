@@ -18,7 +18,7 @@ namespace {
 struct Options {
   CommonOptions common;
   LogFileOptions table;
-  std::string model, log, motor, bench;
+  std::string model, log, motor, bench, gains;
   bool inverse = false, simulate = false, joint_angle = false;
   std::optional<double> ratio;
 };
@@ -36,24 +36,32 @@ Prediction predictWith(const FittedModel& model, const Options& options, Session
 
 /// All joints of a robot at once.
 ExitCode runRobot(const RobotModel& model, const Options& options, Session& session, const CLI::App& app) {
-  if (options.simulate || options.inverse || options.joint_angle || options.ratio || !options.motor.empty() ||
-      !options.bench.empty()) {
+  if (options.inverse || options.joint_angle || options.ratio || !options.motor.empty() || !options.bench.empty()) {
     throw ConfigError(options.model +
-                      ": found a robot, expected no --simulate, --inverse, --joint-angle, --ratio, --motor or --bench");
+                      ": found a robot, expected no --inverse, --joint-angle, --ratio, --motor or --bench");
   }
-  const RobotPrediction prediction =
-      predictRobot(model, readRobotLogs(session, loggedJoints(model), {options.log}, options.table));
+  if (!options.gains.empty() && !options.simulate) throw ConfigError("found --gains, expected --simulate with them");
+  std::vector<JointGains> gains;
+  if (!options.gains.empty()) {
+    gains = readJointGains(YamlNode::parse(session.read("gains", options.gains).content, options.gains), model);
+  }
+  RobotLog log = readRobotLogs(session, loggedJoints(model), {options.log}, options.table);
   if (options.common.dry_run) {
-    session.print(
-        fmt::format("would predict {} rows of {}; nothing was written\n", prediction.log.rows(), options.log));
+    session.print(fmt::format("would predict {} rows of {}; nothing was written\n", log.rows(), options.log));
     return ExitCode::kDone;
   }
-  session.begin(options.common.seed.value_or(0));
-  const RunDirectory& directory = session.directory();
-  directory.write("config.resolved.yaml", resolvedOptions(app));
-  directory.write("prediction.csv", predictionCsv(prediction));
-  session.finish(toJson(prediction), terminalTable(prediction, directory.file("prediction.csv").string()));
-  return ExitCode::kDone;
+  const auto finish = [&](const auto& prediction) {
+    session.begin(options.common.seed.value_or(0));
+    const RunDirectory& directory = session.directory();
+    directory.write("config.resolved.yaml", resolvedOptions(app));
+    directory.write("prediction.csv", predictionCsv(prediction));
+    session.finish(toJson(prediction), terminalTable(prediction, directory.file("prediction.csv").string()));
+    return ExitCode::kDone;
+  };
+  if (!options.simulate) return finish(predictRobot(model, std::move(log)));
+  requireSameEffort(model, log);
+  RobotFreeRun run = runFreely(model, log, gains);
+  return finish(RobotMotionPrediction{std::move(log), std::move(run), !gains.empty()});
 }
 
 /// The joint's angle from the motor's.
@@ -84,6 +92,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   Session session("predict", options.common, argv);
   if (const auto robot = findRobotModel(session, options.model)) return runRobot(*robot, options, session, app);
   const FittedModel model = readFittedModel(YamlNode::parse(session.input("model").content, options.model));
+  if (!options.gains.empty()) throw ConfigError("found --gains with one actuator, expected a robot");
   if (options.joint_angle) return runJointAngle(model, options, session, app);
   const Prediction prediction = predictWith(model, options, session);
   if (options.common.dry_run) {
@@ -111,6 +120,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->check(CLI::PositiveNumber & finiteNumber());
   app.add_flag("--inverse", options->inverse, "a muscle's pressure from force instead; a drive's current");
   app.add_flag("--simulate", options->simulate, "the motion from the effort, told only where it begins");
+  app.add_option("--gains", options->gains, "of a robot's joint controllers, with --simulate (YAML)");
   app.add_flag("--joint-angle", options->joint_angle,
                "the joint's angle from the motor's, by the stretch of the cable");
   options->table.add(app);

@@ -215,6 +215,7 @@ RobotLog readRobotLog(CsvTable table, std::span<const LoggedJoint> joints) {
   tbb::parallel_for(std::size_t{0}, joints.size(), [&](std::size_t j) {
     robot.joints[j].name = joints[j].name;
     robot.joints[j].effort_unit = readers[j].log.effort_unit;
+    robot.joints[j].slides = joints[j].slides;
     completeJoint(readers[j], runs, robot.time, joints[j].presliding, robot.joints[j]);
   });
   for (std::size_t j = 0; j < joints.size(); ++j) {

@@ -67,6 +67,31 @@ Table robotPredictionJoints(const Json& result) {
   return table;
 }
 
+std::string robotMotionAnswer(const Json& result) {
+  double worst = 0.0;
+  std::string joint;
+  for (const Json& j : result.at("joints")) {
+    const double share = numberOf(j.at("rms_error")) / numberOf(j.at("range"));
+    if (share > worst) worst = share, joint = j.at("name").get<std::string>();
+  }
+  return fmt::format(
+      "The motion under the efforts of the log{}: {} is off most, by {:.3g} % of its range (RMS).",
+      result.at("controlled").get<bool>() ? " and the controllers' gains" : ", told only where it begins",
+      joint.empty() ? "no joint" : joint, 100.0 * worst);
+}
+
+Table robotMotionJoints(const Json& result) {
+  Table table{"Free motion against the log (near: within a tenth of the range; half step: what half the step changes)",
+              {"joint", "unit", "RMS error", "range", "near for [s]", "half step"},
+              {}};
+  for (const Json& joint : result.at("joints")) {
+    table.rows.push_back({joint.at("name"), joint.at("unit"), numberText(joint.at("rms_error"), "{:.3g}"),
+                          numberText(joint.at("range"), "{:.3g}"), numberText(joint.at("near_s"), "{:.3g}"),
+                          numberText(joint.at("half_step_rms"), "{:.2g}")});
+  }
+  return table;
+}
+
 Table dynamicsBodies(const Json& result) {
   Table table{"Bodies (of the file, and as found with the file as prior)",
               {"body", "mass in file [kg]", "mass [kg]", "centre of mass [m]"},

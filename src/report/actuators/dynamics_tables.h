@@ -15,6 +15,9 @@ Table dynamicsBodies(const Json& result);
 Table dynamicsDrives(const Json& result);
 /// Relative errors of `predict`, a joint per row.
 Table robotPredictionJoints(const Json& result);
+/// Of `predict --simulate`: how far the free motion is from the log's.
+std::string robotMotionAnswer(const Json& result);
+Table robotMotionJoints(const Json& result);
 /// Base parameters with intervals.
 Table dynamicsBase(const Json& result);
 

@@ -33,9 +33,10 @@ struct RobotJointLog {
   std::vector<signed char> direction;       ///< sign of the motion, held through its dead band
   std::vector<bool> moves;                  ///< friction acts against a known direction
   double dead_band = 0.0, bandwidth = 0.0;  ///< [rad/s] of the direction; [Hz] of the smoothing
-  bool measured_velocity = false;           ///< otherwise worked out from the position
-  std::size_t resting = 0;                  ///< rows in which it does not move
-  double presliding = 0.0;                  ///< [rad] of travel after turns and rests that does not count as motion
+  bool slides = false;
+  bool measured_velocity = false;  ///< otherwise worked out from the position
+  std::size_t resting = 0;         ///< rows in which it does not move
+  double presliding = 0.0;         ///< [rad] of travel after turns and rests that does not count as motion
 };
 
 struct RobotLog {

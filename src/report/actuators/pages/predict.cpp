@@ -13,8 +13,18 @@
 namespace simgap::pages::predict {
 namespace {
 
+Page robotMotionPage(const ResultFiles& files) {
+  const Json& result = files.result();
+  Page page{"simgap predict", robotMotionAnswer(result), result.at("warnings").get<std::vector<std::string>>()};
+  page.verdict = {PageVerdict::Level::kGood, "done", "Each joint's motion stands below.", ""};
+  page.add(robotMotionJoints(result));
+  addResponses(files.table("prediction.csv"), "_measured", "_predicted", page);
+  return page;
+}
+
 Page robotPage(const ResultFiles& files) {
   const Json& result = files.result();
+  if (result.at("predicts") == "position") return robotMotionPage(files);
   Page page{
       "simgap predict",
       fmt::format("The robot's efforts over {} rows, {} from the log (of the effort, over all joints).",
