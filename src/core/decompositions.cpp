@@ -14,6 +14,10 @@ SymmetricEigen symmetricEigen(const MatrixXd& matrix) {
   return {solver.eigenvalues(), solver.eigenvectors()};
 }
 
+Eigen::VectorXd symmetricEigenvalues(const MatrixXd& matrix) {
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
 RightSingular rightSingular(const MatrixXd& matrix) {
   const Eigen::BDCSVD<MatrixXd> svd(matrix, Eigen::ComputeFullV);
   return {svd.singularValues(), svd.matrixV()};

@@ -58,11 +58,11 @@ VectorXd dualPoint(const VectorXd& margins, const VectorXd& labels, double bias)
 }
 
 double spectralNorm(const VectorXd& packed, Index dimension) {
-  return symmetricEigen(unpackSymmetric(packed, dimension)).values.cwiseAbs().maxCoeff();
+  return symmetricEigenvalues(unpackSymmetric(packed, dimension)).cwiseAbs().maxCoeff();
 }
 
 double traceNorm(const VectorXd& packed, Index dimension) {
-  return symmetricEigen(unpackSymmetric(packed, dimension)).values.cwiseAbs().sum();
+  return symmetricEigenvalues(unpackSymmetric(packed, dimension)).cwiseAbs().sum();
 }
 
 VectorXd packOne(const MatrixXd& matrix) {

@@ -14,6 +14,9 @@ struct SymmetricEigen {
 /// Of a symmetric matrix, shape (n, n); its lower triangle is read.
 SymmetricEigen symmetricEigen(const Eigen::MatrixXd& matrix);
 
+/// Its values alone, which take a quarter of the time.
+Eigen::VectorXd symmetricEigenvalues(const Eigen::MatrixXd& matrix);
+
 struct RightSingular {
   Eigen::VectorXd values;   ///< shape (min(m, n)), descending
   Eigen::MatrixXd vectors;  ///< shape (n, n): V of A = U S V^T, in columns; those beyond `values` span the null space

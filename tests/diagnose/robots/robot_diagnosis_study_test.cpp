@@ -27,7 +27,7 @@ int numberFrom(const char* variable, int otherwise) {
   return text == nullptr ? otherwise : std::atoi(text);
 }
 
-/// SIMGAP_CLEAN and SIMGAP_HIDDEN: how many; SIMGAP_FIRST: the first seed.
+/// SIMGAP_CLEAN and SIMGAP_HIDDEN: how many; SIMGAP_FIRST: the first seed; SIMGAP_FROM: the first of the hidden.
 TEST(SlowRobotDiagnosisStudy, DrawnRobots) {
   const int clean = numberFrom("SIMGAP_CLEAN", 20), hidden = numberFrom("SIMGAP_HIDDEN", 48);
   const int first = numberFrom("SIMGAP_FIRST", 1001);
@@ -43,7 +43,8 @@ TEST(SlowRobotDiagnosisStudy, DrawnRobots) {
   }
   std::map<std::string, int> answers;
   const std::vector<std::string>& names = reality::robotFlawNames();
-  for (int k = 0; k < hidden; ++k) {
+  const int from = numberFrom("SIMGAP_FROM", 0);
+  for (int k = from; k < from + hidden; ++k) {
     const auto seed = static_cast<std::uint64_t>(first + 100 + k);
     const int joints = 2 + k % 6;
     const std::string& cause = names[static_cast<std::size_t>(k) % names.size()];
