@@ -309,6 +309,13 @@ void RobotSearch::relinearise(const Set& set) {
   if (extras) sum();
 }
 
+bool RobotSearch::settle(const Set& set) {
+  constexpr int kRounds = 2;
+  if (std::ranges::all_of(set, [&](std::size_t h) { return hypotheses_[h].linear; })) return false;
+  for (int round = 0; round < kRounds; ++round) relinearise(set);
+  return true;
+}
+
 RobotSearch::Set without(const RobotSearch::Set& set, std::size_t cause) {
   RobotSearch::Set rest = set;
   rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(cause));

@@ -56,6 +56,7 @@ class RobotSelector {
   std::vector<std::string> rivals(const RobotSearch::Set& set, const std::vector<RobotTrial>& trials,
                                   std::size_t winner) const;
   void record(const std::vector<RobotTrial>& trials, std::optional<std::size_t> accepted, RobotSelection& selection);
+  static void remove(std::size_t cause, RobotSelection& selection);
   void prune(RobotSelection& selection);
   void review(RobotSelection& selection);
 
