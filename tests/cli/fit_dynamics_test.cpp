@@ -98,7 +98,6 @@ TEST_F(FitDynamicsTest, SameForAnyNumberOfThreads) {
 TEST_F(FitDynamicsTest, WhatCannotBeIsOneSentence) {
   const std::string log = robotFile("log.csv.gz"), robot = robotFile("robot.urdf");
   expectRefused({"fit-dynamics", robot, "--log", log, "--gravity", "0,0,9.81"}, 3, "gravity along");
-  expectRefused({"fit-dynamics", robot, "--log", log, "--law", "classic"}, 2, "expected one without a load");
   expectRefused({"fit-dynamics", robot, "--log", log, "--torque-constants", "1,2"}, 2, "constants with currents only");
   expectRefused({"fit-dynamics", "arm.yaml", "--log", log}, 2, "found a ball");
   put("short.csv", "time_s,j1_rad\n0,0\n");

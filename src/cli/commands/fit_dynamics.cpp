@@ -82,7 +82,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "log of all joints (CSV: time_s; of each joint J its J_rad, torque_J_Nm or current_J_A, and "
                  "J_velocity_rad_s where it was measured); several: trajectories of one robot")
       ->required();
-  app.add_option("--law", options->fit.law, "friction of every joint: coulomb or stribeck")->default_val("coulomb");
+  app.add_option("--law", options->fit.law, "law of friction of every joint (load-coulomb: by what it carries, too)")
+      ->default_val("coulomb");
   app.add_option("--torque-constants", options->torque_constants,
                  "torque per current at each joint, in the robot's order (comma-separated) [Nm/A]; for a log of "
                  "currents")

@@ -81,6 +81,11 @@ DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& tor
   return fit;
 }
 
+VectorXd fittedParameters(const DynamicsData& data, const std::vector<double>& torque_constants,
+                          const std::vector<bool>& used) {
+  return fitBoth(data, used, torque_constants).consistent.parameters;
+}
+
 HeldOutErrors crossValidate(const ArmModel& arm, const RobotRegressor& regressor, const BaseParameters& base,
                             const SumsOfFold& sums_of, const std::vector<double>& torque_constants,
                             const std::vector<int>& fold) {

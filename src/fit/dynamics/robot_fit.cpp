@@ -100,6 +100,19 @@ std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor&
   return best;
 }
 
+/// Friction that grows with the load needs bodies that are to be found: those of the file say the load first, then
+/// what some blocks say with it.
+void findLoad(const ArmModel& arm, const RobotLog& log, const BaseParameters& base,
+              const std::vector<double>& constants, const std::vector<bool>& used, const ExtraColumn& known,
+              RobotRegressor& regressor) {
+  constexpr int kRounds = 3;  // the load's share in friction is small, and so is what its error does
+  for (int round = 0; round < kRounds && regressor.law().needsLoad(); ++round) {
+    const std::vector<StribeckCurve> curves = findCurves(log, regressor, base, constants, used, known);
+    const DynamicsSums sums = sumDynamics(log, regressor, base, curves, used, {}, known);
+    regressor.setLoad(fittedParameters({arm, regressor, base, sums}, constants, used));
+  }
+}
+
 /// Stretches of four neighbouring blocks go to folds in turn: what is alike over seconds is held out together.
 std::vector<int> foldsOverBlocks(std::size_t blocks) {
   constexpr std::size_t kFolds = 5, kStretch = 4;
@@ -152,7 +165,7 @@ void requireRobotLog(const ArmModel& arm, const RobotLog& log, const RobotFitOpt
 }
 
 RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options) {
-  const RobotRegressor regressor(arm, friction::find(options.law));
+  RobotRegressor regressor(arm, friction::find(options.law));
   const BaseParameters base = baseParameters(regressor, arm);
   requireRobotLog(arm, log, options);
   const bool currents = log.joints.front().effort_unit == "A";
@@ -163,29 +176,35 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   const std::vector<bool> all(log.blocks.size(), true);
   if (options.payload) found.load = payloadTorques(*options.payload, log, regressor, arm);
   std::vector<double> constants = options.torque_constants.value_or(std::vector<double>(log.joints.size(), 1.0));
-  const auto curvesOf = [&](const std::vector<bool>& used) {
-    return findCurves(log, regressor, base, constants, used, found.load);
+  const auto sumsOf = [&](const RobotRegressor& by, const std::vector<StribeckCurve>& curves) {
+    return std::make_shared<const DynamicsSums>(sumDynamics(log, by, base, curves, all, {}, found.load));
   };
-  const auto sumsWith = [&](const std::vector<StribeckCurve>& curves) {
-    return std::make_shared<const DynamicsSums>(sumDynamics(log, regressor, base, curves, all, {}, found.load));
+  std::shared_ptr<const DynamicsSums> sums;
+  const auto sumUp = [&] {
+    found.model.curves = findCurves(log, regressor, base, constants, all, found.load);
+    sums = sumsOf(regressor, found.model.curves);
   };
-  found.model.curves = curvesOf(all);
-  std::shared_ptr<const DynamicsSums> sums = sumsWith(found.model.curves);
   MatrixXd of_constants = MatrixXd::Zero(std::ssize(base.columns), std::ssize(base.columns));
-  if (currents && !options.torque_constants) {
+  if (currents && !options.torque_constants) {  // the load is the file's until torques are known
+    sumUp();
     const TorqueConstants told = findTorqueConstants({arm, regressor, base, *sums}, jointNames(log));
     found.constants = told.constants;
     constants = told.values();
     of_constants = told.base_covariance;
   }
+  findLoad(arm, log, base, constants, all, found.load, regressor);
+  sumUp();
   found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
   widen(found.fit, of_constants, log.blocks.size());
   if (!found.fit.converged) {
     throw NumericsError("the search for bodies that can exist did not converge: is the log of this robot?");
   }
-  // Held-out blocks have no part in choosing the curves that are to predict them.
+  // Held-out blocks have no part in choosing the curves, or the load, that are to predict them.
   const SumsOfFold sums_of = [&](const std::vector<bool>& fitted) {
-    return regressor.law().hasStribeck() ? sumsWith(curvesOf(fitted)) : sums;
+    if (!regressor.law().hasStribeck() && !regressor.law().needsLoad()) return sums;
+    RobotRegressor own(arm, regressor.law());
+    findLoad(arm, log, base, constants, fitted, found.load, own);
+    return sumsOf(own, findCurves(log, own, base, constants, fitted, found.load));
   };
   const auto judge = [&](const std::vector<int>& fold) {
     return crossValidate(arm, regressor, base, sums_of, constants, fold);

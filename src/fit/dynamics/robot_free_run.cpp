@@ -65,7 +65,7 @@ class FreeRobot {
   void start(const Course& at) {
     q_ = at.position;
     v_ = at.velocity;
-    error_sum_ = VectorXd::Zero(n_);
+    error_sum_ = acceleration_ = viscous_ = dry_ = VectorXd::Zero(n_);
   }
 
   /// \param held  effort of the step; position and velocity are those of its end
@@ -81,8 +81,10 @@ class FreeRobot {
       throw NumericsError("found an inertia of the robot that is not positive, expected one that can move");
     }
     const MatrixXd mobility = llt.solve(MatrixXd::Identity(n_, n_));
+    const VectorXd before = v_;
     v_ = mobility * (mass_ * v_ + h * pushed);
     stopByFriction(mobility, h * dry_);
+    acceleration_ = (v_ - before) / h;
     q_ += h * v_;
     error_sum_ += h * (held.position - q_);
     if (!q_.allFinite()) throw NumericsError("the free motion grows without bound: check the gains and the robot");
@@ -91,35 +93,35 @@ class FreeRobot {
   const VectorXd& position() const { return q_; }
 
  private:
-  /// Effort for an acceleration of one coordinate (none: -1) at the present position and velocity.
-  VectorXd effortFor(Index accelerated) {
-    std::ranges::fill(moment_.acceleration, 0.0);
-    if (accelerated >= 0) moment_.acceleration[accelerated] = 1.0;
+  /// What bodies, rotors and offsets ask for at an acceleration, at the present position and velocity.
+  VectorXd rigidEffort(const VectorXd& acceleration) {
+    VectorXd::Map(moment_.acceleration.data(), n_) = acceleration;
     regressor_.rows(moment_, model_.curves, work_, y_);
-    return y_ * model_.parameters;
+    const Index first = regressor_.bodyColumn(0), count = regressor_.columns() - first;
+    VectorXd effort = y_.rightCols(count) * model_.parameters.tail(count);
+    for (Index c = 0; c < n_; ++c) effort[c] += model_.parameters[regressor_.offsetColumn(c)];
+    return effort;
   }
 
-  /// M, h_0 without dry and viscous friction, and what these two are at this velocity.
+  /// M, h_0 without dry and viscous friction, and what these two are at this velocity; the load of friction is that of
+  /// the last step's acceleration.
   void terms() {
     VectorXd::Map(moment_.position.data(), n_) = q_;
     VectorXd::Map(moment_.velocity.data(), n_) = v_;
     std::ranges::fill(moment_.direction, 1.0);
-    rest_ = effortFor(-1);
-    dry_ = viscous_ = VectorXd::Zero(n_);
+    rigidEffort(acceleration_);
     for (Index c = 0; c < n_; ++c) {
       Index at = regressor_.frictionColumn(c);
-      double viscous = 0.0;
+      double dry = 0.0, viscous = 0.0;
       for (const FrictionTerm& term : regressor_.law().terms) {
-        const double part = y_(c, at) * model_.parameters[at];
-        (term.basis == FrictionBasis::kDirection ? dry_[c] : viscous) += part;
+        (term.basis == FrictionBasis::kVelocity ? viscous : dry) += y_(c, at) * model_.parameters[at];
         ++at;
       }
-      rest_[c] -= dry_[c] + viscous;
       viscous_[c] = v_[c] != 0.0 ? std::max(viscous / v_[c], 0.0) : 0.0;
-      dry_[c] = std::max(dry_[c], 0.0);
+      dry_[c] = std::max(dry, 0.0);
     }
-    const VectorXd all = y_ * model_.parameters;
-    for (Index k = 0; k < n_; ++k) mass_.col(k) = effortFor(k) - all;
+    rest_ = rigidEffort(VectorXd::Zero(n_));
+    for (Index k = 0; k < n_; ++k) mass_.col(k) = rigidEffort(VectorXd::Unit(n_, k)) - rest_;
     mass_ = 0.5 * (mass_ + mass_.transpose()).eval();  // rounding
     for (Index c = 0; c < n_; ++c) rest_[c] += regressor_.dynamics().springTorque(c, q_[c]);
   }
@@ -149,7 +151,7 @@ class FreeRobot {
   RobotMotion moment_;
   MatrixXd mass_;
   VectorXd proportional_, derivative_, integral_;  ///< of the controller [N m]
-  VectorXd q_, v_, error_sum_;
+  VectorXd q_, v_, acceleration_, error_sum_;
   VectorXd rest_, viscous_, dry_;  ///< [N m], [N m s/rad], [N m]
 };
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/model/friction/friction_evaluation.h"
 
@@ -15,6 +14,7 @@ namespace {
 using Eigen::Index;
 
 const char* termUnit(FrictionBasis basis, bool slides) {
+  if (basis == FrictionBasis::kLoad) return "1";
   if (basis == FrictionBasis::kVelocity) return slides ? "Ns_m" : "Nms_rad";
   return slides ? "N" : "Nm";
 }
@@ -24,11 +24,7 @@ const char* bodyUnit(Index k) { return k == 0 ? "kg" : k < 4 ? "kg_m" : "kg_m2";
 }  // namespace
 
 RobotRegressor::RobotRegressor(const ArmModel& model, const FrictionLaw& law)
-    : dynamics_(model), law_(&law), gravity_(model.gravity) {
-  if (law.needsLoad()) {
-    throw ConfigError(
-        fmt::format("found the friction law {}, expected one without a load (coulomb, stribeck)", law.name));
-  }
+    : dynamics_(model), law_(&law), gravity_(model.gravity), load_(dynamics_.parametersOf(model)) {
   for (const int body : dynamics_.bodies()) massless_.push_back(!(massProperties(model.bodies[body]).mass > 0.0));
   const auto add = [&](std::string name, const char* unit) {
     names_.push_back(std::move(name));
@@ -58,8 +54,13 @@ Index RobotRegressor::bodyColumn(std::size_t b) const {
 }
 Index RobotRegressor::rotorColumn(std::size_t c) const { return bodyColumn(bodies()) + static_cast<Index>(c); }
 
+void RobotRegressor::setLoad(const Eigen::VectorXd& parameters) {
+  load_ = parameters.segment(bodyColumn(0), dynamics_.parameters());
+}
+
 RobotRegressor::Workspace RobotRegressor::workspace() const {
-  return {dynamics_.workspace(), RegressorMatrix(coordinates(), dynamics_.parameters())};
+  return {dynamics_.workspace(), RegressorMatrix(coordinates(), dynamics_.parameters()),
+          Eigen::VectorXd::Zero(static_cast<Index>(coordinates()))};
 }
 
 void RobotRegressor::rows(const RobotMotion& motion, std::span<const StribeckCurve> curves, Workspace& work,
@@ -70,8 +71,11 @@ void RobotRegressor::rows(const RobotMotion& motion, std::span<const StribeckCur
   for (std::size_t b = 0; b < bodies(); ++b) {
     if (massless_[b]) y.middleCols(bodyColumn(b), kBodyParameters).setZero();
   }
+  if (law_->needsLoad()) work.load.noalias() = work.bodies * load_;
   for (std::size_t c = 0; c < coordinates(); ++c) {
     const Index row = c;
+    const double load =
+        law_->needsLoad() ? std::abs(work.load[row] + dynamics_.springTorque(c, motion.position[c])) : 0.0;
     const double velocity = motion.velocity[c], direction = motion.direction[c];
     y(row, offsetColumn(c)) = 1.0;
     y(row, rotorColumn(c)) = motion.acceleration[c];
@@ -79,7 +83,7 @@ void RobotRegressor::rows(const RobotMotion& motion, std::span<const StribeckCur
         law_->hasStribeck() ? std::exp(-std::pow(std::abs(velocity / curves[c].v_s), curves[c].delta)) : 0.0;
     Index at = frictionColumn(c);
     for (const FrictionTerm& term : law_->terms) {
-      visitBasis(term.basis, 0.0, direction, velocity, [&](double column) {
+      visitBasis(term.basis, load, direction, velocity, [&](double column) {
         visitShape(term.shape, column, factor, [&](double shaped) { y(row, at++) = shaped; });
       });
     }

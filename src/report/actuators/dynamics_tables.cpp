@@ -71,8 +71,8 @@ std::string robotMotionAnswer(const Json& result) {
   double worst = 0.0;
   std::string joint;
   for (const Json& j : result.at("joints")) {
-    const double share = numberOf(j.at("rms_error")) / numberOf(j.at("range"));
-    if (share > worst) worst = share, joint = j.at("name").get<std::string>();
+    const double range = numberOf(j.at("range")), share = numberOf(j.at("rms_error")) / range;
+    if (range > 0.0 && share > worst) worst = share, joint = j.at("name").get<std::string>();
   }
   return fmt::format(
       "The motion under the efforts of the log{}: {} is off most, by {:.3g} % of its range (RMS).",

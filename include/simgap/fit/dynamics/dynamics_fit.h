@@ -61,6 +61,10 @@ struct HeldOutErrors {
 /// \param torque_constants  shape (N) [N m/A]; 1 where the log holds torques
 DynamicsFit fitDynamics(const DynamicsData& data, const std::vector<double>& torque_constants);
 
+/// Parameters of bodies that can exist, of some blocks, shape (P). \param used  shape (blocks)
+Eigen::VectorXd fittedParameters(const DynamicsData& data, const std::vector<double>& torque_constants,
+                                 const std::vector<bool>& used);
+
 /// The sums that a fit to some blocks works on: where a law is not linear in all it has, its curves are chosen by those
 /// blocks alone. \param fitted  shape (blocks)
 using SumsOfFold = std::function<std::shared_ptr<const DynamicsSums>(const std::vector<bool>& fitted)>;

@@ -4,9 +4,10 @@
 ///
 ///     tau_j = [Y(q, dq, ddq) pi]_j + J_j ddq_j + sum_t theta_jt x_t(dq_j) + tau_0j,
 ///
-/// the rotor's inertia J as felt at the joint, the terms x_t of a friction law that knows no load, and an offset. And
-/// which of these columns any motion can tell apart: the base parameters (Gautier & Khalil 1990), by a rank-revealing
-/// QR decomposition over random motions (Gautier 1991).
+/// the rotor's inertia J as felt at the joint, the terms x_t of a friction law, and an offset. The load of a law that
+/// knows one is what bodies and springs ask of the joint, the bodies being those of the arm, or of setLoad: so that the
+/// torque stays linear. And which of these columns any motion can tell apart: the base parameters (Gautier & Khalil
+/// 1990), by a rank-revealing QR decomposition over random motions (Gautier 1991).
 #pragma once
 
 #include <Eigen/Core>
@@ -31,7 +32,7 @@ struct RobotMotion {
 
 class RobotRegressor {
  public:
-  /// \throws ConfigError: a ball, or a law that needs a load.
+  /// \throws ConfigError: a ball
   RobotRegressor(const ArmModel& model, const FrictionLaw& law);
 
   const InverseDynamics& dynamics() const { return dynamics_; }
@@ -53,9 +54,13 @@ class RobotRegressor {
   /// A body without mass in the arm's file stands for a second axis of the next one: its columns are 0.
   bool massless(std::size_t b) const { return massless_[b]; }
 
+  /// The bodies whose torque is the load of friction. \param parameters  shape (P)
+  void setLoad(const Eigen::VectorXd& parameters);
+
   struct Workspace {
     InverseDynamics::Workspace motion;
     RegressorMatrix bodies;
+    Eigen::VectorXd load;
   };
   Workspace workspace() const;
   /// Shape (N, P). \param curves  shape (N)
@@ -66,6 +71,7 @@ class RobotRegressor {
   InverseDynamics dynamics_;
   const FrictionLaw* law_;
   Eigen::Vector3d gravity_;
+  Eigen::VectorXd load_;  ///< shape (10 B)
   std::vector<bool> massless_;
   std::vector<std::string> names_, units_;
 };
