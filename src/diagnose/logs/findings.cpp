@@ -268,7 +268,10 @@ class Judge {
   /// Why a cause only bends the law's curve of slow motion; empty when it explains something beside any such curve, and
   /// for what is slow motion's own.
   std::string doubtOfSlowMotion(std::size_t cause) const {
-    if (selection_.chosen.model->effects()[own_ + cause]->in_every_drive) return {};
+    const ActuatorEffect& effect = *selection_.chosen.model->effects()[own_ + cause];
+    const bool is_slow = effect.contained_in != nullptr && effect.contained_in(friction::find("stribeck")) &&
+                         !effect.contained_in(friction::find("coulomb"));
+    if (effect.in_every_drive || is_slow) return {};
     const bool of_any_load = gainOf(cause).value < kSmall;
     double below = 0.0;
     const auto slow = [&](const HeldOutPart& part) -> std::optional<Beside> {

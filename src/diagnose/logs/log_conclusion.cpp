@@ -35,19 +35,6 @@ bool farAboveNoise(const Diagnosis& d) {
   return timesTheNoise(d) > kFar;
 }
 
-/// What is left over, and by which channel; empty when it is no structure.
-std::string leftText(const Diagnosis& d) {
-  if (d.left_over_percent < 1.0) return {};
-  if (d.causes.empty() && d.unexplained.empty()) {
-    return fmt::format("{:.0f} % of the squared error, {:.1f} times the noise, which follows no logged channel",
-                       d.left_over_percent, timesTheNoise(d));
-  }
-  const std::string channel = d.unexplained.empty() ? "the logged channels" : d.unexplained[0].channel;
-  const std::string shape =
-      d.unexplained.empty() || d.unexplained[0].shape.empty() ? "" : fmt::format(" ({})", d.unexplained[0].shape);
-  return fmt::format("{:.0f} % of the squared error, by {}{}", d.left_over_percent, channel, shape);
-}
-
 /// How the residual follows a channel, from its bins: correlation with the channel or with the distance from its
 /// middle.
 std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string& channel) {
@@ -70,6 +57,18 @@ std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string&
 }
 
 }  // namespace
+
+std::string leftText(const Diagnosis& d) {
+  if (d.left_over_percent < 1.0) return {};
+  if (d.causes.empty() && d.unexplained.empty()) {
+    return fmt::format("{:.0f} % of the squared error, {:.1f} times the noise, which follows no logged channel",
+                       d.left_over_percent, timesTheNoise(d));
+  }
+  const std::string channel = d.unexplained.empty() ? "the logged channels" : d.unexplained[0].channel;
+  const std::string shape =
+      d.unexplained.empty() || d.unexplained[0].shape.empty() ? "" : fmt::format(" ({})", d.unexplained[0].shape);
+  return fmt::format("{:.0f} % of the squared error, by {}{}", d.left_over_percent, channel, shape);
+}
 
 double shareLeft(const Selection& selection, const Ceiling& left) {
   const double unnamed = selection.unnamed ? std::max(0.0, selection.unnamed->gain->value) : 0.0;

@@ -17,6 +17,7 @@
 #include "log_evidence.h"
 #include "log_faults.h"
 #include "self_test.h"
+#include "simgap/core/error.h"
 #include "simgap/core/statistics.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/optimize/uncertainty.h"
@@ -119,6 +120,20 @@ void measureLeft(const Selection& selection, const PreparedLog& log, const Eigen
   }
 }
 
+/// A static term that hardly any row told is without bound in rows that are slower.
+void requireBounded(const PreparedLog& log, double mse_heldout) {
+  constexpr double kUnbounded = 1e4;  // times the effort's own square
+  const double square = log.data.rows.effort.square().mean();
+  if (mse_heldout <= kUnbounded * square) return;
+  throw NumericsError(
+      fmt::format("{}: found an error of {:.2g} times the effort on rows that the law was not fitted to, expected one "
+                  "that ends: hardly "
+                  "any row tells its friction in slow motion; take a law without a Stribeck term (coulomb, "
+                  "load-coulomb), or record "
+                  "slow motion",
+                  log.file, std::sqrt(mse_heldout / square)));
+}
+
 /// Nothing was fitted.
 void endWith(const DataFault& fault, Diagnosis& d) {
   d.verdict = DiagnosisVerdict::kDataFault;
@@ -191,6 +206,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   }
   d.baseline = {selection.baseline.mse, found.heldout.front().mse()};
   d.extended = {selection.chosen.mse, found.heldout.back().mse()};
+  requireBounded(log, d.baseline.mse_heldout);
 
   if (progress) progress("measuring what is left", kChoosing);
   Fitted before = selection.baseline;

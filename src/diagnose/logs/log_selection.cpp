@@ -206,8 +206,8 @@ std::vector<std::string> Selector::rivals(const std::vector<Trial>& trials, std:
     const std::string name(trials[t].hypothesis.effect->name);
     const bool known = name == winner.hypothesis.effect->name || std::ranges::find(names, name) != names.end();
     if (known || !acceptable(trials[t], trials.size())) continue;  // other forms of a cause are no rivals
-    // An offset from a moment on is one from the beginning, too: what an offset explains it explains.
-    if (trials[t].hypothesis.effect->at_moment && winner.hypothesis.effect->is_offset) continue;
+    // A bias from a moment on is one from the beginning, too: what a bias explains it explains.
+    if (trials[t].hypothesis.effect->at_moment && winner.hypothesis.effect->is_bias) continue;
     const double lead = winner.gain->value - trials[t].gain->value;
     const bool tie = pairedP(trials[t].fitted.validation, winner.fitted.validation) > options_.level ||
                      lead < kTie * winner.gain->value;

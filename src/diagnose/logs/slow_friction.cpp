@@ -32,18 +32,20 @@ void fillSlow(std::span<const double> p, const ActuatorRows& rows, const Actuato
   }
 }
 
-/// Where the law's Stribeck curve ends.
+/// Where the law's Stribeck curve ends, or a quarter of the speed of fast motion.
 double slowBelow(const LogSearch& search, const Fitted& baseline) {
   constexpr double kFallen = 4.0;  // -log of a fiftieth
   constexpr double kFast = 0.95, kMost = 0.25;
-  const std::size_t first = baseline.model->linear();
-  const double v_s = baseline.theta[first], delta = baseline.theta[first + 1];
   const ActuatorData& data = search.data();
   std::vector<double> speeds;
   for (Index i = 0; i < data.rows.rows(); ++i) {
     if (data.keep[i]) speeds.push_back(std::abs(data.rows.speed[i]));
   }
-  return std::min(v_s * std::pow(kFallen, 1.0 / delta), kMost * quantile(std::move(speeds), kFast));
+  const double quarter = kMost * quantile(std::move(speeds), kFast);
+  if (!search.base().hasStribeck()) return quarter;
+  const std::size_t first = baseline.model->linear();
+  const double v_s = baseline.theta[first], delta = baseline.theta[first + 1];
+  return std::min(v_s * std::pow(kFallen, 1.0 / delta), quarter);
 }
 
 }  // namespace
@@ -63,12 +65,11 @@ const ActuatorEffect kSlowFriction = {
 
 std::optional<BesideSlow> besideSlowFriction(const LogSearch& search, const Fitted& baseline, const Fitted& rest,
                                              const Fitted& full, bool of_any_load) {
-  if (!search.base().hasStribeck()) return std::nullopt;
+  if (search.base().law == nullptr) return std::nullopt;
   const FrictionLaw& law = *search.base().law;
   const auto has = [&](FrictionBasis basis) {
-    return of_any_load || law.hasTerm(basis, FrictionShape::kStatic) || law.hasTerm(basis, FrictionShape::kSliding)
-               ? 1.0
-               : 0.0;
+    const bool bent = law.hasTerm(basis, FrictionShape::kStatic) || law.hasTerm(basis, FrictionShape::kSliding);
+    return of_any_load || bent || (!law.hasStribeck() && law.hasTerm(basis, FrictionShape::kAlways)) ? 1.0 : 0.0;
   };
   const double below = slowBelow(search, baseline);
   const Hypothesis slow{&kSlowFriction, {}, {below, has(FrictionBasis::kDirection), has(FrictionBasis::kLoad)}};

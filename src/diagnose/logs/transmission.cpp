@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "log_causes.h"
+#include "log_conclusion.h"
 #include "simgap/measure/logs/log_kind.h"
 #include "simgap/optimize/uncertainty.h"
 #include "testable.h"
@@ -55,6 +56,9 @@ void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const
     if (d.verdict == DiagnosisVerdict::kNothingFound) {
       d.verdict = DiagnosisVerdict::kCauseFound;
       d.sentence = "Cause found: " + found + ".";
+    } else if (d.causes.empty()) {
+      d.verdict = DiagnosisVerdict::kCauseFound;
+      d.sentence = fmt::format("Found: {}. Of the effort no cause was found. Left: {}.", found, leftText(d));
     } else {
       d.sentence += " And " + found + ".";
     }

@@ -152,7 +152,9 @@ void MotionDiagnosing::nameOrdinary() {
   Diagnosis& d = result_.diagnosis;
   const bool instead = preferOrdinary();
   if (!d.causes.empty() || !d.unexplained.empty() || !options_.effects.empty()) return;
-  if (!d.candidates.empty() && !instead) return;
+  const bool promising =
+      std::ranges::any_of(d.candidates, [](const Candidate& c) { return c.gain_heldout.lower95 > 0.0; });
+  if (promising && !instead) return;
   shift_ = furthestShift(*plain_);
   if (!shift_) return;
   const Eigen::MatrixXd before = unseenSquares(*plain_, shift_->back, problem_, split_.judging.motions);

@@ -106,6 +106,7 @@ double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& afte
   for (Eigen::Index m = 0; m < before.cols(); ++m) {
     const double was = meanSquare(before.col(m)), is = meanSquare(after.col(m));
     if (!std::isfinite(was) && !std::isfinite(is)) continue;
+    if (was <= floor[m]) continue;  // nothing was missing
     const double gap = was - std::min(floor[m], is);
     shares.push_back(!std::isfinite(was) ? 1.0 : !std::isfinite(is) || gap <= 0.0 ? 0.0 : (was - is) / gap);
   }

@@ -86,6 +86,11 @@ JointStretch predictJointAngle(const FittedModel& model, const CsvTable& table, 
                     "with both angles",
                     stretches));
   }
+  for (const Extension& other : subjectOf(model).of_angles) {
+    if (other.effect == stretches) continue;
+    throw ConfigError(
+        fmt::format("found {} in the model with --joint-angle, expected {} alone", other.effect, stretches));
+  }
   if (!bench.ratio) throw ConfigError("found no ratio with --joint-angle, expected --ratio, or one in the model");
   if (!table.offersQuantity("motor_position", "rad")) {
     throw DataError(table.name() + ":1: found no motor_position, expected it with --joint-angle");

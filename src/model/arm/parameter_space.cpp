@@ -147,6 +147,12 @@ std::pair<std::string_view, std::string_view> splitFirst(std::string_view path) 
 /// The smallest number a model file may hold; where 0 itself may not stand, one that is as good as 0.
 double smallest(const Range& range) { return range.lower_open ? range.lower + 1e-12 : range.lower; }
 
+/// What the model does not have, such as the friction of a joint without any: on a log scale there is no way to it, and
+/// a pattern of many means those that are there.
+bool isAbsent(const ParameterSpace::Choice& choice, double value) {
+  return value == 0.0 && choice.lower.value_or(0.0) > 0.0 && choice.pattern.find('*') != std::string::npos;
+}
+
 SearchParameter makeParameter(const std::string& name, const ParameterKind& kind, double value,
                               const ParameterSpace::Choice& choice) {
   const double lower = std::max(choice.lower.value_or(-kInfinity), smallest(kind.range));
@@ -228,7 +234,7 @@ ParameterSpace::ParameterSpace(const ArmModel& model, const std::vector<Choice>&
       }
       chosen = &choices[c];
     }
-    if (chosen && matchesPattern(chosen->only, name)) {
+    if (chosen && !isAbsent(*chosen, value) && matchesPattern(chosen->only, name)) {
       std::optional<std::size_t>& one = shared[chosen - choices.data()];
       if (!chosen->together || !one) {
         one = parameters_.size();

@@ -14,11 +14,11 @@ bool appliesTo(const ActuatorEffect& effect, ActuatorKind kind) {
 }
 
 Eigen::ArrayXd Saturation::effort(const Eigen::ArrayXd& i) const {
-  return i + cubic * i.cube() + excess * i.sign() * (i.abs() - knee).max(0.0);
+  return i + square * i * i.abs() + cubic * i.cube() + excess * i.sign() * (i.abs() - knee).max(0.0);
 }
 
 Eigen::ArrayXd Saturation::slope(const Eigen::ArrayXd& i) const {
-  return 1.0 + 3.0 * cubic * i.square() + excess * (i.abs() > knee).cast<double>();
+  return 1.0 + 2.0 * square * i.abs() + 3.0 * cubic * i.square() + excess * (i.abs() > knee).cast<double>();
 }
 
 std::string titleOf(const ActuatorEffect& effect) {

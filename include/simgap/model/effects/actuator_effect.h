@@ -26,11 +26,12 @@ struct FrictionLaw;
 /// What a motor draws that would draw I if its torque grew with its current for ever, in
 /// effort = I + cubic I^3 + excess sign(I) max(|I| - knee, 0).
 struct Saturation {
+  double square = 0.0;  ///< [1/A]
   double cubic = 0.0;   ///< [1/A^2]
   double excess = 0.0;  ///< [1]
   double knee = 0.0;    ///< [A]
 
-  bool acts() const { return cubic != 0.0 || excess != 0.0; }
+  bool acts() const { return square != 0.0 || cubic != 0.0 || excess != 0.0; }
   Eigen::ArrayXd effort(const Eigen::ArrayXd& unsaturated) const;
   Eigen::ArrayXd slope(const Eigen::ArrayXd& unsaturated) const;  ///< of the effort by I
 };
@@ -110,7 +111,8 @@ struct ActuatorEffect {
   bool implicit = false;        ///< `apply` reads terms.effort: the effort stands on both sides of the equation
   /// A channel that it is a multiple of: where a fitted constant of the bench is one, too, they say the same.
   Eigen::ArrayXd ActuatorRows::*multiple_of = nullptr;
-  bool at_moment = false;       ///< from a moment on: no rival of an offset, and more than a drift has to explain
+  bool is_bias = false;         ///< constant from the beginning on: what begins at a moment is no rival of it
+  bool at_moment = false;       ///< from a moment on: more than a drift has to explain
   bool remembers = false;       ///< it depends on the rows before: on travel, rests, another time
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
   bool on_drive = false;        ///< a gearbox's cause that any drive can have, too

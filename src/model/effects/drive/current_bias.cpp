@@ -28,6 +28,7 @@ const ActuatorEffect entry = {
     .separates = "rows with the motor switched off, and loads of both signs",
     .columns = kColumns,
     .is_offset = true,
+    .is_bias = true,
     .on_robot = true,
     .fill = fill,
 };

@@ -23,6 +23,7 @@ const ActuatorEffect entry = {
     .separates = "rows with nothing attached to the sensor, and loads that pass through zero",
     .parameters = kParameters,
     .needs = kNeeds,
+    .is_bias = true,
     .apply = apply,
 };
 

@@ -1,6 +1,7 @@
 /// \file
 /// Torque per ampere that falls at high current: effort = I + s I^3, I what an unsaturated motor would draw, or from a
-/// knee on effort = I + s (|I| - I_knee) sign(I).
+/// knee on effort = I + s (|I| - I_knee) sign(I). Of a duty or a set voltage I + s |I| I: what a supply with a
+/// resistance gives falls with the current, which grows with the voltage.
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::torque_saturation {
@@ -11,8 +12,14 @@ constexpr EffectParameter kParameters[] = {{"s", "1_A2", 0.0, 1.0, 0.0, 0.0}};
 constexpr EffectParameter kKneeParameters[] = {{"s", "1", 0.0, 5.0, 0.0, 0.0},
                                                {"I_knee", "A", 0.0, 1e6, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
+constexpr EffectParameter kSquareParameters[] = {{"s", "1_A", 0.0, 1.0, 0.0, 0.0}};
+
 void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
   terms.saturation.cubic += p[0];
+}
+
+void applySquare(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
+  terms.saturation.square += p[0];
 }
 
 void applyKnee(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
@@ -49,7 +56,15 @@ constexpr ActuatorEffect kKnee = [] {
   effect.starts = kneeStarts;
   return effect;
 }();
-constexpr const ActuatorEffect* kForms[] = {&kKnee};
+constexpr ActuatorEffect kSquare = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "square";
+  effect.equation = "I + s |I| I";
+  effect.parameters = kSquareParameters;
+  effect.apply = applySquare;
+  return effect;
+}();
+constexpr const ActuatorEffect* kForms[] = {&kKnee, &kSquare};
 
 }  // namespace
 

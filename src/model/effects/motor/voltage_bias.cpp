@@ -26,6 +26,7 @@ const ActuatorEffect entry = {
     .separates = "rows with the motor switched off, and currents of both signs",
     .columns = kColumns,
     .is_offset = true,
+    .is_bias = true,
     .fill = fill,
 };
 
