@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/core/random.h"
 #include "simgap/model/arm/kinematics.h"
@@ -16,9 +17,12 @@ namespace {
 
 constexpr int kPositions = 100;
 constexpr int kRests = 20;
-constexpr double kWidestBall = 1.0;  ///< [rad]
-constexpr double kDrawnSlide = 0.1;  ///< [m]
-constexpr double kMostPull = 0.15;   ///< of a muscle's path
+constexpr double kWidestBall = 1.0;    ///< [rad]
+constexpr double kDrawnSlide = 0.1;    ///< [m]
+constexpr double kMostPull = 0.15;     ///< of a muscle's path
+constexpr double kNoStiffness = 1e-6;  ///< [N m/rad], [N/m] that only rounding leaves
+constexpr double kNoForce = 1e-9;      ///< [N], [N m] that only rounding leaves
+constexpr double kElsewhere = 1e-6;    ///< [m], [rad] beyond what two searches for one rest leave
 
 class Replay {
  public:
@@ -125,6 +129,33 @@ class Replay {
     }
   }
 
+  /// Whether rounding has a say in where an arm rests, as with two fingers that only a coupling holds: a way to go
+  /// that nothing resists, or a stop that nothing presses against.
+  bool loose(EquilibriumArm& arm) const {
+    arm.linearise();
+    const int dofs = arm.energy().degreesOfFreedom();
+    Eigen::MatrixXd moves = Eigen::MatrixXd::Identity(dofs, dofs);  // joints that follow go with their leaders
+    std::vector<bool> kept(static_cast<std::size_t>(dofs), false);
+    for (std::size_t j = 0; j < one_.joints.size(); ++j) {
+      const Joint& joint = one_.joints[j];
+      if (!joint.follows()) continue;
+      const int dof = arm.energy().firstDof(static_cast<int>(j));
+      moves(dof, dof) = 0.0;
+      moves(dof, arm.energy().firstDof(joint.leader)) = joint.coupling_ratio;
+      kept[dof] = true;
+    }
+    const Eigen::VectorXd force = moves.transpose() * arm.energy().gradient();
+    Eigen::MatrixXd stiffness = moves.transpose() * arm.energy().hessian() * moves;
+    for (int dof = 0; dof < dofs; ++dof) {
+      if (!kept[dof] && !arm.atStop(dof)) continue;
+      if (!kept[dof] && std::abs(force[dof]) < kNoForce) return true;
+      stiffness.row(dof).setZero();
+      stiffness.col(dof).setZero();
+      stiffness(dof, dof) = 1.0;
+    }
+    return symmetricEigen(stiffness).values[0] < kNoStiffness;
+  }
+
   /// Shafts that shorten or lengthen a line by a part of its path.
   void compareRests(ExchangeReplay& result) {
     EquilibriumArm here(one_), there(other_);
@@ -140,13 +171,24 @@ class Replay {
       for (const PassiveTendon& line : one_.tendons) {
         if (line.kind->command) shafts.push_back(uniform(i, shafts.size(), 10) * line.kind->command.typical);
       }
-      if (!here.solve(shafts).stable) continue;
-      if (!there.solveFrom(translated(here.joints()), shafts).stable) {
+      if (!here.solve(shafts).stable) {
+        ++result.not_compared;
+        continue;
+      }
+      const bool rests = there.solveFrom(translated(here.joints()), shafts).stable;
+      double way = 0.0, turn = 0.0;
+      compare(here.joints(), there.joints(), way, turn);
+      if ((!rests || way > kElsewhere || turn > kElsewhere) && loose(here)) {
+        ++result.not_compared;
+        continue;
+      }
+      if (!rests) {
         ++result.restless;
         continue;
       }
       ++result.rests;
-      compare(here.joints(), there.joints(), result.rest_way, result.rest_turn);
+      result.rest_way = std::max(result.rest_way, way);
+      result.rest_turn = std::max(result.rest_turn, turn);
     }
   }
 

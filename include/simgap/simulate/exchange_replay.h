@@ -14,6 +14,7 @@ struct ExchangeReplay {
   double mass = 0.0;       ///< [kg]
   int rests = 0;           ///< random shafts (of muscles) for which both come to rest
   int restless = 0;        ///< for which only the first one does
+  int not_compared = 0;    ///< for which the first one does not rest, or rounding alone says where
   double rest_way = 0.0;   ///< [m] between the same body at rest
   double rest_turn = 0.0;  ///< [rad]
 };

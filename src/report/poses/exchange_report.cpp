@@ -60,6 +60,7 @@ Json toJson(const RobotExchange& exchange) {
             {"largest_way_m", replay.way},
             {"largest_turn_deg", toDegrees(replay.turn)},
             {"rests", replay.rests},
+            {"not_compared", replay.not_compared},
             {"largest_way_at_rest_m", rested ? Json(replay.rest_way) : Json(nullptr)},
             {"largest_turn_at_rest_deg", rested ? Json(toDegrees(replay.rest_turn)) : Json(nullptr)}}}};
 }
@@ -77,6 +78,9 @@ std::string terminalTable(const RobotExchange& exchange) {
   if (replay.rests > 0) {
     text += fmt::format("           {} poses at rest: bodies within {:.1e} m and {:.1e} deg\n", replay.rests,
                         replay.rest_way, toDegrees(replay.rest_turn));
+  }
+  if (replay.not_compared > 0) {
+    text += fmt::format("           {} poses without a rest that could be compared\n", replay.not_compared);
   }
   for (const auto* remarks : {&exchange.read, &exchange.written}) {
     const bool read = remarks == &exchange.read;
