@@ -23,6 +23,7 @@ void LinkTree::addLink(const XmlElement& element, const std::string& name, const
   if (links_.size() >= kMostLinks) xml_.fail(element, fmt::format("found more than {} links", kMostLinks));
   if (!links_.emplace(name, mass).second) xml_.fail(element, fmt::format("the name '{}' is taken", abridged(name)));
   order_.push_back(name);
+  place_of_[name] = xml_.place(element);
 }
 
 void LinkTree::addJoint(LinkJoint joint, const std::string& name) {
@@ -37,9 +38,19 @@ ArmModel LinkTree::build(ArmModel arm) {
   const auto where = where_.find(base);
   places_[base] = {0, where == where_.end() ? Eigen::Isometry3d::Identity() : where->second};
   attachChildren(base);
+  nameStillBase(base);
   if (arm_.joints.empty()) fail("found no joint that moves, expected at least one");
   for (const LinkJoint& joint : joints_) follow(joint);
   return std::move(arm_);
+}
+
+/// A base that weighs something and is not said to be the world may be one that floats.
+void LinkTree::nameStillBase(const std::string& base) {
+  if (base == "world") return;
+  const bool heavy = std::ranges::any_of(
+      places_, [&](const auto& link) { return link.second.first == 0 && links_.at(link.first).mass > 0.0; });
+  if (heavy)
+    xml_.add("a base without a joint to the world", "stands still where it is drawn", true, place_of_.at(base));
 }
 
 /// The one link that no joint moves.
@@ -60,6 +71,7 @@ std::string LinkTree::baseLink() const {
   for (const std::string& link : order_) {
     if (!parents.contains(link)) roots.push_back(link);
   }
+  if (order_.empty()) fail("found no link, expected at least two");
   if (roots.size() != 1) {
     fail(fmt::format("found {} links that hang on no other{}, expected one", roots.size(),
                      roots.empty() ? " (the joints run in a circle)" : ""));

@@ -42,6 +42,7 @@ class LinkTree {
   [[noreturn]] void fail(const std::string& sentence) const;
   std::string baseLink() const;
   void attachChildren(const std::string& link);
+  void nameStillBase(const std::string& base);
   void follow(const LinkJoint& joint);
 
   XmlRobot& xml_;
@@ -49,6 +50,7 @@ class LinkTree {
   ArmModel arm_;
   std::map<std::string, MassProperties> links_;
   std::vector<std::string> order_;
+  std::map<std::string, std::string> place_of_;  ///< of a link: "robot.urdf:12"
   std::vector<LinkJoint> joints_;
   std::set<std::string> joint_names_, body_names_;
   std::map<std::string, Eigen::Isometry3d> where_;

@@ -36,12 +36,22 @@ const std::map<std::string, std::string> kIgnoredInSdf = {
     {"@canonical_link", "which link is the model's: left out"},
 };
 
+/// "1.4", "1.0": whether axes stand in the parent model's frame, as before version 1.5 of the format.
+bool isBefore15(const std::string& version) {
+  const std::size_t dot = version.find('.');
+  const int major = std::atoi(version.c_str());
+  return major < 1 || (major == 1 && (dot == std::string::npos || std::atoi(version.c_str() + dot + 1) < 5));
+}
+
 class SdfArm {
  public:
   SdfArm(const std::string& text, const std::filesystem::path& file)
       : file_(file), root_(&xml_.parse(text, file, {"sdf"})) {}
 
   ImportedArm read() {
+    xml_.refuseMacros(*root_);
+    const char* const version = xml_.find(*root_, "version");
+    axes_in_model_ = version != nullptr && isBefore15(version);
     const XmlElement& model = findModel();
     arm_.name = xml_.required(model, "name");
     findFrames(model);
@@ -49,9 +59,6 @@ class SdfArm {
     for (const auto* e = model.FirstChildElement("joint"); e; e = e->NextSiblingElement("joint")) readJoint(*e);
     for (const char* nested : {"model", "include"}) {
       if (const auto* e = model.FirstChildElement(nested)) xml_.fail(*e, "found a model in the model, expected links");
-    }
-    if (!on_world_) {
-      xml_.add("a base without a joint to the world", "stands still where it is drawn", true, xml_.place(model));
     }
     tree_.placeBase(placed_);
     arm_ = tree_.build(std::move(arm_));
@@ -75,6 +82,7 @@ class SdfArm {
   std::string word(const XmlElement& element) {
     const std::string text = textOf(element);
     const std::size_t first = text.find_first_not_of(" \t\r\n"), last = text.find_last_not_of(" \t\r\n");
+    xml_.checkText(element, text);
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);
   }
 
@@ -242,7 +250,7 @@ class SdfArm {
       j.axis = xml_.vector3(*xyz, "xyz", textOf(*xyz));
       const char* const frame = xml_.find(*xyz, "expressed_in");
       const XmlElement* const old = xml_.child(*axis, "use_parent_model_frame");
-      const bool in_model = old != nullptr && (word(*old) == "1" || word(*old) == "true");
+      const bool in_model = old == nullptr ? axes_in_model_ : word(*old) == "1" || word(*old) == "true";
       const std::string seen_from = frame != nullptr && *frame ? frame : in_model ? "__model__" : "";
       if (!seen_from.empty()) j.axis = here.linear().transpose() * (inModel(seen_from, *xyz).linear() * j.axis);
       if (j.axis.norm() < 1e-9) xml_.fail(*xyz, "found a zero vector, expected an axis");
@@ -279,6 +287,7 @@ class SdfArm {
   Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();  ///< of the model in the world
   std::map<std::string, Frame> frames_;
   std::map<std::string, Eigen::Isometry3d> placed_;  ///< links, in the world
+  bool axes_in_model_ = false;                       ///< where they say nothing: before version 1.5
   bool on_world_ = false;
 };
 

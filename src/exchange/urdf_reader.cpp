@@ -34,6 +34,7 @@ class UrdfArm {
       : file_(file), root_(&xml_.parse(text, file, {"robot"})) {}
 
   ImportedArm read() {
+    xml_.refuseMacros(*root_);
     const char* const name = xml_.find(*root_, "name");
     arm_.name = name == nullptr || *name == '\0' ? "robot" : name;
     for (const auto* e = root_->FirstChildElement(); e; e = e->NextSiblingElement()) {

@@ -23,6 +23,23 @@ int countElements(const XmlElement& element) {
   return count;
 }
 
+/// Whether every byte above 127 belongs to a character, each of which is as long as its first byte says.
+bool isUtf8(std::string_view text) {
+  std::size_t left = 0;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool follows = (byte & 0xC0U) == 0x80U;
+    if (follows != (left > 0)) return false;
+    if (follows) {
+      --left;
+    } else if (byte >= 0x80U) {
+      if (byte < 0xC2U || byte > 0xF4U) return false;
+      left = byte < 0xE0U ? 1 : byte < 0xF0U ? 2 : 3;
+    }
+  }
+  return left == 0;
+}
+
 }  // namespace
 
 const XmlElement& XmlRobot::parse(const std::string& text, const std::filesystem::path& file,
@@ -68,7 +85,23 @@ const char* XmlRobot::find(const XmlElement& element, const char* attribute) {
   const tinyxml2::XMLAttribute* const found = element.FindAttribute(attribute);
   if (found == nullptr) return nullptr;
   understood_.insert(found);
+  checkText(element, found->Value());
   return found->Value();
+}
+
+void XmlRobot::refuseMacros(const XmlElement& element) const {
+  const auto refuse = [&](std::string_view found) {
+    fail(element, fmt::format("found '{}', a macro of xacro: expand it with xacro first", abridged(found)));
+  };
+  if (std::string_view(element.Name()).starts_with("xacro:")) refuse(element.Name());
+  for (const auto* a = element.FirstAttribute(); a; a = a->Next()) {
+    if (std::string_view(a->Value()).find("${") != std::string_view::npos) refuse(a->Value());
+  }
+  for (const auto* e = element.FirstChildElement(); e; e = e->NextSiblingElement()) refuseMacros(*e);
+}
+
+void XmlRobot::checkText(const XmlElement& element, std::string_view text) const {
+  if (!isUtf8(text)) fail(element, "found a text that is no UTF-8, expected names in UTF-8");
 }
 
 std::string XmlRobot::required(const XmlElement& element, const char* attribute) {

@@ -34,7 +34,11 @@ class XmlRobot {
   std::string place(const XmlElement& element) const;  ///< "finger.xml:12"
   [[noreturn]] void fail(const XmlElement& element, const std::string& sentence) const;
 
-  /// An attribute's text; it counts as understood.
+  /// \throws DataError: it holds macros of xacro, which have to be expanded before they mean a robot
+  void refuseMacros(const XmlElement& element) const;
+  /// \throws DataError: no UTF-8, which no file or terminal of ours could hold
+  void checkText(const XmlElement& element, std::string_view text) const;
+  /// An attribute's text; it counts as understood. \throws DataError as checkText
   const char* find(const XmlElement& element, const char* attribute);
   /// The same of an attribute that has to be there. \throws DataError: it is not, or empty
   std::string required(const XmlElement& element, const char* attribute);

@@ -95,6 +95,38 @@ TEST(UrdfReader, WhatIsLeftOutIsSaidWithItsLine) {
   EXPECT_TRUE(has("transmission", "r.urdf:7"));
 }
 
+TEST(UrdfReader, ABaseThatWeighsSomethingStandsStillAndThatIsSaid) {
+  const auto places = [](const std::string& base, const std::string& mass) {
+    const ImportedArm imported =
+        readUrdf("<robot name='r'>\n<link name='" + base + "'>" + mass + "</link>\n<link name='a'>" + kLink +
+                     "</link>\n" + urdfJoint("turn", "continuous", base, "a") + "</robot>",
+                 "r.urdf");
+    std::vector<std::string> found;
+    for (const ExchangeRemark& r : imported.remarks) {
+      if (r.what == "a base without a joint to the world" && r.matters) found = r.places;
+    }
+    return found;
+  };
+  EXPECT_EQ(places("base", kLink), std::vector<std::string>{"r.urdf:2"});
+  EXPECT_TRUE(places("base", "").empty());
+  EXPECT_TRUE(places("world", kLink).empty());
+}
+
+TEST(UrdfReader, MacrosHaveToBeExpandedFirst) {
+  const std::string head = "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'>\n";
+  EXPECT_EQ(urdfRefused(head + "<xacro:include filename='x.xacro'/>\n<xacro:arm/></robot>"),
+            "3: r.urdf:2: xacro:include: found 'xacro:include', a macro of xacro: expand it with xacro first");
+  EXPECT_THAT(urdfRefused(head + "<link name='${side}_arm'/></robot>"), HasSubstr("found '${side}_arm', a macro"));
+  EXPECT_THAT(urdfRefused("<robot name='r'/>"), HasSubstr("found no link, expected at least two"));
+}
+
+TEST(UrdfReader, ANameIsUtf8) {
+  EXPECT_THAT(urdfRefused("<robot name='r'>\n<link name='\xE9paule'/></robot>"),
+              HasSubstr("r.urdf:2: link: found a text that is no UTF-8"));
+  const std::string turn = urdfJoint("\xC3\xA9paule", "continuous", "base", "a");
+  EXPECT_THAT(urdfRefused(robotOf(turn)), HasSubstr("found 2 links")) << "two bytes that are one letter are read";
+}
+
 TEST(UrdfReader, RefusesWhatIsNoTreeOfThoseJoints) {
   const std::string turn = urdfJoint("turn", "continuous", "base", "a");
   EXPECT_THAT(urdfRefused(robotOf(urdfJoint("free", "floating", "base", "a"))), HasSubstr("type: found 'floating'"));
