@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
@@ -8,6 +9,8 @@
 
 namespace simgap {
 namespace {
+
+constexpr std::array<std::string_view, 5> kXmlEndings = {".xml", ".mjcf", ".urdf", ".sdf", ".xacro"};
 
 /// The name of the first element; empty without one.
 std::string rootElement(const std::string& text) {
@@ -23,20 +26,35 @@ std::string rootElement(const std::string& text) {
   return {};
 }
 
+/// What stands in a file that has the name of one but not its text; empty: nothing is wrong with it.
+std::string_view notXml(std::string_view text) {
+  if (text.starts_with("version https://git-lfs.github.com/spec/")) {
+    return "a pointer of Git LFS (`git lfs pull` fetches the file itself)";
+  }
+  const bool wide = text.size() > 1 && (text[0] == '\0' || text[1] == '\0');
+  if (wide || text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) return "UTF-16 text";
+  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  if (first == std::string_view::npos) return "an empty file";
+  return text[first] == '<' ? "" : "no XML";
+}
+
 }  // namespace
 
 RobotFormat robotFormatOf(const std::string& text, const std::filesystem::path& file) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  if (first == std::string::npos || text[first] != '<') return RobotFormat::kArm;
+  const std::string name = file.filename().string();
+  if (const std::string_view found = notXml(text); !found.empty()) {
+    const std::string ending = file.extension().string();
+    const bool named_so = std::ranges::find(kXmlEndings, ending) != kXmlEndings.end();
+    if (!named_so && !text.starts_with("version https://git-lfs")) return RobotFormat::kArm;
+    throw DataError(fmt::format("{}: found {}, expected a robot in XML (MJCF, URDF, SDF)", name, found));
+  }
   const std::string root = rootElement(text);
   if (root == "mujoco" || root == "mujocoinclude") return RobotFormat::kMjcf;
   if (root == "robot") return RobotFormat::kUrdf;
-  const std::string name = file.filename().string();
   if (root == "sdf") return RobotFormat::kSdf;
   throw DataError(
-      fmt::format("{}: found <{}> as its outermost element, expected <mujoco> (MJCF), <robot> (URDF) or <sdf>",
-
-                  name, abridged(root)));
+      fmt::format("{}: found <{}> as its outermost element, expected <mujoco> (MJCF), <robot> (URDF) or <sdf>", name,
+                  abridged(root)));
 }
 
 RobotFormat robotFormatOf(const std::filesystem::path& file) {
