@@ -24,13 +24,16 @@ class MjcfArm {
  public:
   MjcfArm(MjcfFile& file, const MjcfRobot& robot) : xml_(file.xml()), robot_(robot) {}
 
-  ArmModel build() {
+  /// \param file  for messages
+  ArmModel build(const std::filesystem::path& file) {
     arm_.name = robot_.name;
     arm_.gravity = robot_.gravity;
     arm_.bodies.push_back({.name = "world", .fixed = true, .parts = {}, .surfaces = {}});
     for (const MjcfBody& body : robot_.bodies) names_.insert(body.name);
     for (const MjcfBody& body : robot_.bodies) addBody(body);
-    if (arm_.joints.empty()) throw DataError("found no joint in the robot, expected at least one");
+    if (arm_.joints.empty()) {
+      throw DataError(fmt::format("{}: found no joint in the robot, expected at least one", file.filename().string()));
+    }
     for (const MjcfCoupling& coupling : robot_.couplings) couple(coupling);
     std::set<std::string> taken;
     for (const MjcfTendon& tendon : robot_.tendons) addTendon(tendon, taken);
@@ -91,15 +94,27 @@ class MjcfArm {
     } else if (from.range) {
       xml_.add("joint range of a ball", "left out: a ball has no limits here", true, body.place);
     }
+    if (!from.said.empty()) joint_of_[from.said] = {static_cast<int>(arm_.joints.size()), from.reference};
     arm_.joints.push_back(joint);
   }
 
-  int jointOf(const std::string& name, const std::string& place) const {
-    const auto found = std::ranges::find(arm_.joints, name, &Joint::name);
-    if (found == arm_.joints.end() || !found->hasAxis()) {
+  struct Known {
+    int index;
+    double reference;  ///< MuJoCo's position in the drawn pose
+  };
+
+  Known known(const std::string& name, const std::string& place) const {
+    const auto found = joint_of_.find(name);
+    if (found == joint_of_.end()) {
       throw DataError(fmt::format("{}: found '{}', expected the name of a hinge or slide", place, abridged(name)));
     }
-    return static_cast<int>(found - arm_.joints.begin());
+    return found->second;
+  }
+
+  int jointOf(const std::string& name, const std::string& place) const {
+    const int index = known(name, place).index;
+    if (arm_.joints[index].hasAxis()) return index;
+    throw DataError(fmt::format("{}: found the ball '{}', expected a hinge or slide", place, abridged(name)));
   }
 
   void couple(const MjcfCoupling& coupling) {
@@ -196,12 +211,8 @@ class MjcfArm {
   /// MuJoCo's length of a fixed tendon less ours, whose joints count from the drawn pose [m].
   double offsetOf(const MjcfTendon& tendon) const {
     double offset = 0.0;
-    for (const MjcfBody& body : robot_.bodies) {
-      for (const MjcfJoint& joint : body.joints) {
-        for (const auto& [name, coefficient] : tendon.joints) {
-          if (name == joint.name) offset += coefficient * joint.reference;
-        }
-      }
+    for (const auto& [name, coefficient] : tendon.joints) {
+      offset += coefficient * joint_of_.at(name).reference;
     }
     return offset;
   }
@@ -313,19 +324,26 @@ class MjcfArm {
     }
   }
 
-  /// MuJoCo's torque of an affine actuator, gear (gain ctrl + b0 + b1 gear q + b2 gear dq/dt): a motor without b0 and
-  /// b1, a servo where b1 = -gain.
+  /// Why no drive of ours does what the actuator of a joint does; empty: one does.
+  std::string_view notDriven(const MjcfActuator& actuator, const Joint& joint) const {
+    const auto [b0, b1, b2] = actuator.bias;
+    if (!joint.hasAxis()) return "the joint has no axis";
+    if (joint.slides()) return "slides have no drives here";
+    if (!actuator.affine) return "its law is neither a motor's nor a position servo's";
+    if (actuator.gear == 0.0 || actuator.gain == 0.0) return "its control moves nothing";
+    if (b1 > 0.0 || b2 > 0.0) return "its bias drives the joint away";
+    if (b1 == 0.0 && b2 != 0.0) return "it holds a velocity: only motors and position servos are modelled";
+    return b1 == 0.0 && b0 != 0.0 ? "a constant torque beside its control: only motors and position servos are modelled"
+                                  : "";
+  }
+
+  /// MuJoCo's torque of an affine actuator, gear (gain ctrl + b0 + b1 gear q + b2 gear dq/dt): a motor without bias, a
+  /// servo with b1 < 0. Its q counts from the joint's reference.
   void addJointDrive(const MjcfActuator& actuator, std::set<std::string>& taken) {
     const std::string what = fmt::format("{} (actuator of a joint)", actuator.tag);
-    const auto ball = std::ranges::find(arm_.joints, actuator.joint, &Joint::name);
-    if (ball != arm_.joints.end() && !ball->hasAxis()) {
-      return xml_.add(what, "left out: the joint has no axis", true, actuator.place);
-    }
-    const int joint = jointOf(actuator.joint, actuator.place);
-    const auto [b0, b1, b2] = actuator.bias;
-    const bool motor = b0 == 0.0 && b1 == 0.0 && b2 == 0.0, servo = b0 == 0.0 && b1 == -actuator.gain && b1 < 0.0;
-    if (!actuator.affine || arm_.joints[joint].slides() || (!motor && !servo) || actuator.gear == 0.0) {
-      return xml_.add(what, "left out: no motor or position servo of a hinge", true, actuator.place);
+    const auto [joint, reference] = known(actuator.joint, actuator.place);
+    if (const std::string_view why = notDriven(actuator, arm_.joints[joint]); !why.empty()) {
+      return xml_.add(what, fmt::format("left out: {}", why), true, actuator.place);
     }
     PassiveTendon drive;
     drive.name = freeName(actuator.name.empty() ? actuator.joint : actuator.name, taken);
@@ -334,18 +352,20 @@ class MjcfArm {
     wheel.joint = joint;
     wheel.radius = 1.0;
     drive.between = {wheel};
-    if (motor) {
+    const auto [b0, b1, b2] = actuator.bias;
+    if (b1 == 0.0) {
       drive.kind = tendonKind("joint-motor");
       drive.p = {1.0, actuator.gear * actuator.gain, 1.0, 0.0};
       xml_.add(what, "a motor whose current in A is the control", false, actuator.place);
     } else {
       drive.kind = tendonKind("joint-servo");
-      const double square = actuator.gear * actuator.gear;
-      drive.p = {actuator.gain * square, 0.0, -b2 * square};
+      const double square = actuator.gear * actuator.gear, scale = -b1 * actuator.gear;
+      drive.p = {-b1 * square, 0.0 + b0 / scale - reference, 0.0 - b2 * square};
+      const double target = actuator.gain / scale;
       xml_.add(what,
-               actuator.gear == 1.0 ? std::string("a servo whose target is the control")
-                                    : fmt::format("a servo whose target is {:.6g} of the control", 1.0 / actuator.gear),
-               actuator.gear != 1.0, actuator.place);
+               target == 1.0 ? std::string("a servo whose target is the control")
+                             : fmt::format("a servo whose target is {:.6g} of the control", target),
+               target != 1.0, actuator.place);
     }
     if (actuator.force_range) xml_.add("actuator forcerange", "left out: no limit of a torque", true, actuator.place);
     arm_.tendons.push_back(std::move(drive));
@@ -355,6 +375,7 @@ class MjcfArm {
   const MjcfRobot& robot_;
   ArmModel arm_;
   std::vector<Home> homes_;
+  std::map<std::string, Known> joint_of_;  ///< by the file's name, which may be another than the arm's
   std::set<std::string> names_ = {"world"};
 };
 
@@ -363,7 +384,7 @@ class MjcfArm {
 ImportedArm readMjcf(const std::string& text, const std::filesystem::path& path, const FileReader& read) {
   MjcfFile file(text, path, read);
   const MjcfRobot robot = readMjcfRobot(file);
-  ArmModel model = MjcfArm(file, robot).build();
+  ArmModel model = MjcfArm(file, robot).build(path);
   std::vector<ExchangeRemark> remarks = file.finish();
   return {checkedArm(std::move(model), path), std::move(remarks)};
 }

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "mjcf_robot.h"
+#include "simgap/core/decompositions.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/rotation.h"
 #include "simgap/core/text.h"
@@ -12,7 +13,6 @@ namespace simgap {
 namespace {
 
 constexpr std::size_t kMostBodies = 1000;
-constexpr int kDeepest = 500;             ///< bodies and frames within each other, over all includes
 constexpr double kWaterDensity = 1000.0;  ///< [kg/m^3] MuJoCo's default
 
 /// Sizes of a geom as MuJoCo stores them: radius and half lengths.
@@ -35,14 +35,17 @@ Eigen::Isometry3d alongSegment(const MjcfNode& node, const std::vector<double>& 
 
 Geom readGeom(const MjcfNode& node) {
   Geom geom;
-  geom.type = node.has("type") ? node.text("type") : node.has("mesh") ? "mesh" : "sphere";
-  const std::vector<double> size = node.numbers("size");
-  for (std::size_t i = 0; i < std::min<std::size_t>(size.size(), 3); ++i) {
-    geom.size[i] = size[i];
+  // A shape that is fitted to a mesh has its size from there.
+  geom.type = node.has("mesh") ? "mesh" : node.has("type") ? node.text("type") : "sphere";
+  node.find("type");
+  for (const MjcfNode& layer : node.layers()) {  // an own size may say only the first numbers
+    const std::vector<double> size = layer.numbers("size");
+    for (std::size_t i = 0; i < std::min<std::size_t>(size.size(), 3); ++i) geom.size[i] = size[i];
   }
   if (!node.has("fromto")) {
     geom.frame = node.frame();
   } else {
+    for (const char* instead : {"pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"}) node.find(instead);
     double half = 0.0;
     geom.frame = alongSegment(node, node.numbers("fromto"), half);
     if (geom.type == "box" || geom.type == "ellipsoid") {
@@ -91,7 +94,7 @@ class Bodies {
  private:
   /// What stands in a body, or in a <frame> of it. \param offset  of the frame in the body
   void readContent(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
-    if (++depth_ > kDeepest) node.fail(fmt::format("found bodies nested deeper than {}", kDeepest));
+    if (++depth_ > kDeepestMjcf) node.fail(fmt::format("found bodies nested deeper than {}", kDeepestMjcf));
     for (const MjcfNode& child : node.children()) {
       const std::string tag = child.tag();
       if (tag == "body") {
@@ -120,7 +123,8 @@ class Bodies {
     if (robot_.bodies.size() >= kMostBodies) node.fail(fmt::format("found more than {} bodies", kMostBodies));
     const int index = static_cast<int>(robot_.bodies.size());
     MjcfBody& body = robot_.bodies.emplace_back();
-    body.name = freeName(node.has("name") ? node.text("name") : fmt::format("body_{}", index + 1), body_names_);
+    const std::string given = node.newName("body");
+    body.name = freeName(given.empty() ? fmt::format("body_{}", index + 1) : given, body_names_);
     body.parent = parent;
     body.frame = offset * node.frame();
     body.place = file_.xml().place(node.xml());
@@ -138,8 +142,8 @@ class Bodies {
     joint.kind = findKind(&JointKind::mjcf, type);
     if (joint.kind == nullptr)
       node.fail(fmt::format("type: found '{}', expected hinge, ball or slide", abridged(type)));
-    const std::string automatic = fmt::format("{}_joint", robot_.bodies[body].name);
-    joint.name = freeName(node.has("name") ? node.text("name") : automatic, joint_names_);
+    joint.said = node.newName("joint");
+    joint.name = freeName(joint.said.empty() ? robot_.bodies[body].name + "_joint" : joint.said, joint_names_);
     joint.position = offset * node.vector3("pos", Eigen::Vector3d::Zero());
     const Eigen::Vector3d axis = node.vector3("axis", Eigen::Vector3d::UnitZ());
     if (axis.norm() < 1e-10) node.fail("axis: found a zero vector, expected an axis");
@@ -155,11 +159,8 @@ class Bodies {
     if (joint.reference != 0.0) {
       node.remark("ref", "positions count from the drawn pose: MuJoCo's position less ref");
     }
-    const std::vector<double> range = node.numbers("range");
-    if (node.isLimited("limited", "range")) {
-      if (range.size() != 2) node.fail(fmt::format("range: found {} numbers, expected two", range.size()));
-      joint.range = {unit * range[0] - joint.reference, unit * range[1] - joint.reference};
-      if (range[0] > range[1]) node.fail(fmt::format("range: found {} above {}", range[0], range[1]));
+    if (const auto range = node.limits("limited", "range")) {
+      joint.range = {unit * (*range)[0] - joint.reference, unit * (*range)[1] - joint.reference};
     }
     joint.stiffness = node.nonNegative("stiffness", 0.0);
     joint.spring_reference = ball ? 0.0 : unit * node.number("springref", 0.0) - joint.reference;
@@ -175,8 +176,9 @@ class Bodies {
   void readMass(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
     Geom geom = readGeom(node);
     geom.frame = offset * geom.frame;
-    if (node.has("name") && (geom.type == "sphere" || geom.type == "cylinder")) {
-      robot_.surfaces[node.text("name")] = {body, geom.frame, geom.type == "cylinder", geom.size.x()};
+    const std::string name = node.newName("geom");
+    if (!name.empty() && (geom.type == "sphere" || geom.type == "cylinder")) {
+      robot_.surfaces[name] = {body, geom.frame, geom.type == "cylinder", geom.size.x()};
     }
     const std::vector<double>& groups = file_.compiler().inertia_groups;
     const double group = node.number("group", 0.0);
@@ -223,7 +225,8 @@ class Bodies {
     const bool segment = node.has("fromto");
     double half = 0.0;
     const Eigen::Isometry3d frame = segment ? alongSegment(node, node.numbers("fromto"), half) : node.frame();
-    if (node.has("name")) robot_.sites[node.text("name")] = {body, offset * frame.translation()};
+    const std::string name = node.newName("site");
+    if (!name.empty()) robot_.sites[name] = {body, offset * frame.translation()};
   }
 
   MjcfFile& file_;
@@ -259,7 +262,14 @@ void readMjcfBodies(MjcfFile& file, MjcfRobot& robot) {
   double total = 0.0;
   for (MjcfBody& body : robot.bodies) {
     body.mass.mass = std::max(body.mass.mass, compiler.least_mass);
-    body.mass.inertia.diagonal() = body.mass.inertia.diagonal().cwiseMax(compiler.least_inertia);
+    if (compiler.least_inertia > 0.0) {
+      // The bound holds for the moments about the principal axes.
+      const SymmetricEigen principal = symmetricEigen(body.mass.inertia);
+      const Eigen::Vector3d moments = principal.values.cwiseMax(compiler.least_inertia);
+      if (moments != principal.values) {
+        body.mass.inertia = principal.vectors * moments.asDiagonal() * principal.vectors.transpose();
+      }
+    }
     total += body.mass.mass;
   }
   if (compiler.total_mass > 0.0 && total > 0.0) {

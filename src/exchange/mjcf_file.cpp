@@ -2,17 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <numbers>
-
+#include "mjcf_defaults.h"
 #include "simgap/core/error.h"
-#include "simgap/core/rotation.h"
 #include "simgap/core/text.h"
 
 namespace simgap {
 namespace {
 
 constexpr std::size_t kMostIncludes = 200;
-constexpr double kShortestAxis = 1e-10;
 
 /// What changes neither where a robot rests nor how it moves here, by element or "@attribute".
 const std::map<std::string, std::string> kIgnoredInMjcf = [] {
@@ -34,12 +31,6 @@ const std::map<std::string, std::string> kIgnoredInMjcf = [] {
   return reasons;
 }();
 
-/// Whether `inner` stands in `folder` or below it.
-bool standsBelow(const std::filesystem::path& folder, const std::filesystem::path& inner) {
-  const std::filesystem::path way = inner.lexically_normal().lexically_relative(folder.lexically_normal());
-  return !way.empty() && *way.begin() != "..";
-}
-
 }  // namespace
 
 MjcfFile::MjcfFile(const std::string& text, const std::filesystem::path& file, FileReader read)
@@ -51,6 +42,14 @@ MjcfFile::MjcfFile(const std::string& text, const std::filesystem::path& file, F
   }
 }
 
+std::string MjcfFile::includedText(const XmlElement& include, const std::filesystem::path& file) const {
+  try {
+    return read_(file);
+  } catch (const Error& error) {
+    xml_.fail(include, fmt::format("file: {}", error.what()));
+  }
+}
+
 const XmlElement& MjcfFile::includedRoot(const XmlElement& include) {
   const auto known = included_.find(&include);
   if (known != included_.end()) return *known->second;
@@ -58,17 +57,19 @@ const XmlElement& MjcfFile::includedRoot(const XmlElement& include) {
   xml_.understand(include);
   if (name == nullptr) xml_.fail(include, "found no file, expected one");
   const std::filesystem::path wanted(name);
-  const std::filesystem::path folder = file_.parent_path().empty() ? "." : file_.parent_path();
-  if (wanted.is_absolute() || !standsBelow(folder, folder / wanted)) {
-    xml_.fail(include, fmt::format("file: found '{}', expected a file in the model's own folder", abridged(name)));
+  if (wanted.is_absolute()) {
+    xml_.fail(include, fmt::format("file: found '{}', expected a way from the main file's folder", abridged(name)));
   }
-  if (!files_.insert(wanted.lexically_normal().string()).second) {
+  // As in MuJoCo, from the main file's folder wherever the include itself stands.
+  const std::filesystem::path folder = file_.parent_path().empty() ? "." : file_.parent_path();
+  const std::filesystem::path there = (folder / wanted).lexically_normal();
+  if (!files_.insert(there.string()).second) {
     xml_.fail(include, fmt::format("file: found '{}' a second time, expected it once", abridged(name)));
   }
   if (files_.size() > kMostIncludes) {
     xml_.fail(include, fmt::format("found more than {} included files", kMostIncludes));
   }
-  const XmlElement& root = xml_.parse(read_(folder / wanted), wanted, {"mujocoinclude", "mujoco"});
+  const XmlElement& root = xml_.parse(includedText(include, there), wanted, {"mujocoinclude", "mujoco"});
   xml_.find(root, "model");
   return *(included_[&include] = &root);
 }
@@ -86,6 +87,18 @@ std::vector<const XmlElement*> MjcfFile::childElements(const XmlElement& element
   return children;
 }
 
+void MjcfFile::checkDepth(const XmlElement& element, int depth) const {
+  if (depth > kDeepestMjcf) xml_.fail(element, fmt::format("found elements nested deeper than {}", kDeepestMjcf));
+}
+
+void MjcfFile::leaveOut(const XmlElement& element, int depth) {
+  checkDepth(element, depth);
+  used_.erase(&element);
+  xml_.understand(element);
+  for (const auto* a = element.FirstAttribute(); a; a = a->Next()) xml_.find(element, a->Name());
+  for (const XmlElement* child : childElements(element)) leaveOut(*child, depth + 1);
+}
+
 std::string MjcfFile::modelName() {
   const char* const name = xml_.find(*root_, "model");
   return name == nullptr || *name == '\0' ? "robot" : name;
@@ -94,7 +107,7 @@ std::string MjcfFile::modelName() {
 std::vector<MjcfNode> MjcfFile::sections(const std::string& name) {
   std::vector<MjcfNode> found;
   for (const XmlElement* section : childElements(*root_)) {
-    if (section->Name() == name) found.emplace_back(*this, *section, "");
+    if (section->Name() == name) found.emplace_back(*this, *section, "", "mujoco");
   }
   return found;
 }
@@ -123,48 +136,43 @@ void MjcfFile::readCompiler() {
   }
 }
 
-void MjcfFile::readDefaults(const XmlElement& element, const std::string& name, const std::string& parent) {
+void MjcfFile::readDefaults(const XmlElement& element, const std::string& name, const std::string& parent, int depth) {
+  checkDepth(element, depth);
   xml_.understand(element);
   const char* const given = xml_.find(element, "class");
   const std::string own = given != nullptr ? given : name;
   if (own.empty()) xml_.fail(element, "found no class, expected its name");
-  if (own != "main") classes_[own].parent = parent;
+  const bool outermost = parent.empty();
+  if (!names_["default class"].insert(own).second && !outermost) {
+    xml_.fail(element, fmt::format("the name '{}' is taken by another default class", abridged(own)));
+  }
+  // The outermost class holds for all, whatever it is called.
+  const std::string filled = outermost ? "main" : own;
+  if (own != "main") classes_[own].parent = outermost ? "main" : parent;
   for (const XmlElement* child : childElements(element)) {
     if (std::string_view(child->Name()) == "default") {
-      readDefaults(*child, "", own);
+      readDefaults(*child, "", filled, depth + 1);
     } else {
-      classes_[own].elements[child->Name()].push_back(child);
+      classes_[filled].elements[defaultTag("default", child->Name())].push_back(child);
       xml_.understand(*child);
     }
   }
 }
 
-const char* MjcfFile::findDefault(const std::string& tag, const std::string& name, const char* attribute) {
-  // Classes stand in a tree, whose depth XML limits; a class that is its own ancestor by a repeated name ends here.
-  std::size_t steps = 0;
-  for (std::string at = name; !at.empty() && steps <= classes_.size(); ++steps) {
-    const auto found = classes_.find(at);
-    if (found == classes_.end()) return nullptr;
-    const auto elements = found->second.elements.find(tag);
-    if (elements != found->second.elements.end()) {
-      for (auto e = elements->second.rbegin(); e != elements->second.rend(); ++e) {
-        if (const char* value = xml_.find(**e, attribute)) return value;
-      }
-    }
-    at = found->second.parent;
+std::vector<const XmlElement*> MjcfFile::defaultsOf(const std::string& tag, const std::string& name) const {
+  std::vector<const XmlElement*> layers;
+  for (auto at = classes_.find(name); at != classes_.end(); at = classes_.find(at->second.parent)) {
+    const auto elements = at->second.elements.find(tag);
+    if (elements == at->second.elements.end()) continue;
+    layers.insert(layers.begin(), elements->second.begin(), elements->second.end());
   }
-  return nullptr;
+  return layers;
 }
 
 std::vector<ExchangeRemark> MjcfFile::finish() {
   // Defaults that no element of the robot takes say nothing about it.
   std::set<const XmlElement*> asked;
-  for (const auto& [tag, name] : used_) {
-    std::size_t steps = 0;
-    for (std::string at = name; !at.empty() && steps <= classes_.size(); at = classes_[at].parent, ++steps) {
-      for (const XmlElement* element : classes_[at].elements[tag]) asked.insert(element);
-    }
-  }
+  for (const auto& [element, layers] : used_) asked.insert(layers.begin(), layers.end());
   for (const auto& [name, known] : classes_) {
     for (const auto& [tag, elements] : known.elements) {
       for (const XmlElement* element : elements) {
@@ -174,141 +182,6 @@ std::vector<ExchangeRemark> MjcfFile::finish() {
     }
   }
   return xml_.finish(kIgnoredInMjcf);
-}
-
-MjcfNode::MjcfNode(MjcfFile& file, const XmlElement& element, std::string childclass)
-    : file_(&file), element_(&element), childclass_(std::move(childclass)) {
-  file.xml().understand(element);
-  if (const char* inner = file.xml().find(element, "childclass")) childclass_ = inner;
-  const char* const own = file.xml().find(element, "class");
-  class_ = own != nullptr ? own : childclass_.empty() ? "main" : childclass_;
-  if (!file.classes_.contains(class_)) {
-    // The compiler is read before the defaults; nothing else is.
-    if (own != nullptr || !childclass_.empty()) {
-      fail(fmt::format("class: found '{}', expected one of the default classes", abridged(class_)));
-    }
-  }
-  file.used_.emplace(element.Name(), class_);
-}
-
-std::vector<MjcfNode> MjcfNode::children() const {
-  std::vector<MjcfNode> nodes;
-  for (const XmlElement* child : file_->childElements(*element_)) nodes.emplace_back(*file_, *child, childclass_);
-  return nodes;
-}
-
-void MjcfNode::fail(const std::string& sentence) const { file_->xml().fail(*element_, sentence); }
-
-void MjcfNode::remarkAll(const std::string& what, const std::string& done, bool matters) const {
-  file_->xml().remark(*element_, what, done, matters);
-}
-
-void MjcfNode::remark(const char* attribute, const std::string& done, bool matters) const {
-  find(attribute);
-  file_->xml().add(fmt::format("{} {}", tag(), attribute), done, matters, file_->xml().place(*element_));
-}
-
-const char* MjcfNode::find(const char* attribute) const {
-  const char* const own = file_->xml().find(*element_, attribute);
-  return own != nullptr ? own : file_->findDefault(tag(), class_, attribute);
-}
-
-std::string MjcfNode::text(const char* attribute) const {
-  const char* const value = find(attribute);
-  return value == nullptr ? "" : value;
-}
-
-double MjcfNode::number(const char* attribute, double fallback) const {
-  const char* const value = find(attribute);
-  return value == nullptr ? fallback : file_->xml().number(*element_, attribute, value);
-}
-
-double MjcfNode::nonNegative(const char* attribute, double fallback) const {
-  const double value = number(attribute, fallback);
-  if (value < 0.0) fail(fmt::format("{}: found {}, expected a number >= 0", attribute, value));
-  return value;
-}
-
-std::vector<double> MjcfNode::numbers(const char* attribute) const {
-  const char* const value = find(attribute);
-  return value == nullptr ? std::vector<double>() : file_->xml().numbers(*element_, attribute, value);
-}
-
-Eigen::Vector3d MjcfNode::vector3(const char* attribute, const Eigen::Vector3d& fallback) const {
-  const char* const value = find(attribute);
-  return value == nullptr ? fallback : file_->xml().vector3(*element_, attribute, value);
-}
-
-bool MjcfNode::flag(const char* attribute, bool automatic) const {
-  const char* const value = find(attribute);
-  const std::string word = value == nullptr ? "auto" : value;
-  if (word == "auto") return automatic;
-  if (word != "true" && word != "false") {
-    fail(fmt::format("{}: found '{}', expected true, false or auto", attribute, abridged(word)));
-  }
-  return word == "true";
-}
-
-double MjcfNode::angleUnit() const { return file_->compiler().degrees ? std::numbers::pi / 180.0 : 1.0; }
-
-bool MjcfNode::isLimited(const char* flag_name, const char* range) const {
-  return flag(flag_name, file_->compiler().autolimits && has(range));
-}
-
-Eigen::Quaterniond MjcfNode::orientation() const {
-  const auto axis = [&](const Eigen::Vector3d& v, const char* attribute) -> Eigen::Vector3d {
-    if (v.norm() < kShortestAxis) fail(fmt::format("{}: found a zero vector, expected an axis", attribute));
-    return v.normalized();
-  };
-  const auto sized = [&](const char* attribute, std::size_t count) {
-    const std::vector<double> values = numbers(attribute);
-    if (values.size() != count) {
-      fail(fmt::format("{}: found {} numbers, expected {}", attribute, values.size(), count));
-    }
-    return values;
-  };
-  if (has("quat")) {
-    const std::vector<double> q = sized("quat", 4);
-    const Eigen::Quaterniond rotation(q[0], q[1], q[2], q[3]);
-    if (rotation.norm() < kShortestAxis) fail("quat: found zeros, expected a rotation");
-    return rotation.normalized();
-  }
-  if (has("axisangle")) {
-    const std::vector<double> a = sized("axisangle", 4);
-    return Eigen::Quaterniond(Eigen::AngleAxisd(a[3] * angleUnit(), axis({a[0], a[1], a[2]}, "axisangle")));
-  }
-  if (has("euler")) {
-    const std::vector<double> angles = sized("euler", 3);
-    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-    for (std::size_t i = 0; i < 3; ++i) {
-      const char letter = file_->compiler().euler[i];
-      const bool turned = letter >= 'x';  // small: about the axes as turned so far
-      const Eigen::Vector3d unit = Eigen::Vector3d::Unit(letter - (turned ? 'x' : 'X'));
-      const Eigen::Quaterniond turn(Eigen::AngleAxisd(angles[i] * angleUnit(), unit));
-      rotation = turned ? rotation * turn : turn * rotation;
-    }
-    return rotation.normalized();
-  }
-  if (has("xyaxes")) {
-    const std::vector<double> a = sized("xyaxes", 6);
-    Eigen::Matrix3d columns;
-    columns.col(0) = axis({a[0], a[1], a[2]}, "xyaxes");
-    const Eigen::Vector3d y(a[3], a[4], a[5]);
-    columns.col(1) = axis(y - y.dot(columns.col(0)) * columns.col(0), "xyaxes");
-    columns.col(2) = columns.col(0).cross(columns.col(1));
-    return Eigen::Quaterniond(columns);
-  }
-  if (has("zaxis")) {
-    return rotationBetween(Eigen::Vector3d::UnitZ(), axis(vector3("zaxis", Eigen::Vector3d::Zero()), "zaxis"));
-  }
-  return Eigen::Quaterniond::Identity();
-}
-
-Eigen::Isometry3d MjcfNode::frame() const {
-  Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-  frame.linear() = orientation().toRotationMatrix();
-  frame.translation() = vector3("pos", Eigen::Vector3d::Zero());
-  return frame;
 }
 
 }  // namespace simgap

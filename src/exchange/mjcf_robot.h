@@ -14,7 +14,8 @@
 namespace simgap {
 
 struct MjcfJoint {
-  std::string name;
+  std::string said;  ///< its name in the file; empty without one
+  std::string name;  ///< that of the arm's joint: said, without what our files cannot hold
   const JointKind* kind = nullptr;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m] in the body's frame
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< in the body's frame, unit length

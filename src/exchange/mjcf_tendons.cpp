@@ -1,4 +1,4 @@
-// <tendon>, <equality>, <actuator>: what pulls and what ties joints together.
+// <tendon>, <equality>: the ways of lines, and what ties joints together.
 #include <fmt/format.h>
 
 #include "mjcf_robot.h"
@@ -68,11 +68,7 @@ void readTendonLaw(const MjcfNode& node, MjcfTendon& tendon) {
   if (rest.size() == 2 && rest[0] > rest[1]) {
     node.fail(fmt::format("springlength: found {} above {}", rest[0], rest[1]));
   }
-  const std::vector<double> range = node.numbers("range");
-  if (node.isLimited("limited", "range")) {
-    if (range.size() != 2) node.fail(fmt::format("range: found {} numbers, expected two", range.size()));
-    tendon.range = {range[0], range[1]};
-  }
+  tendon.range = node.limits("limited", "range");
   if (node.number("armature", 0.0) != 0.0) {
     node.remark("armature", "left out: a line has no mass (motions only, not where the robot rests)");
   }
@@ -83,7 +79,7 @@ void readTendonLaw(const MjcfNode& node, MjcfTendon& tendon) {
 
 MjcfTendon readTendon(MjcfFile& file, const MjcfNode& node, const MjcfRobot& robot, std::set<std::string>& names) {
   MjcfTendon tendon;
-  tendon.name = node.text("name");
+  tendon.name = node.newName("tendon");
   if (tendon.name.empty()) tendon.name = freeName("tendon", names);
   tendon.place = file.xml().place(node.xml());
   for (const MjcfNode& child : node.children()) {
@@ -122,63 +118,6 @@ void readEquality(MjcfFile& file, const MjcfNode& node, MjcfRobot& robot) {
                              node.has("joint2") ? curve[1] : 0.0, file.xml().place(node.xml())});
 }
 
-/// Gain and bias of MuJoCo's shortcuts.
-void readActuatorLaw(const MjcfNode& node, MjcfActuator& actuator) {
-  const std::string& tag = actuator.tag;
-  if (tag == "position") {
-    const double kp = node.number("kp", 1.0), kv = node.nonNegative("kv", 0.0);
-    actuator.gain = kp;
-    actuator.bias = {0.0, -kp, -kv};
-    for (const char* other : {"dampratio", "timeconst", "inheritrange"}) {
-      if (node.has(other)) node.remark(other, "left out (motions only, not where the robot rests)");
-    }
-  } else if (tag == "velocity") {
-    actuator.gain = node.nonNegative("kv", 1.0);
-    actuator.bias = {0.0, 0.0, -actuator.gain};
-  } else if (tag == "general") {
-    const std::vector<double> gain = node.numbers("gainprm"), bias = node.numbers("biasprm");
-    if (!gain.empty()) actuator.gain = gain[0];
-    const std::string bias_type = node.has("biastype") ? node.text("biastype") : "none";
-    for (std::size_t i = 0; bias_type == "affine" && i < std::min<std::size_t>(bias.size(), 3); ++i) {
-      actuator.bias[i] = bias[i];
-    }
-    const std::string gain_type = node.has("gaintype") ? node.text("gaintype") : "fixed";
-    actuator.affine = gain_type == "fixed" && (bias_type == "affine" || bias_type == "none");
-    if (node.has("dyntype") && node.text("dyntype") != "none") {
-      node.remark("dyntype", "left out: the control acts at once");
-    }
-  } else if (tag != "motor") {
-    actuator.affine = false;
-  }
-}
-
-void readActuator(MjcfFile& file, const MjcfNode& node, MjcfRobot& robot) {
-  MjcfActuator actuator;
-  actuator.tag = node.tag();
-  actuator.name = node.text("name");
-  actuator.tendon = node.text("tendon");
-  actuator.joint = node.text("joint");
-  actuator.place = file.xml().place(node.xml());
-  if (actuator.tendon.empty() && actuator.joint.empty()) {
-    return node.remarkAll(actuator.tag + " (actuator)", "left out: it pulls no tendon");
-  }
-  const std::vector<double> gear = node.numbers("gear");
-  if (!gear.empty()) actuator.gear = gear[0];
-  const std::vector<double> force = node.numbers("forcerange");
-  if (node.isLimited("forcelimited", "forcerange")) {
-    if (force.size() != 2) node.fail(fmt::format("forcerange: found {} numbers, expected two", force.size()));
-    actuator.force_range = {force[0], force[1]};
-  }
-  readActuatorLaw(node, actuator);
-  if (!actuator.affine) {  // what only its own law would need is said once, where the arm is built
-    for (const auto* a = node.xml().FirstAttribute(); a; a = a->Next()) node.find(a->Name());
-  }
-  for (const char* control : {"ctrllimited", "ctrlrange", "actlimited", "actrange"}) {
-    if (node.has(control)) node.remark(control, "left out: no limit of a control", false);
-  }
-  robot.actuators.push_back(actuator);
-}
-
 }  // namespace
 
 void readMjcfTendons(MjcfFile& file, MjcfRobot& robot) {
@@ -192,12 +131,6 @@ void readMjcfTendons(MjcfFile& file, MjcfRobot& robot) {
   }
   for (const MjcfNode& section : file.sections("equality")) {
     for (const MjcfNode& node : section.children()) readEquality(file, node, robot);
-  }
-}
-
-void readMjcfActuators(MjcfFile& file, MjcfRobot& robot) {
-  for (const MjcfNode& section : file.sections("actuator")) {
-    for (const MjcfNode& node : section.children()) readActuator(file, node, robot);
   }
 }
 

@@ -1,10 +1,12 @@
 // MJCF by hand: what each construct means is worked out here, not by the reader.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>
 
+#include "mjcf_texts.h"
 #include "simgap/core/error.h"
 #include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/kinematics.h"
@@ -15,36 +17,6 @@ namespace simgap::test {
 namespace {
 
 using testing::HasSubstr;
-
-const FileReader kNoFiles = [](const std::filesystem::path& file) -> std::string {
-  throw DataError(file.string() + " was asked for");
-};
-
-ImportedArm readText(const std::string& text) { return readMjcf(text, "robot.xml", kNoFiles); }
-
-/// A robot of one body on a hinge, with `more` in its worldbody and behind it.
-std::string robot(const std::string& head, const std::string& body, const std::string& tail = "") {
-  return "<mujoco>\n" + head + "<worldbody>\n<body name='b'>\n" + body + "</body>\n</worldbody>\n" + tail +
-         "</mujoco>\n";
-}
-
-constexpr const char* kBall = "<geom size='0.1' mass='2'/>\n";
-
-std::string refusal(const std::string& text) {
-  try {
-    readText(text);
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "nothing was refused";
-}
-
-bool hasRemark(const std::vector<ExchangeRemark>& remarks, const std::string& what, bool matters,
-               const std::string& place) {
-  return std::ranges::any_of(remarks, [&](const ExchangeRemark& r) {
-    return r.what == what && r.matters == matters && std::ranges::find(r.places, place) != r.places.end();
-  });
-}
 
 TEST(MjcfReader, ReadsAHingeInDegreesWithDefaultsOfItsClass) {
   const ArmModel arm = readText(robot("<default><joint damping='0.5'/><default class='c'><joint range='-90 45'/>"
@@ -210,7 +182,7 @@ TEST(MjcfReader, RefusesWithOneSentence) {
   EXPECT_THAT(refusal(robot("", hinge, "<equality><weld body1='b'/></equality>")), HasSubstr("found a closed loop"));
   EXPECT_THAT(refusal(robot("", "<joint range='0 nan'/>\n")),
               HasSubstr("range: found 'nan', expected a finite number"));
-  EXPECT_THAT(refusal(robot("", "<joint range='2 1'/>\n")), HasSubstr("range: found 2 above 1"));
+  EXPECT_THAT(refusal(robot("", "<joint range='2 1' limited='true'/>\n")), HasSubstr("range: found 2 above 1"));
   EXPECT_THAT(refusal(robot("", "<joint class='none'/>\n")), HasSubstr("class: found 'none'"));
   EXPECT_THAT(refusal(robot("", "<joint/>\n<geom size='-1'/>\n")), HasSubstr("size: found -1 of a sphere"));
   EXPECT_THAT(refusal(robot("", "<joint/>\n")), HasSubstr("body 'b' moves without any mass"));
@@ -227,7 +199,49 @@ TEST(MjcfReader, RefusesWithOneSentence) {
   EXPECT_THAT(refusal("<mujoco><worldbody>" + deep), HasSubstr("found no XML that can be read"));
 }
 
-TEST(MjcfReader, ReadsIncludesOfItsOwnFolderOnly) {
+TEST(MjcfReader, WhatDrivesNoHingeIsSaidToBeWhatItIs) {
+  const ImportedArm read = readText(
+      robot("", std::string("<joint name='h'/>\n<joint name='s' type='slide'/>\n<site name='tip'/>\n") + kBall,
+            "<actuator>\n<motor jointinparent='h' gear='5'/>\n<general site='tip'/>\n<general cranksite='tip'/>\n"
+            "<motor joint='s'/>\n<muscle joint='h'/>\n<velocity joint='h'/>\n</actuator>"));
+  const auto said = [&](const std::string& place) {
+    for (const ExchangeRemark& remark : read.remarks) {
+      if (std::ranges::find(remark.places, place) != remark.places.end()) return remark.done;
+    }
+    return std::string();
+  };
+  ASSERT_EQ(read.model.tendons.size(), 1U) << "of a hinge, jointinparent is joint";
+  EXPECT_THAT(said("robot.xml:12"), HasSubstr("it pushes at a site"));
+  EXPECT_THAT(said("robot.xml:13"), HasSubstr("it drives a slider-crank"));
+  EXPECT_THAT(said("robot.xml:14"), HasSubstr("slides have no drives"));
+  EXPECT_THAT(said("robot.xml:15"), HasSubstr("its law is neither a motor's nor a position servo's"));
+  EXPECT_THAT(said("robot.xml:16"), HasSubstr("it holds a velocity"));
+}
+
+TEST(MjcfReader, AServoMayScaleItsControlAndCountFromTheReference) {
+  // MuJoCo: 2 (30 u + 6 - 60 (2 q) - 4 (2 dq/dt)), q from 0.5 in the drawn pose.
+  const ImportedArm read = readText(
+      robot("<compiler angle='radian'/>\n", std::string("<joint name='h' ref='0.5'/>\n") + kBall,
+            "<actuator><general joint='h' gear='2' gainprm='30' biastype='affine' biasprm='6 -60 -4'/></actuator>"));
+  ASSERT_EQ(read.model.tendons.size(), 1U);
+  const PassiveTendon& servo = read.model.tendons[0];
+  const double u = 0.8, q = 0.3, rate = 0.1, target = 0.25 * u;
+  EXPECT_NEAR(-servo.kind->force(servo.p, q, rate, target),
+              2.0 * (30.0 * u + 6.0 - 60.0 * 2.0 * (q + 0.5) - 4.0 * 2.0 * rate), 1e-12);
+  EXPECT_TRUE(std::ranges::any_of(read.remarks, [](const ExchangeRemark& r) {
+    return r.done == "a servo whose target is 0.25 of the control" && r.matters;
+  }));
+}
+
+TEST(MjcfReader, NamesTheLineOfAMissingIncludeAndTheFileWithoutJoints) {
+  EXPECT_EQ(refusal("<mujoco>\n<include file='there.xml'/></mujoco>"),
+            "robot.xml:2: include: file: there.xml was asked for");
+  EXPECT_EQ(refusal("<mujoco/>"), "robot.xml: found no joint in the robot, expected at least one");
+  EXPECT_THAT(refusal("<mujoco>\n<worldbody>\n<body name='\xFF'/></worldbody></mujoco>"),
+              HasSubstr("robot.xml:3: body: found a text that is no UTF-8"));
+}
+
+TEST(MjcfReader, ReadsIncludesFromTheMainFilesFolder) {
   std::vector<std::string> asked;
   const FileReader read = [&](const std::filesystem::path& file) -> std::string {
     asked.push_back(file.string());
@@ -238,15 +252,32 @@ TEST(MjcfReader, ReadsIncludesOfItsOwnFolderOnly) {
     return "<mujoco><worldbody><include file='" + file + "'/></worldbody></mujoco>";
   };
   EXPECT_EQ(readMjcf(include("parts/b.xml"), "models/robot.xml", read).model.bodies[1].name, "b");
-  EXPECT_EQ(asked, std::vector<std::string>{"models/parts/b.xml"});
-  for (const std::string file : {"../b.xml", "/etc/passwd", "parts/../../b.xml"}) {
-    EXPECT_THROW(readMjcf(include(file), "models/robot.xml", read), DataError) << file;
-  }
-  EXPECT_EQ(asked.size(), 1U);
+  // As MuJoCo's, from the main file's folder and out of it.
+  EXPECT_EQ(readMjcf(include("parts/../../b.xml"), "models/robot.xml", read).model.bodies[1].name, "b");
+  EXPECT_EQ(asked, (std::vector<std::string>{"models/parts/b.xml", "b.xml"}));
+  EXPECT_THROW(readMjcf(include("/etc/passwd"), "models/robot.xml", read), DataError);
+  EXPECT_EQ(asked.size(), 2U);
   const FileReader itself = [&](const std::filesystem::path&) {
     return "<mujocoinclude><include file='b.xml'/></mujocoinclude>";
   };
   EXPECT_THROW(readMjcf(include("b.xml"), "robot.xml", itself), DataError);
+  // Includes nest what no file alone could: whatever it is, it ends with a sentence.
+  const auto nested = [](const std::string& open, const std::string& close, const std::string& first) {
+    int count = 0;
+    const FileReader deeper = [&](const std::filesystem::path&) {
+      std::string begin, end;
+      for (int i = 0; i < 90; ++i) begin += open, end += close;
+      return "<mujocoinclude>" + begin + fmt::format("<include file='{}.xml'/>", ++count) + end + "</mujocoinclude>";
+    };
+    return errorOf([&] { readMjcf("<mujoco>" + first + "</mujoco>", "robot.xml", deeper); });
+  };
+  EXPECT_THAT(nested("<x>", "</x>", "<worldbody><x><include file='b.xml'/></x></worldbody>"),
+              HasSubstr("nested deeper than 500"));
+  // Another way to the same file is the same file.
+  const FileReader round = [&](const std::filesystem::path&) {
+    return "<mujocoinclude><include file='../models/./b.xml'/></mujocoinclude>";
+  };
+  EXPECT_THAT(errorOf([&] { readMjcf(include("b.xml"), "models/robot.xml", round); }), HasSubstr("a second time"));
 }
 
 }  // namespace

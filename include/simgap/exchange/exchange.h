@@ -35,7 +35,7 @@ struct ExportedArm {
 using FileReader = std::function<std::string(const std::filesystem::path&)>;
 
 /// An MJCF model. Bodies with several joints become several bodies, of which the last has the mass.
-/// \param read  for <include>; only files in or below the folder of `file` are asked for
+/// \param read  for <include>; what is asked for stands on a relative way from the folder of `file`, each file once
 /// \throws DataError "FILE:LINE: ELEMENT: …": no XML, what means nothing (a tendon with one site, NaN), or what an arm
 ///         cannot be (floating bases, closed loops)
 ImportedArm readMjcf(const std::string& text, const std::filesystem::path& file, const FileReader& read);
