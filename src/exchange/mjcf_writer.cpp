@@ -86,6 +86,7 @@ class MjcfWriter {
       if (joint.coulomb_friction > 0.0) {
         remarks_.add("joint friction", "frictionloss: MuJoCo's is soft, a robot that it holds creeps");
       }
+      if (held(joint)) remarks_.add("joints held in one place", "an equality constraint, which gives way a little");
       if (joint.follows()) remarks_.add("coupled joints", "an equality constraint, which gives way a little");
     }
   }
@@ -95,6 +96,19 @@ class MjcfWriter {
     return massProperties(b).mass <= 0.0 && b.surfaces.empty() && b.parts.empty() && sites_[body].empty();
   }
 
+  /// Massless bodies from this one on whose joints the next one with mass has, too; none where reading the file would
+  /// give them other names.
+  std::vector<int> passedOver(int body) const {
+    std::vector<int> chain;
+    for (; bare(body) && jointsOf(body).size() == 1; body = model_.joints[jointsOf(body)[0]].child) {
+      chain.push_back(body);
+    }
+    for (std::size_t i = 0; i < chain.size(); ++i) {
+      if (model_.bodies[chain[i]].name != fmt::format("{}_{}", model_.bodies[body].name, i + 1)) return {};
+    }
+    return chain;
+  }
+
   /// The bodies that hang on those of `parents`, whose frame is `offset` in the one that is written.
   std::string children(const std::vector<int>& parents, const Eigen::Isometry3d& offset, const std::string& indent) {
     std::string text;
@@ -102,8 +116,8 @@ class MjcfWriter {
       for (const int first : jointsOf(parent)) {
         Link link{model_.joints[first].child, {first}};
         Eigen::Isometry3d frame = offset * drawnPose(model_.joints[first]);
-        while (bare(link.body) && jointsOf(link.body).size() == 1) {
-          link.joints.push_back(jointsOf(link.body)[0]);
+        for (const int over : passedOver(link.body)) {
+          link.joints.push_back(jointsOf(over)[0]);
           const Joint& next = model_.joints[link.joints.back()];
           frame = frame * drawnPose(next);
           link.body = next.child;
@@ -141,7 +155,7 @@ class MjcfWriter {
                                    kindOf(j.type).mjcf, xmlNumbers(frame * j.child_position));
     if (j.hasAxis()) text += fmt::format(" axis=\"{}\"", xmlNumbers(frame.linear() * (j.child_orientation * j.axis)));
     const bool lower = j.lower_limit > -Joint::kUnlimited, upper = j.upper_limit < Joint::kUnlimited;
-    if (j.hasAxis() && (lower || upper)) {
+    if (j.hasAxis() && (lower || upper) && !held(j)) {
       text += fmt::format(" range=\"{} {}\"", lower ? j.lower_limit : -1e3, upper ? j.upper_limit : 1e3);
     }
     if (j.viscous_friction > 0.0) text += fmt::format(" damping=\"{}\"", j.viscous_friction);
@@ -186,7 +200,13 @@ class MjcfWriter {
     return text;
   }
 
-  static std::string surfaceName(const Body& body, const Surface& surface) { return body.name + "/" + surface.name; }
+  /// Its own, with its body's before it where another body has a surface of that name: geoms share their names.
+  std::string surfaceName(const Body& body, const Surface& surface) const {
+    const auto has = [&](const Body& b) {
+      return std::ranges::find(b.surfaces, surface.name, &Surface::name) != b.surfaces.end();
+    };
+    return std::ranges::count_if(model_.bodies, has) > 1 ? body.name + "/" + surface.name : surface.name;
+  }
 
   std::string site(const Attachment& at, const std::string& name) {
     sites_[at.body].push_back({name, at.point});
@@ -281,7 +301,11 @@ class MjcfWriter {
                                 p[0] * p[1] * p[2]);
       remarks_.add("a motor at a joint", "its control is the current in A; its friction and inertia are left out",
                    false);
-    } else if (drive.kind->name == "joint-servo" && p[1] == 0.0) {
+    } else if (drive.kind->name == "joint-servo" && p[1] != 0.0) {
+      actuators_ += fmt::format(
+          "    <general name=\"{}\" joint=\"{}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{} {} {}\"/>\n",
+          xmlText(drive.name), joint, p[0], p[0] * p[1], -p[0], -p[2]);
+    } else if (drive.kind->name == "joint-servo") {
       actuators_ += fmt::format("    <position name=\"{}\" joint=\"{}\" kp=\"{}\" kv=\"{}\"/>\n", xmlText(drive.name),
                                 joint, p[0], p[2]);
     } else {
@@ -289,9 +313,16 @@ class MjcfWriter {
     }
   }
 
+  /// A joint without any way to go: two equal numbers limit nothing in MuJoCo, an equality does.
+  static bool held(const Joint& joint) { return joint.hasAxis() && joint.lower_limit == joint.upper_limit; }
+
   std::string couplings() const {
     std::string text;
     for (const Joint& joint : model_.joints) {
+      if (held(joint)) {
+        text +=
+            fmt::format("    <joint joint1=\"{}\" polycoef=\"{} 0 0 0 0\"/>\n", xmlText(joint.name), joint.lower_limit);
+      }
       if (!joint.follows()) continue;
       text += fmt::format("    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{} {} 0 0 0\"/>\n", xmlText(joint.name),
                           xmlText(model_.joints[joint.leader].name), joint.coupling_offset, joint.coupling_ratio);

@@ -115,6 +115,15 @@ TEST(MjcfDefaults, ARangeLimitsWhereItsFirstNumberIsTheSmaller) {
   EXPECT_TRUE(hasRemark(silent.remarks, "joint range", true, "robot.xml:5"));
 }
 
+TEST(MjcfDefaults, AnEqualityHoldsAJointAndOneThatIsHeldIsWrittenSo) {
+  const ArmModel arm =
+      readText(robot("", hinge(), "<equality><joint joint1='h' polycoef='0.3 0 0 0 0'/></equality>")).model;
+  EXPECT_DOUBLE_EQ(arm.joints[0].lower_limit, 0.3);
+  const ArmModel back = readText(writeMjcf(arm).text).model;
+  EXPECT_DOUBLE_EQ(back.joints[0].lower_limit, 0.3) << "range='0.3 0.3' would limit nothing";
+  EXPECT_DOUBLE_EQ(back.joints[0].upper_limit, 0.3);
+}
+
 /// Where z of a geom points that is drawn with these attributes.
 Eigen::Vector3d zOf(const std::string& attributes, const std::string& defaults) {
   const ArmModel arm =

@@ -231,6 +231,45 @@ TEST(MjcfReader, AServoMayScaleItsControlAndCountFromTheReference) {
   EXPECT_TRUE(std::ranges::any_of(read.remarks, [](const ExchangeRemark& r) {
     return r.done == "a servo whose target is 0.25 of the control" && r.matters;
   }));
+  const PassiveTendon back = readText(writeMjcf(read.model).text).model.tendons.at(0);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(back.p[i], servo.p[i], 1e-12);
+}
+
+TEST(MjcfReader, SurfacesKeepTheirNamesOnTheWayThereAndBack) {
+  const auto names = [](const ArmModel& arm) {
+    std::vector<std::string> found;
+    for (const Body& body : arm.bodies) {
+      for (const Surface& surface : body.surfaces) found.push_back(surface.name);
+    }
+    return found;
+  };
+  const std::string line =
+      "<tendon><spatial stiffness='1'><site site='a'/><geom geom='pg'/><site site='b'/></spatial></tendon>";
+  ArmModel arm =
+      readText(
+          robot("",
+                std::string("<joint/>\n<geom name='pg' size='.1' mass='0'/>\n<site name='a' pos='1 0 0'/>\n") + kBall,
+                "<worldbody><site name='b' pos='0 1 0'/></worldbody>" + line))
+          .model;
+  arm = readText(writeMjcf(arm).text).model;
+  EXPECT_EQ(names(arm), std::vector<std::string>{"pg"});
+  // Geoms share their names: where two bodies have a surface of one name, each has its body's before it.
+  arm.bodies[0].surfaces = arm.bodies[1].surfaces;
+  EXPECT_THAT(writeMjcf(arm).text, HasSubstr("geom name=\"b/pg\""));
+}
+
+TEST(MjcfReader, MasslessBodiesKeepTheirNamesOnTheWayThereAndBack) {
+  const auto names = [](const ArmModel& arm) {
+    std::vector<std::string> found;
+    for (const Body& body : arm.bodies) found.push_back(body.name);
+    return found;
+  };
+  // Two joints of one body, and a body of its own that weighs nothing.
+  const std::string arm = robot("", std::string("<joint/>\n<joint axis='1 0 0'/>\n") + kBall);
+  EXPECT_EQ(names(readText(writeMjcf(readText(arm).model).text).model),
+            (std::vector<std::string>{"world", "b_1", "b"}));
+  const std::string bare = robot("", "<joint/>\n<body name='c'><joint axis='1 0 0'/>" + std::string(kBall) + "</body>");
+  EXPECT_EQ(names(readText(writeMjcf(readText(bare).model).text).model), (std::vector<std::string>{"world", "b", "c"}));
 }
 
 TEST(MjcfReader, NamesTheLineOfAMissingIncludeAndTheFileWithoutJoints) {
