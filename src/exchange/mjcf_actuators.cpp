@@ -111,6 +111,9 @@ void readActuator(MjcfFile& file, const MjcfNode& node, MjcfRobot& robot) {
   if (actuator.tendon.empty() && actuator.joint.empty()) {
     return node.remarkAll(actuator.tag + " (actuator)", fmt::format("left out: {}", actsOn(node)));
   }
+  if (robot.loose.contains("tendon " + actuator.tendon) || robot.loose.contains("joint " + actuator.joint)) {
+    return node.remarkAll(actuator.tag + " (actuator)", "left out: it moves a loose body that is left out");
+  }
   const std::vector<double> gear = node.numbers("gear");
   if (!gear.empty()) actuator.gear = gear[0];
   actuator.force_range = node.limits("forcelimited", "forcerange");

@@ -91,10 +91,23 @@ class Bodies {
 
   void readWorld(const MjcfNode& world) { readContent(world, -1, Eigen::Isometry3d::Identity()); }
 
+  /// What can only be said once all is read.
+  void finish() {
+    const bool hangs = std::ranges::any_of(robot_.bodies, [](const MjcfBody& body) { return !body.joints.empty(); });
+    if (!hangs && !floating_.empty()) refuseFloating(floating_.front());
+    for (const auto& [body, node] : meshes_) {
+      const bool needed = body >= 0 && !given_inertia_[body];
+      node.remarkAll("mesh geom",
+                     fmt::format("left out: meshes are not read; {}",
+                                 needed ? "its mass needs <inertial>" : "its body's mass does not ask for it"),
+                     needed);
+    }
+  }
+
  private:
   /// What stands in a body, or in a <frame> of it. \param offset  of the frame in the body
   void readContent(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
-    if (++depth_ > kDeepestMjcf) node.fail(fmt::format("found bodies nested deeper than {}", kDeepestMjcf));
+    if (++depth_ > kDeepestMjcf) refuseDeep(node);
     for (const MjcfNode& child : node.children()) {
       const std::string tag = child.tag();
       if (tag == "body") {
@@ -119,7 +132,50 @@ class Bodies {
     --depth_;
   }
 
+  [[noreturn]] static void refuseFloating(const MjcfNode& joint) {
+    joint.fail("found a floating base, expected bodies that hang on the world by joints");
+  }
+
+  [[noreturn]] static void refuseDeep(const MjcfNode& node) {
+    node.fail(fmt::format("found bodies nested deeper than {}", kDeepestMjcf));
+  }
+
+  static bool isFree(const MjcfNode& joint) {
+    return joint.tag() == "freejoint" || (joint.tag() == "joint" && joint.text("type") == "free");
+  }
+
+  /// The free joint of a body itself, or one of the joints in a body.
+  static std::optional<MjcfNode> findJoint(const MjcfNode& node, bool free, int depth = 0) {
+    if (depth > kDeepestMjcf) refuseDeep(node);
+    for (const MjcfNode& child : node.children()) {
+      const std::string tag = child.tag();
+      if ((tag == "joint" || tag == "freejoint") && isFree(child) == free) return child;
+      if (tag != "frame" && (free || tag != "body")) continue;
+      if (std::optional<MjcfNode> inner = findJoint(child, free, depth + 1)) return inner;
+    }
+    return std::nullopt;
+  }
+
+  void nameLoose(const MjcfNode& node, int depth = 0) {
+    if (depth > kDeepestMjcf) refuseDeep(node);
+    const std::string kind = node.tag() == "freejoint" ? "joint" : node.tag();
+    if (node.has("name")) robot_.loose.insert(kind + " " + node.text("name"));
+    for (const MjcfNode& child : node.children()) nameLoose(child, depth + 1);
+  }
+
+  /// A loose thing beside the robot touches nothing here. \returns whether the body was one
+  bool leaveOutLoose(const MjcfNode& node) {
+    const std::optional<MjcfNode> free = findJoint(node, true);
+    if (!free) return false;
+    if (findJoint(node, false)) refuseFloating(*free);
+    floating_.push_back(*free);
+    nameLoose(node);
+    node.remarkAll("body with a free joint", "a loose thing: left out with all that stands in it", false);
+    return true;
+  }
+
   void readBody(const MjcfNode& node, int parent, const Eigen::Isometry3d& offset) {
+    if (parent < 0 && leaveOutLoose(node)) return;
     if (robot_.bodies.size() >= kMostBodies) node.fail(fmt::format("found more than {} bodies", kMostBodies));
     const int index = static_cast<int>(robot_.bodies.size());
     MjcfBody& body = robot_.bodies.emplace_back();
@@ -136,8 +192,8 @@ class Bodies {
 
   void readJoint(const MjcfNode& node, int body, const Eigen::Isometry3d& offset) {
     if (body < 0) node.fail("found a joint of the world, expected it in a body");
-    const std::string type = node.tag() == "freejoint" ? "free" : node.has("type") ? node.text("type") : "hinge";
-    if (type == "free") node.fail("found a floating base, expected bodies that hang on the world by joints");
+    if (isFree(node)) refuseFloating(node);
+    const std::string type = node.has("type") ? node.text("type") : "hinge";
     MjcfJoint joint;
     joint.kind = findKind(&JointKind::mjcf, type);
     if (joint.kind == nullptr)
@@ -184,11 +240,10 @@ class Bodies {
     const double group = node.number("group", 0.0);
     const double density = node.nonNegative("density", kWaterDensity);
     const double stated = node.nonNegative("mass", -0.0);
-    if (body < 0 || geom.type == "plane" || geom.type == "hfield") return;
-    if (group < groups[0] || group > groups[1] || file_.compiler().inertia_from_geom == "false") return;
-    if (geom.type == "mesh" || geom.type == "sdf") {
-      return node.remarkAll(geom.type + " geom", "left out: meshes are not read; its mass needs <inertial>");
-    }
+    const bool mesh = geom.type == "mesh" || geom.type == "sdf";
+    const bool counts = group >= groups[0] && group <= groups[1] && file_.compiler().inertia_from_geom != "false";
+    if (mesh) meshes_.emplace_back(counts && (node.has("mass") ? stated : density) > 0.0 ? body : -1, node);
+    if (mesh || !counts || body < 0 || geom.type == "plane" || geom.type == "hfield") return;
     if (node.has("shellinertia") && node.flag("shellinertia", false)) {
       node.remark("shellinertia", "the shape is taken as solid");
     }
@@ -233,6 +288,8 @@ class Bodies {
   MjcfRobot& robot_;
   std::set<std::string> body_names_ = {"world"}, joint_names_;
   std::vector<bool> given_inertia_;
+  std::vector<MjcfNode> floating_;                ///< free joints of what is left out
+  std::vector<std::pair<int, MjcfNode>> meshes_;  ///< with their bodies; -1: weighs nothing that moves
   int depth_ = 0;
 };
 
@@ -258,6 +315,7 @@ MassProperties addMass(const MassProperties& a, const MassProperties& b) {
 void readMjcfBodies(MjcfFile& file, MjcfRobot& robot) {
   Bodies bodies(file, robot);
   for (const MjcfNode& world : file.sections("worldbody")) bodies.readWorld(world);
+  bodies.finish();
   const MjcfFile::Compiler& compiler = file.compiler();
   double total = 0.0;
   for (MjcfBody& body : robot.bodies) {

@@ -92,6 +92,8 @@ struct MjcfRobot {
   std::vector<MjcfBody> bodies;  ///< parents before children
   std::map<std::string, MjcfSite> sites;
   std::map<std::string, MjcfSurface> surfaces;
+  /// "site pin": what stands in bodies that float beside the robot and are left out, and what depends on it.
+  std::set<std::string> loose;
   std::vector<MjcfTendon> tendons;
   std::vector<MjcfCoupling> couplings;
   std::vector<MjcfActuator> actuators;

@@ -1,6 +1,8 @@
 // <tendon>, <equality>: the ways of lines, and what ties joints together.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "mjcf_robot.h"
 #include "simgap/core/text.h"
 
@@ -98,10 +100,25 @@ MjcfTendon readTendon(MjcfFile& file, const MjcfNode& node, const MjcfRobot& rob
   return tendon;
 }
 
+/// Whether a tendon runs over something that is left out with a loose body.
+bool runsToLoose(const MjcfNode& node, const MjcfRobot& robot) {
+  const std::vector<MjcfNode> path = node.children();
+  return std::ranges::any_of(path, [&](const MjcfNode& element) {
+    const std::string tag = element.tag();
+    return robot.loose.contains(tag + " " + element.text(tag.c_str())) ||
+           robot.loose.contains("site " + element.text("sidesite"));
+  });
+}
+
 void readEquality(MjcfFile& file, const MjcfNode& node, MjcfRobot& robot) {
   node.find("name");
   if (!node.flag("active", true)) return node.remarkAll(node.tag() + " (equality)", "not active: left out", false);
   const std::string tag = node.tag();
+  for (const char* const end : {"body1", "body2"}) {
+    if (robot.loose.contains("body " + node.text(end))) {
+      return node.remarkAll(tag + " (equality)", "left out with the loose body that it holds");
+    }
+  }
   if (tag == "connect" || tag == "weld") {
     node.fail("found a closed loop, expected a tree of bodies: take it apart at this place");
   }
@@ -126,6 +143,11 @@ void readMjcfTendons(MjcfFile& file, MjcfRobot& robot) {
     for (const MjcfNode& node : section.children()) {
       if (node.tag() != "spatial" && node.tag() != "fixed") node.fail("found it, expected <spatial> or <fixed>");
       if (robot.tendons.size() >= kMostTendons) node.fail(fmt::format("found more than {} tendons", kMostTendons));
+      if (runsToLoose(node, robot)) {
+        if (node.has("name")) robot.loose.insert("tendon " + node.newName("tendon"));
+        node.remarkAll(node.tag() + " (tendon)", "left out: it runs to a loose body that is left out");
+        continue;
+      }
       robot.tendons.push_back(readTendon(file, node, robot, names));
     }
   }

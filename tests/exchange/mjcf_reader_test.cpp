@@ -235,6 +235,43 @@ TEST(MjcfReader, AServoMayScaleItsControlAndCountFromTheReference) {
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(back.p[i], servo.p[i], 1e-12);
 }
 
+TEST(MjcfReader, ALooseThingBesideTheRobotIsLeftOut) {
+  const std::string cube =
+      "<body name='cube'><freejoint class='k'/><site name='pin'/><geom class='k' size='.1'/><body><geom "
+      "size='1'/></body></body>\n";
+  const std::string classes = "<default><default class='k'><geom magic='1'/></default></default>\n";
+  const auto scene = [&](const std::string& body, const std::string& tail) {
+    return "<mujoco>\n" + classes + "<worldbody>\n" + cube + body + "</worldbody>\n" + tail + "</mujoco>";
+  };
+  const std::string arm = std::string("<body name='b'><joint name='h'/>") + kBall + "</body>\n";
+  const ImportedArm read =
+      readText(scene(arm,
+                     "<equality><weld body1='cube'/></equality>\n<tendon><spatial name='t'><site site='pin'/>"
+                     "<site site='pin'/></spatial><spatial><site site='pin'/><site site='pin'/></spatial></tendon>\n"
+                     "<actuator><motor tendon='t'/><motor joint='h'/></actuator>"));
+  EXPECT_EQ(read.model.bodies.size(), 2U);
+  EXPECT_EQ(read.model.tendons.size(), 1U) << "the motor of the hinge";
+  EXPECT_TRUE(hasRemark(read.remarks, "body with a free joint", false, "robot.xml:4"));
+  EXPECT_TRUE(hasRemark(read.remarks, "weld (equality)", true, "robot.xml:8"));
+  EXPECT_TRUE(hasRemark(read.remarks, "spatial (tendon)", true, "robot.xml:9"));
+  EXPECT_TRUE(hasRemark(read.remarks, "motor (actuator)", true, "robot.xml:10"));
+  for (const ExchangeRemark& remark : read.remarks) EXPECT_NE(remark.what, "geom magic") << "of what is left out";
+  // The robot itself may not float, alone or beside what hangs on the world.
+  EXPECT_THAT(refusal(scene("", "")), HasSubstr("robot.xml:4: freejoint: found a floating base"));
+  EXPECT_THAT(
+      refusal(scene(
+          arm + "<body><frame><joint type='free'/></frame>" + kBall + "<body><joint/>" + kBall + "</body></body>", "")),
+      HasSubstr("joint: found a floating base"));
+}
+
+TEST(MjcfReader, AMeshNeedsNoInertialWhereItIsThere) {
+  const std::string mesh = "<geom type='mesh' mesh='m'/>\n<geom type='capsule' mesh='m'/>\n";
+  const std::string inertial = "<inertial pos='0 0 0' mass='1' diaginertia='1 1 1'/>\n";
+  EXPECT_TRUE(
+      hasRemark(readText(robot("", "<joint/>\n" + mesh + inertial)).remarks, "mesh geom", false, "robot.xml:6"));
+  EXPECT_TRUE(hasRemark(readText(robot("", "<joint/>\n" + mesh + kBall)).remarks, "mesh geom", true, "robot.xml:6"));
+}
+
 TEST(MjcfReader, SurfacesKeepTheirNamesOnTheWayThereAndBack) {
   const auto names = [](const ArmModel& arm) {
     std::vector<std::string> found;
@@ -310,6 +347,8 @@ TEST(MjcfReader, ReadsIncludesFromTheMainFilesFolder) {
     };
     return errorOf([&] { readMjcf("<mujoco>" + first + "</mujoco>", "robot.xml", deeper); });
   };
+  EXPECT_THAT(nested("<body>", "</body>", "<worldbody><body><freejoint/><include file='b.xml'/></body></worldbody>"),
+              HasSubstr("nested deeper than 500"));
   EXPECT_THAT(nested("<x>", "</x>", "<worldbody><x><include file='b.xml'/></x></worldbody>"),
               HasSubstr("nested deeper than 500"));
   // Another way to the same file is the same file.
