@@ -2,6 +2,7 @@
 // first.
 #include <cmath>
 #include <fstream>
+#include <map>
 
 #include "cli/cli_fixture.h"
 #include "support/log_answer.h"
@@ -141,6 +142,26 @@ TEST_F(DiagnoseTest, NamesATransmissionThatStretches) {
   EXPECT_THAT(text("angle/report.html"), HasSubstr("Stretch over load and angle"));
   expectRefused({"predict", "d/baseline.yaml", "log.csv", "--joint-angle", "--ratio", ratio, "-o", "no"}, 2,
                 "found no transmission-compliance");
+  expectRefused({"predict", "d/model.yaml", "log.csv", "--joint-angle", "-o", "no"}, 2, "found no ratio");
+}
+
+TEST_F(DiagnoseTest, TellsPlayFromACableThatStretches) {
+  const reality::DriveDraw draw = shortDraw(17);
+  const auto found = [&](double stretch, double play) {
+    put("log.csv", csvWithMotorAngle(reality::recordDrive(draw.rig, draw.secret), draw.rig.ratio, stretch, play));
+    std::map<std::string, Json> causes;
+    const Json result = diagnoseLog();
+    for (const Json& cause : result.at("causes")) causes[cause.at("effect")] = cause;
+    return causes;
+  };
+  const std::map<std::string, Json> of_play = found(0.0, 0.02);
+  ASSERT_EQ(of_play.size(), 1u);
+  ASSERT_TRUE(of_play.contains("transmission-play"));
+  const Json size = of_play.at("transmission-play").at("parameters")[0];
+  EXPECT_NEAR(size.at("value").get<double>(), 0.02, 0.001);
+  const std::map<std::string, Json> of_stretch = found(0.02, 0.0);
+  EXPECT_TRUE(of_stretch.contains("transmission-compliance"));
+  EXPECT_FALSE(of_stretch.contains("transmission-play"));
   expectRefused({"predict", "d/model.yaml", "log.csv", "--joint-angle", "-o", "no"}, 2, "found no ratio");
 }
 

@@ -191,15 +191,18 @@ DriveRecord recordDrive(const DriveRig& rig, const DriveSecret& secret) {
   return record;
 }
 
-std::string csvWithMotorAngle(const DriveRecord& record, double ratio, double stretch) {
+std::string csvWithMotorAngle(const DriveRecord& record, double ratio, double stretch, double play) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> noise(0.0, 2e-3);
   CsvWriter csv({"time_s", "motor_current_A", "motor_velocity_rad_s", "external_torque_Nm", "joint_position_rad",
                  "motor_position_rad", "session"});
+  double in_play = 0.0;  // [rad] from the middle of the play
   for (std::size_t i = 0; i < record.time.size(); ++i) {
     const double load = record.torque[i];
     const double stretched = std::copysign(stretch * (1.0 - std::exp(-std::abs(load) / 6.0)), load);
-    const double motor = ratio * (record.angle[i] + stretched + noise(random)) + 0.003 * record.velocity[i] + 12.0;
+    in_play += 0.4 * (std::copysign(0.5 * play, load) - in_play);
+    const double motor =
+        ratio * (record.angle[i] + stretched + in_play + noise(random)) + 0.003 * record.velocity[i] + 12.0;
     csv.add(record.time[i]).add(record.current[i]).add(record.velocity[i]).add(load).add(record.angle[i]).add(motor);
     csv.add(static_cast<double>(record.session[i])).endRow();
   }

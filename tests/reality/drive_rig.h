@@ -71,7 +71,8 @@ DriveRecord recordDrive(const DriveRig& rig, const DriveSecret& secret);
 /// A log whose joint hangs on a cable that is soft at first and stiffens (003 fig. 15): the record with a motor angle
 /// of its own, from an encoder read 3 ms after the joint's. \param ratio  motor per joint; \param stretch  [rad] of the
 /// joint under large loads.
-std::string csvWithMotorAngle(const DriveRecord& record, double ratio, double stretch);
+/// \param play  [rad] between motor and joint, across which the joint falls in a few rows when its load turns
+std::string csvWithMotorAngle(const DriveRecord& record, double ratio, double stretch, double play = 0.0);
 
 /// The share of the mean squared current that the secret adds to the noise and that a law with load-dependent Stribeck
 /// friction cannot take up, as a fraction of what it leaves: about the gain a model of the secret would have.

@@ -27,8 +27,12 @@ void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const
     transmission.effects.push_back(&actuator_effects::find(own.effect, own.form));
     for (LogFit* fit : {&result.baseline, &result.extended}) fit->extensions.push_back(own);
   }
+  // One cause: what is left beside a cable that stretches is the shape of its law, and a step would pass for play.
+  if (!transmission.effects.empty()) return;
   const std::vector<Hypothesis> hypotheses = namedHypotheses(transmission, log.data, options, d);
   if (hypotheses.empty()) return;
+  LogDiagnosisOptions of_one = options;
+  of_one.max_causes = 1;
   const PreparedLog angles = prepareTransmissionData(log);
   const LogSearch search(transmission.base, angles.data, split.training, options);
   const double range = angles.data.rows.effort.maxCoeff() - angles.data.rows.effort.minCoeff();
@@ -36,7 +40,7 @@ void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const
     d.not_testable.push_back({std::string(hypotheses[0].effect->name), "needs two measured angles"});
     return;
   }
-  const Selection selection = selectCauses(search, {}, hypotheses, {}, options, {});
+  const Selection selection = selectCauses(search, {}, hypotheses, {}, of_one, {});
   Fitted before = selection.baseline, after = selection.chosen;
   const LogFit rigid = describe(search, angles, before), elastic = describe(search, angles, after);
   const double samples = static_cast<double>(d.samples) / correlationTime(residualOf(after), log.data.rows.session);

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "simgap/core/error.h"
 #include "simgap/fit/poses/calibration.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "support/files.h"
@@ -109,6 +110,21 @@ TEST(ParameterSpace, RefusesPatternsThatMatchNothingOrTwice) {
   // Both matches count as used: the double match is what is wrong.
   EXPECT_THAT(choiceError({choice("nothing"), choice("muscles"), choice("muscles.*")}),
               HasSubstr("is matched by both"));
+}
+
+TEST(ParameterSpace, APatternOfManyLeavesOutWhatTheModelDoesNotHave) {
+  ArmModel model = example();
+  ASSERT_GE(model.joints.size(), 2u);
+  model.joints[0].coulomb_friction = 0.0;
+  for (std::size_t j = 1; j < model.joints.size(); ++j) model.joints[j].coulomb_friction = 0.03;
+  Choice friction = choice("joints.*.coulomb_friction_Nm");
+  friction.lower = 1e-4;
+  EXPECT_EQ(ParameterSpace(model, {friction}).parameters().size(), model.joints.size() - 1);
+  friction.lower = 0.0;  // to 0 there is a way
+  EXPECT_EQ(ParameterSpace(model, {friction}).parameters().size(), model.joints.size());
+  friction = choice("joints." + model.joints[0].name + ".coulomb_friction_Nm");
+  friction.lower = 1e-4;
+  EXPECT_THROW(ParameterSpace(model, {friction}), ConfigError);
 }
 
 TEST(ParameterSpace, RefusesAnInitialValueOutsideItsRange) {

@@ -26,7 +26,10 @@ const ActuatorEffect entry = {
     .cause = "there is play between motor and joint, which the load takes up on one side or the other",
     .equation = "theta_M / r - theta = play / 2 sign(tau_ext)",
     .signature = "the difference of the angles steps where the load changes its sign, and stays wherever it is large",
-    .remarks = "as of transmission-compliance, negative where the load is logged with the other sign",
+    .remarks =
+        "one of the two is named: what is left beside a cable that stretches is the shape of its law; as there, "
+        "negative "
+        "where the load is logged with the other sign",
     .source = "Nordin & Gutman 2002",
     .look_alikes = "transmission-compliance",
     .separates = "loads of several sizes in both directions, with the motor held",
