@@ -12,6 +12,7 @@
 #include "simgap/exchange/exchange.h"
 #include "simgap/fit/actuators/bench_protocol.h"
 #include "simgap/fit/dynamics/excitation.h"
+#include "simgap/fit/dynamics/robot_free_run.h"
 #include "simgap/fit/dynamics/robot_model.h"
 #include "simgap/fit/motions/motion_calibration.h"
 #include "simgap/fit/poses/calibration.h"
@@ -193,8 +194,7 @@ void readLogCandidates(std::string bytes) { LogCandidateList::read(yaml(bytes));
 
 void readRobot(std::string bytes) { readRobotModel(yaml(bytes)); }
 
-/// Limits for a robot of one hinge.
-void readExcitationLimits(std::string bytes) {
+const ArmModel& robotOfOneHinge() {
   static const ArmModel robot =
       readUrdf(
           "<robot name='r'><link name='base'/><link name='link1'><inertial><mass value='1'/><inertia ixx='1' iyy='1' "
@@ -203,8 +203,11 @@ void readExcitationLimits(std::string bytes) {
           "link='link1'/><axis xyz='1 0 0'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
           "robot.urdf")
           .model;
-  ExcitationLimits::read(yaml(bytes), robot);
+  return robot;
 }
+
+void readExcitationLimits(std::string bytes) { ExcitationLimits::read(yaml(bytes), robotOfOneHinge()); }
+void readGains(std::string bytes) { readJointGains(yaml(bytes), robotModelOf(robotOfOneHinge())); }
 
 void readDriveLimits(std::string bytes) { DriveLimits::read(yaml(bytes), nullptr); }
 void readEegDecoder(std::string bytes) { readDecoder(yaml(bytes)); }
@@ -288,6 +291,7 @@ constexpr std::array kReaders = {
     Reader{"log_candidates", readLogCandidates},
     Reader{"robot", readRobot},
     Reader{"excitation", readExcitationLimits},
+    Reader{"joint_gains", readGains},
     Reader{"drive_limits", readDriveLimits},
     Reader{"decoder", readEegDecoder},
     Reader{"eeg", readHead},
