@@ -11,6 +11,7 @@
 #include "simgap/core/blocks.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/measure/logs/motion.h"
 
 namespace simgap {
 namespace {
@@ -179,16 +180,6 @@ void runSession(const RobotModel& model, const RobotLog& log, std::span<const Jo
   }
 }
 
-/// The log's sessions, each as one block.
-std::vector<Block> sessionsOf(const RobotLog& log) {
-  std::vector<Block> sessions;
-  for (std::size_t i = 0; i < log.rows(); ++i) {
-    if (i == 0 || log.session[i] != log.session[i - 1]) sessions.push_back({i, i});
-    sessions.back().end = i + 1;
-  }
-  return sessions;
-}
-
 double rms(const VectorXd& error) { return std::sqrt(error.squaredNorm() / static_cast<double>(error.size())); }
 
 /// How long no session has gone further than `tolerance` from its log [s].
@@ -225,7 +216,7 @@ std::vector<JointGains> readJointGains(const YamlNode& root, const RobotModel& m
 }
 
 RobotFreeRun runFreely(const RobotModel& model, const RobotLog& log, std::span<const JointGains> gains) {
-  const std::vector<Block> sessions = sessionsOf(log);
+  const std::vector<Block> sessions = splitRuns(log.time, log.session);  // a gap begins anew
   const Index rows = log.rows(), n = std::ssize(log.joints);
   MatrixXd whole(rows, n), half(rows, n);
   tbb::parallel_for(std::size_t{0}, 2 * sessions.size(), [&](std::size_t k) {

@@ -96,6 +96,17 @@ TEST(RobotFreeRun, RestsWhereDryFrictionHoldsIt) {
   EXPECT_NEAR(swung(swung.rows() - 1, 0), 0.4 - 2.0 * 0.05 / (9.81 * std::cos(0.4)), 2e-4);
 }
 
+TEST(RobotFreeRun, BeginsAnewAfterAGap) {
+  const RobotModel model = pendulum(2.0);
+  RobotLog log = logOf(model, 2.0, 100.0, [&](double t, VectorXd& q, VectorXd& v, VectorXd& effort) {
+    q[0] = t < 1.0 ? 0.4 : -0.2;
+    v[0] = 0.0;
+    effort[0] = gravityTorque(2.0, q[0]);
+  });
+  for (double& t : log.time) t += t < 1.0 ? 0.0 : 30.0;
+  EXPECT_LT(runFreely(model, log, {}).rms[0], 1e-12);
+}
+
 TEST(RobotFreeRun, ItsControllersCarryAWrongMass) {
   RobotModel model = pendulum(2.2);
   model.parameters[RobotRegressor(model.arm, friction::find(model.law)).frictionColumn(0)] = 0.0;
