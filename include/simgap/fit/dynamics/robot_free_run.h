@@ -37,8 +37,8 @@ struct RobotFreeRun {
   std::vector<double> beyond_limit;  ///< shape (N): how far it leaves the joint's limits, which are no stops here
 };
 
-/// Every session from its first row on, and again after a gap in it. Between two rows efforts and the log's motion are straight lines; steps are 1
-/// ms at most. A step solves
+/// Every session from its first row on, and again after a gap in it. Between two rows efforts and the log's motion are
+/// straight lines; steps are 1 ms at most. A step solves
 ///
 ///     (M + h (D + V) + h^2 P) dq' = M dq + h (tau - h_0(q, dq)) - p,   |p_j| <= h F_j,
 ///
