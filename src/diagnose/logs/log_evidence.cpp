@@ -200,8 +200,7 @@ std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<E
 
 Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& channels, const VectorXd& residual,
                     std::uint64_t seed) {
-  const std::vector<std::size_t> every = keptRows(log);
-  std::vector<std::size_t> kept = every;
+  std::vector<std::size_t> kept = keptRows(log);
   leaveOutTurns(log, kept);
   if (kept.empty()) return {};
   const VectorXd near = bounded(residual, kept);
@@ -224,11 +223,9 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
     std::vector<std::size_t> training, test;
     for (const std::size_t i : kept) (fold[i] == f ? test : training).push_back(i);
     training = thinned(training, kForestRows);
-    const auto all_test = static_cast<double>(test.size());
     test = thinned(test, kForestRows);
-    const double stands_for = all_test / static_cast<double>(std::max<std::size_t>(test.size(), 1));  // rows
     if (training.size() < 100 || test.empty()) return {};
-    const VectorXd y_training = valuesAt(near, training), y = valuesAt(residual, test);
+    const VectorXd y_training = valuesAt(near, training), y = valuesAt(near, test);
     cv::Mat target(static_cast<int>(training.size()), 1, CV_32F);
     for (std::size_t i = 0; i < training.size(); ++i) {
       target.at<float>(static_cast<int>(i)) = static_cast<float>(y_training[i]);
@@ -240,23 +237,22 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
     forest->setTermCriteria({cv::TermCriteria::MAX_ITER, 40, 0.0});
     forest->train(features(used, training), cv::ml::ROW_SAMPLE, target);
     cv::Mat x = features(used, test);
-    total += stands_for * y.squaredNorm();
-    left += stands_for * squaredError(forest, x, y);
+    total += y.squaredNorm();
+    left += squaredError(forest, x, y);
     for (std::size_t c = 0; c < used.size(); ++c) {
       // Shuffled by a turn of half the rows: other values of the same channel, in other blocks.
       const cv::Mat original = x.col(static_cast<int>(c)).clone();
       for (int i = 0; i < x.rows; ++i) {
         x.at<float>(i, static_cast<int>(c)) = original.at<float>((i + x.rows / 2) % x.rows);
       }
-      shuffled[c] += stands_for * squaredError(forest, x, y);
+      shuffled[c] += squaredError(forest, x, y);
       original.copyTo(x.col(static_cast<int>(c)));
     }
   }
   Ceiling ceiling;
-  const double whole = std::max(valuesAt(residual, every).squaredNorm(), 1e-300);
-  ceiling.share = std::max(0.0, (total - left) / whole);
+  ceiling.share = std::max(0.0, 1.0 - left / std::max(total, 1e-300));
   for (std::size_t c = 0; c < used.size(); ++c) {
-    const double lost = (shuffled[c] - left) / whole;
+    const double lost = (shuffled[c] - left) / std::max(total, 1e-300);
     if (lost > 0.1 * ceiling.share && lost > 0.002) ceiling.channels.push_back({used[c].name, lost, {}});
   }
   std::ranges::stable_sort(ceiling.channels, std::greater<>{}, &Leftover::share);

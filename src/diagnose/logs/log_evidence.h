@@ -25,7 +25,7 @@ std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<E
 
 /// What random forests (Breiman 2001) of all channels predict of a residual in blocks they have not seen.
 struct Ceiling {
-  double share = 0.0;              ///< of the mean square of the residual in all rows; 0 when nothing
+  double share = 0.0;              ///< of the residual's mean square; 0 when nothing
   std::vector<Leftover> channels;  ///< how much of it is lost when a channel is shuffled, largest first
 };
 Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& channels,
