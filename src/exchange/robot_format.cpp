@@ -26,11 +26,11 @@ std::string rootElement(const std::string& text) {
   return {};
 }
 
+bool isLfsPointer(std::string_view text) { return text.starts_with("version https://git-lfs.github.com/spec/"); }
+
 /// What stands in a file that has the name of one but not its text; empty: nothing is wrong with it.
 std::string_view notXml(std::string_view text) {
-  if (text.starts_with("version https://git-lfs.github.com/spec/")) {
-    return "a pointer of Git LFS (`git lfs pull` fetches the file itself)";
-  }
+  if (isLfsPointer(text)) return "a pointer of Git LFS (`git lfs pull` fetches the file itself)";
   const bool wide = text.size() > 1 && (text[0] == '\0' || text[1] == '\0');
   if (wide || text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) return "UTF-16 text";
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
@@ -45,7 +45,7 @@ RobotFormat robotFormatOf(const std::string& text, const std::filesystem::path& 
   if (const std::string_view found = notXml(text); !found.empty()) {
     const std::string ending = file.extension().string();
     const bool named_so = std::ranges::find(kXmlEndings, ending) != kXmlEndings.end();
-    if (!named_so && !text.starts_with("version https://git-lfs")) return RobotFormat::kArm;
+    if (!named_so && !isLfsPointer(text)) return RobotFormat::kArm;
     throw DataError(fmt::format("{}: found {}, expected a robot in XML (MJCF, URDF, SDF)", name, found));
   }
   const std::string root = rootElement(text);

@@ -127,10 +127,8 @@ void requireBounded(const PreparedLog& log, double mse_heldout) {
   if (mse_heldout <= kUnbounded * square) return;
   throw NumericsError(
       fmt::format("{}: found an error of {:.2g} times the effort on rows that the law was not fitted to, expected one "
-                  "that ends: hardly "
-                  "any row tells its friction in slow motion; take a law without a Stribeck term (coulomb, "
-                  "load-coulomb), or record "
-                  "slow motion",
+                  "that ends: hardly any row tells its friction in slow motion; take a law without a Stribeck term "
+                  "(coulomb, load-coulomb), or record slow motion",
                   log.file, std::sqrt(mse_heldout / square)));
 }
 

@@ -108,7 +108,7 @@ double explainedShare(const Eigen::MatrixXd& before, const Eigen::MatrixXd& afte
     if (!std::isfinite(was) && !std::isfinite(is)) continue;
     if (was <= floor[m]) continue;  // nothing was missing
     const double gap = was - std::min(floor[m], is);
-    shares.push_back(!std::isfinite(was) ? 1.0 : !std::isfinite(is) || gap <= 0.0 ? 0.0 : (was - is) / gap);
+    shares.push_back(!std::isfinite(was) ? 1.0 : !std::isfinite(is) ? 0.0 : (was - is) / gap);
   }
   return shares.empty() ? 0.0 : median(std::move(shares));
 }

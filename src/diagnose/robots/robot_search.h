@@ -90,7 +90,7 @@ class RobotSearch {
   bool relinearise();
   /// The same of a set, where a fit of all has come to.
   void relinearise(const Set& set);
-  /// The same until it stays. \returns false where nothing of the set bends
+  /// The same twice: near what bends far. \returns false where nothing of the set bends
   bool settle(const Set& set);
 
  private:

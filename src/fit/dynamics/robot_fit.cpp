@@ -192,8 +192,10 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
     constants = told.values();
     of_constants = told.base_covariance;
   }
-  findLoad(arm, log, base, constants, all, found.load, regressor);
-  sumUp();
+  if (regressor.law().needsLoad() || sums == nullptr) {
+    findLoad(arm, log, base, constants, all, found.load, regressor);
+    sumUp();
+  }
   found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
   widen(found.fit, of_constants, log.blocks.size());
   if (!found.fit.converged) {

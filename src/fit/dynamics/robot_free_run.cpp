@@ -85,7 +85,7 @@ class FreeRobot {
     const VectorXd before = v_;
     v_ = mobility * (mass_ * v_ + h * pushed);
     stopByFriction(mobility, h * dry_);
-    acceleration_ = (v_ - before) / h;
+    if (regressor_.law().needsLoad()) acceleration_ = (v_ - before) / h;
     q_ += h * v_;
     error_sum_ += h * (held.position - q_);
     if (!q_.allFinite()) throw NumericsError("the free motion grows without bound: check the gains and the robot");
@@ -110,7 +110,7 @@ class FreeRobot {
     VectorXd::Map(moment_.position.data(), n_) = q_;
     VectorXd::Map(moment_.velocity.data(), n_) = v_;
     std::ranges::fill(moment_.direction, 1.0);
-    rigidEffort(acceleration_);
+    rest_ = rigidEffort(acceleration_);
     for (Index c = 0; c < n_; ++c) {
       Index at = regressor_.frictionColumn(c);
       double dry = 0.0, viscous = 0.0;
@@ -121,7 +121,7 @@ class FreeRobot {
       viscous_[c] = v_[c] != 0.0 ? std::max(viscous / v_[c], 0.0) : 0.0;
       dry_[c] = std::max(dry, 0.0);
     }
-    rest_ = rigidEffort(VectorXd::Zero(n_));
+    if (regressor_.law().needsLoad()) rest_ = rigidEffort(VectorXd::Zero(n_));
     for (Index k = 0; k < n_; ++k) mass_.col(k) = rigidEffort(VectorXd::Unit(n_, k)) - rest_;
     mass_ = 0.5 * (mass_ + mass_.transpose()).eval();  // rounding
     for (Index c = 0; c < n_; ++c) rest_[c] += regressor_.dynamics().springTorque(c, q_[c]);
@@ -152,7 +152,8 @@ class FreeRobot {
   RobotMotion moment_;
   MatrixXd mass_;
   VectorXd proportional_, derivative_, integral_;  ///< of the controller [N m]
-  VectorXd q_, v_, acceleration_, error_sum_;
+  VectorXd q_, v_, error_sum_;
+  VectorXd acceleration_;          ///< of the last step where friction knows a load, else 0
   VectorXd rest_, viscous_, dry_;  ///< [N m], [N m s/rad], [N m]
 };
 

@@ -34,8 +34,8 @@ bool isDiagnosed(const FittedModel& model);
 /// As the kind of the model predicts it (src/fit/actuators/predictions), or as predictDiagnosed.
 /// \param bench  of a drive under load; the others have none
 /// \throws ConfigError: `inverse` of a diagnosed model or where it means nothing, a diagnosed gearbox, a gearbox
-/// without
-///         its motor; DataError as the reader of the kind, and where a motor's log has neither voltage nor current.
+///         without its motor; DataError as the reader of the kind, and where a motor's log has neither voltage nor
+///         current.
 Prediction predictLog(const FittedModel& model, const CsvTable& table, const Bench& bench,
                       const PredictionOptions& options);
 

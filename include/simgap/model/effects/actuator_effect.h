@@ -24,7 +24,7 @@ namespace simgap {
 struct FrictionLaw;
 
 /// What a motor draws that would draw I if its torque grew with its current for ever, in
-/// effort = I + cubic I^3 + excess sign(I) max(|I| - knee, 0).
+/// effort = I + square I |I| + cubic I^3 + excess sign(I) max(|I| - knee, 0).
 struct Saturation {
   double square = 0.0;  ///< [1/A]
   double cubic = 0.0;   ///< [1/A^2]
