@@ -150,6 +150,7 @@ class ServoDrive {
   double secretLevel(double w, double load, double change, double humidity) const;
   double secretViscous(double w) const;
   double motorTorque(double effort, double supply) const;
+  void sagRail(double effort);
   double dryDirection(double free, double level, double viscous, double inertia);
 
   const ServoRig& rig_;
@@ -157,6 +158,7 @@ class ServoDrive {
   bool off_ = false;
   double dry_size_, travel_;
   double q_ = 0.0, w_ = 0.0, bristle_ = 0.0, plain_bristle_ = 0.0, rested_ = 0.0, gap_ = 0.0;
+  double rail_ = 1.0;  // of its voltage without load
   double weight_ = 0.0, weight_angle_ = 0.0, temperature_ = 22.0, load_ = 0.0, extra_ = 0.0;
 };
 
@@ -191,8 +193,16 @@ double ServoDrive::motorTorque(double effort, double supply) const {
   if (s.knee_loss > 0.0 && std::fabs(used) > s.knee) {
     used = std::copysign(s.knee + (std::fabs(used) - s.knee) / (1.0 + s.knee_loss), used);
   }
-  used *= 1.0 + s.supply_effort * (supply - 12.0);
+  used *= (1.0 + s.supply_effort * (supply - 12.0)) * rail_;
   return rig_.strength * (used / (1.0 + s.magnet_heating * (temperature_ - kReference)) - rig_.back_emf * w_);
+}
+
+/// A bridge draws the winding's current during its duty from a rail behind a resistance, buffered by a capacitor.
+void ServoDrive::sagRail(double effort) {
+  constexpr double kBuffered = 5e-3;  // [s]
+  const double over_winding = std::fabs(effort * rail_ - rig_.back_emf * w_);
+  const double duty = std::min(1.0, std::fabs(effort) / rig_.largest_effort);
+  rail_ += kServoStep / kBuffered * (std::max(0.2, 1.0 - secret_.rail_sag * duty * over_winding) - rail_);
 }
 
 /// The share of the dry friction that acts, -1 to 1, and the motion's step under it. \param free  torque without it.
@@ -237,6 +247,7 @@ void ServoDrive::step(double effort, double change, double humidity, double supp
   const double viscous = warm * secretViscous(w_);
   const double slope = w_ != 0.0 ? viscous / w_ : warm * rig_.viscous;
   const double torque = off_ ? 0.0 : motorTorque(effort, supply);
+  sagRail(off_ ? 0.0 : effort);
   const double inertia = rig_.inertia + s.inertia, before = w_, plain_viscous = rig_.viscous * w_;
   const double plain_level = plainLevel(w_);
   const double free = torque - engaged * inner - ripple - s.neighbour * neighbour;

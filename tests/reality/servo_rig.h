@@ -45,6 +45,7 @@ struct ServoSecret {
   double magnet_heating = 0.0;      ///< [1/K] current x (1 + this (T - 28))
   double knee_loss = 0.0;           ///< effort above a knee costs (1 + this) times as much
   double knee = 0.0;                ///< effort at which it begins
+  double rail_sag = 0.0;            ///< [1/V] voltage servo: share of the rail that each volt over the winding takes
   double bias = 0.0;                ///< of the logged effort
   double delay = 0.0;               ///< [s] by which the effort is logged late
   double change_share = 0.0;        ///< of dry friction, growing in within 3 s

@@ -275,15 +275,28 @@ class Judge {
     const bool of_any_load = gainOf(cause).value < kSmall;
     double below = 0.0;
     const auto slow = [&](const HeldOutPart& part) -> std::optional<Beside> {
-      const auto both = besideSlowFriction(*part.search, part.baseline, part.without[cause], part.chosen, of_any_load);
+      const auto both = besideSlowFriction(*part.search, part.without[cause], part.chosen, of_any_load);
       if (!both) return std::nullopt;
       if (&part == &parts_.parts().front()) below = both->below;
       return *both;
     };
     const std::string doubt = doubtBeside(slow);
-    if (doubt.empty()) return {};
-    return fmt::format("beside friction of any shape in slow motion (below {:.2g} {}) {}", below,
-                       log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s", doubt);
+    const auto said = [&](std::string_view sentence) {
+      return fmt::format(fmt::runtime(sentence), fmt::arg("below", below), fmt::arg("doubt", doubt),
+                         fmt::arg("unit", log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s"));
+    };
+    if (!doubt.empty()) return said("beside friction of any shape in slow motion (below {below:.2g} {unit}) {doubt}");
+    if (below == 0.0 || effect.remembers || gainsInFastMotion(cause, below)) return {};
+    return said("it explains only slow motion (below {below:.2g} {unit}), where friction has no closed form");
+  }
+
+  /// Turns of some rows can be all that a cause explains, in which no curve over the speed stands for friction.
+  bool gainsInFastMotion(std::size_t cause, double below) const {
+    const auto fast = [&](Eigen::VectorXd unseen) -> Eigen::VectorXd {
+      return (log_.data.rows.speed.abs() >= below).select(unseen.array(), 0.0);
+    };
+    const Eigen::VectorXd rest = fast(unseen_without_[cause]), full = fast(unseen_);
+    return full.squaredNorm() < rest.squaredNorm() && heldOutP(rest, full) < 0.05;
   }
 
   /// Friction by the load is in most drives whose law lacks it: what is named beside it must not be next to

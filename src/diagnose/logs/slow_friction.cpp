@@ -32,20 +32,15 @@ void fillSlow(std::span<const double> p, const ActuatorRows& rows, const Actuato
   }
 }
 
-/// Where the law's Stribeck curve ends, or a quarter of the speed of fast motion.
-double slowBelow(const LogSearch& search, const Fitted& baseline) {
-  constexpr double kFallen = 4.0;  // -log of a fiftieth
+/// A quarter of the speed of fast motion: where a law's own Stribeck curve ends says little, for real ones have tails.
+double slowBelow(const LogSearch& search) {
   constexpr double kFast = 0.95, kMost = 0.25;
   const ActuatorData& data = search.data();
   std::vector<double> speeds;
   for (Index i = 0; i < data.rows.rows(); ++i) {
     if (data.keep[i]) speeds.push_back(std::abs(data.rows.speed[i]));
   }
-  const double quarter = kMost * quantile(std::move(speeds), kFast);
-  if (!search.base().hasStribeck()) return quarter;
-  const std::size_t first = baseline.model->linear();
-  const double v_s = baseline.theta[first], delta = baseline.theta[first + 1];
-  return std::min(v_s * std::pow(kFallen, 1.0 / delta), quarter);
+  return kMost * quantile(std::move(speeds), kFast);
 }
 
 }  // namespace
@@ -63,15 +58,15 @@ const ActuatorEffect kSlowFriction = {
     .fill = fillSlow,
 };
 
-std::optional<BesideSlow> besideSlowFriction(const LogSearch& search, const Fitted& baseline, const Fitted& rest,
-                                             const Fitted& full, bool of_any_load) {
+std::optional<BesideSlow> besideSlowFriction(const LogSearch& search, const Fitted& rest, const Fitted& full,
+                                             bool of_any_load) {
   if (search.base().law == nullptr) return std::nullopt;
   const FrictionLaw& law = *search.base().law;
   const auto has = [&](FrictionBasis basis) {
     const bool bent = law.hasTerm(basis, FrictionShape::kStatic) || law.hasTerm(basis, FrictionShape::kSliding);
     return of_any_load || bent || (!law.hasStribeck() && law.hasTerm(basis, FrictionShape::kAlways)) ? 1.0 : 0.0;
   };
-  const double below = slowBelow(search, baseline);
+  const double below = slowBelow(search);
   const Hypothesis slow{&kSlowFriction, {}, {below, has(FrictionBasis::kDirection), has(FrictionBasis::kLoad)}};
   // Each from the other's end as well: a Stribeck curve that stays where it was would be the cause's gain.
   const Fitted first = search.beside(full, slow);

@@ -20,11 +20,10 @@ struct BesideSlow : Beside {
   double below = 0.0;  ///< [rad/s] or [m/s] what counts as slow
 };
 
-/// Slow is what lies below the speed at which the Stribeck curve of `baseline` has fallen to a fiftieth, or below a
-/// quarter of the log's fast motion if that is less, or where the law has no such curve. None without a law.
+/// Slow is what lies below a quarter of the log's fast motion. None without a law.
 /// \param of_any_load  with a constant part and one in proportion to the load, whichever the law has; else with those
 /// of the law
-std::optional<BesideSlow> besideSlowFriction(const LogSearch& search, const Fitted& baseline, const Fitted& rest,
-                                             const Fitted& full, bool of_any_load);
+std::optional<BesideSlow> besideSlowFriction(const LogSearch& search, const Fitted& rest, const Fitted& full,
+                                             bool of_any_load);
 
 }  // namespace simgap

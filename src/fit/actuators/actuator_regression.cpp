@@ -45,6 +45,8 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
               loaded ? 1e-12 : 1.0, loaded ? kInfinity : 1.0, false);
     for (const ParameterSpec& p : termParameters(*base.law, data.load_unit))
       addLinear(p.name, p.unit, p.lower, p.upper, true);
+    const auto viscous = std::ranges::find(base.law->terms, FrictionBasis::kVelocity, &FrictionTerm::basis);
+    if (viscous != base.law->terms.end()) viscous_ = 1 + static_cast<std::size_t>(viscous - base.law->terms.begin());
   } else {
     for (const EffectColumn& column : base.equation->columns)
       addLinear(std::string(column.name), unitOn(column.unit, data), column.lower, column.upper, false);
@@ -229,11 +231,16 @@ ArrayXd ActuatorRegression::predict(std::span<const double> theta, double& delay
 ArrayXd ActuatorRegression::rightHandSide(std::span<const double> theta, const ArrayXd& effort, double& delay) const {
   const std::span<const double> p = theta.subspan(linear_);
   const Terms t = terms(p, effort);
-  ArrayXd sum = ArrayXd::Zero(rows());
-  visitColumns(t, p, [&](std::size_t j, const auto& column) { sum += theta[j] * column; });
+  ArrayXd sum = ArrayXd::Zero(rows()), for_speed;
+  visitColumns(t, p, [&](std::size_t j, const auto& column) {
+    sum += theta[j] * column;
+    if (j == viscous_ && t.shared.saturation.acts()) for_speed = theta[j] * column;
+  });
   delay = t.shared.delay;
   delayRows(sum, delay);
-  return t.shared.saturation.acts() ? t.shared.saturation.effort(sum) : sum;
+  if (!t.shared.saturation.acts()) return sum;
+  delayRows(for_speed, delay);
+  return t.shared.saturation.effort(sum, for_speed);
 }
 
 void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& residual,
@@ -253,11 +260,16 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   }
   const Evaluation e = columns(theta.subspan(linear_));
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
-  const ArrayXd predicted = implicit_ ? predict(theta) : e.saturation.effort(x_c.array());
+  const auto viscous = static_cast<Index>(viscous_);
+  const ArrayXd for_speed = e.saturation.acts() ? ArrayXd(theta[viscous_] * e.x.col(viscous).array()) : ArrayXd();
+  const ArrayXd predicted = implicit_             ? predict(theta)
+                            : e.saturation.acts() ? e.saturation.effort(x_c.array(), for_speed)
+                                                  : ArrayXd(x_c.array());
   residual = (predicted - data_->rows.effort).matrix();
   jacobian->resize(n, static_cast<Index>(parameters_.size()));
   if (e.saturation.acts()) {
-    jacobian->leftCols(linear) = (e.x.array().colwise() * e.saturation.slope(x_c.array())).matrix();
+    jacobian->leftCols(linear) = (e.x.array().colwise() * e.saturation.slope(x_c.array(), for_speed)).matrix();
+    jacobian->col(viscous).array() += e.x.col(viscous).array() * e.saturation.slopeBySpeed(x_c.array());
   } else {
     jacobian->leftCols(linear) = e.x;
   }

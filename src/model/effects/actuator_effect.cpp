@@ -13,12 +13,13 @@ bool appliesTo(const ActuatorEffect& effect, ActuatorKind kind) {
   return kind == ActuatorKind::kGearbox && effect.kind == ActuatorKind::kFriction && effect.on_gearbox;
 }
 
-Eigen::ArrayXd Saturation::effort(const Eigen::ArrayXd& i) const {
-  return i + square * i * i.abs() + cubic * i.cube() + excess * i.sign() * (i.abs() - knee).max(0.0);
+Eigen::ArrayXd Saturation::effort(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const {
+  return i + sag * i.abs() * (i - i_v) + cubic * i.cube() + excess * i.sign() * (i.abs() - knee).max(0.0);
 }
 
-Eigen::ArrayXd Saturation::slope(const Eigen::ArrayXd& i) const {
-  return 1.0 + 2.0 * square * i.abs() + 3.0 * cubic * i.square() + excess * (i.abs() > knee).cast<double>();
+Eigen::ArrayXd Saturation::slope(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const {
+  return 1.0 + sag * (2.0 * i.abs() - i.sign() * i_v) + 3.0 * cubic * i.square() +
+         excess * (i.abs() > knee).cast<double>();
 }
 
 std::string titleOf(const ActuatorEffect& effect) {

@@ -99,6 +99,7 @@ class ActuatorRegression : public RowModel {
   bool implicit_ = false;  ///< the effort stands on the right-hand side as well, through the stretch of a tendon
   std::vector<ParameterSpec> parameters_;
   std::vector<bool> times_gain_;  ///< shape (C)
+  std::size_t viscous_ = 0;       ///< column of the law's viscous friction, which a motor's back-EMF is a part of
   std::size_t linear_ = 0;
   std::vector<std::size_t> p_begin_, column_begin_;
   Eigen::ArrayXd log_speed_;                               ///< shape (rows)

@@ -24,16 +24,20 @@ namespace simgap {
 struct FrictionLaw;
 
 /// What a motor draws that would draw I if its torque grew with its current for ever, in
-/// effort = I + square I |I| + cubic I^3 + excess sign(I) max(|I| - knee, 0).
+/// effort = I + sag |I| (I - I_v) + cubic I^3 + excess sign(I) max(|I| - knee, 0), I_v the part of I for the speed.
 struct Saturation {
-  double square = 0.0;  ///< [1/A]
+  double sag = 0.0;     ///< [1/A] of a supply: the share of I that its resistance takes is that current's, without I_v
   double cubic = 0.0;   ///< [1/A^2]
   double excess = 0.0;  ///< [1]
   double knee = 0.0;    ///< [A]
 
-  bool acts() const { return square != 0.0 || cubic != 0.0 || excess != 0.0; }
-  Eigen::ArrayXd effort(const Eigen::ArrayXd& unsaturated) const;
-  Eigen::ArrayXd slope(const Eigen::ArrayXd& unsaturated) const;  ///< of the effort by I
+  bool acts() const { return sag != 0.0 || cubic != 0.0 || excess != 0.0; }
+  /// \param i, i_v  shape (n)
+  Eigen::ArrayXd effort(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const;
+  /// Of the effort by I, I_v held.
+  Eigen::ArrayXd slope(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const;
+  /// Of the effort by I_v, I held.
+  Eigen::ArrayXd slopeBySpeed(const Eigen::ArrayXd& i) const { return -sag * i.abs(); }
 };
 
 /// What the columns are made of. Arrays of shape (n).

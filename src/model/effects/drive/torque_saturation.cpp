@@ -1,7 +1,7 @@
 /// \file
 /// Torque per ampere that falls at high current: effort = I + s I^3, I what an unsaturated motor would draw, or from a
-/// knee on effort = I + s (|I| - I_knee) sign(I). Of a duty or a set voltage I + s |I| I: what a supply with a
-/// resistance gives falls with the current, which grows with the voltage.
+/// knee on effort = I + s (|I| - I_knee) sign(I). Of a duty or a set voltage U: what a supply with a resistance gives
+/// falls with the current, which is what the voltage leaves beside the back-EMF: effort = U + s |U| (U - k_v w).
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::torque_saturation {
@@ -12,14 +12,14 @@ constexpr EffectParameter kParameters[] = {{"s", "1_A2", 0.0, 1.0, 0.0, 0.0}};
 constexpr EffectParameter kKneeParameters[] = {{"s", "1", 0.0, 5.0, 0.0, 0.0},
                                                {"I_knee", "A", 0.0, 1e6, 0.0, 0.0, EffectParameter::Kind::kShape}};
 
-constexpr EffectParameter kSquareParameters[] = {{"s", "1_A", 0.0, 1.0, 0.0, 0.0}};
+constexpr EffectParameter kSupplyParameters[] = {{"s", "1_A", 0.0, 1.0, 0.0, 0.0}};
 
 void apply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
   terms.saturation.cubic += p[0];
 }
 
-void applySquare(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
-  terms.saturation.square += p[0];
+void applySupply(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
+  terms.saturation.sag += p[0];
 }
 
 void applyKnee(std::span<const double> p, const ActuatorRows& /*rows*/, ActuatorTerms& terms) {
@@ -56,15 +56,15 @@ constexpr ActuatorEffect kKnee = [] {
   effect.starts = kneeStarts;
   return effect;
 }();
-constexpr ActuatorEffect kSquare = [] {
+constexpr ActuatorEffect kSupply = [] {
   ActuatorEffect effect = kUsual;
-  effect.form = "square";
-  effect.equation = "I + s |I| I";
-  effect.parameters = kSquareParameters;
-  effect.apply = applySquare;
+  effect.form = "supply";
+  effect.equation = "U + s |U| (U - k_v w)";
+  effect.parameters = kSupplyParameters;
+  effect.apply = applySupply;
   return effect;
 }();
-constexpr const ActuatorEffect* kForms[] = {&kKnee, &kSquare};
+constexpr const ActuatorEffect* kForms[] = {&kKnee, &kSupply};
 
 }  // namespace
 
