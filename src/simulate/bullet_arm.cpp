@@ -11,7 +11,8 @@
 namespace simgap {
 
 void BulletArmOptions::validate() const {
-  if (!(step > 0.0 && step <= 0.01)) throw ConfigError(fmt::format("step_s: found {}, expected (0, 0.01] s", step));
+  if (!(step >= 1e-7 && step <= 0.01))
+    throw ConfigError(fmt::format("step_s: found {}, expected [1e-07, 0.01] s", step));
   if (!(controller_rate > 0.0)) {
     throw ConfigError(fmt::format("controller_rate_Hz: found {}, expected > 0", controller_rate));
   }

@@ -1,5 +1,6 @@
 #include "simgap/simulate/drive.h"
 
+#include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -10,17 +11,17 @@ Drive::Drive(const Motor& motor, const Gearbox& gearbox, double step_s)
       conductance_(1.0 / motor.resistance),
       torque_per_ampere_(gearbox.ratio * gearbox.efficiency * motor.torque_constant),
       coulomb_torque_(gearbox.ratio * gearbox.efficiency * motor.coulomb_friction + gearbox.coulomb_friction),
+      inertia_(gearbox.ratio * gearbox.efficiency * motor.inertia + gearbox.inertia / gearbox.ratio),
       ratio_(gearbox.ratio),
       step_(step_s) {
   const double gain = gearbox.ratio * gearbox.efficiency;
-  const double inertia = gain * motor.inertia + gearbox.inertia / gearbox.ratio;
   const double damping = gain * motor.viscous_friction + gearbox.viscous_friction / gearbox.ratio;
   // exp of the state matrix bordered by its inputs gives the transition and the response to constant inputs together.
   Eigen::Matrix<double, 5, 5> bordered = Eigen::Matrix<double, 5, 5>::Zero();
   bordered.row(0) << -motor.resistance, -motor.back_emf_constant, 0.0, 1.0, 0.0;
   bordered.row(0) /= motor.inductance;
   bordered.row(1) << torque_per_ampere_, -damping, 0.0, 0.0, 1.0;
-  bordered.row(1) /= inertia;
+  bordered.row(1) /= inertia_;
   bordered(2, 1) = 1.0 / gearbox.ratio;
   const Eigen::Matrix<double, 5, 5> exponential = (bordered * step_s).exp();
   transition_ = exponential.topLeftCorner<3, 3>();
@@ -58,7 +59,13 @@ void Drive::step(DriveState& state, double voltage, double load) const noexcept 
   // Stopped within the step: at constant deceleration, after the fraction of it at which the velocity was 0.
   const double fraction = before.motor_velocity / (before.motor_velocity - state.motor_velocity);
   state.shaft_angle = before.shaft_angle + 0.5 * before.motor_velocity * fraction * step_ / ratio_;
-  state.motor_velocity = 0.0;
+  // The rest of the step begins at rest: held, or off the other way by what exceeds the Coulomb torque. Without it each
+  // turn is late, and a fit takes that for less inertia.
+  const double torque = torque_per_ampere_ * state.current - load;
+  const double net = torque - std::clamp(torque, -coulomb_torque_, coulomb_torque_);
+  const double rest = (1.0 - fraction) * step_;
+  state.motor_velocity = net * before.motor_velocity < 0.0 ? net / inertia_ * rest : 0.0;
+  state.shaft_angle += 0.5 * state.motor_velocity * rest / ratio_;
 }
 
 }  // namespace simgap

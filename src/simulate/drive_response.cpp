@@ -38,7 +38,9 @@ class DrivenRotor {
       return move(0.0, driving - std::copysign(coulomb_, driving), dt);
     }
     const double next = move(velocity, driving - std::copysign(coulomb_, velocity), dt);
-    return std::signbit(next) == std::signbit(velocity) ? next : 0.0;
+    if (std::signbit(next) == std::signbit(velocity)) return next;
+    // What is left of the step begins at rest.
+    return std::abs(driving) <= coulomb_ ? 0.0 : step(0.0, current, load, dt * next / (next - velocity));
   }
 
  private:

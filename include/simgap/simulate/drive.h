@@ -26,8 +26,8 @@ class Drive {
  public:
   Drive(const Motor& motor, const Gearbox& gearbox, double step_s);
 
-  /// Advances one step. At rest the Coulomb torque holds up to its limit; a velocity that would change its sign within
-  /// the step ends at 0.
+  /// Advances one step. At rest the Coulomb torque holds up to its limit; a velocity that changes its sign within the
+  /// step is 0 at that moment, and goes on from there.
   /// \param voltage  [V]  \param load  torque of the line at the spindle [N m], positive unwinds.
   void step(DriveState& state, double voltage, double load) const noexcept;
 
@@ -42,6 +42,7 @@ class Drive {
   double conductance_;                 ///< 1 / R
   double torque_per_ampere_;
   double coulomb_torque_;
+  double inertia_;  ///< J
   double ratio_;
   double step_;
 };

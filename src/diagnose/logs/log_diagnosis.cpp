@@ -44,7 +44,8 @@ std::vector<Hypothesis> unnamedHypotheses(const PreparedLog& log) {
 }
 
 /// Variance of the noise whose neighbours correlate: differences over ever longer times stop growing where the noise
-/// has forgotten itself, and the motion is still smooth.
+/// has forgotten itself, and the motion is still smooth. A robust measure is too large for noise of a few values, as a
+/// coarse converter gives it: a floor is nowhere above what is left.
 double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
   constexpr Eigen::Index kLags[] = {1, 2, 4, 8, 16};
   double floor = 0.0;
@@ -62,7 +63,8 @@ double noiseFloor(const PreparedLog& log, const Eigen::VectorXd& residual) {
     if (sd * sd < 1.05 * floor) break;
     floor = sd * sd;
   }
-  return floor;
+  return std::min(floor, residual.squaredNorm() /
+                             static_cast<double>(std::max<Eigen::Index>(1, (residual.array() != 0.0).count())));
 }
 
 /// A pendulum that weighs nothing hangs elsewhere.

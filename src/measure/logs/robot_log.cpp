@@ -125,11 +125,12 @@ double usualTimeBetween(const std::vector<double>& time, const std::vector<std::
 /// Beside turns, and after them and after rests until friction has built up.
 void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, double bandwidth,
                         std::optional<double> known, RobotJointLog& joint, MotionSign& sign) {
-  // For so long after a turn the load is a parabola: some periods of the smoother's bandwidth, above which there is
-  // noise alone, or a part of the usual time from turn to turn.
-  constexpr double kParabola = 3.0, kOfTurns = 0.125;
+  // For so long around a turn the load is a polynomial of time: some periods of the smoother's bandwidth, above which
+  // there is noise alone, within limits of the usual time from turn to turn.
+  constexpr double kPeriods = 3.0, kLeastOfTurns = 0.125, kMostOfTurns = 0.25;
   const std::vector<std::size_t> turns = turnsOf(sign.direction, runs);
-  const double seconds = std::max(kParabola / bandwidth, kOfTurns * usualTimeBetween(log.time, turns));
+  const double between = usualTimeBetween(log.time, turns);
+  const double seconds = std::clamp(kPeriods / bandwidth, kLeastOfTurns * between, kMostOfTurns * between);
   joint.presliding =
       known ? *known : travelOfFriction({log.time, joint.position, log.effort}, turns, runs, sign, seconds);
   if (joint.presliding == 0.0) return;  // friction that turns at once says in turning what it is at low speed

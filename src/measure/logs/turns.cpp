@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "simgap/core/decompositions.h"
@@ -15,28 +16,33 @@ constexpr double kBlurred = 0.5;  // periods of the smoother's bandwidth, on eit
 
 std::ptrdiff_t countKept(const std::vector<bool>& keep) { return std::ranges::count(keep, true); }
 
-/// What one turn says: the parabola's part taken out of both.
+constexpr Eigen::Index kPowers = 6;  // of time, by which the load is told around a turn: 1, t … t^5
+
+/// What one turn says of a shape of friction, the load's part taken out of both.
 struct TurnSums {
   double squares = 0.0, product = 0.0;  ///< of the shape, and with the effort
 };
 
-/// The rows after one turn.
-struct AfterTurn {
-  Eigen::ArrayXd travel, effort;  ///< [rad], as it stands against the new direction
-  Eigen::MatrixXd parabola;       ///< shape (rows, 3), orthonormal
+/// The rows around one turn.
+struct AroundTurn {
+  Eigen::ArrayXd travel, effort;  ///< [rad] since the turn, negative before it; effort against the new direction
+  Eigen::MatrixXd load;           ///< shape (rows, kPowers), orthonormal
 
+  /// \param scale  [rad] x_s; 0: friction is there at once
   TurnSums sums(double scale) const {
-    Eigen::VectorXd shape = (-travel / scale).exp().matrix(), torque = effort.matrix();
-    shape -= parabola * (parabola.transpose() * shape);
-    torque -= parabola * (parabola.transpose() * torque);
-    return {shape.squaredNorm(), shape.dot(torque)};
+    Eigen::VectorXd shape = (travel >= 0.0).cast<double>().matrix();
+    if (scale > 0.0) shape.array() *= 1.0 - (-travel.max(0.0) / scale).exp();
+    shape -= load * (load.transpose() * shape);
+    return {shape.squaredNorm(), shape.dot(effort.matrix())};
   }
 };
 
-Eigen::MatrixXd orthonormalParabola(const Eigen::ArrayXd& time) {
-  Eigen::MatrixXd columns(time.size(), 3);
-  columns << Eigen::MatrixXd::Ones(time.size(), 1), time.matrix(), time.square().matrix();
-  for (Eigen::Index k = 0; k < 3; ++k) {
+/// \param time  shape (rows), within [-1, 1]
+Eigen::MatrixXd orthonormalPowers(const Eigen::ArrayXd& time) {
+  Eigen::MatrixXd columns(time.size(), kPowers);
+  columns.col(0).setOnes();
+  for (Eigen::Index k = 1; k < kPowers; ++k) columns.col(k) = columns.col(k - 1).array() * time;
+  for (Eigen::Index k = 0; k < kPowers; ++k) {
     for (int twice = 0; twice < 2; ++twice) {
       for (Eigen::Index j = 0; j < k; ++j) columns.col(k) -= columns.col(j) * columns.col(j).dot(columns.col(k));
     }
@@ -45,46 +51,70 @@ Eigen::MatrixXd orthonormalParabola(const Eigen::ArrayXd& time) {
   return columns;
 }
 
-std::vector<AfterTurn> rowsAfterTurns(const TurningJoint& joint, std::span<const std::size_t> turns,
-                                      std::span<const Block> runs, const MotionSign& sign, double seconds) {
-  constexpr std::size_t kFewestRows = 8;
-  std::vector<AfterTurn> all;
+/// Without the rows in which the joint stood before it turned: friction is anything within its limits there.
+std::vector<std::size_t> rowsAround(const TurningJoint& joint, std::size_t turn, const Block& run,
+                                    const MotionSign& sign, double seconds) {
+  std::vector<std::size_t> rows;
+  const signed char to = sign.direction[turn], from = sign.direction[turn - 1];
+  for (std::size_t i = turn; i-- > run.begin && sign.direction[i] == from;) {
+    if (joint.time[turn] - joint.time[i] > seconds) break;
+    if (joint.position[i] != joint.position[i + 1]) rows.insert(rows.begin(), i);
+  }
+  for (std::size_t i = turn; i < run.end && sign.direction[i] == to; ++i) {
+    if (joint.time[i] - joint.time[turn] > seconds) break;
+    rows.push_back(i);
+  }
+  return rows;
+}
+
+std::vector<AroundTurn> rowsAroundTurns(const TurningJoint& joint, std::span<const std::size_t> turns,
+                                        std::span<const Block> runs, const MotionSign& sign, double seconds) {
+  constexpr std::size_t kFewestRows = 2 * kPowers;
+  std::vector<AroundTurn> all;
   for (const std::size_t turn : turns) {
     const auto run = std::ranges::find_if(runs, [&](const Block& b) { return turn >= b.begin && turn < b.end; });
-    std::size_t end = turn;
-    while (end < run->end && sign.direction[end] == sign.direction[turn] &&
-           joint.time[end] - joint.time[turn] <= seconds) {
-      ++end;
-    }
-    if (end - turn < kFewestRows) continue;
+    const std::vector<std::size_t> rows = rowsAround(joint, turn, *run, sign, seconds);
+    if (rows.size() < kFewestRows) continue;
     const double direction = sign.direction[turn];
-    const double from = direction * joint.position[turn], before = direction * joint.position[turn - 1];
-    AfterTurn after{Eigen::ArrayXd(end - turn), Eigen::ArrayXd(end - turn), {}};
-    Eigen::ArrayXd time(end - turn);
-    for (std::size_t i = turn; i < end; ++i) {
-      const auto k = static_cast<Eigen::Index>(i - turn);
-      after.travel[k] = std::max(0.0, direction * joint.position[i] - std::min(from, before));
-      after.effort[k] = direction * joint.effort[i];
+    const double from = std::min(direction * joint.position[turn], direction * joint.position[turn - 1]);
+    const auto n = static_cast<Eigen::Index>(rows.size());
+    AroundTurn around{Eigen::ArrayXd(n), Eigen::ArrayXd(n), {}};
+    Eigen::ArrayXd time(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const std::size_t i = rows[k];
+      around.travel[k] = i < turn ? -1.0 : std::max(0.0, direction * joint.position[i] - from);
+      around.effort[k] = direction * joint.effort[i];
       time[k] = (joint.time[i] - joint.time[turn]) / seconds;
     }
-    after.parabola = orthonormalParabola(time);
-    all.push_back(std::move(after));
+    around.load = orthonormalPowers(time);
+    all.push_back(std::move(around));
   }
   return all;
 }
 
-/// Of A its square over its variance from turn to turn; 0 where friction falls: that is none that builds up.
-double squaredClearness(const std::vector<AfterTurn>& after, double scale) {
-  double squares = 0.0, product = 0.0, scatter = 0.0;
-  std::vector<TurnSums> sums;
-  for (const AfterTurn& turn : after) {
-    sums.push_back(turn.sums(scale));
-    squares += sums.back().squares;
-    product += sums.back().product;
+/// Friction of one size at all turns, and how it comes.
+struct BuildUp {
+  std::vector<TurnSums> turns;
+  double size = 0.0;  ///< A
+
+  BuildUp(const std::vector<AroundTurn>& around, double scale) {
+    double squares = 0.0, product = 0.0;
+    for (const AroundTurn& turn : around) {
+      turns.push_back(turn.sums(scale));
+      squares += turns.back().squares;
+      product += turns.back().product;
+    }
+    if (squares > 0.0) size = product / squares;
   }
-  if (!(squares > 0.0) || product >= 0.0) return 0.0;
-  for (const TurnSums& s : sums) scatter += std::pow(s.product - product / squares * s.squares, 2);
-  return scatter > 0.0 ? product * product / scatter : 0.0;
+  /// What it explains of a turn's squared effort.
+  double explains(std::size_t turn) const { return size * (2.0 * turns[turn].product - size * turns[turn].squares); }
+};
+
+/// The square of a mean over its variance.
+double squaredClearness(const std::vector<double>& values) {
+  const Eigen::Map<const Eigen::ArrayXd> all(values.data(), static_cast<Eigen::Index>(values.size()));
+  const double scatter = (all - all.mean()).square().sum();
+  return scatter > 0.0 ? std::pow(all.sum(), 2) / scatter : 0.0;
 }
 
 }  // namespace
@@ -123,19 +153,24 @@ void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, do
 double travelOfFriction(const TurningJoint& joint, std::span<const std::size_t> turns, std::span<const Block> runs,
                         const MotionSign& sign, double seconds) {
   constexpr std::size_t kFewestTurns = 6;
-  constexpr double kClear = 4.0;                                     // deviations of A, from turn to turn
+  constexpr double kClear = 4.0;                                     // deviations of a gain, from turn to turn
   constexpr double kBuiltUp = 4.6;                                   // ln 100: of the way a hundredth is left
   constexpr double kFinest = 1e5, kFewestScales = 3.0, kStep = 1.3;  // x_s: parts of the usual travel after a turn
-  const std::vector<AfterTurn> after = rowsAfterTurns(joint, turns, runs, sign, seconds);
-  if (after.size() < kFewestTurns) return 0.0;
+  const std::vector<AroundTurn> around = rowsAroundTurns(joint, turns, runs, sign, seconds);
+  if (around.size() < kFewestTurns) return 0.0;
   std::vector<double> travels;
-  for (const AfterTurn& turn : after) travels.push_back(turn.travel.maxCoeff());
+  for (const AroundTurn& turn : around) travels.push_back(turn.travel.maxCoeff());
   const double far = upperMedian(std::move(travels));
-  double best = 0.0, clearest = kClear * kClear;
+  const BuildUp at_once(around, 0.0);
+  double best = 0.0, most = 0.0;
   for (double scale = far / kFinest; scale <= far / kFewestScales; scale *= kStep) {
-    const double clear = squaredClearness(after, scale);
-    if (clear <= clearest) continue;
-    clearest = clear;
+    const BuildUp built(around, scale);
+    if (built.size <= 0.0) continue;  // friction that falls builds up nothing
+    std::vector<double> gains(around.size());
+    for (std::size_t k = 0; k < gains.size(); ++k) gains[k] = built.explains(k) - at_once.explains(k);
+    const double gain = std::accumulate(gains.begin(), gains.end(), 0.0);
+    if (gain <= most || squaredClearness(gains) < kClear * kClear) continue;
+    most = gain;
     best = scale;
   }
   return kBuiltUp * best;
