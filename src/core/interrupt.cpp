@@ -47,7 +47,8 @@ void requestInterrupt() noexcept { requested.store(true, std::memory_order_relax
 void interruptAnswered() noexcept { requested.store(false, std::memory_order_relaxed); }
 
 void stopIfInterrupted() {
-  if (interruptRequested()) throw InterruptedError("interrupted; nothing to resume, run the command again");
+  if (interruptRequested())
+    throw InterruptedError("interrupted; nothing to resume: run the command again, with --force if it writes a folder");
 }
 
 void waitForBytes(int descriptor) {

@@ -51,15 +51,20 @@ MotionTrack play(const ArmModel& model, const MotionCommands& commands, const Mo
   return track;
 }
 
-/// Of bodies, weight and cords at every row. [J]
-std::vector<double> energies(const ArmModel& model, const MotionTrack& track) {
+double rangeOf(const std::vector<double>& values) {
+  const auto [lowest, highest] = std::ranges::minmax(values);
+  return highest - lowest;
+}
+
+/// Of weight, cords and, unless the arm is thought at rest, motion at every row. [J]
+std::vector<double> energies(const ArmModel& model, const MotionTrack& track, bool at_rest = false) {
   BulletArm arm(model, {});
   std::vector<double> energy;
   std::vector<double> shafts(model.muscles.size());
   for (std::size_t row = 0; row < track.times.size(); ++row) {
     arm.setJointPositions(track.jointsAt(row));
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
-      arm.setJointVelocity(j, track.joint_velocities[row * track.joint_count + j]);
+      if (!at_rest) arm.setJointVelocity(j, track.joint_velocities[row * track.joint_count + j]);
     }
     Eigen::Map<Eigen::VectorXd>(shafts.data(), std::ssize(shafts)) = track.shafts.col(row);
     arm.setShafts(shafts);
@@ -82,11 +87,12 @@ StepCheck halve(const ArmModel& model, const MotionCommands& commands, const Mot
     change = std::max(change, jointError(model.joints[i % track.joint_count].type, track.joints[i], fine.joints[i]));
   }
   const std::vector<double> coarse_energy = energies(model, track), fine_energy = energies(model, fine);
-  const auto [lowest, highest] = std::ranges::minmax(fine_energy);
+  // Of what moves between weight, cords and motion: the sum is constant where nothing takes any.
+  const std::vector<double> potential = energies(model, fine, /*at_rest=*/true);
+  const double range = std::max(rangeOf(fine_energy), rangeOf(potential));
   for (std::size_t row = 0; row < fine_energy.size(); ++row) {
-    if (!(highest > lowest)) break;
-    check.energy_change =
-        std::max(check.energy_change, std::abs(coarse_energy[row] - fine_energy[row]) / (highest - lowest));
+    if (!(range > 0.0)) break;
+    check.energy_change = std::max(check.energy_change, std::abs(coarse_energy[row] - fine_energy[row]) / range);
   }
   return check;
 }

@@ -28,7 +28,7 @@ struct SimulationOptions {
 struct StepCheck {
   bool finished = false;             ///< false: it blew up there
   std::vector<double> joint_change;  ///< shape (joints) [rad], of a slide [m], the largest over time
-  double energy_change = 0.0;        ///< the largest over time, of the range that the energy goes through (1)
+  double energy_change = 0.0;        ///< the largest over time, of the range of all or, if more, potential energy (1)
 };
 
 struct Simulation {

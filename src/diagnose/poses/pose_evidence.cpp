@@ -19,6 +19,8 @@ namespace {
 
 constexpr double kFlippedAngle = 35.0 * kDegree;  // marker confusion turns a frame by far more than a model errs
 constexpr double kFarFromOthers = 4.0;            // times the median distance
+constexpr double kAlone = 1.5;                    // times far, and most are not: a reading that was wrong
+constexpr double kMostAlone = 0.08;               // of the poses
 constexpr double kCopied = 6.0;                   // capture sd between two recordings of a joint that did not move
 constexpr double kShouldMove = 12.0 * kDegree;
 constexpr double kUnpredictable = 100.0;  // [deg^2] variance of a pose that says nothing of a model
@@ -91,7 +93,7 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   const std::vector<double> torques = torquesAt(model, poses);
   const double pushed = kFarFromOthers * upperMedian(torques);  // no model is wrong by that
   faulty.assign(poses.size(), false);
-  std::vector<std::size_t> flipped, soft, stuck;
+  std::vector<std::size_t> flipped, soft, stuck, alone;
   for (std::size_t p = 0; p < poses.size(); ++p) {
     if (distances[p] < far) continue;
     const bool copied = p > 0 && largest(model, poses[p].joints, poses[p - 1].joints) < kCopied * capture_sd;
@@ -102,14 +104,25 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
     } else if (off[p] > std::max(kFlippedAngle, off_usual)) {
       (torques[p] > pushed ? flipped : soft).push_back(p);
     } else {
+      if (distances[p] > kAlone * far) alone.push_back(p);
       continue;
     }
     faulty[p] = true;
   }
+  // More than a few are no readings that were wrong: something is missing that acts in these poses.
+  if (static_cast<double>(alone.size()) > std::max(1.0, kMostAlone * static_cast<double>(poses.size()))) alone.clear();
+  for (const std::size_t p : alone) faulty[p] = true;
   std::vector<DataFault> faults;
   for (const std::size_t p : unsolved) faulty[p] = true;
   if (!unsolved.empty()) {
     faults.push_back(fault(poses, unsolved, "the model has no equilibrium near it, so it is left out"));
+    faults.back().corrected = true;
+  }
+  if (!alone.empty()) {
+    faults.push_back(fault(poses, alone,
+                           fmt::format("more than {:.0f} times as far from the model as half of the others are, and "
+                                       "alone in that; left out",
+                                       kAlone * kFarFromOthers)));
     faults.back().corrected = true;
   }
   if (!soft.empty()) {

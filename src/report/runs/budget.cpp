@@ -107,14 +107,29 @@ Finding checkVerdict(const BudgetLimit& limit, const Json& result) {
   return {std::ranges::find(limit.allowed, verdict) != limit.allowed.end(), verdict};
 }
 
+/// Names by which a limit may mean a found cause: alone, with its target, and those of a group that it stands for.
+std::vector<std::string> namesOfCause(const Json& cause) {
+  std::vector<std::string> names = {cellText(cause.value("effect", Json("")))};
+  if (const std::string target = cellText(cause.value("target", Json(""))); !target.empty()) {
+    names.push_back(names[0] + ":" + target);
+  }
+  for (const Json& other : cause.value("ambiguous_with", Json::array())) {
+    names.push_back(cellText(other));
+    names.push_back(names.back().substr(0, names.back().find(':')));
+  }
+  return names;
+}
+
 Finding checkCause(const BudgetLimit& limit, const Json& result) {
   if (!result.contains("causes")) return {false, "no causes: the run is no diagnosis"};
   Finding finding{true, ""};
   for (const Json& cause : result.at("causes")) {
-    const std::string name = cellText(cause.value("effect", Json("")));
-    if (!matchesGlob(limit.subject, name)) continue;
+    const std::vector<std::string> names = namesOfCause(cause);
+    const auto meant =
+        std::ranges::find_if(names, [&](const std::string& name) { return matchesGlob(limit.subject, name); });
+    if (meant == names.end()) continue;
     const double gain = numberOf(cause.value("gain_heldout_percent", Json(nullptr)));
-    finding.found += fmt::format("{}{}, {:.3g} %", finding.found.empty() ? "" : "; ", name, gain);
+    finding.found += fmt::format("{}{}, {:.3g} %", finding.found.empty() ? "" : "; ", *meant, gain);
     if (!(gain <= limit.upper)) finding.holds = false;
   }
   if (finding.found.empty()) finding.found = "none";

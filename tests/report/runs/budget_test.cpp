@@ -17,7 +17,11 @@ const Json kResult = {{"format", "simgap/diagnose/1"},
                       {"parameters",
                        {{{"name", "muscles.biceps.spindle_radius_m"}, {"value", 0.006}, {"sd", 0.0003}},
                         {{"name", "muscles.triceps.spindle_radius_m"}, {"value", 0.009}, {"sd", nullptr}}}},
-                      {"causes", {{{"effect", "channel-delay"}, {"gain_heldout_percent", 12.0}}}}};
+                      {"causes",
+                       {{{"effect", "channel-delay"},
+                         {"target", "elbow"},
+                         {"ambiguous_with", {"marker-frame-offset:chest"}},
+                         {"gain_heldout_percent", 12.0}}}}};
 
 Json check(const std::string& limits) {
   const test::ResultFolder folder(kResult);
@@ -36,6 +40,13 @@ TEST(Budget, HoldsAndBreaks) {
   EXPECT_FALSE(holds(check("  - {cause: channel-*}\n")));
   EXPECT_TRUE(holds(check("  - {cause: channel-delay, upper: 15}\n")));
   EXPECT_TRUE(holds(check("  - {cause: payload}\n")));
+}
+
+TEST(Budget, ACauseIsMeantWithItsTargetAndInAGroupToo) {
+  EXPECT_FALSE(holds(check("  - {cause: 'channel-delay:elbow', upper: 10}\n")));
+  EXPECT_TRUE(holds(check("  - {cause: 'channel-delay:shoulder'}\n")));
+  EXPECT_FALSE(holds(check("  - {cause: marker-frame-offset}\n")));
+  EXPECT_FALSE(holds(check("  - {cause: 'marker-frame-offset:chest'}\n")));
 }
 
 TEST(Budget, WhatIsNotThereDoesNotHold) {

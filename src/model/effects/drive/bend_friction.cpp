@@ -6,7 +6,7 @@
 namespace simgap::actuator_effects::bend_friction {
 namespace {
 
-constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle, OptionalChannel::kTurn};
 constexpr EffectParameter kParameters[] = {
     {"mu", "1_rad", -3.0, 3.0, 0.0, 0.0}, {"theta_mean", "rad", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 
