@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace simgap {
 namespace {
 
@@ -14,6 +16,15 @@ std::string bodyOfNoMass(const ArmModel& model) {
     if (mass < 0.0) return fmt::format("{} would have a mass of {:.3g} kg", body.name, mass);
   }
   return "";
+}
+
+/// Nobody misses a base that is so far from level: something else pulls, a tether or a hose.
+std::string visibleTilt(const std::vector<Estimate>& turn) {
+  constexpr double kSeen = 0.3;  // [rad]
+  double squared = 0.0;
+  for (const Estimate& p : turn) squared += p.value * p.value;
+  if (squared <= kSeen * kSeen) return "";
+  return fmt::format("a base that is {:.0f} deg off level would be seen", toDegrees(std::sqrt(squared)));
 }
 
 }  // namespace
@@ -30,6 +41,7 @@ std::string impossibleSize(const PoseFit& fit, std::size_t cause) {
     const std::string unit = parameter.unit == "1" ? "" : " " + std::string(parameter.unit);
     return fmt::format("{} = {:.3g}{} is no physical size", parameter.name, value, unit);
   }
+  if (effect.gravity != nullptr) return visibleTilt(extension.parameters);
   return effect.mass ? bodyOfNoMass(model) : "";
 }
 

@@ -47,6 +47,9 @@ std::string unexplainedText(const PoseSelection& selection, const Diagnosis& d) 
     return fmt::format("something like {} is there, but these poses do not tell it from {} other causes",
                        extensionLabel({cause.effect, cause.target, {}}), cause.ambiguous_with.size());
   }
+  if (selection.tethered) {
+    return "something pulls on the arm as a base would that is too far off level not to be seen: a tether, a hose?";
+  }
   return fmt::format(
       "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no cause of the catalogue "
       "takes it away",
@@ -67,7 +70,8 @@ bool leavesTooMuch(const PoseSelection& selection, const Diagnosis& d, double no
 void concludePoses(const PoseSelection& selection, std::size_t heldout, bool partial, Diagnosis& d) {
   const bool structure = isStructure(selection);
   const DataFault* fault = openFault(d.faults);
-  d.verdict = fault != nullptr ? DiagnosisVerdict::kDataFault : verdictOf(d.causes, structure || partial);
+  d.verdict =
+      fault != nullptr ? DiagnosisVerdict::kDataFault : verdictOf(d.causes, structure || partial || selection.tethered);
   switch (d.verdict) {
     case DiagnosisVerdict::kDataFault:
       d.sentence = fault->sentence;

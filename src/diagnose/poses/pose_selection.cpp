@@ -72,6 +72,7 @@ class PoseSelector {
   std::vector<PoseHypothesis> openBeside(const std::vector<PoseCause>& causes) const;
   std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const;
   void lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidates) const;
+  void lookFromHere(const PoseFit& fit, PoseFit& without, std::vector<PoseCandidate>& candidates) const;
   bool improveBase(PoseFit& fit, const PoseCandidate& candidate) const;
   double pAdjusted(const PoseCandidate& candidate) const;
   std::string objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before, double odds,
@@ -237,7 +238,9 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
     } else {
       const std::string impossible = impossibleWith(fit, candidate);
       if (!impossible.empty()) selection.impossible.push_back({record.effect, record.target, impossible, kNotMeasured});
-      ++tried;
+      // The best is there, but not as what it says: whatever comes next would stand in for it.
+      selection.tethered = !impossible.empty() && candidate.cause.effect->gravity != nullptr;
+      tried = selection.tethered ? kTried : tried + 1;
       record.outcome =
           impossible.empty() ? objection(fit, candidate, before, odds, record.gain_inner) : "rejected: " + impossible;
       if (record.outcome.empty()) {
@@ -283,6 +286,23 @@ void PoseSelector::leaveOut(PoseFit& fit, PoseSelection& selection) {
   fit = settled(fit.causes(), fit.z());
 }
 
+/// The first cause of `fit` among the candidates for its place, from where it is: its usual start may not find that way
+/// again beside what came after it.
+void PoseSelector::lookFromHere(const PoseFit& fit, PoseFit& without, std::vector<PoseCandidate>& candidates) const {
+  const PoseCause& present = fit.causes().front();
+  const auto found = std::ranges::find(candidates, present.label(), [](const auto& c) { return c.cause.label(); });
+  if (found == candidates.end()) return;
+  std::vector<PoseCause> causes = without.causes();
+  causes.push_back(present);
+  const Eigen::VectorXd rest = fit.solutionWithout(0);
+  Eigen::VectorXd z(fit.z().size());
+  z << rest, fit.z().segment(static_cast<Eigen::Index>(fit.ordinary()), z.size() - rest.size());
+  PoseFit from_here = refit(causes, without, z, kTryTolerance);
+  PoseCandidate here = Compared(without).candidate(present, Compared::pack(from_here), found->share);
+  if (here.odds > found->odds) *found = std::move(here);
+  std::ranges::stable_sort(candidates, std::greater<>(), &PoseCandidate::odds);
+}
+
 /// Each cause against all rivals in its place, with the other causes there: the best stays, those near it are listed.
 /// A cause that was tried goes to the end of the line, so that all stand in their order again when each has been.
 void PoseSelector::exchange(PoseFit& fit, PoseSelection& selection) {
@@ -298,6 +318,7 @@ void PoseSelector::exchange(PoseFit& fit, PoseSelection& selection) {
     });
     placeMoments(problem_, without, open);
     std::vector<PoseCandidate> candidates = tryAll(without, open);
+    lookFromHere(fit, without, candidates);
     std::erase_if(candidates, [&](const PoseCandidate& c) { return !impossibleWith(without, c).empty(); });
     if (candidates.empty()) {
       selection.causes.push_back(cause);

@@ -40,6 +40,7 @@ struct PoseSelection {
   std::vector<HypothesisRecord> records;
   std::vector<PoseCause> refused;     ///< the best of the last step, which accepted none
   std::vector<Candidate> impossible;  ///< that the poses speak for, with sizes that cannot be
+  bool tethered = false;              ///< something pulls that would show if it were the base that is off level
   std::vector<std::string> left_out;  ///< poses near which a model with the causes has no rest
   double excess = 0.0;     ///< of the cross-validated squared distances over what the final model expects, a fraction
   double excess_sd = 0.0;  ///< of that under the model
