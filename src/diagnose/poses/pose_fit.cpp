@@ -97,8 +97,12 @@ bool PoseFit::search(int starts, int threads, std::uint64_t seed) {
   for (const PosteriorFit& fit : searchPosterior(posterior_, {starts, threads, seed})) {
     if (fit.objective < best.objective) best = fit;
   }
-  if (std::isinf(best.objective)) return false;
+  // A pose that was read wrong can carry every balance of torques to where the arm has no rest; the file's own values
+  // may have one.
+  if (std::isinf(best.objective)) best.z = Eigen::VectorXd::Zero(z_.size());
   posterior_.whiten(best.z);
+  const std::vector<PoseResidual>& poses = posterior_.evaluate(best.z, false);
+  if (!std::ranges::all_of(poses, &PoseResidual::valid)) return false;
   descend(best.z);
   return true;
 }
