@@ -20,7 +20,7 @@ std::string bodyOfNoMass(const ArmModel& model) {
 
 /// Nobody misses a base that is so far from level: something else pulls, a tether or a hose.
 std::string visibleTilt(const std::vector<Estimate>& turn) {
-  constexpr double kSeen = 0.3;  // [rad]
+  constexpr double kSeen = 0.5;  // [rad]
   double squared = 0.0;
   for (const Estimate& p : turn) squared += p.value * p.value;
   if (squared <= kSeen * kSeen) return "";

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnose/verdict.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
 namespace {
@@ -56,6 +57,22 @@ std::string unexplainedText(const PoseSelection& selection, const Diagnosis& d) 
       100.0 * selection.excess);
 }
 
+/// A tilt that nobody would miss is more likely something else that pulls.
+void warnOfTilt(Diagnosis& d) {
+  constexpr double kNoticed = 0.15;  // [rad]
+  for (const Cause& cause : d.causes) {
+    const ArmEffect* effect = findArmEffect(cause.effect);
+    if (effect == nullptr || effect->gravity == nullptr) continue;
+    double squared = 0.0;
+    for (const Estimate& p : cause.parameters) squared += p.value * p.value;
+    if (squared <= kNoticed * kNoticed) continue;
+    d.warnings.push_back(
+        fmt::format("{}: look whether the base is {:.0f} deg off level; if it is not, something else pulls in one "
+                    "direction, such as a tether or a hose",
+                    cause.effect, toDegrees(std::sqrt(squared))));
+  }
+}
+
 }  // namespace
 
 double leftInNoise(const Diagnosis& d, double noise) {
@@ -86,6 +103,7 @@ void concludePoses(const PoseSelection& selection, std::size_t heldout, bool par
     case DiagnosisVerdict::kNothingFound:
       d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
   }
+  warnOfTilt(d);
   if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {
     d.warnings.push_back(
         fmt::format("the error on unseen poses is still {:.0f} % above what noise and parameters explain",

@@ -29,6 +29,8 @@ TEST(ImpossibleSizes, AreFrictionThatDrivesAndBodiesOfNoMass) {
   EXPECT_EQ(saidOf(rig, "payload", upper_arm, {-0.3, 0.1}), "");  // lighter than its file says
   EXPECT_NE(saidOf(rig, "payload", upper_arm, {-1.9, 0.1}).find(upper_arm + " would have a mass of -"),
             std::string::npos);
+  EXPECT_EQ(saidOf(rig, "gravity-tilt", "", {0.1, -0.15}), "");
+  EXPECT_EQ(saidOf(rig, "gravity-tilt", "", {0.41, -0.34}), "a base that is 31 deg off level would be seen");
 }
 
 // Poses of a line that friction would pull instead of hold.

@@ -86,6 +86,27 @@ TEST(PoseDiagnosis, NamesFlippedPosesAndStopsUnlessToldToGoOn) {
   EXPECT_TRUE(went_on.faults[0].corrected);
 }
 
+// The same arm with and without two elbow angles that were read wrong by 8 deg, some 25 deviations.
+TEST(PoseDiagnosis, ReadingsThatAreAloneInBeingWrongAreLeftOut) {
+  reality::PoseDrawOptions options;
+  options.effect = "payload";
+  options.poses = 48;
+  const reality::PoseDraw draw = reality::drawPoses(11, options);
+  PoseSet set = test::posesOf(draw, draw.poses);
+  for (const std::size_t p : {13u, 30u}) set.poses[p].joints[1].angle += 8.0 * kDegree;
+  const CalibrationConfig& config = test::paperConfig();
+  PoseDiagnosisOptions quick;
+  quick.effects = {"payload", "gravity-tilt"};
+  const Diagnosis found = diagnosePoses(test::modelOf(draw), set, config.parameters, config.noise, quick,
+                                        [](const std::string&, double) {})
+                              .diagnosis;
+  ASSERT_EQ(found.faults.size(), 1u);
+  EXPECT_TRUE(found.faults[0].corrected);
+  EXPECT_EQ(found.faults[0].rows, 2u) << found.faults[0].sentence;
+  ASSERT_EQ(found.causes.size(), 1u) << found.sentence;
+  EXPECT_EQ(found.causes[0].effect, "payload");
+}
+
 TEST(PoseDiagnosis, IsTheSameForAnyNumberOfThreads) {
   reality::PoseDrawOptions options;
   options.effect = "payload";
