@@ -2,6 +2,8 @@
 /// A physical cause put into the model of an arm, and its parameters among those of a fit.
 #pragma once
 
+#include <algorithm>
+
 #include <string>
 #include <vector>
 
@@ -33,5 +35,13 @@ std::vector<ParameterSpace::Choice> choicesWith(const std::vector<ParameterSpace
 std::string labelOf(const std::vector<ArmCause>& causes);
 /// The causes that a candidate has beyond the given model, with the values and choices that it has.
 std::vector<ArmCause> causesBeyond(const ArmModel& given, const ArmModel& candidate);
+
+/// With an interval that holds no value which the parameter cannot have.
+inline Estimate withIntervalIn(const ArmEffectParameter& parameter, const Estimate& estimate, double half) {
+  Estimate e = withInterval(estimate, half);
+  e.lower95 = std::clamp(e.lower95, std::min(parameter.range.lower, e.value), e.value);
+  e.upper95 = std::clamp(e.upper95, e.value, std::max(parameter.range.upper, e.value));
+  return e;
+}
 
 }  // namespace simgap

@@ -85,7 +85,7 @@ void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
       const double of_model = effect.command_delay ? 0.0 : kModelOfMagnitude * size;
       const double half =
           (std::isfinite(p.sd) ? 1.96 * std::hypot(p.sd, of_model) : 0.0) + (effect.command_delay ? row : 0.0);
-      diagnosis.causes[c].parameters.push_back(withInterval(p, half));
+      diagnosis.causes[c].parameters.push_back(withIntervalIn(effect.parameters[i], p, half));
     }
   }
 }

@@ -15,7 +15,7 @@ constexpr double kLargeExcess = 0.5;   // of the cross-validated error over what
 constexpr double kClearExcess = 4.0;   // standard deviations
 constexpr double kFarFromNoise = 2.0;  // RMS, in noise floors
 constexpr double kSmallRest = 0.05;    // of the error without causes: what the law of a named cause may leave
-constexpr double kNearNoise = 1.5;     // RMS, in noise floors: what poses not fitted to may have
+constexpr double kNearNoise = 1.25;    // RMS, in noise floors: what poses not fitted to may have
 
 /// Structure on poses not fitted to.
 bool isStructure(const PoseSelection& selection) {
@@ -102,6 +102,8 @@ void concludePoses(const PoseSelection& selection, std::size_t heldout, bool par
       break;
     case DiagnosisVerdict::kNothingFound:
       d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
+      if (const double times = leftInNoise(d, d.noise_floor); times > kNearNoise)
+        d.sentence += fmt::format("; left is {:.1f} times the noise", times);
   }
   warnOfTilt(d);
   if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {

@@ -328,8 +328,11 @@ PoseDiagnosis Diagnosing::run() {
   d.noise_floor = poseNoiseFloor(fit);
   d.extensions = fit.extensions();
   for (std::size_t c = 0; c < d.causes.size(); ++c) {
-    for (const Estimate& p : d.extensions[c].parameters) {
-      d.causes[c].parameters.push_back(withInterval(p, std::isfinite(p.sd) ? 1.96 * p.sd : 0.0));
+    const ArmEffect& effect = *selection_.causes[c].cause.effect;
+    for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
+      const Estimate& p = d.extensions[c].parameters[i];
+      const double half = std::isfinite(p.sd) ? 1.96 * p.sd : 0.0;
+      d.causes[c].parameters.push_back(withIntervalIn(effect.parameters[i], p, half));
     }
   }
   fillAbsorption(plain, fit);
