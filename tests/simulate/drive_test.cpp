@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/arms.h"
@@ -246,6 +247,28 @@ TEST(Drive, LoadDrivesItBackAgainstFrictionAndGeneratorTorque) {
 
 TEST(Drive, WithoutCoulombFrictionTheSmallestLoadTurnsIt) {
   EXPECT_LT(steady(withoutLosses(), gearboxWithoutLosses(), 0.0, 1e-9).motor_velocity, 0.0);
+}
+
+/// The largest difference of motor velocities while a square wave turns the rotor again and again, looked at 1 ms.
+double errorOverTurns(double step) {
+  constexpr double kLook = 1e-3;
+  const Drive drive(kMotor, kGearbox, step);
+  DriveState coarse, fine;
+  double error = 0.0;
+  for (int look = 0; look < 240; ++look) {
+    const double voltage = look / 40 % 2 == 0 ? 6.0 : -4.0;
+    coarse = after(drive, coarse, voltage, 0.0, static_cast<int>(std::lround(kLook / step)));
+    fine = rungeKutta(kMotor, kGearbox, fine, voltage, 0.0, kLook);
+    error = std::max(error, std::abs(coarse.motor_velocity - fine.motor_velocity));
+  }
+  return error;
+}
+
+// A rotor that stood for the rest of the step in which it turned was 0.5 % late, in proportion to the step.
+TEST(Drive, TurnsAsOftenAsItWillWithAnErrorOfSecondOrder) {
+  const double error = errorOverTurns(1e-3), half = errorOverTurns(5e-4);
+  EXPECT_LT(error, 2.0);  // [rad/s] of some 900
+  EXPECT_LT(half, error / 2.5);
 }
 
 }  // namespace
