@@ -50,9 +50,11 @@ Json toJson(const PoseSeparation& result, const PoseEvidence& evidence) {
   return {
       {"format", "simgap/separate/1"},
       {"sentence",
-       fmt::format("These {} poses are expected to tell {} from every model that contradicts it by odds "
-                   "of {:.3g} to 1 at least, whichever is right; as many random ones by {:.3g} to 1",
-                   result.poses.size(), named, promisedOdds(result.promised), promisedOdds(result.promised_random))},
+       fmt::format("{} {} poses are expected to tell {} from every model that contradicts it by odds of {:.3g} to 1 at "
+                   "least, whichever is right; as many random ones by {:.3g} to 1",
+                   result.promised > kDecisiveLogOdds ? "These" : "Not even these", result.poses.size(),
+                   named == "none" ? "the model without a cause" : named, promisedOdds(result.promised),
+                   promisedOdds(result.promised_random))},
       {"named", named},
       {"recorded", evidence.poses.size()},
       {"promised", result.promised},
