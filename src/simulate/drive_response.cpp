@@ -58,11 +58,13 @@ class DrivenRotor {
 class VoltageFed {
  public:
   /// \param ends  of the parts of a step, as shares of it.
-  VoltageFed(const Motor& motor, const Gearbox& gearbox, const std::array<double, 3>& ends, double grain)
-      : motor_(motor), gearbox_(gearbox), ends_(ends), grain_(grain) {}
+  VoltageFed(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, const std::array<double, 3>& ends,
+             double grain)
+      : load_(log.load), motor_(motor), gearbox_(gearbox), ends_(ends), grain_(grain) {}
 
   /// One part of a step of `dt`; in finer steps where the rotor starts, stops or turns.
-  void advance(DriveState& state, std::size_t part, double dt, double voltage, double load) {
+  void advance(DriveState& state, std::size_t part, double dt, double voltage, std::size_t row) {
+    const double load = at(load_, row);
     const Part& drive = partsOf(dt)[part];
     DriveState next = state;
     drive.whole.step(next, voltage, load);
@@ -90,6 +92,7 @@ class VoltageFed {
         .first->second;
   }
 
+  const std::vector<double>& load_;
   const Motor& motor_;
   const Gearbox& gearbox_;
   std::array<double, 3> ends_;
@@ -100,10 +103,11 @@ class VoltageFed {
 /// Steps of a drive whose current is given.
 class CurrentFed {
  public:
-  CurrentFed(const Motor& motor, const Gearbox& gearbox, const std::array<double, 3>& ends)
-      : rotor_(motor, gearbox), ends_(ends) {}
+  CurrentFed(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, const std::array<double, 3>& ends)
+      : load_(log.load), rotor_(motor, gearbox), ends_(ends) {}
 
-  void advance(DriveState& state, std::size_t part, double dt, double current, double load) const {
+  void advance(DriveState& state, std::size_t part, double dt, double current, std::size_t row) const {
+    const double load = at(load_, row);
     const double seconds = dt * (ends_[part] - (part > 0 ? ends_[part - 1] : 0.0));
     const double next = rotor_.step(state.motor_velocity, current, load, seconds);
     const int steps = switches(state.motor_velocity, next) ? kSubsteps : 1;
@@ -114,7 +118,34 @@ class CurrentFed {
   }
 
  private:
+  const std::vector<double>& load_;
   DrivenRotor rotor_;
+  std::array<double, 3> ends_;
+};
+
+/// Steps of a winding whose voltage and velocity are given: exact for a velocity that is straight between two rows.
+/// Where it bends there within L / R, L comes out some per cent small.
+class WindingFed {
+ public:
+  WindingFed(const MotorLog& log, const Motor& motor, const std::array<double, 3>& ends)
+      : velocity_(log.velocity), motor_(motor), lag_(motor.inductance / motor.resistance), ends_(ends) {}
+
+  void advance(DriveState& state, std::size_t part, double dt, double voltage, std::size_t row) const {
+    const double begin = dt * (part > 0 ? ends_[part - 1] : 0.0), end = dt * ends_[part];
+    const double slope = (velocity_[row + 1] - velocity_[row]) / dt;
+    const auto velocity = [&](double seconds) { return velocity_[row] + slope * seconds; };
+    // What the current tends to: that of the velocity one time constant before.
+    const auto settled = [&](double seconds) {
+      return (voltage - motor_.back_emf_constant * velocity(seconds - lag_)) / motor_.resistance;
+    };
+    state.current = settled(end) + (state.current - settled(begin)) * std::exp((begin - end) / lag_);
+    state.motor_velocity = velocity(end);
+  }
+
+ private:
+  const std::vector<double>& velocity_;
+  const Motor& motor_;
+  double lag_;  ///< L / R
   std::array<double, 3> ends_;
 };
 
@@ -149,7 +180,7 @@ void followSession(Fed fed, const MotorLog& log, const Block& rows, const std::v
       const double begin = part > 0 ? ends[part - 1] : 0.0;
       if (ends[part] > begin) {
         const std::ptrdiff_t of_input = i + change.whole + (begin >= change.at ? 1 : 0);
-        fed.advance(state, part, dt, inputAt(of_input), at(log.load, row));
+        fed.advance(state, part, dt, inputAt(of_input), row);
       }
       if (ends[part] != sample.at) continue;
       for (; next < std::min(count, i + 1 + sample.whole); ++next) current[next] = sampled;
@@ -162,26 +193,31 @@ void followSession(Fed fed, const MotorLog& log, const Block& rows, const std::v
 }  // namespace
 
 void simulateSession(const MotorLog& log, const Block& rows, const Motor& motor, const Gearbox& gearbox,
-                     const DriveDelays& delays, std::span<double> current, std::span<double> velocity) {
+                     const DriveDelays& delays, DriveExtent extent, std::span<double> current,
+                     std::span<double> velocity) {
   const bool has_voltage = !log.voltage.empty();
   const Shift change(delays.input), sample(has_voltage ? delays.current : 0.0);
   const std::array<double, 3> ends = {std::min(change.at, sample.at), std::max(change.at, sample.at), 1.0};
-  if (has_voltage) {
+  if (extent == DriveExtent::kWinding) {
+    followSession(WindingFed(log, motor, ends), log, rows, log.voltage, change, sample, ends, current, velocity);
+  } else if (has_voltage) {
     const double grain =
         kStepGrain * (log.time[rows.end - 1] - log.time[rows.begin]) / static_cast<double>(rows.size());
-    followSession(VoltageFed(motor, gearbox, ends, grain), log, rows, log.voltage, change, sample, ends, current,
+    followSession(VoltageFed(log, motor, gearbox, ends, grain), log, rows, log.voltage, change, sample, ends, current,
                   velocity);
   } else {
-    followSession(CurrentFed(motor, gearbox, ends), log, rows, log.current, change, sample, ends, current, velocity);
+    followSession(CurrentFed(log, motor, gearbox, ends), log, rows, log.current, change, sample, ends, current,
+                  velocity);
     std::ranges::copy(std::span(log.current).subspan(rows.begin, rows.size()), current.begin());
   }
 }
 
-DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox,
-                            const DriveDelays& delays) {
+DriveResponse simulateDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, const DriveDelays& delays,
+                            DriveExtent extent) {
   DriveResponse response{std::vector<double>(log.rows()), std::vector<double>(log.rows())};
   for (const Block& rows : splitRows(log.session, log.rows())) {
-    simulateSession(log, rows, motor, gearbox, delays, std::span(response.current).subspan(rows.begin, rows.size()),
+    simulateSession(log, rows, motor, gearbox, delays, extent,
+                    std::span(response.current).subspan(rows.begin, rows.size()),
                     std::span(response.velocity).subspan(rows.begin, rows.size()));
   }
   return response;

@@ -1,10 +1,12 @@
 // The fit commands as a user runs them.
+#include <algorithm>
 #include <cmath>
 
 #include "cli/cli_fixture.h"
 #include "reality/friction_log.h"
 #include "reality/motor_log.h"
 #include "simgap/core/run_directory.h"
+#include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap::test {
 namespace {
@@ -134,6 +136,29 @@ TEST_F(FitTest, MotorAndGearboxGoIntoAnArm) {
   expectRefused({"fit-motor", "motor.csv", "--into", "arm.yaml", "--muscle", "wing", "-o", "x"}, 2,
                 "found no muscle wing");
   expectRefused({"fit-motor", "motor.csv", "--into", "arm.yaml", "-o", "x"}, 2, "go together");
+}
+
+/// What was not found is written nowhere as if it had been.
+TEST_F(FitTest, AMotorUnderAnUnloggedLoadLeavesAnArmItsMechanics) {
+  const reality::MotorBenchLog log =
+      reality::simulateMotor({}, {.seconds = 2.0, .current_noise = 0.05, .velocity_noise = 1.0});
+  put("motor.csv", log.csv(true, false));
+  succeed({"fit-motor", "motor.csv", "--into", "arm.yaml", "--muscle", "biceps", "-o", "m"});
+  EXPECT_THAT(result("m").at("warnings").dump(), HasSubstr("something acts on the motor that the log does not hold"));
+  EXPECT_THAT(result("m").at("warnings").dump(), HasSubstr("arm.yaml keeps the arm's own J_M, mu_M, tau_CM"));
+  EXPECT_TRUE(result("m").at("parameters")[4].at("value").is_null());
+  EXPECT_EQ(text("m/model.yaml").find("J_M"), std::string::npos);
+  EXPECT_EQ(text("m/response.csv").find("velocity_simulated"), std::string::npos);
+  const auto biceps = [&](const std::string& file) {
+    const ArmModel arm = readArm(YamlNode::load(path(file)));
+    return std::ranges::find(arm.muscles, "biceps", &Muscle::name)->motor;
+  };
+  EXPECT_EQ(biceps("m/arm.yaml").inertia, biceps("arm.yaml").inertia);
+  EXPECT_EQ(biceps("m/arm.yaml").coulomb_friction, biceps("arm.yaml").coulomb_friction);
+  EXPECT_NEAR(biceps("m/arm.yaml").resistance, 0.8, 0.01);
+  expectRefused({"predict", "m/model.yaml", "motor.csv", "-o", "p"}, 2, "found no parameter J_M in the motor model");
+  expectRefused({"fit-gearbox", "motor.csv", "--motor", "m/model.yaml", "--ratio", "72", "-o", "g"}, 2,
+                "found no parameter J_M in the motor model");
 }
 
 TEST_F(FitTest, ThreadsArriveAndChangeNothing) {

@@ -1,6 +1,7 @@
 #include "simgap/fit/actuators/drive_fit.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/winding_signs.h"
 #include "simgap/measure/logs/channel_checks.h"
+#include "simgap/measure/logs/resolution.h"
 
 namespace simgap {
 namespace {
@@ -25,7 +27,7 @@ class ResponseProblem {
       : log_(log),
         options_(options),
         fitted_(rows),
-        velocity_(!log.velocity.empty()),
+        velocity_(!log.velocity.empty() && options.extent == DriveExtent::kWhole),
         current_(!log.current.empty() && !log.voltage.empty()),
         step_(meanStep(log)),
         typical_(kCount, 0.0) {
@@ -86,7 +88,8 @@ class ResponseProblem {
     std::vector<double> all(theta.begin(), theta.end());
     if (options_.tie_constants) all[kKt] = all[kKe];
     std::vector<double> current(rows.size()), velocity(rows.size());
-    simulateSession(log_, rows, motorOf(all), gearboxOf(all, options_.ratio), delays(all), current, velocity);
+    simulateSession(log_, rows, motorOf(all), gearboxOf(all, options_.ratio), delays(all), options_.extent, current,
+                    velocity);
     Index at = 0;
     for (std::size_t i = rows.begin; i < rows.end; ++i) {
       if (!counts(i)) continue;
@@ -130,6 +133,30 @@ void checkMotorLog(const MotorLog& log) {
   (void)checkChannels(log.file, channels);
 }
 
+/// Fixes what cannot be told without a load in the log.
+void settleUnloaded(const MotorLog& log, DriveFitOptions& options, std::vector<std::string>& missing,
+                    std::vector<std::string>& warnings) {
+  const bool whole = options.extent == DriveExtent::kWhole;
+  const char* const only = "J_M, mu_M and tau_CM hold only if nothing loaded the motor";
+  for (const char* name : {"J_M", "mu_M", "tau_CM"}) {
+    if (whole) break;
+    if (options.fixed.try_emplace(name, 1.0).second) missing.emplace_back(name);
+  }
+  if (options.fixed.contains("K_T")) {
+    if (whole) warnings.push_back(fmt::format("no load torque in the log: {}; record load_torque_Nm", only));
+  } else if (varies(log.voltage)) {
+    options.tie_constants = true;
+    warnings.push_back(
+        fmt::format("no load torque in the log: K_T is taken as K_E (an ideal motor's, in SI units){}; record "
+                    "load_torque_Nm, or --fix K_T=…",
+                    whole ? fmt::format(", and {}", only) : ""));
+  } else if (!options.fixed.contains("J_M")) {
+    throw DataError(log.file +
+                    ": neither a load torque nor a voltage in the log: only ratios of K_T, J_M, mu_M and tau_CM act on "
+                    "it, expected one of them to be known (--fix K_T=…)");
+  }
+}
+
 /// Fixes what a log without some channel cannot say anything about.
 /// \returns names of the parameters that cannot be found: they get a placeholder that nothing depends on.
 std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& options,
@@ -155,19 +182,7 @@ std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& opt
       options.fixed.try_emplace(name, 1.0);
     }
   }
-  if (options.fit_motor && !varies(log.load) && !options.fixed.contains("K_T")) {
-    if (voltage) {
-      options.tie_constants = true;
-      warnings.emplace_back(
-          "no load torque in the log: K_T is taken as K_E (an ideal motor's, in SI units); record "
-          "load_torque_Nm, or --fix K_T=…");
-    } else if (!options.fixed.contains("J_M")) {
-      fail(
-          "neither a load torque nor a voltage in the log: only ratios of K_T, J_M, mu_M and tau_CM act on it, "
-          "expected "
-          "one of them to be known (--fix K_T=…)");
-    }
-  }
+  if (options.fit_motor && !varies(log.load)) settleUnloaded(log, options, missing, warnings);
   if (options.fit_motor && voltage && !current && !options.fixed.contains("R")) {
     warnings.emplace_back(
         "no current in the log: R and the torques can be found only in proportion; record current_A, "
@@ -201,6 +216,7 @@ std::vector<LeastSquaresResult> fitFromSeveralStarts(const LeastSquaresProblem& 
     for (const std::size_t i : {kJm, kMuM, kTauM, kMuG, kTauG, kJg}) {
       start[i] *= problem.parameters[i].fixed ? 1.0 : factor;
     }
+    if (factor != 1.0 && start == theta) continue;
     found.push_back(minimise(problem, start, rough));
   }
   std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
@@ -260,12 +276,10 @@ void settleEstimates(Uncertainty& uncertainty, const DriveFitOptions& options,
   }
 }
 
-}  // namespace
-
-DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::vector<bool>& rows) {
-  checkMotorLog(log);
+DriveFit fitExtent(const MotorLog& log, const DriveFitOptions& given, const std::vector<bool>& rows) {
   DriveFitOptions options = given;
   DriveFit fit;
+  fit.extent = options.extent;
   const std::vector<std::string> missing = settleMissing(log, options, fit.warnings);
   fit.first_guess = driveFirstGuess(log, options);
   ResponseProblem response(log, options, rows);
@@ -278,7 +292,7 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   const auto measure = [&](std::span<const double> at) {
     std::vector<double> all(at.begin(), at.end());
     if (options.tie_constants) all[kKt] = all[kKe];
-    return simulateDrive(log, motorOf(all), gearboxOf(all, options.ratio), response.delays(all));
+    return simulateDrive(log, motorOf(all), gearboxOf(all, options.ratio), response.delays(all), options.extent);
   };
   // The channels' weights follow the fit.
   response.velocityScale = response.hasVelocity() ? spread(log.velocity) : 1.0;
@@ -321,6 +335,55 @@ DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& given, const std::
   if (response.hasVelocity()) channel("velocity", "rad_s", r.velocity, log.velocity);
   if (response.hasCurrent()) channel("current", "A", r.current, log.current);
   return fit;
+}
+
+/// Whether a simulated channel is off by clearly more than noise, and by much.
+bool isMissed(const DriveChannel& channel, const std::vector<double>& measured) {
+  constexpr double kClear = 3.0;    // noise levels
+  constexpr double kMatters = 0.1;  // of the channel's spread
+  return channel.rms > kClear * noiseLevel(measured) && channel.rms > kMatters * channel.spread;
+}
+
+/// What a motor that nothing loads does not explain of a log without a load; empty when it does. A torque that turns a
+/// strong motor by little shows in its current.
+std::string missedWithoutLoad(const MotorLog& log, const DriveFitOptions& options, const DriveFit& fit) {
+  if (fit.extent == DriveExtent::kWinding || !options.fit_motor || varies(log.load)) return "";
+  if (!varies(log.voltage) || !varies(log.current) || !varies(log.velocity)) return "";
+  const DriveChannel &velocity = fit.channels[0], &current = fit.channels[1];
+  if (!isMissed(velocity, log.velocity) && !isMissed(current, log.current)) return "";
+  return fmt::format(
+      "of a motor without load the simulated velocity is {:.3g} rad/s off the measured one ({:.2g} % of its spread; "
+      "noise {:.2g} rad/s), the current {:.3g} A ({:.2g} %; {:.2g} A)",
+      velocity.rms, 100.0 * velocity.rms / velocity.spread, noiseLevel(log.velocity), current.rms,
+      100.0 * current.rms / current.spread, noiseLevel(log.current));
+}
+
+}  // namespace
+
+DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& rows) {
+  constexpr double kExplains = 0.5;  // of the current's error is left when the velocity is given
+  checkMotorLog(log);
+  DriveFit whole = fitExtent(log, options, rows);
+  const std::string missed = missedWithoutLoad(log, options, whole);
+  if (missed.empty()) return whole;
+  DriveFitOptions alone = options;
+  alone.extent = DriveExtent::kWinding;
+  DriveFit winding = fitExtent(log, alone, rows);
+  if (winding.channels.front().rms > kExplains * whole.channels.back().rms) {
+    whole.warnings.push_back(missed +
+                             ", and its winding alone does not explain the current either: intervals are too narrow");
+    return whole;
+  }
+  std::vector<std::string> unknown;
+  for (const Estimate& e : winding.uncertainty.estimates) {
+    if (std::isnan(e.value)) unknown.push_back(e.name);
+  }
+  winding.warnings.insert(
+      winding.warnings.begin(),
+      fmt::format("something acts on the motor that the log does not hold: {}; R, L and K_E are those of the winding "
+                  "alone at the measured velocity{}; record load_torque_Nm",
+                  missed, unknown.empty() ? "" : fmt::format(", {} cannot be found", fmt::join(unknown, ", "))));
+  return winding;
 }
 
 }  // namespace simgap

@@ -23,7 +23,9 @@ JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, 
 
   JudgedDriveFit result{fitDrive(log, options), std::nullopt,
                         fmt::format("20 % of blocks of {:.3g} s, before the final fit to all rows", seconds)};
-  if (std::ranges::count(rows.fitted, false) > 0) result.trained = fitDrive(log, options, rows.fitted);
+  DriveFitOptions same = options;
+  same.extent = result.fit.extent;
+  if (std::ranges::count(rows.fitted, false) > 0) result.trained = fitDrive(log, same, rows.fitted);
   return result;
 }
 

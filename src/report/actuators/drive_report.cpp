@@ -1,8 +1,10 @@
 #include "simgap/report/actuators/drive_report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "simgap/core/csv.h"
@@ -23,13 +25,18 @@ std::string responseCsv(const DriveReport& report) {
   const MotorLog& log = report.log;
   const std::vector<double>& theta = report.fit.fit.theta;
   const DriveResponse response =
-      simulateDrive(log, motorOf(theta), gearboxOf(theta, report.ratio), report.fit.fit.delays);
-  std::vector<std::string> header{"time_s", "velocity_simulated_rad_s", "current_simulated_A"};
+      simulateDrive(log, motorOf(theta), gearboxOf(theta, report.ratio), report.fit.fit.delays, report.fit.fit.extent);
+  const bool whole = report.fit.fit.extent == DriveExtent::kWhole;  // or else the velocity is the measured one
+  std::vector<std::string> header{"time_s"};
+  if (whole) header.emplace_back("velocity_simulated_rad_s");
+  header.emplace_back("current_simulated_A");
   if (!log.velocity.empty()) header.emplace_back("velocity_measured_rad_s");
   if (!log.current.empty()) header.emplace_back("current_measured_A");
   CsvWriter csv(header);
   for (std::size_t i = 0; i < log.rows(); ++i) {
-    csv.add(log.time[i]).add(response.velocity[i]).add(response.current[i]);
+    csv.add(log.time[i]);
+    if (whole) csv.add(response.velocity[i]);
+    csv.add(response.current[i]);
     if (!log.velocity.empty()) csv.add(log.velocity[i]);
     if (!log.current.empty()) csv.add(log.current[i]);
     csv.endRow();
@@ -41,6 +48,27 @@ std::string responseCsv(const DriveReport& report) {
 std::string channelText(const DriveChannel& channel, const std::optional<double>& heldout) {
   return fmt::format("RMS {:.4g} {}{}, {:.1f} % of the measurement's spread", channel.rms, unitTitle(channel.unit),
                      heldout ? fmt::format(" (held out {:.4g})", *heldout) : "", 100.0 * channel.rms / channel.spread);
+}
+
+/// Names of what was not found.
+std::vector<std::string> unknownOf(const Uncertainty& uncertainty) {
+  std::vector<std::string> names;
+  for (const Estimate& e : uncertainty.estimates) {
+    if (std::isnan(e.value)) names.push_back(e.name);
+  }
+  return names;
+}
+
+/// The motor that goes into an arm: what was not found stays as it is there.
+Motor motorInto(const DriveReport& report) {
+  const Motor& own = report.into->arm.muscles[report.into->muscle].motor;
+  const std::array kept = {own.resistance, own.inductance,       own.back_emf_constant, own.torque_constant,
+                           own.inertia,    own.viscous_friction, own.coulomb_friction};
+  std::vector<double> theta = report.fit.fit.theta;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    if (std::isnan(report.fit.fit.uncertainty.estimates[i].value)) theta[i] = kept[i];
+  }
+  return motorOf(theta);
 }
 
 FittedModel driveModel(const DriveReport& report, const Uncertainty& uncertainty) {
@@ -73,6 +101,9 @@ FitSummary summarise(const DriveReport& report) {
   summary.distinct_minima = fit.distinct_minima;
   summary.comparison.push_back({report.kind, 0, summary.mse, summary.mse_heldout, 0.0});
   summary.warnings = fit.warnings;
+  if (const std::vector<std::string> unknown = unknownOf(summary.uncertainty); report.into && !unknown.empty()) {
+    summary.warnings.push_back(fmt::format("arm.yaml keeps the arm's own {}", fmt::join(unknown, ", ")));
+  }
   for (std::size_t c = 0; c < fit.channels.size(); ++c) {
     summary.facts.emplace_back("simulated " + fit.channels[c].name,
                                channelText(fit.channels[c], judged.channels[c].rms_heldout));
@@ -93,7 +124,7 @@ void writeDriveReport(const DriveReport& report, const RunDirectory& directory) 
   const std::string& muscle = report.into->arm.muscles[report.into->muscle].name;
   const std::vector<double>& theta = report.fit.fit.theta;
   directory.write("arm.yaml",
-                  writeArm(report.kind == "motor" ? withMotor(*report.into, motorOf(theta))
+                  writeArm(report.kind == "motor" ? withMotor(*report.into, motorInto(report))
                                                   : withGearbox(*report.into, gearboxOf(theta, report.ratio))));
   directory.write("calibration_parameters.yaml", calibrationParameters(muscle, summary.uncertainty));
 }

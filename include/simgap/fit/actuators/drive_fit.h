@@ -9,6 +9,9 @@
 ///
 /// Channels are seldom sampled at one instant: how late voltage and current are against the velocity is fitted, too.
 /// Taken as 0, half a sample moves inertia and inductance by many times their standard deviation.
+///
+/// A load that is not in the log would enter the simulated velocity, through the back-EMF the current, and with it R, L
+/// and the delays. Where velocity or current are missed, the winding alone is fitted, its velocity the measured one.
 #pragma once
 
 #include <Eigen/Core>
@@ -37,6 +40,7 @@ struct DriveFitOptions {
   std::map<std::string, Bounds> bounds;
   bool tie_constants = false;  ///< K_T = K_E (SI units, ideal DC motor)
   double block_seconds = 20.0;
+  DriveExtent extent = DriveExtent::kWhole;  ///< the winding alone: what moves the rotor is not found
 };
 
 /// One measured channel that the simulation is compared with.
@@ -63,6 +67,7 @@ struct DriveFit {
   Uncertainty uncertainty;
   std::vector<DriveChannel> channels;
   DriveDelays delays;
+  DriveExtent extent = DriveExtent::kWhole;  ///< the winding alone where the log does not hold what acts on the motor
   std::vector<FittedDelay> fitted_delays;
   std::size_t rows = 0;  ///< that the fit saw
   std::size_t starts = 0, distinct_minima = 0;
