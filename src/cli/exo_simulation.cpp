@@ -71,13 +71,13 @@ ExoJointCommands readJointCommands(const ExoJoint& joint, const ExoSimulateOptio
   return readTold(
       session, options,
       [&](const CsvTable& table, bool linear) {
-        if (!table.has("state")) return readExoJointCommands(table, linear);
+        if (!table.has("state")) return readExoJointCommands(joint, table, linear);
         const LegSwitch told = readLegSwitch(table);
         const double end = switchEnd(told, options);
         refuseEndless(options, end - told.times.front(), joint.rate);
         return switchedTorques(joint, told, end);
       },
-      [&](const YamlNode& schedule) { return readExoJointSchedule(schedule, joint.rate); });
+      [&](const YamlNode& schedule) { return readExoJointSchedule(joint, schedule); });
 }
 
 ExitCode simulateJoint(const ExoSimulateOptions& options, const YamlNode& root, Session& session) {

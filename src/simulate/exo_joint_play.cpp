@@ -18,14 +18,24 @@ const std::vector<CommandChannel> kPressureChannels = {
 /// The first of them; the others may be missing.
 constexpr std::size_t kRequiredTorques = 1, kRequiredPressures = 2;
 
-/// Of valves: below 0 nothing is let in.
-void refuseSuction(const ExoJointCommands& commands, const auto& fail) {
+/// A controller may ask for more than valves and motor give; who tells them pressures and a current himself would read
+/// the motion of others.
+void refuseImpossible(const ExoJoint& joint, const ExoJointCommands& commands, const auto& fail) {
   if (commands.torque) return;
+  constexpr double kConverted = 1.0 + 1e-9;  // of a unit that was converted
+  const double limit = joint.motor ? joint.motor->current_limit : 0.0;
   for (Eigen::Index row = 0; row < commands.over_time.values.cols(); ++row) {
     for (const Eigen::Index channel : {0, 1}) {
       const double pressure = commands.over_time.values(channel, row);
-      if (pressure < 0.0) fail(row, fmt::format("found a pressure of {:g} Pa, expected none below 0", pressure));
+      if (pressure >= 0.0 && pressure <= kConverted * joint.supply) continue;
+      fail(row, fmt::format("found a {} of {:g} Pa, expected {}", kPressureChannels[channel].stem, pressure,
+                            pressure < 0.0 ? "none below 0" : fmt::format("at most the supply's {:g}", joint.supply)));
     }
+    const double current = commands.over_time.values(2, row);
+    if (std::abs(current) <= kConverted * limit) continue;
+    fail(row, fmt::format("found a current of {:g} A, expected {}", current,
+                          joint.motor ? fmt::format("at most the limit of {:g} either way", limit)
+                                      : "none of a joint without a motor"));
   }
 }
 
@@ -81,7 +91,7 @@ void recordTick(const ExoJoint& joint, const ExoJointMotion& motion, const ExoCo
 
 }  // namespace
 
-ExoJointCommands readExoJointCommands(const CsvTable& table, bool linear) {
+ExoJointCommands readExoJointCommands(const ExoJoint& joint, const CsvTable& table, bool linear) {
   ExoJointCommands commands;
   commands.torque = table.offersQuantity("torque", "Nm");
   if (!commands.torque && !table.offersQuantity("pressure_flexor", "Pa")) {
@@ -91,7 +101,7 @@ ExoJointCommands readExoJointCommands(const CsvTable& table, bool linear) {
   }
   commands.over_time = commands.torque ? readToldChannels(table, kTorqueChannels, kRequiredTorques, linear)
                                        : readToldChannels(table, kPressureChannels, kRequiredPressures, linear);
-  refuseSuction(commands, [&](Eigen::Index row, const std::string& sentence) {
+  refuseImpossible(joint, commands, [&](Eigen::Index row, const std::string& sentence) {
     table.fail(static_cast<std::size_t>(row), sentence);
   });
   return commands;
@@ -118,13 +128,15 @@ ExoJointCommands switchedTorques(const ExoJoint& joint, const LegSwitch& told, d
   return commands;
 }
 
-ExoJointCommands readExoJointSchedule(const YamlNode& root, double rate) {
+ExoJointCommands readExoJointSchedule(const ExoJoint& joint, const YamlNode& root) {
   const YamlNode node = root.at("joint");
   ExoJointCommands commands;
   commands.torque = node.has("torque");
-  commands.over_time = commands.torque ? readToldChannels(root, kTorqueChannels, kRequiredTorques, rate)
-                                       : readToldChannels(root, kPressureChannels, kRequiredPressures, rate);
-  refuseSuction(commands, [&](Eigen::Index, const std::string& sentence) { node.fail(sentence); });
+  commands.over_time = commands.torque ? readToldChannels(root, kTorqueChannels, kRequiredTorques, joint.rate)
+                                       : readToldChannels(root, kPressureChannels, kRequiredPressures, joint.rate);
+  refuseImpossible(joint, commands, [&](Eigen::Index row, const std::string& sentence) {
+    node.fail(fmt::format("at {:g} s {}", commands.over_time.times[row], sentence));
+  });
   return commands;
 }
 

@@ -43,6 +43,20 @@ TEST_F(ExoJointCliTest, RepeatsToTheLastByteAndPlaysItsOwnPressures) {
   EXPECT_TRUE(result().at("controllers").empty());
 }
 
+/// Valves and motor would cut them off, and the motion be that of other commands.
+TEST_F(ExoJointCliTest, RefusesPressuresAndCurrentsBeyondWhatTheJointHas) {
+  put("pressures.csv", "time_s,pressure_flexor_kPa,pressure_extensor_kPa\n0,200,300\n1,900,300\n2,900,300\n");
+  expectRefused(simulate("pressures.csv"), 3,
+                "pressures.csv:3: found a pressure_flexor of 900000 Pa, expected at most the supply's 600000");
+  put("current.csv", "time_s,pressure_flexor_bar,pressure_extensor_bar,current_A\n0,6,6,10\n1,6,6,-20\n");
+  expectRefused(simulate("current.csv"), 3,
+                "current.csv:3: found a current of -20 A, expected at most the limit of 10 either way");
+  put("schedule.yaml",
+      "format: simgap/schedule/1\njoint:\n  pressure_flexor: {segments: [{hold_bar: 3, for_s: 1}, {hold_bar: 9, for_s: "
+      "1}]}\n  pressure_extensor: {segments: [{hold_bar: 3, for_s: 2}]}\n");
+  expectRefused(simulate("schedule.yaml"), 2, "at 1 s found a pressure_flexor of 900000 Pa");
+}
+
 /// From a raw log to the muscle, and from there to the joint that names it.
 TEST_F(ExoJointCliTest, AMuscleFoundFromTheJointsLogGoesIntoTheJoint) {
   put("log.csv.gz", readText(sourceFile("data/exoskeleton/log.csv.gz")));

@@ -233,10 +233,12 @@ void readJoint(std::string bytes) {
 }
 
 void readJointCommands(std::string bytes) {
+  ExoJoint joint;
+  joint.rate = 100.0, joint.supply = 6e5;
   if (bytes.starts_with("format")) {
-    readExoJointSchedule(yaml(bytes), 100.0);
+    readExoJointSchedule(joint, yaml(bytes));
   } else {
-    readExoJointCommands(CsvTable::parse(std::move(bytes), "input.csv"), false);
+    readExoJointCommands(joint, CsvTable::parse(std::move(bytes), "input.csv"), false);
   }
 }
 

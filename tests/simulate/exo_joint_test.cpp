@@ -214,7 +214,7 @@ TEST(TorqueSplit, LeavesHighFrequenciesToTheMotor) {
 TEST(ExoJointStudy, TendonsInTheControllerImproveItsTorque) {
   const ExoJoint joint = sampleJoint();
   const ExoJointCommands commands =
-      readExoJointSchedule(YamlNode::load(sourceFile("data/exoskeleton/torque.yaml")), joint.rate);
+      readExoJointSchedule(joint, YamlNode::load(sourceFile("data/exoskeleton/torque.yaml")));
   const ExoJointStudy study = studyExoJoint(joint, commands, 20.0, 2e-4);
   ASSERT_EQ(study.runs.size(), 4U);
   EXPECT_EQ(study.runs[1].name, "tendon_alone");
@@ -230,7 +230,7 @@ TEST(ExoJointStudy, WithoutHysteresisTheRestIsTheValvesLag) {
   joint.hysteresis = 0.0;
   joint.valve_time = 1e-3;
   const ExoJointCommands commands =
-      readExoJointSchedule(YamlNode::load(sourceFile("data/exoskeleton/torque.yaml")), joint.rate);
+      readExoJointSchedule(joint, YamlNode::load(sourceFile("data/exoskeleton/torque.yaml")));
   EXPECT_LT(studyExoJoint(joint, commands, 10.0, 2e-4).runs[1].tracking.rms, 0.05);
 }
 
@@ -274,8 +274,9 @@ TEST(ExoJointFile, RefusesWhatNoJointIs) {
 }
 
 TEST(ExoJointCommands, AreTorquesOrPressures) {
-  const auto read = [](const std::string& text) {
-    return readExoJointCommands(CsvTable::parse(text, "commands.csv"), false);
+  const ExoJoint joint = sampleJoint();
+  const auto read = [&](const std::string& text) {
+    return readExoJointCommands(joint, CsvTable::parse(text, "commands.csv"), false);
   };
   EXPECT_TRUE(read("time_s,torque_Nm\n0,1\n1,2\n").torque);
   const ExoJointCommands commands =
@@ -287,7 +288,7 @@ TEST(ExoJointCommands, AreTorquesOrPressures) {
   EXPECT_THAT(errorOf([&] { read("time_s,angle_rad\n0,1\n"); }),
               HasSubstr("expected torque_Nm, or pressure_flexor_Pa"));
   EXPECT_THAT(errorOf([&] { read("time_s,pressure_flexor_Pa,pressure_extensor_Pa\n0,-1,2\n"); }),
-              HasSubstr("commands.csv:2: found a pressure of -1 Pa"));
+              HasSubstr("commands.csv:2: found a pressure_flexor of -1 Pa"));
   EXPECT_THAT(errorOf([&] { read("time_s,torque_Nm\n1,1\n0,2\n"); }), HasSubstr("expected rising times"));
 }
 

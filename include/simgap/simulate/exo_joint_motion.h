@@ -69,13 +69,14 @@ struct ExoJointCommands {
 };
 
 /// Columns `torque_Nm`, or `pressure_flexor_Pa`, `pressure_extensor_Pa` and, where there is a motor, `current_A` (0);
-/// `external_torque_Nm` (0). \throws DataError: neither, both a torque and a current, and as readCommands
-ExoJointCommands readExoJointCommands(const CsvTable& table, bool linear);
+/// `external_torque_Nm` (0). \throws DataError: neither, both a torque and a current, a pressure or a current beyond
+/// what the joint's supply and motor give, and as readCommands
+ExoJointCommands readExoJointCommands(const ExoJoint& joint, const CsvTable& table, bool linear);
 /// The torques of the joint's two states, with its lag between them, at every tick from the first state on.
 /// \param end  [s] \throws ConfigError: a joint without a switch
 ExoJointCommands switchedTorques(const ExoJoint& joint, const LegSwitch& told, double end);
-/// The same names under `joint:` of a `simgap/schedule/1`. \param rate  of the controller [Hz]  \throws ConfigError
-ExoJointCommands readExoJointSchedule(const YamlNode& root, double rate);
+/// The same names under `joint:` of a `simgap/schedule/1`.  \throws ConfigError
+ExoJointCommands readExoJointSchedule(const ExoJoint& joint, const YamlNode& root);
 
 /// How a joint is played.
 struct ExoJointPlay {
