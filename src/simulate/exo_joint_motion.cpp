@@ -2,7 +2,7 @@
 /// bristles z of both braids and of the joint's dry friction.
 ///
 ///   eps_f = eps_f0 + r0 theta / L0,   eps_e = eps_e0 - r0 theta / L0
-///   f     = max(0, p g(eps + f / k) - h p z)                          002 eq. 16, friction of the braid
+///   f     = max(0, f_0 - h p z),  f_0 = p g(eps + f_0 / k)            002 eq. 16, friction of the braid
 ///   dz/dt = (d eps/dt - |d eps/dt| z) / slip                          Dahl 1968
 ///   dp/dt = (clamp(p_ref, 0, supply) - p) / T                         valve and filling
 ///   J d omega/dt = (f_f - f_e) r0 + N eta K_t i + tau_external - W sin(theta - theta_0) - c omega - tau_c z_c + stops
