@@ -19,7 +19,7 @@ struct RobotFlaw {
   std::string label() const { return target.empty() ? cause : cause + ":" + target; }
 };
 
-/// Causes that can be hidden.
+/// Causes that the study hides in turn; "position-delay" can be hidden besides.
 const std::vector<std::string>& robotFlawNames();
 
 /// Sizes of what changes torques are such that the change is 0.7 to 4 times the noise of the joint where it is largest

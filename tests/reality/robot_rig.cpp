@@ -248,13 +248,11 @@ void writeDown(const Robot& robot, const RobotRigOptions& options, RobotRecord& 
     const RobotLink& link = robot.links[j];
     record.torque.col(j) = link.effort_gain * record.torque.col(j).array() + link.bias;
     record.q.col(j).array() -= link.zero;
-    if (link.clock_late != 0.0) {
-      for (MatrixXd* part : {&record.q, &record.v, &record.a, &record.torque}) {
-        part->col(j) = writtenLate(part->col(j), link.clock_late, options.rate);
-      }
+    const double motion_late = link.clock_late + link.position_late, effort_late = link.clock_late + link.effort_late;
+    for (MatrixXd* part : {&record.q, &record.v, &record.a}) {
+      if (motion_late != 0.0) part->col(j) = writtenLate(part->col(j), motion_late, options.rate);
     }
-    if (link.effort_late != 0.0)
-      record.torque.col(j) = writtenLate(record.torque.col(j), link.effort_late, options.rate);
+    if (effort_late != 0.0) record.torque.col(j) = writtenLate(record.torque.col(j), effort_late, options.rate);
   }
 }
 

@@ -38,7 +38,8 @@ struct RobotLink {
   double bias = 0.0;                                            ///< of the logged effort [N m]
   double effort_gain = 1.0;                                     ///< logged torque per true torque
   double zero = 0.0;                                            ///< true position less the logged one [rad]
-  double effort_late = 0.0, clock_late = 0.0;  ///< [s] of the effort; of all that is logged of the joint
+  /// [s] of the effort; of position and velocity; of all that is logged of the joint
+  double effort_late = 0.0, position_late = 0.0, clock_late = 0.0;
   ///@}
 };
 

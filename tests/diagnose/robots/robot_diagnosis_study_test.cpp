@@ -27,7 +27,8 @@ int numberFrom(const char* variable, int otherwise) {
   return text == nullptr ? otherwise : std::atoi(text);
 }
 
-/// SIMGAP_CLEAN and SIMGAP_HIDDEN: how many; SIMGAP_FIRST: the first seed; SIMGAP_FROM: the first of the hidden.
+/// SIMGAP_CLEAN and SIMGAP_HIDDEN: how many; SIMGAP_FIRST: the first seed; SIMGAP_FROM: the first of the hidden;
+/// SIMGAP_CAUSE: what is hidden in all of them instead of each in turn.
 TEST(SlowRobotDiagnosisStudy, DrawnRobots) {
   const int clean = numberFrom("SIMGAP_CLEAN", 20), hidden = numberFrom("SIMGAP_HIDDEN", 48);
   const int first = numberFrom("SIMGAP_FIRST", 1001);
@@ -44,10 +45,11 @@ TEST(SlowRobotDiagnosisStudy, DrawnRobots) {
   std::map<std::string, int> answers;
   const std::vector<std::string>& names = reality::robotFlawNames();
   const int from = numberFrom("SIMGAP_FROM", 0);
+  const char* same = std::getenv("SIMGAP_CAUSE");
   for (int k = from; k < from + hidden; ++k) {
     const auto seed = static_cast<std::uint64_t>(first + 100 + k);
     const int joints = 2 + k % 6;
-    const std::string& cause = names[static_cast<std::size_t>(k) % names.size()];
+    const std::string cause = same != nullptr ? same : names[static_cast<std::size_t>(k) % names.size()];
     const test::RobotCase drawn = test::drawCase(seed, joints, rig);
     const reality::RobotFlaw flaw = reality::hideFlaw(drawn.robot, cause, test::shortRig(10.0), 3 * seed + 2, seed);
     const Diagnosis d = test::diagnoseCase(drawn, flaw.robot, rig, 3 * seed + 1).diagnosis;
