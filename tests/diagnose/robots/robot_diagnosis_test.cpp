@@ -160,6 +160,28 @@ TEST_F(RobotDiagnosisTest, ARotorOfAnotherDriveIsNamedWithItsJoint) {
   EXPECT_EQ(test::answerFor(found.diagnosis, "rotor-inertia:j2"), "right") << found.diagnosis.sentence;
 }
 
+/// An encoder behind a filter: by the joint's own effort alone that is less viscous friction, or an early effort.
+TEST_F(RobotDiagnosisTest, ALatePositionIsNamedWithItsDelay) {
+  reality::Robot truth = drawn_->robot;
+  truth.links[1].position_late = 0.025;
+  const Diagnosis d = diagnosed(truth).diagnosis;
+  ASSERT_EQ(test::answerFor(d, "position-delay:j2"), "right") << d.sentence;
+  EXPECT_NEAR(parameterOf(d.causes.front(), "dt").value, 0.025, 0.003);
+}
+
+/// What a late position says of its own joint an early effort says, too: neither takes the other's name, nor a clock's.
+TEST_F(RobotDiagnosisTest, ALateEffortAndALateClockAreNoLatePosition) {
+  reality::Robot effort = drawn_->robot, clock = drawn_->robot, early = drawn_->robot;
+  effort.links[1].effort_late = 0.025;
+  clock.links[1].clock_late = 0.05;
+  early.links[1].effort_late = -0.025;
+  for (const auto& [truth, label] : {std::pair(effort, "channel-delay:j2"), std::pair(early, "channel-delay:j2"),
+                                     std::pair(clock, "clock-offset:j2")}) {
+    const Diagnosis d = diagnosed(truth).diagnosis;
+    EXPECT_EQ(test::answerFor(d, label), "right") << label << ": " << d.sentence;
+  }
+}
+
 /// A constant effort is an offset of the sensor or dry friction that differs by direction: no log of such a law tells.
 TEST_F(RobotDiagnosisTest, AnExactAliasIsNamedBesideTheCause) {
   reality::Robot truth = drawn_->robot;
