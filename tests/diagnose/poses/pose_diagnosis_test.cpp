@@ -97,9 +97,9 @@ TEST(PoseDiagnosis, ReadingsThatAreAloneInBeingWrongAreLeftOut) {
   const CalibrationConfig& config = test::paperConfig();
   PoseDiagnosisOptions quick;
   quick.effects = {"payload", "gravity-tilt"};
-  const Diagnosis found = diagnosePoses(test::modelOf(draw), set, config.parameters, config.noise, quick,
-                                        [](const std::string&, double) {})
-                              .diagnosis;
+  const Diagnosis found =
+      diagnosePoses(test::modelOf(draw), set, config.parameters, config.noise, quick, [](const std::string&, double) {
+      }).diagnosis;
   ASSERT_EQ(found.faults.size(), 1u);
   EXPECT_TRUE(found.faults[0].corrected);
   EXPECT_EQ(found.faults[0].rows, 2u) << found.faults[0].sentence;
