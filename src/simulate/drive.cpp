@@ -34,38 +34,44 @@ void Drive::move(DriveState& state, double voltage, double opposing_torque) cons
   state = {next[0], next[1], next[2]};
 }
 
-void Drive::step(DriveState& state, double voltage, double load) const noexcept {
-  if (coulomb_torque_ == 0.0) return move(state, voltage, load);
-  if (state.motor_velocity == 0.0) {
-    const double standing = conductance_ * voltage;
-    const double current = standing + (state.current - standing) * rest_decay_;
-    const double torque = torque_per_ampere_ * current - load;
-    if (std::abs(torque) > coulomb_torque_) {
-      DriveState moved = state;
-      move(moved, voltage, load + std::copysign(coulomb_torque_, torque));
-      // A current that only just rises past the limit may not yet have moved the rotor the right way.
-      if (std::signbit(moved.motor_velocity) == std::signbit(torque)) {
-        state = moved;
-        return;
-      }
-    }
-    state.current = current;
-    state.motor_velocity = 0.0;
-    return;
-  }
+void Drive::step(DriveState& state, double voltage, double load) const noexcept { advance(state, voltage, load); }
+
+void Drive::stepThrough(DriveState& state, double voltage, double load) const noexcept {
   const DriveState before = state;
-  move(state, voltage, load + std::copysign(coulomb_torque_, before.motor_velocity));
-  if (std::signbit(state.motor_velocity) == std::signbit(before.motor_velocity)) return;
-  // Stopped within the step: at constant deceleration, after the fraction of it at which the velocity was 0.
-  const double fraction = before.motor_velocity / (before.motor_velocity - state.motor_velocity);
-  state.shaft_angle = before.shaft_angle + 0.5 * before.motor_velocity * fraction * step_ / ratio_;
+  const double rest = advance(state, voltage, load);
   // The rest of the step begins at rest: held, or off the other way by what exceeds the Coulomb torque. Without it each
   // turn is late, and a fit takes that for less inertia.
   const double torque = torque_per_ampere_ * state.current - load;
   const double net = torque - std::clamp(torque, -coulomb_torque_, coulomb_torque_);
-  const double rest = (1.0 - fraction) * step_;
-  state.motor_velocity = net * before.motor_velocity < 0.0 ? net / inertia_ * rest : 0.0;
+  if (rest == 0.0 || net * before.motor_velocity >= 0.0) return;
+  state.motor_velocity = net / inertia_ * rest;
   state.shaft_angle += 0.5 * state.motor_velocity * rest / ratio_;
+}
+
+double Drive::advance(DriveState& state, double voltage, double load) const noexcept {
+  const DriveState before = state;
+  if (coulomb_torque_ == 0.0) {
+    move(state, voltage, load);
+    return 0.0;
+  }
+  if (state.motor_velocity == 0.0) {
+    const double standing = conductance_ * voltage;
+    state.current = standing + (state.current - standing) * rest_decay_;
+    const double torque = torque_per_ampere_ * state.current - load;
+    if (std::abs(torque) <= coulomb_torque_) return 0.0;
+    DriveState moved = before;
+    move(moved, voltage, load + std::copysign(coulomb_torque_, torque));
+    // A current that only just rises past the limit may not yet have moved the rotor the right way.
+    if (std::signbit(moved.motor_velocity) == std::signbit(torque)) state = moved;
+    return 0.0;
+  }
+  move(state, voltage, load + std::copysign(coulomb_torque_, before.motor_velocity));
+  if (std::signbit(state.motor_velocity) == std::signbit(before.motor_velocity)) return 0.0;
+  // Stopped within the step: at constant deceleration, after the fraction of it at which the velocity was 0.
+  const double fraction = before.motor_velocity / (before.motor_velocity - state.motor_velocity);
+  state.shaft_angle = before.shaft_angle + 0.5 * before.motor_velocity * fraction * step_ / ratio_;
+  state.motor_velocity = 0.0;
+  return (1.0 - fraction) * step_;
 }
 
 }  // namespace simgap

@@ -67,12 +67,12 @@ class VoltageFed {
     const double load = at(load_, row);
     const Part& drive = partsOf(dt)[part];
     DriveState next = state;
-    drive.whole.step(next, voltage, load);
+    drive.whole.stepThrough(next, voltage, load);
     if (!switches(state.motor_velocity, next.motor_velocity)) {
       state = next;
       return;
     }
-    for (int k = 0; k < kSubsteps; ++k) drive.fine.step(state, voltage, load);
+    for (int k = 0; k < kSubsteps; ++k) drive.fine.stepThrough(state, voltage, load);
   }
 
  private:

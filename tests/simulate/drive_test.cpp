@@ -257,7 +257,7 @@ double errorOverTurns(double step) {
   double error = 0.0;
   for (int look = 0; look < 240; ++look) {
     const double voltage = look / 40 % 2 == 0 ? 6.0 : -4.0;
-    coarse = after(drive, coarse, voltage, 0.0, static_cast<int>(std::lround(kLook / step)));
+    for (long i = std::lround(kLook / step); i-- > 0;) drive.stepThrough(coarse, voltage, 0.0);
     fine = rungeKutta(kMotor, kGearbox, fine, voltage, 0.0, kLook);
     error = std::max(error, std::abs(coarse.motor_velocity - fine.motor_velocity));
   }

@@ -26,15 +26,20 @@ class Drive {
  public:
   Drive(const Motor& motor, const Gearbox& gearbox, double step_s);
 
-  /// Advances one step. At rest the Coulomb torque holds up to its limit; a velocity that changes its sign within the
-  /// step is 0 at that moment, and goes on from there.
+  /// Advances one step. At rest the Coulomb torque holds up to its limit; a velocity that changes its sign within
+  /// the step ends at 0.
   /// \param voltage  [V]  \param load  torque of the line at the spindle [N m], positive unwinds.
   void step(DriveState& state, double voltage, double load) const noexcept;
+  /// As step(), but a rotor that turns goes on from the moment at which it stood: of second order. Arms do without:
+  /// their motions are fitted worse with it, and nobody knows yet why.
+  void stepThrough(DriveState& state, double voltage, double load) const noexcept;
 
   double ratio() const { return ratio_; }
 
  private:
   void move(DriveState& state, double voltage, double opposing_torque) const noexcept;
+  /// \returns [s] what is left of the step when the rotor came to rest within it
+  double advance(DriveState& state, double voltage, double load) const noexcept;
 
   Eigen::Matrix3d transition_;         ///< of (i, w, phi)
   Eigen::Matrix<double, 3, 2> input_;  ///< of (V, -opposing torque)
