@@ -40,7 +40,7 @@ class DrivenRotor {
     const double next = move(velocity, driving - std::copysign(coulomb_, velocity), dt);
     if (std::signbit(next) == std::signbit(velocity)) return next;
     // What is left of the step begins at rest.
-    return std::abs(driving) <= coulomb_ ? 0.0 : step(0.0, current, load, dt * next / (next - velocity));
+    return step(0.0, current, load, dt * next / (next - velocity));
   }
 
  private:

@@ -281,13 +281,11 @@ class Judge {
       return *both;
     };
     const std::string doubt = doubtBeside(slow);
-    const auto said = [&](std::string_view sentence) {
-      return fmt::format(fmt::runtime(sentence), fmt::arg("below", below), fmt::arg("doubt", doubt),
-                         fmt::arg("unit", log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s"));
-    };
-    if (!doubt.empty()) return said("beside friction of any shape in slow motion (below {below:.2g} {unit}) {doubt}");
+    const std::string slow_motion =
+        fmt::format("slow motion (below {:.2g} {})", below, log_.data.velocity_unit == "m_s" ? "m/s" : "rad/s");
+    if (!doubt.empty()) return "beside friction of any shape in " + slow_motion + " " + doubt;
     if (below == 0.0 || effect.remembers || gainsInFastMotion(cause, below)) return {};
-    return said("it explains only slow motion (below {below:.2g} {unit}), where friction has no closed form");
+    return "it explains only " + slow_motion + ", where friction has no closed form";
   }
 
   /// Turns of some rows can be all that a cause explains, in which no curve over the speed stands for friction.

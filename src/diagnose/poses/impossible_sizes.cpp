@@ -19,15 +19,18 @@ std::string bodyOfNoMass(const ArmModel& model) {
 }
 
 /// Nobody misses a base that is so far from level: something else pulls, a tether or a hose.
-std::string visibleTilt(const std::vector<Estimate>& turn) {
+std::string visibleTilt(double tilt) {
   constexpr double kSeen = 0.5;  // [rad]
-  double squared = 0.0;
-  for (const Estimate& p : turn) squared += p.value * p.value;
-  if (squared <= kSeen * kSeen) return "";
-  return fmt::format("a base that is {:.0f} deg off level would be seen", toDegrees(std::sqrt(squared)));
+  return tilt <= kSeen ? "" : fmt::format("a base that is {:.0f} deg off level would be seen", toDegrees(tilt));
 }
 
 }  // namespace
+
+double tiltOf(std::span<const Estimate> turn) {
+  double squared = 0.0;
+  for (const Estimate& p : turn) squared += p.value * p.value;
+  return std::sqrt(squared);
+}
 
 std::string impossibleSize(const PoseFit& fit, std::size_t cause) {
   const ArmModel model = fit.model();
@@ -41,7 +44,7 @@ std::string impossibleSize(const PoseFit& fit, std::size_t cause) {
     const std::string unit = parameter.unit == "1" ? "" : " " + std::string(parameter.unit);
     return fmt::format("{} = {:.3g}{} is no physical size", parameter.name, value, unit);
   }
-  if (effect.gravity != nullptr) return visibleTilt(extension.parameters);
+  if (effect.gravity != nullptr) return visibleTilt(tiltOf(extension.parameters));
   return effect.mass ? bodyOfNoMass(model) : "";
 }
 

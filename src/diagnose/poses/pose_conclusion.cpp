@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnose/verdict.h"
+#include "impossible_sizes.h"
 #include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
@@ -63,13 +64,12 @@ void warnOfTilt(Diagnosis& d) {
   for (const Cause& cause : d.causes) {
     const ArmEffect* effect = findArmEffect(cause.effect);
     if (effect == nullptr || effect->gravity == nullptr) continue;
-    double squared = 0.0;
-    for (const Estimate& p : cause.parameters) squared += p.value * p.value;
-    if (squared <= kNoticed * kNoticed) continue;
+    const double tilt = tiltOf(cause.parameters);
+    if (tilt <= kNoticed) continue;
     d.warnings.push_back(
         fmt::format("{}: look whether the base is {:.0f} deg off level; if it is not, something else pulls in one "
                     "direction, such as a tether or a hose",
-                    cause.effect, toDegrees(std::sqrt(squared))));
+                    cause.effect, toDegrees(tilt)));
   }
 }
 

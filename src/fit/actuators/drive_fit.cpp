@@ -27,7 +27,7 @@ class ResponseProblem {
       : log_(log),
         options_(options),
         fitted_(rows),
-        velocity_(!log.velocity.empty() && options.extent == DriveExtent::kWhole),
+        velocity_(!log.velocity.empty() && *options.extent == DriveExtent::kWhole),
         current_(!log.current.empty() && !log.voltage.empty()),
         step_(meanStep(log)),
         typical_(kCount, 0.0) {
@@ -88,7 +88,7 @@ class ResponseProblem {
     std::vector<double> all(theta.begin(), theta.end());
     if (options_.tie_constants) all[kKt] = all[kKe];
     std::vector<double> current(rows.size()), velocity(rows.size());
-    simulateSession(log_, rows, motorOf(all), gearboxOf(all, options_.ratio), delays(all), options_.extent, current,
+    simulateSession(log_, rows, motorOf(all), gearboxOf(all, options_.ratio), delays(all), *options_.extent, current,
                     velocity);
     Index at = 0;
     for (std::size_t i = rows.begin; i < rows.end; ++i) {
@@ -136,7 +136,7 @@ void checkMotorLog(const MotorLog& log) {
 /// Fixes what cannot be told without a load in the log.
 void settleUnloaded(const MotorLog& log, DriveFitOptions& options, std::vector<std::string>& missing,
                     std::vector<std::string>& warnings) {
-  const bool whole = options.extent == DriveExtent::kWhole;
+  const bool whole = *options.extent == DriveExtent::kWhole;
   const char* const only = "J_M, mu_M and tau_CM hold only if nothing loaded the motor";
   for (const char* name : {"J_M", "mu_M", "tau_CM"}) {
     if (whole) break;
@@ -276,10 +276,10 @@ void settleEstimates(Uncertainty& uncertainty, const DriveFitOptions& options,
   }
 }
 
-DriveFit fitExtent(const MotorLog& log, const DriveFitOptions& given, const std::vector<bool>& rows) {
-  DriveFitOptions options = given;
+DriveFit fitExtent(const MotorLog& log, DriveFitOptions options, DriveExtent extent, const std::vector<bool>& rows) {
+  options.extent = extent;
   DriveFit fit;
-  fit.extent = options.extent;
+  fit.extent = extent;
   const std::vector<std::string> missing = settleMissing(log, options, fit.warnings);
   fit.first_guess = driveFirstGuess(log, options);
   ResponseProblem response(log, options, rows);
@@ -292,7 +292,7 @@ DriveFit fitExtent(const MotorLog& log, const DriveFitOptions& given, const std:
   const auto measure = [&](std::span<const double> at) {
     std::vector<double> all(at.begin(), at.end());
     if (options.tie_constants) all[kKt] = all[kKe];
-    return simulateDrive(log, motorOf(all), gearboxOf(all, options.ratio), response.delays(all), options.extent);
+    return simulateDrive(log, motorOf(all), gearboxOf(all, options.ratio), response.delays(all), extent);
   };
   // The channels' weights follow the fit.
   response.velocityScale = response.hasVelocity() ? spread(log.velocity) : 1.0;
@@ -347,7 +347,7 @@ bool isMissed(const DriveChannel& channel, const std::vector<double>& measured) 
 /// What a motor that nothing loads does not explain of a log without a load; empty when it does. A torque that turns a
 /// strong motor by little shows in its current.
 std::string missedWithoutLoad(const MotorLog& log, const DriveFitOptions& options, const DriveFit& fit) {
-  if (fit.extent == DriveExtent::kWinding || !options.fit_motor || varies(log.load)) return "";
+  if (!options.fit_motor || varies(log.load)) return "";
   if (!varies(log.voltage) || !varies(log.current) || !varies(log.velocity)) return "";
   const DriveChannel &velocity = fit.channels[0], &current = fit.channels[1];
   if (!isMissed(velocity, log.velocity) && !isMissed(current, log.current)) return "";
@@ -360,24 +360,28 @@ std::string missedWithoutLoad(const MotorLog& log, const DriveFitOptions& option
 
 }  // namespace
 
+std::vector<std::string> notFound(const Uncertainty& uncertainty) {
+  std::vector<std::string> names;
+  for (const Estimate& e : uncertainty.estimates) {
+    if (std::isnan(e.value)) names.push_back(e.name);
+  }
+  return names;
+}
+
 DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& rows) {
   constexpr double kExplains = 0.5;  // of the current's error is left when the velocity is given
   checkMotorLog(log);
-  DriveFit whole = fitExtent(log, options, rows);
+  if (options.extent) return fitExtent(log, options, *options.extent, rows);
+  DriveFit whole = fitExtent(log, options, DriveExtent::kWhole, rows);
   const std::string missed = missedWithoutLoad(log, options, whole);
   if (missed.empty()) return whole;
-  DriveFitOptions alone = options;
-  alone.extent = DriveExtent::kWinding;
-  DriveFit winding = fitExtent(log, alone, rows);
+  DriveFit winding = fitExtent(log, options, DriveExtent::kWinding, rows);
   if (winding.channels.front().rms > kExplains * whole.channels.back().rms) {
     whole.warnings.push_back(missed +
                              ", and its winding alone does not explain the current either: intervals are too narrow");
     return whole;
   }
-  std::vector<std::string> unknown;
-  for (const Estimate& e : winding.uncertainty.estimates) {
-    if (std::isnan(e.value)) unknown.push_back(e.name);
-  }
+  const std::vector<std::string> unknown = notFound(winding.uncertainty);
   winding.warnings.insert(
       winding.warnings.begin(),
       fmt::format("something acts on the motor that the log does not hold: {}; R, L and K_E are those of the winding "

@@ -54,15 +54,15 @@ Eigen::MatrixXd orthonormalPowers(const Eigen::ArrayXd& time) {
 /// Without the rows in which the joint stood before it turned: friction is anything within its limits there.
 std::vector<std::size_t> rowsAround(const TurningJoint& joint, std::size_t turn, const Block& run,
                                     const MotionSign& sign, double seconds) {
+  const auto goesOn = [&](std::size_t i, std::size_t as) {
+    return sign.direction[i] == sign.direction[as] && std::abs(joint.time[i] - joint.time[turn]) <= seconds;
+  };
+  std::size_t begin = turn, end = turn;
+  while (begin > run.begin && goesOn(begin - 1, turn - 1)) --begin;
+  while (end < run.end && goesOn(end, turn)) ++end;
   std::vector<std::size_t> rows;
-  const signed char to = sign.direction[turn], from = sign.direction[turn - 1];
-  for (std::size_t i = turn; i-- > run.begin && sign.direction[i] == from;) {
-    if (joint.time[turn] - joint.time[i] > seconds) break;
-    if (joint.position[i] != joint.position[i + 1]) rows.insert(rows.begin(), i);
-  }
-  for (std::size_t i = turn; i < run.end && sign.direction[i] == to; ++i) {
-    if (joint.time[i] - joint.time[turn] > seconds) break;
-    rows.push_back(i);
+  for (std::size_t i = begin; i < end; ++i) {
+    if (i >= turn || joint.position[i] != joint.position[i + 1]) rows.push_back(i);
   }
   return rows;
 }

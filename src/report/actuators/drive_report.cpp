@@ -50,15 +50,6 @@ std::string channelText(const DriveChannel& channel, const std::optional<double>
                      heldout ? fmt::format(" (held out {:.4g})", *heldout) : "", 100.0 * channel.rms / channel.spread);
 }
 
-/// Names of what was not found.
-std::vector<std::string> unknownOf(const Uncertainty& uncertainty) {
-  std::vector<std::string> names;
-  for (const Estimate& e : uncertainty.estimates) {
-    if (std::isnan(e.value)) names.push_back(e.name);
-  }
-  return names;
-}
-
 /// The motor that goes into an arm: what was not found stays as it is there.
 Motor motorInto(const DriveReport& report) {
   const Motor& own = report.into->arm.muscles[report.into->muscle].motor;
@@ -101,7 +92,7 @@ FitSummary summarise(const DriveReport& report) {
   summary.distinct_minima = fit.distinct_minima;
   summary.comparison.push_back({report.kind, 0, summary.mse, summary.mse_heldout, 0.0});
   summary.warnings = fit.warnings;
-  if (const std::vector<std::string> unknown = unknownOf(summary.uncertainty); report.into && !unknown.empty()) {
+  if (const std::vector<std::string> unknown = notFound(summary.uncertainty); report.into && !unknown.empty()) {
     summary.warnings.push_back(fmt::format("arm.yaml keeps the arm's own {}", fmt::join(unknown, ", ")));
   }
   for (std::size_t c = 0; c < fit.channels.size(); ++c) {

@@ -175,6 +175,13 @@ TEST(MotorFit, AnUnloggedLoadLeavesTheWindingAlone) {
   EXPECT_NEAR(fit.channels[0].rms, 0.02, 0.004);  // and K_E / R times the velocity's noise
 }
 
+// A refit without held-out rows has the channels of the fit that it judges.
+TEST(MotorFit, AStatedExtentIsKept) {
+  DriveFitOptions whole;
+  whole.extent = DriveExtent::kWhole;
+  EXPECT_EQ(fitDrive(readDrive(logUnderUnloggedLoad(0.008)), whole).channels.size(), 2u);
+}
+
 TEST(MotorFit, WithoutAnyLoadTheMechanicsIsFound) {
   const DriveFit fit = fitDrive(readDrive(logUnderUnloggedLoad(0.0)), {});
   EXPECT_EQ(fit.extent, DriveExtent::kWhole);

@@ -40,7 +40,7 @@ struct DriveFitOptions {
   std::map<std::string, Bounds> bounds;
   bool tie_constants = false;  ///< K_T = K_E (SI units, ideal DC motor)
   double block_seconds = 20.0;
-  DriveExtent extent = DriveExtent::kWhole;  ///< the winding alone: what moves the rotor is not found
+  std::optional<DriveExtent> extent;  ///< of a winding alone, what moves the rotor is not found; none: as the log asks
 };
 
 /// One measured channel that the simulation is compared with.
@@ -77,6 +77,9 @@ struct DriveFit {
 /// \param rows  shape (rows): that are fitted; empty for all.
 /// \throws DataError: channels that make the whole fit impossible, with what to record.
 DriveFit fitDrive(const MotorLog& log, const DriveFitOptions& options, const std::vector<bool>& rows = {});
+
+/// Names of what a log could not tell.
+std::vector<std::string> notFound(const Uncertainty& uncertainty);
 
 Motor motorOf(std::span<const double> theta);
 Gearbox gearboxOf(std::span<const double> theta, double ratio);
