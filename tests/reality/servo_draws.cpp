@@ -91,7 +91,11 @@ std::vector<ServoDrawable> otherDrawables() {
       {"backlash",
        {kGearedJoint},
        [](const Scale& s) { return std::pair(50.0 * s.travel, 600.0 * s.travel); },
-       [](ServoSecret& s, double m) { s.backlash = m; }}};
+       [](ServoSecret& s, double m) { s.backlash = m; }},
+      {"joint-spring",
+       {kCable, kGearedJoint, kPendulum},
+       [](const Scale& s) { return std::pair(0.05 * s.torque, s.torque); },
+       [](ServoSecret& s, double m) { s.harness = m; }}};
 }
 
 const std::vector<ServoDrawable>& servoDrawables() {
@@ -181,6 +185,9 @@ void drawServoDetails(ServoSecret& secret, const ServoRig& rig, std::mt19937_64&
   secret.change_time = static_cast<double>(rig.rows) / rig.rate * (0.25 + 0.5 * u(random));
   secret.bend_saturates = u(random) < 0.5;
   secret.knee = rig.largest_effort * (0.12 + 0.15 * u(random));
+  std::mt19937_64 of_harness(rig.seed * 131 + 17);  // its own: the others stay as they were before there was one
+  secret.harness_slack = u(of_harness) < 0.5;
+  secret.harness_angle = -0.3 + 0.6 * u(of_harness);
 }
 
 Scale scaleOf(const ServoRig& rig) {

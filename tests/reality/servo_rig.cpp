@@ -148,6 +148,7 @@ class ServoDrive {
   double plainTravel() const { return 2e-4 * rig_.top_speed; }
   double plainLevel(double w) const;
   double secretLevel(double w, double load, double change, double humidity) const;
+  double harnessTorque() const;
   double secretViscous(double w) const;
   double motorTorque(double effort, double supply) const;
   void sagRail(double effort);
@@ -231,6 +232,12 @@ double ServoDrive::dryDirection(double free, double level, double viscous, doubl
   return share;
 }
 
+double ServoDrive::harnessTorque() const {
+  const double stretch = joint() - secret_.harness_angle;
+  if (secret_.harness_slack) return 0.5 * secret_.harness * (stretch + std::hypot(stretch, 0.1));
+  return secret_.harness * std::sinh(0.8 * stretch) / 0.8;
+}
+
 void ServoDrive::step(double effort, double change, double humidity, double supply, double neighbour, double room) {
   const ServoSecret& s = secret_;
   load_ = weight_ * std::sin(joint() - weight_angle_);
@@ -240,7 +247,7 @@ void ServoDrive::step(double effort, double change, double humidity, double supp
     engaged = gap_ > 0.0 && gap_ < s.backlash ? 0.0 : 1.0;
   }
   const double warm = 1.0 / (1.0 + s.friction_heating * (temperature_ - kReference));
-  const double inner = load_ + s.hidden_weight * std::sin(joint() - s.hidden_angle);
+  const double inner = load_ + s.hidden_weight * std::sin(joint() - s.hidden_angle) + harnessTorque();
   const double phase = s.ripple_ratio * joint() + 1.0;
   const double ripple = s.ripple * (std::sin(phase) + 0.5 * std::sin(2.0 * phase + 0.7) + 0.25 * std::sin(3.0 * phase));
   const double level = engaged * warm * secretLevel(w_, inner, change, humidity);

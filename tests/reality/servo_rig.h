@@ -35,6 +35,9 @@ struct ServoSecret {
   double inertia = 0.0;             ///< [N m s^2/rad]
   double hidden_weight = 0.0;       ///< [N m]
   double hidden_angle = 0.0;        ///< [rad]
+  double harness = 0.0;             ///< [N m/rad] stiffness of cables that hang at the joint
+  double harness_angle = 0.0;       ///< [rad] at which they are relaxed, or become taut
+  bool harness_slack = false;       ///< they pull on one side only, from a soft beginning on; else more beyond 1 rad
   double bend = 0.0;                ///< [1/rad] dry friction x (1 + bend angle), or with a saturating bend
   bool bend_saturates = false;      ///< the bend acts as tanh(1.5 angle) / 1.5
   double ripple = 0.0;              ///< [N m], with half of it at the second and a quarter at the third harmonic

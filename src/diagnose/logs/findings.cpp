@@ -9,6 +9,7 @@
 
 #include "diagnose/verdict.h"
 #include "drift.h"
+#include "free_shape.h"
 #include "load_friction.h"
 #include "log_conclusion.h"
 #include "placebos.h"
@@ -249,7 +250,8 @@ class Judge {
     }
     std::string not_late = doubtOfDelay(search_, full, without_[cause], effect);
     if (!not_late.empty()) return not_late;
-    if (isDrift(cause)) return "a drift over time explains as much as a change at one moment";
+    if (std::string moment = doubtOfMoment(cause); !moment.empty()) return moment;
+    if (std::string shape = doubtOfShape(cause); !shape.empty()) return shape;
     if (std::string slow = doubtOfSlowMotion(cause); !slow.empty()) return slow;
     if (std::string weight = doubtOfWeight(cause); !weight.empty()) return weight;
     if (std::string load = doubtOfLoad(cause); !load.empty()) return load;
@@ -259,10 +261,41 @@ class Judge {
                        100.0 * placebos.largest, 100.0 * placebos.gain);
   }
 
-  /// Whether friction and effort that drift over the log explain as much as a change at one moment.
-  bool isDrift(std::size_t cause) const {
-    if (!selection_.chosen.model->effects()[own_ + cause]->at_moment) return false;
-    return trained(besideDrift(search_, without_[cause])) <= trained(selection_.chosen);
+  /// Why a change at one moment may be none: friction and effort that drift over the log explain as much, or where the
+  /// motion was before and after.
+  std::string doubtOfMoment(std::size_t cause) const {
+    if (!selection_.chosen.model->effects()[own_ + cause]->at_moment) return {};
+    if (trained(besideDrift(search_, without_[cause])) <= trained(selection_.chosen))
+      return "a drift over time explains as much as a change at one moment";
+    for (std::size_t channel = 0; channel < log_.context.size(); ++channel) {
+      const std::string& name = log_.context[channel].name;
+      if (name == "time") continue;
+      const auto over = static_cast<ShapeOver>(channel);
+      const std::string doubt = doubtBeside([&](const HeldOutPart& part) -> std::optional<Beside> {
+        return Beside{besideShapeOver(*part.search, part.without[cause], over),
+                      besideShapeOver(*part.search, part.chosen, over)};
+      });
+      if (!doubt.empty()) return fmt::format("beside an effort of any shape over {} {}", name, doubt);
+    }
+    return {};
+  }
+
+  /// Why what goes with the joint's angle is not of this shape; empty for causes that are none of the angle alone.
+  std::string doubtOfShape(std::size_t cause) const {
+    constexpr double kMore = 0.1;  // of what is left
+    const auto& effects = selection_.chosen.model->effects();
+    if (!effects[own_ + cause]->of_angle) return {};
+    for (std::size_t other = 0; other < causes(); ++other) {
+      if (other == cause || !effects[own_ + other]->of_angle || gainOf(other).value < gainOf(cause).value) continue;
+      return fmt::format("{} goes with the joint's angle, too, and it may only be what that one's shape lacks",
+                         effects[own_ + other]->name);
+    }
+    const std::vector<Eigen::VectorXd> unseen = parts_.residuals([&](const HeldOutPart& part) -> std::vector<Fitted> {
+      return {part.chosen, besideShapeOver(*part.search, part.without[cause], ShapeOver::kJointAngle)};
+    });
+    const Interval more = predictedGain(errorsOf(unseen[0]).sum, errorsOf(unseen[1]).sum, options_.seed);
+    if (more.value < kMore || more.lower95 <= 0.0) return {};
+    return fmt::format("an effort of any other shape over the joint's angle leaves {:.0f} % less", 100.0 * more.value);
   }
 
   /// Why a cause only bends the law's curve of slow motion; empty when it explains something beside any such curve, and

@@ -115,7 +115,12 @@ Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
                                 const std::vector<std::vector<double>>& at, double hopeless) const {
   constexpr std::size_t kToTheEnd = 2;
   std::vector<std::vector<double>> starts;
-  for (const std::vector<double>& start : at) starts.push_back(model->solveCoefficients(start, training_));
+  for (std::vector<double> start : at) {
+    for (std::size_t i = model->linear(); i < start.size(); ++i) {
+      start[i] = std::clamp(start[i], model->parameters()[i].lower, model->parameters()[i].upper);
+    }
+    starts.push_back(model->solveCoefficients(std::move(start), training_));
+  }
   std::vector<std::pair<double, std::size_t>> promise;
   for (std::size_t s = 0; s < starts.size(); ++s) {
     stopIfInterrupted();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "free_shape.h"
 #include "log_causes.h"
 #include "log_conclusion.h"
 #include "simgap/measure/logs/log_kind.h"
@@ -15,6 +16,21 @@ namespace simgap {
 namespace {
 
 constexpr double kDerived = 1e-9;  // of the joint's range: one angle was worked out from the other
+
+/// Why what seems to stretch may be an error of an encoder, which goes with the angle as many loads do: empty where
+/// the cause explains something beside any error over the angle.
+std::string doubtOfStretch(const LogSearch& search, const Selection& selection, const std::vector<Block>& heldout,
+                           const std::vector<int>& session, std::uint64_t seed) {
+  const auto beside = [&](const Fitted& fitted) { return besideShapeOver(search, fitted, ShapeOver::kMotorAngle); };
+  const std::vector<Eigen::VectorXd> unseen =
+      heldOutResiduals(search, {beside(selection.baseline), beside(selection.chosen)}, heldout, session);
+  const auto sumOf = [&](const Eigen::VectorXd& errors) { return heldOutErrors(search, errors, heldout, session).sum; };
+  const Interval gain = predictedGain(sumOf(unseen[0]), sumOf(unseen[1]), seed);
+  if (gain.lower95 > 0.0 && nestedP(search.added(unseen[0], unseen[1], heldout)) < 0.01) return {};
+  return fmt::format(
+      "beside an error of the encoders over the angle it may explain nothing ({:.1f} %, {:.1f} to {:.0f})",
+      100.0 * gain.value, 100.0 * gain.lower95, 100.0 * gain.upper95);
+}
 
 }  // namespace
 
@@ -53,6 +69,13 @@ void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const
     heldout.push_back(heldOutErrors(search, unseen, split.heldout, log.data.rows.session));
   }
   for (Cause& cause : causesOf(selection, heldout, rigid, elastic, 0, options.seed)) {
+    std::string doubt = doubtOfStretch(search, selection, split.heldout, log.data.rows.session, options.seed);
+    if (doubt.empty() && cause.gain_heldout.lower95 < options.least_gain)
+      doubt = "its gain on held-out data may be nothing";
+    if (!doubt.empty()) {
+      d.candidates.push_back({cause.effect, {}, doubt, cause.gain_heldout});
+      return;
+    }
     const std::string found = fmt::format(
         "{}; the joint's angle follows from the motor's with {:.1f} % less squared "
         "error on data never used",

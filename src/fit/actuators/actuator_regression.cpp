@@ -29,6 +29,19 @@ std::string unitOn(std::string_view unit, const ActuatorData& data) {
   return text;
 }
 
+/// The slowest Stribeck velocity that rows can tell: of a steeper curve too few of them would see anything but its end,
+/// and what those few ask for is a static friction without bound.
+double slowestSeen(const ActuatorData& data) {
+  constexpr std::size_t kFewest = 20;  // rows
+  std::vector<double> speeds;
+  for (Index i = 0; i < data.rows.rows(); ++i) {
+    if (data.keep[i]) speeds.push_back(std::abs(data.rows.speed[i]));
+  }
+  if (speeds.size() <= kFewest) return 0.0;
+  std::ranges::nth_element(speeds, speeds.begin() + kFewest);
+  return speeds[kFewest];
+}
+
 }  // namespace
 
 ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<const ActuatorEffect*> effects,
@@ -64,6 +77,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
   if (base.law != nullptr) {
     std::ranges::copy(stribeckParameters(*base.law, data.rows.top_speed, data.velocity_unit),
                       std::back_inserter(parameters_));
+    if (base.hasStribeck()) parameters_[linear_].lower = std::max(parameters_[linear_].lower, slowestSeen(data));
   }
   if (presliding) add(std::string(kNuisance), "rad", 1e-6, *presliding);
   if (data.angle) add(std::string(kAngleOffset), "rad", -kInfinity, kInfinity);
@@ -269,7 +283,7 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   jacobian->resize(n, static_cast<Index>(parameters_.size()));
   if (e.saturation.acts()) {
     jacobian->leftCols(linear) = (e.x.array().colwise() * e.saturation.slope(x_c.array(), for_speed)).matrix();
-    jacobian->col(viscous).array() += e.x.col(viscous).array() * e.saturation.slopeBySpeed(x_c.array());
+    jacobian->col(viscous).array() += e.x.col(viscous).array() * e.saturation.slopeBySpeed(x_c.array(), for_speed);
   } else {
     jacobian->leftCols(linear) = e.x;
   }

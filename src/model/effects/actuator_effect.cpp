@@ -13,13 +13,31 @@ bool appliesTo(const ActuatorEffect& effect, ActuatorKind kind) {
   return kind == ActuatorKind::kGearbox && effect.kind == ActuatorKind::kFriction && effect.on_gearbox;
 }
 
-Eigen::ArrayXd Saturation::effort(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const {
-  return i + sag * i.abs() * (i - i_v) + cubic * i.cube() + excess * i.sign() * (i.abs() - knee).max(0.0);
+namespace {
+
+constexpr double kLeast = 0.2;  // of a supply's voltage is left: less than a half is beyond its largest power
+
+/// What is left of a supply's voltage.
+Eigen::ArrayXd leftBySag(double sag, const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) {
+  return (1.0 - sag * i.sign() * (i - i_v)).max(kLeast);
 }
 
+}  // namespace
+
+Eigen::ArrayXd Saturation::effort(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const {
+  return i / leftBySag(sag, i, i_v) + cubic * i.cube() + excess * i.sign() * (i.abs() - knee).max(0.0);
+}
+
+// d/dI of I / (1 - s sign(I) (I - I_v)) = (1 + s sign(I) I_v) / (1 - s sign(I) (I - I_v))^2
 Eigen::ArrayXd Saturation::slope(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const {
-  return 1.0 + sag * (2.0 * i.abs() - i.sign() * i_v) + 3.0 * cubic * i.square() +
+  const Eigen::ArrayXd left = leftBySag(sag, i, i_v);
+  return (left > kLeast).select((1.0 + sag * i.sign() * i_v) / left.square(), 1.0 / left) + 3.0 * cubic * i.square() +
          excess * (i.abs() > knee).cast<double>();
+}
+
+Eigen::ArrayXd Saturation::slopeBySpeed(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const {
+  const Eigen::ArrayXd left = leftBySag(sag, i, i_v);
+  return (left > kLeast).select(-sag * i.abs() / left.square(), 0.0);
 }
 
 std::string titleOf(const ActuatorEffect& effect) {

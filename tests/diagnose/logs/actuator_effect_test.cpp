@@ -230,7 +230,8 @@ TEST(EffectForms, AFormThatIsNoneIsRefusedWithThoseThatAre) {
         try {
           actuator_effects::find("bend-friction", "cubic");
         } catch (const ConfigError& error) {
-          EXPECT_STREQ(error.what(), "found the form 'cubic' of bend-friction, expected one of exponential, linear");
+          EXPECT_STREQ(error.what(),
+                       "found the form 'cubic' of bend-friction, expected one of exponential, linear, symmetric");
           throw;
         }
       },

@@ -24,9 +24,10 @@ namespace simgap {
 struct FrictionLaw;
 
 /// What a motor draws that would draw I if its torque grew with its current for ever, in
-/// effort = I + sag |I| (I - I_v) + cubic I^3 + excess sign(I) max(|I| - knee, 0), I_v the part of I for the speed.
+/// effort = I / (1 - sag sign(I) (I - I_v)) + cubic I^3 + excess sign(I) max(|I| - knee, 0), I_v the part of I for the
+/// speed.
 struct Saturation {
-  double sag = 0.0;     ///< [1/A] of a supply: the share of I that its resistance takes is that current's, without I_v
+  double sag = 0.0;     ///< [1/A] of a supply: the share of the effort that its resistance takes goes with I - I_v
   double cubic = 0.0;   ///< [1/A^2]
   double excess = 0.0;  ///< [1]
   double knee = 0.0;    ///< [A]
@@ -37,7 +38,7 @@ struct Saturation {
   /// Of the effort by I, I_v held.
   Eigen::ArrayXd slope(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const;
   /// Of the effort by I_v, I held.
-  Eigen::ArrayXd slopeBySpeed(const Eigen::ArrayXd& i) const { return -sag * i.abs(); }
+  Eigen::ArrayXd slopeBySpeed(const Eigen::ArrayXd& i, const Eigen::ArrayXd& i_v) const;
 };
 
 /// What the columns are made of. Arrays of shape (n).
@@ -117,6 +118,7 @@ struct ActuatorEffect {
   Eigen::ArrayXd ActuatorRows::*multiple_of = nullptr;
   bool is_bias = false;         ///< constant from the beginning on: what begins at a moment is no rival of it
   bool at_moment = false;       ///< from a moment on: more than a drift has to explain
+  bool of_angle = false;        ///< an effort that goes with the joint's angle alone
   bool remembers = false;       ///< it depends on the rows before: on travel, rests, another time
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
   bool on_drive = false;        ///< a gearbox's cause that any drive can have, too

@@ -1,20 +1,35 @@
 /// \file
 /// Friction that falls as the drive warms up: viscous and dry friction x exp(-beta (T - T_mean)), a beta for each, or
 /// x 1 / (1 + beta (T - T_mean)) (the viscosity of some greases).
-/// Where no temperature is logged, a first-order warm-up 1 - exp(-t / t_warm) of the whole log stands for it.
+/// Where no temperature is logged, a first-order warm-up 1 - exp(-t / t_warm) stands for it, of the whole log or of
+/// each session after a long pause.
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::friction_heating {
 namespace {
 
-constexpr EffectParameter kParameters[] = {{"beta_viscous", "1", -2.0, 2.0, 0.0, 0.0},
-                                           {"beta_dry", "1", -2.0, 2.0, 0.0, 0.0},
+constexpr EffectParameter kParameters[] = {{"beta_viscous", "1", -10.0, 10.0, 0.0, 0.0},
+                                           {"beta_dry", "1", -10.0, 10.0, 0.0, 0.0},
                                            {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant},
-                                           {"t_warm", "s", 1.0, 1e6, 1.0, 1.0, EffectParameter::Kind::kShape}};
+                                           {"t_warm", "s", 1.0, 1e6, 1.0, 1.0, EffectParameter::Kind::kShape},
+                                           {"cools", "1", 0.0, 1.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
+
+/// [s] since the log began, or the session where it cools down between them.
+Eigen::ArrayXd warmingTime(bool cools, const ActuatorRows& rows) {
+  Eigen::ArrayXd time = rows.elapsed - rows.elapsed[0];
+  if (!cools) return time;
+  double begin = 0.0;
+  for (Eigen::Index i = 1; i < time.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (rows.session[k] != rows.session[k - 1]) begin = time[i];
+    time[i] -= begin;
+  }
+  return time;
+}
 
 Eigen::ArrayXd warmthOf(std::span<const double> p, const ActuatorRows& rows) {
   if (rows.temperature.size() > 0) return rows.temperature - p[2];
-  return 1.0 - (-(rows.time - rows.time[0]) / p[3]).exp();
+  return 1.0 - (-warmingTime(p[4] != 0.0, rows) / p[3]).exp();
 }
 
 void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
@@ -30,9 +45,14 @@ void applyHyperbolic(std::span<const double> p, const ActuatorRows& rows, Actuat
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
-  if (rows.temperature.size() > 0) return {{0.0, 0.0, rows.temperature.mean(), 1.0}};
-  const double length = rows.time[rows.rows() - 1] - rows.time[0];
-  return {{0.05, 0.05, 0.0, 0.1 * length}, {0.05, 0.05, 0.0, 0.4 * length}, {0.05, 0.05, 0.0, 2.0 * length}};
+  if (rows.temperature.size() > 0) return {{0.0, 0.0, rows.temperature.mean(), 1.0, 0.0}};
+  const double length = rows.elapsed[rows.rows() - 1] - rows.elapsed[0];
+  std::vector<std::vector<double>> list;
+  for (const double cools : {0.0, 1.0}) {
+    if (cools != 0.0 && rows.session.front() == rows.session.back()) break;
+    for (const double share : {0.1, 0.4, 2.0}) list.push_back({0.05, 0.05, 0.0, share * length, cools});
+  }
+  return list;
 }
 
 constexpr ActuatorEffect kUsual = {

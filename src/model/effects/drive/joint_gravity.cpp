@@ -35,6 +35,7 @@ const ActuatorEffect entry = {
     .separates = "slow motion over the widest range of joint angles",
     .parameters = kParameters,
     .needs = kNeeds,
+    .of_angle = true,
     .apply = apply,
     .starts = starts,
 };

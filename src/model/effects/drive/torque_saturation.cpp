@@ -1,7 +1,7 @@
 /// \file
 /// Torque per ampere that falls at high current: effort = I + s I^3, I what an unsaturated motor would draw, or from a
 /// knee on effort = I + s (|I| - I_knee) sign(I). Of a duty or a set voltage U: what a supply with a resistance gives
-/// falls with the current, which is what the voltage leaves beside the back-EMF: effort = U + s |U| (U - k_v w).
+/// falls with the current, which is what the voltage leaves beside the back-EMF: U = effort (1 - s (U - k_v w) sign U).
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::torque_saturation {
@@ -59,7 +59,7 @@ constexpr ActuatorEffect kKnee = [] {
 constexpr ActuatorEffect kSupply = [] {
   ActuatorEffect effect = kUsual;
   effect.form = "supply";
-  effect.equation = "U + s |U| (U - k_v w)";
+  effect.equation = "U / (1 - s (U - k_v w) sign(U))";
   effect.parameters = kSupplyParameters;
   effect.apply = applySupply;
   return effect;

@@ -24,11 +24,32 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return bendStarts(rows, kForms);
 }
 
-}  // namespace
+/// Of a spring that was never let go the place without force lies beyond the log, where exponent and origin take each
+/// other's place: it is held where the curve at the least forces leads.
+constexpr EffectParameter kPreloadedParameters[] = {
+    kParameters[0], kParameters[1], {"origin", "rad", -1e6, 1e6, 0.0, 0.0, EffectParameter::Kind::kConstant}, kReach};
 
-extern const ActuatorEffect entry;
-const ActuatorEffect entry = {
+/// None where the log sees the spring let go. The line is that of the quarter of the rows with the least force.
+std::vector<std::vector<double>> preloadedStarts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  constexpr double kLetGo = 0.05;  // of the largest force
+  const Eigen::ArrayXd force = rows.effort.abs();
+  if (force.minCoeff() < kLetGo * force.maxCoeff()) return {};
+  std::vector<double> forces(force.begin(), force.end());
+  const Eigen::ArrayXd least = (force <= quantile(std::move(forces), 0.25)).cast<double>();
+  const double count = least.sum(), x = (least * rows.deflection).sum() / count,
+               f = (least * rows.effort).sum() / count;
+  const Eigen::ArrayXd dx = least * (rows.deflection - x);
+  const double slope = (dx * (rows.effort - f)).sum() / std::max(dx.square().sum(), 1e-300);
+  if (slope == 0.0) return {};
+  const double origin = x - f / slope, reach = furthestDeflection(rows, origin);
+  std::vector<std::vector<double>> starts;
+  for (const auto& [exponent, saturation] : kForms) starts.push_back({exponent, saturation, origin, reach});
+  return starts;
+}
+
+constexpr ActuatorEffect kUsual = {
     .name = "spring-hardening",
+    .form = "unloaded",
     .kind = ActuatorKind::kSpring,
     .cause = "the spring stiffens the more, the further it is deflected",
     .equation = "F += s e u^(n - 1), u = abs(e) / reach",
@@ -45,5 +66,20 @@ const ActuatorEffect entry = {
     .starts = starts,
     .counts = bendsAboutRest,
 };
+constexpr ActuatorEffect kPreloaded = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "preloaded";
+  effect.equation = "F += s e u^(n - 1), u = abs(e) / reach, e from where the least forces lead";
+  effect.parameters = kPreloadedParameters;
+  effect.starts = preloadedStarts;
+  effect.counts = nullptr;
+  return effect;
+}();
+constexpr const ActuatorEffect* kOthers[] = {&kPreloaded};
+
+}  // namespace
+
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kOthers);
 
 }  // namespace simgap::actuator_effects::spring_hardening

@@ -1,0 +1,104 @@
+/// \file
+/// Something elastic that hangs at the joint and that no sensor sees: a hose, a harness, a spring that carries a
+/// weight. The load grows by k (theta - theta_0), by its cube where what is bent folds up, or from theta_0 on where it
+/// is slack before. Like a weight it sets the friction, too.
+#include "simgap/model/effects/actuator_effect.h"
+
+namespace simgap::actuator_effects::joint_spring {
+namespace {
+
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kJointAngle};
+constexpr EffectParameter kParameters[] = {{"k", "Nm_rad", -1e6, 1e6, 0.0, 0.0},
+                                           {"theta_0", "rad", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kShape}};
+constexpr EffectParameter kBentParameters[] = {
+    kParameters[0], {"hardening", "Nm_rad3", -1e6, 1e6, 0.0, 0.0}, kParameters[1]};
+
+using Stretch = Eigen::ArrayXd (*)(const Eigen::ArrayXd&);
+
+Eigen::ArrayXd linear(const Eigen::ArrayXd& s) { return s; }
+Eigen::ArrayXd above(const Eigen::ArrayXd& s) { return s.max(0.0); }
+Eigen::ArrayXd below(const Eigen::ArrayXd& s) { return s.min(0.0); }
+
+template <Stretch kStretch>
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
+  terms.load += p[0] * kStretch(rows.joint_angle - p[1]);
+}
+
+void applyBent(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
+  const Eigen::ArrayXd stretch = rows.joint_angle - p[2];
+  terms.load += p[0] * stretch + p[1] * stretch.cube();
+}
+
+/// As stiff as gives a twentieth of the largest load, or effort, over the range, from places in it.
+template <Stretch kStretch>
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  const double low = rows.joint_angle.minCoeff(), span = rows.joint_angle.maxCoeff() - low;
+  if (!(span > 0.0)) return {};
+  const double size = 0.05 * (rows.top_load > 0.0 ? rows.top_load : rows.effort.abs().maxCoeff());
+  const double most = kStretch(Eigen::ArrayXd::Constant(1, span))[0] - kStretch(Eigen::ArrayXd::Constant(1, -span))[0];
+  std::vector<std::vector<double>> list;
+  for (const double place : {0.25, 0.5, 0.75}) {
+    for (const double sign : {-1.0, 1.0}) list.push_back({sign * size / most, low + place * span});
+  }
+  return list;
+}
+
+std::vector<std::vector<double>> bentStarts(const ActuatorRows& rows, const Eigen::ArrayXd& residual) {
+  std::vector<std::vector<double>> list;
+  for (const std::vector<double>& start : starts<linear>(rows, residual)) list.push_back({start[0], 0.0, start[1]});
+  return list;
+}
+
+/// A spring that pulls the less, the further it is stretched, and then the other way, is none.
+bool isOneSpring(std::span<const double> p, const ActuatorRows& rows) {
+  constexpr double kLittle = 0.1;
+  const double furthest = (rows.joint_angle - p[2]).abs().maxCoeff();
+  const double first = p[0], last = p[0] + 3.0 * p[1] * furthest * furthest;
+  return first * last > 0.0 ||
+         std::min(std::abs(first), std::abs(last)) < kLittle * std::max(std::abs(first), std::abs(last));
+}
+
+constexpr ActuatorEffect kUsual = {
+    .name = "joint-spring",
+    .form = "linear",
+    .cause = "something elastic at the joint that no sensor sees: a hose, a harness, a spring",
+    .equation = "tau_ext += k (theta - theta_0)",
+    .signature =
+        "a residual that is a function of the joint angle alone, straight or bent, the same in both directions",
+    .source = "catalogue of causes",
+    .look_alikes = "joint-gravity where the joint moves little, current-bias, torque-bias",
+    .separates = "slow motion over the widest range of joint angles, then again with hoses and cables taken off",
+    .parameters = kParameters,
+    .needs = kNeeds,
+    .of_angle = true,
+    .apply = apply<linear>,
+    .starts = starts<linear>,
+};
+
+constexpr ActuatorEffect with(std::string_view form, std::string_view equation, decltype(kUsual.apply) apply,
+                              decltype(kUsual.starts) starts) {
+  ActuatorEffect effect = kUsual;
+  effect.form = form;
+  effect.equation = equation;
+  effect.apply = apply;
+  effect.starts = starts;
+  return effect;
+}
+
+constexpr ActuatorEffect kBent = [] {
+  ActuatorEffect effect =
+      with("bent", "tau_ext += k (theta - theta_0) + hardening (theta - theta_0)^3", applyBent, bentStarts);
+  effect.parameters = kBentParameters;
+  effect.counts = isOneSpring;
+  return effect;
+}();
+constexpr ActuatorEffect kAbove = with("above", "tau_ext += k max(theta - theta_0, 0)", apply<above>, starts<above>);
+constexpr ActuatorEffect kBelow = with("below", "tau_ext += k min(theta - theta_0, 0)", apply<below>, starts<below>);
+constexpr const ActuatorEffect* kForms[] = {&kBent, &kAbove, &kBelow};
+
+}  // namespace
+
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
+
+}  // namespace simgap::actuator_effects::joint_spring
