@@ -172,6 +172,10 @@ TEST_F(Springs, NameWhatBendsTheirCurve) {
   EXPECT_NEAR(valueOf(soft, "negative"), 150.0 * (1.0 - 0.557), 20.0);
   const Json hard = ask(rope, rig(4));
   EXPECT_TRUE(alone(hard, "spring-hardening")) << hard.at("sentence");
+  reality::SpringDesign preloaded = rig(6);
+  preloaded.low = 0.015;
+  const Json never_let_go = ask(rope, preloaded);
+  EXPECT_TRUE(alone(never_let_go, "spring-hardening")) << never_let_go.at("sentence");
   const Json loose = ask(cord, pulled(5));
   ASSERT_TRUE(alone(loose, "spring-slack")) << loose.at("sentence");
   EXPECT_NEAR(valueOf(loose, "rest_length"), 0.04, 5e-4);

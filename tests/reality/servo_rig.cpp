@@ -175,7 +175,9 @@ double ServoDrive::secretLevel(double w, double load, double change, double humi
   double level = sliding * (1.0 + (rig_.breakaway - 1.0 + s.stribeck_share) * slow);
   level += s.dry_offset + s.static_offset * slow + s.load_power * std::pow(size, 1.6) + s.load_share * size;
   if (s.ageing != 0.0) level += s.ageing * std::pow(rested_, 0.35) * slow;
-  const double bent = s.bend_saturates ? std::tanh(1.5 * joint()) / 1.5 : joint();
+  const double bent = s.bend_both_ways   ? std::hypot(joint(), 0.15)
+                      : s.bend_saturates ? std::tanh(1.5 * joint()) / 1.5
+                                         : joint();
   level *= std::max(0.1, 1.0 + s.bend * bent) * (1.0 + s.change_share * change);
   const double way = w != 0.0 ? w : bristle_;
   level *= 1.0 + std::copysign(s.direction_share, way) + std::copysign(s.backdrive_share, load * way);

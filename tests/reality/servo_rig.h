@@ -40,6 +40,7 @@ struct ServoSecret {
   bool harness_slack = false;       ///< they pull on one side only, from a soft beginning on; else more beyond 1 rad
   double bend = 0.0;                ///< [1/rad] dry friction x (1 + bend angle), or with a saturating bend
   bool bend_saturates = false;      ///< the bend acts as tanh(1.5 angle) / 1.5
+  bool bend_both_ways = false;      ///< the bend acts as |angle|, rounded
   double ripple = 0.0;              ///< [N m], with half of it at the second and a quarter at the third harmonic
   double ripple_ratio = 0.0;        ///< periods per turn of the joint
   double bristle_travel = 0.0;      ///< [rad] until friction has built up; 0: as the rig has it
