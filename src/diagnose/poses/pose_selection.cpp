@@ -9,6 +9,7 @@
 #include <numeric>
 #include <span>
 
+#include "compared.h"
 #include "diagnose/paired_error.h"
 #include "impossible_sizes.h"
 #include "pose_evidence.h"
@@ -34,26 +35,6 @@ constexpr std::size_t kFewPoses = 30;
 constexpr double kMostPosesLeftOut = 0.1;  // of the poses: where more have no rest, the model is wrong, not the poses
 constexpr std::size_t kKept = 3;           // models of other causes that are kept beside each
 constexpr std::size_t kTried = 6;          // candidates of a step that are cross-validated until one passes
-
-/// Models with one cause more, against one without it.
-class Compared {
- public:
-  explicit Compared(PoseFit& without) : evidence_(without.logEvidence()), objective_(without.objective()) {}
-
-  /// The solution, and behind it log evidence and objective: what goes from rank to rank.
-  static Eigen::VectorXd pack(PoseFit& fit) {
-    Eigen::VectorXd packed(fit.z().size() + 2);
-    packed << fit.z(), fit.logEvidence(), fit.objective();
-    return packed;
-  }
-  PoseCandidate candidate(const PoseCause& cause, const Eigen::VectorXd& packed, double share) const {
-    const Eigen::Index n = packed.size() - 2;
-    return {cause, packed.head(n), packed[n] - evidence_ + std::log(share), objective_ - packed[n + 1], share};
-  }
-
- private:
-  double evidence_, objective_;
-};
 
 class PoseSelector {
  public:

@@ -1,0 +1,24 @@
+/// \file
+/// Whether the sizes of a cause were measured: a fit gives a number in any case.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "log_hypotheses.h"
+
+namespace simgap {
+
+/// Why the cause's own parameters are no measurement; empty when they are. \param fit  of theta, to all rows
+std::string undetermined(const ActuatorRegression& model, std::span<const double> theta, const LogFit& fit,
+                         std::size_t effect);
+
+/// The first column whose size nothing in the log comes near: its shape is fitted to the tail of a law, and the law's
+/// head, where its size would show, lies outside of the data. Empty: none.
+std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect,
+                          const ActuatorRows& rows);
+
+/// Terms that nearly cancel each other have no physical size (a sine over a small part of its period).
+bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect);
+
+}  // namespace simgap
