@@ -49,13 +49,26 @@ std::vector<std::vector<double>> bentStarts(const ActuatorRows& rows, const Eige
   return list;
 }
 
+/// A spring that is relaxed far from where the joint ever was only adds a constant effort.
+bool isNearby(double angle, const ActuatorRows& rows) {
+  const double low = rows.joint_angle.minCoeff(), high = rows.joint_angle.maxCoeff();
+  return angle > low - (high - low) && angle < high + (high - low);
+}
+
+bool isRelaxedNearby(std::span<const double> p, const ActuatorRows& rows) { return isNearby(p[1], rows); }
+
 /// A spring that pulls the less, the further it is stretched, and then the other way, is none.
 bool isOneSpring(std::span<const double> p, const ActuatorRows& rows) {
   constexpr double kLittle = 0.1;
   const double furthest = (rows.joint_angle - p[2]).abs().maxCoeff();
   const double first = p[0], last = p[0] + 3.0 * p[1] * furthest * furthest;
-  return first * last > 0.0 ||
-         std::min(std::abs(first), std::abs(last)) < kLittle * std::max(std::abs(first), std::abs(last));
+  const auto [less, more] = std::minmax(std::abs(first), std::abs(last));
+  return isNearby(p[2], rows) && (first * last > 0.0 || less < kLittle * more);
+}
+
+/// One that is taut everywhere is not one-sided.
+bool isSeenSlack(std::span<const double> p, const ActuatorRows& rows) {
+  return p[1] > rows.joint_angle.minCoeff() && p[1] < rows.joint_angle.maxCoeff();
 }
 
 constexpr ActuatorEffect kUsual = {
@@ -73,6 +86,7 @@ constexpr ActuatorEffect kUsual = {
     .of_angle = true,
     .apply = apply<linear>,
     .starts = starts<linear>,
+    .counts = isRelaxedNearby,
 };
 
 constexpr ActuatorEffect with(std::string_view form, std::string_view equation, decltype(kUsual.apply) apply,
@@ -82,6 +96,7 @@ constexpr ActuatorEffect with(std::string_view form, std::string_view equation, 
   effect.equation = equation;
   effect.apply = apply;
   effect.starts = starts;
+  effect.counts = isSeenSlack;
   return effect;
 }
 

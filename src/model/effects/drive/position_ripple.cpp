@@ -1,6 +1,7 @@
 /// \file
-/// Cogging, a gear or a screw: a force that repeats with the shaft angle, a sin(r theta) + b cos(r theta). The ratio r
-/// is searched on the spectrum of the residual over the angle, then fitted.
+/// Cogging, a gear or a screw: a force that repeats with the shaft angle, a sin(r theta) + b cos(r theta), or what
+/// repeats with r with its second and third harmonic. The ratio r is searched on the spectrum of the residual over the
+/// angle, then fitted.
 #include "simgap/model/effects/actuator_effect.h"
 
 #include <algorithm>
@@ -19,6 +20,18 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.col(0) = (p[0] * rows.joint_angle).sin();
   x.col(1) = (p[0] * rows.joint_angle).cos();
+}
+
+constexpr EffectColumn kHarmonicColumns[] = {{"a", "Nm"},   {"b", "Nm"},   {"a_2", "Nm"},
+                                             {"b_2", "Nm"}, {"a_3", "Nm"}, {"b_3", "Nm"}};
+
+void fillHarmonics(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
+                   const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Eigen::ArrayXd phase = static_cast<double>(k + 1) * p[0] * rows.joint_angle;
+    x.col(2 * k) = phase.sin();
+    x.col(2 * k + 1) = phase.cos();
+  }
 }
 
 /// Periods that the range of the angle holds at least. What is not seen to repeat is any function of the angle:
@@ -53,11 +66,9 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return list;
 }
 
-}  // namespace
-
-extern const ActuatorEffect entry;
-const ActuatorEffect entry = {
+constexpr ActuatorEffect kUsual = {
     .name = "position-ripple",
+    .form = "sine",
     .cause = "a force that repeats with the shaft angle: cogging, a gear, a screw",
     .equation = "tau += a sin(r theta) + b cos(r theta)",
     .signature = "a line in the spectrum of the residual over the angle; `r` counts periods per turn of the joint",
@@ -74,5 +85,20 @@ const ActuatorEffect entry = {
     .starts = starts,
     .counts = counts,
 };
+
+constexpr ActuatorEffect kHarmonics = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "harmonics";
+  effect.equation = "tau += sum over k = 1 … 3 of a_k sin(k r theta) + b_k cos(k r theta)";
+  effect.columns = kHarmonicColumns;
+  effect.fill = fillHarmonics;
+  return effect;
+}();
+constexpr const ActuatorEffect* kForms[] = {&kHarmonics};
+
+}  // namespace
+
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
 
 }  // namespace simgap::actuator_effects::position_ripple
