@@ -236,6 +236,7 @@ RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotD
       if (rests && (i == 0 || std::abs(record.v(i - 1, j)) >= 1e-9)) left[j] = draws.between(-1.0, 1.0);
       record.torque(i, j) +=
           link.rotor * record.a(i, j) + link.offset + frictionOf(link, record.v(i, j), left[j], load[j], load);
+      record.torque(i, j) += link.spring * (record.q(i, j) - link.spring_rest);
       record.torque(i, j) += link.ripple * std::sin(link.ripple_ratio * record.q(i, j) + link.ripple_phase);
     }
   }

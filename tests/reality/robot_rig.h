@@ -34,6 +34,7 @@ struct RobotLink {
   double load_friction = 0.0;                   ///< of what the bodies ask of the joint [1]
   int coupled_to = -1;                          ///< a link whose joint's load
   double coupled_friction = 0.0;                ///< adds to the friction [1]
+  double spring = 0.0, spring_rest = 0.0;       ///< [N m/rad], [rad]
   double ripple = 0.0, ripple_ratio = 1.0, ripple_phase = 0.0;  ///< [N m], periods a turn, [rad]
   double bias = 0.0;                                            ///< of the logged effort [N m]
   double effort_gain = 1.0;                                     ///< logged torque per true torque

@@ -160,6 +160,18 @@ TEST_F(RobotDiagnosisTest, ARotorOfAnotherDriveIsNamedWithItsJoint) {
   EXPECT_EQ(test::answerFor(found.diagnosis, "rotor-inertia:j2"), "right") << found.diagnosis.sentence;
 }
 
+TEST_F(RobotDiagnosisTest, AHoseAtAJointIsNamedWithItsStiffness) {
+  reality::Robot truth = drawn_->robot;
+  const double stiffness = 2.0 * truth.links[1].coulomb;
+  truth.links[1].spring = stiffness;
+  truth.links[1].spring_rest = 0.4;
+  const RobotDiagnosis found = diagnosed(truth);
+  ASSERT_EQ(test::answerFor(found.diagnosis, "joint-spring:j2"), "right") << found.diagnosis.sentence;
+  EXPECT_NEAR(parameterOf(found.diagnosis.causes.front(), "k").value, stiffness, 0.1 * stiffness);
+  ASSERT_TRUE(found.extended.has_value());
+  EXPECT_GT(found.extended->arm.joints.back().spring_stiffness + found.extended->arm.joints[1].spring_stiffness, 0.0);
+}
+
 /// An encoder behind a filter: by the joint's own effort alone that is less viscous friction, or an early effort.
 TEST_F(RobotDiagnosisTest, ALatePositionIsNamedWithItsDelay) {
   reality::Robot truth = drawn_->robot;
