@@ -79,7 +79,11 @@ double numberOf(const Json& json) { return json.is_number() ? json.get<double>()
 
 std::string numberText(const Json& json, const char* format) {
   const double number = numberOf(json);
-  return std::isfinite(number) ? fmt::format(fmt::runtime(format), number) : "-";
+  if (!std::isfinite(number)) return "-";
+  std::string text = fmt::format(fmt::runtime(format), number);
+  const std::size_t behind = text.find_first_not_of("-0.");
+  const bool rounds_to_none = text.starts_with("-0") && (behind == std::string::npos || text[behind] == ' ');
+  return rounds_to_none ? text.substr(1) : text;  // -0.3 as a whole number
 }
 
 std::string alignedTable(const std::vector<std::vector<std::string>>& rows) {

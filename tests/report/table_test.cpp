@@ -25,6 +25,13 @@ TEST(Table, WhatIsUnknownIsADash) {
   EXPECT_EQ(degreesCell(nullptr), "-");
 }
 
+TEST(Table, NothingHasNoSign) {
+  EXPECT_EQ(numberText(-0.3, "{:.0f}"), "0");
+  EXPECT_EQ(numberText(-0.001, "{:.2f} m/s"), "0.00 m/s");
+  EXPECT_EQ(numberText(-0.04, "{:.2f}"), "-0.04");
+  EXPECT_EQ(numberText(-2e-12, "{:.1g}"), "-2e-12");
+}
+
 TEST(Table, FitsIntoEightyColumns) {
   const std::string words = "a cell of many words that would not fit beside the others if it stood on one line alone";
   EXPECT_EQ(alignedTable(Table{"", {"name", "x", "what"}, {{"a", "1", words}}}),
