@@ -56,8 +56,9 @@ RobotLog readRobotLogs(Session& session, std::span<const LoggedJoint> joints, co
   std::vector<LogTable> logs;
   for (const std::string& file : files) logs.push_back(readLog(session, "log", file, options));
   LogTable all = logs.size() == 1 ? std::move(logs.front()) : joinedLogs(std::move(logs));
+  const std::vector<std::string> summary = all.summary();
   RobotLog log = readRobotLog(std::move(all.table), joints);
-  for (const std::string& sentence : all.summary()) log.warnings.push_back(sentence);
+  log.warnings.insert(log.warnings.end(), summary.begin(), summary.end());
   return log;
 }
 

@@ -122,12 +122,31 @@ std::vector<int> foldsOverBlocks(std::size_t blocks) {
   return folds;
 }
 
-std::vector<std::string> warningsOf(const RobotLog& log, const RobotFit& found) {
+std::vector<std::string> warningsOf(const ArmModel& file, const RobotLog& log, const RobotFit& found) {
   std::vector<std::string> warnings = log.warnings;
   for (std::size_t c = 0; c < log.joints.size(); ++c) {
     if (found.fit.rows[c] > 0.0) continue;
     warnings.push_back(
         fmt::format("joint {} does not move in any row: nothing is known of its drive", log.joints[c].name));
+  }
+  constexpr double kMuch = 0.4;  // of the effort
+  for (std::size_t c = 0; c < log.joints.size(); ++c) {
+    if (!(found.heldout.model[c] > kMuch)) continue;
+    warnings.push_back(
+        fmt::format("of joint {} the model of all joints misses {:.0f} % of the effort: are its columns those of this "
+                    "joint, in the "
+                    "units that they say?",
+                    log.joints[c].name, 100.0 * found.heldout.model[c]));
+  }
+  constexpr double kTimes = 5.0;
+  for (std::size_t b = 0; b < file.bodies.size(); ++b) {
+    const double before = massProperties(file.bodies[b]).mass;
+    const double after = massProperties(found.model.arm.bodies[b]).mass;
+    if (!(before > 0.0) || after < kTimes * before) continue;
+    warnings.push_back(fmt::format(
+        "{} would weigh {:.3g} kg, {:.3g} kg in the robot's file: are efforts in the unit that their columns say, and "
+        "the torque constants those of the joints?",
+        file.bodies[b].name, after, before));
   }
   std::vector<std::string> open;
   for (const BaseEstimate& base : found.fit.base) {
@@ -199,7 +218,10 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
   widen(found.fit, of_constants, log.blocks.size());
   if (!found.fit.converged) {
-    throw NumericsError("the search for bodies that can exist did not converge: is the log of this robot?");
+    throw NumericsError(
+        "the search for bodies that can exist did not converge: is the log of this robot, with efforts of its signs "
+        "and "
+        "times in seconds?");
   }
   // Held-out blocks have no part in choosing the curves, or the load, that are to predict them.
   const SumsOfFold sums_of = [&](const std::vector<bool>& fitted) {
@@ -226,7 +248,7 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   found.model.base_covariance = found.fit.base_covariance;
   found.model.heldout_sd = found.heldout.sd;
   for (const RobotJointLog& joint : log.joints) found.model.presliding.push_back(joint.presliding);
-  found.warnings = warningsOf(log, found);
+  found.warnings = warningsOf(arm, log, found);
   return found;
 }
 

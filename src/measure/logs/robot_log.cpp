@@ -115,6 +115,41 @@ JointReader readJoint(CsvTable& table, const RobotLog& robot, const LoggedJoint&
   return reader;
 }
 
+/// The measured velocity is that of the position, over stretches of some rows: columns of different joints, of other
+/// units or signs are no log of a robot.
+void requireVelocityOfPosition(const ActuatorLog& log, const std::vector<double>& time, std::span<const Block> runs,
+                               const std::string& joint) {
+  constexpr std::size_t kHalf = 8;             // rows
+  constexpr double kMoves = 0.02, kFar = 0.3;  // [rad/s] or [m/s]; of 1
+  double product = 0.0, of_slope = 0.0, of_velocity = 0.0;
+  std::size_t count = 0;
+  for (const Block& run : runs) {
+    for (std::size_t i = run.begin + kHalf; i + kHalf < run.end; i += kHalf) {
+      const double slope = (log.position[i + kHalf] - log.position[i - kHalf]) / (time[i + kHalf] - time[i - kHalf]);
+      double velocity = 0.0;
+      for (std::size_t k = i - kHalf; k <= i + kHalf; ++k) velocity += log.velocity[k] / (2.0 * kHalf + 1.0);
+      product += slope * velocity;
+      of_slope += slope * slope;
+      of_velocity += velocity * velocity;
+      ++count;
+    }
+  }
+  const auto n = static_cast<double>(count);
+  if (count < kHalf || of_slope < n * kMoves * kMoves) return;  // the joint stands
+  // velocity = factor x slope + noise
+  const double factor = product / of_slope, noise = std::max(of_velocity - factor * product, 0.0) / n;
+  if (std::abs(factor - 1.0) < kFar + 4.0 * std::sqrt(noise / of_slope)) return;
+  const auto near = [&](double value) { return std::abs(factor / value - 1.0) < 0.1; };
+  const bool turns = !log.linear;
+  throw DataError(
+      fmt::format("{}: found a velocity of joint {} that is {:.3g} times the slope of its position, expected "
+                  "columns of one joint, in the units that they say{}",
+                  log.file, joint, factor,
+                  turns && near(1.0 / kDegree) ? " (a velocity in degrees has a column that ends in _deg_s)"
+                  : turns && near(kDegree)     ? " (a position in degrees has a column that ends in _deg)"
+                                               : ""));
+}
+
 /// The median of the times between rows [s]; 0 of a single one.
 double usualTimeBetween(const std::vector<double>& time, const std::vector<std::size_t>& rows) {
   std::vector<double> gaps;
@@ -212,6 +247,9 @@ RobotLog readRobotLog(CsvTable table, std::span<const LoggedJoint> joints) {
                                 current ? "torque" : "current", joints[j].name));
   }
   const std::vector<Block> runs = splitRuns(robot.time, robot.session);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (!readers[j].log.velocity.empty()) requireVelocityOfPosition(readers[j].log, robot.time, runs, joints[j].name);
+  }
   robot.joints.resize(joints.size());
   tbb::parallel_for(std::size_t{0}, joints.size(), [&](std::size_t j) {
     robot.joints[j].name = joints[j].name;

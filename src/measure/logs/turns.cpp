@@ -161,6 +161,7 @@ double travelOfFriction(const TurningJoint& joint, std::span<const std::size_t> 
   std::vector<double> travels;
   for (const AroundTurn& turn : around) travels.push_back(turn.travel.maxCoeff());
   const double far = upperMedian(std::move(travels));
+  if (!(far > 0.0)) return 0.0;  // the position goes the other way
   const BuildUp at_once(around, 0.0);
   double best = 0.0, most = 0.0;
   for (double scale = far / kFinest; scale <= far / kFewestScales; scale *= kStep) {
