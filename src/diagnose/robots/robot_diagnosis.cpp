@@ -228,8 +228,9 @@ class RobotDiagnoser {
                          rowsOf(log_, ground_.training));
     tell("making hypotheses", 0.05);
     RobotSearch search(rows, ground_, hypothesesOf(rows, options_));
-    for (int round = 0; round < 2; ++round) {
-      tell("following those that bend", 0.2 + 0.1 * round);
+    constexpr int kRounds = 5;
+    for (int round = 0; round < kRounds; ++round) {
+      tell("following those that bend", 0.2 + 0.04 * round);
       if (!search.relinearise()) break;
     }
     RobotSelector selector(search, options_);

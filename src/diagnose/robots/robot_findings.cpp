@@ -173,7 +173,10 @@ class RobotJudge {
       if (why.empty()) continue;
       const RobotHypothesis& h = search_.hypothesis(selection_.set[k]);
       found_.candidates.push_back({h.cause, h.target, why, gainOf(k).gain});
+      const bool measured = unmeasured(search_, selection_.set, k).empty();
       selector_.drop(k, selection_);
+      // It may have been in another's place. Of what held-out blocks refused nothing is chosen anew: they only measure.
+      if (!measured) selector_.grow(selection_, {});
       return true;
     }
     return false;

@@ -279,6 +279,18 @@ VectorXd RobotSearch::clamped(std::size_t h, VectorXd theta) const {
   return theta;
 }
 
+bool RobotSearch::moveTo(std::size_t h, const VectorXd& theta) {
+  constexpr double kLittle = 0.02, kLittleOfStep = 0.1;
+  const VectorXd now = clamped(h, theta);
+  bool far = false;
+  for (Index k = 0; k < now.size(); ++k) {
+    const double moved = std::abs(now[k] - shapes_[h].at[k]);
+    far = far || moved > std::max(kLittle * std::abs(now[k]), kLittleOfStep * hypotheses_[h].parameters[k].step);
+  }
+  if (far) shapes_[h].at = now;
+  return far;
+}
+
 bool RobotSearch::relinearise() {
   const double before = fit({}, kRobotFolds).cost;
   std::vector<std::size_t> moving;
@@ -287,8 +299,7 @@ bool RobotSearch::relinearise() {
     const Fit own = fit({h}, kRobotFolds);
     constexpr double kPromising = 2e-4;  // of the rows' weighed squares
     if (before - own.cost < kPromising * counted_.sum() / ground_.inflation) continue;
-    shapes_[h].at = clamped(h, own.theta.front());
-    moving.push_back(h);
+    if (moveTo(h, own.theta.front())) moving.push_back(h);
   }
   tbb::parallel_for(std::size_t{0}, moving.size(), [&](std::size_t k) { shape(moving[k]); });
   stopIfInterrupted();
@@ -297,23 +308,23 @@ bool RobotSearch::relinearise() {
   return !moving.empty();
 }
 
-void RobotSearch::relinearise(const Set& set) {
-  const Fit all = fit(set, kRobotFolds);
-  bool extras = false;
-  for (std::size_t k = 0; k < set.size(); ++k) {
-    if (hypotheses_[set[k]].linear) continue;
-    shapes_[set[k]].at = clamped(set[k], all.theta[k]);
-    shape(set[k]);
-    extras = extras || hypotheses_[set[k]].torque;
-  }
-  if (extras) sum();
-}
-
 bool RobotSearch::settle(const Set& set) {
-  constexpr int kRounds = 2;
-  if (std::ranges::all_of(set, [&](std::size_t h) { return hypotheses_[h].linear; })) return false;
-  for (int round = 0; round < kRounds; ++round) relinearise(set);
-  return true;
+  constexpr int kRounds = 5;
+  bool moved = false;
+  for (int round = 0; round < kRounds; ++round) {
+    const Fit all = fit(set, kRobotFolds);
+    bool moves = false, extras = false;
+    for (std::size_t k = 0; k < set.size(); ++k) {
+      if (hypotheses_[set[k]].linear || !moveTo(set[k], all.theta[k])) continue;
+      shape(set[k]);
+      moves = true;
+      extras = extras || hypotheses_[set[k]].torque;
+    }
+    if (extras) sum();
+    if (!moves) break;
+    moved = true;
+  }
+  return moved;
 }
 
 RobotSearch::Set without(const RobotSearch::Set& set, std::size_t cause) {

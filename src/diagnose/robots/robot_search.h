@@ -88,9 +88,7 @@ class RobotSearch {
 
   /// Columns of those that are not linear where a fit of each alone has come to. \returns whether any has moved
   bool relinearise();
-  /// The same of a set, where a fit of all has come to.
-  void relinearise(const Set& set);
-  /// The same twice: near what bends far. \returns false where nothing of the set bends
+  /// The same of a set, where a fit of all has come to, until none of it moves.
   bool settle(const Set& set);
 
  private:
@@ -111,6 +109,8 @@ class RobotSearch {
   Eigen::MatrixXd activeColumns(std::size_t h) const;
   Eigen::MatrixXd waysOf(const Set& set) const;
   Eigen::VectorXd clamped(std::size_t h, Eigen::VectorXd theta) const;
+  /// Whether that is far enough from where its columns were taken to take them anew.
+  bool moveTo(std::size_t h, const Eigen::VectorXd& theta);
 
   const RobotRows& rows_;
   const RobotGround& ground_;

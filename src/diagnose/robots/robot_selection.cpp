@@ -250,8 +250,7 @@ void RobotSelector::review(RobotSelection& selection) {
   }
 }
 
-RobotSelection RobotSelector::run(const DiagnosisProgress& progress) {
-  RobotSelection selection;
+void RobotSelector::grow(RobotSelection& selection, const DiagnosisProgress& progress) {
   while (static_cast<int>(selection.set.size()) < options_.max_causes) {
     if (progress) {
       progress("trying causes", 0.4 + 0.4 * static_cast<double>(selection.set.size()) / (options_.max_causes + 1.0));
@@ -263,9 +262,14 @@ RobotSelection RobotSelector::run(const DiagnosisProgress& progress) {
     selection.p_adjusted.push_back(trials[*accepted].p_adjusted);
     selection.ambiguous_with.push_back(rivals(selection.set, trials, *accepted));
     selection.set.push_back(trials[*accepted].hypothesis);
-    search_.relinearise(selection.set);
+    search_.settle(selection.set);
     prune(selection);
   }
+}
+
+RobotSelection RobotSelector::run(const DiagnosisProgress& progress) {
+  RobotSelection selection;
+  grow(selection, progress);
   if (selection.set.size() > 1) review(selection);
   prune(selection);
   return selection;

@@ -33,6 +33,8 @@ class RobotSelector {
   RobotSelector(RobotSearch& search, const RobotDiagnosisOptions& options);
 
   RobotSelection run(const DiagnosisProgress& progress);
+  /// More causes beside those that there are, until none helps.
+  void grow(RobotSelection& selection, const DiagnosisProgress& progress);
   /// Takes a cause out that is no finding, and sets the others against their rivals again.
   void drop(std::size_t cause, RobotSelection& selection);
 
