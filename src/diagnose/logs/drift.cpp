@@ -5,7 +5,10 @@
 namespace simgap {
 namespace {
 
-constexpr EffectParameter kDriftParameters[] = {{"a", "1", -0.9, 3.0, 0.0, 0.0}};
+/// At the ends of as many equal parts of the log; 0 at its beginning.
+constexpr EffectParameter friction(std::string_view name) { return {name, "1", -0.9, 3.0, 0.0, 0.0}; }
+constexpr EffectParameter kDriftParameters[] = {friction("a_1"), friction("a_2"), friction("a_3"), friction("a_4"),
+                                                friction("a_5"), friction("a_6"), friction("a_7"), friction("a_8")};
 constexpr EffectColumn kDriftColumns[] = {{.name = "c", .unit = "A", .torque = false},
                                           {.name = "d", .unit = "A", .torque = false}};
 
@@ -16,7 +19,12 @@ Eigen::ArrayXd over(const ActuatorRows& rows) {
 }
 
 void applyDrift(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
-  terms.dry *= 1.0 + p[0] * over(rows);
+  const Eigen::ArrayXd parts = over(rows) * static_cast<double>(p.size());
+  Eigen::ArrayXd factor = Eigen::ArrayXd::Ones(rows.rows());
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    factor += p[k] * (1.0 - (parts - static_cast<double>(k + 1)).abs()).max(0.0);
+  }
+  terms.dry *= factor.max(0.02);
 }
 
 void fillDrift(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
@@ -28,7 +36,7 @@ void fillDrift(std::span<const double> /*p*/, const ActuatorRows& rows, const Ac
 constexpr ActuatorEffect kDrift = {
     .name = "drift",
     .cause = "friction and effort drift over the log",
-    .equation = "tau_dry (1 + a u), I + c + d u, u = the part of the log that is over",
+    .equation = "tau_dry (1 + a(u)), I + c + d u, u = the part of the log that is over",
     .signature = "a residual that grows over the log",
     .source = "not a cause: what a change at one moment has to explain more than",
     .look_alikes = "",
@@ -41,6 +49,8 @@ constexpr ActuatorEffect kDrift = {
 
 }  // namespace
 
-Fitted besideDrift(const LogSearch& search, const Fitted& rest) { return search.beside(rest, {&kDrift, {}, {0.0}}); }
+Fitted besideDrift(const LogSearch& search, const Fitted& rest) {
+  return search.beside(rest, {&kDrift, {}, std::vector<double>(std::size(kDriftParameters), 0.0)});
+}
 
 }  // namespace simgap

@@ -167,12 +167,16 @@ class Judge {
                        100.0 * placebos.largest, 100.0 * placebos.gain);
   }
 
-  /// Why a change at one moment may be none: friction and effort that drift over the log explain as much, or where the
-  /// motion was before and after.
+  /// Why a change at one moment may be none: friction that wanders over the log explains as much, or where the motion
+  /// was before and after.
   std::string doubtOfMoment(std::size_t cause) const {
     if (!selection_.chosen.model->effects()[own_ + cause]->at_moment) return {};
-    if (trained(besideDrift(search_, without_[cause])) <= trained(selection_.chosen))
-      return "a drift over time explains as much as a change at one moment";
+    Fitted wandering = besideDrift(search_, without_[cause]), changed = selection_.chosen;
+    for (Fitted* fitted : {&wandering, &changed}) search_.validate(*fitted);
+    // A small change has to be better on the rows that both were fitted to, too, where wandering has more to choose.
+    const bool small = gainOf(cause).value < kSmall;
+    if (wandering.validation.mse() <= changed.validation.mse() || (small && trained(wandering) <= trained(changed)))
+      return "friction that wanders over the log explains as much as a change at one moment";
     for (std::size_t channel = 0; channel < log_.context.size(); ++channel) {
       const std::string& name = log_.context[channel].name;
       if (name == "time") continue;

@@ -2,10 +2,13 @@
 #include "simgap/measure/logs/robot_log.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "simgap/core/error.h"
 
 namespace simgap {
 namespace {
@@ -49,6 +52,33 @@ TEST(RobotLogTest, KnownPreslidingIsLeftOutWhereTheLogShowsNone) {
     EXPECT_FALSE(known.moves[start + 45]);
     EXPECT_TRUE(known.moves[start + 70]);
   }
+}
+
+/// 20 s of a joint that swings, its velocity times a factor and late by a part of the period.
+void readSwing(double factor, double late) {
+  std::string csv = "time_s,j1_rad,torque_j1_Nm,j1_velocity_rad_s\n";
+  for (int i = 0; i < 2000; ++i) {
+    const double t = 0.01 * i;
+    csv += fmt::format("{:.2f},{:.6f},{:.4f},{:.6f}\n", t, std::sin(2.0 * t), std::cos(0.3 * t),
+                       2.0 * factor * std::cos(2.0 * t - late));
+  }
+  readRobotLog(CsvTable::parse(csv, "log.csv"), std::vector<LoggedJoint>{{"j1", false, -10.0, 10.0, {}}});
+}
+
+TEST(RobotLogTest, AVelocityIsTheSlopeOfItsPosition) {
+  EXPECT_NO_THROW(readSwing(1.0, 0.05));
+  const auto sentenceOf = [](double factor, double late) -> std::string {
+    try {
+      readSwing(factor, late);
+    } catch (const DataError& error) {
+      return error.what();
+    }
+    return {};
+  };
+  EXPECT_THAT(sentenceOf(57.29578, 0.0), testing::HasSubstr("joint j1 that is 57.3 times the slope of its position"));
+  EXPECT_THAT(sentenceOf(57.29578, 0.0), testing::HasSubstr("_deg_s"));
+  EXPECT_THAT(sentenceOf(-1.0, 0.0), testing::HasSubstr("that is -0.999 times"));
+  EXPECT_THAT(sentenceOf(1.0, 1.5), testing::HasSubstr("expected columns of one joint"));  // another joint's
 }
 
 }  // namespace
