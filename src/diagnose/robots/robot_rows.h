@@ -37,6 +37,9 @@ class RobotRows {
   const ActuatorRows& drive(std::size_t c) const { return drives_[c]; }
   /// Measured less what a fit to this log says in training rows that count, 0 in others, shape (rows).
   Eigen::ArrayXd residual(std::size_t c) const;
+  /// [s] a tenth of the period of the bandwidth to which the joint's motion was smoothed: what smoothing takes off an
+  /// acceleration beside a turn, a shorter delay puts back.
+  double shortestDelay(std::size_t c) const { return 0.1 / log_.joints[c].bandwidth; }
   double coulomb(std::size_t c) const;
   double viscous(std::size_t c) const;
 

@@ -1,6 +1,9 @@
 /// \file
 /// All that is logged of a joint, motion and effort, is late by dt against the other joints: theirs meet its motion of
 /// dt later rows, and its effort belongs to their motion of dt before.
+#include <algorithm>
+#include <cmath>
+
 #include "diagnose/robots/robot_cause.h"
 
 namespace simgap::robot_causes::clock_offset {
@@ -36,7 +39,8 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     h.linear = false;
     h.torque = [&rows, c](const VectorXd& theta) { return onAll(lateBy(rows, c, theta[0])); };
     // What the reading of a log puts right by halves of a row is no clock.
-    h.counts = [step](const VectorXd& theta) { return std::abs(theta[0]) >= 0.75 * step; };
+    const double shortest = std::max(0.75 * step, rows.shortestDelay(c));
+    h.counts = [shortest](const VectorXd& theta) { return std::abs(theta[0]) >= shortest; };
   });
 }
 

@@ -153,8 +153,9 @@ RobotHypothesis byChange(const RobotRows& rows, std::size_t c, const ActuatorEff
     return onJoint(rows.joints(), c, changedTorque(rows, c, effect, valuesAt(theta)));
   };
   if (effect.counts != nullptr) {
-    h.counts = [&rows, c, &effect, valuesAt](const VectorXd& theta) {
-      return effect.counts(valuesAt(theta), rows.drive(c));
+    const double shortest = effect.parameters[free[0]].unit == "s" ? rows.shortestDelay(c) : 0.0;
+    h.counts = [&rows, c, &effect, valuesAt, shortest](const VectorXd& theta) {
+      return std::abs(theta[0]) >= shortest && effect.counts(valuesAt(theta), rows.drive(c));
     };
   }
   return h;

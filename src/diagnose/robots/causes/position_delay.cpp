@@ -1,6 +1,9 @@
 /// \file
 /// The position of one joint is logged dt later than all efforts and the other positions: its encoder is filtered, or
 /// comes by a slower bus. Every torque meets its motion of dt later rows, that of its own friction and rotor, too.
+#include <algorithm>
+#include <cmath>
+
 #include "diagnose/robots/robot_cause.h"
 
 namespace simgap::robot_causes::position_delay {
@@ -34,7 +37,8 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     h.torque = [&rows, c](const VectorXd& theta) { return onAll(lateBy(rows, c, theta[0])); };
     // Not three quarters of a row, as an effort's: motion is read from the position itself, so that halves of a row are
     // no matter of reading, and what has no name here passes for less viscous friction.
-    h.counts = [step](const VectorXd& theta) { return theta[0] >= 0.1 * step; };
+    const double shortest = std::max(0.1 * step, rows.shortestDelay(c));
+    h.counts = [shortest](const VectorXd& theta) { return theta[0] >= shortest; };
   });
 }
 
