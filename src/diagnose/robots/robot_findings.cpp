@@ -111,7 +111,7 @@ class RobotJudge {
   }
 
   RobotFindings run() {
-    while (takeOut()) {
+    while (takeOutPair() || takeOut()) {
     }
     for (std::size_t k = 0; k < selection_.set.size(); ++k) found_.gain.push_back(gainOf(k).gain);
     return std::move(found_);
@@ -164,6 +164,35 @@ class RobotJudge {
       return fmt::format("signals of the same spectrum that belong to no motion explain as much (p {:.2g})", placebo);
     }
     return {};
+  }
+
+  void refusePair(std::size_t cause) {
+    const RobotHypothesis& h = search_.hypothesis(selection_.set[cause]);
+    found_.candidates.push_back(
+        {h.cause, h.target, "with another delay of this joint: two may stand for a third", gainOf(cause).gain});
+    selector_.drop(cause, selection_);
+  }
+
+  /// Two delays of one joint, which may stand for a third: a late position is an early effort of a late joint.
+  bool takeOutPair() {
+    const auto hypothesis = [&](std::size_t k) -> const RobotHypothesis& {
+      return search_.hypothesis(selection_.set[k]);
+    };
+    const auto is_delay = [](const RobotHypothesis& h) {
+      return h.parameters.size() == 1 && h.parameters[0].unit == "s";
+    };
+    for (std::size_t k = selection_.set.size(); k-- > 0;) {
+      for (std::size_t j = k; j-- > 0;) {
+        if (!is_delay(hypothesis(k)) || !is_delay(hypothesis(j)) || hypothesis(k).target != hypothesis(j).target)
+          continue;
+        const std::size_t first = selection_.set[j];
+        refusePair(k);
+        if (j < selection_.set.size() && selection_.set[j] == first) refusePair(j);  // no other took its place
+        selector_.grow(selection_, {});
+        return true;
+      }
+    }
+    return false;
   }
 
   /// The weakest first: what stays may only have been best beside what went.
