@@ -6,9 +6,10 @@ namespace simgap {
 namespace {
 
 /// At the ends of as many equal parts of the log; 0 at its beginning.
-constexpr EffectParameter friction(std::string_view name) { return {name, "1", -0.9, 3.0, 0.0, 0.0}; }
-constexpr EffectParameter kDriftParameters[] = {friction("a_1"), friction("a_2"), friction("a_3"), friction("a_4"),
-                                                friction("a_5"), friction("a_6"), friction("a_7"), friction("a_8")};
+constexpr EffectParameter frictionAt(std::string_view name) { return {name, "1", -0.9, 3.0, 0.0, 0.0}; }
+constexpr EffectParameter kDriftParameters[] = {frictionAt("a_1"), frictionAt("a_2"), frictionAt("a_3"),
+                                                frictionAt("a_4"), frictionAt("a_5"), frictionAt("a_6"),
+                                                frictionAt("a_7"), frictionAt("a_8")};
 constexpr EffectColumn kDriftColumns[] = {{.name = "c", .unit = "A", .torque = false},
                                           {.name = "d", .unit = "A", .torque = false}};
 
