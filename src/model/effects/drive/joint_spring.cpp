@@ -2,9 +2,6 @@
 /// Something elastic that hangs at the joint and that no sensor sees: a hose, a harness, a spring that carries a
 /// weight. The load grows by k (theta - theta_0), by its cube where what is bent folds up, or from theta_0 on where it
 /// is slack before. Like a weight it sets the friction, too.
-#include <algorithm>
-#include <cmath>
-
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::joint_spring {
@@ -62,11 +59,8 @@ bool isRelaxedNearby(std::span<const double> p, const ActuatorRows& rows) { retu
 
 /// A spring that pulls the less, the further it is stretched, and then the other way, is none.
 bool isOneSpring(std::span<const double> p, const ActuatorRows& rows) {
-  constexpr double kLittle = 0.1;
   const double furthest = (rows.joint_angle - p[2]).abs().maxCoeff();
-  const double first = p[0], last = p[0] + 3.0 * p[1] * furthest * furthest;
-  const auto [less, more] = std::minmax({std::abs(first), std::abs(last)});
-  return isNearby(p[2], rows) && (first * last > 0.0 || less < kLittle * more);
+  return isNearby(p[2], rows) && p[0] * (p[0] + 3.0 * p[1] * furthest * furthest) > 0.0;
 }
 
 /// One that is taut everywhere is not one-sided.
