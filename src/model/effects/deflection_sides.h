@@ -52,8 +52,9 @@ inline void fillBend(std::span<const double> p, const Eigen::ArrayXd& deflection
   x.col(1) = (e < 0.0).select(bend, 0.0);
 }
 
-inline std::vector<std::vector<double>> bendStarts(const ActuatorRows& rows, std::span<const BendForm> forms) {
-  const double origin = unloadedDeflection(rows);
+/// From each form, about a place.
+inline std::vector<std::vector<double>> bendStarts(const ActuatorRows& rows, double origin,
+                                                   std::span<const BendForm> forms) {
   const double reach = furthestDeflection(rows, origin);
   std::vector<std::vector<double>> starts;
   for (const auto& [exponent, saturation] : forms) starts.push_back({exponent, saturation, origin, reach});

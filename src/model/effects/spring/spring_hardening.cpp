@@ -21,7 +21,7 @@ void fill(std::span<const double> p, const ActuatorRows& /*rows*/, const Actuato
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
-  return bendStarts(rows, kForms);
+  return bendStarts(rows, unloadedDeflection(rows), kForms);
 }
 
 /// Of a spring that was never let go the place without force lies beyond the log, where exponent and origin take each
@@ -41,10 +41,7 @@ std::vector<std::vector<double>> preloadedStarts(const ActuatorRows& rows, const
   const Eigen::ArrayXd dx = least * (rows.deflection - x);
   const double slope = (dx * (rows.effort - f)).sum() / std::max(dx.square().sum(), 1e-300);
   if (slope == 0.0) return {};
-  const double origin = x - f / slope, reach = furthestDeflection(rows, origin);
-  std::vector<std::vector<double>> starts;
-  for (const auto& [exponent, saturation] : kForms) starts.push_back({exponent, saturation, origin, reach});
-  return starts;
+  return bendStarts(rows, x - f / slope, kForms);
 }
 
 constexpr ActuatorEffect kUsual = {

@@ -21,7 +21,7 @@ void fill(std::span<const double> p, const ActuatorRows& /*rows*/, const Actuato
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
-  return bendStarts(rows, kForms);
+  return bendStarts(rows, unloadedDeflection(rows), kForms);
 }
 
 }  // namespace
