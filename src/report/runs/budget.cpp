@@ -120,7 +120,20 @@ std::vector<std::string> namesOfCause(const Json& cause) {
   return names;
 }
 
-Finding checkCause(const BudgetLimit& limit, const Json& result) {
+/// Whether the run asked for a cause at all (hypotheses.csv): one that it did not ask for it cannot have excluded.
+bool wasAskedFor(const BudgetLimit& limit, const ResultFiles& run) {
+  if (!run.has("hypotheses.csv")) return false;
+  const CsvTable asked = run.table("hypotheses.csv");
+  const std::vector<std::string> effects = asked.text("effect"), targets = asked.text("target");
+  for (std::size_t i = 0; i < effects.size(); ++i) {
+    const std::string name = effects[i].substr(0, effects[i].find(" ("));  // without its form
+    if (matchesGlob(limit.subject, name) || matchesGlob(limit.subject, name + ":" + targets[i])) return true;
+  }
+  return false;
+}
+
+Finding checkCause(const BudgetLimit& limit, const ResultFiles& run) {
+  const Json& result = run.result();
   if (!result.contains("causes")) return {false, "no causes: the run is no diagnosis"};
   Finding finding{true, ""};
   for (const Json& cause : result.at("causes")) {
@@ -132,8 +145,9 @@ Finding checkCause(const BudgetLimit& limit, const Json& result) {
     finding.found += fmt::format("{}{}, {:.3g} %", finding.found.empty() ? "" : "; ", *meant, gain);
     if (!(gain <= limit.upper)) finding.holds = false;
   }
-  if (finding.found.empty()) finding.found = "none";
-  return finding;
+  if (!finding.found.empty()) return finding;
+  if (!wasAskedFor(limit, run)) return {false, "the run did not ask for it"};
+  return {true, "none"};
 }
 
 }  // namespace
@@ -155,7 +169,7 @@ Json checkBudget(const Budget& budget, const ResultFiles& run) {
     const Finding finding = limit.of == BudgetLimit::Of::kValue       ? checkValue(limit, result)
                             : limit.of == BudgetLimit::Of::kParameter ? checkParameter(limit, result)
                             : limit.of == BudgetLimit::Of::kVerdict   ? checkVerdict(limit, result)
-                                                                      : checkCause(limit, result);
+                                                                      : checkCause(limit, run);
     held += finding.holds;
     limits.push_back({{"limit", limit.text}, {"found", finding.found}, {"pass", finding.holds}});
   }

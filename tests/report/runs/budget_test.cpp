@@ -25,6 +25,9 @@ const Json kResult = {{"format", "simgap/diagnose/1"},
 
 Json check(const std::string& limits) {
   const test::ResultFolder folder(kResult);
+  folder.directory().write("hypotheses.csv",
+                           "step,effect,target\n1,channel-delay,elbow\n1,channel-delay,shoulder\n1,payload,\n"
+                           "1,torque-saturation (knee),\n");
   return checkBudget(readBudget(YamlNode::parse("format: simgap/budget/1\nlimits:\n" + limits, "budget.yaml")),
                      ResultFiles(folder.directory().path()));
 }
@@ -54,6 +57,13 @@ TEST(Budget, WhatIsNotThereDoesNotHold) {
   EXPECT_FALSE(holds(check("  - {value: mje_deg, upper: 3}\n")));
   EXPECT_FALSE(holds(check("  - {parameter: mass, upper: 3}\n")));
   EXPECT_FALSE(holds(check("  - {parameter: 'muscles.triceps*', largest_sd_percent: 50}\n")));
+}
+
+TEST(Budget, ACauseThatWasNotAskedForIsNotExcluded) {
+  EXPECT_TRUE(holds(check("  - {cause: torque-saturation}\n")));
+  EXPECT_FALSE(holds(check("  - {cause: torque-saturatoin}\n")));
+  EXPECT_FALSE(holds(check("  - {cause: 'channel-delay:wrist'}\n")));
+  EXPECT_THAT(guardText(check("  - {cause: friction-heating}\n")), HasSubstr("the run did not ask for it"));
 }
 
 TEST(Budget, SaysWhichLineIsBroken) {
