@@ -41,6 +41,8 @@ struct RobotHypothesis {
   ///@}
   /// False for values that are no finding; none: all are.
   std::function<bool(const Eigen::VectorXd& theta)> counts = {};
+  /// [s] by how much later the motion was logged that its joint's friction meets; none: with the effort.
+  std::function<double(const Eigen::VectorXd& theta)> later = {};
   /// What people read, and its slopes, shape (C, C); none: theta itself.
   std::function<Eigen::VectorXd(const Eigen::VectorXd& theta, Eigen::MatrixXd& slopes)> shown = {};
   std::vector<RobotCauseParameter> shown_as = {};

@@ -181,6 +181,20 @@ TEST_F(RobotDiagnosisTest, ALatePositionIsNamedWithItsDelay) {
   EXPECT_NEAR(parameterOf(d.causes.front(), "dt").value, 0.025, 0.003);
 }
 
+/// Longer than the rows beside a turn that do not count, and known to a row (10 ms) and no better.
+TEST_F(RobotDiagnosisTest, TheIntervalOfALongDelayHoldsIt) {
+  reality::Robot effort = drawn_->robot, position = drawn_->robot;
+  effort.links[1].effort_late = position.links[1].position_late = 0.06;
+  for (const reality::Robot& truth : {effort, position}) {
+    const Diagnosis d = diagnosed(truth).diagnosis;
+    ASSERT_EQ(d.causes.size(), 1u) << d.sentence;
+    const Estimate& delay = parameterOf(d.causes.front(), "dt");
+    EXPECT_LT(delay.lower95, 0.06) << d.sentence;
+    EXPECT_GT(delay.upper95, 0.06) << d.sentence;
+    EXPECT_LT(delay.upper95 - delay.lower95, 0.015) << d.sentence;
+  }
+}
+
 /// What a late position says of its own joint an early effort says, too: neither takes the other's name, nor a clock's.
 TEST_F(RobotDiagnosisTest, ALateEffortAndALateClockAreNoLatePosition) {
   reality::Robot effort = drawn_->robot, clock = drawn_->robot, early = drawn_->robot;

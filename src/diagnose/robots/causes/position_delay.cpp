@@ -35,6 +35,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     h.parameters = {{{"dt", "s", 0.0, 0.5}, step}};
     h.linear = false;
     h.torque = [&rows, c](const VectorXd& theta) { return onAll(lateBy(rows, c, theta[0])); };
+    h.later = [](const VectorXd& theta) { return theta[0]; };
     // Not three quarters of a row, as an effort's: motion is read from the position itself, so that halves of a row are
     // no matter of reading, and what has no name here passes for less viscous friction.
     const double shortest = std::max(0.1 * step, rows.shortestDelay(c));
