@@ -212,6 +212,24 @@ struct RobotRecord {
   MatrixXd q, v, a, torque;
 };
 
+/// Where a joint turns, friction changes its sign and the controller gives way by as much to the other side: the step
+/// of a critically damped loop, with a jump of the acceleration.
+void holdBack(const RobotRigOptions& options, Index j, RobotRecord& record) {
+  const VectorXd course = record.v.col(j);
+  const double w = options.loop;
+  for (Index turn = 1; turn < course.size(); ++turn) {
+    if (!(course[turn - 1] * course[turn] < 0.0)) continue;
+    const double step = -2.0 * options.tracking_error * (course[turn] > 0.0 ? 1.0 : -1.0);
+    const double past = course[turn] / (course[turn] - course[turn - 1]);  // of a row, since the turn
+    for (Index i = turn; i < course.size(); ++i) {
+      const double t = (static_cast<double>(i - turn) + past) / options.rate, fade = std::exp(-w * t);
+      record.q(i, j) += step * (1.0 - fade * (1.0 + w * t));
+      record.v(i, j) += step * w * w * t * fade;
+      record.a(i, j) += step * w * w * (1.0 - w * t) * fade;
+    }
+  }
+}
+
 RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotDraws& draws) {
   const Index n = std::ssize(robot.links), rows = static_cast<Index>(options.duration * options.rate);
   RobotRecord record{MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n)};
@@ -225,6 +243,7 @@ RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotD
       record.a(i, j) = a * own[i].rate * own[i].rate + v * own[i].rate_change;
     }
   }
+  for (Index j = 0; j < n && options.tracking_error > 0.0; ++j) holdBack(options, j, record);
   std::vector<double> left(robot.links.size(), 0.0);
   for (Index i = 0; i < rows; ++i) {
     const VectorXd load =
@@ -340,7 +359,8 @@ std::string recordRobot(const Robot& robot, const RobotRigOptions& options, std:
       noise[j] = options.correlation * noise[j] + fresh * draws.normal();
       const double torque = record.torque(i, j) + sizes[j] * noise[j];
       text += fmt::format(",{:.8g}", quantum > 0.0 ? quantum * std::round(record.q(i, j) / quantum) : record.q(i, j));
-      if (options.log_velocity) text += fmt::format(",{:.5f}", record.v(i, j) + 0.002 * draws.normal());
+      if (options.log_velocity)
+        text += fmt::format(",{:.5f}", record.v(i, j) + options.velocity_noise * draws.normal());
       text += fmt::format(",{:.5g}", options.current ? torque / constants[j] : torque);
     }
   }

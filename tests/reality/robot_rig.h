@@ -67,8 +67,11 @@ struct RobotRigOptions {
   double correlation = 0.5;        ///< of the noise in a row and the next
   bool stops = true;               ///< joints stand still for a while, each at times of its own
   bool log_velocity = false;
-  bool current = false;  ///< currents of the constants below instead of torques
-  double start = 0.0;    ///< [s] where in the series the log begins
+  double velocity_noise = 0.002;  ///< [rad/s] or [m/s]
+  double tracking_error = 0.0;    ///< [rad] or [m] by which friction holds a joint back from its course
+  double loop = 40.0;             ///< [rad/s] of the controllers that hold it on its course
+  bool current = false;           ///< currents of the constants below instead of torques
+  double start = 0.0;             ///< [s] where in the series the log begins
 };
 
 /// CSV: time_s; of joint k, j1 on, jK_rad, torque_jK_Nm or current_jK_A, and with `log_velocity` jK_velocity_rad_s.

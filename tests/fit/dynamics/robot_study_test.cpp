@@ -81,6 +81,17 @@ void study(const char* name, const reality::RobotRigOptions& rig, std::uint64_t 
 
 TEST(RobotStudy, AFewRobots) { study("a few", {}, 501, 6); }
 
+/// What smoothing does to a motion that turns with a jerk is alike in all blocks.
+TEST(RobotStudy, AFewRobotsHeldOnTheirCourse) {
+  reality::RobotRigOptions rig;
+  rig.rate = 200.0;
+  rig.log_velocity = true;
+  rig.velocity_noise = 0.005;
+  rig.torque_noise = 0.01;
+  rig.tracking_error = 0.003;
+  study("held back by 3 mrad at turns, velocities with 5 mrad/s of noise", rig, 601, 6);
+}
+
 TEST(SlowRobotStudy, EncodersAndStops) { study("encoders, stops, 60 s at 100 Hz", {}, 1, 60); }
 
 TEST(SlowRobotStudy, CoarseEncoders) {

@@ -25,14 +25,16 @@ struct LoggedJoint {
 /// A joint's channels, shape (rows) each. Lengths and forces of a slide are metres and newtons.
 struct RobotJointLog {
   std::string name;
-  std::string effort_unit;                  ///< "Nm", "N" or "A"
-  std::vector<double> position;             ///< [rad]
-  std::vector<double> velocity;             ///< [rad/s], smoothed
-  std::vector<double> acceleration;         ///< [rad/s^2]
-  std::vector<double> effort;               ///< [effort_unit]
-  std::vector<signed char> direction;       ///< sign of the motion, held through its dead band
-  std::vector<bool> moves;                  ///< friction acts against a known direction
-  double dead_band = 0.0, bandwidth = 0.0;  ///< [rad/s] of the direction; [Hz] of the smoothing
+  std::string effort_unit;                   ///< "Nm", "N" or "A"
+  std::vector<double> position;              ///< [rad]
+  std::vector<double> velocity;              ///< [rad/s], smoothed
+  std::vector<double> acceleration;          ///< [rad/s^2]
+  std::vector<double> sharper_velocity;      ///< [rad/s], smoothed less: kSharper times the bandwidth
+  std::vector<double> sharper_acceleration;  ///< [rad/s^2]
+  std::vector<double> effort;                ///< [effort_unit]
+  std::vector<signed char> direction;        ///< sign of the motion, held through its dead band
+  std::vector<bool> moves;                   ///< friction acts against a known direction
+  double dead_band = 0.0, bandwidth = 0.0;   ///< [rad/s] of the direction; [Hz] of the smoothing
   bool slides = false;
   bool measured_velocity = false;  ///< otherwise worked out from the position
   std::size_t resting = 0;         ///< rows in which it does not move
@@ -50,6 +52,9 @@ struct RobotLog {
   std::vector<std::string> warnings;  ///< sentences about the log, for people
   std::size_t rows() const { return time.size(); }
 };
+
+/// The same rows with motion that is smoothed less: what a fit finds otherwise there is no more certain than that.
+RobotLog sharperMotion(RobotLog log);
 
 /// Reads of every joint J `J_rad` (or `J_position_rad`, `J.position`, `q1_rad` of the first), the velocity if it is
 /// there (`J_velocity_rad_s`, `J.velocity`, `qd1_rad_s`), and `torque_J_Nm` (`J_torque_Nm`, `J.effort`, `torque1_Nm`)
