@@ -56,7 +56,9 @@ PoseSet readPoses(Session& session, const std::string& role, const std::vector<s
                   const ArmModel& model, const CsvOptions& csv) {
   PoseSet all;
   for (const std::string& file : files) {
-    for (Pose& pose : readPoses(session, role, file, model, csv).poses) {
+    PoseSet set = readPoses(session, role, file, model, csv);
+    requireOtherPoses(set, all, "the same readings twice are no more evidence");
+    for (Pose& pose : set.poses) {
       if (std::ranges::find(all.poses, pose.name, &Pose::name) != all.poses.end()) {
         throw DataError(fmt::format("{}: found a pose {}, which {} has, too; expected names of its own", file,
                                     pose.name, all.file));

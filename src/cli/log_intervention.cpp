@@ -7,6 +7,7 @@
 #include "simgap/report/diagnosis/candidate_files.h"
 #include "simgap/report/diagnosis/intervention_report.h"
 #include "simgap/report/diagnosis/log_intervention_report.h"
+#include "simgap/report/html/result_files.h"
 
 namespace simgap {
 LogEvidence readLogEvidence(const InterveneOptions& options, Session& session) {
@@ -33,6 +34,20 @@ LogEvidence readLogEvidence(const InterveneOptions& options, Session& session) {
   return evidence;
 }
 
+void requireOtherFiles(const Session& session, const std::string& role, const std::filesystem::path& run) {
+  const Json before = ResultFiles(run).run().value("inputs", Json::array());
+  for (const Input& input : session.inputs()) {
+    if (input.role != role) continue;
+    for (const Json& known : before) {
+      if (known.value("sha256", "") != input.sha256) continue;
+      throw DataError(
+          fmt::format("{}: found what the diagnosis in {} has seen, expected another recording: what found a cause "
+                      "does not confirm it",
+                      input.file.string(), run.string()));
+    }
+  }
+}
+
 bool holdsLogCandidates(const std::filesystem::path& run) {
   const std::filesystem::path list = run / kCandidateFolder / kCandidateList;
   return std::filesystem::exists(list) && readFile(list).starts_with(fmt::format("format: {}", kLogCandidates));
@@ -56,6 +71,7 @@ ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::
   std::optional<LogTable> after;
   if (!options.log.empty()) {
     after = readLog(session, "log", options.log, options.table);
+    requireOtherFiles(session, "log", options.run);
     for (const std::string& sentence : after->summary()) spdlog::warn("{}", sentence);
   }
   if (options.common.dry_run) {

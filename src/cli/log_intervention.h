@@ -33,6 +33,9 @@ std::vector<Changes> readChangeFiles(const InterveneOptions& options, Session& s
   return all;
 }
 
+/// \throws DataError: a file of that role has the content of one that the run read.
+void requireOtherFiles(const Session& session, const std::string& role, const std::filesystem::path& run);
+
 /// Whether a diagnosis was of a log.
 bool holdsLogCandidates(const std::filesystem::path& run);
 /// What the diagnosis left in its folder of candidates.

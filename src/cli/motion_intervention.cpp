@@ -65,6 +65,7 @@ ExitCode interveneOnMotions(const InterveneOptions& options, const std::vector<s
   if (!options.motions.empty()) {
     after = readMotions(session, "motions", options.motions, evidence.given, options.table.skip_bad_rows,
                         evidence.config.motions.motion.restart);
+    requireOtherFiles(session, "motions table", options.run);
   }
   if (options.common.dry_run) {
     session.print(fmt::format("would ask {} models for {} changes; nothing was written\n", evidence.candidates.size(),

@@ -129,6 +129,17 @@ void refuseOtherJointTypes(const CsvTable& table, const PoseLayout& layout) {
   }
 }
 
+namespace {
+
+bool sameReadings(const Pose& a, const Pose& b) {
+  const auto equal = [](const JointPosition& i, const JointPosition& j) {
+    return i.angle == j.angle && i.rotation.coeffs() == j.rotation.coeffs();
+  };
+  return a.shafts == b.shafts && std::ranges::equal(a.joints, b.joints, equal);
+}
+
+}  // namespace
+
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   if (table.rows() == 0) throw DataError(fmt::format("{}: found no rows, expected at least one pose", table.name()));
   refuseUnknownMuscles(table, layout);
@@ -157,6 +168,23 @@ PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   PoseSet set{table.name(), {}};
   for (const std::string& name : order) set.poses.push_back(meanPose(name, rows_of[name], columns, layout));
   return set;
+}
+
+std::vector<std::string> copiedPoses(const PoseSet& set, const PoseSet& of) {
+  std::vector<std::string> copies;
+  for (const Pose& pose : set.poses) {
+    const auto original = std::ranges::find_if(of.poses, [&](const Pose& other) { return sameReadings(pose, other); });
+    if (original != of.poses.end()) copies.push_back(fmt::format("{} ({} of {})", pose.name, original->name, of.file));
+  }
+  return copies;
+}
+
+void requireOtherPoses(const PoseSet& set, const PoseSet& others, std::string_view why) {
+  const std::vector<std::string> copies = copiedPoses(set, others);
+  if (2 * copies.size() <= set.poses.size()) return;
+  throw DataError(
+      fmt::format("{}: found {} of {} poses with readings of poses that are known already, {}, expected others: {}",
+                  set.file, copies.size(), set.poses.size(), copies.front(), why));
 }
 
 }  // namespace simgap

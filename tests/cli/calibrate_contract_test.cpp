@@ -45,10 +45,9 @@ TEST_F(CalibrateContractTest, WithoutOptionsItDescendsWithPriors) {
 }
 
 TEST_F(CalibrateContractTest, ValidatesNothingOnThePosesTheSearchHasSeen) {
-  expectRefused(plain("out", {"--validation", "all.csv"}), 2,
-                "--validation all.csv: found the poses of --poses all.csv");
+  expectRefused(plain("out", {"--validation", "all.csv"}), 3, "all.csv: found 15 of 15 poses with readings");
   put("copy.csv.gz", gzipped(text("all.csv")));
-  expectRefused(plain("out", {"--validation", "copy.csv.gz"}), 2, "validates nothing");
+  expectRefused(plain("out", {"--validation", "copy.csv.gz"}), 3, "validates nothing");
 }
 
 TEST_F(CalibrateContractTest, OptionsOfAnotherOptimiserAreRefused) {

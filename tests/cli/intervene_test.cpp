@@ -13,7 +13,9 @@ class Intervene : public CliTest {
  protected:
   Intervene() {
     put("poses.csv", firstLines(readText(sourceFile("data/arm-dense/poses_calibration.csv")), 33));
-    put("after.csv", firstLines(readText(sourceFile("data/arm-dense/poses_calibration.csv")), 41));
+    const std::string all = readText(sourceFile("data/arm-dense/poses_calibration.csv")), head = firstLines(all, 1),
+                      seen = firstLines(all, 33), both = firstLines(all, 73);
+    put("after.csv", head + both.substr(seen.size()));
     put("weight.yaml", readText(sourceFile("data/arm-dense/weight.yaml")));
     put("off.yaml", "format: simgap/change/1\nchanges: [{kind: undo, cause: 'payload:forearm'}]\n");
     succeed({"diagnose", "arm.yaml", "--poses", "poses.csv", "--effects", "payload,gravity-tilt", "-q", "-o", "d"});
@@ -47,6 +49,12 @@ TEST_F(Intervene, ChoosesPosesThatTellAndJudgesThem) {
   // Further poses of the same arm need no change to judge.
   succeed({"intervene", "d", "--poses", "after.csv", "-q", "-o", "further"});
   EXPECT_EQ(Json::parse(text("further/result.json")).at("change"), "further poses");
+}
+
+TEST_F(Intervene, PosesThatFoundTheCauseDoNotConfirmIt) {
+  expectRefused({"intervene", "d", "--poses", "poses.csv", "-o", "x"}, 3, "found 31 of 32 poses with readings");
+  put("some.csv", replaced(firstLines(text("poses.csv"), 11), "\np", "\nq"));
+  expectRefused({"intervene", "d", "--poses", "some.csv", "-o", "x"}, 3, "do not confirm it");
 }
 
 TEST_F(Intervene, RefusesWhatItCannotUse) {

@@ -18,6 +18,7 @@ class MotionDiagnosisTest : public CliTest {
     put("forearm_config.yaml", forearmConfig());
     putMotions(folder_, "motions.yaml", 0, 4, options);
     putMotions(folder_, "unseen.yaml", 4, 3, options);
+    putMotions(folder_, "further.yaml", 7, 3, options);
   }
   Arguments diagnosis(const std::string& directory, const Arguments& more = {}) const {
     Arguments all{"diagnose",    "forearm.yaml", "--motions",           "motions.yaml", "--validation-motions",
@@ -59,23 +60,25 @@ TEST_F(MotionDiagnosisTest, ItsModelsAreAskedAboutAChangeAndWhatToRecordNext) {
   ASSERT_EQ(found.at("causes").at(0).at("effect"), "joint-clock-offset");
   succeed({"intervene", "out", "--change", "hung.yaml", "--change", "off.yaml", "-q", "-o", "foreseen"});
   EXPECT_EQ(Json::parse(text("foreseen/result.json")).at("best"), "clock mended");
-  succeed({"intervene", "out", "--motions", "unseen.yaml", "-q", "-o", "again"});
+  succeed({"intervene", "out", "--motions", "further.yaml", "-q", "-o", "again"});
   EXPECT_EQ(Json::parse(text("again/result.json")).at("verdict"), "confirmed");
   EXPECT_THAT(text("again/report.html"), HasSubstr("RMS error [sd of the noise]"));
-  succeed({"intervene", "out", "--change", "off.yaml", "--motions", "unseen.yaml", "-q", "-o", "not_made"});
+  succeed({"intervene", "out", "--change", "off.yaml", "--motions", "further.yaml", "-q", "-o", "not_made"});
   EXPECT_NE(Json::parse(text("not_made/result.json")).at("verdict"), "confirmed");
   succeed({"design", "--separate", "out", "--speeds", "0.5,1", "-q", "-o", "next"});
   succeed({"simulate", "forearm.yaml", "--commands", "next/next_1.csv", "-q", "-o", "played"});
   succeed({"design", "--separate", "out", "--speeds", "0.5,1", "--threads", "1", "-q", "-o", "next_again"});
   EXPECT_EQ(text("next_again/result.json"), text("next/result.json"));
 
+  expectRefused({"intervene", "out", "--motions", "unseen.yaml", "-o", "no"}, 3,
+                "found what the diagnosis in out has seen");
   expectRefused({"intervene", "out", "-o", "no"}, 2, "found neither --change nor --motions");
   expectRefused({"intervene", "out", "--poses", "p.csv", "-o", "no"}, 2,
                 "with a diagnosis of motions, expected --motions");
-  expectRefused({"intervene", "out", "--change", "off.yaml", "hung.yaml", "--motions", "unseen.yaml", "-o", "no"}, 2,
+  expectRefused({"intervene", "out", "--change", "off.yaml", "hung.yaml", "--motions", "further.yaml", "-o", "no"}, 2,
                 "found 2 files of --change with --motions");
   put("none.yaml", "format: simgap/change/1\nchanges: [{kind: undo, cause: supply-sag}]\n");
-  expectRefused({"intervene", "out", "--change", "none.yaml", "--motions", "unseen.yaml", "-o", "no"}, 2,
+  expectRefused({"intervene", "out", "--change", "none.yaml", "--motions", "further.yaml", "-o", "no"}, 2,
                 "which no model of the diagnosis holds");
   put("out/candidates/covariance_01.csv", "z0,z1\n1,0\n0,1\n");
   expectRefused({"intervene", "out", "--change", "off.yaml", "-o", "no"}, 2, "found a covariance of 2 parameters");

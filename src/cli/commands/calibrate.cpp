@@ -88,17 +88,6 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
   config.strategy.validate();
 }
 
-/// Poses that the search has seen validate nothing.
-bool samePoses(const PoseSet& a, const PoseSet& b) {
-  const auto same = [](const Pose& p, const Pose& q) {
-    const auto equal = [](const JointPosition& i, const JointPosition& j) {
-      return i.angle == j.angle && i.rotation.coeffs() == j.rotation.coeffs();
-    };
-    return p.shafts == q.shafts && std::ranges::equal(p.joints, q.joints, equal);
-  };
-  return std::ranges::equal(a.poses, b.poses, same);
-}
-
 CalibrationTask readTask(const Options& options, Session& session) {
   if (options.model.empty() || options.poses.empty()) {
     throw ConfigError("calibrate needs MODEL and --poses, or --resume (see simgap calibrate --help)");
@@ -111,12 +100,7 @@ CalibrationTask readTask(const Options& options, Session& session) {
   task.poses = readPoses(session, "poses", options.poses, task.model, csv);
   if (!options.validation.empty()) {
     task.validation = readPoses(session, "validation", options.validation, task.model, csv);
-    if (samePoses(task.poses, *task.validation)) {
-      throw ConfigError(
-          fmt::format("--validation {}: found the poses of --poses {}, expected others: what a search has "
-                      "seen validates nothing",
-                      options.validation, options.poses));
-    }
+    requireOtherPoses(*task.validation, task.poses, "what a search has seen validates nothing");
   }
   return task;
 }

@@ -36,6 +36,9 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   const std::vector<ArmChanges> changes = readChangeFiles<ArmChanges>(options, session, "further poses", read);
   PoseSet after;
   if (!options.poses.empty()) after = readPoses(session, "poses", options.poses, evidence.given, options.table.csv());
+  if (!options.poses.empty()) {
+    requireOtherPoses(after, {"the diagnosis", evidence.poses}, "poses that found a cause do not confirm it");
+  }
   if (options.common.dry_run) {
     session.print(fmt::format("would ask {} models for {} changes; nothing was written\n", evidence.candidates.size(),
                               changes.size()));

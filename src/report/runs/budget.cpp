@@ -163,7 +163,12 @@ Budget readBudget(const YamlNode& root) {
 
 Json checkBudget(const Budget& budget, const ResultFiles& run) {
   Json limits = Json::array();
-  std::size_t held = 0;
+  std::size_t held = 0, of = budget.limits.size();
+  // The numbers of a run that failed are of a result that it does not deliver.
+  if (const std::string status = cellText(run.run().value("status", Json(""))); status != "done") {
+    limits.push_back({{"limit", "the run is done"}, {"found", status}, {"pass", false}});
+    ++of;
+  }
   for (const BudgetLimit& limit : budget.limits) {
     const Json& result = run.result();
     const Finding finding = limit.of == BudgetLimit::Of::kValue       ? checkValue(limit, result)
@@ -173,11 +178,8 @@ Json checkBudget(const Budget& budget, const ResultFiles& run) {
     held += finding.holds;
     limits.push_back({{"limit", limit.text}, {"found", finding.found}, {"pass", finding.holds}});
   }
-  return {{"format", "simgap/guard/1"},
-          {"run", run.directory().string()},
-          {"held", held},
-          {"of", budget.limits.size()},
-          {"limits", limits}};
+  return {
+      {"format", "simgap/guard/1"}, {"run", run.directory().string()}, {"held", held}, {"of", of}, {"limits", limits}};
 }
 
 bool holds(const Json& guard) { return guard.at("held") == guard.at("of"); }

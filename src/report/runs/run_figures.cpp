@@ -80,6 +80,10 @@ RunFigures figuresOf(const ResultFiles& files) {
 
 RunFigures readRun(const std::filesystem::path& directory) {
   const ResultFiles files(directory);
+  if (const std::string status = cellText(files.run().value("status", Json(""))); status.starts_with("failed")) {
+    throw DataError(fmt::format("{}: the run {}, expected one that is done: what it found it does not deliver",
+                                directory.string(), status));
+  }
   try {
     return figuresOf(files);
   } catch (const Json::exception& error) {

@@ -66,6 +66,18 @@ TEST(Budget, ACauseThatWasNotAskedForIsNotExcluded) {
   EXPECT_THAT(guardText(check("  - {cause: friction-heating}\n")), HasSubstr("the run did not ask for it"));
 }
 
+TEST(Budget, ARunThatFailedHoldsNothing) {
+  const test::ResultFolder folder(kResult);
+  RunRecord record({"simgap", "calibrate"}, 7, 1);
+  record.write(folder.directory(), "failed: the result is worse than the start");
+  const Json guard = checkBudget(
+      readBudget(YamlNode::parse("format: simgap/budget/1\nlimits:\n  - {verdict: [cause-found]}\n", "budget.yaml")),
+      ResultFiles(folder.directory().path()));
+  EXPECT_FALSE(holds(guard));
+  EXPECT_EQ(guard.at("held"), 1);
+  EXPECT_THAT(guardText(guard), HasSubstr("failed: the result is worse than the"));
+}
+
 TEST(Budget, SaysWhichLineIsBroken) {
   const Json guard = check("  - {value: mje_deg.final.elbow, upper: 2}\n  - {cause: payload}\n");
   EXPECT_THAT(guardText(guard), HasSubstr("1 of 2 limits hold"));
