@@ -147,6 +147,8 @@ class Judge {
     if (cancels(*full.model, full, effect)) return "its terms cancel each other: their sizes mean nothing";
     std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
     if (!beyond.empty()) return beyond;
+    std::string nothing = loadThatMayBeNone(*full.model, found_.fit, effect, log_.data.rows);
+    if (!nothing.empty()) return nothing;
     const Interval gain = gainOf(cause);
     const double p = heldOutP(unseen_without_[cause], unseen_);
     if (std::string small = doubtOfGain(gain, p); !small.empty()) return small;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "diagnose/verdict.h"
 #include "simgap/core/statistics.h"
@@ -35,8 +37,8 @@ bool farAboveNoise(const Diagnosis& d) {
   return timesTheNoise(d) > kFar;
 }
 
-/// How the residual follows a channel, from its bins: correlation with the channel or with the distance from its
-/// middle.
+/// How measured less model follows a channel, from its bins (of model less measured): correlation with the channel or
+/// with the distance from its middle.
 std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string& channel) {
   constexpr double kPlain = 0.8;
   std::vector<const EvidenceBin*> bins;
@@ -50,7 +52,7 @@ std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string&
     residual.push_back(bin->after);
   }
   const double slope = correlation(center, residual);
-  if (std::abs(slope) > kPlain) return slope > 0.0 ? "rises with it" : "falls with it";
+  if (std::abs(slope) > kPlain) return slope < 0.0 ? "rises with it" : "falls with it";
   const auto [low, high] = std::ranges::minmax(center);
   for (double& at : center) at = std::abs(at - 0.5 * (low + high));
   return std::abs(correlation(center, residual)) > kPlain ? "differs between its middle and its ends" : "";
@@ -117,6 +119,26 @@ void conclude(Diagnosis& d) {
   }
 }
 
+namespace {
+
+/// What to record to see how what is left follows a channel.
+std::string stepsOf(const std::string& channel) {
+  static const std::map<std::string, const char*> kSteps = {
+      {"time", "Repeat the first motion at the end of the log and once in its middle: that tells a drift from chance."},
+      {"motor_velocity", "Repeat one stroke at six constant speeds, both ways: that shows the law over the speed."},
+      {"acceleration",
+       "Repeat one stroke with slow and with fast starts, and log faster: that tells inertia from lag."},
+      {"external_torque", "Repeat one motion under other loads, or of another mass: that shows the law over the load."},
+      {"time_since_reversal_s", "Record long and short strokes at one speed: that shows what follows a reversal."},
+      {"rest_s", "Rest for 1, 3 and 10 s before the same slow motion: that shows what a rest does."},
+      {"direction", "Repeat one motion to and fro at several speeds: that shows how the two ways differ."}};
+  const auto known = kSteps.find(channel);
+  if (known != kSteps.end()) return known->second;
+  return fmt::format("Repeat one motion and load at several values of {} over its range: that shows its law.", channel);
+}
+
+}  // namespace
+
 std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
   const double minutes = log.data.rows.elapsed[log.data.rows.rows() - 1] / 60.0;
   for (const Cause& cause : d.causes) {
@@ -130,12 +152,7 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
     return text + fmt::format(" ({:.0f} min at loads up to {:.3g} {} would do).", std::max(2.0, 0.2 * minutes),
                               log.data.rows.top_load, log.data.load_unit);
   }
-  if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) {
-    if (d.unexplained[0].channel == "time")
-      return "Repeat the first motion at the end of the log and once in its middle: that tells a drift from chance.";
-    return fmt::format("Repeat one motion and load while {} is stepped up and down over its range: that shows its law.",
-                       d.unexplained[0].channel);
-  }
+  if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) return stepsOf(d.unexplained[0].channel);
   if (!d.causes.empty()) {
     return fmt::format("To confirm {} independently: record {}.", d.causes[0].effect,
                        actuator_effects::find(d.causes[0].effect).separates);
@@ -147,6 +164,13 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
         timesTheNoise(d));
   }
   if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
+  constexpr double kAtTheNoise = 1.2;
+  if (timesTheNoise(d) > kAtTheNoise) {
+    return fmt::format(
+        "The model misses {:.1f} times the noise, by nothing that is sure here: a log of {:.0f} min, or one motion "
+        "recorded twice, would tell a cause from chance.",
+        timesTheNoise(d), std::max(2.0, 4.0 * minutes));
+  }
   return fmt::format(
       "Nothing is missing at this noise; smaller effects than those under `detectable` need about {:.0f} min "
       "of log for half of their size.",

@@ -89,6 +89,19 @@ std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted,
   return {};
 }
 
+std::string loadThatMayBeNone(const ActuatorRegression& model, const LogFit& fit, std::size_t effect,
+                              const ActuatorRows& rows) {
+  const std::span<const EffectParameter> parameters = model.effects()[effect]->parameters;
+  for (std::size_t k = 0; k < parameters.size() && rows.top_load > 0.0; ++k) {
+    const Estimate& p = fit.parameters[model.firstParameter(effect) + k];
+    const double half = fit.t * p.sd;
+    if (parameters[k].unit != "Nm" || parameters[k].kind != Kind::kSmooth || half < std::abs(p.value)) continue;
+    return fmt::format("beside the load that is known {} may be nothing: {:.3g} ± {:.2g}", parameters[k].name, p.value,
+                       half);
+  }
+  return {};
+}
+
 bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect) {
   const std::size_t count = model.effects()[effect]->columns.size();
   if (count < 2) return false;

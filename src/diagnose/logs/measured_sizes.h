@@ -18,6 +18,11 @@ std::string undetermined(const ActuatorRegression& model, std::span<const double
 std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect,
                           const ActuatorRows& rows);
 
+/// A load that the cause adds to one that is known, and that may be nothing: k_a makes up for as much of it as it
+/// likes, so that the log may tell only its small rest. Empty: it is none, or is measured. \param fit  of all rows
+std::string loadThatMayBeNone(const ActuatorRegression& model, const LogFit& fit, std::size_t effect,
+                              const ActuatorRows& rows);
+
 /// Terms that nearly cancel each other have no physical size (a sine over a small part of its period).
 bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect);
 

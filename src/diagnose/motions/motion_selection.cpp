@@ -31,7 +31,10 @@ bool toldApart(const MotionCauseFit& better, const MotionCauseFit& worse, double
   const Eigen::ArrayXd lead = worse.losses() - better.losses();
   const double count = static_cast<double>(lead.size());
   const double error = std::sqrt((lead - lead.mean()).square().sum() / (count * std::max(1.0, count - 1.0)));
-  return lead.mean() > kSteady * error;
+  // Where one motion says far more than all others the mean is as uncertain as it is large; then they are counted.
+  constexpr double kMostMotions = 0.75;
+  const double say_so = static_cast<double>((lead / variance > kMotionsTellApart / count).count());
+  return lead.mean() > kSteady * error || say_so >= kMostMotions * count;
 }
 
 /// How often placebos promise as much.
@@ -128,8 +131,28 @@ std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& s
   return chosen;
 }
 
+/// The effect of the best of those fitted on other muscles: a scan from where the model is lost tells these apart
+/// badly.
+std::vector<const MotionTrial*> MotionSelector::otherTargets(const MotionScan& scan,
+                                                             const std::vector<MotionHypothesis>& open,
+                                                             const std::vector<Refit>& fitted) {
+  std::vector<const MotionTrial*> chosen;
+  for (const MotionTrial& trial : scan.trials) {
+    const MotionHypothesis& one = open[trial.hypothesis];
+    const bool known = std::ranges::any_of(fitted, [&](const Refit& refit) { return refit.isOf(one); });
+    if (one.effect == fitted.front().cause().effect && !known && chosen.size() < kRefits) chosen.push_back(&trial);
+  }
+  return chosen;
+}
+
 bool MotionSelector::Refit::isOf(const MotionHypothesis& hypothesis) const {
   return cause().effect == hypothesis.effect && cause().target == hypothesis.target;
+}
+
+/// What looks like the best and is still on its way may pass it yet.
+bool MotionSelector::Refit::mayPass(const Refit& best) const {
+  return looksLike({cause().effect, cause().target, {}}, best.cause()) && !settled &&
+         fit->objective() - best.fit->objective() < kOnTheWay * gained;
 }
 
 /// Of the best's effect on all muscles, or what looks like it.
@@ -148,11 +171,11 @@ std::unique_ptr<MotionCauseFit> MotionSelector::descended(std::vector<ArmCause> 
 
 /// Fits of the causes that the scan likes best, from where the model without them ended and from the prior's mean.
 std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& base,
-                                                         std::span<const MotionPoint> points, const MotionScan& scan,
+                                                         std::span<const MotionPoint> points,
                                                          const std::vector<MotionHypothesis>& open,
-                                                         const std::vector<Refit>& fitted) {
+                                                         const std::vector<const MotionTrial*>& chosen) {
   std::vector<Refit> refits;
-  for (const MotionTrial* trial : worthFitting(scan, open, fitted)) {
+  for (const MotionTrial* trial : chosen) {
     const MotionHypothesis& hypothesis = open[trial->hypothesis];
     std::vector<ArmCause> causes = base.causes();
     causes.push_back({hypothesis.effect, hypothesis.target, trial->start});
@@ -209,14 +232,14 @@ FoundCause MotionSelector::conclude(const MotionCauseFit& base, std::vector<Refi
   const double variance = std::max(1.0, best.fit->misfit());
   found.evidence = (base.objective() - best.fit->objective()) / variance;
   found.by_motion = (base.losses() - best.fit->losses()) / variance;
-  found.p = chanceOf(best.promised, placebos);
+  // Placebos are granted one step of a scan. Where that one was lost its promise says little, and what a fit then gains
+  // many times over no placebo's step does; held-out motions judge it besides.
+  constexpr double kBeyondAStep = 10.0;
+  found.p = chanceOf(std::max(best.promised, found.evidence / kBeyondAStep), placebos);
   for (const Refit& one : refits) {
     const ArmCause& cause = one.cause();
     const double odds = (base.objective() - one.fit->objective()) / variance;
-    // What looks like the best and is still on its way may pass it yet.
-    const bool may_pass = looksLike({cause.effect, cause.target, {}}, best.cause()) && !one.settled &&
-                          one.fit->objective() - best.fit->objective() < kOnTheWay * one.gained;
-    const bool rival = &one != &best && (may_pass || !toldApart(*best.fit, *one.fit, variance));
+    const bool rival = &one != &best && (one.mayPass(best) || !toldApart(*best.fit, *one.fit, variance));
     if (rival) found.rivals.push_back(cause.label());
     records.push_back({base.causes().size() + 1, std::string(cause.effect->name), cause.target, kNotMeasured,
                        &one == &best ? found.p : 1.0,
@@ -261,18 +284,20 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
     return std::nullopt;
   }
   plan_.begin(MotionPlan::kFits, rollouts_);
-  std::vector<Refit> refits = refit(base, points, scan, open, {});
+  std::vector<Refit> refits = refit(base, points, open, worthFitting(scan, open, {}));
   if (refits.empty()) return std::nullopt;
   plan_.begin(MotionPlan::kDerivatives, rollouts_);
   settle(base, open, refits, 0);
-  for (int wave = 0; wave < kMoreWaves && refits.front().fit->misfit() > kLeavesMuch; ++wave) {
+  for (int wave = 0; wave <= kMoreWaves && refits.front().fit->misfit() > kLeavesMuch; ++wave) {
     // What the scan liked less: it looked from where the model without the cause was lost.
-    std::vector<Refit> more = refit(base, points, scan, open, refits);
-    if (more.empty()) break;
+    std::vector<Refit> more = refit(
+        base, points, open, wave < kMoreWaves ? worthFitting(scan, open, refits) : otherTargets(scan, open, refits));
+    if (more.empty()) continue;
     std::ranges::move(more, std::back_inserter(refits));
     settle(base, open, refits, kOwedOfMore);
   }
   points.clear();
+  finishRivals(refits);
   improveBase(base, *refits.front().fit);
   return conclude(base, refits, scan.placebos, records);
 }

@@ -57,18 +57,22 @@ class MotionSelector {
     const ArmCause& cause() const { return fit->causes().back(); }
     bool isOf(const MotionHypothesis& hypothesis) const;
     bool standsBeside(const ArmCause& best) const;
+    bool mayPass(const Refit& best) const;
   };
   using Begin = std::function<bool(MotionCauseFit&)>;
   std::unique_ptr<MotionCauseFit> descended(std::vector<ArmCause> causes, const Begin& begin);
   static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan, const std::vector<MotionHypothesis>& open,
                                                       const std::vector<Refit>& fitted);
-  std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points, const MotionScan& scan,
-                           const std::vector<MotionHypothesis>& open, const std::vector<Refit>& fitted);
+  static std::vector<const MotionTrial*> otherTargets(const MotionScan& scan, const std::vector<MotionHypothesis>& open,
+                                                      const std::vector<Refit>& fitted);
+  std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points,
+                           const std::vector<MotionHypothesis>& open, const std::vector<const MotionTrial*>& chosen);
   MotionScan lookAround(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                         std::vector<MotionPoint>& points);
   void startBesideBest(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                        std::vector<Refit>& refits);
   void lookAgain(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits);
+  void finishRivals(std::vector<Refit>& refits);
   static std::size_t owedDerivatives(const std::vector<Refit>& refits);
   void settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits,
               int owed_of_new);

@@ -115,6 +115,18 @@ void MotionSelector::lookAgain(const MotionCauseFit& base, const std::vector<Mot
   }
 }
 
+/// What was begun late and may pass the best goes on until it has, or cannot.
+void MotionSelector::finishRivals(std::vector<Refit>& refits) {
+  const Refit* best = &refits.front();
+  const double least = best->fit->objective();
+  for (Refit& refit : std::span(refits).subspan(1)) {
+    if (!refit.mayPass(*best)) continue;
+    catchUp(*refit.fit, least);
+    refit.settled = true;
+  }
+  std::ranges::stable_sort(refits, {}, [](const Refit& refit) { return refit.fit->objective(); });
+}
+
 /// The next best that stands beside the best; refits.size(): none.
 std::size_t MotionSelector::owedDerivatives(const std::vector<Refit>& refits) {
   std::size_t i = 1;

@@ -41,6 +41,21 @@ TEST(LogConclusion, FarAboveTheNoiseSomethingIsThatNoChannelShows) {
   EXPECT_THAT(next, Not(HasSubstr("Nothing is missing")));
 }
 
+TEST(LogConclusion, BetweenTheTwoItIsNotSaidThatNothingIsMissing) {
+  const std::string next = nextExperiment(withoutCauses(0.0223, 0.0146), minutesOfLog(1.0));
+  EXPECT_THAT(next, HasSubstr("1.5 times the noise"));
+  EXPECT_THAT(next, Not(HasSubstr("Nothing is missing")));
+}
+
+TEST(LogConclusion, WhatToRecordCanBeDone) {
+  Diagnosis d;
+  d.verdict = DiagnosisVerdict::kUnexplained;
+  d.unexplained = {{"acceleration", 20.0, {}}};
+  EXPECT_THAT(nextExperiment(d, minutesOfLog(1.0)), HasSubstr("slow and with fast starts"));
+  d.unexplained = {{"humidity_percent", 20.0, {}}};
+  EXPECT_THAT(nextExperiment(d, minutesOfLog(1.0)), HasSubstr("at several values of humidity_percent"));
+}
+
 TEST(LogConclusion, WhatIsLeftThroughoutAndFollowsNoChannelIsUnexplained) {
   Diagnosis d;
   d.baseline.mse_heldout = 0.16 * 0.16;

@@ -1,5 +1,6 @@
 /// \file
-/// A viscous term that saturates or grows with speed: k_v |w|^m sign(w), written k_v w |w / w_top|^(m - 1).
+/// A viscous term that saturates or grows with speed: k_v |w|^m sign(w), written k_v w |w / w_top|^(m - 1), or beside
+/// it the drag of a stirred fluid, c w |w|.
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::viscous_nonlinearity {
@@ -16,11 +17,16 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return {{1.0, rows.top_speed}, {0.5, rows.top_speed}, {2.0, rows.top_speed}};
 }
 
-}  // namespace
+constexpr EffectColumn kDragColumns[] = {{"c", "Nms2_rad2"}};
 
-extern const ActuatorEffect entry;
-const ActuatorEffect entry = {
+void fillDrag(std::span<const double> /*p*/, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
+              const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
+  x.col(0) = rows.speed * rows.speed.abs();
+}
+
+constexpr ActuatorEffect kUsual = {
     .name = "viscous-nonlinearity",
+    .form = "power",
     .cause = "viscous friction that saturates or grows with speed",
     .equation = "k_v w |w / w_top|^(m - 1)",
     .signature = "residual x direction bends over the speed",
@@ -32,5 +38,24 @@ const ActuatorEffect entry = {
     .apply = apply,
     .starts = starts,
 };
+
+constexpr ActuatorEffect kDrag = [] {
+  ActuatorEffect effect = kUsual;
+  effect.form = "drag";
+  effect.equation = "tau_fr += c w |w|";
+  effect.parameters = {};
+  effect.columns = kDragColumns;
+  effect.on_robot = false;
+  effect.fill = fillDrag;
+  effect.apply = nullptr;
+  effect.starts = nullptr;
+  return effect;
+}();
+constexpr const ActuatorEffect* kForms[] = {&kDrag};
+
+}  // namespace
+
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = withForms(kUsual, kForms);
 
 }  // namespace simgap::actuator_effects::viscous_nonlinearity
