@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
 #include "simgap/core/words.h"
@@ -27,6 +30,43 @@ ExportedArm writeRobot(const ArmModel& model, RobotFormat format) {
   return {writeArm(model), {}};
 }
 
+/// The keys of an arm file that --muscles does not take.
+constexpr std::array<std::string_view, 5> kNoMuscles = {"format", "name", "gravity", "bodies", "joints"};
+
+/// Whether a line begins another key of the file's outermost map that is not taken; unchanged by what stands in a key.
+bool beginsOther(std::string_view line, bool before) {
+  if (line.empty() || line.starts_with('#') || line.starts_with(' ') || line.starts_with('-')) return before;
+  const std::string_view key = line.substr(0, line.find(':'));
+  return std::ranges::any_of(kNoMuscles, [&](std::string_view other) {
+    return key == other || (other == "gravity" && key.starts_with("gravity_"));
+  });
+}
+
+/// A whole arm file, or a part of one, without what --muscles does not take; its lines keep their numbers.
+std::string musclesAlone(std::string_view text) {
+  std::string kept;
+  for (bool other = false; !text.empty();) {
+    const std::string_view line = takeLine(text);
+    other = beginsOther(line, other);
+    if (!other) kept.append(line);
+    kept.append("\n");
+  }
+  return kept;
+}
+
+/// What the lines of a whole arm file bend over belongs to its bodies: it goes along to those of the same names.
+void takeSurfaces(ArmModel& model, const RobotFile& muscles) {
+  if (muscles.text.find("\nbodies:") == std::string::npos) return;
+  for (const Body& from : readArm(YamlNode::parse(muscles.text, muscles.file.string())).bodies) {
+    const auto body = std::ranges::find(model.bodies, from.name, &Body::name);
+    if (body == model.bodies.end()) continue;
+    for (const Surface& surface : from.surfaces) {
+      const auto known = std::ranges::find(body->surfaces, surface.name, &Surface::name);
+      if (known == body->surfaces.end()) body->surfaces.push_back(surface);
+    }
+  }
+}
+
 /// The same bodies and joints with the muscles of a file, which stands first: its lines keep their numbers.
 ArmModel withMuscles(ArmModel model, const RobotFile& muscles) {
   model.muscles.clear();
@@ -34,13 +74,19 @@ ArmModel withMuscles(ArmModel model, const RobotFile& muscles) {
   model.extensions.clear();
   model.motor_defaults = {};
   model.gearbox_defaults = {};
+  takeSurfaces(model, muscles);
   const std::string text = writeArm(model);
   std::string skeleton;
   for (std::string_view left = text; !left.empty();) {
     const std::string_view line = takeLine(left);
-    if (!line.starts_with("muscles:")) skeleton.append(line).append("\n");
+    // The later version of the format has every key that the lines of muscles may need.
+    if (line.starts_with("format:")) {
+      skeleton.append("format: simgap/arm/2\n");
+    } else if (!line.starts_with("muscles:")) {
+      skeleton.append(line).append("\n");
+    }
   }
-  return readArm(YamlNode::parse(muscles.text + "\n" + skeleton, muscles.file.string()));
+  return readArm(YamlNode::parse(musclesAlone(muscles.text) + "\n" + skeleton, muscles.file.string()));
 }
 
 /// What a reader of the file has to know, above it.
