@@ -95,7 +95,7 @@ class MjcfWriter {
       }
       if (joint.lower_limit > -Joint::kUnlimited || joint.upper_limit < Joint::kUnlimited) {
         remarks_.add("joint limits",
-                     "MuJoCo's are soft: written stiff, a stop still gives way by some hundredths of a degree");
+                     "MuJoCo's are soft: written stiff, a light limb still rests some 0.1 deg beyond its stop");
       }
       if (joint.coulomb_friction > 0.0) {
         remarks_.add("joint friction", "frictionloss: MuJoCo's is soft, a robot that it holds creeps");

@@ -54,9 +54,9 @@ const XmlElement& XmlRobot::parse(const std::string& text, const std::filesystem
     const int line = std::max(1, document.xml.ErrorLineNum());
     if (document.xml.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED) {
       throw DataError(
-          fmt::format("{}:{}: found elements nested deeper than {}, the most that can be read: bodies in bodies stand "
-                      "in an <include> "
-                      "of their own (MJCF), which counts anew",
+          fmt::format("{}:{}: found elements nested deeper than {}, the most that can be read of one file; deeper "
+                      "bodies of MJCF can "
+                      "stand in an <include>",
                       name, line, TINYXML2_MAX_ELEMENT_DEPTH));
     }
     throw DataError(fmt::format("{}:{}: found no XML that can be read ({}), expected a robot in XML", name, line,

@@ -64,7 +64,7 @@ TEST(MjcfRefusals, WhatTheArmCannotBeIsSaidAtItsPlaceInTheFile) {
 TEST(MjcfRefusals, ElementsMayStandOnlySoDeep) {
   std::string deep = "<mujoco><worldbody>\n";
   for (int i = 0; i < 120; ++i) deep += "<body>\n";
-  EXPECT_THAT(refusal(deep), HasSubstr("found elements nested deeper than 100, the most that can be read"));
+  EXPECT_THAT(refusal(deep), HasSubstr("found elements nested deeper than 100, the most that can be read of one file"));
 }
 
 TEST(MjcfRemarks, SayWhatWasDone) {

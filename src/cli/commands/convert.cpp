@@ -14,9 +14,7 @@ struct Options {
 void refuseOwnSource(const Options& options, const std::filesystem::path& source) {
   std::error_code none;
   if (!std::filesystem::equivalent(source, options.to, none)) return;
-  throw ConfigError(options.to +
-                    ": found the file that is read as the one to write, expected another; --force replaces " +
-                    "none of the sources");
+  throw ConfigError(options.to + ": found the file that is read as the one to write, expected another");
 }
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
