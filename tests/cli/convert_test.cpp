@@ -67,7 +67,13 @@ TEST_F(Convert, TakesTheMusclesOfAWholeArm) {
   EXPECT_EQ(result["robot"]["muscles"], 4);
   EXPECT_EQ(result["robot"]["passive_tendons"], 3);
   EXPECT_EQ(result["robot"]["surfaces"], 3);
-  put("pendulum.xml", kPendulum);
+  EXPECT_THAT(result["remarks"]["read"].dump(), testing::Not(HasSubstr("has its frame elsewhere")));
+  // A URDF's links stand at their joints: there the numbers of points mean other places.
+  put("low.yaml", replaced(text("arm.yaml"), "[0, 0, -0.28], child_position_m: [0, 0, 0]",
+                           "[0, 0, -0.28], child_position_m: [0, 0, 0.02]"));
+  succeed({"convert", "low.yaml", "low.urdf"});
+  EXPECT_THAT(unwrapped(succeed({"convert", "low.urdf", "moved.yaml", "--muscles", "low.yaml"})),
+              HasSubstr("has its frame elsewhere there: points of lines on it are taken by their numbers"));
   put("other.yaml", replaced(text("finger.yaml"), "gearbox_defaults", "gearbox_default"));
   expectRefused({"convert", "finger.urdf", "b.yaml", "--muscles", "other.yaml"}, 2, "other.yaml:");
 }
