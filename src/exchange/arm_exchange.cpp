@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -16,6 +18,49 @@ namespace simgap {
 namespace {
 
 constexpr double kRounding = 1e-12;
+
+struct ArmList {
+  std::string_view key, one;  ///< "bodies", "body"
+};
+constexpr std::array<ArmList, 4> kArmLists = {
+    {{"bodies", "body"}, {"joints", "joint"}, {"muscles", "tendon"}, {"tendons", "tendon"}}};
+
+std::string nameIn(const ArmModel& model, std::string_view list, std::size_t index) {
+  const auto name = [&](const auto& things) { return index < things.size() ? things[index].name : std::string(); };
+  if (list == "bodies") return name(model.bodies);
+  if (list == "joints") return name(model.joints);
+  return list == "muscles" ? name(model.muscles) : name(model.tendons);
+}
+
+/// Takes `key[3]` off the front of a path. \returns 3; empty, and nothing taken: another path
+std::optional<std::size_t> takeIndex(std::string_view& path, std::string_view key) {
+  const std::size_t close = path.find(']');
+  if (!path.starts_with(key) || path.size() <= key.size() || path[key.size()] != '[') return std::nullopt;
+  if (close == std::string_view::npos) return std::nullopt;
+  const std::optional<double> index = parseNumber(path.substr(key.size() + 1, close - key.size() - 1));
+  if (!index || *index < 0.0) return std::nullopt;
+  path.remove_prefix(close + 1);
+  return static_cast<std::size_t>(*index);
+}
+
+/// "arm:9: bodies[1].parts[0]: found …" of an arm that no one has seen yet, as the file says it that was given.
+std::string inGivenFile(std::string_view error, const ArmModel& model, const std::string& file,
+                        const ArmPlaces& places) {
+  if (error.starts_with("arm:")) error.remove_prefix(std::min(error.find(": ") + 2, error.size()));
+  for (const auto& [key, one] : kArmLists) {
+    const std::optional<std::size_t> index = takeIndex(error, key);
+    if (!index) continue;
+    std::string name = nameIn(model, key, *index);
+    // A part has the name of what the file calls a body or a link.
+    if (const std::optional<std::size_t> part = takeIndex(error, ".parts")) {
+      if (*part < model.bodies[*index].parts.size()) name = model.bodies[*index].parts[*part].name;
+    }
+    error.remove_prefix(std::min(error.find_first_not_of(".: "), error.size()));
+    const auto place = places.find(fmt::format("{} {}", key, name));
+    return fmt::format("{}: {} '{}': {}", place == places.end() ? file : place->second, one, abridged(name), error);
+  }
+  return fmt::format("{}: {}", file, error);
+}
 
 }  // namespace
 
@@ -73,14 +118,16 @@ void tieJoints(ArmModel& model, int joint, int of, double ratio, double offset, 
   follower.coupling_offset = turned ? -offset / ratio : offset;
 }
 
-void checkMasses(const ArmModel& model, const std::filesystem::path& file) {
+void checkMasses(const ArmModel& model, const std::filesystem::path& file, const ArmPlaces& places) {
   std::vector<double> carried;
   for (const Body& body : model.bodies) carried.push_back(massProperties(body).mass);
   for (auto joint = model.joints.rbegin(); joint != model.joints.rend(); ++joint) {
     const int child = joint->child;
     if (carried[child] <= 0.0) {
+      const std::string& name = model.bodies[child].name;
+      const auto place = places.find("bodies " + name);
       throw DataError(fmt::format("{}: body '{}' moves without any mass, expected some (inertial, geoms)",
-                                  file.filename().string(), abridged(model.bodies[child].name)));
+                                  place == places.end() ? file.filename().string() : place->second, abridged(name)));
     }
     carried[joint->parent] += carried[child];
   }
@@ -111,13 +158,12 @@ Muscle placeholderMuscle(double length) {
   return muscle;
 }
 
-ArmModel checkedArm(ArmModel model, const std::filesystem::path& file) {
-  checkMasses(model, file);
+ArmModel checkedArm(ArmModel model, const std::filesystem::path& file, const ArmPlaces& places) {
+  checkMasses(model, file, places);
   try {
     return readArm(YamlNode::parse(writeArm(model), "arm"));
   } catch (const ConfigError& error) {
-    throw DataError(
-        fmt::format("{}: the robot in it is none that can be described: {}", file.filename().string(), error.what()));
+    throw DataError(inGivenFile(error.what(), model, file.filename().string(), places));
   }
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 
@@ -26,9 +27,6 @@ std::string freePartName(const Body& body, const std::string& wanted);
 /// it has to be. \throws DataError at `place`: tied twice, to itself, or by 0
 void tieJoints(ArmModel& model, int joint, int of, double ratio, double offset, const std::string& place);
 
-/// \throws DataError: a body that moves has no mass, nor has anything that hangs on it
-void checkMasses(const ArmModel& model, const std::filesystem::path& file);
-
 /// The kind of passive tendon of that name.
 const TendonKind* tendonKind(std::string_view name);
 
@@ -36,8 +34,14 @@ const TendonKind* tendonKind(std::string_view name);
 /// is `length` long.
 Muscle placeholderMuscle(double length);
 
+/// Where what an arm consists of stands in the given file, "robot.xml:12", by its list and name: "bodies tip".
+using ArmPlaces = std::map<std::string, std::string>;
+
+/// \throws DataError: a body that moves has no mass, nor has anything that hangs on it
+void checkMasses(const ArmModel& model, const std::filesystem::path& file, const ArmPlaces& places);
+
 /// The arm as it reads back from its own file, so that what is wrong with it is found now.
-/// \throws DataError "FILE: the robot in it: …"
-ArmModel checkedArm(ArmModel model, const std::filesystem::path& file);
+/// \throws DataError "FILE:LINE: body 'tip': …"; without a line where `places` knows none
+ArmModel checkedArm(ArmModel model, const std::filesystem::path& file, const ArmPlaces& places);
 
 }  // namespace simgap

@@ -23,6 +23,8 @@ void LinkTree::addLink(const XmlElement& element, const std::string& name, const
   if (links_.size() >= kMostLinks) xml_.fail(element, fmt::format("found more than {} links", kMostLinks));
   if (!links_.emplace(name, mass).second) xml_.fail(element, fmt::format("the name '{}' is taken", abridged(name)));
   order_.push_back(name);
+  if (element.FirstChildElement("inertial")) stated_.insert(name);
+  if (element.FirstChildElement("visual") || element.FirstChildElement("collision")) drawn_.insert(name);
   place_of_[name] = xml_.place(element);
 }
 
@@ -39,6 +41,7 @@ ArmModel LinkTree::build(ArmModel arm) {
   places_[base] = {0, where == where_.end() ? Eigen::Isometry3d::Identity() : where->second};
   attachChildren(base);
   nameStillBase(base);
+  nameMassless();
   if (arm_.joints.empty()) fail("found no joint that moves, expected at least one");
   for (const LinkJoint& joint : joints_) follow(joint);
   return std::move(arm_);
@@ -51,6 +54,24 @@ void LinkTree::nameStillBase(const std::string& base) {
       places_, [&](const auto& link) { return link.second.first == 0 && links_.at(link.first).mass > 0.0; });
   if (heavy)
     xml_.add("a base without a joint to the world", "stands still where it is drawn", true, place_of_.at(base));
+}
+
+/// A link that only stands between two joints has no shape; one with a shape that weighs nothing was forgotten.
+void LinkTree::nameMassless() {
+  for (const std::string& link : order_) {
+    const auto place = places_.find(link);
+    if (place == places_.end() || arm_.bodies[place->second.first].fixed) continue;
+    const std::string what =
+        fmt::format("link '{}' without {}", abridged(link), stated_.contains(link) ? "mass" : "inertial");
+    if (!unstated_.empty() && !stated_.contains(link)) {
+      xml_.add(what, fmt::format("weighs nothing here; {}", unstated_), true, place_of_.at(link));
+    } else if (massProperties(arm_.bodies[place->second.first]).mass <= 0.0) {
+      const bool drawn = drawn_.contains(link);
+      xml_.add(what,
+               drawn ? "moves and weighs nothing: no mass is worked out of its shape" : "moves and weighs nothing",
+               drawn, place_of_.at(link));
+    }
+  }
 }
 
 /// The one link that no joint moves.
@@ -95,6 +116,7 @@ void LinkTree::attachChildren(const std::string& link) {
         MassProperties moved{mass.mass, there * mass.centre_of_mass, {}};
         moved.inertia = there.linear() * mass.inertia * there.linear().transpose();
         carrier.parts.push_back(statedPart(freePartName(carrier, freeName(joint.child, body_names_)), moved));
+        arm_places_["bodies " + carrier.parts.back().name] = place_of_.at(joint.child);
       }
     } else {
       joint.joint.parent = body;
@@ -108,6 +130,8 @@ void LinkTree::attachChildren(const std::string& link) {
       moved.name = freeName(joint.child, body_names_);
       if (mass.mass > 0.0) moved.parts.push_back(statedPart(moved.name, mass));
       arm_.joints.push_back(joint.joint);
+      arm_places_["bodies " + moved.name] = place_of_.at(joint.child);
+      arm_places_["joints " + joint.joint.name] = joint.place;
     }
     attachChildren(joint.child);
   }

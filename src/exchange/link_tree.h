@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "arm_exchange.h"
 #include "xml_robot.h"
 
 namespace simgap {
@@ -26,7 +27,9 @@ struct LinkJoint {
 
 class LinkTree {
  public:
-  LinkTree(XmlRobot& xml, std::filesystem::path file) : xml_(xml), file_(std::move(file)) {}
+  /// \param unstated  what simulators of the format take for a link without inertial; empty: nothing either
+  LinkTree(XmlRobot& xml, std::filesystem::path file, std::string unstated = {})
+      : xml_(xml), file_(std::move(file)), unstated_(std::move(unstated)) {}
 
   /// \throws DataError: the name is taken, or there are too many
   void addLink(const XmlElement& element, const std::string& name, const MassProperties& mass);
@@ -37,20 +40,25 @@ class LinkTree {
   /// The arm, with the joints outwards from the base in the order of the file; what is fixed becomes a part.
   /// \throws DataError: no tree, or nothing that moves
   ArmModel build(ArmModel arm);
+  const ArmPlaces& places() const { return arm_places_; }
 
  private:
   [[noreturn]] void fail(const std::string& sentence) const;
   std::string baseLink() const;
   void attachChildren(const std::string& link);
   void nameStillBase(const std::string& base);
+  void nameMassless();
   void follow(const LinkJoint& joint);
 
   XmlRobot& xml_;
   std::filesystem::path file_;
+  std::string unstated_;
   ArmModel arm_;
   std::map<std::string, MassProperties> links_;
   std::vector<std::string> order_;
   std::map<std::string, std::string> place_of_;  ///< of a link: "robot.urdf:12"
+  std::set<std::string> stated_, drawn_;         ///< links with an inertial; with a shape to see or to touch
+  ArmPlaces arm_places_;
   std::vector<LinkJoint> joints_;
   std::set<std::string> joint_names_, body_names_;
   std::map<std::string, Eigen::Isometry3d> where_;

@@ -24,6 +24,8 @@ class MjcfArm {
  public:
   MjcfArm(MjcfFile& file, const MjcfRobot& robot) : xml_(file.xml()), robot_(robot) {}
 
+  const ArmPlaces& places() const { return places_; }
+
   /// \param file  for messages
   ArmModel build(const std::filesystem::path& file) {
     arm_.name = robot_.name;
@@ -58,6 +60,7 @@ class MjcfArm {
       link.name = last ? body.name : freeName(fmt::format("{}_{}", body.name, i + 1), names_);
       home = {static_cast<int>(arm_.bodies.size()), Eigen::Isometry3d::Identity()};
       arm_.bodies.push_back(link);
+      places_["bodies " + link.name] = body.place;
       addJoint(body, body.joints[i], i == 0 ? parent : Home{home.body - 1, Eigen::Isometry3d::Identity()},
                i == 0 ? body.frame : Eigen::Isometry3d::Identity(), home.body);
     }
@@ -69,6 +72,7 @@ class MjcfArm {
     Body& carrier = arm_.bodies[home.body];
     if (!carrier.fixed && body.mass.mass > 0.0) {
       carrier.parts.push_back(statedPart(freePartName(carrier, body.name), inFrame(body.mass, home.frame)));
+      places_["bodies " + carrier.parts.back().name] = body.place;
     }
   }
 
@@ -92,9 +96,12 @@ class MjcfArm {
       joint.lower_limit = (*from.range)[0];
       joint.upper_limit = (*from.range)[1];
     } else if (from.range) {
-      xml_.add("joint range of a ball", "left out: a ball has no limits here", true, body.place);
+      xml_.add("joint range of a ball",
+               "left out: it limits the whole turn in MuJoCo, balls here have elastic stops of swing and of twist",
+               true, body.place);
     }
     if (!from.said.empty()) joint_of_[from.said] = {static_cast<int>(arm_.joints.size()), from.reference};
+    places_["joints " + joint.name] = from.place;
     arm_.joints.push_back(joint);
   }
 
@@ -271,6 +278,7 @@ class MjcfArm {
       passive.kind = tendonKind(only_pulls && rest[1] > 0.0 ? "ligament" : "spring");
       passive.p = {rest[1], tendon.stiffness, tendon.damping};
     }
+    places_["tendons " + passive.name] = tendon.place;
     arm_.tendons.push_back(passive);
   }
 
@@ -289,6 +297,7 @@ class MjcfArm {
     } else {
       setServo(muscle, actuator, stiffness, offset);
     }
+    places_["muscles " + muscle.name] = tendon.place;
     arm_.muscles.push_back(muscle);
   }
 
@@ -302,6 +311,11 @@ class MjcfArm {
       muscle.spindle_radius = shortens;
       xml_.add(fmt::format("{} (actuator of a tendon)", actuator.tag),
                "a muscle whose shaft is the control; its motor and gearbox are placeholders", false, actuator.place);
+    } else if (shortens == 0.0) {
+      xml_.add(
+          fmt::format("{} (actuator of a tendon)", actuator.tag),
+          "a muscle that its control does not move (its gain is 0); its spindle, motor and gearbox are placeholders",
+          true, actuator.place);
     } else {
       xml_.add(fmt::format("{} (actuator of a tendon)", actuator.tag),
                fmt::format("a muscle whose shaft is {:.6g} of the control; its motor and gearbox are placeholders",
@@ -324,50 +338,15 @@ class MjcfArm {
     }
   }
 
-  /// Why no drive of ours does what the actuator of a joint does; empty: one does.
-  std::string_view notDriven(const MjcfActuator& actuator, const Joint& joint) const {
-    const auto [b0, b1, b2] = actuator.bias;
-    if (!joint.hasAxis()) return "the joint has no axis";
-    if (joint.slides()) return "slides have no drives here";
-    if (!actuator.affine) return "its law is neither a motor's nor a position servo's";
-    if (actuator.gear == 0.0 || actuator.gain == 0.0) return "its control moves nothing";
-    if (b1 > 0.0 || b2 > 0.0) return "its bias drives the joint away";
-    if (b1 == 0.0 && b2 != 0.0) return "it holds a velocity: only motors and position servos are modelled";
-    return b1 == 0.0 && b0 != 0.0 ? "a constant torque beside its control: only motors and position servos are modelled"
-                                  : "";
-  }
-
-  /// MuJoCo's torque of an affine actuator, gear (gain ctrl + b0 + b1 gear q + b2 gear dq/dt): a motor without bias, a
-  /// servo with b1 < 0. Its q counts from the joint's reference.
   void addJointDrive(const MjcfActuator& actuator, std::set<std::string>& taken) {
-    const std::string what = fmt::format("{} (actuator of a joint)", actuator.tag);
     const auto [joint, reference] = known(actuator.joint, actuator.place);
     if (const std::string_view why = notDriven(actuator, arm_.joints[joint]); !why.empty()) {
-      return xml_.add(what, fmt::format("left out: {}", why), true, actuator.place);
+      return xml_.add(fmt::format("{} (actuator of a joint)", actuator.tag), fmt::format("left out: {}", why), true,
+                      actuator.place);
     }
-    PassiveTendon drive;
+    PassiveTendon drive = jointDrive(actuator, joint, reference, xml_);
     drive.name = freeName(actuator.name.empty() ? actuator.joint : actuator.name, taken);
-    Station wheel;
-    wheel.kind = Station::Kind::kJoint;
-    wheel.joint = joint;
-    wheel.radius = 1.0;
-    drive.between = {wheel};
-    const auto [b0, b1, b2] = actuator.bias;
-    if (b1 == 0.0) {
-      drive.kind = tendonKind("joint-motor");
-      drive.p = {1.0, actuator.gear * actuator.gain, 1.0, 0.0};
-      xml_.add(what, "a motor whose current in A is the control", false, actuator.place);
-    } else {
-      drive.kind = tendonKind("joint-servo");
-      const double square = actuator.gear * actuator.gear, scale = -b1 * actuator.gear;
-      drive.p = {-b1 * square, 0.0 + b0 / scale - reference, 0.0 - b2 * square};
-      const double target = actuator.gain / scale;
-      xml_.add(what,
-               target == 1.0 ? std::string("a servo whose target is the control")
-                             : fmt::format("a servo whose target is {:.6g} of the control", target),
-               target != 1.0, actuator.place);
-    }
-    if (actuator.force_range) xml_.add("actuator forcerange", "left out: no limit of a torque", true, actuator.place);
+    places_["tendons " + drive.name] = actuator.place;
     arm_.tendons.push_back(std::move(drive));
   }
 
@@ -375,6 +354,7 @@ class MjcfArm {
   const MjcfRobot& robot_;
   ArmModel arm_;
   std::vector<Home> homes_;
+  ArmPlaces places_;
   std::map<std::string, Known> joint_of_;  ///< by the file's name, which may be another than the arm's
   std::set<std::string> names_ = {"world"};
 };
@@ -384,9 +364,10 @@ class MjcfArm {
 ImportedArm readMjcf(const std::string& text, const std::filesystem::path& path, const FileReader& read) {
   MjcfFile file(text, path, read);
   const MjcfRobot robot = readMjcfRobot(file);
-  ArmModel model = MjcfArm(file, robot).build(path);
+  MjcfArm arm(file, robot);
+  ArmModel model = arm.build(path);
   std::vector<ExchangeRemark> remarks = file.finish();
-  return {checkedArm(std::move(model), path), std::move(remarks)};
+  return {checkedArm(std::move(model), path, arm.places()), std::move(remarks)};
 }
 
 }  // namespace simgap

@@ -97,6 +97,7 @@ class Bodies {
     if (!hangs && !floating_.empty()) refuseFloating(floating_.front());
     for (const auto& [body, node] : meshes_) {
       const bool needed = body >= 0 && !given_inertia_[body];
+      if (needed) refuseGuess(body, node);
       node.remarkAll("mesh geom",
                      fmt::format("left out: meshes are not read; {}",
                                  needed ? "its mass needs <inertial>" : "its body's mass does not ask for it"),
@@ -130,6 +131,27 @@ class Bodies {
       }
     }
     --depth_;
+  }
+
+  /// The compiler would hide behind its own numbers that a mass is not known.
+  void refuseGuess(int body, const MjcfNode& mesh) const {
+    if (file_.compiler().total_mass > 0.0) {
+      mesh.fail(
+          "found a mesh, which is not read, where the compiler's settotalmass scales all masses; expected "
+          "<inertial> in its body");
+    }
+    if (robot_.bodies[body].mass.mass < file_.compiler().least_mass && moves(body)) {
+      mesh.fail(
+          "found a mesh, which is not read, so that its body would weigh the compiler's boundmass; expected "
+          "<inertial> in it");
+    }
+  }
+
+  bool moves(int body) const {
+    for (; body >= 0; body = robot_.bodies[body].parent) {
+      if (!robot_.bodies[body].joints.empty()) return true;
+    }
+    return false;
   }
 
   [[noreturn]] static void refuseFloating(const MjcfNode& joint) {
@@ -199,6 +221,7 @@ class Bodies {
     if (joint.kind == nullptr)
       node.fail(fmt::format("type: found '{}', expected hinge, ball or slide", abridged(type)));
     joint.said = node.newName("joint");
+    joint.place = file_.xml().place(node.xml());
     joint.name = freeName(joint.said.empty() ? robot_.bodies[body].name + "_joint" : joint.said, joint_names_);
     joint.position = offset * node.vector3("pos", Eigen::Vector3d::Zero());
     const Eigen::Vector3d axis = node.vector3("axis", Eigen::Vector3d::UnitZ());
@@ -222,10 +245,17 @@ class Bodies {
     joint.spring_reference = ball ? 0.0 : unit * node.number("springref", 0.0) - joint.reference;
     joint.damping = node.nonNegative("damping", 0.0);
     joint.friction_loss = node.nonNegative("frictionloss", 0.0);
-    if (node.number("armature", 0.0) != 0.0) {
+    joint.armature = node.number("armature", 0.0);
+    if (joint.armature != 0.0) {
       node.remark("armature", "left out: a joint has no rotor (motions only, not where the robot rests)");
     }
-    if (node.has("springdamper")) node.remark("springdamper", "not understood, left out");
+    if (const std::vector<double> said = node.numbers("springdamper"); !said.empty()) {
+      if (said.size() != 2) node.fail(fmt::format("springdamper: found {} numbers, expected two", said.size()));
+      joint.spring_damper = {said[0], said[1]};
+      if (joint.springDamped()) {
+        node.remark("springdamper", "worked out as stiffness and damping, as in MuJoCo", false);
+      }
+    }
     if (node.has("actuatorfrcrange")) node.remark("actuatorfrcrange", "left out: no limit of a joint's torque");
   }
 
@@ -330,6 +360,7 @@ void readMjcfBodies(MjcfFile& file, MjcfRobot& robot) {
     }
     total += body.mass.mass;
   }
+  setSpringDampers(robot);  // as in MuJoCo, before masses are scaled
   if (compiler.total_mass > 0.0 && total > 0.0) {
     for (MjcfBody& body : robot.bodies) {
       body.mass.mass *= compiler.total_mass / total;

@@ -1,8 +1,12 @@
 #include "mjcf_file.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "mjcf_defaults.h"
+#include "mjcf_keywords.h"
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
 
@@ -21,9 +25,10 @@ const std::map<std::string, std::string> kIgnoredInMjcf = [] {
                           "@markrgb", "@width"});
   add("the user's own data: left out", {"custom", "@user", "size"});
   add("sensors and stored states: left out", {"sensor", "keyframe"});
-  add("contacts are not modelled: left out",
-      {"contact", "@contype", "@conaffinity", "@condim", "@friction", "@solref", "@solimp", "@margin", "@gap",
-       "@solmix", "@priority", "@fluidshape", "@fluidcoef"});
+  add("contacts are not modelled: left out", {"contact", "@contype", "@conaffinity", "@condim", "@friction", "@margin",
+                                              "@gap", "@solmix", "@priority", "@fluidshape", "@fluidcoef"});
+  add("how far MuJoCo's contacts and couplings give way: left out, couplings hold exactly here",
+      {"@solref", "@solimp"});
   add("how MuJoCo solves, not what: left out",
       {"@solreflimit", "@solimplimit", "@solreffriction", "@solimpfriction", "@sleep", "lengthrange", "@lengthrange",
        "@meshdir", "@texturedir", "@assetdir", "@strippath", "@usethread", "@fusestatic", "@discardvisual",
@@ -91,6 +96,15 @@ void MjcfFile::checkDepth(const XmlElement& element, int depth) const {
   if (depth > kDeepestMjcf) xml_.fail(element, fmt::format("found elements nested deeper than {}", kDeepestMjcf));
 }
 
+void MjcfFile::checkKeywords(const XmlElement& element) const {
+  for (const auto* a = element.FirstAttribute(); a; a = a->Next()) {
+    const std::span<const std::string_view> words = mjcfKeywords(element.Name(), a->Name());
+    if (words.empty() || std::ranges::find(words, a->Value()) != words.end()) continue;
+    xml_.fail(element,
+              fmt::format("{}: found '{}', expected {}", a->Name(), abridged(a->Value()), fmt::join(words, ", ")));
+  }
+}
+
 void MjcfFile::leaveOut(const XmlElement& element, int depth) {
   checkDepth(element, depth);
   used_.erase(&element);
@@ -153,6 +167,7 @@ void MjcfFile::readDefaults(const XmlElement& element, const std::string& name, 
     if (std::string_view(child->Name()) == "default") {
       readDefaults(*child, "", filled, depth + 1);
     } else {
+      checkKeywords(*child);
       classes_[filled].elements[defaultTag("default", child->Name())].push_back(child);
       xml_.understand(*child);
     }

@@ -106,6 +106,8 @@ class MjcfFile {
   void readCompiler();
   void readDefaults(const XmlElement& element, const std::string& name, const std::string& parent, int depth = 0);
   void checkDepth(const XmlElement& element, int depth) const;
+  /// \throws DataError: an attribute says none of the words that MuJoCo knows there
+  void checkKeywords(const XmlElement& element) const;
   /// What a class says about elements of a kind, the outermost class first.
   std::vector<const XmlElement*> defaultsOf(const std::string& tag, const std::string& name) const;
 

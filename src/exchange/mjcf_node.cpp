@@ -18,6 +18,7 @@ constexpr double kShortestAxis = 1e-10;
 MjcfNode::MjcfNode(MjcfFile& file, const XmlElement& element, std::string childclass, const std::string& parent)
     : file_(&file), element_(&element), childclass_(std::move(childclass)) {
   file.xml().understand(element);
+  file.checkKeywords(element);
   if (const char* inner = file.xml().find(element, "childclass")) childclass_ = inner;
   const char* const own = file.xml().find(element, "class");
   const std::string name = own != nullptr ? own : childclass_.empty() ? "main" : childclass_;

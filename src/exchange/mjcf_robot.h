@@ -25,6 +25,11 @@ struct MjcfJoint {
   double spring_reference = 0.0;                       ///< [rad], [m], counted from the drawn pose
   double damping = 0.0;
   double friction_loss = 0.0;
+  double armature = 0.0;
+  std::array<double, 2> spring_damper = {0.0, 0.0};  ///< time constant [s], damping ratio; 0: stated ones hold
+  std::string place;
+
+  bool springDamped() const { return spring_damper[0] > 0.0 && spring_damper[1] > 0.0; }
 };
 
 struct MjcfBody {
@@ -105,8 +110,15 @@ MjcfRobot readMjcfRobot(MjcfFile& file);
 /// \name Its parts
 ///@{
 void readMjcfBodies(MjcfFile& file, MjcfRobot& robot);
+/// The stiffness and damping of joints that state a time constant and a damping ratio instead.
+void setSpringDampers(MjcfRobot& robot);
 void readMjcfTendons(MjcfFile& file, MjcfRobot& robot);
 void readMjcfActuators(MjcfFile& file, MjcfRobot& robot);
+/// Why no drive of ours does what the actuator of a joint does; empty: one does.
+std::string_view notDriven(const MjcfActuator& actuator, const Joint& joint);
+/// MuJoCo's torque of an affine actuator, gear (gain ctrl + b0 + b1 gear q + b2 gear dq/dt): a motor without bias, a
+/// servo with b1 < 0, without a name. Its q counts from the joint's reference.
+PassiveTendon jointDrive(const MjcfActuator& actuator, int joint, double reference, XmlRobot& xml);
 /// Adds one body's mass to what is known of it, both in the same frame.
 MassProperties addMass(const MassProperties& a, const MassProperties& b);
 /// Mass properties of a shape in another frame.

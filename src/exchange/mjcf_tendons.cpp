@@ -129,7 +129,8 @@ void readEquality(MjcfFile& file, const MjcfNode& node, MjcfRobot& robot) {
   for (std::size_t i = curve.size(); i < usual.size(); ++i) curve.push_back(usual[i]);
   const bool straight = curve[2] == 0.0 && curve[3] == 0.0 && curve[4] == 0.0;
   if (node.has("joint2") && !straight) {
-    return node.remarkAll("equality polycoef", "left out: joints are coupled along straight lines only");
+    return node.remarkAll("joint (equality) along a curve (polycoef)",
+                          "the whole coupling is left out: joints are coupled along straight lines only");
   }
   robot.couplings.push_back({required(node, "joint1"), node.text("joint2"), curve[0],
                              node.has("joint2") ? curve[1] : 0.0, file.xml().place(node.xml())});

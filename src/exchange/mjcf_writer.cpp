@@ -22,6 +22,19 @@ constexpr double kStrongest = 1e6;     ///< [N] where a force needs an end
 constexpr double kTinyMass = 1e-6;     ///< [kg] of a body that MuJoCo wants one of
 constexpr double kTinyInertia = 1e-9;  ///< [kg m^2]
 
+/// MuJoCo's constraints give way by (1 - d) tc^2 times the acceleration that they hold back: its defaults (d = 0.9 to
+/// 0.95, tc = 0.02 s) let a light finger tip rest tens of degrees beyond its stop. tc is the least that MuJoCo takes,
+/// two time steps. A d closer to 1 lets light limbs with damped lines chatter at a stop (data/finger: from 0.997 on).
+constexpr double kTimeStep = 0.001;              ///< [s]
+constexpr double kTimeConstant = 2 * kTimeStep;  ///< [s]
+constexpr double kStopImpedance = 0.99;
+constexpr double kCouplingImpedance = 0.9999;
+
+/// ` solref="…" solimp="…"`, with `kind` behind each of the two names.
+std::string stiff(std::string_view kind, double impedance) {
+  return fmt::format(" solref{0}=\"{1} 1\" solimp{0}=\"{2} {2} 0.001\"", kind, kTimeConstant, impedance);
+}
+
 class MjcfWriter {
  public:
   explicit MjcfWriter(const ArmModel& model) : model_(model), sites_(model.bodies.size()) {}
@@ -33,8 +46,8 @@ class MjcfWriter {
     nameWhatIsLost();
     std::string text = fmt::format("<mujoco model=\"{}\">\n", xmlText(model_.name));
     text += "  <compiler angle=\"radian\" autolimits=\"true\" boundinertia=\"1e-12\"/>\n";
-    text += fmt::format("  <option gravity=\"{}\" timestep=\"0.001\" integrator=\"implicitfast\"/>\n",
-                        xmlNumbers(model_.gravity));
+    text += fmt::format("  <option gravity=\"{}\" timestep=\"{}\" integrator=\"implicitfast\"/>\n",
+                        xmlNumbers(model_.gravity), kTimeStep);
     text += "  <worldbody>\n";
     for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
       if (model_.bodies[b].fixed) text += content(static_cast<int>(b), Eigen::Isometry3d::Identity(), "    ");
@@ -81,13 +94,14 @@ class MjcfWriter {
                      "its position is written in the child's frame");
       }
       if (joint.lower_limit > -Joint::kUnlimited || joint.upper_limit < Joint::kUnlimited) {
-        remarks_.add("joint limits", "MuJoCo's are soft: a stop gives way a little (solreflimit, solimplimit)");
+        remarks_.add("joint limits",
+                     "MuJoCo's are soft: written stiff, a light limb still rests some 0.1 deg beyond its stop");
       }
       if (joint.coulomb_friction > 0.0) {
         remarks_.add("joint friction", "frictionloss: MuJoCo's is soft, a robot that it holds creeps");
       }
-      if (held(joint)) remarks_.add("joints held in one place", "an equality constraint, which gives way a little");
-      if (joint.follows()) remarks_.add("coupled joints", "an equality constraint, which gives way a little");
+      if (held(joint)) remarks_.add("joints held in one place", "an equality constraint: soft, but written stiff");
+      if (joint.follows()) remarks_.add("coupled joints", "an equality constraint: soft, but written stiff");
     }
   }
 
@@ -157,6 +171,7 @@ class MjcfWriter {
     const bool lower = j.lower_limit > -Joint::kUnlimited, upper = j.upper_limit < Joint::kUnlimited;
     if (j.hasAxis() && (lower || upper) && !held(j)) {
       text += fmt::format(" range=\"{} {}\"", lower ? j.lower_limit : -1e3, upper ? j.upper_limit : 1e3);
+      text += stiff("limit", kStopImpedance);
     }
     if (j.viscous_friction > 0.0) text += fmt::format(" damping=\"{}\"", j.viscous_friction);
     if (j.coulomb_friction > 0.0) text += fmt::format(" frictionloss=\"{}\"", j.coulomb_friction);
@@ -320,12 +335,13 @@ class MjcfWriter {
     std::string text;
     for (const Joint& joint : model_.joints) {
       if (held(joint)) {
-        text +=
-            fmt::format("    <joint joint1=\"{}\" polycoef=\"{} 0 0 0 0\"/>\n", xmlText(joint.name), joint.lower_limit);
+        text += fmt::format("    <joint joint1=\"{}\" polycoef=\"{} 0 0 0 0\"{}/>\n", xmlText(joint.name),
+                            joint.lower_limit, stiff("", kCouplingImpedance));
       }
       if (!joint.follows()) continue;
-      text += fmt::format("    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{} {} 0 0 0\"/>\n", xmlText(joint.name),
-                          xmlText(model_.joints[joint.leader].name), joint.coupling_offset, joint.coupling_ratio);
+      text += fmt::format("    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{} {} 0 0 0\"{}/>\n", xmlText(joint.name),
+                          xmlText(model_.joints[joint.leader].name), joint.coupling_offset, joint.coupling_ratio,
+                          stiff("", kCouplingImpedance));
     }
     return text;
   }

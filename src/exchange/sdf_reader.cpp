@@ -63,7 +63,7 @@ class SdfArm {
     tree_.placeBase(placed_);
     arm_ = tree_.build(std::move(arm_));
     std::vector<ExchangeRemark> remarks = xml_.finish(kIgnoredInSdf);
-    return {checkedArm(std::move(arm_), file_), std::move(remarks)};
+    return {checkedArm(std::move(arm_), file_, tree_.places()), std::move(remarks)};
   }
 
  private:
@@ -98,6 +98,12 @@ class SdfArm {
     return xml_.number(*found, name, textOf(*found));
   }
 
+  bool truth(const XmlElement& element, std::string_view said) const {
+    if (said == "true" || said == "1") return true;
+    if (said == "false" || said == "0") return false;
+    xml_.fail(element, fmt::format("found '{}', expected true or false", abridged(said)));
+  }
+
   /// x y z roll pitch yaw, or with a quaternion x y z w.
   Eigen::Isometry3d poseOf(const XmlElement& element) {
     Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
@@ -105,6 +111,9 @@ class SdfArm {
     const char* const format = xml_.find(element, "rotation_format");
     const char* const degrees = xml_.find(element, "degrees");
     const bool quaternion = format != nullptr && std::string_view(format) == "quat_xyzw";
+    if (format != nullptr && !quaternion && std::string_view(format) != "euler_rpy") {
+      xml_.fail(element, fmt::format("rotation_format: found '{}', expected euler_rpy or quat_xyzw", abridged(format)));
+    }
     if (v.empty()) return frame;
     if (v.size() != (quaternion ? 7U : 6U)) {
       xml_.fail(element, fmt::format("found {} numbers, expected {}", v.size(), quaternion ? 7 : 6));
@@ -115,7 +124,7 @@ class SdfArm {
       if (std::abs(q.norm() - 1.0) > 1e-3) xml_.fail(element, "found a quaternion that is not of unit length");
       frame.linear() = q.normalized().toRotationMatrix();
     } else {
-      const bool in_degrees = degrees != nullptr && std::string_view(degrees) == "true";
+      const bool in_degrees = degrees != nullptr && truth(element, degrees);
       frame.linear() =
           fromRollPitchYaw((in_degrees ? kDegree : 1.0) * Eigen::Vector3d(v[3], v[4], v[5])).toRotationMatrix();
     }
@@ -148,7 +157,7 @@ class SdfArm {
 
   void findFrames(const XmlElement& model) {
     if (const XmlElement* const pose = xml_.child(model, "pose")) base_ = poseOf(*pose);
-    if (const XmlElement* const still = xml_.child(model, "static"); still && word(*still) == "true") {
+    if (const XmlElement* const still = xml_.child(model, "static"); still && truth(*still, word(*still))) {
       xml_.fail(*still, "found a model that is static, expected one whose joints move");
     }
     for (const char* tag : {"link", "joint", "frame"}) {
@@ -250,7 +259,7 @@ class SdfArm {
       j.axis = xml_.vector3(*xyz, "xyz", textOf(*xyz));
       const char* const frame = xml_.find(*xyz, "expressed_in");
       const XmlElement* const old = xml_.child(*axis, "use_parent_model_frame");
-      const bool in_model = old == nullptr ? axes_in_model_ : word(*old) == "1" || word(*old) == "true";
+      const bool in_model = old == nullptr ? axes_in_model_ : truth(*old, word(*old));
       const std::string seen_from = frame != nullptr && *frame ? frame : in_model ? "__model__" : "";
       if (!seen_from.empty()) j.axis = here.linear().transpose() * (inModel(seen_from, *xyz).linear() * j.axis);
       if (j.axis.norm() < 1e-9) xml_.fail(*xyz, "found a zero vector, expected an axis");
@@ -282,7 +291,7 @@ class SdfArm {
   XmlRobot xml_;
   std::filesystem::path file_;
   const XmlElement* root_;
-  LinkTree tree_{xml_, file_};
+  LinkTree tree_{xml_, file_, "Gazebo takes 1 kg and 1 kg m^2"};
   ArmModel arm_;
   Eigen::Isometry3d base_ = Eigen::Isometry3d::Identity();  ///< of the model in the world
   std::map<std::string, Frame> frames_;

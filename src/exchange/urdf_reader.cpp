@@ -44,7 +44,7 @@ class UrdfArm {
     }
     arm_ = tree_.build(std::move(arm_));
     std::vector<ExchangeRemark> remarks = xml_.finish(kIgnoredInUrdf);
-    return {checkedArm(std::move(arm_), file_), std::move(remarks)};
+    return {checkedArm(std::move(arm_), file_, tree_.places()), std::move(remarks)};
   }
 
  private:

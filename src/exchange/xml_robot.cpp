@@ -51,8 +51,16 @@ const XmlElement& XmlRobot::parse(const std::string& text, const std::filesystem
   Document& document = documents_.emplace_back();
   document.name = name;
   if (document.xml.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
-    throw DataError(fmt::format("{}:{}: found no XML that can be read ({}), expected a robot in XML", name,
-                                std::max(1, document.xml.ErrorLineNum()), document.xml.ErrorName()));
+    const int line = std::max(1, document.xml.ErrorLineNum());
+    if (document.xml.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED) {
+      throw DataError(
+          fmt::format("{}:{}: found elements nested deeper than {}, the most that can be read of one file; deeper "
+                      "bodies of MJCF can "
+                      "stand in an <include>",
+                      name, line, TINYXML2_MAX_ELEMENT_DEPTH));
+    }
+    throw DataError(fmt::format("{}:{}: found no XML that can be read ({}), expected a robot in XML", name, line,
+                                document.xml.ErrorName()));
   }
   const XmlElement* const root = document.xml.RootElement();
   if (root == nullptr) throw DataError(fmt::format("{}: found no element, expected <{}>", name, roots.front()));

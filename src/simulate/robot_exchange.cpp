@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
 #include "simgap/core/words.h"
 #include "simgap/model/arm/arm_yaml.h"
+#include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
 namespace {
@@ -27,20 +31,87 @@ ExportedArm writeRobot(const ArmModel& model, RobotFormat format) {
   return {writeArm(model), {}};
 }
 
+/// The keys of an arm file that --muscles does not take.
+constexpr std::array<std::string_view, 5> kNoMuscles = {"format", "name", "gravity", "bodies", "joints"};
+
+/// Whether a line begins another key of the file's outermost map that is not taken; unchanged by what stands in a key.
+bool beginsOther(std::string_view line, bool before) {
+  if (line.empty() || line.starts_with('#') || line.starts_with(' ') || line.starts_with('-')) return before;
+  const std::string_view key = line.substr(0, line.find(':'));
+  return std::ranges::any_of(kNoMuscles, [&](std::string_view other) {
+    return key == other || (other == "gravity" && key.starts_with("gravity_"));
+  });
+}
+
+/// A whole arm file, or a part of one, without what --muscles does not take; its lines keep their numbers.
+std::string musclesAlone(std::string_view text) {
+  std::string kept;
+  for (bool other = false; !text.empty();) {
+    const std::string_view line = takeLine(text);
+    other = beginsOther(line, other);
+    if (!other) kept.append(line);
+    kept.append("\n");
+  }
+  return kept;
+}
+
+/// Whether the file states bodies, too.
+bool isWholeArm(const RobotFile& muscles) { return ("\n" + muscles.text).find("\nbodies:") != std::string::npos; }
+
+/// What the lines of a whole arm file bend over belongs to its bodies: it goes along to those of the same names.
+void takeSurfaces(ArmModel& model, const ArmModel& whole) {
+  for (const Body& from : whole.bodies) {
+    const auto body = std::ranges::find(model.bodies, from.name, &Body::name);
+    if (body == model.bodies.end()) continue;
+    for (const Surface& surface : from.surfaces) {
+      const auto known = std::ranges::find(body->surfaces, surface.name, &Surface::name);
+      if (known == body->surfaces.end()) body->surfaces.push_back(surface);
+    }
+  }
+}
+
+/// Points of lines stand in their bodies' frames, which other formats put elsewhere (URDF: at the joint).
+void nameOtherFrames(const ArmModel& model, const ArmModel& whole, std::vector<ExchangeRemark>& remarks) {
+  const std::vector<BodyInWorld> here = bodiesInWorld(model, std::vector<JointPosition>(model.joints.size()));
+  const std::vector<BodyInWorld> there = bodiesInWorld(whole, std::vector<JointPosition>(whole.joints.size()));
+  for (std::size_t b = 0; b < whole.bodies.size(); ++b) {
+    const auto body = std::ranges::find(model.bodies, whole.bodies[b].name, &Body::name);
+    if (body == model.bodies.end()) continue;
+    const BodyInWorld& same = here[body - model.bodies.begin()];
+    if ((same.origin - there[b].origin).norm() < kSameWay && same.rotation.isApprox(there[b].rotation, kSameTurn)) {
+      continue;
+    }
+    remarks.push_back({fmt::format("body '{}' of the muscles' file", abridged(body->name)),
+                       "has its frame elsewhere there: points of lines on it are taken by their numbers",
+                       true,
+                       {}});
+  }
+}
+
 /// The same bodies and joints with the muscles of a file, which stands first: its lines keep their numbers.
-ArmModel withMuscles(ArmModel model, const RobotFile& muscles) {
+ArmModel withMuscles(ArmModel model, const RobotFile& muscles, std::vector<ExchangeRemark>& remarks) {
   model.muscles.clear();
   model.tendons.clear();
   model.extensions.clear();
   model.motor_defaults = {};
   model.gearbox_defaults = {};
+  if (isWholeArm(muscles)) {
+    const ArmModel whole = readArm(YamlNode::parse(muscles.text, muscles.file.string()));
+    takeSurfaces(model, whole);
+    nameOtherFrames(model, whole, remarks);
+  }
   const std::string text = writeArm(model);
   std::string skeleton;
   for (std::string_view left = text; !left.empty();) {
     const std::string_view line = takeLine(left);
-    if (!line.starts_with("muscles:")) skeleton.append(line).append("\n");
+    // The later version of the format has every key that the lines of muscles may need.
+    if (line.starts_with("format:")) {
+      skeleton.append("format: simgap/arm/2\n");
+    } else if (!line.starts_with("muscles:")) {
+      skeleton.append(line).append("\n");
+    }
   }
-  return readArm(YamlNode::parse(muscles.text + "\n" + skeleton, muscles.file.string()));
+  return readArm(YamlNode::parse(musclesAlone(muscles.text) + "\n" + skeleton, muscles.file.string()));
 }
 
 /// What a reader of the file has to know, above it.
@@ -82,7 +153,8 @@ RobotExchange exchangeRobot(const RobotFile& from, const RobotFile& muscles, con
   exchange.from_format = robotFormatOf(from.text, from.file);
   ImportedArm imported = readRobot(from, exchange.from_format, read);
   exchange.read = std::move(imported.remarks);
-  exchange.model = muscles.text.empty() ? std::move(imported.model) : withMuscles(std::move(imported.model), muscles);
+  exchange.model =
+      muscles.text.empty() ? std::move(imported.model) : withMuscles(std::move(imported.model), muscles, exchange.read);
   ExportedArm exported = writeRobot(exchange.model, exchange.to_format);
   exchange.written = std::move(exported.remarks);
   const FileReader none = [](const std::filesystem::path& file) -> std::string {

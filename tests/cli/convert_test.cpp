@@ -58,6 +58,38 @@ TEST_F(Convert, TakesMusclesFromAFileOfOurs) {
                 "expected the name of a body");
 }
 
+// A whole arm file, of the later version: its lines' surfaces go along.
+TEST_F(Convert, TakesTheMusclesOfAWholeArm) {
+  put("finger.yaml", readText(sourceFile("data/finger/arm.yaml")));
+  succeed({"convert", "finger.yaml", "finger.urdf"});
+  const Json result =
+      Json::parse(succeed({"convert", "finger.urdf", "robot.yaml", "--muscles", "finger.yaml", "--json"}));
+  EXPECT_EQ(result["robot"]["muscles"], 4);
+  EXPECT_EQ(result["robot"]["passive_tendons"], 3);
+  EXPECT_EQ(result["robot"]["surfaces"], 3);
+  EXPECT_THAT(result["remarks"]["read"].dump(), testing::Not(HasSubstr("has its frame elsewhere")));
+  // A URDF's links stand at their joints: there the numbers of points mean other places.
+  put("low.yaml", replaced(text("arm.yaml"), "[0, 0, -0.28], child_position_m: [0, 0, 0]",
+                           "[0, 0, -0.28], child_position_m: [0, 0, 0.02]"));
+  succeed({"convert", "low.yaml", "low.urdf"});
+  EXPECT_THAT(unwrapped(succeed({"convert", "low.urdf", "moved.yaml", "--muscles", "low.yaml"})),
+              HasSubstr("has its frame elsewhere there: points of lines on it are taken by their numbers"));
+  put("other.yaml", replaced(text("finger.yaml"), "gearbox_defaults", "gearbox_default"));
+  expectRefused({"convert", "finger.urdf", "b.yaml", "--muscles", "other.yaml"}, 2, "other.yaml:");
+}
+
+TEST_F(Convert, WritesOverNothingThatItReads) {
+  put("part.xml", "<mujocoinclude><body name='rod'><joint/><geom size='.1'/></body></mujocoinclude>\n");
+  put("whole.xml", "<mujoco><worldbody><include file='part.xml'/></worldbody></mujoco>\n");
+  std::filesystem::create_symlink(path("arm.yaml"), path("same.yaml"));
+  for (const char* const same : {"arm.yaml", "./arm.yaml", "same.yaml"}) {
+    expectRefused({"convert", "arm.yaml", same, "--force"}, 2, "found the file that is read as the one to write");
+  }
+  expectRefused({"convert", "whole.xml", "part.xml", "--force"}, 3, "found the file that is read");
+  expectRefused({"convert", "whole.xml", "arm.yaml", "--muscles", "arm.yaml", "--force"}, 2,
+                "found the file that is read");
+}
+
 TEST_F(Convert, WeighsAMeshThatOtherCommandsRefuse) {
   const std::string part =
       "{name: bone, shape: cylinder, radius_m: 0.015, length_m: 0.24, mass_kg: 0.18, position_m: [0, 0, -0.12], axis: "

@@ -196,7 +196,7 @@ TEST(MjcfReader, RefusesWithOneSentence) {
   EXPECT_THAT(refusal(std::string(20000, '<')), HasSubstr("found no XML"));
   std::string deep;
   for (int i = 0; i < 5000; ++i) deep += "<body>";
-  EXPECT_THAT(refusal("<mujoco><worldbody>" + deep), HasSubstr("found no XML that can be read"));
+  EXPECT_THAT(refusal("<mujoco><worldbody>" + deep), HasSubstr("found elements nested deeper than 100"));
 }
 
 TEST(MjcfReader, WhatDrivesNoHingeIsSaidToBeWhatItIs) {

@@ -151,5 +151,25 @@ TEST(SdfReader, RefusesWithOneSentence) {
               HasSubstr("found a model that is static"));
 }
 
+TEST(SdfReader, SaysWhatGazeboTakesForALinkWithoutInertial) {
+  const std::vector<ExchangeRemark> remarks =
+      readAll(link("base") + link("a") + "<link name='tool'/>\n" + sdfJoint("j", "revolute", "base", "a") +
+              sdfJoint("k", "fixed", "a", "tool", ""))
+          .remarks;
+  const auto found = std::ranges::find(remarks, "link 'tool' without inertial", &ExchangeRemark::what);
+  ASSERT_NE(found, remarks.end());
+  EXPECT_TRUE(found->matters);
+  EXPECT_THAT(found->done, HasSubstr("Gazebo takes 1 kg"));
+}
+
+TEST(SdfReader, RefusesWordsThatTheFormatDoesNotKnow) {
+  const auto posed = [](const std::string& how) {
+    return sdfRefused(link("base") + "<link name='a'><pose " + how + ">0 0 0 0 0 0</pose>" + kMass + "</link>\n" +
+                      sdfJoint("j", "revolute", "base", "a"));
+  };
+  EXPECT_THAT(posed("degrees='yes'"), HasSubstr("found 'yes', expected true or false"));
+  EXPECT_THAT(posed("rotation_format='quat'"), HasSubstr("found 'quat', expected euler_rpy or quat_xyzw"));
+}
+
 }  // namespace
 }  // namespace simgap::test

@@ -145,5 +145,34 @@ TEST(UrdfReader, RefusesWhatIsNoTreeOfThoseJoints) {
   EXPECT_THAT(urdfRefused("<mujoco/>"), HasSubstr("r.urdf"));
 }
 
+TEST(UrdfReader, SaysWhichLinkMovesWithoutAMass) {
+  const auto said = [](const std::string& shape) {
+    return readUrdf("<robot name='r'>\n<link name='base'/>\n<link name='a'>" + shape + "</link>\n<link name='b'>" +
+                        kLink + "</link>\n<link name='tool'/>\n" + urdfJoint("i", "continuous", "base", "a") +
+                        urdfJoint("j", "continuous", "a", "b") + urdfJoint("k", "fixed", "b", "tool") + "</robot>",
+                    "r.urdf")
+        .remarks;
+  };
+  const auto find = [](const std::vector<ExchangeRemark>& remarks, const std::string& what) {
+    return std::ranges::find(remarks, what, &ExchangeRemark::what);
+  };
+  const std::vector<ExchangeRemark> drawn = said("<visual><geometry><box size='1 1 1'/></geometry></visual>");
+  const auto found = find(drawn, "link 'a' without inertial");
+  ASSERT_NE(found, drawn.end());
+  EXPECT_TRUE(found->matters);
+  EXPECT_THAT(found->places, testing::ElementsAre("r.urdf:3"));
+  EXPECT_EQ(find(drawn, "link 'tool' without inertial"), drawn.end()) << "it is a part of what has a mass";
+  const std::vector<ExchangeRemark> bare = said("");
+  ASSERT_NE(find(bare, "link 'a' without inertial"), bare.end());
+  EXPECT_FALSE(find(bare, "link 'a' without inertial")->matters) << "it only stands between two joints";
+}
+
+TEST(UrdfReader, SaysAtWhichLinkAnInertiaCannotBe) {
+  EXPECT_THAT(urdfRefused("<robot name='r'>\n<link name='base'/>\n<link name='a'><inertial><mass value='1'/><inertia "
+                          "ixx='0.1' iyy='0.1' izz='9'/></inertial></link>\n" +
+                          urdfJoint("j", "continuous", "base", "a") + "</robot>"),
+              HasSubstr("r.urdf:3: body 'a': inertia_kg_m2: found principal moments"));
+}
+
 }  // namespace
 }  // namespace simgap::test

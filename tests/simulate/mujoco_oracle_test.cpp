@@ -7,6 +7,7 @@
 #include <ctime>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 
 #include "simgap/core/random.h"
@@ -238,36 +239,89 @@ TEST(MujocoOracle, AnImportedChainRestsWhereItDoesThere) {
   EXPECT_NEAR(solver.joints()[0].angle, rest[0].angle, 1e-5);  // [m]
 }
 
-TEST(MujocoOracle, TheSampleArmRestsThereWhereItDoesHere) {
-  SIMGAP_NEEDS_MUJOCO();
-  ArmModel arm = readArm(YamlNode::parse(readText(sourceFile("data/arm/arm.yaml")), "arm.yaml"));
-  for (Joint& joint : arm.joints) joint.coulomb_friction = 0.0;  // an equilibrium is where no friction is needed
+/// Poses at rest of an arm without friction: an equilibrium is where none is needed.
+struct Rests {
+  std::vector<Joints> poses;
+  Json controls = Json::array(), starts = Json::array();
+  int at_stops = 0;
+};
+
+Rests restsOf(const ArmModel& arm, double largest_shaft) {
   EquilibriumArm solver(arm);
   const CounterRandom random(7);
-  std::vector<Joints> rests;
-  Json controls = Json::array(), starts = Json::array();
-  for (std::uint32_t i = 0; i < 12; ++i) {
+  Rests rests;
+  for (std::uint32_t i = 0; i < 16; ++i) {
     std::vector<double> shafts;
-    for (std::uint32_t m = 0; m < arm.muscles.size(); ++m) shafts.push_back(4.0 * random.uniform({0, i, m, 0}));
-    const EquilibriumSolution found = solver.solve(shafts);
-    const double elbow = solver.joints()[1].angle;
-    // MuJoCo's stops give way; poses at one are another comparison.
-    if (!found.stable || elbow < 0.05 || elbow > 2.3) continue;
-    rests.push_back(solver.joints());
+    for (std::uint32_t m = 0; m < arm.muscles.size(); ++m)
+      shafts.push_back(largest_shaft * random.uniform({0, i, m, 0}));
+    if (!solver.solve(shafts).stable) continue;
     Joints start = solver.joints();
-    start[0].rotation = start[0].rotation * expSo3({0.03, -0.02, 0.04});
-    start[1].angle += 0.03;
-    starts.push_back(qposOf(arm, start));
-    controls.push_back(shafts);
+    bool at_stop = false;
+    for (std::size_t j = 0; j < start.size(); ++j) {
+      const Joint& joint = arm.joints[j];
+      const double angle = start[j].angle;
+      at_stop = at_stop || (joint.hasAxis() && std::min(angle - joint.lower_limit, joint.upper_limit - angle) < 1e-6);
+      start[j].rotation = start[j].rotation * expSo3({0.03, -0.02, 0.04});
+      start[j].angle += angle + 0.03 < joint.upper_limit ? 0.03 : -0.03;
+    }
+    rests.poses.push_back(solver.joints());
+    rests.starts.push_back(qposOf(arm, start));
+    rests.controls.push_back(shafts);
+    rests.at_stops += at_stop ? 1 : 0;
   }
-  ASSERT_GE(rests.size(), 6U);
-  const std::vector<Json> answers = askMujoco(
-      {{"xml", writeMjcf(arm).text}, {"settle", {{"seconds", 40}, {"controls", controls}, {"starts", starts}}}});
-  ASSERT_EQ(answers.size(), rests.size() + 1);
-  for (std::size_t i = 0; i < rests.size(); ++i) {
-    EXPECT_LT(answers[i + 1]["speed"].get<double>(), 1e-6);
-    EXPECT_LT(largestTurn(arm, rests[i], positionOf(arm, answers[i + 1]["qpos"])), 0.05) << "pose " << i;
+  return rests;
+}
+
+/// The largest turn between a body's rest here and there [deg]. \param xml  the exported model
+double largestRestError(const ArmModel& arm, const Rests& rests, const std::string& xml) {
+  const Json settle = {{"seconds", 40}, {"controls", rests.controls}, {"starts", rests.starts}};
+  const std::vector<Json> answers = askMujoco({{"xml", xml}, {"settle", settle}});
+  if (answers.size() != rests.poses.size() + 1) return 360.0;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < rests.poses.size(); ++i) {
+    EXPECT_LT(answers[i + 1]["speed"].get<double>(), 1e-6) << "pose " << i;
+    worst = std::max(worst, largestTurn(arm, rests.poses[i], positionOf(arm, answers[i + 1]["qpos"])));
   }
+  std::printf("%zu rests of %s, %d of them at a stop: within %.3f deg\n", rests.poses.size(), arm.name.c_str(),
+              rests.at_stops, worst);
+  return worst;
+}
+
+ArmModel withoutFriction(const std::string& file) {
+  ArmModel arm = readArm(YamlNode::parse(readText(sourceFile(file)), "arm.yaml"));
+  for (Joint& joint : arm.joints) joint.coulomb_friction = 0.0;
+  return arm;
+}
+
+TEST(MujocoOracle, TheSampleArmRestsThereWhereItDoesHere) {
+  SIMGAP_NEEDS_MUJOCO();
+  const ArmModel arm = withoutFriction("data/arm/arm.yaml");
+  const Rests rests = restsOf(arm, 4.0);
+  ASSERT_GE(rests.poses.size(), 8U);
+  EXPECT_LT(largestRestError(arm, rests, writeMjcf(arm).text), 0.05);
+}
+
+/// The model with MuJoCo's own numbers for limits and equalities.
+std::string soft(const std::string& xml) {
+  return std::regex_replace(xml, std::regex(" (solref|solimp)(limit)?=\"[^\"]*\""), "");
+}
+
+// The figures of docs/convert.md.
+TEST(MujocoOracle, TheFingerRestsThereAtItsStopsAndByItsCoupling) {
+  SIMGAP_NEEDS_MUJOCO();
+  ArmModel arm = withoutFriction("data/finger/arm.yaml");
+  const Rests free = restsOf(arm, 4.0);
+  ASSERT_GE(free.at_stops, 4);
+  EXPECT_LT(largestRestError(arm, free, writeMjcf(arm).text), 0.15);
+  EXPECT_GT(largestRestError(arm, free, soft(writeMjcf(arm).text)), 5.0);
+  Joint& tip = arm.joints.back();
+  tip.leader = 2;
+  tip.coupling_ratio = 0.7;
+  tip.coupling_offset = 0.05;
+  const Rests coupled = restsOf(arm, 4.0);
+  ASSERT_GE(coupled.poses.size(), 8U);
+  EXPECT_LT(largestRestError(arm, coupled, writeMjcf(arm).text), 0.05);
+  EXPECT_GT(largestRestError(arm, coupled, soft(writeMjcf(arm).text)), 5.0);
 }
 
 /// Processor time of a step of a motion [us].

@@ -25,8 +25,8 @@ struct RobotExchange {
   std::string text;                           ///< what belongs into `to`
 };
 
-/// \param muscles  keys muscles, tendons, motor_defaults, gearbox_defaults and extensions of an arm file, which replace
-///                 those of the robot; no text: its own stay
+/// \param muscles  keys muscles, tendons, motor_defaults, gearbox_defaults and extensions of an arm file, whole or not,
+///                 which replace those of the robot; no text: its own stay
 /// \param read  as readMjcf
 /// \throws ConfigError for an arm file or muscles, or an ending of `to`, that cannot be; DataError as readMjcf and
 ///         readUrdf; NumericsError: what would be written is another robot when it is read back

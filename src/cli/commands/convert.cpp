@@ -10,15 +10,27 @@ struct Options {
   std::string from, to, muscles;
 };
 
+/// What is read may not be what is written, by whatever way it is named.
+void refuseOwnSource(const Options& options, const std::filesystem::path& source) {
+  std::error_code none;
+  if (!std::filesystem::equivalent(source, options.to, none)) return;
+  throw ConfigError(options.to + ": found the file that is read as the one to write, expected another");
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   Session session("convert", options.common, argv);
+  refuseOwnSource(options, options.from);
+  if (!options.muscles.empty()) refuseOwnSource(options, options.muscles);
   if (std::filesystem::exists(options.to) && !options.common.force) {
     throw ConfigError(options.to + ": exists; --force replaces it");
   }
   const RobotFile from{session.read("robot", options.from).content, options.from};
   RobotFile muscles;
   if (!options.muscles.empty()) muscles = {session.read("muscles", options.muscles).content, options.muscles};
-  const FileReader read = [&](const std::filesystem::path& file) { return session.read("included", file).content; };
+  const FileReader read = [&](const std::filesystem::path& file) {
+    refuseOwnSource(options, file);
+    return session.read("included", file).content;
+  };
   const RobotExchange exchange = exchangeRobot(from, muscles, options.to, read);
   if (!options.common.dry_run) writeFileAtomically(options.to, exchange.text);
   options.common.json ? session.printJson(toJson(exchange)) : session.print(terminalTable(exchange));

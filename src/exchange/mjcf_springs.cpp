@@ -1,0 +1,99 @@
+// `springdamper`: a joint's time constant and damping ratio, of which MuJoCo's compiler makes
+//
+//   stiffness = M / (time constant * damping ratio)^2,   damping = 2 M / time constant
+//
+// instead of what is stated. M is the inertia [kg m^2] or mass [kg] that the joint moves in the drawn pose while all
+// other joints give way: 1 / (mass matrix)^-1_jj, of a ball by the mean over its three axes
+// (mjCModel::AutoSpringDamper).
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "mjcf_robot.h"
+#include "simgap/core/error.h"
+
+namespace simgap {
+namespace {
+
+/// One way to move, in the world.
+struct SpringDof {
+  std::size_t body;
+  bool slides;
+  Eigen::Vector3d point, axis;
+  double armature;
+};
+
+std::vector<Eigen::Isometry3d> placedBodies(const MjcfRobot& robot) {
+  std::vector<Eigen::Isometry3d> placed;
+  for (const MjcfBody& body : robot.bodies) {
+    placed.push_back(body.parent < 0 ? body.frame : placed[body.parent] * body.frame);
+  }
+  return placed;
+}
+
+void addDofs(const MjcfJoint& joint, std::size_t body, const Eigen::Isometry3d& frame, std::vector<SpringDof>& dofs) {
+  const Eigen::Vector3d point = frame * joint.position;
+  if (joint.kind->has_axis) {
+    dofs.push_back({body, joint.kind->slides, point, frame.linear() * joint.axis, joint.armature});
+    return;
+  }
+  for (int k = 0; k < 3; ++k) dofs.push_back({body, false, point, frame.linear().col(k), joint.armature});
+}
+
+/// The mass matrix in the drawn pose.
+Eigen::MatrixXd drawnMassMatrix(const MjcfRobot& robot, const std::vector<Eigen::Isometry3d>& placed,
+                                const std::vector<SpringDof>& dofs) {
+  const auto count = static_cast<Eigen::Index>(dofs.size());
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count, count);
+  std::vector<std::vector<Eigen::Index>> moving(robot.bodies.size());  // what moves a body
+  for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
+    const int parent = robot.bodies[b].parent;
+    if (parent >= 0) moving[b] = moving[parent];
+    for (Eigen::Index d = 0; d < count; ++d) {
+      if (dofs[d].body == b) moving[b].push_back(d);
+    }
+    const MassProperties mass = inFrame(robot.bodies[b].mass, placed[b]);
+    Eigen::Matrix3Xd way(3, std::ssize(moving[b])), turn(3, std::ssize(moving[b]));  // velocities per dof
+    for (Eigen::Index i = 0; i < way.cols(); ++i) {
+      const SpringDof& dof = dofs[static_cast<std::size_t>(moving[b][i])];
+      turn.col(i) = dof.slides ? Eigen::Vector3d::Zero() : dof.axis;
+      way.col(i) = dof.slides ? dof.axis : Eigen::Vector3d(dof.axis.cross(mass.centre_of_mass - dof.point));
+    }
+    matrix(moving[b], moving[b]) += mass.mass * way.transpose() * way + turn.transpose() * mass.inertia * turn;
+  }
+  for (Eigen::Index d = 0; d < count; ++d) matrix(d, d) += dofs[d].armature;
+  return matrix;
+}
+
+}  // namespace
+
+void setSpringDampers(MjcfRobot& robot) {
+  const std::vector<Eigen::Isometry3d> placed = placedBodies(robot);
+  std::vector<SpringDof> dofs;
+  std::vector<std::pair<MjcfJoint*, Eigen::Index>> joints;  // with their first dofs
+  bool asked = false;
+  for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
+    for (MjcfJoint& joint : robot.bodies[b].joints) {
+      joints.emplace_back(&joint, std::ssize(dofs));
+      addDofs(joint, b, placed[b], dofs);
+      asked = asked || joint.springDamped();
+    }
+  }
+  if (!asked) return;
+  const Eigen::MatrixXd matrix = drawnMassMatrix(robot, placed, dofs);
+  const Eigen::VectorXd mobility =
+      matrix.ldlt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols())).diagonal();
+  for (const auto& [joint, first] : joints) {
+    if (!joint->springDamped()) continue;
+    const double inertia = 1.0 / mobility.segment(first, joint->kind->degrees_of_freedom).mean();
+    if (!std::isfinite(inertia) || inertia <= 0.0) {
+      throw DataError(fmt::format("{}: joint: springdamper: found a joint that moves no mass", joint->place));
+    }
+    const auto [time, ratio] = joint->spring_damper;
+    joint->stiffness = inertia / (time * time * ratio * ratio);
+    joint->damping = 2.0 * inertia / time;
+  }
+}
+
+}  // namespace simgap
