@@ -131,11 +131,27 @@ void refuseOtherJointTypes(const CsvTable& table, const PoseLayout& layout) {
 
 namespace {
 
-bool sameReadings(const Pose& a, const Pose& b) {
+bool sameJoints(const Pose& a, const Pose& b) {
   const auto equal = [](const JointPosition& i, const JointPosition& j) {
     return i.angle == j.angle && i.rotation.coeffs() == j.rotation.coeffs();
   };
-  return a.shafts == b.shafts && std::ranges::equal(a.joints, b.joints, equal);
+  return std::ranges::equal(a.joints, b.joints, equal);
+}
+
+bool sameReadings(const Pose& a, const Pose& b) { return a.shafts == b.shafts && sameJoints(a, b); }
+
+/// A measurement has noise: joints that are the same to the last digit wherever the shafts stand were not measured.
+void refuseStuckCapture(const PoseSet& set) {
+  constexpr std::size_t kFewest = 3;
+  const Pose& first = set.poses.front();
+  const auto isStuck = [&](const Pose& pose) { return sameJoints(pose, first); };
+  const auto isMoved = [&](const Pose& pose) { return pose.shafts != first.shafts; };
+  if (set.poses.size() < kFewest || !std::ranges::all_of(set.poses, isStuck)) return;
+  if (std::ranges::none_of(set.poses, isMoved)) return;
+  throw DataError(fmt::format(
+      "{}: found the same joint positions in all {} poses though the shafts stand elsewhere, expected joints that "
+      "follow: the capture was stuck",
+      set.file, set.poses.size()));
 }
 
 }  // namespace
@@ -167,6 +183,7 @@ PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   }
   PoseSet set{table.name(), {}};
   for (const std::string& name : order) set.poses.push_back(meanPose(name, rows_of[name], columns, layout));
+  refuseStuckCapture(set);
   return set;
 }
 

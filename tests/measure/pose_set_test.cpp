@@ -36,6 +36,14 @@ TEST(PoseSet, ReadsOnePoseAsItStands) {
   EXPECT_THAT(pose.spread, ElementsAre(0.0, 0.0));
 }
 
+TEST(PoseSet, JointsThatStandStillWhereverTheShaftsAreWereNotMeasured) {
+  const std::string stuck = "0.6,0,0.8,0,0.3\n";
+  EXPECT_THAT(errorOf(kHeader + "a,0,1,2," + stuck + "b,0,3,4," + stuck + "c,0,5,6," + stuck),
+              HasSubstr("the same joint positions in all 3 poses though the shafts stand elsewhere"));
+  EXPECT_EQ(read(kHeader + "a,0,1,2," + stuck + "b,0,1,2," + stuck + "c,0,1,2," + stuck).poses.size(), 3u);
+  EXPECT_EQ(read(kHeader + "a,0,1,2," + stuck + "b,0,3,4," + stuck + "c,0,5,6,0.6,0,0.8,0,0.31\n").poses.size(), 3u);
+}
+
 TEST(PoseSet, AveragesRepeatsAndSaysHowTheySpread) {
   // Turned about z by 0.1 and 0.3 rad: mean 0.2, deviations 0.1 each, spread sqrt(2 * 0.01 / 1).
   const auto about_z = [](double angle) {

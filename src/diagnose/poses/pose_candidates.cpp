@@ -32,6 +32,10 @@ std::vector<CandidateModel> candidateModels(const PoseProblem& problem, PoseFit&
       other.causes.push_back(instead);
     }
   }
+  // Each of several alone: what was named beside the true cause must not stand in all models that a change is to judge.
+  for (const PoseCause& cause : fit.causes()) {
+    if (fit.causes().size() > 1) others.push_back({{cause}, plain.z(), "alone"});
+  }
   for (const PoseCause& refused : selection.refused) {
     if (holds(fit.causes(), refused)) continue;
     Other& other = others.emplace_back(Other{fit.causes(), fit.z(), "refused"});

@@ -24,7 +24,7 @@ std::vector<Entry> readCandidateEntries(const YamlNode& list, const ReadRest& re
     Entry& entry = entries.emplace_back();
     entry.file = fileNameOf(node.at("file"));
     entry.candidate.causes = node.at("causes").text();
-    entry.candidate.role = node.at("role").oneOf({"named", "instead", "refused", "without"});
+    entry.candidate.role = node.at("role").oneOf({"named", "instead", "alone", "refused", "without"});
     readRest(node, entry.candidate);
   }
   if (entries.size() < 2) {

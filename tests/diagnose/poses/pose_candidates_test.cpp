@@ -38,6 +38,7 @@ TEST(PoseCandidates, NoneHoldsACauseTwice) {
   std::vector<std::string> names;
   for (const CandidateModel& candidate : candidates) names.push_back(candidate.causes);
   EXPECT_THAT(names, ElementsAre("payload:link2, gravity-tilt", "gravity-tilt, passive-joint-torque:joint2",
+                                 "payload:link2", "gravity-tilt",
                                  "payload:link2, gravity-tilt, passive-joint-torque:joint2", "none"));
   EXPECT_EQ(candidates[0].log_odds, 0.0);
 }
