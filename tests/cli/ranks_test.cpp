@@ -156,6 +156,7 @@ class DiagnosedMotionsTest : public SharedWorkTest {
     put("forearm_config.yaml", forearmConfig());
     putMotions(folder_, "motions.yaml", 0, 4, options);
     putMotions(folder_, "unseen.yaml", 4, 3, options);
+    putMotions(folder_, "further.yaml", 7, 3, options);
   }
   const Arguments diagnosis_{
       "diagnose",    "forearm.yaml", "--motions",           "motions.yaml", "--validation-motions",
@@ -168,7 +169,7 @@ TEST_F(DiagnosedMotionsTest, RolloutsOfAnIntervention) {
   Arguments once = diagnosis_;
   once.insert(once.end(), {"-q", "-o", "why"});
   succeed(once);
-  expectTheSameOnRanks({"intervene", "why", "--motions", "unseen.yaml"});
+  expectTheSameOnRanks({"intervene", "why", "--motions", "further.yaml"});
 }
 
 class SlowSharedWorkTest : public SharedWorkTest {};

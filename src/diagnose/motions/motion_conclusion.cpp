@@ -84,10 +84,8 @@ void MotionDiagnosing::sayWhatIsLeft() {
       result_.motions, {}, [](const MotionSay& say) { return std::isfinite(say.after) ? say.after : kInfinity; });
   std::vector<std::string> channels;
   for (const Leftover& left : d.unexplained) channels.push_back(left.channel);
-  d.sentence = fmt::format(
-      "{} is missed by more than noise leaves, and no cause of the catalogue explains it; worst: "
-      "{}, {}",
-      fmt::join(channels, ", "), worst->motion, worst->worst);
+  d.sentence = fmt::format("missed by more than noise leaves: {}; no cause that was fitted explains it. Worst: {}, {}",
+                           fmt::join(channels, ", "), worst->motion, worst->worst);
   d.next_experiment = fmt::format(
       "repeat motion {}: what returns at the same moment is the arm's, what does not came "
       "from outside",
@@ -162,7 +160,10 @@ void MotionDiagnosing::nameOrdinary() {
   if (!(gain.lower95 > 0.0) || gain.value < kLeastMotionGain) return;
   shift_->cause.gain_heldout = gain;
   d.causes.push_back(shift_->cause);
-  d.baseline.mse_heldout = meanSquare(before);
+  // The model as it is has the parameter as it was expected.
+  d.baseline = {meanSquare(unseenSquares(*plain_, shift_->back, problem_, split_.selecting.motions)),
+                meanSquare(before)};
+  d.explained_percent = d.explainable_percent = 100.0 * gain.value;
 }
 
 /// For a change of the arm to judge: the named model, what stood in the place of a cause, what was refused.

@@ -74,6 +74,7 @@ Json toJson(const MotionCalibrationResult& result) {
 
 std::string terminalTable(const MotionCalibrationResult& result) {
   constexpr std::size_t kMostWords = 8;
+  constexpr double kFarFromOptimum = 3.0;  // [sd]
   const Json json = toJson(result);
   const Table rms = calibrationRms(json);
   std::string text = rms.caption + "\n" + alignedTable(rms);
@@ -97,6 +98,11 @@ std::string terminalTable(const MotionCalibrationResult& result) {
   if (usesDescent(result) && !result.state.descent.converged) {
     text += fmt::format("not converged after {} rounds: motions: {{rounds: {}}} in --config goes on\n",
                         result.config.rounds, 2 * result.config.rounds);
+  } else if (result.fit.from_optimum > kFarFromOptimum) {
+    text += fmt::format(
+        "the search stopped {:.1f} standard deviations from where its derivatives still lead: the intervals may be too "
+        "narrow, and a calibration on poses first (--poses) brings it nearer\n",
+        result.fit.from_optimum);
   }
   return text;
 }
