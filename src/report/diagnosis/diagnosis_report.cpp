@@ -165,7 +165,7 @@ std::string terminalTable(const Diagnosis& d) {
   for (const Candidate& c : d.candidates)
     text += fmt::format("candidate {}, not named: {}\n", c.target.empty() ? c.effect : c.effect + " of " + c.target,
                         c.reason);
-  if (d.verdict != DiagnosisVerdict::kDataFault) {
+  if (!d.causes.empty() || d.verdict == DiagnosisVerdict::kUnexplained) {  // else there is nothing to explain
     text += fmt::format("explained {:.0f} % of the error; {:.0f} % is explainable by what was logged\n",
                         d.explained_percent, d.explainable_percent);
   }
