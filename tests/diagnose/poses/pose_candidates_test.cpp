@@ -37,9 +37,9 @@ TEST(PoseCandidates, NoneHoldsACauseTwice) {
   const std::vector<CandidateModel> candidates = candidateModels(rig.problem, rig.plain, 1.0, fit, selection);
   std::vector<std::string> names;
   for (const CandidateModel& candidate : candidates) names.push_back(candidate.causes);
-  EXPECT_THAT(names, ElementsAre("payload:link2, gravity-tilt", "gravity-tilt, passive-joint-torque:joint2",
-                                 "payload:link2", "gravity-tilt",
-                                 "payload:link2, gravity-tilt, passive-joint-torque:joint2", "none"));
+  EXPECT_THAT(names,
+              ElementsAre("payload:link2, gravity-tilt", "gravity-tilt, passive-joint-torque:joint2", "payload:link2",
+                          "gravity-tilt", "payload:link2, gravity-tilt, passive-joint-torque:joint2", "none"));
   EXPECT_EQ(candidates[0].log_odds, 0.0);
 }
 
