@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/bag.h"
@@ -57,14 +58,14 @@ PoseSet readPoses(Session& session, const std::string& role, const std::vector<s
   PoseSet all;
   for (const std::string& file : files) {
     PoseSet set = readPoses(session, role, file, model, csv);
-    requireOtherPoses(set, all, "the same readings twice are no more evidence");
-    for (Pose& pose : set.poses) {
+    for (const Pose& pose : set.poses) {
       if (std::ranges::find(all.poses, pose.name, &Pose::name) != all.poses.end()) {
         throw DataError(fmt::format("{}: found a pose {}, which {} has, too; expected names of its own", file,
                                     pose.name, all.file));
       }
-      all.poses.push_back(std::move(pose));
     }
+    requireOtherPoses(set, all, "the same readings twice are no more evidence");
+    std::ranges::move(set.poses, std::back_inserter(all.poses));
     all.file += (all.file.empty() ? "" : ", ") + file;
   }
   return all;

@@ -1,4 +1,6 @@
 // diagnose --poses as a user runs it.
+#include <regex>
+
 #include "cli/cli_fixture.h"
 #include "simgap/core/run_directory.h"
 
@@ -48,6 +50,9 @@ TEST_F(DiagnosePoses, OldAndNewPosesTogetherAreTheSameAsOneFile) {
   succeed({"intervene", "two", "--change", "change.yaml", "-q", "-o", "foreseen"});
   expectRefused({"diagnose", "arm.yaml", "--poses", "old.csv", "--poses", "old.csv", "-o", "d"}, 3,
                 "expected names of its own");
+  put("copy.csv", std::regex_replace(text("old.csv"), std::regex("\np"), "\nq"));
+  expectRefused({"diagnose", "arm.yaml", "--poses", "old.csv", "--poses", "copy.csv", "-o", "d"}, 3,
+                "the same readings twice are no more evidence");
 }
 
 TEST_F(DiagnosePoses, RefusesWhatItCannotUse) {

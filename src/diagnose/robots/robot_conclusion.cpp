@@ -95,6 +95,42 @@ std::string nextStep(const RobotSearch& search, const RobotSelection& selection,
 
 }  // namespace
 
+void addUntestable(const RobotSearch& search, bool known, Diagnosis& d) {
+  for (const RobotCause* cause : robot_causes::all()) {
+    for (const std::string_view name : cause->names()) {
+      bool any = false, open = false;
+      for (std::size_t h = 0; h < search.size(); ++h) {
+        if (search.hypothesis(h).cause != name) continue;
+        any = true;
+        open = open || search.testable(h);
+      }
+      if (!any || open) continue;
+      d.not_testable.push_back(
+          {std::string(name),
+           known ? "what is known of the robot leaves it open"
+                 : "the fit of bodies and drives to this log says the same: give the robot as fit-dynamics finds "
+                   "it from a log without the cause"});
+    }
+  }
+}
+
+void addDetectable(const RobotSearch& search, const RobotSelection& selection, const RobotDiagnosisOptions& options,
+                   Diagnosis& d) {
+  const double factor = std::max(4.6, std::sqrt(options.least_gain * d.effective_samples));
+  for (std::size_t h = 0; h < search.size(); ++h) {
+    const RobotHypothesis& hypothesis = search.hypothesis(h);
+    if (hypothesis.ordinary || !search.testable(h) || hypothesis.parameters.size() != 1 || !hypothesis.form.empty())
+      continue;
+    if (std::ranges::find(selection.set, h) != selection.set.end()) continue;
+    RobotSearch::Set set = selection.set;
+    set.push_back(h);
+    const MatrixXd covariance = search.covariance(set, search.fit(set, kRobotFolds));
+    const double sd = std::sqrt(std::max(0.0, covariance(covariance.rows() - 1, covariance.cols() - 1)));
+    const RobotCauseParameter& parameter = hypothesis.parameters.front();
+    d.detectable.push_back({hypothesis.cause, hypothesis.target, parameter.name, parameter.unit, factor * sd});
+  }
+}
+
 void concludeRobot(const RobotSearch& search, const RobotSelection& selection, RobotDiagnosis& result) {
   Diagnosis& d = result.diagnosis;
   const std::string beyond = beyondKnown(result.joints);

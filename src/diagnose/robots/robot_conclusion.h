@@ -10,6 +10,12 @@ namespace simgap {
 /// Verdict, sentence, what to record next, from all that has been found besides.
 void concludeRobot(const RobotSearch& search, const RobotSelection& selection, RobotDiagnosis& result);
 
+/// Causes that this log could not have shown, and why. \param known  base parameters were known before it
+void addUntestable(const RobotSearch& search, bool known, Diagnosis& d);
+/// The smallest size of each cause with one number that these blocks could have shown.
+void addDetectable(const RobotSearch& search, const RobotSelection& selection, const RobotDiagnosisOptions& options,
+                   Diagnosis& d);
+
 /// Puts a cause into a robot. \param covariance  of theta, shape (C, C) \returns false where its file cannot hold it,
 /// or no such body can exist; the robot is then as it was
 bool holdCause(const RobotRegressor& regressor, const BaseParameters& base, const RobotHypothesis& hypothesis,
