@@ -33,8 +33,7 @@ void FitOptions::add(CLI::App& app) {
   app.add_option("--holdout", holdout,
                  "keep rows from the fit and judge it by them: a fraction of the blocks (0.2), or COLUMN=VALUE,… "
                  "(session=5,6); default: cross-validation over blocks where it is cheap");
-  app.add_option("--block-s", block_s, "length of the blocks that are held out together [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--block-s", block_s, "length of the blocks that are held out together [s]")->check(positiveNumber());
   app.add_option("--validate", validate, "another log to judge the fit by; may be repeated")->allow_extra_args(false);
 }
 

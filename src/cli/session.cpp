@@ -92,6 +92,14 @@ CLI::Validator finiteNumber() {
   return CLI::Validator(problem, "FINITE");
 }
 
+CLI::Validator positiveNumber() {
+  const auto problem = [](std::string& text) {
+    const std::optional<double> number = parseNumber(text);
+    return number && *number > 0.0 ? std::string() : fmt::format("found {}, expected a number above 0", text);
+  };
+  return CLI::Validator(problem, "POSITIVE");
+}
+
 CsvOptions TableOptions::csv() const {
   CsvOptions options;
   options.skip_bad_rows = skip_bad_rows;

@@ -45,6 +45,7 @@ TEST_F(ExitCodeTest, TwoForWrongUsage) {
   expectRefused({"calibrate", "arm.yaml"}, 2, "calibrate needs MODEL and --poses");
   expectRefused(validate({"--frobnicate"}), 2, "--frobnicate");
   expectRefused(validate({"--max-mje"}), 2, "--max-mje");
+  expectRefused(validate({"--max-mje", "-3"}), 2, "--max-mje: found -3, expected a number above 0");
   expectRefused(validate({"another.yaml"}), 2, "another.yaml");
   for (const char* bad : {"x", "0", "-1", "nan", "inf", "1e999"})
     expectRefused(validate({"--max-mje", bad}), 2, "--max-mje");

@@ -46,6 +46,8 @@ struct LogFileOptions : TableOptions {
 
 /// Refuses NaN and infinity, which CLI11 takes.
 CLI::Validator finiteNumber();
+/// The same above 0; CLI::PositiveNumber says what it expects with 309 digits.
+CLI::Validator positiveNumber();
 
 /// An input file as it was read.
 struct Input {

@@ -259,7 +259,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--only", options->only, "of the config's parameters those that match, 'muscles.m_*' (default: all)");
   app.add_option("--settle-s", options->settle,
                  "longest time that joints may take to come to rest (default: the config's) [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--resume", options->resume, "go on with an interrupted run in this directory; needs nothing else");
   options->table.add(app);
   options->common.add(app);

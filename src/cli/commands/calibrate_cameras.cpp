@@ -150,7 +150,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  const auto positive = CLI::PositiveNumber & finiteNumber();
+  const auto positive = positiveNumber();
   app.add_option("LEFT", options->left, "images of the board by the left camera: a folder or a video");
   app.add_option("RIGHT", options->right, "by the right camera");
   app.add_option("--board", options->board, "KIND:COLSxROWS:SPACING_M, e.g. chessboard:9x6:0.025 (inner corners)");

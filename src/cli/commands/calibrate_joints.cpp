@@ -60,7 +60,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
-  const auto positive = CLI::PositiveNumber & finiteNumber();
+  const auto positive = positiveNumber();
   app.add_option("RIG", options->rig, "the rig the motion was captured with (YAML)")->required();
   app.add_option("--frames", options->frames, "frames.csv of a capture that moves all joints")->required();
   addCamerasOption(app, options->cameras);

@@ -150,11 +150,11 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "instead, cameras that run: numbers or paths of V4L2 devices (0,2), or videos played at their rate")
       ->type_name("LEFT,RIGHT");
   app.add_option("--duration-s", options->duration, "end with --camera after so long; Ctrl-C ends at any time [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   addCamerasOption(app, options->cameras);
   app.add_option("--timestamps", options->timestamps, "time of every pair (CSV: time_s, or left_time_s, right_time_s)");
   app.add_option("--rate", options->rate, "or so many pairs a second; of --camera: to ask for [Hz]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--shafts", options->shafts, "shaft angles over time, for poses.csv (CSV: time_s, shaft_*_rad)");
   app.add_option("--overlay", options->overlays, "draw what was found into pair N (a PNG); may be repeated")
       ->allow_extra_args(false);
@@ -162,19 +162,19 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->check(CLI::Range(1, 254));
   app.add_option("--epipolar-gate", options->run.capture.epipolar_gate,
                  "largest epipolar error of a pair of blobs [px]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--steady-duration", options->run.steady.duration, "a rest is at least this long [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--steady-speed", options->run.steady.max_speed, "and no joint faster than this [rad/s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--max-camera-lag", options->max_camera_lag, "refuse pairs whose cameras are further apart [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--max-shaft-lag", options->run.max_shaft_lag,
                  "refuse joints that move later than this after the shafts [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--max-scale-error", options->max_scale_error,
                  "exit 1 when distances between markers are off by more [%]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_flag("--skip-unreadable", options->skip_unreadable, "go on behind images that cannot be read");
   app.add_flag("--partial", options->run.partial, "go on when a target is never found");
   options->table.add(app);

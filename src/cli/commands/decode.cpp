@@ -73,8 +73,8 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->expected(1, 2);
   app.add_option("--up", options->labels.up, "the label that means up");
   app.add_option("--down", options->labels.down, "the label that means down");
-  app.add_option("--low", settings.low, "lower end of the band [Hz]")->check(CLI::PositiveNumber & finiteNumber());
-  app.add_option("--high", settings.high, "upper end [Hz]")->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--low", settings.low, "lower end of the band [Hz]")->check(positiveNumber());
+  app.add_option("--high", settings.high, "upper end [Hz]")->check(positiveNumber());
   app.add_option("--window-s", settings.window, "length of a covariance's window [s]")->check(CLI::Range(0.1, 60.0));
   app.add_option("--threshold", settings.threshold, "probability at which the state switches")
       ->check(CLI::Range(0.5, 1.0));

@@ -94,7 +94,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--speeds", separate.speeds,
                  "of --separate with a log or motions: how many times as fast (default 0.5,1,2)")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--loads", separate.loads, "of --separate with a log: under how many times the load (default 0.5,1,2)")
       ->delimiter(',')
       ->check(finiteNumber());

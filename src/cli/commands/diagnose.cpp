@@ -238,12 +238,12 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "of --poses and --motions: calibration config with parameters and priors (default: built in)");
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML; default: external_torque_Nm)");
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--torque-constants", options->torque_constants,
                  "of a robot whose file has none and a log of currents: torque per current at each joint "
                  "(comma-separated) [Nm/A]")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option(
       "--holdout", options->holdout,
       "what only measures the gain: a fraction of the blocks or poses (default 0.25), or COLUMN=VALUE,… of a log");

@@ -88,7 +88,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "torque per current at each joint, in the robot's order (comma-separated) [Nm/A]; for a log of "
                  "currents")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option(
       "--loaded-log", options->loaded,
       "log with the --payload on the robot; several. Currents with and without it tell the torque constants");

@@ -144,9 +144,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->delimiter(',');
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML; default: external_torque_Nm)");
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--bandwidth", options->bandwidth, "of the zero-phase smoothing of what was not logged [Hz]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--sign", options->sign, "direction of motion: held through the noise, or 'raw' as in the paper")
       ->check(CLI::IsMember({"held", "raw"}));
   app.add_option("--dead-band", options->dead_band, "half width of the dead band in noise levels of the velocity")

@@ -13,9 +13,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   };
   auto options = std::make_shared<Options>();
   app.add_option("--motor", options->motor, "the motor's fitted model (YAML of fit-motor)")->required();
-  app.add_option("--ratio", options->ratio, "motor turns per turn of the output")
-      ->required()
-      ->check(CLI::PositiveNumber & finiteNumber());
+  app.add_option("--ratio", options->ratio, "motor turns per turn of the output")->required()->check(positiveNumber());
   options->add(app);
   return [options, argv] {
     Session session("fit-gearbox", options->common, argv);

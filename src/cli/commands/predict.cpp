@@ -117,7 +117,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--motor", options->motor, "the motor's model, for a gearbox");
   app.add_option("--bench", options->bench, "the rig: where the load comes from (YAML)");
   app.add_option("--ratio", options->ratio, "motor turns per joint turn, to read joint channels")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_flag("--inverse", options->inverse, "a muscle's pressure from force instead; a drive's current");
   app.add_flag("--simulate", options->simulate, "the motion from the effort, told only where it begins");
   app.add_option("--gains", options->gains, "of a robot's joint controllers, with --simulate (YAML)");

@@ -205,11 +205,9 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "rest: under the first commands; zero: shafts 0; or a state or pose set (CSV), taken at rest");
   app.add_option("--start-pose", options->start_pose, "the pose of --start (default: its first row)");
   app.add_option("--duration-s", options->duration, "how long to play (default: to the last command) [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
-  app.add_option("--rate", options->rate, "rows of motion.csv per second (default 100) [Hz]")
-      ->check(CLI::PositiveNumber & finiteNumber());
-  app.add_option("--step-s", options->step, "physics step (default 0.001) [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
+  app.add_option("--rate", options->rate, "rows of motion.csv per second (default 100) [Hz]")->check(positiveNumber());
+  app.add_option("--step-s", options->step, "physics step (default 0.001) [s]")->check(positiveNumber());
   app.add_option("--measured", options->measured, "a recorded movement (joints.csv), shown as a ghost");
   options->table.add(app);
   options->common.add(app);

@@ -33,7 +33,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("ACTION", options->action, "check")->required()->check(CLI::IsMember({"check"}));
   app.add_option("TARGETS", options->targets, "marker targets (YAML)")->required();
   app.add_option("--noise", options->noise_mm, "standard deviation of a triangulated marker [mm]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   options->common.add(app);
   return [options, argv] { return run(*options, argv); };
 }

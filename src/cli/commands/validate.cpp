@@ -102,18 +102,16 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--motions", options->motions, "recorded motions instead (YAML): errors over time");
   app.add_option("--config", options->config, "calibration config whose protocol is used (default: the paper's)");
   app.add_option("--max-rms", options->max_rms, "of motions: exit 1 when a joint's rms exceeds this, per axis [deg]")
-      ->check(CLI::PositiveNumber & finiteNumber());
-  app.add_option("--max-rms-mm", options->max_rms_mm, "the same of joints that slide [mm]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
+  app.add_option("--max-rms-mm", options->max_rms_mm, "the same of joints that slide [mm]")->check(positiveNumber());
   app.add_option("--evaluator", options->evaluator, "bullet: simulate; equilibrium: minimise the potential energy")
       ->check(CLI::IsMember({"bullet", "equilibrium"}));
   app.add_option("--settle-s", options->settle,
                  "longest time that joints may take to come to rest (default: the config's; without one 60) [s]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
   app.add_option("--max-mje", options->max_mje, "exit 1 when a joint's mean error exceeds this [deg]")
-      ->check(CLI::PositiveNumber & finiteNumber());
-  app.add_option("--max-mje-mm", options->max_mje_mm, "the same of joints that slide [mm]")
-      ->check(CLI::PositiveNumber & finiteNumber());
+      ->check(positiveNumber());
+  app.add_option("--max-mje-mm", options->max_mje_mm, "the same of joints that slide [mm]")->check(positiveNumber());
   options->table.add(app);
   options->common.add(app);
   return [options, argv, &app] { return runEither(*options, app, argv); };

@@ -55,8 +55,9 @@ BudgetLimit readLimit(const YamlNode& node) {
   if (std::isfinite(limit.largest_sd_percent)) {
     limit.text += fmt::format("{}{} is known to {:g} %", bounded ? ", " : "", limit.subject, limit.largest_sd_percent);
   }
-  if (limit.text.empty()) node.fail("found no limit, expected lower or upper");
-  return limit;
+  if (!limit.text.empty()) return limit;
+  node.expectAllRead();  // a key with a slip of the pen first
+  node.fail("found no limit, expected lower or upper");
 }
 
 /// What a limit met: in words, and whether it holds.
