@@ -113,24 +113,6 @@ Pose meanPose(const std::string& name, const std::vector<std::size_t>& rows, con
   return pose;
 }
 
-}  // namespace
-
-void refuseOtherJointTypes(const CsvTable& table, const PoseLayout& layout) {
-  for (const JointChannel& joint : layout.joints) {
-    const JointKind& expected = kindOf(joint.type);
-    if (holdsPosition(table, expected, joint.name)) continue;
-    for (const JointKind* kind : joint_kinds::all()) {
-      if (kind == &expected || !holdsPosition(table, *kind, joint.name)) continue;
-      throw DataError(
-          fmt::format("{}:1: joint {}: found {}, the position of a {} joint, expected {}: the model's type of it is {}",
-                      table.name(), joint.name, fmt::join(positionColumns(kind->type, joint.name), ", "), kind->name,
-                      fmt::join(positionColumns(expected.type, joint.name), ", "), expected.name));
-    }
-  }
-}
-
-namespace {
-
 bool sameJoints(const Pose& a, const Pose& b) {
   const auto equal = [](const JointPosition& i, const JointPosition& j) {
     return i.angle == j.angle && i.rotation.coeffs() == j.rotation.coeffs();
@@ -154,7 +136,31 @@ void refuseStuckCapture(const PoseSet& set) {
       set.file, set.poses.size()));
 }
 
+/// Poses of one set that are readings of the other: "q1 (p7 of before.csv)".
+std::vector<std::string> copiedPoses(const PoseSet& set, const PoseSet& of) {
+  std::vector<std::string> copies;
+  for (const Pose& pose : set.poses) {
+    const auto original = std::ranges::find_if(of.poses, [&](const Pose& other) { return sameReadings(pose, other); });
+    if (original != of.poses.end()) copies.push_back(fmt::format("{} ({} of {})", pose.name, original->name, of.file));
+  }
+  return copies;
+}
+
 }  // namespace
+
+void refuseOtherJointTypes(const CsvTable& table, const PoseLayout& layout) {
+  for (const JointChannel& joint : layout.joints) {
+    const JointKind& expected = kindOf(joint.type);
+    if (holdsPosition(table, expected, joint.name)) continue;
+    for (const JointKind* kind : joint_kinds::all()) {
+      if (kind == &expected || !holdsPosition(table, *kind, joint.name)) continue;
+      throw DataError(
+          fmt::format("{}:1: joint {}: found {}, the position of a {} joint, expected {}: the model's type of it is {}",
+                      table.name(), joint.name, fmt::join(positionColumns(kind->type, joint.name), ", "), kind->name,
+                      fmt::join(positionColumns(expected.type, joint.name), ", "), expected.name));
+    }
+  }
+}
 
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   if (table.rows() == 0) throw DataError(fmt::format("{}: found no rows, expected at least one pose", table.name()));
@@ -185,15 +191,6 @@ PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   for (const std::string& name : order) set.poses.push_back(meanPose(name, rows_of[name], columns, layout));
   refuseStuckCapture(set);
   return set;
-}
-
-std::vector<std::string> copiedPoses(const PoseSet& set, const PoseSet& of) {
-  std::vector<std::string> copies;
-  for (const Pose& pose : set.poses) {
-    const auto original = std::ranges::find_if(of.poses, [&](const Pose& other) { return sameReadings(pose, other); });
-    if (original != of.poses.end()) copies.push_back(fmt::format("{} ({} of {})", pose.name, original->name, of.file));
-  }
-  return copies;
 }
 
 void requireOtherPoses(const PoseSet& set, const PoseSet& others, std::string_view why) {

@@ -48,10 +48,8 @@ struct PoseSet {
 ///         not of unit length, the same pose and repeat twice, no rows, and all that CsvTable refuses.
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout);
 
-/// Poses of one set that are readings of the other to the last digit, whatever they are called: "q1 (p7 of
-/// before.csv)".
-std::vector<std::string> copiedPoses(const PoseSet& set, const PoseSet& of);
-/// \throws DataError: more than half of a set's poses are copies of others. Noise does not repeat itself.
+/// \throws DataError: more than half of a set's poses are copies of others, readings that are the same to the last
+///         digit, whatever they are called. Noise does not repeat itself.
 /// \param why  what is wrong with that, for people
 void requireOtherPoses(const PoseSet& set, const PoseSet& others, std::string_view why);
 

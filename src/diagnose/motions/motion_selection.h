@@ -72,6 +72,7 @@ class MotionSelector {
   void startBesideBest(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                        std::vector<Refit>& refits);
   void lookAgain(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits);
+  static void sortBest(std::vector<Refit>& refits);
   void finishRivals(std::vector<Refit>& refits);
   static std::size_t owedDerivatives(const std::vector<Refit>& refits);
   void settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits,

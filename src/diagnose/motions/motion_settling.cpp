@@ -115,6 +115,11 @@ void MotionSelector::lookAgain(const MotionCauseFit& base, const std::vector<Mot
   }
 }
 
+/// The best first.
+void MotionSelector::sortBest(std::vector<Refit>& refits) {
+  std::ranges::stable_sort(refits, {}, [](const Refit& refit) { return refit.fit->objective(); });
+}
+
 /// What was begun late and may pass the best goes on until it has, or cannot.
 void MotionSelector::finishRivals(std::vector<Refit>& refits) {
   const Refit* best = &refits.front();
@@ -124,7 +129,7 @@ void MotionSelector::finishRivals(std::vector<Refit>& refits) {
     catchUp(*refit.fit, least);
     refit.settled = true;
   }
-  std::ranges::stable_sort(refits, {}, [](const Refit& refit) { return refit.fit->objective(); });
+  sortBest(refits);
 }
 
 /// The next best that stands beside the best; refits.size(): none.
@@ -140,13 +145,12 @@ std::size_t MotionSelector::owedDerivatives(const std::vector<Refit>& refits) {
 /// their own get them
 void MotionSelector::settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
                             std::vector<Refit>& refits, int owed_of_new) {
-  const auto byObjective = [](const Refit& a, const Refit& b) { return a.fit->objective() < b.fit->objective(); };
   double most_gained = 0.0;
   bool news = true;
   for (std::size_t round = 0; news && round < kMostRounds; ++round) {
     news = false;
     const std::size_t among = kRefreshed[std::min(round, kRefreshed.size() - 1)];
-    std::ranges::stable_sort(refits, byObjective);
+    sortBest(refits);
     if (!refits.front().settled) chooseAgain(refits.front());
     if (round == 1) startBesideBest(base, open, refits);
     const double best = refits.front().fit->objective(), variance = std::max(1.0, refits.front().fit->misfit());
@@ -171,9 +175,9 @@ void MotionSelector::settle(const MotionCauseFit& base, const std::vector<Motion
       most_gained = std::max(most_gained, refits[i].gained);
     }
   }
-  std::ranges::stable_sort(refits, byObjective);
+  sortBest(refits);
   lookAgain(base, open, refits);
-  std::ranges::stable_sort(refits, byObjective);
+  sortBest(refits);
 }
 
 }  // namespace simgap

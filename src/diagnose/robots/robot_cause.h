@@ -49,6 +49,7 @@ struct RobotHypothesis {
   /// Puts it into a robot's model; none: `change` does. False where its file cannot hold it.
   std::function<bool(const Eigen::VectorXd& theta, RobotModel& model)> hold = {};
 
+  bool isDelay() const { return parameters.size() == 1 && parameters[0].unit == "s"; }
   std::string label() const { return target.empty() ? cause : cause + ":" + target; }
 };
 

@@ -95,9 +95,7 @@ Cause causeOf(const RobotSearch& search, const RobotSelection& selection, std::s
   MatrixXd own = slopes * covariance.block(first, first, count, count) * slopes.transpose();
   // Between which two moments a reversal lies no number of rows tells (JCGM 100:2008, F.2.2.1).
   const double step = search.rows().drive(0).step;
-  for (Index i = 0; i < count; ++i) {
-    if (h.shown_as.empty() && h.parameters[static_cast<std::size_t>(i)].unit == "s") own(i, i) += step * step / 12.0;
-  }
+  if (h.isDelay()) own(0, 0) += step * step / 12.0;
   const auto blocks = static_cast<double>(std::ranges::count(search.ground().training, true));
   for (Index i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(i);

@@ -178,12 +178,9 @@ class RobotJudge {
     const auto hypothesis = [&](std::size_t k) -> const RobotHypothesis& {
       return search_.hypothesis(selection_.set[k]);
     };
-    const auto is_delay = [](const RobotHypothesis& h) {
-      return h.parameters.size() == 1 && h.parameters[0].unit == "s";
-    };
     for (std::size_t k = selection_.set.size(); k-- > 0;) {
       for (std::size_t j = k; j-- > 0;) {
-        if (!is_delay(hypothesis(k)) || !is_delay(hypothesis(j)) || hypothesis(k).target != hypothesis(j).target)
+        if (!hypothesis(k).isDelay() || !hypothesis(j).isDelay() || hypothesis(k).target != hypothesis(j).target)
           continue;
         const std::size_t first = selection_.set[j];
         refusePair(k);

@@ -166,13 +166,14 @@ std::vector<std::string> jointNames(const RobotLog& log) {
   return names;
 }
 
-/// By what the torque constants' own uncertainty adds to the base parameters.
-void widen(DynamicsFit& fit, const MatrixXd& of_constants, std::size_t blocks) {
+/// By what adds to the base parameters' own uncertainty. \param of_model  covariance, shape (K, K)
+/// \param of_log  variances of what the log alone says, shape (K)
+void widen(DynamicsFit& fit, const MatrixXd& of_model, const VectorXd& of_log, std::size_t blocks) {
   const double quantile = studentQuantile(static_cast<double>(blocks) - 1.0);
-  fit.base_covariance += of_constants;
+  fit.base_covariance += of_model;
   for (std::size_t k = 0; k < fit.base.size(); ++k) {
     Estimate& e = fit.base[k].estimate;
-    e.sd = std::sqrt(e.sd * e.sd + of_constants(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)));
+    e.sd = std::sqrt(e.sd * e.sd + of_log[static_cast<Eigen::Index>(k)]);
     e = withInterval(e, quantile * e.sd);
   }
 }
@@ -185,15 +186,10 @@ void widenBySmoothing(const DynamicsData& data, const std::vector<double>& const
   const std::vector<bool> all(data.sums.blocks.size(), true);
   const VectorXd moved = fittedParameters(data, constants, all) - fit.model.parameters;
   const VectorXd of_base = data.base.combination * moved;
-  fit.base_covariance += of_base * of_base.transpose();
   fit.sd = (fit.sd.cwiseAbs2() + moved.cwiseAbs2()).cwiseSqrt();
-  const BaseSolution alone = solveBase(data, data.sums.total(all), constants);
-  const double quantile = studentQuantile(static_cast<double>(all.size()) - 1.0);
-  for (std::size_t k = 0; k < fit.base.size(); ++k) {
-    Estimate& e = fit.base[k].estimate;
-    e.sd = std::hypot(e.sd, alone.x[static_cast<Eigen::Index>(k)] - e.value);
-    e = withInterval(e, quantile * e.sd);
-  }
+  VectorXd alone = solveBase(data, data.sums.total(all), constants).x;
+  for (Eigen::Index k = 0; k < alone.size(); ++k) alone[k] -= fit.base[static_cast<std::size_t>(k)].estimate.value;
+  widen(fit, of_base * of_base.transpose(), alone.cwiseAbs2(), all.size());
 }
 
 }  // namespace
@@ -236,7 +232,7 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
     sumUp();
   }
   found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
-  widen(found.fit, of_constants, log.blocks.size());
+  widen(found.fit, of_constants, of_constants.diagonal(), log.blocks.size());
   {
     const RobotLog sharper = sharperMotion(log);
     const ExtraColumn load =

@@ -30,6 +30,21 @@ double derivedNoise(const ActuatorLog& log, std::span<const Block> runs, double 
 
 bool isTooShort(const Block& run) { return run.size() < kFewestInARow; }
 
+SmoothMotion smoothMotion(std::span<const double> time, std::span<const double> measured, bool of_velocity,
+                          std::span<const Block> runs, double bandwidth) {
+  SmoothMotion motion{std::vector<double>(measured.size(), 0.0), std::vector<double>(measured.size(), 0.0)};
+  for (const Block& run : runs) {
+    if (isTooShort(run)) continue;
+    const std::span<const double> times = time.subspan(run.begin, run.size());
+    std::vector<double> speed = smooth(times, measured.subspan(run.begin, run.size()), bandwidth);
+    if (!of_velocity) speed = differentiate(times, speed);
+    const auto begin = static_cast<std::ptrdiff_t>(run.begin);
+    std::ranges::copy(speed, motion.velocity.begin() + begin);
+    std::ranges::copy(differentiate(times, speed), motion.acceleration.begin() + begin);
+  }
+  return motion;
+}
+
 void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
                     FrictionData& data) {
   const bool velocity = log.velocity.empty();
@@ -50,16 +65,9 @@ void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional
   const std::vector<double>& measured = from_position ? log.position : log.velocity;
   const double highest = FrictionDataOptions::kDefaultBandwidth * samplingRate(log.time, whole);
   data.bandwidth = bandwidth ? *bandwidth : smoothingBandwidth(log.time, measured, whole, highest);
-  if (velocity) log.velocity.resize(log.rows());
-  if (acceleration) log.acceleration.resize(log.rows());
-  for (const Block& run : whole) {
-    const std::span<const double> time = std::span(log.time).subspan(run.begin, run.size());
-    const std::vector<double> smoothed =
-        smooth(time, std::span(measured).subspan(run.begin, run.size()), data.bandwidth);
-    const std::vector<double> speed = from_position ? differentiate(time, smoothed) : smoothed;
-    if (velocity) std::ranges::copy(speed, log.velocity.begin() + run.begin);
-    if (acceleration) std::ranges::copy(differentiate(time, speed), log.acceleration.begin() + run.begin);
-  }
+  SmoothMotion motion = smoothMotion(log.time, measured, !from_position, runs, data.bandwidth);
+  if (velocity) log.velocity = std::move(motion.velocity);
+  if (acceleration) log.acceleration = std::move(motion.acceleration);
   if (velocity) data.derived.emplace_back("velocity");
   if (acceleration) data.derived.emplace_back("acceleration");
 }

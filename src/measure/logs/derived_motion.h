@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "simgap/core/blocks.h"
 #include "simgap/measure/logs/actuator_log.h"
@@ -14,6 +15,14 @@ namespace simgap {
 /// What a slope takes, two gaps in a log may leave less of.
 inline constexpr std::size_t kFewestInARow = 4;
 bool isTooShort(const Block& run);
+
+/// Velocity and acceleration of a channel that is smoothed to `bandwidth` [Hz], shape (rows); 0 in runs that are too
+/// short. \param measured  a position, or with `of_velocity` a velocity
+struct SmoothMotion {
+  std::vector<double> velocity, acceleration;
+};
+SmoothMotion smoothMotion(std::span<const double> time, std::span<const double> measured, bool of_velocity,
+                          std::span<const Block> runs, double bandwidth);
 
 /// Fills velocity, and acceleration if that is wanted, from position, else acceleration from velocity; says in `data`
 /// what was derived and with which bandwidth. \param runs  as splitRuns.

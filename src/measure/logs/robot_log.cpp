@@ -177,22 +177,6 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, dou
 /// The bandwidth of a motion that is smoothed less, of the usual one.
 constexpr double kSharper = 1.4;
 
-/// \param measured  position, or the velocity where that was measured
-void sharpenMotion(std::span<const double> times, std::span<const double> measured, std::span<const Block> runs,
-                   double bandwidth, RobotJointLog& joint) {
-  joint.sharper_velocity.assign(measured.size(), 0.0);
-  joint.sharper_acceleration.assign(measured.size(), 0.0);
-  for (const Block& run : runs) {
-    if (isTooShort(run)) continue;
-    const std::span<const double> time = times.subspan(run.begin, run.size());
-    std::vector<double> speed = smooth(time, measured.subspan(run.begin, run.size()), bandwidth);
-    if (!joint.measured_velocity) speed = differentiate(time, speed);
-    const auto begin = static_cast<std::ptrdiff_t>(run.begin);
-    std::ranges::copy(speed, joint.sharper_velocity.begin() + begin);
-    std::ranges::copy(differentiate(time, speed), joint.sharper_acceleration.begin() + begin);
-  }
-}
-
 /// Velocity and acceleration, and in which rows the joint moves.
 void completeJoint(JointReader& reader, std::span<const Block> runs, const std::vector<double>& time,
                    std::optional<double> presliding, RobotJointLog& joint) {
@@ -204,12 +188,14 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   putSpikesRight(log, notes);
   moveLateVelocity(log, runs, notes);
   joint.position = log.position;
-  const std::vector<double> measured = joint.measured_velocity ? log.velocity : log.position;
   // One derivative of a measured velocity is quieter than two of a position.
   if (joint.measured_velocity) log.position.clear();
   completeMotion(log, runs, std::nullopt, true, notes);
   joint.bandwidth = notes.bandwidth;
-  sharpenMotion(time, measured, runs, kSharper * notes.bandwidth, joint);
+  SmoothMotion sharper = smoothMotion(time, joint.measured_velocity ? log.velocity : joint.position,
+                                      joint.measured_velocity, runs, kSharper * notes.bandwidth);
+  joint.sharper_velocity = std::move(sharper.velocity);
+  joint.sharper_acceleration = std::move(sharper.acceleration);
   const FrictionDataOptions options;
   std::optional<double> dead_band;
   if (!joint.measured_velocity) {

@@ -152,10 +152,9 @@ RobotHypothesis byChange(const RobotRows& rows, std::size_t c, const ActuatorEff
   h.torque = [&rows, c, &effect, valuesAt](const VectorXd& theta) {
     return onJoint(rows.joints(), c, changedTorque(rows, c, effect, valuesAt(theta)));
   };
-  const bool is_delay = effect.parameters[free[0]].unit == "s";
-  if (is_delay) h.later = [](const VectorXd& theta) { return -theta[0]; };
+  if (h.isDelay()) h.later = [](const VectorXd& theta) { return -theta[0]; };
   if (effect.counts != nullptr) {
-    const double shortest = is_delay ? rows.shortestDelay(c) : 0.0;
+    const double shortest = h.isDelay() ? rows.shortestDelay(c) : 0.0;
     h.counts = [&rows, c, &effect, valuesAt, shortest](const VectorXd& theta) {
       return std::abs(theta[0]) >= shortest && effect.counts(valuesAt(theta), rows.drive(c));
     };
