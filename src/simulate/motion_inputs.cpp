@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "position_reach.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 
@@ -23,6 +24,7 @@ MotionStart readMotionStart(const CsvTable& table, const ArmModel& model, const 
   for (const Muscle& muscle : model.muscles) {
     start.shafts.push_back(table.quantity("shaft_" + muscle.name, "rad")[row]);
   }
+  refuseStartOutOfReach(model, start.joints, table.name(), pose.empty() ? "row 1" : "pose " + pose);
   return start;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "position_reach.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/position_bytes.h"
@@ -89,6 +90,7 @@ MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std:
       throw DataError(fmt::format("{}: at {} s: {}", motion.muscles_file.string(), motion.times()[row], sentence));
     });
   }
+  refuseMotionsOutOfReach(model, set);
   return restart > 0.0 ? restarted(set, model.poseLayout(), restart) : set;
 }
 

@@ -7,37 +7,26 @@
 #include <cmath>
 #include <numbers>
 
+#include "position_reach.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/simulate/equilibrium_arm.h"
+#include "simgap/simulate/possible_commands.h"
 
 namespace simgap {
 namespace {
 
-// A line that is wound up by more than this many times its muscle's length, or let out by it, belongs to another arm.
-constexpr double kMostLengths = 2.0;
-constexpr double kShortestLimit = 0.5;                   // [m], for muscles of no length
-constexpr double kBeyondLimit = 0.5 * std::numbers::pi;  // [rad] beyond its limits no joint is captured
-constexpr double kUnlimited = 4.0 * std::numbers::pi;    // [rad]: more than any joint without limits turns
-constexpr double kBeyondStop = 0.25;                     // [m] beyond its limits no slide is captured
-constexpr double kLongestSlide = 10.0;                   // [m], of a slide without limits
-constexpr double kContradicted = 45.0 * kDegree;         // mean error of a reading that is in doubt,
-constexpr double kClearlyBetter = 0.5;                   // and what of it the other reading may leave
-constexpr double kOneTurn = 2.0 * std::numbers::pi;      // [rad]: beyond it angles look like degrees
-constexpr double kTwoTurns = 4.0 * std::numbers::pi;     // [rad] of a shaft
-constexpr double kLeastPressure = 1000.0;                // [Pa]
-constexpr std::size_t kLooked = 40;                      // poses, enough for a mean
-
-bool woundTooFar(const Muscle& muscle, double shaft) {
-  const double length = muscle.kite_line_length + muscle.shock_cord.rest_length;
-  return muscle.spindle_radius * std::abs(shaft) > std::max(kMostLengths * length, kShortestLimit);
-}
+constexpr double kContradicted = 45.0 * kDegree;      // mean error of a reading that is in doubt,
+constexpr double kClearlyBetter = 0.5;                // and what of it the other reading may leave
+constexpr double kTwoTurns = 4.0 * std::numbers::pi;  // [rad] of a shaft
+constexpr double kLeastPressure = 1000.0;             // [Pa]
+constexpr std::size_t kLooked = 40;                   // poses, enough for a mean
 
 void refuseShaftsOutOfReach(const ArmModel& model, const PoseSet& set) {
   const auto reachable = [&](double factor) {
     return std::ranges::all_of(set.poses, [&](const Pose& pose) {
       for (std::size_t m = 0; m < model.muscles.size(); ++m) {
-        if (woundTooFar(model.muscles[m], factor * pose.shafts[m])) return false;
+        if (windsTooFar(model.muscles[m], factor * pose.shafts[m])) return false;
       }
       return true;
     });
@@ -47,7 +36,7 @@ void refuseShaftsOutOfReach(const ArmModel& model, const PoseSet& set) {
   for (const Pose& pose : set.poses) {
     for (std::size_t m = 0; m < model.muscles.size(); ++m) {
       const Muscle& muscle = model.muscles[m];
-      if (!woundTooFar(muscle, pose.shafts[m])) continue;
+      if (!windsTooFar(muscle, pose.shafts[m])) continue;
       throw DataError(fmt::format(
           "{}: pose {}: shaft_{}_rad: found {:.6g}, which winds {:.3g} m of line, expected angles in rad that a muscle "
           "of "
@@ -73,49 +62,11 @@ void refusePressuresInBar(const ArmModel& model, const PoseSet& set) {
   }
 }
 
-/// What a joint's numbers may be, and what they look like where they are not.
-struct Reach {
-  double unlimited, beyond;
-  double mistaken;                      ///< one of the unit that is confused with the right one
-  double largest;                       ///< that is looked for in the right one
-  const char *what, *looks_like, *end;  ///< of a column named rightly
-};
-Reach reachOf(const Joint& joint) {
-  if (joint.slides()) return {kLongestSlide, kBeyondStop, 1e-3, 0.0, "a way in m", "millimetres", "_mm"};
-  return {kUnlimited, kBeyondLimit, kDegree, kOneTurn, "an angle in rad", "degrees", "_deg"};
-}
-
-/// How far a position is outside a joint's limits [rad], of a slide [m].
-double beyond(const Joint& joint, double position) {
-  const double unlimited = reachOf(joint).unlimited;
-  const double lower = std::max(joint.lower_limit, -unlimited), upper = std::min(joint.upper_limit, unlimited);
-  return std::max({0.0, lower - position, position - upper});
-}
-
-void refusePositionsOutOfReach(const ArmModel& model, const PoseSet& set) {
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const Joint& joint = model.joints[j];
-    if (!joint.hasAxis()) continue;
-    const Reach reach = reachOf(joint);
-    const auto reached = [&](double factor) {
-      return std::ranges::all_of(
-          set.poses, [&](const Pose& pose) { return beyond(joint, factor * pose.joints[j].angle) < reach.beyond; });
-    };
-    if (reached(1.0)) continue;
-    const auto largest =
-        std::ranges::max_element(set.poses, {}, [&](const Pose& pose) { return std::abs(pose.joints[j].angle); });
-    std::string help;
-    if (reached(-1.0)) {
-      help = "; its sign looks turned: positions count about the joint's axis, as the model has it";
-    } else if (std::abs(largest->joints[j].angle) > reach.largest && reached(reach.mistaken)) {
-      help = fmt::format("; it looks like {}: name the column {}{}", reach.looks_like, joint.name, reach.end);
-    }
-    const auto farthest =
-        std::ranges::max_element(set.poses, {}, [&](const Pose& pose) { return beyond(joint, pose.joints[j].angle); });
-    throw DataError(fmt::format("{}: pose {}: {}_{}: found {:.6g}, expected {} within the joint's limits{}", set.file,
-                                farthest->name, joint.name, kindOf(joint.type).unit, farthest->joints[j].angle,
-                                reach.what, help));
-  }
+void refusePosesOutOfReach(const ArmModel& model, const PoseSet& set) {
+  refusePositionsOutOfReach(model, {.file = set.file,
+                                    .count = set.poses.size(),
+                                    .joints = [&](std::size_t p) { return std::span(set.poses[p].joints); },
+                                    .place = [&](std::size_t p) { return "pose " + set.poses[p].name; }});
 }
 
 /// Mean error per joint of the model against poses as they stand and read another way, over poses with equilibria for
@@ -197,7 +148,7 @@ void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
 void refuseImplausiblePoses(const ArmModel& model, const PoseSet& set) {
   refuseShaftsOutOfReach(model, set);
   refusePressuresInBar(model, set);
-  refusePositionsOutOfReach(model, set);
+  refusePosesOutOfReach(model, set);
   refuseOtherReadings(model, set);
 }
 

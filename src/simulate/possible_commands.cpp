@@ -2,11 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "simgap/core/error.h"
 
 namespace simgap {
+
+bool windsTooFar(const Muscle& muscle, double shaft) {
+  constexpr double kMostLengths = 2.0, kShortestLimit = 0.5;  // [m], for muscles of no length
+  const double length = muscle.kite_line_length + muscle.shock_cord.rest_length;
+  return muscle.spindle_radius * std::abs(shaft) > std::max(kMostLengths * length, kShortestLimit);
+}
 
 std::string problemOf(const Muscle& muscle, CommandKind kind, double value) {
   const double supply = muscle.motor.supply_voltage;
@@ -14,6 +21,11 @@ std::string problemOf(const Muscle& muscle, CommandKind kind, double value) {
     return fmt::format("{:g} V is beyond the supply of {:g} V", value, supply);
   }
   if (kind == CommandKind::kForce && value < 0.0) return fmt::format("{:g} N, expected >= 0: a line only pulls", value);
+  if (kind == CommandKind::kSetpoint && windsTooFar(muscle, value)) {
+    return fmt::format("{:g} rad winds {:.3g} m of line, expected angles in rad that a muscle of {:.3g} m allows",
+                       value, muscle.spindle_radius * std::abs(value),
+                       muscle.kite_line_length + muscle.shock_cord.rest_length);
+  }
   return "";
 }
 

@@ -11,7 +11,12 @@
 
 namespace simgap {
 
-/// What a muscle cannot be told: a voltage beyond its supply, a force that pushes; empty when it can.
+/// Whether a shaft's angle winds up, or lets out, more line than a muscle of this length can have: it belongs to
+/// another arm, or is in another unit. \param shaft  [rad]
+bool windsTooFar(const Muscle& muscle, double shaft);
+
+/// What a muscle cannot be told: a set-point that winds too far, a voltage beyond its supply, a force that pushes;
+/// empty when it can.
 std::string problemOf(const Muscle& muscle, CommandKind kind, double value);
 
 /// The same of a line that takes a command: a pressure below 0.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -98,6 +99,7 @@ void sayWhatIsLeft(const Selection& selection, const PreparedLog& log, const Cei
     l.share *= 0.01 * d.left_over_percent / std::max(sum, 1e-300);
     l.shape = shapeOf(d.evidence, l.channel);
   }
+  std::ranges::stable_sort(list, std::greater<>(), &Leftover::share);
   if (d.left_over_percent > 0.0) d.unexplained = std::move(list);
 }
 
@@ -131,6 +133,7 @@ std::string stepsOf(const std::string& channel) {
       {"external_torque", "Repeat one motion under other loads, or of another mass: that shows the law over the load."},
       {"time_since_reversal_s", "Record long and short strokes at one speed: that shows what follows a reversal."},
       {"rest_s", "Rest for 1, 3 and 10 s before the same slow motion: that shows what a rest does."},
+      {"an offset", "Record rests under a known load, approached from either side: that tells a bias from friction."},
       {"direction", "Repeat one motion to and fro at several speeds: that shows how the two ways differ."}};
   const auto known = kSteps.find(channel);
   if (known != kSteps.end()) return known->second;

@@ -92,15 +92,26 @@ void takeOutRows(const ActuatorModel& subject, const LogSearch& search, Prepared
   for (const DataFault& fault : takeOutSpikes(log, residualOf(first), flipped)) d.faults.push_back(fault);
 }
 
+std::vector<double> keptOf(const PreparedLog& log, const Eigen::VectorXd& residual) {
+  std::vector<double> kept;
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    if (log.data.keep[i]) kept.push_back(residual[i]);
+  }
+  return kept;
+}
+
+/// Whether most of what is left is the same in all rows.
+bool isMostlyConstant(const PreparedLog& log, const Eigen::VectorXd& residual) {
+  const std::vector<double> kept = keptOf(log, residual);
+  const auto sizes = Eigen::Map<const Eigen::ArrayXd>(kept.data(), std::ssize(kept));
+  return 2.0 * sizes.mean() * sizes.mean() > sizes.square().mean();
+}
+
 /// Something acts that no channel shows, such as a push or a wind: most rows are farther off than their neighbours
 /// differ from each other, and by far. A few bursts or outliers are not most rows, and the noise has no part in it.
 bool actsUnseen(const PreparedLog& log, const Eigen::VectorXd& residual, double noise_floor) {
   constexpr double kFar = 2.0;
-  std::vector<double> sizes;
-  for (Eigen::Index i = 0; i < residual.size(); ++i) {
-    if (log.data.keep[i]) sizes.push_back(residual[i]);
-  }
-  return noise_floor > 0.0 && robustDeviation(std::move(sizes)) > kFar * std::sqrt(noise_floor);
+  return noise_floor > 0.0 && robustDeviation(keptOf(log, residual)) > kFar * std::sqrt(noise_floor);
 }
 
 /// What is left with the causes, against noise and against anything that the channels could explain.
@@ -119,7 +130,9 @@ void measureLeft(const Selection& selection, const PreparedLog& log, const Eigen
   sayWhatIsLeft(selection, log, left, d);
   if (d.causes.empty() && d.unexplained.empty() && actsUnseen(log, after, d.noise_floor)) {
     d.left_over_percent = 100.0 * (1.0 - d.noise_floor / std::max(d.extended.mse_heldout, d.noise_floor));
+    if (isMostlyConstant(log, after)) d.unexplained.push_back({"an offset", 0.01 * d.left_over_percent, ""});
   }
+  d.explainable_percent = std::max(d.explainable_percent, d.explained_percent + d.left_over_percent);
 }
 
 /// A static term that hardly any row told is without bound in rows that are slower.

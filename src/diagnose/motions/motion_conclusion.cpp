@@ -68,10 +68,18 @@ void MotionDiagnosing::fillErrors() {
   };
   say(split_.selecting, false, seen_before, seen_after, selected);
   say(split_.judging, true, before, unseen, result_.after);
-  // Drives that saturate leave more in the currents than a model does; joints and shafts show what is missing.
-  for (Eigen::Index g = 0; g + 1 < unseen.rows(); ++g) {
-    const double left = unseen.row(g).mean();
-    if (!(left > kLargeRest)) continue;
+  fillUnexplained(after, unseen);
+}
+
+/// Drives that saturate leave more in the currents than a model does; joints and shafts show what is missing.
+void MotionDiagnosing::fillUnexplained(const MotionCauseFit& after, const Eigen::MatrixXd& unseen) {
+  Diagnosis& d = result_.diagnosis;
+  const Eigen::VectorXd missed = unseen.topRows(unseen.rows() - 1).rowwise().mean();
+  if (!(missed.array() > kLargeRest).any()) return;
+  const Eigen::VectorXd unknown = unknownSquares(after, problem_, split_.judging.motions);
+  for (Eigen::Index g = 0; g < missed.size(); ++g) {
+    const double left = missed[g];
+    if (!(left > kLargeRest + unknown[g])) continue;
     const std::string name = g + 2 < unseen.rows() ? "joint " + result_.layout.joints[g].name : std::string("shafts");
     d.unexplained.push_back({name, 1.0 - 1.0 / left, ""});
     d.left_over_percent += 100.0 * (left - 1.0) / static_cast<double>(unseen.rows()) / d.baseline.mse_heldout;

@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
-#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
 
-constexpr double kMostOfNoise = 1.645;     // what nine of ten normal residuals stay within [sd]
 constexpr int kSearches = 3, kPlaces = 7;  // along a cause, each four times as fine as the one before
 constexpr std::size_t kSome = 4;           // motions to look around with
 constexpr double kFarFromPrior = 4.0;      // [sd]: of some hundred parameters none is by chance
@@ -28,18 +26,6 @@ Eigen::VectorXd squeezed(const Eigen::VectorXd& z, Eigen::Index room) {
   shorter.head(shorter.size() - 1) = z.head(shorter.size() - 1);
   shorter[shorter.size() - 1] = z[z.size() - 1];
   return shorter;
-}
-
-/// Square of what nine of ten windows stay within.
-double squareOfMost(const MotionPosterior& posterior, const MotionEvaluation& at) {
-  std::vector<double> squares;
-  for (std::size_t m = 0; m < at.residuals.size(); ++m) {
-    for (const ResidualBlock& block : posterior.motions()[m].blocks()) {
-      squares.push_back(at.residuals[m].segment(block.first, block.size).squaredNorm() /
-                        static_cast<double>(block.size));
-    }
-  }
-  return quantile(std::move(squares), 0.9);
 }
 
 }  // namespace
@@ -142,13 +128,6 @@ double MotionCauseFit::objective() const {
   return sum;
 }
 
-/// A loss as wide as most residuals are: what is far off counts until it is near, then outliers count little again.
-void MotionCauseFit::narrow() {
-  const double scale = kRobustScale * std::max(1.0, std::sqrt(squareOfMost(*posterior_, here_.at)) / kMostOfNoise);
-  posterior_->setRobustScale(scale);
-  here_.at.objective = posterior_->objectiveOf(here_.at, here_.z);
-}
-
 /// \returns false where the motions cannot be played
 bool MotionCauseFit::place(const Eigen::VectorXd& z) {
   MotionEvaluation at = posterior_->evaluate(z);
@@ -157,7 +136,7 @@ bool MotionCauseFit::place(const Eigen::VectorXd& z) {
   if (!at.valid) return false;
   here_.z = z;
   here_.at = std::move(at);
-  narrow();
+  fitRobustScale(*posterior_, here_.z, here_.at);
   return true;
 }
 
@@ -183,7 +162,7 @@ void MotionCauseFit::searchAlong(Eigen::Index i) {
     if (best + 1 < kPlaces) spacing *= 0.25;  // else it may be larger still
     from = found[i] - kPlaces / 2 * spacing;
   }
-  if (least < kInfinity && moveTo(found)) narrow();
+  if (least < kInfinity && moveTo(found)) fitRobustScale(*posterior_, here_.z, here_.at);
 }
 
 void MotionCauseFit::begin(const News& news) {
@@ -192,7 +171,7 @@ void MotionCauseFit::begin(const News& news) {
     if (news) news(rollouts_ + static_cast<long>(now.rollouts));
   });
   rollouts_ += (posterior_->size() + 1) * std::ssize(posterior_->motions());
-  narrow();
+  fitRobustScale(*posterior_, here_.z, here_.at);
 }
 
 /// The last cause's parameters as its start has them.
@@ -280,7 +259,7 @@ double MotionCauseFit::descend() {
 }
 
 double MotionCauseFit::refresh(const News& news) {
-  narrow();
+  fitRobustScale(*posterior_, here_.z, here_.at);
   rollouts_ += renew(*posterior_, here_, [&](const MotionSearchNews& now) {
     if (news) news(rollouts_ + static_cast<long>(now.rollouts));
   });

@@ -112,7 +112,6 @@ class MotionCauseFit {
 
  private:
   Eigen::Index ordinary() const;  ///< parameters before the causes'
-  void narrow();
   bool place(const Eigen::VectorXd& z);
   void putAtStart(Eigen::VectorXd& z) const;
   void searchAlong(Eigen::Index i);

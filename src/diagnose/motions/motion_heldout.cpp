@@ -1,6 +1,8 @@
 #include "motion_heldout.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/statistics.h"
@@ -8,7 +10,10 @@
 namespace simgap {
 namespace {
 
-constexpr double kLost = 3.0;  // log gain of a motion that only one of two models can play
+constexpr std::uint32_t kDraws = 16;
+constexpr double kMissed = 1.25;           // mean square of a motion in which something is missing: noise makes it 1
+constexpr Eigen::Index kFewestSaying = 3;  // motions
+constexpr double kLost = 3.0;              // log gain of a motion that only one of two models can play
 
 double errorOfMean(const Eigen::ArrayXd& values) {
   const auto count = static_cast<double>(values.size());
@@ -74,7 +79,33 @@ Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& 
   return groupSquares(*unseen, at);
 }
 
+Eigen::VectorXd unknownSquares(const MotionCauseFit& fit, const MotionProblem& problem,
+                               std::span<const RecordedMotion> motions) {
+  const std::unique_ptr<MotionPosterior> unseen = posteriorWith(problem, fit.causes(), motions);
+  const MotionEvaluation found = unseen->evaluate(fit.here().z);
+  Eigen::VectorXd most = Eigen::VectorXd::Zero(std::ssize(unseen->model().joints) + 2);
+  for (const Eigen::VectorXd& z : unseen->draws(fit.here().z, fit.covariance(), kDraws)) {
+    MotionEvaluation moved = unseen->evaluate(z);
+    stopIfInterrupted();
+    if (!found.valid || !moved.valid) continue;
+    for (std::size_t m = 0; m < motions.size(); ++m) moved.residuals[m] -= found.residuals[m];
+    const Eigen::MatrixXd squares = groupSquares(*unseen, moved);
+    for (Eigen::Index g = 0; g < most.size(); ++g) {
+      if (squares.row(g).array().isFinite().any()) most[g] = std::max(most[g], meanSquare(squares.row(g)));
+    }
+  }
+  return most;
+}
+
 Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
+  std::vector<Eigen::Index> saying;
+  for (Eigen::Index m = 0; m < before.cols(); ++m) {
+    const double was = meanSquare(before.col(m)), is = meanSquare(after.col(m));
+    if (!(was < kMissed && is < kMissed)) saying.push_back(m);
+  }
+  if (std::ssize(saying) >= kFewestSaying && std::ssize(saying) < before.cols()) {
+    return logGains(before(Eigen::all, saying), after(Eigen::all, saying));
+  }
   Eigen::ArrayXd gains(before.cols());
   for (Eigen::Index m = 0; m < before.cols(); ++m) {
     double sum = 0.0, groups = 0.0;

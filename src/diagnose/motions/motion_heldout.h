@@ -23,8 +23,14 @@ Eigen::MatrixXd noiseSquares(const MotionPosterior& posterior);
 Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& z, const MotionProblem& problem,
                               std::span<const RecordedMotion> motions);
 
-/// By how much less `after` misses than `before`, of each motion: the mean logarithm of the groups' ratios, shape
-/// (motions). A motion that only one can play counts for that one.
+/// The most by which parameters that are drawn from what is known of them move other motions: the largest of the means
+/// over motions, as groupSquares, shape (groups). So much the right model may miss where parameters are hardly known.
+Eigen::VectorXd unknownSquares(const MotionCauseFit& fit, const MotionProblem& problem,
+                               std::span<const RecordedMotion> motions);
+
+/// By how much less `after` misses than `before`, of each motion: the mean logarithm of the groups' ratios. A motion
+/// that only one can play counts for that one. Motions that neither misses by more than noise and discrepancy leave say
+/// nothing of what is missing: where at least three others do, these alone are given.
 Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);
 /// Its mean as a fraction of the mean square, with a 95 % interval by Student's t over motions.
 Interval gainOf(const Eigen::ArrayXd& log_gains);

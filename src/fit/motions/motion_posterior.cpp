@@ -3,17 +3,20 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_arena.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "simgap/core/interrupt.h"
+#include "simgap/core/random.h"
 #include "simgap/core/ranks.h"
 
 namespace simgap {
 namespace {
 
+constexpr std::uint32_t kDrawnParameters = 8;  // purpose of random numbers
 constexpr double kFarthest = 6.0;  // prior sd: an effect that the model lacks drives parameters to nonsense otherwise
 
 /// Where ranks differ in it they have come apart.
@@ -49,6 +52,7 @@ MotionPosterior::MotionPosterior(const ArmModel& model, std::span<const Recorded
     motions_.emplace_back(motion, layout, noise_, options.discrepancy);
     playable_.emplace_back(motion, model.joints);
   }
+  setHorizon(1.0);
   if (poses.empty()) return;
   std::vector<ParameterSpace::Choice> apart = parameters;
   for (ParameterSpace::Choice& choice : apart) choice.together = false;
@@ -64,6 +68,11 @@ double MotionPosterior::lower(Eigen::Index i) const {
 double MotionPosterior::upper(Eigen::Index i) const {
   if (i == scaled_.size()) return options_.capture_delay_farthest;
   return std::min(scaled_.upper(i), scaled_.hasPrior(i) ? kFarthest : kInfinity);
+}
+
+void MotionPosterior::setHorizon(double share) {
+  until_.clear();
+  for (const MotionResiduals& motion : motions_) until_.push_back(motion.timeAt(share));
 }
 
 ArmModel MotionPosterior::modelAt(const Eigen::VectorXd& z) const {
@@ -181,6 +190,7 @@ double MotionPosterior::lossOf(std::size_t motion, const Eigen::VectorXd& residu
   const double narrower = std::pow(kRobustScale / robust_scale_, 2);
   double loss = 0.0;
   for (const ResidualBlock& block : motions_[motion].blocks()) {
+    if (!counts(motion, block)) continue;
     loss += robustLoss(narrower * residuals.segment(block.first, block.size).squaredNorm());
   }
   return motions_[motion].motion().weight * loss / narrower;
@@ -238,26 +248,48 @@ std::vector<RowMajorF> MotionPosterior::jacobian(const Eigen::VectorXd& z, const
                                                  MotionEvaluation& at,
                                                  const std::function<void(std::size_t)>& progress) const {
   Eigen::VectorXd inside = steps;  // the other way round where this one would leave the bounds
+  std::vector<Eigen::Index> asked;
   for (Eigen::Index i = 0; i < size(); ++i) {
     if (z[i] + steps[i] > upper(i) || z[i] + steps[i] < lower(i)) inside[i] = -steps[i];
+    if (steps[i] != 0.0) asked.push_back(i);
   }
-  std::vector<RowMajorF> jacobians = changes(z, inside.asDiagonal(), at, progress);
-  const Eigen::RowVectorXf by = inside.cast<float>().cwiseInverse();
-  for (RowMajorF& jacobian : jacobians) {
-    // Where the first number is none, none of its column is: nothing is known of that parameter in that motion.
-    for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
-      if (jacobian.rows() > 0 && std::isnan(jacobian(0, i))) jacobian.col(i).setZero();
+  const Eigen::MatrixXd moves = inside.asDiagonal();
+  std::vector<RowMajorF> jacobians;
+  for (const RowMajorF& change : changes(z, moves(Eigen::all, asked), at, progress)) {
+    RowMajorF& jacobian = jacobians.emplace_back(RowMajorF::Zero(change.rows(), size()));
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+      // Where the first number is none, none of its column is: nothing is known of that parameter in that motion.
+      const auto column = change.col(static_cast<Eigen::Index>(k));
+      if (column.size() == 0 || std::isnan(column[0])) continue;
+      jacobian.col(asked[k]) = column * (1.0F / static_cast<float>(inside[asked[k]]));
     }
-    jacobian.array().rowwise() *= by.array();
   }
   at.poses = evaluatePoses(z, true);
   return jacobians;
 }
 
+std::vector<Eigen::VectorXd> MotionPosterior::draws(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
+                                                    std::uint32_t count) const {
+  const CounterRandom random(0);
+  const Eigen::MatrixXd root = covariance.llt().matrixL();
+  std::vector<Eigen::VectorXd> draws;
+  for (std::uint32_t draw = 0; draw < count; ++draw) {
+    Eigen::VectorXd normal(mean.size());
+    for (Eigen::Index i = 0; i < normal.size(); ++i) {
+      normal[i] = random.normalPair({draw, static_cast<std::uint32_t>(i), 0, kDrawnParameters})[0];
+    }
+    Eigen::VectorXd z = mean + root * normal;
+    for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = std::clamp(z[i], lower(i), upper(i));
+    draws.push_back(std::move(z));
+  }
+  return draws;
+}
+
 Eigen::VectorXd MotionPosterior::weights(std::size_t motion, const Eigen::VectorXd& residuals) const {
-  Eigen::VectorXd weights(residuals.size());
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(residuals.size());
   const double narrower = std::pow(kRobustScale / robust_scale_, 2);
   for (const ResidualBlock& block : motions_[motion].blocks()) {
+    if (!counts(motion, block)) continue;
     const double weight = robustWeight(narrower * residuals.segment(block.first, block.size).squaredNorm());
     weights.segment(block.first, block.size).setConstant(motions_[motion].motion().weight * weight);
   }

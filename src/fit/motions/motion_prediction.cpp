@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kPlayed = 32;  // parameters drawn, with which all motions are played
 constexpr std::uint32_t kDraws = 1000;
 constexpr std::size_t kSpreads = 200;  // tau, from well below to well above what was seen
-enum Purpose : std::uint32_t { kParameters = 8, kPick, kSpread, kMean, kMotion };
+enum Purpose : std::uint32_t { kPick = 9, kSpread, kMean, kMotion };
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -108,23 +108,6 @@ double toldParameters(const MotionPosterior& posterior, const Eigen::MatrixXd& c
   return told;
 }
 
-std::vector<Eigen::VectorXd> drawParameters(const MotionPosterior& posterior, const Eigen::VectorXd& found,
-                                            const Eigen::MatrixXd& covariance) {
-  const CounterRandom random(0);
-  const Eigen::MatrixXd root = covariance.llt().matrixL();
-  std::vector<Eigen::VectorXd> draws;
-  for (std::uint32_t draw = 0; draw < kPlayed; ++draw) {
-    Eigen::VectorXd normal(found.size());
-    for (Eigen::Index i = 0; i < normal.size(); ++i) {
-      normal[i] = random.normalPair({draw, static_cast<std::uint32_t>(i), 0, kParameters})[0];
-    }
-    Eigen::VectorXd z = found + root * normal;
-    for (Eigen::Index i = 0; i < z.size(); ++i) z[i] = std::clamp(z[i], posterior.lower(i), posterior.upper(i));
-    draws.push_back(std::move(z));
-  }
-  return draws;
-}
-
 /// What is known of u over motions: for each tau its probability and, under it, mean and variance of u's centre.
 struct LeftOver {
   std::vector<double> tau, until, centre, variance;  ///< shape (kSpreads); until: probability of this tau or a smaller
@@ -189,7 +172,7 @@ std::optional<MotionPrediction> predictMotions(const MotionPosterior& posterior,
   const auto joints = std::ssize(fitted.front().joints);
   const Eigen::Index groups = joints + 2;
   const Eigen::MatrixXd covariance = covarianceAt(misfit, posterior, fit.covariance);
-  const std::vector<Eigen::VectorXd> draws = drawParameters(posterior, fit.z, covariance);
+  const std::vector<Eigen::VectorXd> draws = posterior.draws(fit.z, covariance, kPlayed);
   const PlayedDraws seen = playDraws(posterior, fit.z, draws, groups),
                     held_out = playDraws(unseen, fit.z, draws, groups);
   if (fitted.size() < 2 || seen.ways.empty() || held_out.ways.empty()) return std::nullopt;

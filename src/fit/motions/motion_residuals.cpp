@@ -45,6 +45,12 @@ void MotionResiduals::addBlocks(ChannelGroup group, std::size_t item, const std:
   }
 }
 
+double MotionResiduals::timeAt(double share) const {
+  if (blocks_.empty()) return 0.0;
+  const auto [first, last] = std::ranges::minmax(blocks_, {}, &ResidualBlock::time);
+  return share < 1.0 ? std::lerp(first.time, last.time, share) : last.time;
+}
+
 void MotionResiduals::evaluate(const PlayedMotion& played, Eigen::Ref<Eigen::VectorXd> residuals) const {
   const std::size_t joints = types_.size();
   for (const ResidualBlock& block : blocks_) {

@@ -1,9 +1,8 @@
 #include "simgap/fit/motions/motion_search.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <numeric>
@@ -11,12 +10,15 @@
 #include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
 
 constexpr double kFirstStep = 0.1;  // of differences, in prior standard deviations
 constexpr double kSmallestStep = 0.005, kLargestStep = 0.3;
+constexpr double kDrowned = 0.5;  // noise in what is told of a parameter beside all others
+constexpr double kLonger = 3.0, kLongestStep = 1.0;
 constexpr double kTelling = 2.0;    // information in the prior's, of a direction that is worth new derivatives
 constexpr double kMoveTimes = 5.0;  // step along it, in standard deviations of what is known: above stick and slip
 constexpr double kLeastMove = 0.3;  // of that step, that bounds leave
@@ -25,7 +27,9 @@ constexpr double kEnough = 0.05;    // of the gain promised: below it the deriva
 constexpr double kLittle = 3e-4;    // of the objective: a round that gains less was the last
 constexpr double kCertain = 0.5;    // [negative log posterior] as well
 constexpr double kMostDamping = 1e6;
-constexpr float kFallen = 100.0F;  // ratio of the squares of differences forwards and backwards
+constexpr double kMostOfNoise = 1.645;                  // what nine of ten normal residuals stay within [sd]
+constexpr std::array kHorizons{0.125, 0.25, 0.5, 1.0};  // of rounds; the last of all that follow
+constexpr float kFallen = 100.0F;                       // ratio of the squares of differences forwards and backwards
 
 /// J += (dr - J dz) dz^T / |dz|^2
 void learnFromStep(MotionLinearisation& here, const Eigen::VectorXd& step, const MotionEvaluation& there) {
@@ -166,10 +170,19 @@ ToldThroughNoise toldThrough(const Eigen::VectorXd& noise, const MotionPosterior
   return {curvature.ldlt().solve(Eigen::MatrixXd::Identity(n, n)), measured.ldlt().solve(information)};
 }
 
-/// The end of a search: derivatives from both sides. \param here  with those forwards
-MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, const Eigen::VectorXd& steps,
-                   const std::function<void(const MotionSearchNews&)>& news) {
-  const std::size_t played = static_cast<std::size_t>(posterior.size()) * posterior.motions().size();
+/// Share of every motion that a round compares: all in the last ones, however few there are. \param rounds  before it
+double horizonOf(int rounds, int max_rounds) {
+  constexpr int kLast = static_cast<int>(kHorizons.size()) - 1;
+  return kHorizons[static_cast<std::size_t>(
+      std::clamp(kLast + 1 + rounds - max_rounds, std::min(rounds, kLast), kLast))];
+}
+
+/// Derivatives from both sides, of the parameters that have a step. \param[in,out] here  with those forwards, which
+/// become the means  \returns the squares of their noise
+Eigen::VectorXd differenceBothWays(const MotionPosterior& posterior, MotionLinearisation& here,
+                                   const Eigen::VectorXd& steps,
+                                   const std::function<void(const MotionSearchNews&)>& news) {
+  const std::size_t played = static_cast<std::size_t>((steps.array() != 0.0).count()) * posterior.motions().size();
   std::vector<std::vector<RowMajorF>> others;
   for (const double part : {-1.0, 0.5, -0.5}) {
     const std::size_t before = others.size() * played;
@@ -183,6 +196,43 @@ MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, c
     const Eigen::VectorXf weights = posterior.weights(m, here.at.residuals[m]).cast<float>();
     noise += meanWithNoise(weights, {here.jacobians[m], others[0][m], others[1][m], others[2][m]});
   }
+  return noise;
+}
+
+/// Diagonal of J^T W J: information, and noise that passes for it.
+Eigen::VectorXd squaresOf(const MotionPosterior& posterior, const MotionLinearisation& here) {
+  Eigen::VectorXd squares = posterior.normalEquations(here.z, here.at, here.jacobians).curvature.diagonal();
+  for (Eigen::Index i = 0; i < squares.size(); ++i) squares[i] -= posterior.hasPrior(i) ? 1.0 : 0.0;
+  return squares;
+}
+
+/// Noise falls with a step's length (meanWithNoise): where it drowns what is told of a parameter beside all others,
+/// derivatives are made once more over longer steps, and the clearer ones kept. \param[in,out] here, noise  as
+/// differenceBothWays leaves them
+void clearDrowned(const MotionPosterior& posterior, MotionLinearisation& here, Eigen::VectorXd& noise,
+                  const Eigen::VectorXd& steps, const std::function<void(const MotionSearchNews&)>& news) {
+  const Eigen::VectorXd squares = squaresOf(posterior, here);
+  const Eigen::VectorXd variance = covarianceOf(posterior.normalEquations(here.z, here.at, here.jacobians)).diagonal();
+  Eigen::VectorXd longer = Eigen::VectorXd::Zero(steps.size());
+  for (Eigen::Index i = 0; i < steps.size(); ++i) {
+    if (noise[i] * variance[i] > kDrowned) longer[i] = std::min(kLonger * steps[i], kLongestStep);
+  }
+  if (longer.isZero(0.0)) return;
+  MotionLinearisation there = linearise(posterior, here.z, longer, news);
+  const Eigen::VectorXd noise_there = differenceBothWays(posterior, there, longer, news);
+  const Eigen::VectorXd squares_there = squaresOf(posterior, there);
+  for (Eigen::Index i = 0; i < steps.size(); ++i) {
+    if (longer[i] == 0.0 || !(noise_there[i] * squares[i] < noise[i] * squares_there[i])) continue;
+    noise[i] = noise_there[i];
+    for (std::size_t m = 0; m < here.jacobians.size(); ++m) here.jacobians[m].col(i) = there.jacobians[m].col(i);
+  }
+}
+
+/// The end of a search: derivatives from both sides. \param here  with those forwards
+MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, const Eigen::VectorXd& steps,
+                   const std::function<void(const MotionSearchNews&)>& news) {
+  Eigen::VectorXd noise = differenceBothWays(posterior, here, steps, news);
+  clearDrowned(posterior, here, noise, steps, news);
   const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
   const Eigen::VectorXd left = dampedStep(posterior, normal, here.z, 0.0);
   const double from_optimum = std::sqrt(std::max(0.0, 2.0 * promised(normal, left)));
@@ -261,6 +311,20 @@ Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinea
   return covarianceOf(posterior.normalEquations(here.z, here.at, here.jacobians));
 }
 
+void fitRobustScale(MotionPosterior& posterior, const Eigen::VectorXd& z, MotionEvaluation& at) {
+  std::vector<double> squares;
+  for (std::size_t m = 0; m < at.residuals.size(); ++m) {
+    for (const ResidualBlock& block : posterior.motions()[m].blocks()) {
+      if (!posterior.counts(m, block)) continue;
+      squares.push_back(at.residuals[m].segment(block.first, block.size).squaredNorm() /
+                        static_cast<double>(block.size));
+    }
+  }
+  const double most = std::sqrt(quantile(std::move(squares), 0.9));
+  posterior.setRobustScale(kRobustScale * std::max(1.0, most / kMostOfNoise));
+  at.objective = posterior.objectiveOf(at, z);
+}
+
 MotionSearchState beginSearch(const MotionPosterior& posterior) {
   MotionSearchState state;
   state.z = Eigen::VectorXd::Zero(posterior.size());
@@ -273,24 +337,27 @@ MotionFit fitAt(const MotionPosterior& posterior, const Eigen::VectorXd& z, cons
   return finalFit(posterior, linearise(posterior, z, steps, news), steps, news);
 }
 
-MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& state, int max_rounds,
+MotionFit searchMotions(MotionPosterior& posterior, MotionSearchState& state, int max_rounds,
                         const std::function<void(const MotionSearchNews&)>& news,
                         const std::function<void(const MotionSearchState&)>& after_round) {
   using Clock = std::chrono::steady_clock;
   while (true) {
     const auto start = Clock::now();
-    MotionLinearisation here = linearise(posterior, state.z, state.steps, news);
     const int rounds = static_cast<int>(state.history.size());
+    const double horizon = state.converged ? 1.0 : horizonOf(rounds, max_rounds);
+    posterior.setHorizon(horizon);
+    MotionLinearisation here = linearise(posterior, state.z, state.steps, news);
+    fitRobustScale(posterior, state.z, here.at);
     if (state.converged || rounds == max_rounds) {
       return finalFit(posterior, std::move(here), state.steps, news);
     }
-    MotionRound round{rounds + 1, here.at.objective, here.at.objective, 0, 0, 0.0};
+    MotionRound round{rounds + 1, here.at.objective, here.at.objective, 0, 0, 0.0, horizon};
     round.rollouts =
         (rounds == 0 ? 0 : state.history.back().rollouts) + (posterior.size() + 1) * std::ssize(posterior.motions());
     MotionLinearisation trial = here;
     round.steps = descend(posterior, trial, state.damping, round.rollouts);
     round.after = trial.at.objective;
-    state.converged = round.before - round.after < std::max(kCertain, kLittle * round.after);
+    state.converged = horizon == 1.0 && round.before - round.after < std::max(kCertain, kLittle * round.after);
     const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
     round.expected = std::max(0.0, promised(normal, dampedStep(posterior, normal, here.z, 0.0)));
     if (!state.converged) {  // else the fresh derivatives stay those of what is kept
@@ -302,54 +369,6 @@ MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& sta
     after_round(state);
     if (state.converged) return finalFit(posterior, std::move(here), state.steps, news);
   }
-}
-
-namespace {
-
-Json numbers(const Eigen::VectorXd& x) { return std::vector<double>(x.begin(), x.end()); }
-Eigen::VectorXd vectorOf(const Json& json) {
-  const auto values = json.get<std::vector<double>>();
-  return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
-}
-
-}  // namespace
-
-Json toJson(const MotionSearchState& state) {
-  Json history = Json::array();
-  for (const MotionRound& r : state.history) {
-    history.push_back({{"round", r.round},
-                       {"before", r.before},
-                       {"after", r.after},
-                       {"steps", r.steps},
-                       {"rollouts", r.rollouts},
-                       {"expected", r.expected}});
-  }
-  return {{"format", "simgap/motion-search-state/1"},
-          {"z", numbers(state.z)},
-          {"steps", numbers(state.steps)},
-          {"damping", state.damping},
-          {"history", history},
-          {"converged", state.converged},
-          {"wall_s", state.wall}};
-}
-
-MotionSearchState motionSearchStateFromJson(const Json& json, Eigen::Index parameters) try {
-  MotionSearchState state;
-  state.z = vectorOf(json.at("z"));
-  state.steps = vectorOf(json.at("steps"));
-  json.at("damping").get_to(state.damping);
-  json.at("converged").get_to(state.converged);
-  json.at("wall_s").get_to(state.wall);
-  for (const Json& r : json.at("history")) {
-    state.history.push_back({r.at("round").get<int>(), r.at("before").get<double>(), r.at("after").get<double>(),
-                             r.at("steps").get<int>(), r.at("rollouts").get<long>(), r.at("expected").get<double>()});
-  }
-  if (state.z.size() != parameters || state.steps.size() != parameters) {
-    throw ConfigError(fmt::format("the stored state is not one of {} parameters", parameters));
-  }
-  return state;
-} catch (const Json::exception& error) {
-  throw ConfigError(std::string("the stored state is not a simgap/motion-search-state/1: ") + error.what());
 }
 
 }  // namespace simgap

@@ -169,9 +169,12 @@ std::string terminalTable(const Diagnosis& d) {
     text += fmt::format("explained {:.0f} % of the error; {:.0f} % is explainable by what was logged\n",
                         d.explained_percent, d.explainable_percent);
   }
-  for (const Leftover& l : d.unexplained)
+  for (const Leftover& l : d.unexplained) {
+    constexpr double kNothing = 0.005;  // of the error: the share of a channel that was asked, too
+    if (l.share < kNothing) continue;
     text += fmt::format("left over {} of the error, by {}{}\n", percent(l.share), l.channel,
                         l.shape.empty() ? "" : ": " + l.shape);
+  }
   if (!d.not_testable.empty()) {
     std::vector<std::string> names;
     for (const NotTestable& x : d.not_testable) names.push_back(x.effect);

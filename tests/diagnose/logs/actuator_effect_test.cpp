@@ -1,6 +1,7 @@
 // Every registered effect on drives: its promises to whoever uses it.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -206,6 +207,25 @@ TEST(SpeedLimit, IsACeilingOnlyWhereTheEffortStandsAtOne) {
   rows.effort = clipped;
   const double nowhere = 2.0 * rows.speed.abs().maxCoeff();
   EXPECT_FALSE(ceiling.counts({&nowhere, 1}, rows));
+}
+
+TEST(TorqueSaturation, AKneeIsAboveAQuarterOfTheRows) {
+  PreparedLog log = smallLog(ActuatorKind::kFriction);
+  ActuatorRows& rows = log.data.rows;
+  rows.effort = Eigen::ArrayXd::LinSpaced(rows.rows(), -1.0, 1.0);
+  const ActuatorEffect& saturation = actuator_effects::find("torque-saturation", "knee");
+  EXPECT_FALSE(saturation.counts(std::array{0.1, 0.1}, rows));  // of the size and the knee
+  EXPECT_TRUE(saturation.counts(std::array{0.1, 0.5}, rows));
+}
+
+TEST(RegimeChange, HasRowsOnEitherSide) {
+  PreparedLog log = smallLog(ActuatorKind::kFriction);
+  ActuatorRows& rows = log.data.rows;
+  rows.elapsed = Eigen::ArrayXd::LinSpaced(rows.rows(), 0.0, 100.0);
+  const ActuatorEffect& change = actuator_effects::find("regime-change");
+  EXPECT_FALSE(change.counts(std::array{0.2, 5.0}, rows));
+  EXPECT_TRUE(change.counts(std::array{0.2, 50.0}, rows));
+  EXPECT_FALSE(change.counts(std::array{0.2, 95.0}, rows));
 }
 
 std::vector<const ActuatorEffect*> everyForm() {

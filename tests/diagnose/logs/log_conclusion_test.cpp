@@ -67,6 +67,29 @@ TEST(LogConclusion, WhatIsLeftThroughoutAndFollowsNoChannelIsUnexplained) {
   EXPECT_THAT(nextExperiment(d, minutesOfLog(2.0)), HasSubstr("log what else acts on the rig"));
 }
 
+TEST(LogConclusion, WhatIsTheSameInAllRowsIsAnOffset) {
+  Diagnosis d;
+  d.baseline.mse_heldout = 0.16 * 0.16;
+  d.noise_floor = 0.04 * 0.04;
+  d.left_over_percent = 94.0;
+  d.unexplained = {{"an offset", 0.94, {}}};
+  conclude(d);
+  EXPECT_THAT(d.sentence, HasSubstr("Left: 94 % of the squared error, by an offset"));
+  EXPECT_THAT(nextExperiment(d, minutesOfLog(2.0)), HasSubstr("approached from either side"));
+}
+
+TEST(LogConclusion, TheChannelThatCarriesMostIsNamedFirst) {
+  Selection selection;
+  Ceiling left;
+  left.share = 0.5;
+  left.channels = {{"motor_velocity", 0.1, {}}, {"temperature", 0.4, {}}};
+  Diagnosis d;
+  d.explained_percent = 0.0;
+  sayWhatIsLeft(selection, minutesOfLog(1.0), left, d);
+  ASSERT_EQ(d.unexplained.size(), 2u);
+  EXPECT_EQ(d.unexplained[0].channel, "temperature");
+}
+
 TEST(LogConclusion, AnUnknownNoiseIsNoYardstick) {
   EXPECT_THAT(withoutCauses(0.16, 0.0).sentence, Not(HasSubstr("follows no logged channel")));
 }

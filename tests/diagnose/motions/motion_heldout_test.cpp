@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace simgap {
 namespace {
 
@@ -15,6 +17,22 @@ TEST(MotionHeldOut, MotionsThatMissedNothingSayNothing) {
   EXPECT_DOUBLE_EQ(explainedShare(before, after, floor), 0.5);  // (5 - 3)/(5 - 1), (9 - 5)/(9 - 1)
   before.setConstant(0.5);
   EXPECT_DOUBLE_EQ(explainedShare(before, after, floor), 0.0);
+}
+
+/// A motion in which nothing is missing would make the mean gain of the others unsure.
+TEST(MotionHeldOut, AGainIsOneOfMotionsThatMissSomething) {
+  Eigen::MatrixXd before(1, 5), after(1, 5);
+  before << 8.0, 8.0, 0.9, 8.0, 1.1;
+  after << 2.0, 4.0, 1.0, 2.0, 1.1;
+  const Eigen::ArrayXd gains = logGains(before, after);
+  ASSERT_EQ(gains.size(), 3);
+  EXPECT_DOUBLE_EQ(gains[0], std::log(4.0));
+  EXPECT_DOUBLE_EQ(gains[1], std::log(2.0));
+  EXPECT_GT(gainOf(gains).lower95, 0.0);
+  after(0, 2) = 5.0;  // what a cause spoils speaks against it
+  EXPECT_EQ(logGains(before, after).size(), 4);
+  before(0, 3) = after(0, 3) = after(0, 2) = 1.0;  // of two no spread is known
+  EXPECT_EQ(logGains(before, after).size(), 5);
 }
 
 }  // namespace

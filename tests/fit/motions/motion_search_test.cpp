@@ -4,7 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 #include "simgap/core/decompositions.h"
 #include "simgap/core/yaml.h"
@@ -92,10 +95,73 @@ TEST_F(MotionDerivatives, LongerStepsOfTheBodiesMoveTheArmAlike) {
 /// The forearm falls to its stop: its response bends by more than a tenth from one side of a place to the other, which
 /// is no noise. Three movements tell all of its parameters.
 TEST_F(MotionDerivatives, WhatABentResponseTellsIsKept) {
-  const MotionPosterior posterior = this->posterior(false);
+  MotionPosterior posterior = this->posterior(false);
   MotionSearchState state = beginSearch(posterior);
   const MotionFit fit = searchMotions(posterior, state, config_.rounds, {}, [](const MotionSearchState&) {});
   EXPECT_LT(fit.covariance.diagonal().maxCoeff(), 0.1);
+}
+
+TEST_F(MotionDerivatives, AreAskedOfParametersThatHaveAStep) {
+  const MotionPosterior posterior = this->posterior(false);
+  const MotionSearchState begin = beginSearch(posterior);
+  const MotionLinearisation all = linearise(posterior, begin.z, begin.steps, {});
+  Eigen::VectorXd one = Eigen::VectorXd::Zero(posterior.size());
+  one[1] = begin.steps[1];
+  MotionEvaluation at = all.at;
+  const std::vector<RowMajorF> asked = posterior.jacobian(begin.z, one, at);
+  for (std::size_t m = 0; m < asked.size(); ++m) {
+    EXPECT_EQ(asked[m].col(1), all.jacobians[m].col(1));
+    EXPECT_TRUE(asked[m].col(0).isZero(0.0F));
+  }
+}
+
+TEST_F(MotionDerivatives, WhatLiesBehindTheHorizonWeighsNothing) {
+  MotionPosterior posterior = this->posterior(false);
+  const MotionEvaluation at = posterior.evaluate(beginSearch(posterior).z);
+  posterior.setHorizon(0.25);
+  for (std::size_t m = 0; m < posterior.motions().size(); ++m) {
+    const MotionResiduals& motion = posterior.motions()[m];
+    const Eigen::VectorXd weights = posterior.weights(m, at.residuals[m]);
+    const double begin = motion.timeAt(0.0), end = motion.timeAt(1.0);
+    for (const ResidualBlock& block : motion.blocks()) {
+      EXPECT_EQ(weights[block.first] > 0.0, block.time <= begin + 0.25 * (end - begin)) << block.time;
+    }
+  }
+  const double part = posterior.objectiveOf(at, beginSearch(posterior).z);
+  posterior.setHorizon(1.0);
+  EXPECT_LT(part, posterior.objectiveOf(at, beginSearch(posterior).z));
+}
+
+/// Nine of ten windows lie within 1.6 times the loss's width, however far off the arm is.
+TEST_F(MotionDerivatives, TheLossIsAsWideAsMostResidualsAre) {
+  MotionPosterior posterior = this->posterior(false);
+  const Eigen::VectorXd z = beginSearch(posterior).z;
+  MotionEvaluation at = posterior.evaluate(z);
+  const double narrow = at.objective;
+  fitRobustScale(posterior, z, at);
+  const double scale = posterior.robustScale();
+  EXPECT_GT(scale, kRobustScale);  // the model is not the arm
+  EXPECT_GT(at.objective, narrow);
+  for (Eigen::VectorXd& residuals : at.residuals) residuals *= 2.0;
+  fitRobustScale(posterior, z, at);
+  EXPECT_NEAR(posterior.robustScale(), 2.0 * scale, 1e-9 * scale);
+  for (Eigen::VectorXd& residuals : at.residuals) residuals *= 1e-3;
+  fitRobustScale(posterior, z, at);
+  EXPECT_EQ(posterior.robustScale(), kRobustScale);
+}
+
+/// The first rounds look at the beginnings, the last at all of every motion, however few rounds there are.
+TEST_F(MotionDerivatives, TheFirstRoundsCompareTheBeginnings) {
+  MotionPosterior posterior = this->posterior(false);
+  for (const int rounds : {2, 5}) {
+    MotionSearchState state = beginSearch(posterior);
+    searchMotions(posterior, state, rounds, {}, [](const MotionSearchState&) {});
+    std::vector<double> horizons;
+    for (const MotionRound& round : state.history) horizons.push_back(round.horizon);
+    const std::vector<double> expected = rounds == 2 ? std::vector{0.5, 1.0} : std::vector{0.125, 0.25, 0.5, 1.0, 1.0};
+    EXPECT_TRUE(std::ranges::equal(horizons, std::span(expected).first(horizons.size())));
+    EXPECT_EQ(horizons.back(), 1.0);
+  }
 }
 
 /// Scores are products of derivatives and residuals: were noise left in them, intervals would be widened by what no

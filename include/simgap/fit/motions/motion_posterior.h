@@ -79,10 +79,14 @@ class MotionPosterior {
 
   /// d residuals / d z of every motion, shape (motions) of (numbers, size()), by rollouts with each parameter moved by
   /// its step; 0 where that cannot be played; and of the poses, which go into `at.poses`.
-  /// \param steps  shape (size()), in z, of either sign  \param progress  as of changes()
+  /// \param steps  shape (size()), in z, of either sign; 0: not asked, its derivatives are 0
+  /// \param progress  as of changes()
   std::vector<RowMajorF> jacobian(const Eigen::VectorXd& z, const Eigen::VectorXd& steps, MotionEvaluation& at,
                                   const std::function<void(std::size_t done)>& progress = {}) const;
 
+  /// Places drawn from a normal distribution, held within the bounds, the same for the same numbers.
+  std::vector<Eigen::VectorXd> draws(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance,
+                                     std::uint32_t count) const;
   double objectiveOf(const MotionEvaluation& evaluation, const Eigen::VectorXd& z) const;
   /// Gradient and Gauss-Newton curvature with the prior's; a motion without derivatives (no rows) is left out.
   struct NormalEquations {
@@ -96,6 +100,10 @@ class MotionPosterior {
   /// c of rho. A search that begins far off needs a wide one: windows beyond some c say nearly nothing of the way.
   void setRobustScale(double scale) { robust_scale_ = scale; }
   double robustScale() const { return robust_scale_; }
+  /// Share of every motion that counts, from its beginning: what lies behind weighs nothing. While a model is far off,
+  /// errors pile up along a motion until its end may lie on the other side of a valley.
+  void setHorizon(double share);
+  bool counts(std::size_t motion, const ResidualBlock& block) const { return block.time <= until_[motion]; }
 
  private:
   struct Workers;
@@ -115,6 +123,7 @@ class MotionPosterior {
   std::vector<std::size_t> owners_;             ///< the parameter it belongs to
   std::shared_ptr<Workers> workers_;
   double robust_scale_ = kRobustScale;
+  std::vector<double> until_;  ///< of each motion, what counts [s]
 };
 
 }  // namespace simgap

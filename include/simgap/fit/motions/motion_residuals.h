@@ -49,6 +49,8 @@ class MotionResiduals {
   const RecordedMotion& motion() const { return *motion_; }
   const std::vector<ResidualBlock>& blocks() const { return blocks_; }
   Eigen::Index size() const { return size_; }
+  /// When a share of what is compared is over, on the motion's clock [s].
+  double timeAt(double share) const;
   /// Whitened simulated minus measured, shape (size()). \param played  valid, of this motion
   void evaluate(const PlayedMotion& played, Eigen::Ref<Eigen::VectorXd> residuals) const;
 

@@ -3,7 +3,9 @@
 ///
 /// Derivatives by differences cost one rollout per parameter and motion, a step only one per motion. So they are kept
 /// from step to step and corrected by what each step taught (Broyden 1965), J += (dr - J dz) dz^T / |dz|^2, and made
-/// anew when that no longer helps; the end is where steps with fresh derivatives gain nothing.
+/// anew when that no longer helps; the end is where steps with fresh derivatives gain nothing. Its first rounds compare
+/// an eighth, a quarter and a half of every motion (multiple shooting's reason, without its many beginnings: errors of
+/// a wrong model pile up along a motion), and its loss is as wide as most residuals are.
 #pragma once
 
 #include <functional>
@@ -22,6 +24,7 @@ struct MotionRound {
   int steps = 0;                     ///< accepted
   long rollouts = 0;                 ///< motions played since the start
   double expected = 0.0;             ///< gain that the last derivatives still promise
+  double horizon = 1.0;              ///< share of every motion that it compared
 };
 
 /// From where a search goes on, to the bit: it is stored after every round.
@@ -84,9 +87,13 @@ long renew(const MotionPosterior& posterior, MotionLinearisation& here,
 Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinearisation& here);
 ///@}
 
+/// A loss as wide as most residuals are: what is far off counts until it is near, then outliers count little again.
+/// \param[in,out] here  whose objective becomes that of this loss
+void fitRobustScale(MotionPosterior& posterior, const Eigen::VectorXd& z, MotionEvaluation& at);
+
 /// Searches to the end, or for `max_rounds`. \param after_round  to store the state
 /// \throws NumericsError: the motions cannot be played with the parameters it begins with; InterruptedError
-MotionFit searchMotions(const MotionPosterior& posterior, MotionSearchState& state, int max_rounds,
+MotionFit searchMotions(MotionPosterior& posterior, MotionSearchState& state, int max_rounds,
                         const std::function<void(const MotionSearchNews&)>& news,
                         const std::function<void(const MotionSearchState&)>& after_round);
 

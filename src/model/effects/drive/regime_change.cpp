@@ -1,6 +1,8 @@
 /// \file
 /// Something was altered at one moment t_c (a cable re-tensioned, slipped): from then on dry friction x (1 + a) and
 /// the effort + I_1.
+#include <algorithm>
+
 #include "simgap/model/effects/actuator_effect.h"
 
 namespace simgap::actuator_effects::regime_change {
@@ -30,6 +32,13 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return list;
 }
 
+/// What holds from next to the log's beginning on is a bias, and next to its end it is a piece of it.
+bool counts(std::span<const double> p, const ActuatorRows& rows) {
+  constexpr double kFewestRows = 0.08;
+  const double before = (rows.elapsed < p[1]).cast<double>().mean();
+  return std::min(before, 1.0 - before) >= kFewestRows;
+}
+
 }  // namespace
 
 extern const ActuatorEffect entry;
@@ -49,6 +58,7 @@ const ActuatorEffect entry = {
     .apply = apply,
     .fill = fill,
     .starts = starts,
+    .counts = counts,
 };
 
 }  // namespace simgap::actuator_effects::regime_change

@@ -34,6 +34,12 @@ std::vector<std::vector<double>> kneeStarts(const ActuatorRows& rows, const Eige
   return list;
 }
 
+/// What bends where hardly a row lies below is no knee: friction's curve bends there, too.
+bool kneeCounts(std::span<const double> p, const ActuatorRows& rows) {
+  constexpr double kFewestBelow = 0.25;
+  return (rows.effort.abs() < p[1]).cast<double>().mean() >= kFewestBelow;
+}
+
 constexpr ActuatorEffect kUsual = {
     .name = "torque-saturation",
     .form = "cube",
@@ -54,6 +60,7 @@ constexpr ActuatorEffect kKnee = [] {
   effect.parameters = kKneeParameters;
   effect.apply = applyKnee;
   effect.starts = kneeStarts;
+  effect.counts = kneeCounts;
   return effect;
 }();
 constexpr ActuatorEffect kSupply = [] {
