@@ -208,6 +208,21 @@ void LogSearch::validate(Fitted& fitted) const {
   fitted.validation = errors(fitted.unseen, training_, kPieceSeconds);
 }
 
+/// Of many the few that leave least with their shapes as they are.
+std::vector<std::size_t> LogSearch::bestStarts(const ActuatorRegression& model,
+                                               const std::vector<std::vector<double>>& starts) const {
+  constexpr std::size_t kFew = 4;
+  std::vector<std::pair<double, std::size_t>> costs;
+  for (std::size_t s = 0; s < starts.size(); ++s) {
+    costs.emplace_back(0.0, s);
+    if (starts.size() > kFew) model.solveCoefficients(starts[s], training_, &costs.back().first);
+  }
+  std::ranges::sort(costs);
+  std::vector<std::size_t> best;
+  for (std::size_t k = 0; k < std::min(kFew, costs.size()); ++k) best.push_back(costs[k].second);
+  return best;
+}
+
 std::optional<std::vector<double>> LogSearch::otherStribeck(const ActuatorRegression& model,
                                                             const std::vector<double>& start) const {
   if (!base_.hasStribeck()) return std::nullopt;
@@ -273,7 +288,7 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis, const 
     startAt(origins[0], {base.theta[nuisance - base.model->parameters().begin()]});
   }
   if (starts.empty()) return trial;
-  for (std::size_t s = starts.size(); s-- > 0;) {
+  for (const std::size_t s : bestStarts(*model, starts)) {
     if (auto other = otherStribeck(*model, starts[s])) starts.push_back(std::move(*other));
   }
   // Most causes change nothing: the linearised model says so without a fit.

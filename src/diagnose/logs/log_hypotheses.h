@@ -113,6 +113,8 @@ class LogSearch {
                        double hopeless = 0.0) const;
   /// The start with another v_s and delta, when they alone already fit better than those of `base`: the Stribeck curve
   /// of a model that lacks something may lie far from the true one.
+  std::vector<std::size_t> bestStarts(const ActuatorRegression& model,
+                                      const std::vector<std::vector<double>>& starts) const;
   std::optional<std::vector<double>> otherStribeck(const ActuatorRegression& model,
                                                    const std::vector<double>& start) const;
   /// One effect after the other, each from its own starts.

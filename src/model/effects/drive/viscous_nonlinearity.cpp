@@ -10,7 +10,7 @@ constexpr EffectParameter kParameters[] = {{"m", "1", 0.1, 4.0, 1.0, 1.0},
                                            {"w_top", "rad_s", 1e-9, 1e9, 1.0, 1.0, EffectParameter::Kind::kConstant}};
 
 void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
-  terms.viscous *= (rows.speed.abs() / p[1]).max(1e-9).pow(p[0] - 1.0);
+  terms.viscous *= ((p[0] - 1.0) * (rows.speed.abs() / p[1]).max(1e-9).log()).exp();
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
