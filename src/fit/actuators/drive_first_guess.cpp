@@ -1,10 +1,14 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "drive_parameters.h"
+#include "opposite_sign.h"
+#include "simgap/core/error.h"
 #include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/motion.h"
-#include "simgap/optimize/separable.h"
 
 namespace simgap {
 namespace {
@@ -55,8 +59,10 @@ class FirstGuess {
     velocity_ = speeds();
     if (options_.fit_motor) electrical();
     applyFixed();
-    if (options_.fit_motor) mechanical();
-    if (options_.fit_gearbox) gearing();
+    const MatrixXd x = balance();
+    if (varies(log_.load)) requireSigns(x);
+    if (options_.fit_motor) mechanical(x);
+    if (options_.fit_gearbox) gearing(x);
     applyFixed();
     return theta_;
   }
@@ -91,39 +97,79 @@ class FirstGuess {
     theta_[kKt] = theta_[kKe];
   }
 
-  void mechanical() {
-    const VectorXd w = column(velocity_), dw = slope(log_, velocity_);
-    VectorXd sign(w.size());
+  /// Columns of the torque balance, whose coefficients are none below 0, shape (rows, 4):
+  /// i = c_0 T + c_1 dw/dt + c_2 w + c_3 sign(w).
+  MatrixXd balance() const {
+    const VectorXd w = column(velocity_);
+    VectorXd load = VectorXd::Zero(w.size()), sign(w.size());
+    if (!log_.load.empty()) load = column(log_.load);
     const MotionSign held = holdSign(velocity_);
     for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[i];
-    VectorXd i_a =
-        log_.current.empty() ? VectorXd((column(log_.voltage) - theta_[kKe] * w) / theta_[kR]) : column(log_.current);
+    MatrixXd x(w.size(), 4);
+    x << load, slope(log_, velocity_), w, sign;
+    return x;
+  }
+
+  /// Logged, or what the winding draws.
+  VectorXd current() const {
+    if (!log_.current.empty()) return column(log_.current);
+    return (column(log_.voltage) - theta_[kKe] * column(velocity_)) / theta_[kR];
+  }
+
+  /// Refuses a channel that was recorded with the opposite sign: of a motor and of a gearbox alike the balance with it
+  /// turned round explains the current.
+  void requireSigns(const MatrixXd& x) const {
+    MatrixXd all(x.rows(), x.cols() + 2);
+    all << x, VectorXd::Ones(x.rows()), current();
+    const MatrixXd gram = all.transpose() * all;
+    std::vector<LinearTerm> terms(static_cast<std::size_t>(x.cols()) + 1);
+    terms.back().lower = -std::numeric_limits<double>::infinity();
+    const auto costWith = [&](Index first, Index count) {
+      VectorXd signs = VectorXd::Ones(all.cols());
+      signs.segment(first, count).setConstant(-1.0);
+      return costTurned(gram, signs, terms);
+    };
+    struct Turned {
+      const char* channel;
+      double cost;
+    };
+    std::vector<Turned> turned = {{"load_torque_Nm", costWith(0, 1)}};
+    if (!log_.current.empty()) turned.push_back({"current_A", costWith(all.cols() - 1, 1)});
+    if (!log_.current.empty() && !log_.velocity.empty()) turned.push_back({"velocity_rad_s", costWith(1, 3)});
+    const Turned& best = *std::ranges::min_element(turned, {}, &Turned::cost);
+    const double as_it_is = costWith(0, 0);
+    if (!(best.cost < kOtherSign * as_it_is)) return;
+    const auto rms = [&](double cost) { return std::sqrt(std::max(cost, 0.0) / static_cast<double>(x.rows())); };
+    throw DataError(fmt::format(
+        "{0}: {1} has the opposite sign: turned round, load and friction explain the current to {2:.3g} A, as it is to "
+        "{3:.3g}; turn it with --map {1}=COLUMN*-1",
+        log_.file, best.channel, rms(best.cost), rms(as_it_is)));
+  }
+
+  void mechanical(const MatrixXd& x) {
+    const VectorXd i_a = current();
     VectorXd c;
     const bool known = options_.fixed.contains("K_T") || options_.tie_constants;
     if (varies(log_.load) && !known) {
-      MatrixXd x(w.size(), 4);
-      x << column(log_.load), dw, w, sign;  // i = (T + J dw + mu w + tau sign) / K_T
-      c = regress(x, i_a);
-      const double per_ampere = std::max(c[0], 1e-12);
-      theta_[kKt] = 1.0 / per_ampere;
-      c = VectorXd(c.tail(3) / per_ampere);
+      c = regress(x, i_a);  // i = (T + J dw + mu w + tau sign) / K_T
+      if (!(c[0] > 0.0)) {
+        throw DataError(log_.file +
+                        ": what drives the motor does not grow with load_torque_Nm, so K_T cannot be found: check both "
+                        "channels, or fix it (--fix K_T=…)");
+      }
+      theta_[kKt] = 1.0 / c[0];
+      c = VectorXd(c.tail(3) / c[0]);
     } else {
-      MatrixXd x(w.size(), 3);
-      x << dw, w, sign;
-      const VectorXd load = log_.load.empty() ? VectorXd::Zero(w.size()) : column(log_.load);
-      c = regress(x, theta_[kKt] * i_a - load);
+      c = regress(x.rightCols(3), theta_[kKt] * i_a - x.col(0));
     }
     if (c[0] > 0.0) theta_[kJm] = c[0];
     theta_[kMuM] = c[1];
     theta_[kTauM] = c[2];
   }
 
-  void gearing() {
+  void gearing(const MatrixXd& balance) {
     const double n = options_.ratio;
-    const VectorXd w = column(velocity_), dw = slope(log_, velocity_);
-    VectorXd sign(w.size());
-    const MotionSign held = holdSign(velocity_);
-    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[i];
+    const auto dw = balance.col(1), w = balance.col(2), sign = balance.col(3);
     const VectorXd inner =
         theta_[kKt] * column(log_.current) - theta_[kJm] * dw - theta_[kMuM] * w - theta_[kTauM] * sign;
     MatrixXd x(w.size(), 4);  // 000 eq. 11: T = N eta tau_LM - tau_CG - mu_G w_G - J_G dw_G/dt
