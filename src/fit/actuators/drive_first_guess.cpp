@@ -56,11 +56,11 @@ class FirstGuess {
       theta_[kTauM] = m.coulomb_friction;
     }
     applyFixed();
-    velocity_ = speeds();
     if (options_.fit_motor) electrical();
     applyFixed();
+    velocity_ = speeds();
     const MatrixXd x = balance();
-    if (varies(log_.load)) requireSigns(x);
+    requireSigns(x);
     if (options_.fit_motor) mechanical(x);
     if (options_.fit_gearbox) gearing(x);
     applyFixed();
@@ -85,28 +85,48 @@ class FirstGuess {
     if (log_.voltage.empty()) return;
     const VectorXd v = column(log_.voltage);
     if (log_.current.empty()) {
-      theta_[kKe] = std::max(regress(column(velocity_), v)[0], 1e-9);
+      theta_[kKe] = std::max(regress(column(log_.velocity), v)[0], 1e-9);
     } else if (!log_.velocity.empty()) {
       MatrixXd x(v.size(), 3);
-      x << column(log_.current), slope(log_, log_.current), column(velocity_);
+      x << column(log_.current), slope(log_, log_.current), column(log_.velocity);
       const VectorXd c = regress(x, v);
       theta_[kR] = std::max(c[0], 1e-9);
       theta_[kL] = c[1] > 0.0 ? c[1] : 1e-3 * theta_[kR];
       theta_[kKe] = std::max(c[2], 1e-9);
+    } else {
+      speedless(v);
     }
     theta_[kKt] = theta_[kKe];
   }
 
-  /// Columns of the torque balance, whose coefficients are none below 0, shape (rows, 4):
-  /// i = c_0 T + c_1 dw/dt + c_2 w + c_3 sign(w).
+  /// K_E w = V - R i in the torque balance, with K = K_E = K_T:
+  /// (K + mu R / K) i = T + J / K dV/dt - J R / K di/dt + mu / K V + tau sign(V).
+  void speedless(const VectorXd& v) {
+    MatrixXd x(v.size(), 5);
+    x << load(), slope(log_, log_.voltage), -slope(log_, log_.current), v, heldSign(log_.voltage);
+    const bool loaded = varies(log_.load);
+    const VectorXd c = regress(x.rightCols(loaded ? 5 : 4), column(log_.current));
+    const double per_voltage = c[loaded ? 1 : 0], per_current = c[loaded ? 2 : 1];
+    if (per_voltage > 0.0 && per_current > 0.0) theta_[kR] = per_current / per_voltage;
+    if (loaded && options_.tie_constants) theta_[kKe] = torquePerAmpere(c[0]);
+    theta_[kL] = 1e-3 * theta_[kR];
+  }
+
+  VectorXd load() const {
+    return log_.load.empty() ? VectorXd(VectorXd::Zero(std::ssize(log_.time))) : column(log_.load);
+  }
+
+  static VectorXd heldSign(const std::vector<double>& velocity) {
+    const MotionSign held = holdSign(velocity);
+    VectorXd sign(std::ssize(velocity));
+    for (Index i = 0; i < sign.size(); ++i) sign[i] = held.direction[i];
+    return sign;
+  }
+
+  /// Columns of the torque balance, i = c_0 T + c_1 dw/dt + c_2 w + c_3 sign(w), shape (rows, 4).
   MatrixXd balance() const {
-    const VectorXd w = column(velocity_);
-    VectorXd load = VectorXd::Zero(w.size()), sign(w.size());
-    if (!log_.load.empty()) load = column(log_.load);
-    const MotionSign held = holdSign(velocity_);
-    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[i];
-    MatrixXd x(w.size(), 4);
-    x << load, slope(log_, velocity_), w, sign;
+    MatrixXd x(log_.rows(), 4);
+    x << load(), slope(log_, velocity_), column(velocity_), heldSign(velocity_);
     return x;
   }
 
@@ -116,13 +136,14 @@ class FirstGuess {
     return (column(log_.voltage) - theta_[kKe] * column(velocity_)) / theta_[kR];
   }
 
-  /// Refuses a channel that was recorded with the opposite sign: of a motor and of a gearbox alike the balance with it
-  /// turned round explains the current.
-  void requireSigns(const MatrixXd& x) const {
-    MatrixXd all(x.rows(), x.cols() + 2);
-    all << x, VectorXd::Ones(x.rows()), current();
+  /// Refuses a channel that was recorded with the opposite sign: with it turned round the torque balance, of a motor
+  /// and of a gearbox alike, explains the current.
+  void requireSigns(const MatrixXd& balance) const {
+    if (!varies(log_.load)) return;
+    MatrixXd all(balance.rows(), balance.cols() + 2);
+    all << balance, VectorXd::Ones(balance.rows()), current();
     const MatrixXd gram = all.transpose() * all;
-    std::vector<LinearTerm> terms(static_cast<std::size_t>(x.cols()) + 1);
+    std::vector<LinearTerm> terms(static_cast<std::size_t>(balance.cols()) + 1);
     terms.back().lower = -std::numeric_limits<double>::infinity();
     const auto costWith = [&](Index first, Index count) {
       VectorXd signs = VectorXd::Ones(all.cols());
@@ -134,16 +155,26 @@ class FirstGuess {
       double cost;
     };
     std::vector<Turned> turned = {{"load_torque_Nm", costWith(0, 1)}};
-    if (!log_.current.empty()) turned.push_back({"current_A", costWith(all.cols() - 1, 1)});
-    if (!log_.current.empty() && !log_.velocity.empty()) turned.push_back({"velocity_rad_s", costWith(1, 3)});
+    if (!log_.current.empty() && !log_.velocity.empty()) {
+      turned.push_back({"current_A", costWith(all.cols() - 1, 1)});
+      turned.push_back({"velocity_rad_s", costWith(1, 3)});
+    }
     const Turned& best = *std::ranges::min_element(turned, {}, &Turned::cost);
     const double as_it_is = costWith(0, 0);
     if (!(best.cost < kOtherSign * as_it_is)) return;
-    const auto rms = [&](double cost) { return std::sqrt(std::max(cost, 0.0) / static_cast<double>(x.rows())); };
+    const auto rms = [&](double cost) { return std::sqrt(std::max(cost, 0.0) / static_cast<double>(all.rows())); };
     throw DataError(fmt::format(
         "{0}: {1} has the opposite sign: turned round, load and friction explain the current to {2:.3g} A, as it is to "
         "{3:.3g}; turn it with --map {1}=COLUMN*-1",
         log_.file, best.channel, rms(best.cost), rms(as_it_is)));
+  }
+
+  /// \param amperes  per torque of the load
+  double torquePerAmpere(double amperes) const {
+    if (amperes > 0.0) return 1.0 / amperes;
+    throw DataError(log_.file +
+                    ": what drives the motor does not grow with load_torque_Nm, so K_T cannot be found: check both "
+                    "channels and their signs (--map load_torque_Nm=COLUMN*-1 turns one), or fix it (--fix K_T=…)");
   }
 
   void mechanical(const MatrixXd& x) {
@@ -152,12 +183,7 @@ class FirstGuess {
     const bool known = options_.fixed.contains("K_T") || options_.tie_constants;
     if (varies(log_.load) && !known) {
       c = regress(x, i_a);  // i = (T + J dw + mu w + tau sign) / K_T
-      if (!(c[0] > 0.0)) {
-        throw DataError(log_.file +
-                        ": what drives the motor does not grow with load_torque_Nm, so K_T cannot be found: check both "
-                        "channels, or fix it (--fix K_T=…)");
-      }
-      theta_[kKt] = 1.0 / c[0];
+      theta_[kKt] = torquePerAmpere(c[0]);
       c = VectorXd(c.tail(3) / c[0]);
     } else {
       c = regress(x.rightCols(3), theta_[kKt] * i_a - x.col(0));

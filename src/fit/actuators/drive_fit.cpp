@@ -32,7 +32,7 @@ class ResponseProblem {
         step_(meanStep(log)),
         typical_(kCount, 0.0) {
     parameters_ = driveParameters(options, step_);
-    if (options.tie_constants) parameters_[kKt].fixed = true;
+    if (options.tie_constants) tieConstants();
     for (const Block& session : splitRows(log.session, log.rows())) {
       std::size_t kept = 0;
       for (std::size_t i = session.begin; i < session.end; ++i) kept += counts(i) ? 1 : 0;
@@ -79,6 +79,18 @@ class ResponseProblem {
   std::size_t rows() const { return chunks_.empty() ? 0 : chunks_.back().end / channels(); }
 
  private:
+  /// One constant, within the bounds of both.
+  void tieConstants() {
+    ParameterSpec &emf = parameters_[kKe], &torque = parameters_[kKt];
+    torque.fixed = true;
+    emf.lower = std::max(emf.lower, torque.lower);
+    emf.upper = std::min(emf.upper, torque.upper);
+    if (emf.lower < emf.upper) return;
+    throw ConfigError(
+        "--bounds K_E and --bounds K_T have nothing in common, expected ranges of one constant: the log "
+        "cannot tell them apart");
+  }
+
   bool counts(std::size_t row) const { return fitted_.empty() || fitted_[row]; }
 
   void evaluate(std::span<const double> theta, const Block& chunk, Eigen::Ref<VectorXd> residual) const {

@@ -12,6 +12,26 @@
 namespace simgap {
 namespace {
 
+/// Without a velocity K_E acts only together with what moves the rotor, J_M / K_E and mu_M / K_E: it is an ideal
+/// motor's.
+void settleSpeedless(const MotorLog& log, DriveFitOptions& options, std::vector<std::string>& warnings) {
+  if (options.fixed.contains("K_E")) return;
+  const auto torque = options.fixed.find("K_T");
+  if (torque == options.fixed.end() && !varies(log.load)) {
+    throw DataError(log.file +
+                    ": neither a velocity nor a load torque in the log: only ratios of K_E, K_T, J_M, mu_M and tau_CM "
+                    "act on it, expected one of the constants to be known (--fix K_T=…, or K_E=…)");
+  }
+  if (torque != options.fixed.end()) {
+    options.fixed["K_E"] = torque->second;
+  } else {
+    options.tie_constants = true;
+  }
+  warnings.emplace_back(
+      "no velocity in the log: K_E is taken as K_T (an ideal motor's, in SI units); record velocity_rad_s, or --fix "
+      "K_E=…");
+}
+
 /// Fixes what cannot be told without a load in the log.
 void settleUnloaded(const MotorLog& log, DriveFitOptions& options, std::vector<std::string>& missing,
                     std::vector<std::string>& warnings) {
@@ -61,6 +81,7 @@ std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& opt
       options.fixed.try_emplace(name, 1.0);
     }
   }
+  if (options.fit_motor && !velocity) settleSpeedless(log, options, warnings);
   if (options.fit_motor && !varies(log.load)) settleUnloaded(log, options, missing, warnings);
   if (options.fit_motor && voltage && !current && !options.fixed.contains("R")) {
     warnings.emplace_back(

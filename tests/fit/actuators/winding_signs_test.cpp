@@ -56,8 +56,9 @@ TEST(WindingSigns, AFitIsRefused) {
   }
 }
 
-std::string refusedMotor(const reality::MotorBenchLog& log, bool with_voltage = true) {
-  return errorOf([&] { fitDrive(readMotorLog(CsvTable::parse(log.csv(with_voltage), "motor.csv")), {}); });
+std::string refusedMotor(const reality::MotorBenchLog& log, bool with_voltage = true, bool with_velocity = true) {
+  const std::string csv = log.csv(with_voltage, true, with_velocity);
+  return errorOf([&] { fitDrive(readMotorLog(CsvTable::parse(csv, "motor.csv")), {}); });
 }
 
 TEST(LoadSigns, AMotorsTurnedLoadIsNamedWithOrWithoutTheVoltage) {
@@ -74,6 +75,15 @@ TEST(LoadSigns, WithoutAVoltageTheTurnedCurrentOrVelocityIsNamed) {
   turn(current.current), turn(velocity.velocity);
   EXPECT_THAT(refusedMotor(current, false), HasSubstr("current_A has the opposite sign"));
   EXPECT_THAT(refusedMotor(velocity, false), HasSubstr("velocity_rad_s has the opposite sign"));
+}
+
+TEST(LoadSigns, WithoutAVelocityATurnedLoadOrCurrentIsRefused) {
+  reality::MotorBenchLog load = recorded(), current = recorded();
+  turn(load.load), turn(current.current);
+  for (const reality::MotorBenchLog& log : {load, current}) {
+    EXPECT_THAT(refusedMotor(log, true, false),
+                AllOf(HasSubstr("does not grow with load_torque_Nm"), HasSubstr("--map load_torque_Nm=COLUMN*-1")));
+  }
 }
 
 TEST(LoadSigns, ALoadThatTheCurrentDoesNotFollowIsRefused) {
