@@ -58,6 +58,9 @@ TEST_F(FitTest, FixedAndBoundedParametersAreChecked) {
   expectRefused({"fit-friction", "log.csv", "--fix", "k_a=one", "-o", "g"}, 2, "expected a number");
   expectRefused({"fit-friction", "log.csv", "--bounds", "k_v=3:1", "-o", "g"}, 2, "lower bound below the upper");
   expectRefused({"fit-friction", "log.csv", "--model", "magic", "-o", "g"}, 2, "expected one of");
+  expectRefused({"fit-friction", "log.csv", "--fix", "k_v=-1", "-o", "g"}, 2, "--fix k_v: found -1, expected a number");
+  put("motor.csv", reality::simulateMotor({}, {.seconds = 1.0}).csv());
+  expectRefused({"fit-motor", "motor.csv", "--fix", "R=-1", "-o", "g"}, 2, "--fix R: found -1, expected a number > 0");
 }
 
 TEST_F(FitTest, BadLogsSayWhatToRecord) {
