@@ -136,6 +136,9 @@ TEST_F(FitTest, MotorAndGearboxGoIntoAnArm) {
            "biceps", "-o", "g"});
   EXPECT_EQ(result("g").at("parameters").size(), 4u);
   succeed({"predict", "g/model.yaml", "gear.csv", "--motor", "m/model.yaml", "-o", "p"});
+  expectRefused({"predict", "m/model.yaml", "motor.csv", "--ratio", "72", "-o", "x"}, 2,
+                "found --ratio with the motor model m/model.yaml, expected it with a drive's friction");
+  expectRefused({"predict", "m/model.yaml", "motor.csv", "--motor", "m/model.yaml", "-o", "x"}, 2, "found --motor");
   expectRefused({"fit-motor", "motor.csv", "--into", "arm.yaml", "--muscle", "wing", "-o", "x"}, 2,
                 "found no muscle wing");
   expectRefused({"fit-motor", "motor.csv", "--into", "arm.yaml", "-o", "x"}, 2, "go together");

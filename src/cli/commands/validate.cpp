@@ -84,7 +84,7 @@ ExitCode runEither(const Options& options, const CLI::App& app, const std::vecto
   const bool moves = !options.motions.empty();
   if (options.poses.empty() != moves) throw ConfigError("validate needs either --poses or --motions (see --help)");
   if (moves) {
-    refuseOptions(app, {"--evaluator", "--max-mje", "--max-mje-mm", "--map"},
+    refuseOptions(app, {"--evaluator", "--max-mje", "--max-mje-mm", "--settle-s", "--map"},
                   "with --motions, expected it with --poses");
   } else {
     refuseOptions(app, {"--max-rms", "--max-rms-mm"}, "with --poses, expected it with --motions");
