@@ -95,7 +95,8 @@ std::string ofKind(const Options& options, const FittedModel& model, const char*
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("predict", options.common, argv);
   if (const auto robot = findRobotModel(session, options.model)) return runRobot(*robot, options, session, app);
-  const FittedModel model = readFittedModel(YamlNode::parse(session.input("model").content, options.model));
+  FittedModel model = readFittedModel(YamlNode::parse(session.input("model").content, options.model));
+  model.file = options.model;
   if (!options.gains.empty()) throw ConfigError("found --gains with one actuator, expected a robot");
   if (model.kind != "gearbox") refuseOptions(app, {"--motor"}, ofKind(options, model, "a gearbox"));
   if (model.kind != "friction")

@@ -67,13 +67,13 @@ std::string saidOf(const Texts& fix, const Texts& bounds) {
 }
 
 TEST(ParameterChoicesTest, RefusesWhatAParameterCannotBe) {
-  EXPECT_EQ(saidOf({"R=-1"}, {}), "--fix R: found -1, expected a number > 0");
-  EXPECT_EQ(saidOf({"R=0"}, {}), "--fix R: found 0, expected a number > 0");
-  EXPECT_EQ(saidOf({"mu=-2"}, {}), "--fix mu: found -2, expected a number >= 0");
-  EXPECT_EQ(saidOf({"eta=1.2"}, {}), "--fix eta: found 1.2, expected a number in (0, 1]");
-  EXPECT_EQ(saidOf({}, {"R=-2:-1"}), "--bounds R: found -2:-1, expected each to be a number > 0");
-  EXPECT_EQ(saidOf({}, {"mu=-1:5"}), "--bounds mu: found -1:5, expected each to be a number >= 0");
-  EXPECT_EQ(saidOf({}, {"eta=0.5:1.5"}), "--bounds eta: found 0.5:1.5, expected each to be a number in (0, 1]");
+  EXPECT_EQ(saidOf({"R=-1"}, {}), "2: --fix R: found -1, expected a number > 0");
+  EXPECT_EQ(saidOf({"R=0"}, {}), "2: --fix R: found 0, expected a number > 0");
+  EXPECT_EQ(saidOf({"mu=-2"}, {}), "2: --fix mu: found -2, expected a number >= 0");
+  EXPECT_EQ(saidOf({"eta=1.2"}, {}), "2: --fix eta: found 1.2, expected a number in (0, 1]");
+  EXPECT_EQ(saidOf({}, {"R=-2:-1"}), "2: --bounds R: found -2:-1, expected each to be a number > 0");
+  EXPECT_EQ(saidOf({}, {"mu=-1:5"}), "2: --bounds mu: found -1:5, expected each to be a number >= 0");
+  EXPECT_EQ(saidOf({}, {"eta=0.5:1.5"}), "2: --bounds eta: found 0.5:1.5, expected each to be a number in (0, 1]");
 }
 
 TEST(ParameterChoicesTest, TakesWhatAParameterCanBe) {
