@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "drive_parameters.h"
+#include "drive_units.h"
 #include "missing_channels.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/channel_checks.h"
@@ -253,6 +254,11 @@ DriveFit fitExtent(const MotorLog& log, DriveFitOptions options, DriveExtent ext
   });
   addMotorUncertainty(found_problem, options, fit);
   settleEstimates(fit.uncertainty, options, missing);
+  if (options.fit_motor && !options.tie_constants) {
+    const std::vector<Estimate>& all = fit.uncertainty.estimates;
+    const std::string strange = strangeConstants(all[kKe], all[kKt]);
+    if (!strange.empty()) fit.warnings.push_back(strange);
+  }
   takeDelays(log, response, fit);
   const DriveResponse r = measure(fit.theta);
   const auto channel = [&](const char* name, const char* unit, const std::vector<double>& simulated,

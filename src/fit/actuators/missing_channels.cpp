@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "drive_parameters.h"
+#include "drive_units.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/winding_signs.h"
 
@@ -36,19 +37,19 @@ void settleSpeedless(const MotorLog& log, DriveFitOptions& options, std::vector<
 void settleUnloaded(const MotorLog& log, DriveFitOptions& options, std::vector<std::string>& missing,
                     std::vector<std::string>& warnings) {
   const bool whole = *options.extent == DriveExtent::kWhole;
+  const char* const lacks = log.load.empty() ? "no load torque in the log" : "load_torque_Nm is constant throughout";
   const char* const only = "J_M, mu_M and tau_CM hold only if nothing loaded the motor";
   for (const char* name : {"J_M", "mu_M", "tau_CM"}) {
     if (whole) break;
     if (options.fixed.try_emplace(name, 1.0).second) missing.emplace_back(name);
   }
   if (options.fixed.contains("K_T")) {
-    if (whole) warnings.push_back(fmt::format("no load torque in the log: {}; record load_torque_Nm", only));
+    if (whole) warnings.push_back(fmt::format("{}: {}; record load_torque_Nm", lacks, only));
   } else if (varies(log.voltage)) {
     options.tie_constants = true;
     warnings.push_back(
-        fmt::format("no load torque in the log: K_T is taken as K_E (an ideal motor's, in SI units){}; record "
-                    "load_torque_Nm, or --fix K_T=…",
-                    whole ? fmt::format(", and {}", only) : ""));
+        fmt::format("{}: K_T is taken as K_E (an ideal motor's, in SI units){}; record load_torque_Nm, or --fix K_T=…",
+                    lacks, whole ? fmt::format(", and {}", only) : ""));
   } else if (!options.fixed.contains("J_M")) {
     throw DataError(log.file +
                     ": neither a load torque nor a voltage in the log: only ratios of K_T, J_M, mu_M and tau_CM act on "
@@ -73,6 +74,10 @@ std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& opt
   if (options.fit_motor && voltage && current && velocity) {
     const std::string turned = oppositeWindingSign(log.voltage, log.current, log.velocity);
     if (!turned.empty()) fail(turned);
+  }
+  if (!options.fit_motor && voltage && current && velocity) {
+    const std::string strange = strangeVelocity(log, options.motor, options.ratio);
+    if (!strange.empty()) fail(strange);
   }
   if (options.fit_motor && !voltage) {
     warnings.emplace_back("no voltage in the log: R, L and K_E cannot be found; record voltage_V");

@@ -161,6 +161,15 @@ TEST(MotorFit, BoundsOfTiedConstantsHoldForBoth) {
   EXPECT_THAT(errorOf([&] { fitDrive(log, options); }), HasSubstr("have nothing in common"));
 }
 
+TEST(MotorFit, ASlipOfUnitsIsSeenInTheConstants) {
+  MotorBenchLog log =
+      simulateMotor({}, {.seconds = 3.0, .load = 0.005, .voltage = 5.0, .current_noise = 0.02, .velocity_noise = 1.0});
+  EXPECT_THAT(fitDrive(readDrive(log.csv()), {}).warnings, Not(Contains(HasSubstr("times K_E"))));
+  for (double& velocity : log.velocity) velocity *= 180.0 / std::numbers::pi;
+  EXPECT_THAT(fitDrive(readDrive(log.csv()), {}).warnings,
+              Contains(HasSubstr("times K_E, in SI units a motor's are about one: velocity_rad_s looks like degrees")));
+}
+
 /// A motor of 0.8 ohm, 1 mH, 0.02 Vs under steps of voltage and of a load that the log lacks, in Euler steps of 5 us:
 /// 0.4 % of the winding's time constant. Columns as a bench writes them, at 500 Hz.
 std::string logUnderUnloggedLoad(double load) {
@@ -252,6 +261,10 @@ TEST(GearboxFit, RecoversTheTruthWithAndWithoutSpeed) {
   }
   EXPECT_THAT(errorOf([&] { fitDrive(readDrive(log.csv(true, false)), options); }),
               HasSubstr("load torque is missing"));
+  MotorBenchLog output = log;
+  for (double& velocity : output.velocity) velocity /= truth.ratio;
+  EXPECT_THAT(errorOf([&] { fitDrive(readDrive(output.csv()), options); }),
+              HasSubstr("with the motor's R and K_E: it looks like the output's, expected the motor's"));
 }
 
 }  // namespace
