@@ -60,6 +60,7 @@ TEST_F(FitTest, FixedAndBoundedParametersAreChecked) {
   expectRefused({"fit-friction", "log.csv", "--model", "magic", "-o", "g"}, 2, "expected one of");
   expectRefused({"fit-friction", "log.csv", "--fix", "k_v=-1", "-o", "g"}, 2, "--fix k_v: found -1, expected a number");
   put("motor.csv", reality::simulateMotor({}, {.seconds = 1.0}).csv());
+  expectRefused({"fit-motor", "motor.csv", "--fix", "eta=0.5", "-o", "g"}, 2, "--fix: found the parameter eta");
   expectRefused({"fit-motor", "motor.csv", "--fix", "R=-1", "-o", "g"}, 2, "--fix R: found -1, expected a number > 0");
 }
 
