@@ -10,6 +10,14 @@
 #include "simgap/report/actuators/drive_report.h"
 
 namespace simgap {
+namespace {
+
+/// Nothing of a motor alone depends on them.
+bool isOfGearbox(const std::string& parameter) {
+  return parameter == "eta" || parameter == "tau_CG" || parameter == "mu_G" || parameter == "J_G";
+}
+
+}  // namespace
 
 std::optional<ArmWithDrive> readTarget(const std::string& into, const std::string& muscle, Session& session) {
   if (into.empty() != muscle.empty()) throw ConfigError("--into and --muscle go together");
@@ -46,7 +54,9 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   report.ratio = drive.ratio;
   report.into = readTarget(options.into, options.muscle, session);
   const ParameterChoices choices = options.fit.parameters();
-  requireKnown(choices, driveParameterNames());
+  std::vector<std::string> names = driveParameterNames();
+  if (!drive.fit_gearbox) std::erase_if(names, isOfGearbox);
+  requireKnown(choices, names);
   drive.fixed = choices.fixed;
   drive.bounds = choices.bounds;
   const LogTable rows = readLog(session, "log", options.log, options.table, options.fit.sessions);

@@ -11,21 +11,6 @@
 #include "simgap/report/actuators/refit_report.h"
 
 namespace simgap {
-namespace {
-
-/// What a fit asks of a law by name is settled in a model's file.
-void refuseWithModelFile(const CLI::App& app, const std::string& model) {
-  for (const char* name :
-       {"--fix", "--bounds", "--sessions", "--holdout", "--block-s", "--validate", "--offset", "--loss", "--predict",
-        "--sign", "--dead-band", "--require", "--into", "--muscle", "--curves", "--tied"}) {
-    const CLI::Option* option = app.get_option_no_throw(name);
-    if (option == nullptr || option->count() == 0) continue;
-    throw ConfigError(fmt::format("found {} with --model {}, expected no such option for a model's file", name, model));
-  }
-}
-
-}  // namespace
-
 void FitOptions::add(CLI::App& app) {
   app.add_option("--fix", fix, "NAME=VALUE: a parameter that is known; may be repeated")->allow_extra_args(false);
   app.add_option("--bounds", bounds, "NAME=LOWER:UPPER in SI; may be repeated")->allow_extra_args(false);
@@ -58,7 +43,10 @@ void finishFit(Session& session, const CLI::App& app, FitSummary summary, const 
 }
 
 ExitCode runRefit(const RefitOptions& options, Session& session, const CLI::App& app) {
-  refuseWithModelFile(app, options.model);
+  refuseOptions(app,
+                {"--fix", "--bounds", "--sessions", "--holdout", "--block-s", "--validate", "--offset", "--loss",
+                 "--predict", "--sign", "--dead-band", "--require", "--into", "--muscle", "--curves", "--tied"},
+                fmt::format("with --model {}, expected no such option for a model's file", options.model));
   FittedModel given;
   const ActuatorModel subject = readSubject(session, options.model, given);
   if ("fit-" + given.kind != options.command) {

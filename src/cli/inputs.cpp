@@ -130,7 +130,9 @@ Bench readRig(Session& session, const std::string& file, const std::optional<dou
 
 FittedModel readModel(Session& session, const std::string& role, const std::string& file,
                       const std::vector<std::string>& kinds) {
-  return readFittedModel(YamlNode::parse(session.read(role, file).content, file), kinds);
+  FittedModel model = readFittedModel(YamlNode::parse(session.read(role, file).content, file), kinds);
+  model.file = file;
+  return model;
 }
 
 bool namesFile(const std::string& model) {

@@ -100,6 +100,13 @@ CLI::Validator positiveNumber() {
   return CLI::Validator(problem, "POSITIVE");
 }
 
+void refuseOptions(const CLI::App& app, std::initializer_list<const char*> options, const std::string& sentence) {
+  for (const char* name : options) {
+    const CLI::Option* option = app.get_option_no_throw(name);
+    if (option != nullptr && option->count() > 0) throw ConfigError(fmt::format("found {} {}", name, sentence));
+  }
+}
+
 CsvOptions TableOptions::csv() const {
   CsvOptions options;
   options.skip_bad_rows = skip_bad_rows;

@@ -6,6 +6,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/core/units.h"
 #include "simgap/simulate/exo_joint_motion.h"
 #include "told_channels.h"
 
@@ -98,6 +99,11 @@ ExoJointCommands readExoJointCommands(const ExoJoint& joint, const CsvTable& tab
     throw DataError(table.name() +
                     ":1: found no command, expected torque_Nm, or pressure_flexor_Pa and "
                     "pressure_extensor_Pa");
+  }
+  for (const CommandChannel& c : kPressureChannels) {
+    if (!commands.torque || !table.offersQuantity(c.stem, c.unit)) continue;
+    throw DataError(fmt::format("{}:1: found torque_Nm and {}, expected a torque, or pressures and a current",
+                                table.name(), quantityName(c.stem, c.unit)));
   }
   commands.over_time = commands.torque ? readToldChannels(table, kTorqueChannels, kRequiredTorques, linear)
                                        : readToldChannels(table, kPressureChannels, kRequiredPressures, linear);

@@ -71,7 +71,7 @@ TEST_F(CableDriveCliTest, RefusesWithASentence) {
   put("short.csv", "time_s,position_rad\n0,1\n");
   expectRefused(simulate("short.csv"), 3, "one row of commands");
   put("schedule.yaml", "format: simgap/schedule/1\njoint:\n  position: {segments: [{hold_Nm: 1, for_s: 2}]}\n");
-  expectRefused(simulate("schedule.yaml"), 2, "expected one");
+  expectRefused({"simulate", "drive.yaml", "--commands", "schedule.yaml", "-o", "run"}, 2, "expected one");
   edit("{name: classic, model: classic.yaml", "{name: classic, model: nowhere.yaml");
   expectRefused(simulate("path.csv"), 2, "nowhere.yaml");
   edit("name: variant-a", "name: classic");

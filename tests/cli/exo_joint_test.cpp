@@ -51,6 +51,8 @@ TEST_F(ExoJointCliTest, RefusesPressuresAndCurrentsBeyondWhatTheJointHas) {
   put("current.csv", "time_s,pressure_flexor_bar,pressure_extensor_bar,current_A\n0,6,6,10\n1,6,6,-20\n");
   expectRefused(simulate("current.csv"), 3,
                 "current.csv:3: found a current of -20 A, expected at most the limit of 10 either way");
+  put("both.csv", "time_s,torque_Nm,pressure_flexor_bar,pressure_extensor_bar\n0,1,6,6\n1,1,6,6\n");
+  expectRefused(simulate("both.csv"), 3, "both.csv:1: found torque_Nm and pressure_flexor_Pa, expected a torque, or");
   put("schedule.yaml",
       "format: simgap/schedule/1\njoint:\n  pressure_flexor: {segments: [{hold_bar: 3, for_s: 1}, {hold_bar: 9, for_s: "
       "1}]}\n  pressure_extensor: {segments: [{hold_bar: 3, for_s: 2}]}\n");

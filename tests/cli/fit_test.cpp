@@ -58,6 +58,10 @@ TEST_F(FitTest, FixedAndBoundedParametersAreChecked) {
   expectRefused({"fit-friction", "log.csv", "--fix", "k_a=one", "-o", "g"}, 2, "expected a number");
   expectRefused({"fit-friction", "log.csv", "--bounds", "k_v=3:1", "-o", "g"}, 2, "lower bound below the upper");
   expectRefused({"fit-friction", "log.csv", "--model", "magic", "-o", "g"}, 2, "expected one of");
+  expectRefused({"fit-friction", "log.csv", "--fix", "k_v=-1", "-o", "g"}, 2, "--fix k_v: found -1, expected a number");
+  put("motor.csv", reality::simulateMotor({}, {.seconds = 1.0}).csv());
+  expectRefused({"fit-motor", "motor.csv", "--fix", "eta=0.5", "-o", "g"}, 2, "--fix: found the parameter eta");
+  expectRefused({"fit-motor", "motor.csv", "--fix", "R=-1", "-o", "g"}, 2, "--fix R: found -1, expected a number > 0");
 }
 
 TEST_F(FitTest, BadLogsSayWhatToRecord) {
@@ -133,6 +137,14 @@ TEST_F(FitTest, MotorAndGearboxGoIntoAnArm) {
            "biceps", "-o", "g"});
   EXPECT_EQ(result("g").at("parameters").size(), 4u);
   succeed({"predict", "g/model.yaml", "gear.csv", "--motor", "m/model.yaml", "-o", "p"});
+  put("none.yaml", std::regex_replace(text("m/model.yaml"), std::regex("  L: .value: [^,]*,"), "  L: {value: 0,"));
+  expectRefused({"predict", "none.yaml", "motor.csv", "-o", "x"}, 2, "none.yaml: found L = 0, expected a number > 0");
+  put("none.yaml", replaced(text("arm.yaml"), "inductance_H: 0.0003", "inductance_H: 0"));
+  expectRefused({"validate", "none.yaml", "--poses", "poses.csv", "-o", "x"}, 2,
+                "inductance_H: found 0, expected a number > 0 (1e-6 H stands for a winding without a lag)");
+  expectRefused({"predict", "m/model.yaml", "motor.csv", "--ratio", "72", "-o", "x"}, 2,
+                "found --ratio with the motor model m/model.yaml, expected it with a drive's friction");
+  expectRefused({"predict", "m/model.yaml", "motor.csv", "--motor", "m/model.yaml", "-o", "x"}, 2, "found --motor");
   expectRefused({"fit-motor", "motor.csv", "--into", "arm.yaml", "--muscle", "wing", "-o", "x"}, 2,
                 "found no muscle wing");
   expectRefused({"fit-motor", "motor.csv", "--into", "arm.yaml", "-o", "x"}, 2, "go together");
@@ -156,9 +168,10 @@ TEST_F(FitTest, AMotorUnderAnUnloggedLoadLeavesAnArmItsMechanics) {
   EXPECT_EQ(biceps("m/arm.yaml").inertia, biceps("arm.yaml").inertia);
   EXPECT_EQ(biceps("m/arm.yaml").coulomb_friction, biceps("arm.yaml").coulomb_friction);
   EXPECT_NEAR(biceps("m/arm.yaml").resistance, 0.8, 0.01);
-  expectRefused({"predict", "m/model.yaml", "motor.csv", "-o", "p"}, 2, "found no parameter J_M in the motor model");
+  expectRefused({"predict", "m/model.yaml", "motor.csv", "-o", "p"}, 2,
+                "m/model.yaml: found no parameter J_M in the motor model");
   expectRefused({"fit-gearbox", "motor.csv", "--motor", "m/model.yaml", "--ratio", "72", "-o", "g"}, 2,
-                "found no parameter J_M in the motor model");
+                "m/model.yaml: found no parameter J_M in the motor model");
 }
 
 TEST_F(FitTest, ThreadsArriveAndChangeNothing) {

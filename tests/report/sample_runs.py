@@ -71,7 +71,7 @@ def commands(source, folder):
         "calibrate-cameras": ["calibrate-cameras", source / "data/boards/left", source / "data/boards/right", "--board", "chessboard:9x6:0.025"],
         "calibrate-joints": ["calibrate-joints", capture / "rig.yaml", "--frames", folder / "capture/frames.csv"],
         "targets-check": ["targets", "check", capture / "targets.yaml"],
-        "fit-friction": ["fit-friction", folder / "friction.csv", "--require", "fast:900:12"],
+        "fit-friction": ["fit-friction", folder / "friction.csv", "--ratio", "1", "--require", "fast:900:12"],
         "fit-motor": ["fit-motor", folder / "motor.csv"],
         "fit-gearbox": ["fit-gearbox", source / "data/logs/gearbox.csv.gz", "--motor", folder / "fit-motor/model.yaml", "--ratio", "72"],
         "fit-pam": ["fit-pam", folder / "muscle.csv"],

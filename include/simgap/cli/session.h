@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <string>
@@ -48,6 +49,10 @@ struct LogFileOptions : TableOptions {
 CLI::Validator finiteNumber();
 /// The same above 0; CLI::PositiveNumber says what it expects with 309 digits.
 CLI::Validator positiveNumber();
+
+/// \throws ConfigError "found OPTION SENTENCE" for the first of `options` that was given. \param sentence  with what it
+/// would be ignored, and what was expected
+void refuseOptions(const CLI::App& app, std::initializer_list<const char*> options, const std::string& sentence);
 
 /// An input file as it was read.
 struct Input {

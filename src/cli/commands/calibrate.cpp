@@ -202,12 +202,11 @@ void refuseWithResume(const CLI::App& app) {
 
 /// With --motions, or of a directory that was begun so.
 ExitCode runMotions(const Options& options, const CLI::App& app, const std::vector<std::string>& argv) {
-  for (const char* other :
-       {"--validation", "--evaluator", "--objective", "--verify", "--starts", "--map", "--early-acquisition"}) {
-    if (app.count(other) == 0) continue;
-    throw ConfigError(fmt::format("found {} with --motions{}", other,
-                                  other == std::string("--validation") ? ", expected --validation-motions" : ""));
-  }
+  refuseOptions(app, {"--validation"}, "with --motions, expected --validation-motions");
+  refuseOptions(
+      app,
+      {"--evaluator", "--objective", "--verify", "--starts", "--only", "--settle-s", "--map", "--early-acquisition"},
+      "with --motions, expected it with --poses alone");
   MotionCalibrateOptions moving;
   moving.common = options.common;
   moving.skip_bad_rows = options.table.skip_bad_rows;

@@ -16,6 +16,7 @@ struct Options {
   std::vector<std::filesystem::path> files;
   EegLabels labels;
   TrainingOptions training;
+  std::optional<double> threshold;
 };
 
 EegRecording readRecording(const Options& options, Session& session) {
@@ -49,7 +50,8 @@ ExitCode train(const Options& options, Session& session) {
 ExitCode run(const Options& options, Session& session) {
   if (options.files.size() != 2) throw ConfigError("decode run needs two files, DECODER and RECORDING");
   const Input& input = session.read("model", options.files.front());
-  const Decoder decoder = readDecoder(YamlNode::parse(input.content, input.file.string()));
+  Decoder decoder = readDecoder(YamlNode::parse(input.content, input.file.string()));
+  decoder.settings.threshold = options.threshold.value_or(decoder.settings.threshold);
   const EegRecording recording = readRecording(options, session);
   const Decoded decoded = simgap::decode(decoder, recording);
   const Json result = toJson(decoded, recording);
@@ -76,13 +78,19 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--low", settings.low, "lower end of the band [Hz]")->check(positiveNumber());
   app.add_option("--high", settings.high, "upper end [Hz]")->check(positiveNumber());
   app.add_option("--window-s", settings.window, "length of a covariance's window [s]")->check(CLI::Range(0.1, 60.0));
-  app.add_option("--threshold", settings.threshold, "probability at which the state switches")
+  app.add_option("--threshold", options->threshold,
+                 "probability at which the state switches (run: instead of the decoder's)")
       ->check(CLI::Range(0.5, 1.0));
   app.add_option("--folds", options->training.folds, "parts that are held out in turn")->check(CLI::Range(2, 20));
   options->table.add(app);
   options->common.add(app);
-  return [options, argv] {
-    const DecoderSettings& s = options->training.settings;
+  return [options, argv, &app] {
+    DecoderSettings& s = options->training.settings;
+    s.threshold = options->threshold.value_or(s.threshold);
+    if (options->action == "run") {
+      refuseOptions(app, {"--low", "--high", "--window-s", "--folds"},
+                    "with decode run, expected it with train: a decoder has its own");
+    }
     if (s.high <= s.low) throw ConfigError(fmt::format("found --low {:g} --high {:g}, expected a band", s.low, s.high));
     Session session("decode", options->common, argv);
     return options->action == "train" ? train(*options, session) : run(*options, session);

@@ -51,7 +51,21 @@ ExitCode nextPoses(const Options& options, const std::vector<std::string>& argv)
   return ExitCode::kDone;
 }
 
-ExitCode run(Options& options, const std::vector<std::string>& argv) {
+/// Options of the other ways to use the command.
+void refuseForeign(const Options& options, const CLI::App& app) {
+  const bool drive = !options.drive.limits.empty(), excite = !options.excite.robot.empty();
+  const bool separate = !options.separate.of.run.empty();
+  if (!separate) refuseOptions(app, {"--speeds", "--loads"}, "without --separate, expected it with --separate RUN");
+  if (!excite) refuseOptions(app, {"--law", "--gravity"}, "without --excite, expected it with --excite ROBOT");
+  if (!(drive || excite || separate)) return;
+  const char* const way = drive ? "--drive" : excite ? "--excite" : "--separate";
+  const std::string sentence = fmt::format("with {}, expected it with MODEL and --poses", way);
+  refuseOptions(app, {"--config", "--criterion", "--map", "--skip-bad-rows"}, sentence);
+  if (!separate) refuseOptions(app, {"--candidates", "--count"}, sentence + ", or --separate");
+}
+
+ExitCode run(Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
+  refuseForeign(options, app);
   if (!options.drive.limits.empty()) {
     if (!options.poses.empty() || !options.excite.robot.empty() || !options.separate.of.run.empty()) {
       throw ConfigError("found --drive LIMITS with --poses, --excite or --separate, expected LIMITS and at most MODEL");
@@ -108,7 +122,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "instead: the log to record of one drive, within these limits (YAML)");
   options->table.add(app);
   options->common.add(app);
-  return [options, argv] { return run(*options, argv); };
+  return [options, argv, &app] { return run(*options, argv, app); };
 }
 
 }  // namespace

@@ -209,6 +209,12 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
   if (options.motions.empty() && !options.validation_motions.empty()) {
     throw ConfigError("found --validation-motions without --motions, expected both");
   }
+  if (options.logs.empty()) {
+    refuseOptions(app, {"--bench", "--ratio", "--torque-constants"}, "without --log, expected it with --log");
+  } else {
+    refuseOptions(app, {"--config"}, "with --log, expected it with --poses or --motions");
+  }
+  if (!options.motions.empty()) refuseOptions(app, {"--map"}, "with --motions, expected it with --log or --poses");
   if (!options.motions.empty()) return runMotions(options, session);
   if (!options.logs.empty() && namesRobot(session, options.model)) {
     Session robot("diagnose", options.common, argv);  // whose inputs are read once

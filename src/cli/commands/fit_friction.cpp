@@ -95,6 +95,9 @@ ExitCode runLaws(const Options& options, const Task& task, Session& session, con
   report.requirements = readRequirements(options.require);
   OfFitted own;
   const FrictionData all = task.read(session, "log", options.log, &own);
+  if (!options.require.empty() && all.velocity_unit != "rad_s") {
+    throw ConfigError(fmt::format("found --require with {} of a linear axis, expected it with a joint's", options.log));
+  }
   const Holdout& holdout = own.holdout;
   report.position = std::move(own.position);
   requireKnown({report.options.fixed, report.options.bounds}, parameterNames(laws, all, report.options));
@@ -127,7 +130,11 @@ ExitCode runLaws(const Options& options, const Task& task, Session& session, con
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("fit-friction", options.common, argv);
+  if (options.sign == "raw") refuseOptions(app, {"--dead-band"}, "with --sign raw, expected it with --sign held");
   const Task task = makeTask(options, session);
+  if (!options.require.empty() && !task.bench.ratio) {
+    throw ConfigError("found --require without a ratio, expected --ratio: the working point is one of the joint");
+  }
   if (options.models.size() != 1 || !namesFile(options.models[0])) return runLaws(options, task, session, app);
   Bench bench = task.bench;
   if (options.bandwidth) bench.bandwidth = options.bandwidth;

@@ -88,11 +88,19 @@ ExitCode runJointAngle(const FittedModel& model, const Options& options, Session
   return ExitCode::kDone;
 }
 
+std::string ofKind(const Options& options, const FittedModel& model, const char* expected) {
+  return fmt::format("with the {} model {}, expected it with {}", model.kind, options.model, expected);
+}
+
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("predict", options.common, argv);
   if (const auto robot = findRobotModel(session, options.model)) return runRobot(*robot, options, session, app);
-  const FittedModel model = readFittedModel(YamlNode::parse(session.input("model").content, options.model));
+  FittedModel model = readFittedModel(YamlNode::parse(session.input("model").content, options.model));
+  model.file = options.model;
   if (!options.gains.empty()) throw ConfigError("found --gains with one actuator, expected a robot");
+  if (model.kind != "gearbox") refuseOptions(app, {"--motor"}, ofKind(options, model, "a gearbox"));
+  if (model.kind != "friction")
+    refuseOptions(app, {"--bench", "--ratio"}, ofKind(options, model, "a drive's friction"));
   if (options.joint_angle) return runJointAngle(model, options, session, app);
   const Prediction prediction = predictWith(model, options, session);
   if (options.common.dry_run) {

@@ -42,11 +42,15 @@ SimulationOptions settingsOf(Session& session, const Options& options) {
   return settings;
 }
 
+bool isSchedule(const Options& options) {
+  return options.commands.ends_with(".yaml") || options.commands.ends_with(".yml");
+}
+
 /// Commands of the muscles, or positions of the joints, which go into the settings.
 MotionCommands readMotionCommands(Session& session, const Options& options, const ArmModel& model,
                                   SimulationOptions& settings) {
   const std::string& text = session.read("commands", options.commands).content;
-  if (!options.commands.ends_with(".yaml") && !options.commands.ends_with(".yml")) {
+  if (!isSchedule(options)) {
     const CsvTable table = CsvTable::parse(text, options.commands, options.table.csv());
     const bool linear = options.hold == "linear";
     if (!hasJointTargets(table, model)) return readCommands(table, model, linear);
@@ -131,10 +135,11 @@ ExitCode serve(const ArmModel& model, const RolloutOptions& options) {
 
 /// A joint of muscles and a motor, a leg, or a drive with a cable: its controller stands in its file, and it begins at
 /// rest.
-ExitCode runExo(const Options& options, const YamlNode& root, Session& session) {
+ExitCode runExo(const Options& options, const YamlNode& root, Session& session, const CLI::App& app) {
   if (options.serve || !options.config.empty() || !options.measured.empty() || options.start != "rest") {
     throw ConfigError(options.model + ": found no arm, expected no --serve, --config, --measured or --start");
   }
+  refuseOptions(app, {"--start-pose"}, "with " + options.model + ", which is no arm, expected it with an arm");
   if (options.commands.empty()) throw ConfigError("found no --commands, expected what it is told");
   ExoSimulateOptions exo;
   exo.common = options.common;
@@ -148,10 +153,27 @@ ExitCode runExo(const Options& options, const YamlNode& root, Session& session) 
   return simulateExo(exo, root, session);
 }
 
-ExitCode run(const Options& options, const std::vector<std::string>& argv) {
+/// Options that would change nothing.
+void refuseIdle(const Options& options, const CLI::App& app) {
+  if (options.serve) {
+    refuseOptions(app,
+                  {"--commands", "--measured", "--start", "--start-pose", "--hold", "--duration-s", "--rate", "--map",
+                   "--skip-bad-rows", "--output", "--dry-run"},
+                  "with --serve, expected it without: commands come line by line, and nothing is written");
+  }
+  if (isSchedule(options)) {
+    refuseOptions(app, {"--hold"}, "with a schedule, expected it with a table (CSV): segments say what lies between");
+  }
+  if (options.start == "rest" || options.start == "zero") {
+    refuseOptions(app, {"--start-pose"}, "without a file, expected it with --start FILE");
+  }
+}
+
+ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
+  refuseIdle(options, app);
   Session session("simulate", options.common, argv);
   const YamlNode root = YamlNode::parse(session.read("model", options.model).content, options.model);
-  if (holdsExo(root)) return runExo(options, root, session);
+  if (holdsExo(root)) return runExo(options, root, session, app);
   const ArmModel model = readArm(root);
   SimulationOptions settings = settingsOf(session, options);
   if (options.serve) return serve(model, settings.rollout);
@@ -211,7 +233,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--measured", options->measured, "a recorded movement (joints.csv), shown as a ghost");
   options->table.add(app);
   options->common.add(app);
-  return [options, argv] { return run(*options, argv); };
+  return [options, argv, &app] { return run(*options, argv, app); };
 }
 
 }  // namespace

@@ -83,11 +83,11 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
 ExitCode runEither(const Options& options, const CLI::App& app, const std::vector<std::string>& argv) {
   const bool moves = !options.motions.empty();
   if (options.poses.empty() != moves) throw ConfigError("validate needs either --poses or --motions (see --help)");
-  for (const char* other : moves ? std::vector{"--evaluator", "--max-mje", "--max-mje-mm", "--map"}
-                                 : std::vector{"--max-rms", "--max-rms-mm"}) {
-    if (app.count(other) == 0) continue;
-    throw ConfigError(fmt::format("found {} with {}, expected it with {}", other, moves ? "--motions" : "--poses",
-                                  moves ? "--poses" : "--motions"));
+  if (moves) {
+    refuseOptions(app, {"--evaluator", "--max-mje", "--max-mje-mm", "--settle-s", "--map"},
+                  "with --motions, expected it with --poses");
+  } else {
+    refuseOptions(app, {"--max-rms", "--max-rms-mm"}, "with --poses, expected it with --motions");
   }
   if (!moves) return run(options, argv);
   return validateMotions({options.common, options.table.skip_bad_rows, options.model, options.motions, options.config,

@@ -1,10 +1,14 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "drive_parameters.h"
+#include "opposite_sign.h"
+#include "simgap/core/error.h"
 #include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/motion.h"
-#include "simgap/optimize/separable.h"
 
 namespace simgap {
 namespace {
@@ -52,11 +56,13 @@ class FirstGuess {
       theta_[kTauM] = m.coulomb_friction;
     }
     applyFixed();
-    velocity_ = speeds();
     if (options_.fit_motor) electrical();
     applyFixed();
-    if (options_.fit_motor) mechanical();
-    if (options_.fit_gearbox) gearing();
+    velocity_ = speeds();
+    const MatrixXd x = balance();
+    requireSigns(x);
+    if (options_.fit_motor) mechanical(x);
+    if (options_.fit_gearbox) gearing(x);
     applyFixed();
     return theta_;
   }
@@ -79,51 +85,117 @@ class FirstGuess {
     if (log_.voltage.empty()) return;
     const VectorXd v = column(log_.voltage);
     if (log_.current.empty()) {
-      theta_[kKe] = std::max(regress(column(velocity_), v)[0], 1e-9);
+      theta_[kKe] = std::max(regress(column(log_.velocity), v)[0], 1e-9);
     } else if (!log_.velocity.empty()) {
       MatrixXd x(v.size(), 3);
-      x << column(log_.current), slope(log_, log_.current), column(velocity_);
+      x << column(log_.current), slope(log_, log_.current), column(log_.velocity);
       const VectorXd c = regress(x, v);
       theta_[kR] = std::max(c[0], 1e-9);
       theta_[kL] = c[1] > 0.0 ? c[1] : 1e-3 * theta_[kR];
       theta_[kKe] = std::max(c[2], 1e-9);
+    } else {
+      speedless(v);
     }
     theta_[kKt] = theta_[kKe];
   }
 
-  void mechanical() {
-    const VectorXd w = column(velocity_), dw = slope(log_, velocity_);
-    VectorXd sign(w.size());
-    const MotionSign held = holdSign(velocity_);
-    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[i];
-    VectorXd i_a =
-        log_.current.empty() ? VectorXd((column(log_.voltage) - theta_[kKe] * w) / theta_[kR]) : column(log_.current);
+  /// K_E w = V - R i in the torque balance, with K = K_E = K_T:
+  /// (K + mu R / K) i = T + J / K dV/dt - J R / K di/dt + mu / K V + tau sign(V).
+  void speedless(const VectorXd& v) {
+    MatrixXd x(v.size(), 5);
+    x << load(), slope(log_, log_.voltage), -slope(log_, log_.current), v, heldSign(log_.voltage);
+    const bool loaded = varies(log_.load);
+    const VectorXd c = regress(x.rightCols(loaded ? 5 : 4), column(log_.current));
+    const double per_voltage = c[loaded ? 1 : 0], per_current = c[loaded ? 2 : 1];
+    if (per_voltage > 0.0 && per_current > 0.0) theta_[kR] = per_current / per_voltage;
+    if (loaded && options_.tie_constants) theta_[kKe] = torquePerAmpere(c[0]);
+    theta_[kL] = 1e-3 * theta_[kR];
+  }
+
+  VectorXd load() const {
+    return log_.load.empty() ? VectorXd(VectorXd::Zero(std::ssize(log_.time))) : column(log_.load);
+  }
+
+  static VectorXd heldSign(const std::vector<double>& velocity) {
+    const MotionSign held = holdSign(velocity);
+    VectorXd sign(std::ssize(velocity));
+    for (Index i = 0; i < sign.size(); ++i) sign[i] = held.direction[i];
+    return sign;
+  }
+
+  /// Columns of the torque balance, i = c_0 T + c_1 dw/dt + c_2 w + c_3 sign(w), shape (rows, 4).
+  MatrixXd balance() const {
+    MatrixXd x(log_.rows(), 4);
+    x << load(), slope(log_, velocity_), column(velocity_), heldSign(velocity_);
+    return x;
+  }
+
+  /// Logged, or what the winding draws.
+  VectorXd current() const {
+    if (!log_.current.empty()) return column(log_.current);
+    return (column(log_.voltage) - theta_[kKe] * column(velocity_)) / theta_[kR];
+  }
+
+  /// Refuses a channel that was recorded with the opposite sign: with it turned round the torque balance, of a motor
+  /// and of a gearbox alike, explains the current.
+  void requireSigns(const MatrixXd& balance) const {
+    if (!varies(log_.load)) return;
+    MatrixXd all(balance.rows(), balance.cols() + 2);
+    all << balance, VectorXd::Ones(balance.rows()), current();
+    const MatrixXd gram = all.transpose() * all;
+    std::vector<LinearTerm> terms(static_cast<std::size_t>(balance.cols()) + 1);
+    terms.back().lower = -std::numeric_limits<double>::infinity();
+    const auto costWith = [&](Index first, Index count) {
+      VectorXd signs = VectorXd::Ones(all.cols());
+      signs.segment(first, count).setConstant(-1.0);
+      return costTurned(gram, signs, terms);
+    };
+    struct Turned {
+      const char* channel;
+      double cost;
+    };
+    std::vector<Turned> turned = {{"load_torque_Nm", costWith(0, 1)}};
+    if (!log_.current.empty() && !log_.velocity.empty()) {
+      turned.push_back({"current_A", costWith(all.cols() - 1, 1)});
+      turned.push_back({"velocity_rad_s", costWith(1, 3)});
+    }
+    const Turned& best = *std::ranges::min_element(turned, {}, &Turned::cost);
+    const double as_it_is = costWith(0, 0);
+    if (!(best.cost < kOtherSign * as_it_is)) return;
+    const auto rms = [&](double cost) { return std::sqrt(std::max(cost, 0.0) / static_cast<double>(all.rows())); };
+    throw DataError(fmt::format(
+        "{0}: {1} has the opposite sign: turned round, load and friction explain the current to {2:.3g} A, as it is to "
+        "{3:.3g}; turn it with --map {1}=COLUMN*-1",
+        log_.file, best.channel, rms(best.cost), rms(as_it_is)));
+  }
+
+  /// \param amperes  per torque of the load
+  double torquePerAmpere(double amperes) const {
+    if (amperes > 0.0) return 1.0 / amperes;
+    throw DataError(log_.file +
+                    ": what drives the motor does not grow with load_torque_Nm, so K_T cannot be found: check both "
+                    "channels and their signs (--map load_torque_Nm=COLUMN*-1 turns one), or fix it (--fix K_T=…)");
+  }
+
+  void mechanical(const MatrixXd& x) {
+    const VectorXd i_a = current();
     VectorXd c;
     const bool known = options_.fixed.contains("K_T") || options_.tie_constants;
     if (varies(log_.load) && !known) {
-      MatrixXd x(w.size(), 4);
-      x << column(log_.load), dw, w, sign;  // i = (T + J dw + mu w + tau sign) / K_T
-      c = regress(x, i_a);
-      const double per_ampere = std::max(c[0], 1e-12);
-      theta_[kKt] = 1.0 / per_ampere;
-      c = VectorXd(c.tail(3) / per_ampere);
+      c = regress(x, i_a);  // i = (T + J dw + mu w + tau sign) / K_T
+      theta_[kKt] = torquePerAmpere(c[0]);
+      c = VectorXd(c.tail(3) / c[0]);
     } else {
-      MatrixXd x(w.size(), 3);
-      x << dw, w, sign;
-      const VectorXd load = log_.load.empty() ? VectorXd::Zero(w.size()) : column(log_.load);
-      c = regress(x, theta_[kKt] * i_a - load);
+      c = regress(x.rightCols(3), theta_[kKt] * i_a - x.col(0));
     }
     if (c[0] > 0.0) theta_[kJm] = c[0];
     theta_[kMuM] = c[1];
     theta_[kTauM] = c[2];
   }
 
-  void gearing() {
+  void gearing(const MatrixXd& balance) {
     const double n = options_.ratio;
-    const VectorXd w = column(velocity_), dw = slope(log_, velocity_);
-    VectorXd sign(w.size());
-    const MotionSign held = holdSign(velocity_);
-    for (Index i = 0; i < w.size(); ++i) sign[i] = held.direction[i];
+    const auto dw = balance.col(1), w = balance.col(2), sign = balance.col(3);
     const VectorXd inner =
         theta_[kKt] * column(log_.current) - theta_[kJm] * dw - theta_[kMuM] * w - theta_[kTauM] * sign;
     MatrixXd x(w.size(), 4);  // 000 eq. 11: T = N eta tau_LM - tau_CG - mu_G w_G - J_G dw_G/dt

@@ -7,8 +7,9 @@
 #include <cmath>
 
 #include "drive_parameters.h"
+#include "drive_units.h"
+#include "missing_channels.h"
 #include "simgap/core/error.h"
-#include "simgap/fit/actuators/winding_signs.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/resolution.h"
 
@@ -32,7 +33,7 @@ class ResponseProblem {
         step_(meanStep(log)),
         typical_(kCount, 0.0) {
     parameters_ = driveParameters(options, step_);
-    if (options.tie_constants) parameters_[kKt].fixed = true;
+    if (options.tie_constants) tieConstants();
     for (const Block& session : splitRows(log.session, log.rows())) {
       std::size_t kept = 0;
       for (std::size_t i = session.begin; i < session.end; ++i) kept += counts(i) ? 1 : 0;
@@ -79,6 +80,18 @@ class ResponseProblem {
   std::size_t rows() const { return chunks_.empty() ? 0 : chunks_.back().end / channels(); }
 
  private:
+  /// One constant, within the bounds of both.
+  void tieConstants() {
+    ParameterSpec &emf = parameters_[kKe], &torque = parameters_[kKt];
+    torque.fixed = true;
+    emf.lower = std::max(emf.lower, torque.lower);
+    emf.upper = std::min(emf.upper, torque.upper);
+    if (emf.lower < emf.upper) return;
+    throw ConfigError(
+        "--bounds K_E and --bounds K_T have nothing in common, expected ranges of one constant: the log "
+        "cannot tell them apart");
+  }
+
   bool counts(std::size_t row) const { return fitted_.empty() || fitted_[row]; }
 
   void evaluate(std::span<const double> theta, const Block& chunk, Eigen::Ref<VectorXd> residual) const {
@@ -131,74 +144,6 @@ void checkMotorLog(const MotorLog& log) {
                                    {"velocity_rad_s", log.velocity, 2e4},
                                    {"load_torque_Nm", log.load, 1e6}};
   (void)checkChannels(log.file, channels);
-}
-
-/// Fixes what cannot be told without a load in the log.
-void settleUnloaded(const MotorLog& log, DriveFitOptions& options, std::vector<std::string>& missing,
-                    std::vector<std::string>& warnings) {
-  const bool whole = *options.extent == DriveExtent::kWhole;
-  const char* const only = "J_M, mu_M and tau_CM hold only if nothing loaded the motor";
-  for (const char* name : {"J_M", "mu_M", "tau_CM"}) {
-    if (whole) break;
-    if (options.fixed.try_emplace(name, 1.0).second) missing.emplace_back(name);
-  }
-  if (options.fixed.contains("K_T")) {
-    if (whole) warnings.push_back(fmt::format("no load torque in the log: {}; record load_torque_Nm", only));
-  } else if (varies(log.voltage)) {
-    options.tie_constants = true;
-    warnings.push_back(
-        fmt::format("no load torque in the log: K_T is taken as K_E (an ideal motor's, in SI units){}; record "
-                    "load_torque_Nm, or --fix K_T=…",
-                    whole ? fmt::format(", and {}", only) : ""));
-  } else if (!options.fixed.contains("J_M")) {
-    throw DataError(log.file +
-                    ": neither a load torque nor a voltage in the log: only ratios of K_T, J_M, mu_M and tau_CM act on "
-                    "it, expected one of them to be known (--fix K_T=…)");
-  }
-}
-
-/// Fixes what a log without some channel cannot say anything about.
-/// \returns names of the parameters that cannot be found: they get a placeholder that nothing depends on.
-std::vector<std::string> settleMissing(const MotorLog& log, DriveFitOptions& options,
-                                       std::vector<std::string>& warnings) {
-  std::vector<std::string> missing;
-  const auto fail = [&](const std::string& sentence) { throw DataError(log.file + ": " + sentence); };
-  const bool voltage = varies(log.voltage), current = varies(log.current), velocity = varies(log.velocity);
-  if (!voltage && !current) fail("found neither a voltage nor a current that varies, expected one: record steps");
-  if (!velocity && !(voltage && current)) {
-    fail("found no velocity that varies, expected it, or voltage and current from which it follows");
-  }
-  if (!log.voltage.empty() && !voltage) fail("voltage_V is constant throughout: record steps of voltage");
-  if (!log.velocity.empty() && !velocity) fail("velocity_rad_s is constant throughout: record steps with motion");
-  if (!log.current.empty() && !current) fail("current_A is constant throughout: nothing can be found from it");
-  if (options.fit_motor && voltage && current && velocity) {
-    const std::string turned = oppositeWindingSign(log.voltage, log.current, log.velocity);
-    if (!turned.empty()) fail(turned);
-  }
-  if (options.fit_motor && !voltage) {
-    warnings.emplace_back("no voltage in the log: R, L and K_E cannot be found; record voltage_V");
-    for (const char* name : {"R", "L", "K_E"}) {
-      if (!options.fixed.contains(name)) missing.emplace_back(name);
-      options.fixed.try_emplace(name, 1.0);
-    }
-  }
-  if (options.fit_motor && !varies(log.load)) settleUnloaded(log, options, missing, warnings);
-  if (options.fit_motor && voltage && !current && !options.fixed.contains("R")) {
-    warnings.emplace_back(
-        "no current in the log: R and the torques can be found only in proportion; record current_A, "
-        "or --fix R=…");
-  }
-  if (options.fit_gearbox && !varies(log.load)) {
-    fail(
-        "the load torque is missing or constant: efficiency and gear friction cannot be told apart; record several "
-        "loads in both directions");
-  }
-  if (options.fit_gearbox && log.current.empty())
-    fail("found no current_A, expected it: it carries the motor's torque");
-  // A delay is one against the velocity, or of the voltage against the current.
-  if (!voltage) options.fixed.try_emplace("voltage_delay", 0.0);
-  if (!current || !velocity) options.fixed.try_emplace("current_delay", 0.0);
-  return missing;
 }
 
 /// Rough fits from the regression, and from mechanical parameters that are off by a factor; the best first.
@@ -261,21 +206,6 @@ void addMotorUncertainty(const LeastSquaresProblem& problem, const DriveFitOptio
   addHeldUncertainty(problem, fit.theta, held, options.motor_covariance, fit.uncertainty);
 }
 
-/// What is tied to another parameter takes its estimate over; what is missing has none.
-void settleEstimates(Uncertainty& uncertainty, const DriveFitOptions& options,
-                     const std::vector<std::string>& missing) {
-  if (options.tie_constants) {
-    Estimate& torque = uncertainty.estimates[kKt];
-    const Estimate& emf = uncertainty.estimates[kKe];
-    torque.value = emf.value, torque.sd = emf.sd, torque.lower95 = emf.lower95, torque.upper95 = emf.upper95;
-  }
-  for (Estimate& e : uncertainty.estimates) {
-    if (std::ranges::find(missing, e.name) == missing.end()) continue;
-    e.value = e.sd = e.lower95 = e.upper95 = std::nan("");
-    e.fixed = e.identifiable = false;
-  }
-}
-
 DriveFit fitExtent(const MotorLog& log, DriveFitOptions options, DriveExtent extent, const std::vector<bool>& rows) {
   options.extent = extent;
   DriveFit fit;
@@ -324,6 +254,11 @@ DriveFit fitExtent(const MotorLog& log, DriveFitOptions options, DriveExtent ext
   });
   addMotorUncertainty(found_problem, options, fit);
   settleEstimates(fit.uncertainty, options, missing);
+  if (options.fit_motor && !options.tie_constants) {
+    const std::vector<Estimate>& all = fit.uncertainty.estimates;
+    const std::string strange = strangeConstants(all[kKe], all[kKt]);
+    if (!strange.empty()) fit.warnings.push_back(strange);
+  }
   takeDelays(log, response, fit);
   const DriveResponse r = measure(fit.theta);
   const auto channel = [&](const char* name, const char* unit, const std::vector<double>& simulated,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/channel_checks.h"
 
 namespace simgap {
@@ -17,16 +18,10 @@ std::vector<ParameterSpec> driveParameters(const DriveFitOptions& options, doubl
                                     {"tau_CG", "Nm", 0.0, kInfinity},       {"mu_G", "Nms", 0.0, kInfinity},
                                     {"J_G", "kg_m2", 0.0, kInfinity},       {"voltage_delay", "s", -latest, latest},
                                     {"current_delay", "s", -latest, latest}};
-  for (std::size_t i = 0; i < kCount; ++i) {
-    ParameterSpec& p = all[i];
-    const auto bounds = options.bounds.find(p.name);
-    if (bounds != options.bounds.end()) {
-      p.lower = bounds->second.lower;
-      p.upper = bounds->second.upper;
-    }
-    if (i < kFirstDelay) p.fixed = i < kFirstOfGearbox ? !options.fit_motor : !options.fit_gearbox;
-    if (options.fixed.contains(p.name)) p.fixed = true;
+  for (std::size_t i = 0; i < kFirstDelay; ++i) {
+    all[i].fixed = i < kFirstOfGearbox ? !options.fit_motor : !options.fit_gearbox;
   }
+  constrain({options.fixed, options.bounds}, all);
   return all;
 }
 

@@ -45,6 +45,7 @@ bool varies(const std::vector<double>& channel);
 
 /// The multiple regressions of 000: V on (i, di/dt, w), then the torque balance on (dw/dt, w, sign w).
 /// \returns shape (kCount)
+/// \throws DataError: a load, current or velocity with the opposite sign, a load that the current does not follow.
 std::vector<double> driveFirstGuess(const MotorLog& log, const DriveFitOptions& options);
 
 }  // namespace simgap

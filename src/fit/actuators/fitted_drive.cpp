@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/error.h"
 #include "simgap/core/units.h"
 
 namespace simgap {
@@ -30,6 +31,11 @@ JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, 
 }
 
 Motor motorFrom(const FittedModel& model) {
+  for (const char* divisor : {"R", "L", "K_E", "K_T", "J_M"}) {
+    const double value = model.value(divisor);
+    if (value > 0.0) continue;
+    throw ConfigError(fmt::format("{}: found {} = {:g}, expected a number > 0", model.file, divisor, value));
+  }
   return {model.value("R"),   model.value("L"),    model.value("K_E"),    model.value("K_T"),
           model.value("J_M"), model.value("mu_M"), model.value("tau_CM"), 0.0};
 }

@@ -92,6 +92,13 @@ std::vector<std::string> gaps(const FrictionModel& model, const FrictionData& da
                     "directions",
                     data.hasLoad() ? "an offset or, under a load of one sign, from k_a" : "an offset"));
   }
+  const double first = data.load[0];
+  if (!model.parameters()[0].fixed && data.load_per.cols() == 0 && (data.load == first).all()) {
+    sentences.push_back(
+        fmt::format("the load is {:.3g} {} in every row: k_a stands on this one, and an offset of {} looks like it; "
+                    "record several loads",
+                    first, data.load_unit, data.effort_name));
+  }
   if (!model.law().hasStribeck() || model.parameters()[model.speedIndex()].fixed) return sentences;
   const double v_s = theta[model.speedIndex()];
   const auto below = (data.velocity.abs() < v_s).count();

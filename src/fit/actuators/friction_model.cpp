@@ -1,11 +1,10 @@
 #include "friction_model.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/model/friction/friction_evaluation.h"
 
 namespace simgap {
@@ -47,20 +46,9 @@ FrictionModel::FrictionModel(const FrictionLaw& law, const FrictionData& data, c
 }
 
 void FrictionModel::addParameter(const FrictionFitOptions& options, ParameterSpec parameter) {
-  double value = 0.0;
-  if (const auto bounds = options.bounds.find(parameter.name); bounds != options.bounds.end()) {
-    parameter.lower = bounds->second.lower;
-    parameter.upper = bounds->second.upper;
-  }
-  if (const auto fixed = options.fixed.find(parameter.name); fixed != options.fixed.end()) {
-    value = fixed->second;
-    const bool positive = parameter.name == "k_a" || parameter.name == "v_s" || parameter.name == "delta";
-    if (positive && value <= 0.0) {
-      throw ConfigError(fmt::format("--fix {}={}: expected a number > 0", parameter.name, value));
-    }
-    parameter.fixed = true;
-    parameter.lower = parameter.upper = value;
-  }
+  constrain({options.fixed, options.bounds}, {&parameter, 1});
+  const double value = parameter.fixed ? options.fixed.at(parameter.name) : 0.0;
+  if (parameter.fixed) parameter.lower = parameter.upper = value;
   parameters_.push_back(parameter);
   fixed_.push_back(value);
 }

@@ -6,9 +6,9 @@
 #include <array>
 #include <cmath>
 
+#include "opposite_sign.h"
 #include "simgap/core/units.h"
 #include "simgap/optimize/least_squares.h"
-#include "simgap/optimize/separable.h"
 
 namespace simgap {
 namespace {
@@ -49,7 +49,6 @@ MatrixXd productSums(const FrictionData& data, const Places& places) {
 }  // namespace
 
 std::string oppositeSign(const FrictionData& data) {
-  constexpr double kOther = 0.5;  // of the squared error: what the other sign may leave to be the right one
   const Places places(data);
   const MatrixXd sums = productSums(data, places);
   std::vector<LinearTerm> terms(static_cast<std::size_t>(places.effort()));
@@ -57,7 +56,7 @@ std::string oppositeSign(const FrictionData& data) {
   const auto costWith = [&](Index first, Index count) {
     VectorXd sign = VectorXd::Ones(places.count());
     sign.segment(first, count).setConstant(-1.0);
-    return solveBounded(sign.asDiagonal() * sums * sign.asDiagonal(), terms).cost;
+    return costTurned(sums, sign, terms);
   };
   const bool derived = std::ranges::find(data.derived, "velocity") != data.derived.end();
   const std::string motion =
@@ -73,7 +72,7 @@ std::string oppositeSign(const FrictionData& data) {
       Turned{motion, costWith(places.loads, Places::kFriction)}};
   const Turned& best = *std::ranges::min_element(turned, {}, &Turned::cost);
   const double as_it_is = costWith(0, 0);
-  if (!(best.cost < kOther * as_it_is)) return {};
+  if (!(best.cost < kOtherSign * as_it_is)) return {};
   const auto rms = [&](double cost) { return std::sqrt(std::max(cost, 0.0) / static_cast<double>(data.rows())); };
   return fmt::format(
       "{} has the opposite sign: turned round, load and friction explain the effort to {:.3g} {}, as it is to {:.3g}; "

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pam_signs.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/parameter_choices.h"
 #include "simgap/measure/logs/channel_checks.h"
@@ -188,6 +189,7 @@ PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector
   if (isConstant(log.contraction)) {
     fit.warnings.emplace_back("the contraction is constant: a, b, c and k act only together; record several lengths");
   }
+  if (const std::string turned = oppositePamSign(log); !turned.empty()) throw DataError(log.file + ": " + turned);
   std::vector<LeastSquaresResult> found;
   if (!options.spring) {
     const double k = options.fixed.contains("k") ? options.fixed.at("k") : kInfinity;

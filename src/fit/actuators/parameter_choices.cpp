@@ -8,6 +8,7 @@
 #include "option_text.h"
 #include "simgap/core/error.h"
 #include "simgap/core/units.h"
+#include "simgap/core/yaml.h"
 
 namespace simgap {
 namespace {
@@ -30,17 +31,47 @@ Bounds boundsOption(const NamedText& entry) {
   return range;
 }
 
+[[noreturn]] void failTwice(const std::string& name) {
+  throw ConfigError(fmt::format("found {} twice among --fix and --bounds, expected it once", name));
+}
+
+/// What a parameter can be, by the bounds that its model gives it.
+const Range& possibleRange(const ParameterSpec& own) {
+  if (own.lower < 0.0) return kAnyNumber;
+  if (own.lower == 0.0) return kNonNegative;
+  return own.unit == "1" && own.upper == 1.0 ? kEfficiency : kPositive;
+}
+
+void requirePossible(const ParameterChoices& choices, const ParameterSpec& own) {
+  const Range& range = possibleRange(own);
+  const auto fixed = choices.fixed.find(own.name);
+  if (fixed != choices.fixed.end()) {
+    const double value = fixed->second;
+    const bool above = range.lower_open ? value > range.lower : value >= range.lower;
+    if (above && value <= range.upper) return;
+    throw ConfigError(fmt::format("--fix {}: found {:g}, expected {}", own.name, value, range.expected));
+  }
+  const auto bounds = choices.bounds.find(own.name);
+  if (bounds == choices.bounds.end()) return;
+  const auto [lower, upper] = bounds->second;  // 0 as the lower one means next to nothing
+  if (lower >= range.lower && upper <= range.upper) return;
+  throw ConfigError(
+      fmt::format("--bounds {}: found {:g}:{:g}, expected each to be {}", own.name, lower, upper, range.expected));
+}
+
 }  // namespace
 
 ParameterChoices readParameterChoices(std::span<const std::string> fix, std::span<const std::string> bounds) {
   ParameterChoices choices;
   for (const std::string& text : fix) {
     const NamedText entry = splitNamed("--fix", text, "NAME=VALUE");
-    choices.fixed[entry.name] = numberOption("--fix " + entry.name, entry.value);
+    const double value = numberOption("--fix " + entry.name, entry.value);
+    if (!choices.fixed.emplace(entry.name, value).second) failTwice(entry.name);
   }
   for (const std::string& text : bounds) {
     const NamedText entry = splitNamed("--bounds", text, "NAME=LOWER:UPPER");
-    choices.bounds[entry.name] = boundsOption(entry);
+    const bool first = choices.bounds.emplace(entry.name, boundsOption(entry)).second;
+    if (!first || choices.fixed.contains(entry.name)) failTwice(entry.name);
   }
   return choices;
 }
@@ -60,10 +91,13 @@ void requireKnown(const ParameterChoices& choices, std::span<const std::string> 
 }
 
 void constrain(const ParameterChoices& choices, std::span<ParameterSpec> parameters) {
+  constexpr double kNextToNothing = 1e-6;  // of the upper bound: a lower one of 0 for what cannot be 0
   for (ParameterSpec& p : parameters) {
+    requirePossible(choices, p);
     if (const auto bounds = choices.bounds.find(p.name); bounds != choices.bounds.end()) {
-      p.lower = bounds->second.lower;
-      p.upper = bounds->second.upper;
+      const auto [lower, upper] = bounds->second;
+      p.lower = lower == 0.0 && p.lower > 0.0 ? std::min(p.lower, kNextToNothing * upper) : lower;
+      p.upper = upper;
     }
     p.fixed = p.fixed || choices.fixed.contains(p.name);
   }

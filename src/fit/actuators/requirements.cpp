@@ -44,12 +44,16 @@ std::vector<Requirement> readRequirements(const std::vector<std::string>& texts)
       continue;
     }
     const std::size_t first = text.find(':'), last = text.rfind(':');
-    const auto velocity = first < last ? parseNumber(text.substr(first + 1, last - first - 1)) : std::nullopt;
-    const auto torque = first < last ? parseNumber(text.substr(last + 1)) : std::nullopt;
-    if (!velocity || !torque) {
-      throw ConfigError(fmt::format("--require: found '{}', expected NAME:DEG_PER_S:NM, or paper", text));
+    // 0 where there is no number, which no working point has.
+    const auto number = [&](std::size_t begin, std::size_t end) {
+      return first < last ? parseNumber(text.substr(begin, end - begin)).value_or(0.0) : 0.0;
+    };
+    const double velocity = number(first + 1, last), torque = number(last + 1, text.size());
+    if (first == 0 || !(velocity > 0.0 && torque > 0.0)) {
+      throw ConfigError(
+          fmt::format("--require: found '{}', expected NAME:DEG_PER_S:NM with numbers above 0, or paper", text));
     }
-    all.push_back({text.substr(0, first), unitConversion("deg_s", "rad_s")->operator()(*velocity), *torque});
+    all.push_back({text.substr(0, first), unitConversion("deg_s", "rad_s")->operator()(velocity), torque});
   }
   return all;
 }

@@ -7,13 +7,12 @@
 #include <limits>
 #include <vector>
 
-#include "simgap/optimize/separable.h"
+#include "opposite_sign.h"
 
 namespace simgap {
 
 std::string oppositeWindingSign(std::span<const double> voltage, std::span<const double> current,
                                 std::span<const double> velocity) {
-  constexpr double kOther = 0.5;  // of the squared error: what the other sign may leave to be the right one
   Eigen::Matrix4d sums = Eigen::Matrix4d::Zero();
   for (std::size_t i = 0; i < voltage.size(); ++i) {
     const Eigen::Vector4d row(current[i], velocity[i], 1.0, voltage[i]);
@@ -22,14 +21,13 @@ std::string oppositeWindingSign(std::span<const double> voltage, std::span<const
   std::vector<LinearTerm> terms(3);
   terms.back().lower = -std::numeric_limits<double>::infinity();
   const auto rmsWith = [&](double of_current, double of_velocity) {
-    const Eigen::Vector4d sign(of_current, of_velocity, 1.0, 1.0);
-    const double cost = solveBounded(sign.asDiagonal() * sums * sign.asDiagonal(), terms).cost;
+    const double cost = costTurned(sums, Eigen::Vector4d(of_current, of_velocity, 1.0, 1.0), terms);
     return std::sqrt(std::max(cost, 0.0) / static_cast<double>(voltage.size()));
   };
   const double as_it_is = rmsWith(1.0, 1.0), turned_current = rmsWith(-1.0, 1.0), turned_velocity = rmsWith(1.0, -1.0);
   const bool of_current = turned_current < turned_velocity;
   const double turned = of_current ? turned_current : turned_velocity;
-  if (!(turned * turned < kOther * as_it_is * as_it_is)) return {};
+  if (!(turned * turned < kOtherSign * as_it_is * as_it_is)) return {};
   return fmt::format(
       "the {0} has the opposite sign: turned round, a winding explains the voltage to {1:.3g} V, as it is to {2:.3g}; "
       "turn it with --map {0}=COLUMN*-1",

@@ -163,6 +163,8 @@ PamLog readJointPamLog(CsvTable table, const MusclePulley& pulley) {
   PamLog log;
   log.file = table.name();
   const bool named = table.offersQuantity("muscle_torque", "Nm");
+  log.force_column = named ? "muscle_torque_Nm" : "torque_Nm";
+  log.of_joint = true;
   const std::vector<double> torque = table.takeQuantity(named ? "muscle_torque" : "torque", "Nm");
   const std::vector<double> angle = table.takeQuantity("angle", "rad");
   const std::vector<double> flexor = optional(table, "pressure_flexor", "Pa");

@@ -13,6 +13,7 @@
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/motion.h"
 #include "simgap/measure/logs/rig_load.h"
+#include "velocity_scale.h"
 
 namespace simgap {
 namespace {
@@ -42,6 +43,20 @@ void checkLog(const ActuatorLog& log, FrictionData& data) {
                     "and fast motion in both directions",
                     log.file, velocity, log.velocity.front()));
   }
+}
+
+/// A velocity or a position in degrees under a name in radians shows where both are there. Another factor is none of
+/// units: the position may be that of another shaft, and friction does not ask for it.
+void refuseDegrees(const ActuatorLog& log, std::span<const Block> runs) {
+  constexpr double kSlip = 0.03;  // of 1: 57.3 may be the ratio of a gearbox
+  if (log.linear || !log.has_time || log.position.empty() || log.velocity.empty()) return;
+  const std::optional<VelocityScale> scale = velocityScale(log.time, log.position, log.velocity, runs);
+  const std::string slip = scale ? degreesSlip(scale->factor, kSlip) : "";
+  if (slip.empty()) return;
+  throw DataError(
+      fmt::format("{}: found a velocity that is {:.3g} times the slope of the position, expected both in the "
+                  "units that their columns say{}",
+                  log.file, scale->factor, slip));
 }
 
 /// Drops rows channel by channel, in place: the data are the largest thing in memory.
@@ -141,6 +156,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   data.session_names = log.session_names;
   const bool derived_velocity = log.velocity.empty();
   const std::vector<Block> runs = splitRuns(log.time, log.session);
+  refuseDegrees(log, runs);
   if (!options.raw_sign) {
     takeEvenTimes(log, runs, bench.needsAcceleration(), data);
     putSpikesRight(log, data);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "simgap/core/error.h"
@@ -86,6 +88,19 @@ void addPendulum(const ActuatorLog& log, const Bench& bench, const ArrayXd& angl
              perRow(log, sessions, &BenchConstants::inertia), acceleration);
 }
 
+/// A pendulum that goes round and round is one in degrees.
+void warnOfTurns(const ActuatorLog& log, double ratio, FrictionData& data) {
+  constexpr double kMany = 3.0;  // turns
+  const auto [low, high] = std::ranges::minmax(log.position);
+  const double turns = (high - low) / ratio / (2.0 * std::numbers::pi);
+  if (turns < kMany) return;
+  data.warnings.push_back(
+      fmt::format("the pendulum turns {:.0f} times round: is its position in radians? (a position in degrees has a "
+                  "column that ends "
+                  "in _deg)",
+                  turns));
+}
+
 void addFreeAxis(const ActuatorLog& log, const Bench& bench, const ArrayXd& acceleration, FrictionData& data) {
   const auto constant = log.linear ? &BenchConstants::mass : &BenchConstants::inertia;
   addRigTerm(data, (bench.*constant).fitted, log.linear ? "mass" : "inertia", log.linear ? "kg" : "kg_m2",
@@ -109,6 +124,7 @@ void workOutLoad(const ActuatorLog& log, const Bench& bench, FrictionData& data)
     case BenchLoad::kPendulum: {
       if (log.position.empty()) throw DataError(log.file + ":1: found no position, expected it for a pendulum");
       const double ratio = bench.ratio.value_or(1.0);
+      warnOfTurns(log, ratio, data);
       addPendulum(log, bench, column(log.position) / ratio, column(log.acceleration) / ratio, data);
       return;
     }

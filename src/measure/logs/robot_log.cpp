@@ -16,6 +16,7 @@
 #include "simgap/core/statistics.h"
 #include "simgap/measure/logs/rests.h"
 #include "turns.h"
+#include "velocity_scale.h"
 
 namespace simgap {
 namespace {
@@ -119,35 +120,13 @@ JointReader readJoint(CsvTable& table, const RobotLog& robot, const LoggedJoint&
 /// units or signs are no log of a robot.
 void requireVelocityOfPosition(const ActuatorLog& log, const std::vector<double>& time, std::span<const Block> runs,
                                const std::string& joint) {
-  constexpr std::size_t kHalf = 8;             // rows
-  constexpr double kMoves = 0.02, kFar = 0.3;  // [rad/s] or [m/s]; of 1
-  double product = 0.0, of_slope = 0.0, of_velocity = 0.0;
-  std::size_t count = 0;
-  for (const Block& run : runs) {
-    for (std::size_t i = run.begin + kHalf; i + kHalf < run.end; i += kHalf) {
-      const double slope = (log.position[i + kHalf] - log.position[i - kHalf]) / (time[i + kHalf] - time[i - kHalf]);
-      double velocity = 0.0;
-      for (std::size_t k = i - kHalf; k <= i + kHalf; ++k) velocity += log.velocity[k] / (2.0 * kHalf + 1.0);
-      product += slope * velocity;
-      of_slope += slope * slope;
-      of_velocity += velocity * velocity;
-      ++count;
-    }
-  }
-  const auto n = static_cast<double>(count);
-  if (count < kHalf || of_slope < n * kMoves * kMoves) return;  // the joint stands
-  // velocity = factor x slope + noise
-  const double factor = product / of_slope, noise = std::max(of_velocity - factor * product, 0.0) / n;
-  if (std::abs(factor - 1.0) < kFar + 4.0 * std::sqrt(noise / of_slope)) return;
-  const auto near = [&](double value) { return std::abs(factor / value - 1.0) < 0.1; };
-  const bool turns = !log.linear;
+  constexpr double kFar = 0.3, kSlip = 0.1;  // of 1
+  const std::optional<VelocityScale> scale = velocityScale(time, log.position, log.velocity, runs);
+  if (!scale || std::abs(scale->factor - 1.0) < kFar + 4.0 * scale->sd) return;
   throw DataError(
       fmt::format("{}: found a velocity of joint {} that is {:.3g} times the slope of its position, expected "
                   "columns of one joint, in the units that they say{}",
-                  log.file, joint, factor,
-                  turns && near(1.0 / kDegree) ? " (a velocity in degrees has a column that ends in _deg_s)"
-                  : turns && near(kDegree)     ? " (a position in degrees has a column that ends in _deg)"
-                                               : ""));
+                  log.file, joint, scale->factor, log.linear ? "" : degreesSlip(scale->factor, kSlip)));
 }
 
 /// The median of the times between rows [s]; 0 of a single one.

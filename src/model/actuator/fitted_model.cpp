@@ -55,7 +55,10 @@ bool FittedModel::has(std::string_view name) const {
 double FittedModel::value(std::string_view name) const {
   const auto found = std::ranges::find(parameters, name, &Estimate::name);
   if (found != parameters.end()) return found->value;
-  throw ConfigError(fmt::format("found no parameter {} in the {} model, expected it", name, kind));
+  throw ConfigError(
+      fmt::format("{}found no parameter {} in the {} model, expected it: a fit leaves out what its log does "
+                  "not tell",
+                  file.empty() ? "" : file + ": ", name, kind));
 }
 
 std::string FittedModel::setting(const std::string& key, const std::string& otherwise) const {

@@ -19,13 +19,15 @@ double readOr(const YamlNode& node, std::string_view stem, std::string_view unit
   return node.findQuantity(stem, unit, range).value_or(*fallback);
 }
 
+constexpr Range kInductance{0.0, kInfinity, true, "a number > 0 (1e-6 H stands for a winding without a lag)"};
+
 Motor readMotor(const YamlNode& node, const Motor* fallback) {
   const auto read = [&](std::string_view stem, std::string_view unit, const Range& range, double Motor::*member) {
     return readOr(node, stem, unit, range, fallback ? &(fallback->*member) : nullptr);
   };
   Motor motor;
   motor.resistance = read("resistance", "ohm", kPositive, &Motor::resistance);
-  motor.inductance = read("inductance", "H", kPositive, &Motor::inductance);
+  motor.inductance = read("inductance", "H", kInductance, &Motor::inductance);
   motor.back_emf_constant = read("back_emf_constant", "Vs", kPositive, &Motor::back_emf_constant);
   motor.torque_constant = read("torque_constant", "Nm_A", kPositive, &Motor::torque_constant);
   motor.inertia = read("inertia", "kg_m2", kPositive, &Motor::inertia);

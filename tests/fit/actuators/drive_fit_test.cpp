@@ -126,6 +126,50 @@ TEST(MotorFit, ListsWhatALogWithoutAChannelCannotShow) {
   EXPECT_THAT(errorOf([&] { fitDrive(readDrive(log.csv(false, true, false)), {}); }), HasSubstr("found no velocity"));
 }
 
+// K_E / J_M and K_E / mu_M are all that a winding tells of its rotor: a constant of its own came out as 0.0067 +- 1e6.
+TEST(MotorFit, WithoutAVelocityOneConstantIsToldByTheLoad) {
+  for (const double constant : {0.021, 0.06}) {
+    MotorTruth truth;
+    truth.resistance = 2.0, truth.emf = truth.torque = constant;
+    const MotorBenchLog log = simulateMotor(truth, {.load = 0.02, .current_noise = 0.02});
+    const DriveFit fit = fitDrive(readDrive(log.csv(true, true, false)), {});
+    EXPECT_THAT(fit.warnings, Contains(HasSubstr("no velocity in the log: K_E is taken as K_T")));
+    EXPECT_EQ(value(fit, "K_E"), value(fit, "K_T"));
+    expectMotor(fit, truth, 0.03);
+  }
+}
+
+TEST(MotorFit, WithoutAVelocityAKnownConstantIsBoth) {
+  const MotorTruth truth;
+  const MotorBenchLog log = simulateMotor(truth, {.load = 0.0, .current_noise = 0.02});
+  const MotorLog unloaded = readDrive(log.csv(true, false, false));
+  DriveFitOptions options;
+  options.fixed["K_T"] = truth.torque;
+  const DriveFit fit = fitDrive(unloaded, options);
+  EXPECT_THAT(fit.warnings, Contains(HasSubstr("no velocity in the log: K_E is taken as K_T")));
+  EXPECT_EQ(value(fit, "K_E"), truth.torque);
+  expectMotor(fit, truth, 0.03);
+  EXPECT_THAT(errorOf([&] { fitDrive(unloaded, {}); }), HasSubstr("neither a velocity nor a load torque"));
+}
+
+TEST(MotorFit, BoundsOfTiedConstantsHoldForBoth) {
+  const MotorLog log = readDrive(simulateMotor({}, {.seconds = 2.0, .current_noise = 0.02}).csv(true, true, false));
+  DriveFitOptions options;
+  options.bounds["K_T"] = {0.03, 0.1};
+  EXPECT_GE(value(fitDrive(log, options), "K_E"), 0.03);
+  options.bounds["K_E"] = {0.01, 0.02};
+  EXPECT_THAT(errorOf([&] { fitDrive(log, options); }), HasSubstr("have nothing in common"));
+}
+
+TEST(MotorFit, ASlipOfUnitsIsSeenInTheConstants) {
+  MotorBenchLog log =
+      simulateMotor({}, {.seconds = 3.0, .load = 0.005, .voltage = 5.0, .current_noise = 0.02, .velocity_noise = 1.0});
+  EXPECT_THAT(fitDrive(readDrive(log.csv()), {}).warnings, Not(Contains(HasSubstr("times K_E"))));
+  for (double& velocity : log.velocity) velocity *= 180.0 / std::numbers::pi;
+  EXPECT_THAT(fitDrive(readDrive(log.csv()), {}).warnings,
+              Contains(HasSubstr("times K_E, in SI units a motor's are about one: velocity_rad_s looks like degrees")));
+}
+
 /// A motor of 0.8 ohm, 1 mH, 0.02 Vs under steps of voltage and of a load that the log lacks, in Euler steps of 5 us:
 /// 0.4 % of the winding's time constant. Columns as a bench writes them, at 500 Hz.
 std::string logUnderUnloggedLoad(double load) {
@@ -217,6 +261,10 @@ TEST(GearboxFit, RecoversTheTruthWithAndWithoutSpeed) {
   }
   EXPECT_THAT(errorOf([&] { fitDrive(readDrive(log.csv(true, false)), options); }),
               HasSubstr("load torque is missing"));
+  MotorBenchLog output = log;
+  for (double& velocity : output.velocity) velocity /= truth.ratio;
+  EXPECT_THAT(errorOf([&] { fitDrive(readDrive(output.csv()), options); }),
+              HasSubstr("with the motor's R and K_E: it looks like the output's, expected the motor's"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 namespace simgap::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 constexpr double kA = 0.06, kB = -0.12, kC = 0.015, kSpring = 20000.0;  // some 5 kN at 0.6 MPa; 4 kN stretch by 0.2
@@ -131,6 +132,21 @@ TEST(PamFit, TiedParametersFollowTheGeometry) {
   ASSERT_TRUE(geometry);
   EXPECT_NEAR(geometry->diameter, d, 1e-9);
   EXPECT_NEAR(geometry->angle, psi, 1e-9);
+}
+
+/// What is said of a rig's log when one of its channels is turned round.
+std::string saidOfTurned(std::vector<double> PamLog::*channel, double spring) {
+  PamLog log = rig(spring, 20.0);
+  for (double& value : log.*channel) value = -value;
+  return errorOf([&] { fitPam(log, {}); });
+}
+
+TEST(PamFit, NamesTheChannelWithTheOppositeSign) {
+  for (const double spring : {kSpring, 1e12}) {
+    EXPECT_THAT(saidOfTurned(&PamLog::force, spring),
+                AllOf(HasSubstr("pam.csv: force_N has the opposite sign"), HasSubstr("--map force_N=COLUMN*-1")));
+    EXPECT_THAT(saidOfTurned(&PamLog::contraction, spring), HasSubstr("pam.csv: contraction has the opposite sign"));
+  }
 }
 
 TEST(PamFit, RefusesLogsThatCannotAnswer) {

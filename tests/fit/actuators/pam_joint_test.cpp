@@ -49,6 +49,14 @@ TEST(JointPamLog, TwoMusclesAreFoundFromTheirDifference) {
   expectRig(fitPam(log, options), 2e-3);  // torques are logged to 1e-4 N m, angles to 1e-5 rad
 }
 
+TEST(JointPamLog, ATurnedTorqueIsNamed) {
+  for (const bool both : {true, false}) {
+    PamLog log = readJoint(jointLog(0.1, both));
+    for (double& force : log.force) force = -force;
+    EXPECT_THAT(errorOf([&] { fitPam(log, {}); }), HasSubstr("_Nm has the opposite sign")) << both;
+  }
+}
+
 TEST(JointPamLog, OneMuscleIsFoundFromItsTorque) {
   std::string text = jointLog(0.0, false);
   text = replaced(text, "pressure_extensor_Pa", "unused_Pa");

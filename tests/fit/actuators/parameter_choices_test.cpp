@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "simgap/core/error.h"
+#include "support/files.h"
 
 namespace simgap {
 namespace {
@@ -50,6 +51,37 @@ TEST(ParameterChoicesTest, ConstrainsSpecificationsAndFixesValues) {
   std::vector<double> theta = {1.0, 2.0, 0.5};
   fixValues(specs, choices.fixed, theta);
   EXPECT_EQ(theta, (std::vector<double>{3.0, 2.0, 0.5}));
+}
+
+TEST(ParameterChoicesTest, RefusesANameThatStandsTwice) {
+  EXPECT_THROW(read({"R=1", "R=2"}, {}), ConfigError);
+  EXPECT_THROW(read({}, {"R=1:2", "R=1:3"}), ConfigError);
+  EXPECT_THROW(read({"R=1"}, {"R=0.5:2"}), ConfigError);
+}
+
+/// What is said of a choice for a resistance, a friction, an efficiency and an offset.
+std::string saidOf(const Texts& fix, const Texts& bounds) {
+  std::vector<ParameterSpec> specs = {
+      {"R", "ohm", 1e-12}, {"mu", "Nms", 0.0}, {"eta", "1", 1e-3, 1.0}, {"offset", "A"}};
+  return test::errorOf([&] { constrain(read(fix, bounds), specs); });
+}
+
+TEST(ParameterChoicesTest, RefusesWhatAParameterCannotBe) {
+  EXPECT_EQ(saidOf({"R=-1"}, {}), "2: --fix R: found -1, expected a number > 0");
+  EXPECT_EQ(saidOf({"R=0"}, {}), "2: --fix R: found 0, expected a number > 0");
+  EXPECT_EQ(saidOf({"mu=-2"}, {}), "2: --fix mu: found -2, expected a number >= 0");
+  EXPECT_EQ(saidOf({"eta=1.2"}, {}), "2: --fix eta: found 1.2, expected a number in (0, 1]");
+  EXPECT_EQ(saidOf({}, {"R=-2:-1"}), "2: --bounds R: found -2:-1, expected each to be a number > 0");
+  EXPECT_EQ(saidOf({}, {"mu=-1:5"}), "2: --bounds mu: found -1:5, expected each to be a number >= 0");
+  EXPECT_EQ(saidOf({}, {"eta=0.5:1.5"}), "2: --bounds eta: found 0.5:1.5, expected each to be a number in (0, 1]");
+}
+
+TEST(ParameterChoicesTest, TakesWhatAParameterCanBe) {
+  std::vector<ParameterSpec> specs = {
+      {"R", "ohm", 1e-12}, {"mu", "Nms", 0.0}, {"eta", "1", 1e-3, 1.0}, {"offset", "A"}};
+  EXPECT_NO_THROW(constrain(read({"mu=0", "eta=1", "offset=-3"}, {"R=0:2"}), specs));
+  EXPECT_GT(specs[0].lower, 0.0);  // a resistance of nothing divides by it
+  EXPECT_EQ(specs[0].upper, 2.0);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ TEST(Requirements, ReadsWorkingPointsAndThoseOfThePaper) {
 }
 
 TEST(Requirements, SaysWhatItCannotRead) {
-  for (const char* text : {"lift", "lift:90", "lift:fast:20", "lift:90:"}) {
+  for (const char* text : {"lift", "lift:90", "lift:fast:20", "lift:90:", "lift:-1:5", "lift:90:0", ":90:5"}) {
     EXPECT_THAT(test::errorOf([&] { readRequirements({text}); }),
                 HasSubstr(std::string("2: --require: found '") + text + "', expected NAME:DEG_PER_S:NM"));
   }

@@ -30,7 +30,7 @@ struct PamFit {
 };
 
 /// \param rows  shape (log rows): which to use; all when empty.
-/// \throws DataError: too few rows, constant pressure and contraction.
+/// \throws DataError: too few rows, a constant force, a force or contraction with the opposite sign.
 PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows = {});
 
 /// What a muscle (unbounded) pulls in a row of a log, less what the one that is like it and opposes it pulls. [N]

@@ -26,6 +26,7 @@ struct FittedModel {
   std::string data_file, data_sha256;
   std::size_t data_rows = 0;
   std::vector<Extension> extensions;  ///< causes that were added to the law (simgap/model/effects/actuator_effect.h)
+  std::string file = {};              ///< that it was read from, for errors; empty of a model that was just fitted
 
   bool has(std::string_view name) const;
   /// \throws ConfigError when the model has no such parameter.

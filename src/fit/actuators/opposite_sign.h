@@ -1,0 +1,21 @@
+/// \file
+/// What a regression whose coefficients cannot be negative says about the signs of its columns.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "simgap/optimize/separable.h"
+
+namespace simgap {
+
+/// Of the squared error: what a channel turned round may leave at most to have been recorded with the opposite sign.
+inline constexpr double kOtherSign = 0.5;
+
+/// The squared error of min |y - X c|^2 within the terms' bounds when each column of [X y] is multiplied by its sign.
+/// \param gram  normal matrix of [X y], shape (C + 1, C + 1). \param signs  1 or -1 each, shape (C + 1)
+inline double costTurned(const Eigen::MatrixXd& gram, const Eigen::VectorXd& signs, std::span<const LinearTerm> terms) {
+  return solveBounded(signs.asDiagonal() * gram * signs.asDiagonal(), terms).cost;
+}
+
+}  // namespace simgap
