@@ -208,7 +208,6 @@ void LogSearch::validate(Fitted& fitted) const {
   fitted.validation = errors(fitted.unseen, training_, kPieceSeconds);
 }
 
-/// Of many the few that leave least with their shapes as they are.
 std::vector<std::size_t> LogSearch::bestStarts(const ActuatorRegression& model,
                                                const std::vector<std::vector<double>>& starts) const {
   constexpr std::size_t kFew = 4;

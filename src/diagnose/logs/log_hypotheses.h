@@ -111,10 +111,11 @@ class LogSearch {
   /// below, or there is no fit; 0: none.
   Fitted fitFromStarts(std::shared_ptr<const ActuatorRegression> model, const std::vector<std::vector<double>>& starts,
                        double hopeless = 0.0) const;
-  /// The start with another v_s and delta, when they alone already fit better than those of `base`: the Stribeck curve
-  /// of a model that lacks something may lie far from the true one.
+  /// Indices of the few starts that leave least with their shapes as they are; all where there are no more.
   std::vector<std::size_t> bestStarts(const ActuatorRegression& model,
                                       const std::vector<std::vector<double>>& starts) const;
+  /// The start with another v_s and delta, when they alone already fit better than those of `base`: the Stribeck curve
+  /// of a model that lacks something may lie far from the true one.
   std::optional<std::vector<double>> otherStribeck(const ActuatorRegression& model,
                                                    const std::vector<double>& start) const;
   /// One effect after the other, each from its own starts.
