@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kFirstStep = 0.1;  // of differences, in prior standard deviations
 constexpr double kSmallestStep = 0.005, kLargestStep = 0.3;
-constexpr double kDrowned = 0.5;  // noise in what is told of a parameter beside all others
+constexpr double kDrowned = 0.5;  // of what derivatives seem to tell of a parameter: what is told through their noise
+constexpr int kClearings = 2;
 constexpr double kLonger = 3.0, kLongestStep = 1.0;
 constexpr double kTelling = 2.0;    // information in the prior's, of a direction that is worth new derivatives
 constexpr double kMoveTimes = 5.0;  // step along it, in standard deviations of what is known: above stick and slip
@@ -170,11 +171,10 @@ ToldThroughNoise toldThrough(const Eigen::VectorXd& noise, const MotionPosterior
   return {curvature.ldlt().solve(Eigen::MatrixXd::Identity(n, n)), measured.ldlt().solve(information)};
 }
 
-/// Share of every motion that a round compares: all in the last ones, however few there are. \param rounds  before it
+/// Share of every motion that a round compares; all where too few rounds may follow. \param rounds  before it
 double horizonOf(int rounds, int max_rounds) {
-  constexpr int kLast = static_cast<int>(kHorizons.size()) - 1;
-  return kHorizons[static_cast<std::size_t>(
-      std::clamp(kLast + 1 + rounds - max_rounds, std::min(rounds, kLast), kLast))];
+  constexpr int kCount = static_cast<int>(kHorizons.size());
+  return max_rounds < kCount ? 1.0 : kHorizons[static_cast<std::size_t>(std::min(rounds, kCount - 1))];
 }
 
 /// Derivatives from both sides, of the parameters that have a step. \param[in,out] here  with those forwards, which
@@ -206,33 +206,39 @@ Eigen::VectorXd squaresOf(const MotionPosterior& posterior, const MotionLinearis
   return squares;
 }
 
-/// Noise falls with a step's length (meanWithNoise): where it drowns what is told of a parameter beside all others,
-/// derivatives are made once more over longer steps, and the clearer ones kept. \param[in,out] here, noise  as
-/// differenceBothWays leaves them
-void clearDrowned(const MotionPosterior& posterior, MotionLinearisation& here, Eigen::VectorXd& noise,
-                  const Eigen::VectorXd& steps, const std::function<void(const MotionSearchNews&)>& news) {
-  const Eigen::VectorXd squares = squaresOf(posterior, here);
-  const Eigen::VectorXd variance = covarianceOf(posterior.normalEquations(here.z, here.at, here.jacobians)).diagonal();
+/// Noise falls with a step's length (meanWithNoise): where it drowns what is told of a parameter, derivatives are
+/// made once more over longer steps, and the clearer ones kept. \param[in,out] here, noise, steps  as
+/// differenceBothWays leaves and takes them  \returns whether any was clearer
+bool clearDrowned(const MotionPosterior& posterior, MotionLinearisation& here, Eigen::VectorXd& noise,
+                  Eigen::VectorXd& steps, const std::function<void(const MotionSearchNews&)>& news) {
+  const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
+  const Eigen::VectorXd squares = squaresOf(posterior, here), variance = covarianceOf(normal).diagonal(),
+                        told = toldThrough(noise, posterior, normal).covariance.diagonal();
   Eigen::VectorXd longer = Eigen::VectorXd::Zero(steps.size());
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
-    if (noise[i] * variance[i] > kDrowned) longer[i] = std::min(kLonger * steps[i], kLongestStep);
+    const double step = std::min(kLonger * steps[i], kLongestStep);
+    if (variance[i] < kDrowned * told[i] && step > steps[i]) longer[i] = step;
   }
-  if (longer.isZero(0.0)) return;
+  if (longer.isZero(0.0)) return false;
   MotionLinearisation there = linearise(posterior, here.z, longer, news);
   const Eigen::VectorXd noise_there = differenceBothWays(posterior, there, longer, news);
   const Eigen::VectorXd squares_there = squaresOf(posterior, there);
+  bool any = false;
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     if (longer[i] == 0.0 || !(noise_there[i] * squares[i] < noise[i] * squares_there[i])) continue;
+    any = true;
+    steps[i] = longer[i];
     noise[i] = noise_there[i];
     for (std::size_t m = 0; m < here.jacobians.size(); ++m) here.jacobians[m].col(i) = there.jacobians[m].col(i);
   }
+  return any;
 }
 
 /// The end of a search: derivatives from both sides. \param here  with those forwards
-MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, const Eigen::VectorXd& steps,
+MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, Eigen::VectorXd steps,
                    const std::function<void(const MotionSearchNews&)>& news) {
   Eigen::VectorXd noise = differenceBothWays(posterior, here, steps, news);
-  clearDrowned(posterior, here, noise, steps, news);
+  for (int i = 0; i < kClearings && clearDrowned(posterior, here, noise, steps, news); ++i) continue;
   const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
   const Eigen::VectorXd left = dampedStep(posterior, normal, here.z, 0.0);
   const double from_optimum = std::sqrt(std::max(0.0, 2.0 * promised(normal, left)));
@@ -344,7 +350,7 @@ MotionFit searchMotions(MotionPosterior& posterior, MotionSearchState& state, in
   while (true) {
     const auto start = Clock::now();
     const int rounds = static_cast<int>(state.history.size());
-    const double horizon = state.converged ? 1.0 : horizonOf(rounds, max_rounds);
+    const double horizon = state.converged || rounds == max_rounds ? 1.0 : horizonOf(rounds, max_rounds);
     posterior.setHorizon(horizon);
     MotionLinearisation here = linearise(posterior, state.z, state.steps, news);
     fitRobustScale(posterior, state.z, here.at);

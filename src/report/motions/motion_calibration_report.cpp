@@ -125,7 +125,13 @@ std::string motionHistoryCsv(const MotionCalibrationResult& result) {
   }
   CsvWriter csv({"round", "before", "after", "steps", "rollouts", "expected_gain", "horizon"});
   for (const MotionRound& r : result.state.descent.history) {
-    csv.add(r.round).add(r.before).add(r.after).add(r.steps).add(static_cast<double>(r.rollouts)).add(r.expected).add(r.horizon);
+    csv.add(r.round)
+        .add(r.before)
+        .add(r.after)
+        .add(r.steps)
+        .add(static_cast<double>(r.rollouts))
+        .add(r.expected)
+        .add(r.horizon);
     csv.endRow();
   }
   return csv.text();
