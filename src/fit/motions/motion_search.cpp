@@ -17,8 +17,7 @@ namespace {
 
 constexpr double kFirstStep = 0.1;  // of differences, in prior standard deviations
 constexpr double kSmallestStep = 0.005, kLargestStep = 0.3;
-constexpr double kDrowned = 0.5;  // of what derivatives seem to tell of a parameter: what is told through their noise
-constexpr int kClearings = 2;
+constexpr double kDrowned = 0.5;  // noise in what is told of a parameter beside all others
 constexpr double kLonger = 3.0, kLongestStep = 1.0;
 constexpr double kTelling = 2.0;    // information in the prior's, of a direction that is worth new derivatives
 constexpr double kMoveTimes = 5.0;  // step along it, in standard deviations of what is known: above stick and slip
@@ -206,39 +205,33 @@ Eigen::VectorXd squaresOf(const MotionPosterior& posterior, const MotionLinearis
   return squares;
 }
 
-/// Noise falls with a step's length (meanWithNoise): where it drowns what is told of a parameter, derivatives are
-/// made once more over longer steps, and the clearer ones kept. \param[in,out] here, noise, steps  as
-/// differenceBothWays leaves and takes them  \returns whether any was clearer
-bool clearDrowned(const MotionPosterior& posterior, MotionLinearisation& here, Eigen::VectorXd& noise,
-                  Eigen::VectorXd& steps, const std::function<void(const MotionSearchNews&)>& news) {
-  const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
-  const Eigen::VectorXd squares = squaresOf(posterior, here), variance = covarianceOf(normal).diagonal(),
-                        told = toldThrough(noise, posterior, normal).covariance.diagonal();
+/// Noise falls with a step's length (meanWithNoise): where it drowns what is told of a parameter beside all others,
+/// derivatives are made once more over longer steps, and the clearer ones kept. \param[in,out] here, noise  as
+/// differenceBothWays leaves them
+void clearDrowned(const MotionPosterior& posterior, MotionLinearisation& here, Eigen::VectorXd& noise,
+                  const Eigen::VectorXd& steps, const std::function<void(const MotionSearchNews&)>& news) {
+  const Eigen::VectorXd squares = squaresOf(posterior, here);
+  const Eigen::VectorXd variance = covarianceOf(posterior.normalEquations(here.z, here.at, here.jacobians)).diagonal();
   Eigen::VectorXd longer = Eigen::VectorXd::Zero(steps.size());
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
-    const double step = std::min(kLonger * steps[i], kLongestStep);
-    if (variance[i] < kDrowned * told[i] && step > steps[i]) longer[i] = step;
+    if (noise[i] * variance[i] > kDrowned) longer[i] = std::min(kLonger * steps[i], kLongestStep);
   }
-  if (longer.isZero(0.0)) return false;
+  if (longer.isZero(0.0)) return;
   MotionLinearisation there = linearise(posterior, here.z, longer, news);
   const Eigen::VectorXd noise_there = differenceBothWays(posterior, there, longer, news);
   const Eigen::VectorXd squares_there = squaresOf(posterior, there);
-  bool any = false;
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     if (longer[i] == 0.0 || !(noise_there[i] * squares[i] < noise[i] * squares_there[i])) continue;
-    any = true;
-    steps[i] = longer[i];
     noise[i] = noise_there[i];
     for (std::size_t m = 0; m < here.jacobians.size(); ++m) here.jacobians[m].col(i) = there.jacobians[m].col(i);
   }
-  return any;
 }
 
 /// The end of a search: derivatives from both sides. \param here  with those forwards
-MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, Eigen::VectorXd steps,
+MotionFit finalFit(const MotionPosterior& posterior, MotionLinearisation here, const Eigen::VectorXd& steps,
                    const std::function<void(const MotionSearchNews&)>& news) {
   Eigen::VectorXd noise = differenceBothWays(posterior, here, steps, news);
-  for (int i = 0; i < kClearings && clearDrowned(posterior, here, noise, steps, news); ++i) continue;
+  clearDrowned(posterior, here, noise, steps, news);
   const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
   const Eigen::VectorXd left = dampedStep(posterior, normal, here.z, 0.0);
   const double from_optimum = std::sqrt(std::max(0.0, 2.0 * promised(normal, left)));
