@@ -199,8 +199,8 @@ Eigen::VectorXd differenceBothWays(const MotionPosterior& posterior, MotionLinea
 }
 
 /// Diagonal of J^T W J: information, and noise that passes for it.
-Eigen::VectorXd squaresOf(const MotionPosterior& posterior, const MotionLinearisation& here) {
-  Eigen::VectorXd squares = posterior.normalEquations(here.z, here.at, here.jacobians).curvature.diagonal();
+Eigen::VectorXd squaresOf(const MotionPosterior& posterior, const MotionPosterior::NormalEquations& normal) {
+  Eigen::VectorXd squares = normal.curvature.diagonal();
   for (Eigen::Index i = 0; i < squares.size(); ++i) squares[i] -= posterior.hasPrior(i) ? 1.0 : 0.0;
   return squares;
 }
@@ -210,16 +210,17 @@ Eigen::VectorXd squaresOf(const MotionPosterior& posterior, const MotionLinearis
 /// differenceBothWays leaves them
 void clearDrowned(const MotionPosterior& posterior, MotionLinearisation& here, Eigen::VectorXd& noise,
                   const Eigen::VectorXd& steps, const std::function<void(const MotionSearchNews&)>& news) {
-  const Eigen::VectorXd squares = squaresOf(posterior, here);
-  const Eigen::VectorXd variance = covarianceOf(posterior.normalEquations(here.z, here.at, here.jacobians)).diagonal();
+  const auto normal = posterior.normalEquations(here.z, here.at, here.jacobians);
+  const Eigen::VectorXd squares = squaresOf(posterior, normal), variance = covarianceOf(normal).diagonal();
   Eigen::VectorXd longer = Eigen::VectorXd::Zero(steps.size());
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     if (noise[i] * variance[i] > kDrowned) longer[i] = std::min(kLonger * steps[i], kLongestStep);
   }
   if (longer.isZero(0.0)) return;
-  MotionLinearisation there = linearise(posterior, here.z, longer, news);
+  MotionLinearisation there{here.z, here.at, posterior.jacobian(here.z, longer, here.at)};
   const Eigen::VectorXd noise_there = differenceBothWays(posterior, there, longer, news);
-  const Eigen::VectorXd squares_there = squaresOf(posterior, there);
+  const Eigen::VectorXd squares_there =
+      squaresOf(posterior, posterior.normalEquations(there.z, there.at, there.jacobians));
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     if (longer[i] == 0.0 || !(noise_there[i] * squares[i] < noise[i] * squares_there[i])) continue;
     noise[i] = noise_there[i];
@@ -343,13 +344,12 @@ MotionFit searchMotions(MotionPosterior& posterior, MotionSearchState& state, in
   while (true) {
     const auto start = Clock::now();
     const int rounds = static_cast<int>(state.history.size());
-    const double horizon = state.converged || rounds == max_rounds ? 1.0 : horizonOf(rounds, max_rounds);
+    const bool at_end = state.converged || rounds == max_rounds;
+    const double horizon = at_end ? 1.0 : horizonOf(rounds, max_rounds);
     posterior.setHorizon(horizon);
     MotionLinearisation here = linearise(posterior, state.z, state.steps, news);
     fitRobustScale(posterior, state.z, here.at);
-    if (state.converged || rounds == max_rounds) {
-      return finalFit(posterior, std::move(here), state.steps, news);
-    }
+    if (at_end) return finalFit(posterior, std::move(here), state.steps, news);
     MotionRound round{rounds + 1, here.at.objective, here.at.objective, 0, 0, 0.0, horizon};
     round.rollouts =
         (rounds == 0 ? 0 : state.history.back().rollouts) + (posterior.size() + 1) * std::ssize(posterior.motions());

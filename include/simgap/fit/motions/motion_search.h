@@ -88,7 +88,7 @@ Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinea
 ///@}
 
 /// A loss as wide as most residuals are: what is far off counts until it is near, then outliers count little again.
-/// \param[in,out] here  whose objective becomes that of this loss
+/// \param[in,out] at  what the motions are at z, whose objective becomes that of this loss
 void fitRobustScale(MotionPosterior& posterior, const Eigen::VectorXd& z, MotionEvaluation& at);
 
 /// Searches to the end, or for `max_rounds`. \param after_round  to store the state
