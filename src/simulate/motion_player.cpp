@@ -19,16 +19,19 @@ namespace simgap {
 namespace {
 
 /// The moments at which a motion is to be looked at, rising: those of its rows, and of its frames on the rows' clock,
-/// with the place of each among them.
+/// with the place of each among them. None is later than `until` on its own clock.
 struct Moments {
   std::vector<double> times;
   std::vector<std::size_t> of_row, of_frame;
 };
-Moments momentsOf(const RecordedMotion& motion, double capture_delay) {
+Moments momentsOf(const RecordedMotion& motion, double capture_delay, double until) {
   Moments moments;
   const double first = motion.times().front();
   std::size_t row = 0, frame = 0;
-  const std::size_t rows = motion.times().size(), frames = motion.joint_times.size();
+  const auto heldBy = [until](const std::vector<double>& times) {
+    return static_cast<std::size_t>(std::ranges::upper_bound(times, until) - times.begin());
+  };
+  const std::size_t rows = heldBy(motion.times()), frames = heldBy(motion.joint_times);
   while (row < rows || frame < frames) {
     // A frame before the first row sees the arm at rest.
     const double frame_time = frame < frames ? std::max(first, motion.joint_times[frame] + capture_delay) : kInfinity;
@@ -166,13 +169,13 @@ MotionStart MotionPlayer::startOf(const PlayableMotion& playable) const {
   return start;
 }
 
-void MotionPlayer::play(const PlayableMotion& playable, double capture_delay, PlayedMotion& played) {
+void MotionPlayer::play(const PlayableMotion& playable, double capture_delay, PlayedMotion& played, double until) {
   const RecordedMotion& motion = *playable.motion;
   const MotionStart start = startOf(playable);
   for (const ArmExtension& extension : resolveExtensions(model_)) {
     if (extension.effect->frame_delay) capture_delay += extension.effect->frame_delay(extension.p);
   }
-  const Moments moments = momentsOf(motion, capture_delay);
+  const Moments moments = momentsOf(motion, capture_delay, until);
   played.outcome = rollout_.run(motion.commands, start, moments.times, track_);
   played.valid = played.outcome.finished;
   if (!played.valid) return;

@@ -26,13 +26,13 @@ struct MotionOptions {
   std::string toYaml(const std::string& indent) const;  ///< the block's lines
 };
 
-/// What the arm did, at the times at which the real one was measured.
+/// What the arm did, at the times at which the real one was measured, as far as it was played.
 struct PlayedMotion {
   bool valid = false;
   MotionOutcome outcome;
-  std::vector<JointPosition> joints;  ///< shape (frames, joints), as markers show them
-  Eigen::MatrixXd shafts;             ///< shape (muscles, rows) [rad]
-  Eigen::MatrixXd currents;           ///< shape (muscles, rows) [A]
+  std::vector<JointPosition> joints;  ///< shape (frames played, joints), as markers show them
+  Eigen::MatrixXd shafts;             ///< shape (muscles, rows played) [rad]
+  Eigen::MatrixXd currents;           ///< shape (muscles, rows played) [A]
 };
 /// Between ranks.
 void pack(Bytes& bytes, const PlayedMotion& played);
@@ -61,7 +61,8 @@ class MotionPlayer {
   /// Begins at rest under the first commands: near where joints and shafts were measured then, which dry friction may
   /// hold beside their equilibrium, and after `settle` of simulated time; or in the measured start.
   /// \param capture_delay  the frame at time t on the capture's clock was taken at t + capture_delay [s]
-  void play(const PlayableMotion& motion, double capture_delay, PlayedMotion& played);
+  /// \param until  what was measured later, by its own clock, is not played [s]
+  void play(const PlayableMotion& motion, double capture_delay, PlayedMotion& played, double until = kInfinity);
 
  private:
   MotionStart startOf(const PlayableMotion& motion) const;

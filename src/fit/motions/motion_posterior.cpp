@@ -91,7 +91,7 @@ void MotionPosterior::playOne(const ArmModel& model, double delay, std::size_t m
   } else {
     player.emplace(model, coarse ? options_.motion.coarser() : options_.motion);
   }
-  player->play(playable_[motion], delay, played);
+  player->play(playable_[motion], delay, played, until_[motion] + MotionResiduals::kWindow);
 }
 
 /// Of one motion, played by the calling thread's player, shape (residuals); empty where it could not be played, or

@@ -8,7 +8,6 @@
 namespace simgap {
 namespace {
 
-constexpr double kWindow = 0.05;      // [s]
 constexpr double kCorrelation = 0.3;  // [s], of the discrepancy
 
 }  // namespace
@@ -46,14 +45,19 @@ void MotionResiduals::addBlocks(ChannelGroup group, std::size_t item, const std:
 }
 
 double MotionResiduals::timeAt(double share) const {
-  if (blocks_.empty()) return 0.0;
+  if (blocks_.empty()) return motion_->times().back();
   const auto [first, last] = std::ranges::minmax(blocks_, {}, &ResidualBlock::time);
   return share < 1.0 ? std::lerp(first.time, last.time, share) : last.time;
 }
 
 void MotionResiduals::evaluate(const PlayedMotion& played, Eigen::Ref<Eigen::VectorXd> residuals) const {
   const std::size_t joints = types_.size();
+  const std::size_t rows = static_cast<std::size_t>(played.shafts.cols()), frames = played.joints.size() / joints;
   for (const ResidualBlock& block : blocks_) {
+    if (block.end > (block.group == ChannelGroup::kJoint ? frames : rows)) {
+      residuals.segment(block.first, block.size).setZero();
+      continue;
+    }
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     const auto muscle = static_cast<Eigen::Index>(block.item);
     for (std::size_t i = block.begin; i < block.end; ++i) {

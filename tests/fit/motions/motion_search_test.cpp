@@ -132,6 +132,26 @@ TEST_F(MotionDerivatives, WhatLiesBehindTheHorizonWeighsNothing) {
   EXPECT_LT(part, posterior.objectiveOf(at, beginSearch(posterior).z));
 }
 
+TEST_F(MotionDerivatives, MotionsArePlayedAsFarAsTheyCount) {
+  MotionPosterior posterior = this->posterior(false);
+  const Eigen::VectorXd z = beginSearch(posterior).z;
+  const MotionEvaluation whole = posterior.evaluate(z);
+  posterior.setHorizon(0.25);
+  const MotionEvaluation part = posterior.evaluate(z);
+  for (std::size_t m = 0; m < posterior.motions().size(); ++m) {
+    const MotionResiduals& motion = posterior.motions()[m];
+    const double end = motion.timeAt(0.25);
+    for (const ResidualBlock& block : motion.blocks()) {
+      const auto is = part.residuals[m].segment(block.first, block.size);
+      if (block.time <= end) {
+        EXPECT_EQ(is, whole.residuals[m].segment(block.first, block.size)) << block.time;
+      } else if (block.time > end + MotionResiduals::kWindow) {
+        EXPECT_TRUE(is.isZero(0.0)) << block.time;
+      }
+    }
+  }
+}
+
 /// Nine of ten windows lie within 1.6 times the loss's width, however far off the arm is.
 TEST_F(MotionDerivatives, TheLossIsAsWideAsMostResidualsAre) {
   MotionPosterior posterior = this->posterior(false);

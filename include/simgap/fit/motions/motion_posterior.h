@@ -100,7 +100,7 @@ class MotionPosterior {
   /// c of rho. A search that begins far off needs a wide one: windows beyond some c say nearly nothing of the way.
   void setRobustScale(double scale) { robust_scale_ = scale; }
   double robustScale() const { return robust_scale_; }
-  /// Share of every motion that counts, from its beginning: what lies behind weighs nothing. While a model is far off,
+  /// Share of every motion that counts, from its beginning: what lies behind is not played. While a model is far off,
   /// errors pile up along a motion until its end may lie on the other side of a valley.
   void setHorizon(double share);
   bool counts(std::size_t motion, const ResidualBlock& block) const { return block.time <= until_[motion]; }

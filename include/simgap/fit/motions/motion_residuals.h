@@ -42,6 +42,8 @@ struct ResidualBlock {
 /// The residuals of one motion.
 class MotionResiduals {
  public:
+  static constexpr double kWindow = 0.05;  ///< [s]
+
   /// \param motion  must outlive it
   MotionResiduals(const RecordedMotion& motion, const PoseLayout& layout, const MotionNoise& noise,
                   const MotionDiscrepancy& discrepancy);
@@ -51,7 +53,8 @@ class MotionResiduals {
   Eigen::Index size() const { return size_; }
   /// When a share of what is compared is over, on the motion's clock [s].
   double timeAt(double share) const;
-  /// Whitened simulated minus measured, shape (size()). \param played  valid, of this motion
+  /// Whitened simulated minus measured, shape (size()); 0 in windows that were not played to their end.
+  /// \param played  valid, of this motion
   void evaluate(const PlayedMotion& played, Eigen::Ref<Eigen::VectorXd> residuals) const;
 
  private:
