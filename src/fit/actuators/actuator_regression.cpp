@@ -106,12 +106,18 @@ void ActuatorRegression::add(std::string name, std::string unit, double lower, d
   parameters_.push_back({std::move(name), std::move(unit), lower, upper, fixed});
 }
 
-ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p) const {
+ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, const ArrayXd& effort) const {
   const ActuatorRows& rows = data_->rows;
   Terms t;
   t.shared.load = rows.load;
   t.shared.dry = rows.direction;
   t.shared.viscous = rows.speed;
+  if (rows.pressure.size() > 0) {
+    t.shared.effort = effort;
+    t.shared.pressure = rows.pressure;
+    t.shared.contraction = rows.contraction;
+  }
+  if (rows.deflection.size() > 0) t.shared.deflection = rows.deflection;
   std::size_t at = 0;
   if (base_.hasStribeck()) {
     t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;
@@ -124,38 +130,6 @@ ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p
     t.weight = data_->angle->load(p[at++]);
     if (!data_->angle->scaled) t.shared.load += t.weight - data_->angle->load(data_->angle->start);
   }
-  return t;
-}
-
-/// The Stribeck factor E = exp(-x), x = |w / v_s|^delta, moves along its derivatives
-///
-///     dE / dv_s = E x delta / v_s,        dE / ddelta = -E x ln |w / v_s|.
-ActuatorRegression::Terms ActuatorRegression::movedLawTerms(const Terms& law, std::span<const double> p,
-                                                            std::size_t moved, double h) const {
-  if (!base_.hasStribeck() || moved > 1) {
-    std::vector<double> there(p.begin(), p.end());
-    there[moved] += h;
-    return lawTerms(there);
-  }
-  Terms t = law;
-  const ArrayXd slope = -law.stribeck * law.stribeck.max(1e-300).log();  // E x
-  if (moved == 0) {
-    t.stribeck += h * p[1] / p[0] * slope;
-  } else {
-    t.stribeck -= h * slope * (log_speed_ - std::log(p[0]));
-  }
-  return t;
-}
-
-ActuatorRegression::Terms ActuatorRegression::withEffects(Terms t, std::span<const double> p,
-                                                          const ArrayXd& effort) const {
-  const ActuatorRows& rows = data_->rows;
-  if (rows.pressure.size() > 0) {
-    t.shared.effort = effort;
-    t.shared.pressure = rows.pressure;
-    t.shared.contraction = rows.contraction;
-  }
-  if (rows.deflection.size() > 0) t.shared.deflection = rows.deflection;
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e, p), rows, t.shared);
   }
@@ -236,8 +210,8 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
   return keep;
 }
 
-ActuatorRegression::Evaluation ActuatorRegression::columns(const Terms& law, std::span<const double> p) const {
-  const Terms t = withEffects(law, p, data_->rows.effort);
+ActuatorRegression::Evaluation ActuatorRegression::columns(std::span<const double> p) const {
+  const Terms t = terms(p, data_->rows.effort);
   Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.saturation, t.shared.delay};
   visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(j) = column; });
   delayRows(result.x, t.shared.delay);
@@ -246,33 +220,31 @@ ActuatorRegression::Evaluation ActuatorRegression::columns(const Terms& law, std
 
 Eigen::ArrayXd ActuatorRegression::predict(std::span<const double> theta) const {
   double delay = 0.0;
-  return predict(lawTerms(theta.subspan(linear_)), theta, delay);
+  return predict(theta, delay);
 }
 
 double ActuatorRegression::delay(std::span<const double> theta) const {
-  const std::span<const double> p = theta.subspan(linear_);
-  return withEffects(lawTerms(p), p, data_->rows.effort).shared.delay;
+  return terms(theta.subspan(linear_), data_->rows.effort).shared.delay;
 }
 
-ArrayXd ActuatorRegression::predict(const Terms& law, std::span<const double> theta, double& delay) const {
-  ArrayXd effort = rightHandSide(law, theta, data_->rows.effort, delay);
+ArrayXd ActuatorRegression::predict(std::span<const double> theta, double& delay) const {
+  ArrayXd effort = rightHandSide(theta, data_->rows.effort, delay);
   if (!implicit_) return effort;
   // f = F(f) from the measured f, row by row as Steffensen (1933) does it, so that its noise is not in the prediction.
   constexpr int kRounds = 3;
   ArrayXd start = data_->rows.effort;
   for (int round = 0; round < kRounds; ++round) {
-    const ArrayXd again = rightHandSide(law, theta, effort, delay);
+    const ArrayXd again = rightHandSide(theta, effort, delay);
     const ArrayXd step = effort - start, slope = (again - effort) / (step.abs() > 1e-12).select(step, 1.0);
     start = (slope < 0.9).select(start + step / (1.0 - slope), again);
-    effort = rightHandSide(law, theta, start, delay);
+    effort = rightHandSide(theta, start, delay);
   }
   return effort;
 }
 
-ArrayXd ActuatorRegression::rightHandSide(const Terms& law, std::span<const double> theta, const ArrayXd& effort,
-                                          double& delay) const {
+ArrayXd ActuatorRegression::rightHandSide(std::span<const double> theta, const ArrayXd& effort, double& delay) const {
   const std::span<const double> p = theta.subspan(linear_);
-  const Terms t = withEffects(law, p, effort);
+  const Terms t = terms(p, effort);
   ArrayXd sum = ArrayXd::Zero(rows()), for_speed;
   visitColumns(t, p, [&](std::size_t j, const auto& column) {
     sum += theta[j] * column;
@@ -294,19 +266,17 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
       if (!keep[i]) array.row(i).setZero();
     }
   };
-  const std::span<const double> p = theta.subspan(linear_);
-  const Terms law = lawTerms(p);
-  double delay = 0.0;
   if (jacobian == nullptr) {
-    residual = (predict(law, theta, delay) - data_->rows.effort).matrix();
+    double delay = 0.0;
+    residual = (predict(theta, delay) - data_->rows.effort).matrix();
     blank(residual, counted(delay));
     return;
   }
-  const Evaluation e = columns(law, p);
+  const Evaluation e = columns(theta.subspan(linear_));
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
   const auto viscous = static_cast<Index>(viscous_);
   const ArrayXd for_speed = e.saturation.acts() ? ArrayXd(theta[viscous_] * e.x.col(viscous).array()) : ArrayXd();
-  const ArrayXd predicted = implicit_             ? predict(law, theta, delay)
+  const ArrayXd predicted = implicit_             ? predict(theta)
                             : e.saturation.acts() ? e.saturation.effort(x_c.array(), for_speed)
                                                   : ArrayXd(x_c.array());
   residual = (predicted - data_->rows.effort).matrix();
@@ -317,11 +287,10 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   } else {
     jacobian->leftCols(linear) = e.x;
   }
-  const auto typicalSize = [&](const ParameterSpec& spec) {
+  const auto typicalSize = [&](const ParameterSpec& p) {
     if (base_.law != nullptr) return 1e-2;
-    return std::isfinite(spec.upper - spec.lower) ? 1e-3 * (spec.upper - spec.lower) : 1e-9;
+    return std::isfinite(p.upper - p.lower) ? 1e-3 * (p.upper - p.lower) : 1e-9;
   };
-  const std::size_t first_effect = effects_.empty() ? parameters_.size() : p_begin_.front();
   std::vector<double> moved(theta.begin(), theta.end());
   for (std::size_t i = implicit_ ? 0 : linear_; i < parameters_.size(); ++i) {
     auto column = jacobian->col(static_cast<Index>(i));
@@ -333,9 +302,7 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
     double h = 1e-5 * std::max(std::abs(theta[i]), typicalSize(parameter));
     if (theta[i] + h > parameter.upper) h = -h;
     moved[i] = theta[i] + h;
-    const bool of_law = i >= linear_ && i < first_effect;
-    const Terms moved_law = of_law ? movedLawTerms(law, p, i - linear_, h) : Terms();
-    column = ((predict(of_law ? moved_law : law, moved, delay) - predicted) / h).matrix();
+    column = ((predict(moved) - predicted) / h).matrix();
     moved[i] = theta[i];
   }
   const std::vector<bool> keep = counted(e.delay);
@@ -363,27 +330,19 @@ std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& othe
 
 std::vector<double> ActuatorRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
                                                           double* cost) const {
-  const std::span<const double> p = std::span<const double>(theta).subspan(linear_);
-  const Evaluation e = columns(lawTerms(p), p);
+  const Evaluation e = columns(std::span<const double>(theta).subspan(linear_));
   const auto c = static_cast<Index>(linear_);
-  constexpr Index kRows = 512;  // at a time
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1), some(c + 1, kRows);
-  Index held = 0;
-  const auto addHeld = [&] {
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(some.leftCols(held));
-    held = 0;
-  };
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
+  Eigen::VectorXd row(c + 1);
   const std::vector<bool> keep = counted(e.delay);
   for (const Block& b : blocks) {
     for (std::size_t k = b.begin; k < b.end; ++k) {
       if (!keep[k]) continue;
       const auto i = static_cast<Index>(k);
-      some.col(held).head(c) = e.x.row(i);
-      some(c, held) = data_->rows.effort[i];
-      if (++held == kRows) addHeld();
+      row << e.x.row(i).transpose(), data_->rows.effort[i];
+      gram.selfadjointView<Eigen::Lower>().rankUpdate(row);
     }
   }
-  addHeld();
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
   std::vector<LinearTerm> terms;
   for (std::size_t i = 0; i < linear_; ++i) {
