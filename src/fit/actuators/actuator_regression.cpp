@@ -106,18 +106,12 @@ void ActuatorRegression::add(std::string name, std::string unit, double lower, d
   parameters_.push_back({std::move(name), std::move(unit), lower, upper, fixed});
 }
 
-ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, const ArrayXd& effort) const {
+ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p) const {
   const ActuatorRows& rows = data_->rows;
   Terms t;
   t.shared.load = rows.load;
   t.shared.dry = rows.direction;
   t.shared.viscous = rows.speed;
-  if (rows.pressure.size() > 0) {
-    t.shared.effort = effort;
-    t.shared.pressure = rows.pressure;
-    t.shared.contraction = rows.contraction;
-  }
-  if (rows.deflection.size() > 0) t.shared.deflection = rows.deflection;
   std::size_t at = 0;
   if (base_.hasStribeck()) {
     t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;
@@ -130,6 +124,18 @@ ActuatorRegression::Terms ActuatorRegression::terms(std::span<const double> p, c
     t.weight = data_->angle->load(p[at++]);
     if (!data_->angle->scaled) t.shared.load += t.weight - data_->angle->load(data_->angle->start);
   }
+  return t;
+}
+
+ActuatorRegression::Terms ActuatorRegression::withEffects(Terms t, std::span<const double> p,
+                                                          const ArrayXd& effort) const {
+  const ActuatorRows& rows = data_->rows;
+  if (rows.pressure.size() > 0) {
+    t.shared.effort = effort;
+    t.shared.pressure = rows.pressure;
+    t.shared.contraction = rows.contraction;
+  }
+  if (rows.deflection.size() > 0) t.shared.deflection = rows.deflection;
   for (std::size_t e = 0; e < effects_.size(); ++e) {
     if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e, p), rows, t.shared);
   }
@@ -210,8 +216,8 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
   return keep;
 }
 
-ActuatorRegression::Evaluation ActuatorRegression::columns(std::span<const double> p) const {
-  const Terms t = terms(p, data_->rows.effort);
+ActuatorRegression::Evaluation ActuatorRegression::columns(const Terms& law, std::span<const double> p) const {
+  const Terms t = withEffects(law, p, data_->rows.effort);
   Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.saturation, t.shared.delay};
   visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(j) = column; });
   delayRows(result.x, t.shared.delay);
@@ -220,31 +226,33 @@ ActuatorRegression::Evaluation ActuatorRegression::columns(std::span<const doubl
 
 Eigen::ArrayXd ActuatorRegression::predict(std::span<const double> theta) const {
   double delay = 0.0;
-  return predict(theta, delay);
+  return predict(lawTerms(theta.subspan(linear_)), theta, delay);
 }
 
 double ActuatorRegression::delay(std::span<const double> theta) const {
-  return terms(theta.subspan(linear_), data_->rows.effort).shared.delay;
+  const std::span<const double> p = theta.subspan(linear_);
+  return withEffects(lawTerms(p), p, data_->rows.effort).shared.delay;
 }
 
-ArrayXd ActuatorRegression::predict(std::span<const double> theta, double& delay) const {
-  ArrayXd effort = rightHandSide(theta, data_->rows.effort, delay);
+ArrayXd ActuatorRegression::predict(const Terms& law, std::span<const double> theta, double& delay) const {
+  ArrayXd effort = rightHandSide(law, theta, data_->rows.effort, delay);
   if (!implicit_) return effort;
   // f = F(f) from the measured f, row by row as Steffensen (1933) does it, so that its noise is not in the prediction.
   constexpr int kRounds = 3;
   ArrayXd start = data_->rows.effort;
   for (int round = 0; round < kRounds; ++round) {
-    const ArrayXd again = rightHandSide(theta, effort, delay);
+    const ArrayXd again = rightHandSide(law, theta, effort, delay);
     const ArrayXd step = effort - start, slope = (again - effort) / (step.abs() > 1e-12).select(step, 1.0);
     start = (slope < 0.9).select(start + step / (1.0 - slope), again);
-    effort = rightHandSide(theta, start, delay);
+    effort = rightHandSide(law, theta, start, delay);
   }
   return effort;
 }
 
-ArrayXd ActuatorRegression::rightHandSide(std::span<const double> theta, const ArrayXd& effort, double& delay) const {
+ArrayXd ActuatorRegression::rightHandSide(const Terms& law, std::span<const double> theta, const ArrayXd& effort,
+                                          double& delay) const {
   const std::span<const double> p = theta.subspan(linear_);
-  const Terms t = terms(p, effort);
+  const Terms t = withEffects(law, p, effort);
   ArrayXd sum = ArrayXd::Zero(rows()), for_speed;
   visitColumns(t, p, [&](std::size_t j, const auto& column) {
     sum += theta[j] * column;
@@ -266,17 +274,19 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
       if (!keep[i]) array.row(i).setZero();
     }
   };
+  const std::span<const double> p = theta.subspan(linear_);
+  const Terms law = lawTerms(p);
+  double delay = 0.0;
   if (jacobian == nullptr) {
-    double delay = 0.0;
-    residual = (predict(theta, delay) - data_->rows.effort).matrix();
+    residual = (predict(law, theta, delay) - data_->rows.effort).matrix();
     blank(residual, counted(delay));
     return;
   }
-  const Evaluation e = columns(theta.subspan(linear_));
+  const Evaluation e = columns(law, p);
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
   const auto viscous = static_cast<Index>(viscous_);
   const ArrayXd for_speed = e.saturation.acts() ? ArrayXd(theta[viscous_] * e.x.col(viscous).array()) : ArrayXd();
-  const ArrayXd predicted = implicit_             ? predict(theta)
+  const ArrayXd predicted = implicit_             ? predict(law, theta, delay)
                             : e.saturation.acts() ? e.saturation.effort(x_c.array(), for_speed)
                                                   : ArrayXd(x_c.array());
   residual = (predicted - data_->rows.effort).matrix();
@@ -287,10 +297,11 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   } else {
     jacobian->leftCols(linear) = e.x;
   }
-  const auto typicalSize = [&](const ParameterSpec& p) {
+  const auto typicalSize = [&](const ParameterSpec& spec) {
     if (base_.law != nullptr) return 1e-2;
-    return std::isfinite(p.upper - p.lower) ? 1e-3 * (p.upper - p.lower) : 1e-9;
+    return std::isfinite(spec.upper - spec.lower) ? 1e-3 * (spec.upper - spec.lower) : 1e-9;
   };
+  const std::size_t first_effect = effects_.empty() ? parameters_.size() : p_begin_.front();
   std::vector<double> moved(theta.begin(), theta.end());
   for (std::size_t i = implicit_ ? 0 : linear_; i < parameters_.size(); ++i) {
     auto column = jacobian->col(static_cast<Index>(i));
@@ -302,7 +313,9 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
     double h = 1e-5 * std::max(std::abs(theta[i]), typicalSize(parameter));
     if (theta[i] + h > parameter.upper) h = -h;
     moved[i] = theta[i] + h;
-    column = ((predict(moved) - predicted) / h).matrix();
+    const bool of_law = i >= linear_ && i < first_effect;
+    const Terms moved_law = of_law ? lawTerms(std::span<const double>(moved).subspan(linear_)) : Terms();
+    column = ((predict(of_law ? moved_law : law, moved, delay) - predicted) / h).matrix();
     moved[i] = theta[i];
   }
   const std::vector<bool> keep = counted(e.delay);
@@ -330,7 +343,8 @@ std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& othe
 
 std::vector<double> ActuatorRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
                                                           double* cost) const {
-  const Evaluation e = columns(std::span<const double>(theta).subspan(linear_));
+  const std::span<const double> p = std::span<const double>(theta).subspan(linear_);
+  const Evaluation e = columns(lawTerms(p), p);
   const auto c = static_cast<Index>(linear_);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
   Eigen::VectorXd row(c + 1);

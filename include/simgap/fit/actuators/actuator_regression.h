@@ -72,13 +72,16 @@ class ActuatorRegression : public RowModel {
     Eigen::Index whole;  ///< rows
     double part;         ///< of a row
   };
-  Evaluation columns(std::span<const double> p) const;
+  /// Before effects act on them.
+  Terms lawTerms(std::span<const double> p) const;
   /// \param effort  shape (rows): where the effort stands on the right.
-  Terms terms(std::span<const double> p, const Eigen::ArrayXd& effort) const;
-  /// The same, and by how much the effort is logged later than the motion [s].
-  Eigen::ArrayXd predict(std::span<const double> theta, double& delay) const;
+  Terms withEffects(Terms law, std::span<const double> p, const Eigen::ArrayXd& effort) const;
+  Evaluation columns(const Terms& law, std::span<const double> p) const;
+  /// As predict(theta), and by how much the effort is logged later than the motion [s]. \param law  lawTerms there
+  Eigen::ArrayXd predict(const Terms& law, std::span<const double> theta, double& delay) const;
   /// The equation's right-hand side for an effort that stands there, shape (rows).
-  Eigen::ArrayXd rightHandSide(std::span<const double> theta, const Eigen::ArrayXd& effort, double& delay) const;
+  Eigen::ArrayXd rightHandSide(const Terms& law, std::span<const double> theta, const Eigen::ArrayXd& effort,
+                               double& delay) const;
   /// Calls `visit(j, column)` for each column, over gain, not delayed.
   template <typename Visit>
   void visitColumns(const Terms& terms, std::span<const double> p, const Visit& visit) const;
