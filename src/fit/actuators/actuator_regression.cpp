@@ -216,8 +216,8 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
   return keep;
 }
 
-ActuatorRegression::Evaluation ActuatorRegression::columns(const Terms& law, std::span<const double> p) const {
-  const Terms t = withEffects(law, p, data_->rows.effort);
+ActuatorRegression::Evaluation ActuatorRegression::columns(Terms law, std::span<const double> p) const {
+  const Terms t = withEffects(std::move(law), p, data_->rows.effort);
   Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.saturation, t.shared.delay};
   visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(j) = column; });
   delayRows(result.x, t.shared.delay);

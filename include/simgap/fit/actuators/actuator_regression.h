@@ -76,7 +76,7 @@ class ActuatorRegression : public RowModel {
   Terms lawTerms(std::span<const double> p) const;
   /// \param effort  shape (rows): where the effort stands on the right.
   Terms withEffects(Terms law, std::span<const double> p, const Eigen::ArrayXd& effort) const;
-  Evaluation columns(const Terms& law, std::span<const double> p) const;
+  Evaluation columns(Terms law, std::span<const double> p) const;
   /// As predict(theta), and by how much the effort is logged later than the motion [s]. \param law  lawTerms there
   Eigen::ArrayXd predict(const Terms& law, std::span<const double> theta, double& delay) const;
   /// The equation's right-hand side for an effort that stands there, shape (rows).

@@ -42,7 +42,7 @@ struct ResidualBlock {
 /// The residuals of one motion.
 class MotionResiduals {
  public:
-  static constexpr double kWindow = 0.05;  ///< [s]
+  static constexpr double kWindow = 0.05;  ///< over which channels are averaged [s]
 
   /// \param motion  must outlive it
   MotionResiduals(const RecordedMotion& motion, const PoseLayout& layout, const MotionNoise& noise,
