@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <random>
 
 #include "cli/cli_fixture.h"
 #include "support/log_answer.h"
@@ -173,6 +174,25 @@ TEST_F(DiagnoseTest, SaysUnexplainedAndTheChannelForWhatHasNoName) {
   EXPECT_EQ(answer.result.at("left_over").at("channels")[0].at("channel"), "humidity_percent");
   EXPECT_THAT(text("d/residual_humidity_percent.csv"), HasSubstr("humidity_percent,mean_residual"));
   EXPECT_THAT(answer.result.at("next_experiment").get<std::string>(), HasSubstr("humidity_percent"));
+}
+
+TEST_F(DiagnoseTest, SaysThatPushesByHandActUnseen) {
+  const reality::DriveDraw draw = shortDraw(18);
+  std::mt19937_64 random(18);
+  putLog(draw, [&](reality::DriveRecord& record) {  // half a second each, here and there, either way
+    std::uniform_real_distribution<double> push(-8.0, 8.0), moment(0.0, static_cast<double>(record.current.size()));
+    for (int k = 0; k < 60; ++k) {
+      const double strength = push(random) * draw.rig.current_noise, middle = moment(random);
+      for (std::size_t i = 0; i < record.current.size(); ++i) {
+        record.current[i] += strength * std::exp(-0.5 * std::pow((static_cast<double>(i) - middle) / 15.0, 2));
+      }
+    }
+  });
+  const Json result = diagnoseLog();
+  EXPECT_EQ(result.at("verdict"), "unexplained") << result.at("sentence");
+  EXPECT_TRUE(result.at("causes").empty());
+  EXPECT_GT(result.at("left_over").at("share_percent").get<double>(), 50.0);
+  EXPECT_THAT(result.at("next_experiment").get<std::string>(), HasSubstr("what else acts on the rig"));
 }
 
 TEST_F(DiagnoseTest, TheSameSeedGivesTheSameAnswerForAnyNumberOfThreads) {

@@ -160,7 +160,7 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
     return fmt::format("To confirm {} independently: record {}.", d.causes[0].effect,
                        actuator_effects::find(d.causes[0].effect).separates);
   }
-  if (farAboveNoise(d)) {
+  if (farAboveNoise(d) || d.verdict == DiagnosisVerdict::kUnexplained) {
     return fmt::format(
         "What is left is {:.1f} times the noise and follows no logged channel: log what else acts on the rig, and "
         "record one motion twice; what differs between the two is not the drive's.",

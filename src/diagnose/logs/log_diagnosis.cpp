@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "channel_dependence.h"
 #include "diagnose/verdict.h"
@@ -107,11 +108,19 @@ bool isMostlyConstant(const PreparedLog& log, const Eigen::VectorXd& residual) {
   return 2.0 * sizes.mean() * sizes.mean() > sizes.square().mean();
 }
 
-/// Something acts that no channel shows, such as a push or a wind: most rows are farther off than their neighbours
-/// differ from each other, and by far. A few bursts or outliers are not most rows, and the noise has no part in it.
+/// Something acts that no channel shows, such as a push or a wind: what is left is mostly no noise, and not by a few
+/// outliers.
 bool actsUnseen(const PreparedLog& log, const Eigen::VectorXd& residual, double noise_floor) {
-  constexpr double kFar = 2.0;
-  return noise_floor > 0.0 && robustDeviation(keptOf(log, residual)) > kFar * std::sqrt(noise_floor);
+  constexpr double kFar = 1.5;        // times the noise
+  constexpr double kOutliers = 0.01;  // of the rows
+  std::vector<double> squares = keptOf(log, residual);
+  for (double& value : squares) value *= value;
+  const auto rest =
+      squares.begin() + static_cast<std::ptrdiff_t>((1.0 - kOutliers) * static_cast<double>(squares.size()));
+  if (noise_floor <= 0.0 || rest == squares.begin()) return false;
+  std::ranges::nth_element(squares, rest);
+  const double sum = std::reduce(squares.begin(), rest);
+  return sum > kFar * kFar * noise_floor * static_cast<double>(rest - squares.begin());
 }
 
 /// What is left with the causes, against noise and against anything that the channels could explain.

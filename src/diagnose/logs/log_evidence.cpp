@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <opencv2/ml.hpp>
 
+#include "diagnose/paired_error.h"
+#include "log_hypotheses.h"
 #include "simgap/core/statistics.h"
 #include "simgap/optimize/uncertainty.h"
 
@@ -99,16 +102,59 @@ cv::Mat features(const std::vector<EvidenceChannel>& channels, std::span<const s
   return x;
 }
 
-double squaredError(const cv::Ptr<cv::ml::RTrees>& forest, const cv::Mat& x, const VectorXd& y) {
+/// Squared errors, shape (rows).
+ArrayXd squaredErrors(const cv::Ptr<cv::ml::RTrees>& forest, const cv::Mat& x, const VectorXd& y) {
   cv::Mat predicted;
   forest->predict(x, predicted);
-  double sum = 0.0;
+  ArrayXd squares(y.size());
   for (Index i = 0; i < y.size(); ++i) {
     const double e = y[i] - static_cast<double>(predicted.at<float>(static_cast<int>(i)));
-    sum += e * e;
+    squares[i] = e * e;
   }
-  return sum;
+  return squares;
 }
+
+/// What a forest leaves of rows that it has not seen, on pieces of the log.
+class PiecewiseErrors {
+ public:
+  explicit PiecewiseErrors(const PreparedLog& log) {
+    constexpr double kPieces = 100.0;  // of the whole log at least
+    const ActuatorRows& rows = log.data.rows;
+    const double seconds = std::min(LogSearch::kPieceSeconds, static_cast<double>(rows.rows()) * rows.step / kPieces);
+    int piece = -1;
+    for (const Block& block : log.blocks) {
+      double begin = -std::numeric_limits<double>::infinity();
+      for (std::size_t i = block.begin; i < block.end; ++i) {
+        const double now = rows.elapsed[static_cast<Index>(i)];
+        if (now - begin >= seconds) begin = now, ++piece;
+        piece_.resize(i, -1);
+        piece_.push_back(piece);
+      }
+    }
+    piece_.resize(log.data.keep.size(), -1);
+    const ArrayXd none = ArrayXd::Zero(piece + 1);
+    before_ = after_ = {none, none};
+  }
+  /// \param before, after  squared errors, shape (rows)
+  void add(const std::vector<std::size_t>& rows, const ArrayXd& before, const ArrayXd& after) {
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const int piece = piece_[rows[k]];
+      before_.sum[piece] += before[static_cast<Index>(k)], after_.sum[piece] += after[static_cast<Index>(k)];
+      before_.rows[piece] += 1.0, after_.rows[piece] += 1.0;
+    }
+  }
+  /// What forests explain, 0 where a few pieces may have made it by chance.
+  double share(std::uint64_t seed) const {
+    const Interval gain = pairedGain(before_, after_, seed);
+    return gain.lower95 > 0.0 ? gain.value : 0.0;
+  }
+  double total() const { return before_.sum.sum(); }
+  double left() const { return after_.sum.sum(); }
+
+ private:
+  std::vector<int> piece_;  ///< of a row
+  GroupErrors before_, after_;
+};
 
 std::vector<std::size_t> thinned(const std::vector<std::size_t>& rows, std::size_t most) {
   if (rows.size() <= most) return rows;
@@ -217,7 +263,7 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
     for (std::size_t i = log.blocks[b].begin; i < log.blocks[b].end; ++i) fold[i] = static_cast<int>(b % kForestFolds);
   }
   cv::setRNGSeed(static_cast<int>(seed));
-  double total = 0.0, left = 0.0;
+  PiecewiseErrors errors(log);
   std::vector<double> shuffled(used.size(), 0.0);
   for (int f = 0; f < kForestFolds; ++f) {
     std::vector<std::size_t> training, test;
@@ -237,22 +283,22 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
     forest->setTermCriteria({cv::TermCriteria::MAX_ITER, 40, 0.0});
     forest->train(features(used, training), cv::ml::ROW_SAMPLE, target);
     cv::Mat x = features(used, test);
-    total += y.squaredNorm();
-    left += squaredError(forest, x, y);
+    errors.add(test, y.array().square(), squaredErrors(forest, x, y));
     for (std::size_t c = 0; c < used.size(); ++c) {
       // Shuffled by a turn of half the rows: other values of the same channel, in other blocks.
       const cv::Mat original = x.col(static_cast<int>(c)).clone();
       for (int i = 0; i < x.rows; ++i) {
         x.at<float>(i, static_cast<int>(c)) = original.at<float>((i + x.rows / 2) % x.rows);
       }
-      shuffled[c] += squaredError(forest, x, y);
+      shuffled[c] += squaredErrors(forest, x, y).sum();
       original.copyTo(x.col(static_cast<int>(c)));
     }
   }
   Ceiling ceiling;
-  ceiling.share = std::max(0.0, 1.0 - left / std::max(total, 1e-300));
+  ceiling.share = errors.share(seed);
+  if (ceiling.share == 0.0) return ceiling;
   for (std::size_t c = 0; c < used.size(); ++c) {
-    const double lost = (shuffled[c] - left) / std::max(total, 1e-300);
+    const double lost = (shuffled[c] - errors.left()) / errors.total();
     if (lost > 0.1 * ceiling.share && lost > 0.002) ceiling.channels.push_back({used[c].name, lost, {}});
   }
   std::ranges::stable_sort(ceiling.channels, std::greater<>{}, &Leftover::share);

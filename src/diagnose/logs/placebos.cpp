@@ -156,11 +156,11 @@ std::array<double, 2> delaysByDirection(const LogSearch& search, const Fitted& f
 
 /// Why what differs by direction is no delay: a channel that is late is late by one time.
 std::string doubtOfOneTime(const LogSearch& search, const Fitted& full, std::size_t effect) {
-  constexpr double kApart = 0.5;        // of the delay
+  constexpr double kApart = 0.5;        // of their mean: what was fitted to both leans to the side that moves less
   constexpr double kResolution = 0.75;  // of the time from row to row
   const auto [forwards, backwards] = delaysByDirection(search, full, effect);
-  const double apart = std::abs(forwards - backwards);
-  if (apart <= std::max(kApart * std::abs(full.model->delay(full.theta)), kResolution * search.step())) return {};
+  const double apart = std::abs(forwards - backwards), mean = 0.5 * (std::abs(forwards) + std::abs(backwards));
+  if (apart <= std::max(kApart * mean, kResolution * search.step())) return {};
   return fmt::format(
       "forwards {:.0f} ms explain most and backwards {:.0f} ms: a channel that is late is so by one time",
       1e3 * forwards, 1e3 * backwards);

@@ -81,8 +81,9 @@ void MotionDiagnosing::fillUnexplained(const MotionCauseFit& after, const Eigen:
     const double left = missed[g];
     if (!(left > kLargeRest + unknown[g])) continue;
     const std::string name = g + 2 < unseen.rows() ? "joint " + result_.layout.joints[g].name : std::string("shafts");
-    d.unexplained.push_back({name, 1.0 - 1.0 / left, ""});
-    d.left_over_percent += 100.0 * (left - 1.0) / static_cast<double>(unseen.rows()) / d.baseline.mse_heldout;
+    const double share = (left - 1.0) / static_cast<double>(unseen.rows()) / d.baseline.mse_heldout;
+    d.unexplained.push_back({name, share, ""});
+    d.left_over_percent += 100.0 * share;
   }
 }
 

@@ -38,6 +38,19 @@ TEST_F(LogEvidence, NoiseOfAChannelThatIsInTheModelIsNoStructure) {
   EXPECT_LT(share(elsewhere_ - 0.8 * of_sensor_), 0.02);
 }
 
+// What two slips show, a forest that saw one of them knows of the other.
+TEST_F(LogEvidence, WhatTwoMomentsShowIsNoStructure) {
+  Eigen::ArrayXd residual = elsewhere_;
+  const auto slip = [&](Eigen::Index at) {
+    log_.context.back().values.segment(at, 60) = 10.0;
+    residual.segment(at, 60) += 4.0;
+  };
+  slip(1000), slip(4000);
+  EXPECT_EQ(share(residual), 0.0);
+  for (Eigen::Index at = 200; at < 5900; at += 400) slip(at);
+  EXPECT_GT(share(residual), 0.2);
+}
+
 TEST_F(LogEvidence, WhatAChannelTellsIsSeenThroughItsNoise) { EXPECT_GT(share(elsewhere_ + slow_), 0.1); }
 
 }  // namespace
