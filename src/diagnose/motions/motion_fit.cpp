@@ -307,15 +307,7 @@ std::vector<Eigen::VectorXd> MotionCauseFit::residualsWithoutLast() const {
   return posterior_->residualsOf({&without, 1}, {&delay, 1}).front();
 }
 
-double MotionCauseFit::misfit() const {
-  double squares = 0.0, numbers = 0.0;
-  for (std::size_t m = 0; m < here_.at.residuals.size(); ++m) {
-    squares += posterior_->weights(m, here_.at.residuals[m]).dot(here_.at.residuals[m].cwiseAbs2()) /
-               posterior_->motions()[m].motion().weight;
-    numbers += static_cast<double>(here_.at.residuals[m].size());
-  }
-  return squares / numbers;
-}
+double MotionCauseFit::misfit() const { return meanSquareOf(*posterior_, here_.at); }
 
 Eigen::VectorXd MotionCauseFit::losses() const {
   Eigen::VectorXd losses(std::ssize(here_.at.residuals));
@@ -334,14 +326,15 @@ Eigen::MatrixXd MotionCauseFit::covariance() const {
 }
 
 std::vector<Extension> MotionCauseFit::extensions() const {
-  const Eigen::MatrixXd known = covariance();
+  const Eigen::VectorXd sd = deviationsOf(*posterior_, here_.at, here_.jacobians, covarianceAt(*posterior_, here_),
+                                          stepLeftAt(*posterior_, here_));
   const std::vector<Extension> all = model().extensions;
   std::vector<Extension> found(all.end() - std::ssize(causes_), all.end());
   Eigen::Index i = ordinary();
   for (std::size_t c = 0; c < causes_.size(); ++c) {
     for (std::size_t k = 0; k < causes_[c].effect->parameters.size(); ++k) {
       if (!causes_[c].effect->parameters[k].fitted) continue;
-      found[c].parameters[k].sd = posterior_->parameters().slope(i, here_.z[i]) * std::sqrt(known(i, i));
+      found[c].parameters[k].sd = posterior_->parameters().slope(i, here_.z[i]) * sd[i];
       ++i;
     }
   }

@@ -16,67 +16,32 @@ namespace {
 
 constexpr double kAlike = 0.95;  // correlation of what can hardly be told apart
 
-double misfitOf(const MotionPosterior& posterior, const MotionEvaluation& at) {
-  double squares = 0.0, numbers = 0.0;
-  for (std::size_t m = 0; m < at.residuals.size(); ++m) {
-    const double weight = posterior.motions()[m].motion().weight;
-    squares += posterior.weights(m, at.residuals[m]).dot(at.residuals[m].cwiseAbs2()) / weight;
-    numbers += static_cast<double>(at.residuals[m].size());
-  }
-  return std::sqrt(squares / numbers);
-}
-
-/// How much wider than Laplace's the standard deviations are when residuals that last are counted as they are: the sum
-/// over seconds of all motions of the scores' outer products between two inverse curvatures (White 1980, with blocks).
-Eigen::VectorXd widening(const MotionPosterior& posterior, const MotionEvaluation& at, const MotionFit& fit) {
-  constexpr double kBlock = 1.0;  // [s]
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(fit.z.size());
-  for (std::size_t m = 0; m < at.residuals.size(); ++m) {
-    const Eigen::VectorXd pull = posterior.weights(m, at.residuals[m]).cwiseProduct(at.residuals[m]);
-    std::map<long, Eigen::VectorXd> scores;
-    for (const ResidualBlock& block : posterior.motions()[m].blocks()) {
-      Eigen::VectorXd& score = scores[std::lround(std::floor(block.time / kBlock))];
-      if (score.size() == 0) score = Eigen::VectorXd::Zero(fit.z.size());
-      for (Eigen::Index row = block.first; row < block.first + block.size; ++row) {
-        score += pull[row] * fit.jacobians[m].row(row).transpose().cast<double>();
-      }
-    }
-    for (const auto& [second, score] : scores) variance += (fit.covariance * score).cwiseAbs2();
-  }
-  return (variance.cwiseQuotient(fit.covariance.diagonal())).cwiseSqrt().cwiseMax(1.0);
-}
-
 Verdict verdictOf(double sd, bool has_prior) {
   if (!has_prior) return std::isfinite(sd) ? Verdict::kIdentifiable : Verdict::kNotIdentifiable;
   return verdictOfShare(sd);
 }
 
-/// \param wider  shape (size of z)
+/// \param sd  of z, shape (size of z)
 std::vector<MotionParameter> parametersOf(const MotionPosterior& posterior, const MotionFit& fit,
-                                          const Eigen::VectorXd& wider) {
+                                          const Eigen::VectorXd& sd) {
   std::vector<MotionParameter> parameters;
   const ScaledParameters& scaled = posterior.parameters();
-  // Where the search ended before its end, its step left counts as well. The prior bounds what is known, however badly
-  // the model fits.
-  const auto knownTo = [&](Eigen::Index i, bool has_prior) {
-    const double sd = std::hypot(std::sqrt(fit.covariance(i, i)) * wider[i], fit.step_left[i]);
-    return has_prior ? std::min(1.0, sd) : sd;
-  };
   for (Eigen::Index i = 0; i < scaled.size(); ++i) {
     const SearchParameter& p = posterior.space().parameters()[i];
-    const double wide = knownTo(i, scaled.hasPrior(i));
     const double slope = scaled.slope(i, fit.z[i]);
     SearchParameter known = p;
     if (known.prior_sd) known.prior_sd = scaled.slope(i, 0.0);
     parameters.push_back(
-        {std::move(known), scaled.value(i, fit.z[i]), slope * wide, fit.z[i], verdictOf(wide, scaled.hasPrior(i))});
+        {std::move(known), scaled.value(i, fit.z[i]), slope * sd[i], fit.z[i], verdictOf(sd[i], scaled.hasPrior(i))});
   }
   const Eigen::Index last = scaled.size();
   const double unit = posterior.options().capture_delay_sd;
-  const double sd = knownTo(last, true);
   const ParameterSpec delay{"capture_delay_s", "s", unit * posterior.lower(last), unit * posterior.upper(last)};
-  parameters.push_back(
-      {{delay, 0.0, unit, unit}, posterior.captureDelay(fit.z), unit * sd, fit.z[last], verdictOf(sd, true)});
+  parameters.push_back({{delay, 0.0, unit, unit},
+                        posterior.captureDelay(fit.z),
+                        unit * sd[last],
+                        fit.z[last],
+                        verdictOf(sd[last], true)});
   return parameters;
 }
 
@@ -177,9 +142,10 @@ MotionCalibrationResult judgeMotions(const MotionCalibrationTask& task, const Mo
   result.sets.push_back(playSet("calibration", task.motions, task, best, delay));
   if (task.validation) result.sets.push_back(playSet("validation", *task.validation, task, best, delay));
   const MotionEvaluation at = posterior.evaluate(fit.z);
-  result.misfit = misfitOf(posterior, at);
+  result.misfit = std::sqrt(meanSquareOf(posterior, at));
   result.objective_before = posterior.evaluate(Eigen::VectorXd::Zero(posterior.size())).objective;
-  result.parameters = parametersOf(posterior, fit, std::max(1.0, result.misfit) * widening(posterior, at, fit));
+  const Eigen::VectorXd sd = deviationsOf(posterior, at, fit.jacobians, fit.covariance, fit.step_left);
+  result.parameters = parametersOf(posterior, fit, sd);
   result.words = alikePairs(result.parameters, fit.covariance);
   if (result.sets.size() > 1) predict(task, posterior, fit, result);
   for (const MotionSetResult& set : result.sets) {

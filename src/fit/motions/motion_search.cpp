@@ -311,6 +311,10 @@ Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinea
   return covarianceOf(posterior.normalEquations(here.z, here.at, here.jacobians));
 }
 
+Eigen::VectorXd stepLeftAt(const MotionPosterior& posterior, const MotionLinearisation& here) {
+  return dampedStep(posterior, posterior.normalEquations(here.z, here.at, here.jacobians), here.z, 0.0);
+}
+
 void fitRobustScale(MotionPosterior& posterior, const Eigen::VectorXd& z, MotionEvaluation& at) {
   std::vector<double> squares;
   for (std::size_t m = 0; m < at.residuals.size(); ++m) {

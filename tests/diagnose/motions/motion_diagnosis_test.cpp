@@ -81,6 +81,18 @@ TEST(MotionDiagnosis, FindsLateCommands) {
   EXPECT_GE(delay.upper95 - delay.value, 0.010);
 }
 
+TEST(MotionDiagnosis, SharesOfWhatIsLeftAddUp) {
+  reality::MovingArm truth = test::trueForearm();
+  truth.hidden.command_delay = 0.04;
+  const Diagnosis d = diagnoseForearm(truth, {}, {"gear-backlash"}).diagnosis;
+  ASSERT_EQ(d.verdict, DiagnosisVerdict::kUnexplained) << d.sentence;
+  double sum = 0.0;
+  for (const Leftover& left : d.unexplained) sum += left.share;
+  EXPECT_GT(sum, 0.3);
+  EXPECT_NEAR(sum, 0.01 * d.left_over_percent, 1e-9);
+  EXPECT_LE(d.left_over_percent, 100.0);
+}
+
 TEST(MotionDiagnosis, FindsAClockThatIsLittleMoreThanItsOwn) {
   reality::MotionRigOptions rig;
   rig.capture_delay = 0.022;

@@ -101,6 +101,24 @@ TEST_F(MotionDerivatives, WhatABentResponseTellsIsKept) {
   EXPECT_LT(fit.covariance.diagonal().maxCoeff(), 0.1);
 }
 
+TEST_F(MotionDerivatives, WhereTheSearchStandsBeforeItsEndLessIsKnown) {
+  const MotionPosterior posterior = this->posterior(false);
+  const MotionSearchState begin = beginSearch(posterior);
+  const MotionLinearisation here = linearise(posterior, begin.z, begin.steps, {});
+  const Eigen::MatrixXd covariance = covarianceAt(posterior, here);
+  const Eigen::VectorXd left = stepLeftAt(posterior, here), none = Eigen::VectorXd::Zero(left.size());
+  const Eigen::VectorXd sd = deviationsOf(posterior, here.at, here.jacobians, covariance, left);
+  const Eigen::VectorXd at_the_end = deviationsOf(posterior, here.at, here.jacobians, covariance, none);
+  ASSERT_GT(left.norm(), 0.0);
+  for (Eigen::Index i = 0; i < sd.size(); ++i) {
+    const double most = posterior.hasPrior(i) ? 1.0 : kInfinity;
+    EXPECT_GE(sd[i], std::min(most, std::abs(left[i]))) << i;
+    EXPECT_GE(sd[i], at_the_end[i]) << i;
+    EXPECT_GE(at_the_end[i], std::min(most, std::sqrt(covariance(i, i)))) << i;
+    EXPECT_LE(sd[i], most) << i;
+  }
+}
+
 TEST_F(MotionDerivatives, AreAskedOfParametersThatHaveAStep) {
   const MotionPosterior posterior = this->posterior(false);
   const MotionSearchState begin = beginSearch(posterior);

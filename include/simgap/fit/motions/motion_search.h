@@ -85,7 +85,19 @@ long renew(const MotionPosterior& posterior, MotionLinearisation& here,
            const std::function<void(const MotionSearchNews&)>& news);
 /// Inverse of the curvature at `here`.
 Eigen::MatrixXd covarianceAt(const MotionPosterior& posterior, const MotionLinearisation& here);
+/// The Newton step left at `here`, within the bounds, shape (size of z).
+Eigen::VectorXd stepLeftAt(const MotionPosterior& posterior, const MotionLinearisation& here);
 ///@}
+
+/// Mean square of errors in units of what is expected of them.
+double meanSquareOf(const MotionPosterior& posterior, const MotionEvaluation& at);
+/// Standard deviations of z, shape (size of z): Laplace's, wider where the model misses by more than expected and where
+/// what it misses lasts, with the step left where a search ended before its end. The prior bounds what is known,
+/// however badly the model fits. \param jacobians  shape (motions) \param covariance  Laplace's, of z \param step_left
+/// in z
+Eigen::VectorXd deviationsOf(const MotionPosterior& posterior, const MotionEvaluation& at,
+                             const std::vector<RowMajorF>& jacobians, const Eigen::MatrixXd& covariance,
+                             const Eigen::VectorXd& step_left);
 
 /// A loss as wide as most residuals are: what is far off counts until it is near, then outliers count little again.
 /// \param[in,out] at  what the motions are at z, whose objective becomes that of this loss
