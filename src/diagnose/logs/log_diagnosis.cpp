@@ -119,7 +119,7 @@ bool actsUnseen(const PreparedLog& log, const Eigen::VectorXd& residual, double 
       squares.begin() + static_cast<std::ptrdiff_t>((1.0 - kOutliers) * static_cast<double>(squares.size()));
   if (noise_floor <= 0.0 || rest == squares.begin()) return false;
   std::ranges::nth_element(squares, rest);
-  const double sum = std::reduce(squares.begin(), rest);
+  const double sum = std::accumulate(squares.begin(), rest, 0.0);
   return sum > kFar * kFar * noise_floor * static_cast<double>(rest - squares.begin());
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <opencv2/ml.hpp>
 
@@ -121,24 +120,21 @@ class PiecewiseErrors {
     constexpr double kPieces = 100.0;  // of the whole log at least
     const ActuatorRows& rows = log.data.rows;
     const double seconds = std::min(LogSearch::kPieceSeconds, static_cast<double>(rows.rows()) * rows.step / kPieces);
-    int piece = -1;
-    for (const Block& block : log.blocks) {
-      double begin = -std::numeric_limits<double>::infinity();
-      for (std::size_t i = block.begin; i < block.end; ++i) {
-        const double now = rows.elapsed[static_cast<Index>(i)];
-        if (now - begin >= seconds) begin = now, ++piece;
-        piece_.resize(i, -1);
-        piece_.push_back(piece);
-      }
+    Index piece = -1;
+    double begin = 0.0;
+    for (Index i = 0; i < rows.rows(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const bool anew = i == 0 || rows.session[k] != rows.session[k - 1];
+      if (anew || rows.elapsed[i] - begin >= seconds) begin = rows.elapsed[i], ++piece;
+      piece_.push_back(piece);
     }
-    piece_.resize(log.data.keep.size(), -1);
     const ArrayXd none = ArrayXd::Zero(piece + 1);
     before_ = after_ = {none, none};
   }
   /// \param before, after  squared errors, shape (rows)
   void add(const std::vector<std::size_t>& rows, const ArrayXd& before, const ArrayXd& after) {
     for (std::size_t k = 0; k < rows.size(); ++k) {
-      const int piece = piece_[rows[k]];
+      const Index piece = piece_[rows[k]];
       before_.sum[piece] += before[static_cast<Index>(k)], after_.sum[piece] += after[static_cast<Index>(k)];
       before_.rows[piece] += 1.0, after_.rows[piece] += 1.0;
     }
@@ -152,7 +148,7 @@ class PiecewiseErrors {
   double left() const { return after_.sum.sum(); }
 
  private:
-  std::vector<int> piece_;  ///< of a row
+  std::vector<Index> piece_;  ///< of a row
   GroupErrors before_, after_;
 };
 

@@ -287,14 +287,8 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis, const 
     startAt(origins[0], {base.theta[nuisance - base.model->parameters().begin()]});
   }
   if (starts.empty()) return trial;
-  const auto nuisance = std::ranges::find(model->parameters(), kNuisance, &ParameterSpec::name);
-  const bool displaced = hypothesis.effect->remembers && nuisance != model->parameters().end();
   for (const std::size_t s : bestStarts(*model, starts)) {
     if (auto other = otherStribeck(*model, starts[s])) starts.push_back(std::move(*other));
-    if (!displaced) continue;  // without the cause, the nuisance took its part: there the fit has a second valley
-    std::vector<double> without = starts[s];
-    without[static_cast<std::size_t>(nuisance - model->parameters().begin())] = nuisance->lower;
-    starts.push_back(std::move(without));
   }
   // Most causes change nothing: the linearised model says so without a fit.
   trial.fitted = fitFromStarts(model, starts, (1.0 - kHopeless * options_.least_gain) * base.mse * training_rows_);
