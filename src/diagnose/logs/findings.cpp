@@ -291,9 +291,7 @@ class Judge {
 
   /// Of "what the cause adds is none of the truth", by pieces of the held-out blocks. \param rest, full  shape (rows)
   double heldOutP(const Eigen::VectorXd& rest, const Eigen::VectorXd& full) const {
-    constexpr double kPieces = 100.0;  // of the whole log at least
-    const double seconds = static_cast<double>(log_.data.rows.rows()) * log_.data.rows.step;
-    return nestedP(search_.added(rest, full, parts_.blocks(), std::min(LogSearch::kPieceSeconds, seconds / kPieces)));
+    return nestedP(search_.added(rest, full, parts_.blocks(), LogSearch::pieceSeconds(log_.data.rows)));
   }
 
   /// What is left and has no name may be what the cause only stands in for, unless that is clearly smaller. It is what

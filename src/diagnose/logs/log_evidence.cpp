@@ -117,9 +117,8 @@ ArrayXd squaredErrors(const cv::Ptr<cv::ml::RTrees>& forest, const cv::Mat& x, c
 class PiecewiseErrors {
  public:
   explicit PiecewiseErrors(const PreparedLog& log) {
-    constexpr double kPieces = 100.0;  // of the whole log at least
     const ActuatorRows& rows = log.data.rows;
-    const double seconds = std::min(LogSearch::kPieceSeconds, static_cast<double>(rows.rows()) * rows.step / kPieces);
+    const double seconds = LogSearch::pieceSeconds(rows);
     Index piece = -1;
     double begin = 0.0;
     for (Index i = 0; i < rows.rows(); ++i) {

@@ -3,6 +3,7 @@
 /// folds of them that its refit has not seen.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -59,6 +60,11 @@ void unpack(BytesReader& from, Trial& trial);
 class LogSearch {
  public:
   static constexpr double kPieceSeconds = 2.0;
+  /// The same of a log so short that it would be few of them [s].
+  static double pieceSeconds(const ActuatorRows& rows) {
+    constexpr double kPieces = 100.0;  // of the whole log at least
+    return std::min(kPieceSeconds, static_cast<double>(rows.rows()) * rows.step / kPieces);
+  }
 
   /// All arguments must outlive it. \param training  blocks; \param base, data  of the model.
   LogSearch(const ActuatorBase& base, const ActuatorData& data, std::vector<Block> training,
