@@ -15,8 +15,7 @@
 namespace simgap {
 namespace {
 
-constexpr double kLargeRest = 1.5 * 1.5;  // of the noise's variance: what no model of noise leaves
-constexpr double kMostOfIt = 95.0;        // [%] of the error that named causes have to explain, if much is left
+constexpr double kMostOfIt = 95.0;  // [%] of the error that named causes have to explain, if much is left
 
 }  // namespace
 
@@ -68,18 +67,20 @@ void MotionDiagnosing::fillErrors() {
   };
   say(split_.selecting, false, seen_before, seen_after, selected);
   say(split_.judging, true, before, unseen, result_.after);
-  fillUnexplained(after, unseen);
+  fillUnexplained(after, seen_after, unseen);
 }
 
 /// Drives that saturate leave more in the currents than a model does; joints and shafts show what is missing.
-void MotionDiagnosing::fillUnexplained(const MotionCauseFit& after, const Eigen::MatrixXd& unseen) {
+void MotionDiagnosing::fillUnexplained(const MotionCauseFit& after, const Eigen::MatrixXd& seen,
+                                       const Eigen::MatrixXd& unseen) {
   Diagnosis& d = result_.diagnosis;
-  const Eigen::VectorXd missed = unseen.topRows(unseen.rows() - 1).rowwise().mean();
-  if (!(missed.array() > kLargeRest).any()) return;
+  const Eigen::VectorXd missed = unseen.topRows(unseen.rows() - 1).rowwise().mean(), fitted = seen.rowwise().mean();
+  if (std::ranges::none_of(missed, [](double left) { return isLeft(left, 0.0, 0.0); })) return;
   const Eigen::VectorXd unknown = unknownSquares(after, problem_, split_.judging.motions);
   for (Eigen::Index g = 0; g < missed.size(); ++g) {
     const double left = missed[g];
-    if (!(left > kLargeRest + unknown[g])) continue;
+    // A cause's law is no exact one: what it leaves in fitted motions denies nothing.
+    if (!isLeft(left, last_ ? 0.0 : fitted[g], unknown[g])) continue;
     const std::string name = g + 2 < unseen.rows() ? "joint " + result_.layout.joints[g].name : std::string("shafts");
     const double share = (left - 1.0) / static_cast<double>(unseen.rows()) / d.baseline.mse_heldout;
     d.unexplained.push_back({name, share, ""});

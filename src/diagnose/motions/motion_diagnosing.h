@@ -34,7 +34,7 @@ class MotionDiagnosing {
   bool leavesMore() const;
   void conclude();
   void fillErrors();
-  void fillUnexplained(const MotionCauseFit& after, const Eigen::MatrixXd& unseen);
+  void fillUnexplained(const MotionCauseFit& after, const Eigen::MatrixXd& seen, const Eigen::MatrixXd& unseen);
   void sayWhatIsLeft();
   void withdrawPartial();
   void forgetCauses();

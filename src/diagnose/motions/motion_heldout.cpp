@@ -11,6 +11,7 @@ namespace simgap {
 namespace {
 
 constexpr std::uint32_t kDraws = 16;
+constexpr double kLargeRest = 1.5 * 1.5;   // mean square that no model of noise leaves
 constexpr double kMissed = 1.25;           // mean square of a motion in which something is missing: noise makes it 1
 constexpr Eigen::Index kFewestSaying = 3;  // motions
 constexpr double kLost = 3.0;              // log gain of a motion that only one of two models can play
@@ -95,6 +96,10 @@ Eigen::VectorXd unknownSquares(const MotionCauseFit& fit, const MotionProblem& p
     }
   }
   return most;
+}
+
+bool isLeft(double missed, double fitted, double unknown) {
+  return missed > kLargeRest + (fitted > kLargeRest ? 0.0 : unknown);
 }
 
 Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {

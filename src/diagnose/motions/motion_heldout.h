@@ -27,6 +27,10 @@ Eigen::MatrixXd unseenSquares(const MotionCauseFit& fit, const Eigen::VectorXd& 
 /// over motions, as groupSquares, shape (groups). So much the right model may miss where parameters are hardly known.
 Eigen::VectorXd unknownSquares(const MotionCauseFit& fit, const MotionProblem& problem,
                                std::span<const RecordedMotion> motions);
+/// Whether a group is missed by more than noise and unknown parameters leave. What the fitted motions are missed by,
+/// too, no parameter excuses: the fit was free to set it. \param missed, fitted  mean squares of held-out motions and
+/// of those that were fitted \param unknown  as unknownSquares
+bool isLeft(double missed, double fitted, double unknown);
 
 /// By how much less `after` misses than `before`, of each motion: the mean logarithm of the groups' ratios. A motion
 /// that only one can play counts for that one. Motions that neither misses by more than noise and discrepancy leave say
