@@ -106,7 +106,7 @@ void ActuatorRegression::add(std::string name, std::string unit, double lower, d
   parameters_.push_back({std::move(name), std::move(unit), lower, upper, fixed});
 }
 
-ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p) const {
+ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p, const ArrayXd* stribeck) const {
   const ActuatorRows& rows = data_->rows;
   Terms t;
   t.shared.load = rows.load;
@@ -114,7 +114,7 @@ ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p
   t.shared.viscous = rows.speed;
   std::size_t at = 0;
   if (base_.hasStribeck()) {
-    t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;
+    t.stribeck = stribeck != nullptr ? *stribeck : stribeckFactor(log_speed_, p[0], p[1]).value;
     at = 2;
   } else {
     t.stribeck = ArrayXd::Zero(rows.rows());
@@ -124,6 +124,14 @@ ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p
     t.weight = data_->angle->load(p[at++]);
     if (!data_->angle->scaled) t.shared.load += t.weight - data_->angle->load(data_->angle->start);
   }
+  return t;
+}
+
+ActuatorRegression::Terms ActuatorRegression::lawTermsBeside(const Terms& near, std::span<const double> p,
+                                                             std::size_t moved) const {
+  if (!base_.hasStribeck() || moved >= 2) return lawTerms(p, &near.stribeck);
+  Terms t = near;
+  t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;
   return t;
 }
 
@@ -314,7 +322,8 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
     if (theta[i] + h > parameter.upper) h = -h;
     moved[i] = theta[i] + h;
     const bool of_law = i >= linear_ && i < first_effect;
-    const Terms moved_law = of_law ? lawTerms(std::span<const double>(moved).subspan(linear_)) : Terms();
+    const Terms moved_law =
+        of_law ? lawTermsBeside(law, std::span<const double>(moved).subspan(linear_), i - linear_) : Terms();
     column = ((predict(of_law ? moved_law : law, moved, delay) - predicted) / h).matrix();
     moved[i] = theta[i];
   }

@@ -73,7 +73,10 @@ class ActuatorRegression : public RowModel {
     double part;         ///< of a row
   };
   /// Before effects act on them.
-  Terms lawTerms(std::span<const double> p) const;
+  /// \param stribeck  its factor where it is known at p; null: it is not
+  Terms lawTerms(std::span<const double> p, const Eigen::ArrayXd* stribeck = nullptr) const;
+  /// Where only p[moved] differs from where the terms are `near`.
+  Terms lawTermsBeside(const Terms& near, std::span<const double> p, std::size_t moved) const;
   /// \param effort  shape (rows): where the effort stands on the right.
   Terms withEffects(Terms law, std::span<const double> p, const Eigen::ArrayXd& effort) const;
   Evaluation columns(Terms law, std::span<const double> p) const;
