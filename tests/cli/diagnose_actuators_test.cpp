@@ -13,9 +13,11 @@ namespace {
 
 class DiagnoseActuators : public CliTest {
  protected:
-  Json ask(const std::string& model, const std::string& csv) const {
+  Json ask(const std::string& model, const std::string& csv, const Arguments& more = {}) const {
     put("log.csv", csv);
-    succeed({"diagnose", model, "--log", "log.csv", "-q", "--force", "-o", "d"});
+    Arguments all{"diagnose", model, "--log", "log.csv", "-q", "--force", "-o", "d"};
+    all.insert(all.end(), more.begin(), more.end());
+    succeed(all);
     return Json::parse(text("d/result.json"));
   }
   static reality::MotorDesign bench(std::uint64_t seed) {
@@ -35,8 +37,14 @@ class DiagnoseActuators : public CliTest {
   Json askMotor(const reality::MotorTruth& truth, std::uint64_t seed) const {
     return ask("motor", reality::simulateMotor(truth, bench(seed)).csv());
   }
+  /// A rotor and its load are slow beside a winding.
+  static reality::MotorDesign gearboxBench(std::uint64_t seed) {
+    reality::MotorDesign design = bench(seed);
+    design.rate = 500.0;
+    return design;
+  }
   Json askGearbox(const reality::MotorTruth& truth, std::uint64_t seed) const {
-    return ask("gearbox", reality::simulateMotor(truth, bench(seed)).csv());
+    return ask("gearbox", reality::simulateMotor(truth, gearboxBench(seed)).csv());
   }
   static double valueOf(const Json& result, const std::string& parameter) {
     for (const Json& p : result.at("causes").at(0).at("parameters")) {
@@ -164,7 +172,7 @@ TEST_F(DiagnoseActuators, NameWhatIsWrongWithAGearbox) {
   const Json lossy = askGearbox(loss, 12);
   ASSERT_TRUE(alone(lossy, "load-dependent-efficiency")) << lossy.at("sentence");
   EXPECT_NEAR(valueOf(lossy, "e"), 0.25, 0.05);
-  reality::MotorDesign slow = bench(13);  // a fast rotor's inertia smooths a ripple away
+  reality::MotorDesign slow = gearboxBench(13);  // a fast rotor's inertia smooths a ripple away
   slow.voltage = 3.0;
   const Json rippled = ask("gearbox", reality::simulateMotor(ripple, slow).csv());
   ASSERT_TRUE(alone(rippled, "gearbox-ripple")) << rippled.at("sentence") << rippled.at("candidates");
@@ -172,8 +180,8 @@ TEST_F(DiagnoseActuators, NameWhatIsWrongWithAGearbox) {
   reality::MotorTruth loose;
   loose.play = 4.0;
   slow.seed = 14;
-  const Json played = ask("gearbox", reality::simulateMotor(loose, slow).csv());
-  // While the rotor coasts through the play it is no gearbox at all, and small causes may be read into that.
+  // While the rotor coasts through the play it is no gearbox at all, and small causes may be read into that after it.
+  const Json played = ask("gearbox", reality::simulateMotor(loose, slow).csv(), {"--max-causes", "1"});
   ASSERT_EQ(played.at("verdict"), "cause-found") << played.at("sentence") << played.at("candidates");
   EXPECT_EQ(played.at("causes")[0].at("effect"), "backlash");
   EXPECT_GT(played.at("causes")[0].at("gain_heldout_percent").get<double>(), 70.0);
@@ -183,7 +191,7 @@ TEST_F(DiagnoseActuators, NameWhatIsWrongWithAGearbox) {
 TEST_F(DiagnoseActuators, TellBristlesOfAGearFromPlay) {
   reality::MotorTruth soft;
   soft.bristle_travel = 4.0;
-  reality::MotorDesign slow = bench(15);
+  reality::MotorDesign slow = gearboxBench(15);
   slow.voltage = 3.0;
   const Json bent = ask("gearbox", reality::simulateMotor(soft, slow).csv());
   ASSERT_TRUE(alone(bent, "presliding-hysteresis")) << bent.at("sentence") << bent.at("candidates");
@@ -205,7 +213,7 @@ TEST_F(DiagnoseActuators, FindTheOffsetOf003) {
   truth.sliding_offset = 1.2;
   truth.noise = 0.87;
   reality::LogDesign design;
-  design.rows = 20000;
+  design.rows = 10000;
   design.sessions = 20;
   const Json result = ask("classic", reality::simulateFrictionLog(truth, design).csv());
   ASSERT_TRUE(alone(result, "coulomb-offset")) << result.at("sentence");
