@@ -6,6 +6,7 @@
 #include <random>
 
 #include "cli/cli_fixture.h"
+#include "simgap/core/csv.h"
 #include "support/log_answer.h"
 
 namespace simgap::test {
@@ -28,6 +29,16 @@ class DiagnoseTest : public CliTest {
     reality::DriveRecord record = reality::recordDrive(draw.rig, draw.secret);
     change(record);
     put("log.csv", record.csv());
+  }
+  static std::string firstRows(const CsvTable& table, std::size_t rows) {
+    std::vector<std::vector<std::string>> columns;
+    for (const std::string& name : table.columns()) columns.push_back(table.text(name));
+    CsvWriter csv(table.columns());
+    for (std::size_t row = 0; row < rows; ++row) {
+      for (const std::vector<std::string>& column : columns) csv.add(column[row]);
+      csv.endRow();
+    }
+    return csv.text();
   }
   Json diagnoseLog(const Arguments& more = {}) const {
     Arguments all{"diagnose", "classic", "--log", "log.csv", "-q", "--force", "-o", "d"};
@@ -265,8 +276,9 @@ TEST_F(DiagnoseTest, DataFaultsComeBeforePhysics) {
 // formula.
 TEST_F(DiagnoseTest, StandstillIsNoEvidence) {
   const auto ask = [&](const std::string& log) {
-    succeed({"diagnose", "classic", "--log", sourceFile("data/logs/" + log).string(), "-q", "--force", "-o", "d"});
-    return Json::parse(text("d/result.json"));
+    const CsvTable whole = CsvTable::load(sourceFile("data/logs/" + log));
+    put("log.csv", firstRows(whole, whole.rows() / 2));
+    return diagnoseLog();
   };
   const Json none = ask("standstill-none.csv.gz");
   EXPECT_EQ(none.at("verdict"), "nothing-found") << none.at("sentence");
