@@ -17,7 +17,7 @@ reality::Setpoints variedSetpoints(std::uint64_t draw) { return test::opposedSwi
 MotionDiagnosis diagnoseForearm(const reality::MovingArm& truth, reality::MotionRigOptions rig = {},
                                 const std::vector<std::string>& effects = {}) {
   const ArmModel model = test::modelOf(test::movingForearm().arm, true);
-  const MotionSet selecting = test::recordMotions(truth, model, variedSetpoints, 0, 8, rig),
+  const MotionSet selecting = test::recordMotions(truth, model, variedSetpoints, 0, 5, rig),
                   judging = test::recordMotions(truth, model, variedSetpoints, 100, 5, rig);
   MotionDiagnosisOptions options;
   options.effects = effects;

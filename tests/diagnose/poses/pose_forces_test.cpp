@@ -42,6 +42,7 @@ void expectTheSame(const Diagnosis& plain, const Diagnosis& strong, std::string_
 
 TEST(PoseForces, ASpringIsNamedWhateverItsStrength) {
   reality::PoseDrawOptions options;
+  options.poses = 40;
   options.effect = "passive-joint-torque";
   const reality::PoseDraw draw = reality::drawPoses(11, options);
   const Diagnosis plain = diagnoseWithForces(draw, 1.0);
