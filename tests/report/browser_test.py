@@ -27,7 +27,7 @@ class Pages(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.names = sample_runs.make_all(cls.simgap, cls.source, cls.folder)
+        cls.names = sample_runs.make(cls.simgap, cls.source, cls.folder)
         cls.browser = cls.enterClassContext(webdriver.Browser())
 
     def setUp(self):

@@ -2,6 +2,7 @@
 import json
 import math
 import random
+import shutil
 import subprocess
 
 
@@ -54,6 +55,14 @@ def spring_log(file):
     write_csv(file, "time_s,deflection_m,force_N", rows)
 
 
+def boards(source, folder):
+    """The first ten pairs of data/boards, as few as a calibration takes: looking for the board is what takes its time."""
+    for side in ("left", "right"):
+        (folder / "boards" / side).mkdir(parents=True, exist_ok=True)
+        for picture in sorted((source / "data/boards" / side).iterdir())[:10]:
+            shutil.copy(picture, folder / "boards" / side)
+
+
 def commands(source, folder):
     """Result directory -> arguments of the command that fills it, in an order in which they can run."""
     arm, capture, exo, robot = (source / "data" / name for name in ("arm", "capture", "exoskeleton", "robot"))
@@ -61,6 +70,7 @@ def commands(source, folder):
     motor_log(folder / "motor.csv")
     muscle_log(folder / "muscle.csv")
     spring_log(folder / "spring.csv")
+    boards(source, folder)
     poses = ["--poses", arm / "poses_calibration.csv"]
     return {
         "calibrate": ["calibrate", arm / "arm.yaml", *poses, "--validation", arm / "poses_validation.csv", "--optimizer", "lm", "--starts", "2"],
@@ -68,7 +78,7 @@ def commands(source, folder):
         "design": ["design", arm / "arm.yaml", *poses, "--count", "2", "--candidates", "20"],
         "capture": ["capture", capture / "rig.yaml", "--left", capture / "left", "--right", capture / "right", "--timestamps",
                     capture / "timestamps.csv", "--shafts", capture / "shafts.csv", "--overlay", "0"],
-        "calibrate-cameras": ["calibrate-cameras", source / "data/boards/left", source / "data/boards/right", "--board", "chessboard:9x6:0.025"],
+        "calibrate-cameras": ["calibrate-cameras", folder / "boards/left", folder / "boards/right", "--board", "chessboard:9x6:0.025"],
         "calibrate-joints": ["calibrate-joints", capture / "rig.yaml", "--frames", folder / "capture/frames.csv"],
         "targets-check": ["targets", "check", capture / "targets.yaml"],
         "fit-friction": ["fit-friction", folder / "friction.csv", "--ratio", "1", "--require", "fast:900:12"],
@@ -118,15 +128,15 @@ def diagnosis(folder):
         "1,friction-heating,,20.5,18,23,0.0001,accepted\n1,inertia,,0.2,-0.5,0.9,0.4,rejected: no gain\n2,muscle-wrap,biceps,8,5,11,0.0001,ambiguous\n")
 
 
-def make_all(simgap, source, folder):
-    """Runs every command. Returns the names of the result directories."""
+def make(simgap, source, folder, names=None):
+    """Runs the commands that fill `names` (of commands(); default: all of them), and makes the diagnosis. Returns the names."""
     folder.mkdir(parents=True, exist_ok=True)
     runs = commands(source, folder)
-    for name, arguments in runs.items():
-        run(name, [simgap, *arguments, "-q", "--force", "-o", folder / name])
+    for name in runs if names is None else [name for name in runs if name in names]:
+        run(name, [simgap, *runs[name], "-q", "--force", "-o", folder / name])
     diagnosis(folder / "diagnose")
     run("diagnose", [simgap, "report", folder / "diagnose"])
-    return [*runs, "diagnose"]
+    return [*runs, "diagnose"] if names is None else names
 
 
 def run(name, command):
