@@ -26,6 +26,12 @@ def lines_of(help_text):
     return [line.strip() for line in example.splitlines() if line.strip()]
 
 
+def makes(line):
+    """The result directory that a line fills without reading what another line has made; nothing where it reads such, too."""
+    results = re.findall(r"(-o )?\b(runs/\S+)", line)
+    return results[0][1] if len(results) == 1 and results[0][0] else None
+
+
 def on_a_terminal(command, folder, environment):
     """Exit code, and all that a terminal of 80 columns would be sent."""
     screen, terminal = pty.openpty()
@@ -85,11 +91,15 @@ class Examples(unittest.TestCase):
             self.assertTrue(any(line.startswith(f"simgap {command} ") for line in lines), (command, lines))
 
     def test_examples_run_as_printed(self):
-        moved = []
+        moved, kept = [], {}
         for command in self.commands:
             root = self.root(command)
             for line in lines_of(self.help(command, "--help")):
                 with self.subTest(line):
+                    result = makes(line)
+                    if line in kept:  # of another command's help: what it made stands here, too, and is not made again
+                        shutil.copytree(kept[line], root / result, symlinks=True)
+                        continue
                     code, text = on_a_terminal(line, root, self.environment)
                     self.assertEqual(code, 0, text)
                     rows = rows_of(text)
@@ -97,6 +107,8 @@ class Examples(unittest.TestCase):
                         self.assertLessEqual(len(row), WIDTH, row)
                         self.assertNotRegex(row, r"(left|so far)\b.*(: its cord|another stable)", "a warning on a line of progress")
                     moved.append(len({row for row in rows if re.search(r", \d+.*(left|so far)", row)}))
+                    if result:
+                        kept[line] = shutil.copytree(root / result, self.folder / "kept" / str(len(kept)), symlinks=True)
             shutil.rmtree(root)
         self.assertGreater(max(moved), 3, "no progress was seen to move")
 
