@@ -17,6 +17,15 @@ bool isOfGearbox(const std::string& parameter) {
   return parameter == "eta" || parameter == "tau_CG" || parameter == "mu_G" || parameter == "J_G";
 }
 
+/// A gearbox's fit holds the motor at what its own fit said: bounds of it would change nothing.
+void requireOfGearbox(const ParameterChoices& choices) {
+  for (const auto& [name, range] : choices.bounds) {
+    if (isOfGearbox(name) || name.ends_with("_delay")) continue;
+    throw ConfigError(fmt::format(
+        "--bounds {}: found a parameter of the motor, which --motor tells, expected one of the gearbox", name));
+  }
+}
+
 }  // namespace
 
 std::optional<ArmWithDrive> readTarget(const std::string& into, const std::string& muscle, Session& session) {
@@ -57,6 +66,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   std::vector<std::string> names = driveParameterNames();
   if (!drive.fit_gearbox) std::erase_if(names, isOfGearbox);
   requireKnown(choices, names);
+  if (!drive.fit_motor) requireOfGearbox(choices);
   drive.fixed = choices.fixed;
   drive.bounds = choices.bounds;
   const LogTable rows = readLog(session, "log", options.log, options.table, options.fit.sessions);

@@ -136,6 +136,9 @@ TEST_F(FitTest, MotorAndGearboxGoIntoAnArm) {
   succeed({"fit-gearbox", "gear.csv", "--motor", "m/model.yaml", "--ratio", "72", "--into", "m/arm.yaml", "--muscle",
            "biceps", "-o", "g"});
   EXPECT_EQ(result("g").at("parameters").size(), 4u);
+  expectRefused(
+      {"fit-gearbox", "gear.csv", "--motor", "m/model.yaml", "--ratio", "72", "--bounds", "R=0.1:0.2", "-o", "x"}, 2,
+      "--bounds R: found a parameter of the motor, which --motor tells");
   succeed({"predict", "g/model.yaml", "gear.csv", "--motor", "m/model.yaml", "-o", "p"});
   put("none.yaml", std::regex_replace(text("m/model.yaml"), std::regex("  L: .value: [^,]*,"), "  L: {value: 0,"));
   expectRefused({"predict", "none.yaml", "motor.csv", "-o", "x"}, 2, "none.yaml: found L = 0, expected a number > 0");

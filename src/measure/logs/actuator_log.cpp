@@ -96,10 +96,12 @@ ActuatorLog readActuatorLog(CsvTable table, const ActuatorLogOptions& options) {
   log.position = readMotion(table, "position", log.angleUnit(), options.ratio);
   if (log.velocity.empty() && log.position.empty()) {
     const bool joint = table.hasQuantity("joint_velocity", "rad_s") || table.hasQuantity("joint_position", "rad");
-    throw DataError(fmt::format("{}:1: {}", table.name(),
-                                joint ? "found only the joint's motion, expected --ratio to turn it into the motor's"
-                                      : "found no motor_velocity_rad_s and no motor_position_rad, expected one of them "
-                                        "(--map motor_velocity_rad_s=COLUMN renames)"));
+    throw DataError(fmt::format(
+        "{}:1: {}", table.name(),
+        joint ? "found only the joint's motion, expected --ratio, or transmission_ratio of --bench, to turn it "
+                "into the motor's"
+              : "found no motor_velocity_rad_s and no motor_position_rad, expected one of them "
+                "(--map motor_velocity_rad_s=COLUMN renames)"));
   }
   log.load = log.linear ? optional(table, "external_force", "N") : optional(table, "external_torque", "Nm");
   if (log.load.empty() && !log.linear) log.load = optional(table, "load_torque", "Nm");  // of a motor's bench
