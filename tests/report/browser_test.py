@@ -9,16 +9,43 @@ prints. Exits with 77 (skipped) where there is no Chromium. --keep leaves the pa
 """
 import argparse
 import base64
+import functools
 import pathlib
 import sys
 import tempfile
 import time
+import types
 import unittest
 
 import sample_runs
 import webdriver
 
 SKIPPED = 77
+
+# What a page is asked: bodies of JavaScript functions.
+FOREIGN = "return performance.getEntriesByType('resource').map(r => r.name).filter(name => !name.startsWith('data:'))"
+ANSWER = "return document.querySelector('.answer').textContent.trim()"
+VIEWS = "return document.querySelectorAll('.scene').length"
+PICTURES = "return [...document.images].reduce((sum, image) => sum + image.src.length, 0)"
+VERDICT = "const box = document.querySelector('.verdict'); return box && [box.className, box.querySelector('strong').textContent, box.querySelector('code')?.textContent || '']"
+NAMELESS = """
+  const named = e => e.getAttribute('aria-label') || e.textContent.trim() || e.labels?.length;
+  return [...document.querySelectorAll('canvas, button, input, summary, [role=region]')].filter(e => !named(e)).map(e => e.outerHTML.slice(0, 80))"""
+UNFOLD = "document.querySelectorAll('details.section').forEach(section => { section.wasOpen = section.open; section.open = true; })"
+FOLD = "document.querySelectorAll('details.section').forEach(section => { section.open = section.wasOpen; })"
+CHARTS = """
+  return [...document.querySelectorAll('figure.chart')].map((figure, i) => {
+    const canvas = figure.querySelector('canvas');
+    const bytes = canvas.width && canvas.height ? canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data : [];
+    const colours = new Set();  // three are enough
+    for (let k = 0; k < bytes.length && colours.size < 3; k += 4) if (bytes[k + 3] > 200) colours.add(bytes[k] << 16 | bytes[k + 1] << 8 | bytes[k + 2]);
+    const finite = value => Array.isArray(value) ? value.some(finite) : typeof value === 'object' && value ? isFinite(value.y) && value.y !== null : typeof value === 'number' && isFinite(value);
+    const numbers = charts[i].data.datasets.flatMap(d => d.data).filter(finite).length;
+    return {caption: figure.querySelector('figcaption').textContent, numbers, colours: colours.size, label: canvas.getAttribute('aria-label')};
+  });"""
+NUMBERS = """
+  document.querySelectorAll('.numbers').forEach(details => { details.open = true; details.dispatchEvent(new Event('toggle')); });
+  return [...document.querySelectorAll('.numbers')].map(details => details.querySelectorAll('tbody tr').length);"""
 
 
 class Pages(unittest.TestCase):
@@ -33,48 +60,75 @@ class Pages(unittest.TestCase):
     def setUp(self):
         self.browser.reset()
 
-    def file(self, name):
-        return self.folder / name / "report.html"
+    @classmethod
+    def file(cls, name):
+        return cls.folder / name / "report.html"
 
     def open(self, name):
         self.browser.open(self.file(name))
 
-    def picture(self, name, png):
-        (self.folder / f"{name}.png").write_bytes(png)
+    @classmethod
+    def picture(cls, name, png):
+        (cls.folder / f"{name}.png").write_bytes(png)
+
+    @classmethod
+    @functools.cache  # to open a page takes longest
+    def seen(cls, name):
+        """A page as it opens, then with all sections unfolded, then with all numbers shown."""
+        cls.browser.open(cls.file(name))
+        ask = cls.browser.run
+        page = types.SimpleNamespace(
+            complaints=cls.browser.console(), foreign=ask(FOREIGN), answer=ask(ANSWER), views=ask(VIEWS), pictures=ask(PICTURES),
+            verdict=ask(VERDICT), copies=ask("return document.querySelectorAll('.verdict .copy').length"), nameless=ask(NAMELESS),
+            language=ask("return document.documentElement.lang"), titles=ask("return document.querySelectorAll('h1').length"),
+            images=ask("return [...document.querySelectorAll('.image img')].map(i => i.complete && i.naturalWidth > 100)"))
+        if cls.keep:
+            cls.picture(name, cls.browser.whole_page())
+        page.colours, page.commonest = webdriver.pixels(cls.browser.screenshot())
+        ask(UNFOLD)
+        page.charts = cls.painted()
+        ask(FOLD)
+        page.rows, page.complaints_of_numbers = ask(NUMBERS), cls.browser.console()
+        return page
+
+    @classmethod
+    def painted(cls):
+        """The charts, as soon as all have painted something: what was folded has to find its size."""
+        end = time.monotonic() + 10.0
+        while True:
+            charts = cls.browser.run(CHARTS)
+            if all(chart["colours"] > 2 for chart in charts) or time.monotonic() > end:
+                return charts
+            time.sleep(0.05)
+
+    @classmethod
+    @functools.cache
+    def seen_on_a_telephone(cls, name):
+        """The width that a page takes, and the labels and muscles of its intervals where it has them."""
+        cls.browser.protocol("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+        cls.browser.open(cls.file(name))
+        if cls.keep:
+            cls.picture(f"{name}-narrow", cls.browser.screenshot())
+        labels = """
+          const chart = charts[page.charts.findIndex(spec => spec.kind === 'intervals')];
+          return chart && chart.scales.y.ticks.map(tick => tick.label)"""
+        return types.SimpleNamespace(width=cls.browser.run("return document.documentElement.scrollWidth"), labels=cls.browser.run(labels),
+                                     muscles=cls.browser.run("return typeof views === 'undefined' ? null : views[0].data.muscles"))
 
     def test_every_page_opens_from_disk_without_complaint(self):
         for name in self.names:
             with self.subTest(name):
-                self.open(name)
-                self.assertEqual(self.browser.console(), [])
-                self.assertEqual(self.browser.run("return performance.getEntriesByType('resource').map(r => r.name)"
-                                                  ".filter(name => !name.startsWith('data:'))"), [])
-                self.assertTrue(self.browser.run("return document.querySelector('.answer').textContent.trim()"))
-                with_view = self.browser.run("return document.querySelectorAll('.scene').length")
-                pictures = self.browser.run("return [...document.images].reduce((sum, image) => sum + image.src.length, 0)")
-                self.assertLess(self.file(name).stat().st_size - pictures, 1_500_000 if with_view else 400_000)
-                if self.keep:
-                    self.picture(name, self.browser.whole_page())
-                colours, commonest = webdriver.pixels(self.browser.screenshot())
-                self.assertGreater(colours, 50)
-                self.assertLess(commonest, 0.99)
+                page = self.seen(name)
+                self.assertEqual(page.complaints, [])
+                self.assertEqual(page.foreign, [])
+                self.assertTrue(page.answer)
+                self.assertLess(self.file(name).stat().st_size - page.pictures, 1_500_000 if page.views else 400_000)
+                self.assertGreater(page.colours, 50)
+                self.assertLess(page.commonest, 0.99)
 
     def test_every_chart_has_data_and_paints(self):
-        look = """
-          return [...document.querySelectorAll('figure.chart')].map((figure, i) => {
-            const canvas = figure.querySelector('canvas');
-            const bytes = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
-            const colours = new Set();
-            for (let k = 0; k < bytes.length; k += 4) if (bytes[k + 3] > 200) colours.add(bytes[k] << 16 | bytes[k + 1] << 8 | bytes[k + 2]);
-            const finite = value => Array.isArray(value) ? value.some(finite) : typeof value === 'object' && value ? isFinite(value.y) && value.y !== null : typeof value === 'number' && isFinite(value);
-            const numbers = charts[i].data.datasets.flatMap(d => d.data).filter(finite).length;
-            return {caption: figure.querySelector('figcaption').textContent, numbers, colours: colours.size, label: canvas.getAttribute('aria-label')};
-          });"""
         for name in self.names:
-            self.open(name)
-            self.browser.run("document.querySelectorAll('details.section').forEach(section => { section.open = true; })")
-            time.sleep(0.5)  # for what was folded to find its size
-            charts = self.browser.run(look)
+            charts = self.seen(name).charts
             self.assertTrue(charts, name)
             for chart in charts:
                 with self.subTest(page=name, chart=chart["caption"]):
@@ -83,15 +137,11 @@ class Pages(unittest.TestCase):
                     self.assertTrue(chart["label"])
 
     def test_the_numbers_stand_behind_every_figure(self):
-        show = """
-          document.querySelectorAll('.numbers').forEach(details => { details.open = true; details.dispatchEvent(new Event('toggle')); });
-          return [...document.querySelectorAll('.numbers')].map(details => details.querySelectorAll('tbody tr').length);"""
         for name in self.names:
             with self.subTest(name):
-                self.open(name)
-                rows = self.browser.run(show)
-                self.assertTrue(rows and all(count > 0 for count in rows), rows)
-                self.assertEqual(self.browser.console(), [])
+                page = self.seen(name)
+                self.assertTrue(page.rows and all(count > 0 for count in page.rows), page.rows)
+                self.assertEqual(page.complaints_of_numbers, [])
 
     def test_the_slider_moves_the_arm(self):
         for name in ("calibrate", "validate", "capture"):
@@ -110,16 +160,13 @@ class Pages(unittest.TestCase):
                 self.assertEqual(self.browser.console(), [])
 
     def test_every_page_says_what_it_is_worth(self):
-        box = "const box = document.querySelector('.verdict'); return box && [box.className, box.querySelector('strong').textContent, box.querySelector('code')?.textContent || '']"
         for name in self.names:
             with self.subTest(name):
-                self.open(name)
-                kind, words, command = self.browser.run(box)
+                kind, words, command = self.seen(name).verdict
                 self.assertIn(kind.split()[1], ("good", "doubtful", "bad"))
                 self.assertTrue(words)
                 self.assertTrue(not command or command.startswith("simgap "), command)
-        self.open("calibrate")
-        self.assertEqual(self.browser.run("return document.querySelectorAll('.verdict .copy').length"), 1)
+        self.assertEqual(self.seen("calibrate").copies, 1)
 
     def test_long_logs_can_be_looked_into(self):
         for name in ("diagnose", "fit-friction", "fit-motor", "capture"):
@@ -173,18 +220,12 @@ class Pages(unittest.TestCase):
                 self.assertTrue(set(names) & set(self.browser.run("return views[0].data.muscles")), names)
 
     def test_the_overlay_of_a_capture_is_in_its_page(self):
-        self.open("capture")
-        self.assertEqual(self.browser.run("return [...document.querySelectorAll('.image img')].map(i => i.complete && i.naturalWidth > 100)"), [True])
+        self.assertEqual(self.seen("capture").images, [True])
 
     def test_labels_of_a_telephone_keep_the_muscle(self):
-        self.browser.protocol("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
-        self.open("calibrate")
-        labels = self.browser.run("""
-          const chart = charts[page.charts.findIndex(spec => spec.kind === 'intervals')];
-          return chart.scales.y.ticks.map(tick => tick.label)""")
-        muscles = self.browser.run("return views[0].data.muscles")
-        for label in labels:
-            self.assertTrue(any(label.startswith(muscle) for muscle in muscles), label)
+        page = self.seen_on_a_telephone("calibrate")
+        for label in page.labels:
+            self.assertTrue(any(label.startswith(muscle) for muscle in page.muscles), label)
             self.assertLess(len(label), 40)
 
     def test_the_toggle_shows_before_and_after(self):
@@ -251,24 +292,17 @@ class Pages(unittest.TestCase):
                 self.assertEqual(self.browser.console(), [])
 
     def test_everything_can_be_named_by_a_screen_reader(self):
-        nameless = """
-          const named = e => e.getAttribute('aria-label') || e.textContent.trim() || e.labels?.length;
-          return [...document.querySelectorAll('canvas, button, input, summary, [role=region]')].filter(e => !named(e)).map(e => e.outerHTML.slice(0, 80))"""
         for name in self.names:
             with self.subTest(name):
-                self.open(name)
-                self.assertEqual(self.browser.run(nameless), [])
-                self.assertEqual(self.browser.run("return document.documentElement.lang"), "en")
-                self.assertEqual(self.browser.run("return document.querySelectorAll('h1').length"), 1)
+                page = self.seen(name)
+                self.assertEqual(page.nameless, [])
+                self.assertEqual(page.language, "en")
+                self.assertEqual(page.titles, 1)
 
     def test_nothing_is_wider_than_a_telephone(self):
-        self.browser.protocol("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
         for name in self.names:
             with self.subTest(name):
-                self.open(name)
-                if self.keep:
-                    self.picture(f"{name}-narrow", self.browser.screenshot())
-                self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), 390)
+                self.assertLessEqual(self.seen_on_a_telephone(name).width, 390)
 
 
 def main():
