@@ -16,10 +16,7 @@ TEST(SupplySag, IsNoFrictionByTheLoad) {
   PreparedLog log =
       prepareLog(CsvTable::parse(reality::recordServo(draw.rig, draw.secret).csv(), "log.csv"),
                  readBench(YamlNode::parse(reality::benchYaml(draw.rig), "rig.yaml")), ActuatorKind::kFriction);
-  LogDiagnosisOptions options;
-  options.effects = {"torque-saturation",    "load-dependence", "load-nonlinearity",
-                     "viscous-nonlinearity", "speed-limit",     "coulomb-offset"};
-  const Diagnosis found = diagnoseLog(subjectOf("stribeck"), log, options).diagnosis;
+  const Diagnosis found = diagnoseLog(subjectOf("stribeck"), log, {}).diagnosis;
   ASSERT_EQ(found.causes.size(), 1u) << found.sentence;
   EXPECT_EQ(found.causes[0].effect, "torque-saturation") << found.sentence;
   EXPECT_TRUE(found.causes[0].ambiguous_with.empty()) << found.sentence;

@@ -29,17 +29,12 @@ inline MotionCalibrationConfig motionConfig() {
   return MotionCalibrationConfig::read(YamlNode::load(sourceFile("configs/calibrate_motions.yaml")));
 }
 
-/// \param effects  only these; the whole catalogue when empty
-inline MotionCase diagnoseForearmWith(const MotionTruth& cause, std::uint64_t seed,
-                                      const std::vector<std::string>& effects = {}) {
+inline MotionCase diagnoseForearmWith(const MotionTruth& cause, std::uint64_t seed) {
   MotionCase one{drawHidden(MotionArm::kForearm, seed, cause), {}, {}};
   one.model = modelOf(one.hidden.believed.arm, true);
   const MotionSet selecting = recordForearm(one.hidden, one.model, firstSelecting(seed), kSelectingMotions),
                   judging = recordForearm(one.hidden, one.model, firstJudging(seed), kJudgingMotions);
-  MotionDiagnosisOptions options;
-  options.effects = effects;
-  one.said =
-      diagnoseMotions(one.model, selecting, &judging, motionConfig(), options, [](const std::string&, double) {});
+  one.said = diagnoseMotions(one.model, selecting, &judging, motionConfig(), {}, [](const std::string&, double) {});
   return one;
 }
 

@@ -52,7 +52,7 @@ class MotionIntervention : public testing::Test {
     const simgap::MotionIntervention judged = judgeChange(evidence_, off_, after_, noNews);
     EXPECT_EQ(judged.verdict, InterventionVerdict::kConfirmed) << judged.sentence;
     // The edit test: a model that was told of no payload, fitted to as many motions without it, misses by hardly less.
-    const MotionCase told = test::diagnoseForearmWith(*test::findMotionTruth(""), kSeed, {"payload"});
+    const MotionCase told = test::diagnoseForearmWith(*test::findMotionTruth(""), kSeed);
     const auto best = judgeChange(evidenceOf(told), {}, after_, noNews);
     std::printf("after the payload was taken off: %.3f sd, a model that was told the truth %.3f sd\n",
                 rmsOf(judged.predictions.front()), rmsOf(best.predictions.front()));
@@ -94,9 +94,7 @@ class MotionIntervention : public testing::Test {
   }
 
   static constexpr std::uint64_t kSeed = 201;
-  const MotionCase payload_ = test::diagnoseForearmWith(
-      *test::findMotionTruth("payload"), kSeed,
-      {"payload", "inertia-error", "directional-efficiency", "joint-clock-offset", "gravity-tilt"});
+  const MotionCase payload_ = test::diagnoseForearmWith(*test::findMotionTruth("payload"), kSeed);
   const MotionEvidence evidence_ = evidenceOf(payload_);
   const ArmChanges off_ = armChanges("{kind: undo, cause: 'payload:link1'}", evidence_.given);
   const MotionSet after_ = curedMotions(payload_, kSeed);
