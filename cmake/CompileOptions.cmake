@@ -6,7 +6,7 @@ add_library(simgap_options INTERFACE)
 # Who only builds the program (scripts/demo) needs no warnings, which cost a compiler some of its time, too.
 if(SIMGAP_WERROR)
   target_compile_options(simgap_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
-    -Wno-restrict -Werror)
+    -Werror)
 else()
   target_compile_options(simgap_options INTERFACE -w)
 endif()
@@ -14,7 +14,7 @@ endif()
 # Eigen's expressions it invents the last two where several files are compiled as one. clang-tidy and the sanitizers look
 # for the same faults.
 target_compile_options(simgap_options INTERFACE
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow;-Wno-stringop-overread;-Wno-array-bounds;-Wno-free-nonheap-object;-Wno-use-after-free>)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow;-Wno-stringop-overread;-Wno-array-bounds;-Wno-free-nonheap-object;-Wno-use-after-free>)
 # GCC tidies up its memory hundreds of times where several files are compiled as one: a sixth of its time, for 10 % less.
 add_compile_options($<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=600000>)
 # Results must be bit-identical on every machine of an architecture: no contraction into fused multiply-adds.

@@ -146,8 +146,8 @@ parameters:
   EXPECT_LT(unseen.at("final").at("pivot_deg").get<double>(), 1.2 * toDegrees(kPivotSd));
   for (const auto& [name, truth] : std::map<std::string, double>{{"joints.rail.viscous_friction_Ns_m", 28.0},
                                                                  {"joints.pivot.viscous_friction_Nms", 0.03}}) {
-    const auto p =
-        std::ranges::find_if(result.at("parameters"), [&](const Json& one) { return one.at("name") == name; });
+    const auto p = std::ranges::find_if(result.at("parameters"),
+                                        [&name = name](const Json& one) { return one.at("name") == name; });
     ASSERT_NE(p, result.at("parameters").end()) << name;
     EXPECT_NEAR(p->at("value").get<double>(), truth, 3.0 * p->at("sd").get<double>()) << name;
     EXPECT_LT(p->at("sd").get<double>(), 0.1 * truth) << name;

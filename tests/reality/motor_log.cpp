@@ -10,13 +10,13 @@
 namespace simgap::reality {
 
 MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
-  const double kStep = design.step;
+  const double step = design.step;
   std::mt19937_64 random(design.seed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   std::normal_distribution<double> normal;
   MotorBenchLog log;
   const auto rows = static_cast<int>(design.seconds * design.rate);
-  const int inner = static_cast<int>(std::lround(1.0 / (design.rate * kStep)));
+  const int inner = static_cast<int>(std::lround(1.0 / (design.rate * step)));
   // Seen from the rotor: the output's inertia and friction divided by the ratio, the rotor's torque times it.
   const double gain = m.ratio * m.efficiency;
   const double inertia = gain * m.inertia + m.gear_inertia / m.ratio;
@@ -50,20 +50,20 @@ MotorBenchLog simulateMotor(const MotorTruth& m, const MotorDesign& design) {
         const double brushes = m.brush_drop * i / (std::abs(i) + 0.2);
         const double resistance = m.resistance * (1.0 + m.heating * warmth);
         const double rate = (voltage - m.emf * w - resistance * i - brushes) / m.inductance;
-        warmth += kStep / m.heating_seconds * (i * i / 4.0 - warmth);
-        i += rate * kStep / (1.0 + 0.5 * m.resistance * kStep / m.inductance);
-        angle += w * kStep;
+        warmth += step / m.heating_seconds * (i * i / 4.0 - warmth);
+        i += rate * step / (1.0 + 0.5 * m.resistance * step / m.inductance);
+        angle += w * step;
         // The wheel is pushed by whichever side of the play the rotor's tooth reaches, and stays where it is left.
         const bool meshes = std::abs(angle - wheel) >= 0.5 * m.play;
         if (meshes) wheel = angle - std::copysign(0.5 * m.play, angle - wheel);
         const double teeth = m.load_loss * std::abs(load);
         const double felt = meshes ? load + m.ripple * std::sin(m.ripple_turns * angle + 0.4) : 0.0;
         const double driving = gain * m.torque * i - felt - viscous * w;
-        const double free = w + driving * kStep / inertia;
-        const double hold = (meshes ? coulomb + teeth : 0.2 * coulomb) * kStep / inertia;
+        const double free = w + driving * step / inertia;
+        const double hold = (meshes ? coulomb + teeth : 0.2 * coulomb) * step / inertia;
         if (m.bristle_travel > 0.0) {  // bristles that bend and slip: never held altogether
           const double side = w < 0.0 ? -1.0 : 1.0;
-          bent = side + (bent - side) * std::exp(-std::abs(w) * kStep / m.bristle_travel);
+          bent = side + (bent - side) * std::exp(-std::abs(w) * step / m.bristle_travel);
           w = free - hold * bent;
           continue;
         }

@@ -40,7 +40,7 @@ TEST(PlanarLeg, LiftsAlongTheGradientOfItsHeight) {
   constexpr double kStep = 1e-5, kForce = 300.0;
   for (const auto& [ankle, knee] : {std::pair{0.2, -1.7}, std::pair{0.5, -0.9}, std::pair{-0.1, 0.0}}) {
     const LegTorques torques = leg.leg.lifting(ankle, knee, kForce);
-    const auto slope = [&](double by_ankle, double by_knee) {
+    const auto slope = [&, ankle = ankle, knee = knee](double by_ankle, double by_knee) {
       return (heightOfMasses(leg, ankle + by_ankle, knee + by_knee) -
               heightOfMasses(leg, ankle - by_ankle, knee - by_knee)) /
              (2.0 * kStep);

@@ -72,7 +72,7 @@ TEST_P(PosePlausibility, QuaternionsInTheOrderOfRosAreNamed) {
 
 TEST_P(PosePlausibility, AWrongModelIsNotTakenForAWrongFile) {
   // Shafts of the wrong muscles: the model contradicts every pose, and no other reading explains them.
-  for (Pose& pose : poses_) std::ranges::rotate(pose.shafts, pose.shafts.begin() + 4);
+  for (Pose& pose : poses_) std::rotate(pose.shafts.begin(), pose.shafts.begin() + 4, pose.shafts.end());
   EXPECT_EQ(said(), "no error");
 }
 

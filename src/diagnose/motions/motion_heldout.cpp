@@ -10,7 +10,7 @@
 namespace simgap {
 namespace {
 
-constexpr std::uint32_t kDraws = 16;
+constexpr std::uint32_t kDrawsOfKnown = 16;
 constexpr double kLargeRest = 1.5 * 1.5;   // mean square that no model of noise leaves
 constexpr double kMissed = 1.25;           // mean square of a motion in which something is missing: noise makes it 1
 constexpr Eigen::Index kFewestSaying = 3;  // motions
@@ -85,7 +85,7 @@ Eigen::VectorXd unknownSquares(const MotionCauseFit& fit, const MotionProblem& p
   const std::unique_ptr<MotionPosterior> unseen = posteriorWith(problem, fit.causes(), motions);
   const MotionEvaluation found = unseen->evaluate(fit.here().z);
   Eigen::VectorXd most = Eigen::VectorXd::Zero(std::ssize(unseen->model().joints) + 2);
-  for (const Eigen::VectorXd& z : unseen->draws(fit.here().z, fit.covariance(), kDraws)) {
+  for (const Eigen::VectorXd& z : unseen->draws(fit.here().z, fit.covariance(), kDrawsOfKnown)) {
     MotionEvaluation moved = unseen->evaluate(z);
     stopIfInterrupted();
     if (!found.valid || !moved.valid) continue;

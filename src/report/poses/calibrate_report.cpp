@@ -10,7 +10,7 @@
 namespace simgap {
 namespace {
 
-constexpr std::size_t kMostNamed = 5;  // poses that did not come to rest, on a terminal
+constexpr std::size_t kMostFailed = 5;  // poses that did not come to rest, on a terminal
 
 const std::vector<double>& bestValues(const CalibrationResult& result) { return result.state.strategy.best.y; }
 
@@ -139,11 +139,11 @@ std::string terminalTable(const CalibrationResult& result) {
   std::string text = alignedTable(calibrationErrors(json));
   for (const SetResult& set : result.sets) {
     const std::vector<std::string> invalid = invalidPoses(set.final, set.set, result.layout);
-    for (std::size_t i = 0; i < std::min(invalid.size(), kMostNamed); ++i) {
+    for (std::size_t i = 0; i < std::min(invalid.size(), kMostFailed); ++i) {
       text += fmt::format("{} pose {}\n", set.name, invalid[i]);
     }
-    if (invalid.size() > kMostNamed) {
-      text += fmt::format("and {} more {} poses: see errors.csv\n", invalid.size() - kMostNamed, set.name);
+    if (invalid.size() > kMostFailed) {
+      text += fmt::format("and {} more {} poses: see errors.csv\n", invalid.size() - kMostFailed, set.name);
     }
   }
   const std::size_t unknowns = result.parameters.size();

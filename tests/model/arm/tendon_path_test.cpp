@@ -47,8 +47,8 @@ TEST_P(StretchOverSurface, IsAsLongAsATautString) {
   const Eigen::Vector3d middle = 0.5 * (stretch.touch[0] + stretch.touch[1]);
   const Eigen::Vector3d out = fromMiddle(surface, middle);
   const Eigen::Vector3d first = middle + (1.2 * surface.radius / out.norm() - 1.0) * out;
-  const double string =
-      reality::tautString(x0, x1, first, surface.radius, [&](const auto& x) { return fromMiddle(surface, x); });
+  const double string = reality::tautString(x0, x1, first, surface.radius,
+                                            [&surface = surface](const auto& x) { return fromMiddle(surface, x); });
   // 128 points: an arc of at most 3 rad, about 20 of its points on it, is a polygon too short by 1e-3 of 1/24.
   EXPECT_NEAR(stretch.length, string, 1e-4 * stretch.length);
   EXPECT_GT(stretch.length, (x1 - x0).norm() * (1.0 + 1e-6));
