@@ -77,9 +77,6 @@ double resampledGain(const ArrayXd& before, const ArrayXd& after, const CounterR
   return 1.0 - sum_after / std::max(sum_before, 1e-300);
 }
 
-namespace {
-
-/// Explained : left, on a logarithmic scale; a gain of nothing counts as a small one.
 double logOdds(double gain) {
   constexpr double kSmallest = 0.002, kLargest = 1.0 - 1e-9;
   const double g = std::clamp(gain, kSmallest, kLargest);
@@ -87,8 +84,6 @@ double logOdds(double gain) {
 }
 
 double inverseLogOdds(double odds) { return 1.0 / (1.0 + std::exp(-odds)); }
-
-}  // namespace
 
 Interval predictedGain(const ArrayXd& before, const ArrayXd& after, std::uint64_t seed) {
   constexpr std::size_t kDraws = 4000;

@@ -30,6 +30,10 @@ Interval pairedGain(std::span<const double> before, std::span<const double> afte
 double resampledGain(const Eigen::ArrayXd& before, const Eigen::ArrayXd& after, const CounterRandom& random,
                      std::uint32_t draw, std::uint32_t purpose);
 
+/// Explained : left of a gain, on a logarithmic scale; a gain of nothing counts as a small one. And back.
+double logOdds(double gain);
+double inverseLogOdds(double odds);
+
 /// As pairedGain, from the errors on pieces (shape (pieces)) that decided nothing, and where it will be, with 95 %, on
 /// as many other ones. That is a prediction: what was measured and what is to come are both drawn from the pieces again
 /// and again, and differ as their draws do (prediction bootstrap: Stine 1985). A few pieces, of one load or speed, show

@@ -69,9 +69,8 @@ bool MotionDiagnosing::faulty(const MotionSet& motions, const MotionSet* held_ou
 bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found) {
   const ArmCause& arm = found.fit->causes().back();
   const Eigen::MatrixXd before = unseenOf(base), after = unseenOf(*found.fit);
-  const Eigen::ArrayXd gains = logGains(before, after);
-  const Interval gain = gainOf(gains);
-  const double of_motions = static_cast<double>(hypotheses_.size()) * chanceOfGain(gains),
+  const Interval gain = heldOutGain(before, after);
+  const double of_motions = static_cast<double>(hypotheses_.size()) * chanceOfGain(logGains(before, after)),
                p = gain.lower95 > kNoPlacebo ? std::min(found.p, of_motions) : found.p;
   HypothesisRecord record{
       base.causes().size() + 1, std::string(arm.effect->name), arm.target, gain, p, "", found.evidence};
@@ -156,7 +155,7 @@ void MotionDiagnosing::review(MotionSelector& selector) {
     last_ = std::move(without);
     if (d.causes.size() > 1) continue;
     // What it gains was measured beside the one that went.
-    d.causes.front().gain_heldout = gainOf(logGains(unseenOf(*plain_), unseenOf(*last_)));
+    d.causes.front().gain_heldout = heldOutGain(unseenOf(*plain_), unseenOf(*last_));
     found_.front().evidence = (plain_->objective() - last_->objective()) / variance;
     found_.front().by_motion = (plain_->losses() - last_->losses()) / variance;
   }

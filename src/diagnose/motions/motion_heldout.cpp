@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "diagnose/paired_error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/statistics.h"
 
@@ -129,6 +130,18 @@ Interval gainOf(const Eigen::ArrayXd& log_gains) {
   const double mean = log_gains.mean();
   const double half = studentQuantile(static_cast<double>(log_gains.size()) - 1.0) * errorOfMean(log_gains);
   return {-std::expm1(-mean), -std::expm1(half - mean), -std::expm1(-half - mean)};
+}
+
+Interval heldOutGain(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
+  const Eigen::ArrayXd log_gains = logGains(before, after);
+  const Interval gain = gainOf(log_gains);
+  bool reached = meanSquare(before) > kLargeRest && log_gains.minCoeff() > 0.0;
+  for (Eigen::Index m = 0; m < after.cols(); ++m) reached = reached && meanSquare(after.col(m)) < kMissed;
+  if (gain.lower95 > 0.0 || !reached) return gain;
+  const Eigen::ArrayXd odds = log_gains.unaryExpr([](double g) { return logOdds(-std::expm1(-g)); });
+  const double half = studentQuantile(static_cast<double>(odds.size()) - 1.0) * errorOfMean(odds);
+  return {gain.value, std::min(gain.value, inverseLogOdds(odds.mean() - half)),
+          std::max(gain.value, inverseLogOdds(odds.mean() + half))};
 }
 
 double chanceOfGain(const Eigen::ArrayXd& log_gains) {

@@ -38,6 +38,10 @@ bool isLeft(double missed, double fitted, double unknown);
 Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);
 /// Its mean as a fraction of the mean square, with a 95 % interval by Student's t over motions.
 Interval gainOf(const Eigen::ArrayXd& log_gains);
+/// The same of two fits. Where `before` surely misses something that `after` misses in no motion and each gains,
+/// motions differ in how much of the cause they show and not in whether it is there: Student's t, that takes the one
+/// for the other, is then of the logarithms of explained : left.
+Interval heldOutGain(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after);
 /// How probable as large a mean is where nothing was gained.
 double chanceOfGain(const Eigen::ArrayXd& log_gains);
 /// Of what a motion is missed by beyond the noise, the share that `after` does not miss: the median over motions, as

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 namespace simgap {
 namespace {
@@ -33,6 +34,26 @@ TEST(MotionHeldOut, AGainIsOneOfMotionsThatMissSomething) {
   EXPECT_EQ(logGains(before, after).size(), 4);
   before(0, 3) = after(0, 3) = after(0, 2) = 1.0;  // of two no spread is known
   EXPECT_EQ(logGains(before, after).size(), 5);
+}
+
+/// Of a supply that sags one fast motion shows ten times what others do, and slow ones nothing.
+TEST(MotionHeldOut, AMotionThatShowsFarMoreMakesNoGainUnsure) {
+  Eigen::MatrixXd before(1, 5), after(1, 5);
+  before << 35.0, 0.7, 2.4, 1.7, 0.8;
+  after << 0.6, 0.7, 0.8, 0.7, 0.6;
+  EXPECT_LT(gainOf(logGains(before, after)).lower95, 0.0);
+  const Interval gain = heldOutGain(before, after);
+  EXPECT_GT(gain.lower95, 0.0);
+  EXPECT_LT(gain.lower95, 0.2);  // a motion that gains 40 % is not unlike those that come
+  EXPECT_GT(gain.upper95, 0.98);
+  EXPECT_DOUBLE_EQ(gain.value, gainOf(logGains(before, after)).value);
+  // What is still missed in a motion, made worse in one, or was hardly missed before, is as unsure as it was.
+  for (const auto& [motion, was, is] : {std::tuple{2, 2.4, 1.5}, {3, 1.3, 1.4}, {0, 5.0, 0.6}}) {
+    Eigen::MatrixXd one = before, other = after;
+    one(0, motion) = was;
+    other(0, motion) = is;
+    EXPECT_LT(heldOutGain(one, other).lower95, 0.0) << motion;
+  }
 }
 
 // Hardly known parameters may move a joint of unseen motions by as much as it is missed; where the motions that set
