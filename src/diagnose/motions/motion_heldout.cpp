@@ -22,6 +22,13 @@ double errorOfMean(const Eigen::ArrayXd& values) {
   return std::sqrt((values - values.mean()).square().sum() / (count - 1.0) / count);
 }
 
+/// Their mean with a 95 % interval by Student's t.
+Interval meanOf(const Eigen::ArrayXd& values) {
+  const double mean = values.mean();
+  const double half = studentQuantile(static_cast<double>(values.size()) - 1.0) * errorOfMean(values);
+  return {mean, mean - half, mean + half};
+}
+
 }  // namespace
 
 MotionSplit splitMotions(const MotionSet& motions, const MotionSet* held_out, double fraction) {
@@ -127,9 +134,8 @@ Eigen::ArrayXd logGains(const Eigen::MatrixXd& before, const Eigen::MatrixXd& af
 }
 
 Interval gainOf(const Eigen::ArrayXd& log_gains) {
-  const double mean = log_gains.mean();
-  const double half = studentQuantile(static_cast<double>(log_gains.size()) - 1.0) * errorOfMean(log_gains);
-  return {-std::expm1(-mean), -std::expm1(half - mean), -std::expm1(-half - mean)};
+  const Interval mean = meanOf(log_gains);
+  return {-std::expm1(-mean.value), -std::expm1(-mean.lower95), -std::expm1(-mean.upper95)};
 }
 
 Interval heldOutGain(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after) {
@@ -138,10 +144,9 @@ Interval heldOutGain(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after
   bool reached = meanSquare(before) > kLargeRest && log_gains.minCoeff() > 0.0;
   for (Eigen::Index m = 0; m < after.cols(); ++m) reached = reached && meanSquare(after.col(m)) < kMissed;
   if (gain.lower95 > 0.0 || !reached) return gain;
-  const Eigen::ArrayXd odds = log_gains.unaryExpr([](double g) { return logOdds(-std::expm1(-g)); });
-  const double half = studentQuantile(static_cast<double>(odds.size()) - 1.0) * errorOfMean(odds);
-  return {gain.value, std::min(gain.value, inverseLogOdds(odds.mean() - half)),
-          std::max(gain.value, inverseLogOdds(odds.mean() + half))};
+  const Interval odds = meanOf(log_gains.unaryExpr([](double g) { return logOdds(-std::expm1(-g)); }));
+  return {gain.value, std::min(gain.value, inverseLogOdds(odds.lower95)),
+          std::max(gain.value, inverseLogOdds(odds.upper95))};
 }
 
 double chanceOfGain(const Eigen::ArrayXd& log_gains) {
