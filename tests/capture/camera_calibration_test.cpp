@@ -22,8 +22,10 @@ std::vector<BoardView> boardViews(const reality::StereoLenses& lenses, int count
   std::normal_distribution<double> normal;
   std::vector<BoardView> views;
   while (int(views.size()) < count) {
-    const Eigen::Quaterniond turn(Eigen::AngleAxisd(uniform(random, -0.6, 0.6), randomDirection(random)));
-    const Eigen::Vector3d place(uniform(random, -0.15, 0.35), uniform(random, -0.2, 0.2), uniform(random, 0.6, 1.2));
+    const Eigen::Vector3d axis = randomDirection(random);
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(uniform(random, -0.6, 0.6), axis));
+    const double z = uniform(random, 0.6, 1.2), y = uniform(random, -0.2, 0.2), x = uniform(random, -0.15, 0.35);
+    const Eigen::Vector3d place(x, y, z);
     BoardView view{std::to_string(views.size()), {}, {}, {}};
     bool inside = true;
     for (int k = 0; k < 54; ++k) {
@@ -32,7 +34,8 @@ std::vector<BoardView> boardViews(const reality::StereoLenses& lenses, int count
       const auto image = [&](const reality::Lens& lens, const Eigen::Vector3d& q) {
         Eigen::Vector2d pixel = lens.project(q);
         inside = inside && pixel.x() > 0 && pixel.y() > 0 && pixel.x() < lens.width && pixel.y() < lens.height;
-        pixel += noise * Eigen::Vector2d(normal(random), normal(random));
+        const double v = normal(random), u = normal(random);
+        pixel += noise * Eigen::Vector2d(u, v);
         return cv::Point2f(float(pixel.x()), float(pixel.y()));
       };
       view.board.emplace_back(float(corner.x()), float(corner.y()), 0.0F);

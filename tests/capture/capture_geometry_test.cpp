@@ -83,7 +83,8 @@ TEST(Triangulation, MovesNoisyImagesToTheNearestPairOnEpipolarLines) {
   const Eigen::Matrix3d e = cameras.essential();
   std::mt19937 random(1);
   for (int trial = 0; trial < 50; ++trial) {
-    const Eigen::Vector3d p(uniform(random, -0.3, 0.3), uniform(random, -0.2, 0.2), uniform(random, 0.8, 1.6));
+    const double z = uniform(random, 0.8, 1.6), y = uniform(random, -0.2, 0.2), x = uniform(random, -0.3, 0.3);
+    const Eigen::Vector3d p(x, y, z);
     const Eigen::Vector2d noisy_left = imageOf(p) + 2e-3 * randomPlane(random);
     const Eigen::Vector2d noisy_right =
         imageOf(cameras.rotation * p + cameras.translation) + 2e-3 * randomPlane(random);

@@ -29,7 +29,8 @@ Motion motionOf(double shoulder_range, double elbow_range, int zero_frames, doub
   std::normal_distribution<double> normal;
   for (int t = 0; t < 3; ++t) {
     // Placed by eye: up to 10 degrees and a few centimetres off the bone.
-    const Eigen::Matrix3d turn = Eigen::AngleAxisd(uniform(random, 0.05, 0.17), randomDirection(random)).matrix();
+    const Eigen::Vector3d axis = randomDirection(random);
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(uniform(random, 0.05, 0.17), axis).matrix();
     const Eigen::Vector3d shift = 0.03 * randomDirection(random);
     motion.bone_in_target.push_back({turn, shift});
     for (auto& m : motion.targets.targets[std::size_t(t)].markers) m = turn * m + shift;
@@ -124,7 +125,8 @@ class HandCalibration : public ::testing::Test {
     motion_.targets.marker_radius = 0.004;
     for (const char* name : {"palm", "thumb", "finger", "tip"}) {
       MarkerTarget target{name, name, {}};
-      const Eigen::AngleAxisd turn(uniform(random, 0.05, 0.2), randomDirection(random));
+      const Eigen::Vector3d axis = randomDirection(random);
+      const Eigen::AngleAxisd turn(uniform(random, 0.05, 0.2), axis);
       motion_.bone_in_target.push_back({turn.matrix(), 0.02 * randomDirection(random)});
       for (int m = 0; m < 4; ++m) {
         on_bone_.push_back(0.03 * randomDirection(random));
@@ -147,7 +149,8 @@ class HandCalibration : public ::testing::Test {
     const auto carry = [&](int parent, const Eigen::Vector3d& at, const Eigen::AngleAxisd& turn) {
       return TargetPose{bones[parent].rotation * turn.matrix(), bones[parent] * at};
     };
-    const Eigen::AngleAxisd thumb(part * uniform(random, -0.7, 0.7), randomDirection(random));
+    const Eigen::Vector3d axis = randomDirection(random);
+    const Eigen::AngleAxisd thumb(part * uniform(random, -0.7, 0.7), axis);
     bones[1] = carry(0, Eigen::Vector3d::Zero(), thumb);
     bones[2] = carry(0, {0.1, 0.0, 0.05}, {part * uniform(random, -0.2, 1.2), Eigen::Vector3d::UnitY()});
     bones[3] = carry(2, {0.03, 0.08, 0.0}, {part * uniform(random, -0.9, 0.1), Eigen::Vector3d::UnitZ()});
@@ -183,7 +186,8 @@ class SlideCalibration : public ::testing::Test {
   SlideCalibration() {
     motion_.targets.marker_radius = 0.004;
     for (const char* name : {"base", "arm", "carriage", "hand"}) {
-      const Eigen::AngleAxisd turn(uniform(random_, 0.05, 0.2), randomDirection(random_));
+      const Eigen::Vector3d axis = randomDirection(random_);
+      const Eigen::AngleAxisd turn(uniform(random_, 0.05, 0.2), axis);
       motion_.bone_in_target.push_back({turn.matrix(), 0.02 * randomDirection(random_)});
       MarkerTarget target{name, name, {}};
       for (int m = 0; m < 4; ++m) {
@@ -215,7 +219,7 @@ class SlideCalibration : public ::testing::Test {
       const TargetPose& b = motion_.bone_in_target[t];
       const Eigen::Matrix3d rotation = bones[t].rotation * b.rotation.transpose();
       Eigen::Vector3d jitter = Eigen::Vector3d::Zero();
-      if (noise > 0.0) jitter = Eigen::Vector3d(normal(random_), normal(random_), normal(random_));
+      for (int i = 2; noise > 0.0 && i >= 0; --i) jitter[i] = normal(random_);
       seen.targets.push_back(TargetPose{rotation, bones[t].origin - rotation * b.origin + jitter});
     }
     return seen;
@@ -223,8 +227,8 @@ class SlideCalibration : public ::testing::Test {
   void record(double noise, double reach = 0.1) {
     for (int f = 0; f < 150; ++f) {
       const double part = f < 10 ? 0.0 : 1.0;
-      motion_.frames.push_back(frame(f, part * uniform(random_, -0.6, 0.9), part * uniform(random_, -reach, reach),
-                                     part * uniform(random_, -1.0, 0.4), noise));
+      const double hand = uniform(random_, -1.0, 0.4), way = uniform(random_, -reach, reach);
+      motion_.frames.push_back(frame(f, part * uniform(random_, -0.6, 0.9), part * way, part * hand, noise));
     }
   }
   /// What a capture reads on the calibrated rig.

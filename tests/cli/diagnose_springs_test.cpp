@@ -241,7 +241,8 @@ TEST_F(Springs, RefuseRests) {
   std::mt19937_64 random(1);
   std::normal_distribution<> noise;
   for (int i = 0; i < 2000; ++i) {
-    rest += fmt::format("{},{},{}\n", 0.01 * i, 0.05 + 1e-6 * noise(random), 700.0 + 3.0 * noise(random));
+    const double force = 700.0 + 3.0 * noise(random);
+    rest += fmt::format("{},{},{}\n", 0.01 * i, 0.05 + 1e-6 * noise(random), force);
     same += fmt::format("{},0.05,700\n", 0.01 * i);
   }
   put("rest.csv", rest);

@@ -138,7 +138,8 @@ class EveryKind : public CliTest {
       for (std::size_t j = 0; j < model.joints.size(); ++j) {
         JointPosition seen = equilibrium.joints()[j];
         seen.angle += (model.joints[j].slides() ? 5e-4 : 3e-3) * normal(random);
-        const Eigen::Vector3d turn(3e-3 * normal(random), 3e-3 * normal(random), 3e-3 * normal(random));
+        const double z = normal(random), y = normal(random), x = normal(random);
+        const Eigen::Vector3d turn(3e-3 * x, 3e-3 * y, 3e-3 * z);
         seen.rotation = (seen.rotation * expSo3(turn)).normalized();
         for (const double cell : kindOf(model.joints[j].type).cells(seen)) table += fmt::format(",{}", cell);
       }

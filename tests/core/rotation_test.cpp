@@ -15,12 +15,12 @@ using Eigen::Vector3d;
 
 Quaterniond randomRotation(std::mt19937& random) {
   std::normal_distribution<double> normal;
-  return Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+  return Quaterniond{normal(random), normal(random), normal(random), normal(random)}.normalized();
 }
 
 Vector3d randomDirection(std::mt19937& random) {
   std::normal_distribution<double> normal;
-  return Vector3d(normal(random), normal(random), normal(random)).normalized();
+  return Vector3d{normal(random), normal(random), normal(random)}.normalized();
 }
 
 Quaterniond negated(const Quaterniond& q) { return Quaterniond(-q.w(), -q.x(), -q.y(), -q.z()); }
@@ -99,7 +99,7 @@ TEST(MeanRotation, OfSmallPerturbationsIsTheCentreAndTheirMean) {
     std::vector<Quaterniond> rotations;
     Vector3d mean_vector = Vector3d::Zero();
     for (int i = 0; i < 50; ++i) {
-      const Vector3d vector(noise(random), noise(random), noise(random));
+      const Vector3d vector{noise(random), noise(random), noise(random)};
       mean_vector += vector / 50.0;
       const Quaterniond perturbed = centre * Quaterniond(AngleAxisd(vector.norm(), vector.normalized()));
       rotations.push_back(i % 2 == 0 ? perturbed : negated(perturbed));

@@ -22,7 +22,8 @@ constexpr int kFollower = 5;  // a joint of every longer tree moves with joint 2
 constexpr double kRatio = -0.7;
 
 Vector3d randomPoint(std::mt19937& random, double size) {
-  return size * test::uniform(random, 0.2, 1.0) * test::randomDirection(random);
+  const Vector3d direction = test::randomDirection(random);
+  return size * test::uniform(random, 0.2, 1.0) * direction;
 }
 
 ArmModel randomTree(std::mt19937& random, int joints, bool chain) {
@@ -30,7 +31,8 @@ ArmModel randomTree(std::mt19937& random, int joints, bool chain) {
   model.gravity = Vector3d(1.5, -3.0, -8.0);
   for (int j = 0; j < joints; ++j) {
     const int parent = chain ? j : static_cast<int>(test::uniform(random, 0.0, j + 0.999));
-    const Part mass = test::box(test::uniform(random, 0.5, 5.0), randomPoint(random, 0.2), {0.1, 0.2, 0.15});
+    const Vector3d centre = randomPoint(random, 0.2);
+    const Part mass = test::box(test::uniform(random, 0.5, 5.0), centre, {0.1, 0.2, 0.15});
     const JointType type = test::uniform(random, 0.0, 1.0) < 0.25 ? JointType::kPrismatic : JointType::kRevolute;
     Joint& joint = test::addLink(model, parent, type, randomPoint(random, 0.4), {mass});
     joint.axis = test::randomDirection(random);

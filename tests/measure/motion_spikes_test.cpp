@@ -29,7 +29,7 @@ RecordedMotion movement() {
     const double t = i / 60.0, step = std::tanh(8.0 * (t - 1.0)) - std::tanh(6.0 * (t - 2.5));
     const auto noise = [&] { return 0.003 * normal(random); };
     motion.joint_times.push_back(t);
-    const Eigen::Vector3d turn(0.4 * step + noise(), 0.2 * t + noise(), noise());
+    const Eigen::Vector3d turn{0.4 * step + noise(), 0.2 * t + noise(), noise()};
     motion.joints.push_back({{.rotation = Eigen::Quaterniond(expSo3(turn))}, {.angle = 1.0 + 0.5 * step + noise()}});
     motion.commands.times.push_back(t);
     motion.muscles[0].shafts.push_back(3.0 + 2.0 * step + 0.1 * noise());

@@ -54,7 +54,8 @@ Eigen::VectorXd heldTorque(const Arm& arm, Noise& noise) {
   int first = 0;
   for (const Link& link : arm.links) {
     if (link.joint == Joint::kSpherical) {
-      held.segment<3>(first) = link.coulomb * std::cbrt(noise.uniform()) * noise.vector().normalized();
+      const Eigen::Vector3d direction = noise.vector().normalized();
+      held.segment<3>(first) = link.coulomb * std::cbrt(noise.uniform()) * direction;
     } else {
       held[first] = link.coulomb * (2.0 * noise.uniform() - 1.0);
     }

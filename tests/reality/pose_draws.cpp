@@ -24,7 +24,8 @@ class Draws {
   std::size_t below(std::size_t n) { return std::min(n - 1, std::size_t(uniform(0.0, double(n)))); }
   Eigen::Vector3d direction() {
     for (;;) {
-      const Eigen::Vector3d v(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+      const double z = uniform(-1, 1), y = uniform(-1, 1), x = uniform(-1, 1);
+      const Eigen::Vector3d v(x, y, z);
       if (v.norm() > 0.1 && v.norm() < 1.0) return v.normalized();
     }
   }
@@ -269,8 +270,8 @@ TimedPose recordAt(const Arm& truth, const Session& session, const std::vector<d
       return std::sqrt(-2.0 * std::log(noise.uniform(0, 1))) * std::cos(2.0 * M_PI * noise.uniform(0, 1));
     };
     for (JointPose& joint : recorded.joints) {
-      joint.rotation *=
-          rotationOf<double>(Eigen::Vector3d(kCapture * normal(), kCapture * normal(), kCapture * normal()));
+      const double z = normal(), y = normal(), x = normal();
+      joint.rotation *= rotationOf<double>(Eigen::Vector3d(kCapture * x, kCapture * y, kCapture * z));
       joint.angle += kCapture * normal();
     }
   } else {

@@ -66,14 +66,16 @@ const std::map<std::string, FlawKind>& flawKinds() {
   static const std::map<std::string, FlawKind> all = {
       {"payload",
        {[](Robot& r, std::size_t k, double size, FlawDraws& d) {
-          hang(r.links[k], 0.1 * size * d.between(0.5, 1.5), d.inBall(0.25));
+          const Vector3d at = d.inBall(0.25);
+          hang(r.links[k], 0.1 * size * d.between(0.5, 1.5), at);
           return linkName(k);
         },
         true}},
       {"link-inertia",
        {[](Robot& r, std::size_t k, double size, FlawDraws& d) {
-          const Vector3d edges(d.between(0.05, 0.3), d.between(0.05, 0.3), d.between(0.05, 0.3));
-          const Matrix3d turn = AngleAxisd(d.between(-3.0, 3.0), d.inBall(1.0).normalized()).toRotationMatrix();
+          const double z = d.between(0.05, 0.3), y = d.between(0.05, 0.3), x = d.between(0.05, 0.3);
+          const Vector3d edges(x, y, z), axis = d.inBall(1.0).normalized();
+          const Matrix3d turn = AngleAxisd(d.between(-3.0, 3.0), axis).toRotationMatrix();
           const Vector3d s = edges.cwiseAbs2();
           const Vector3d moments(s.y() + s.z(), s.x() + s.z(), s.x() + s.y());
           r.links[k].inertia += size * turn * Matrix3d(moments.asDiagonal()) * turn.transpose();
@@ -177,7 +179,8 @@ const std::map<std::string, FlawKind>& flawKinds() {
         false}},
       {"gravity-tilt",
        {[](Robot& r, std::size_t, double, FlawDraws& d) {
-          const Vector3d axis = Vector3d(d.between(-1.0, 1.0), d.between(-1.0, 1.0), 0.0).normalized();
+          const double y = d.between(-1.0, 1.0), x = d.between(-1.0, 1.0);
+          const Vector3d axis = Vector3d(x, y, 0.0).normalized();
           r.gravity = AngleAxisd(d.between(0.04, 0.12), axis) * r.gravity;
           return std::string();
         },

@@ -33,6 +33,14 @@ class RobotDraws {
     const double x = normal(), y = normal(), z = normal();
     return Vector3d(x, y, z).normalized();
   }
+  Vector3d inShell(double inner, double outer) {
+    const Vector3d way = direction();
+    return between(inner, outer) * way;
+  }
+  AngleAxisd turn(double largest) {
+    const Vector3d axis = direction();
+    return AngleAxisd(between(-largest, largest), axis);
+  }
 
  private:
   CounterRandom random_;
@@ -210,7 +218,20 @@ VectorXd writtenLate(const VectorXd& values, double late, double rate) {
 /// Everything that the robot did, shape (rows, links) each.
 struct RobotRecord {
   MatrixXd q, v, a, torque;
+  MatrixXd warmth;  ///< of each drive [1]: 0 where it begins, about 1 where it moves fast all the time
 };
+
+/// The drives warm up by what they rub and cool down to the room.
+void warmUp(const RobotRigOptions& options, RobotRecord& record) {
+  constexpr double kSlowness = 25.0;  // [s]
+  for (Index j = 0; j < record.v.cols(); ++j) {
+    const double top = std::max(record.v.col(j).cwiseAbs().maxCoeff(), 1e-9);
+    for (Index i = 1; i < record.v.rows(); ++i) {
+      const double before = record.warmth(i - 1, j), heat = 2.0 * std::abs(record.v(i, j)) / top;
+      record.warmth(i, j) = before + (heat - before) / (kSlowness * options.rate);
+    }
+  }
+}
 
 /// Where a joint turns, friction changes its sign and the controller gives way by as much to the other side: the step
 /// of a critically damped loop, with a jump of the acceleration.
@@ -232,7 +253,8 @@ void holdBack(const RobotRigOptions& options, Index j, RobotRecord& record) {
 
 RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotDraws& draws) {
   const Index n = std::ssize(robot.links), rows = static_cast<Index>(options.duration * options.rate);
-  RobotRecord record{MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n)};
+  const MatrixXd empty = MatrixXd::Zero(rows, n);
+  RobotRecord record{empty, empty, empty, empty, empty};
   for (Index j = 0; j < n; ++j) {
     const JointSeries series = drawSeries(robot.links[j], options, draws);
     const std::vector<OwnTime> own = ownTimes(options, draws);
@@ -244,6 +266,7 @@ RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotD
     }
   }
   for (Index j = 0; j < n && options.tracking_error > 0.0; ++j) holdBack(options, j, record);
+  warmUp(options, record);
   std::vector<double> left(robot.links.size(), 0.0);
   for (Index i = 0; i < rows; ++i) {
     const VectorXd load =
@@ -253,8 +276,9 @@ RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotD
       const RobotLink& link = robot.links[j];
       const bool rests = std::abs(record.v(i, j)) < 1e-9;
       if (rests && (i == 0 || std::abs(record.v(i - 1, j)) >= 1e-9)) left[j] = draws.between(-1.0, 1.0);
-      record.torque(i, j) +=
-          link.rotor * record.a(i, j) + link.offset + frictionOf(link, record.v(i, j), left[j], load[j], load);
+      const double friction =
+          (1.0 - link.thins * record.warmth(i, j)) * frictionOf(link, record.v(i, j), left[j], load[j], load);
+      record.torque(i, j) += link.rotor * record.a(i, j) + link.offset + friction;
       record.torque(i, j) += link.spring * (record.q(i, j) - link.spring_rest);
       record.torque(i, j) += link.ripple * std::sin(link.ripple_ratio * record.q(i, j) + link.ripple_phase);
     }
@@ -266,6 +290,7 @@ RobotRecord moveRobot(const Robot& robot, const RobotRigOptions& options, RobotD
 void writeDown(const Robot& robot, const RobotRigOptions& options, RobotRecord& record) {
   for (Index j = 0; j < record.q.cols(); ++j) {
     const RobotLink& link = robot.links[j];
+    record.q.col(j) += link.gives * record.torque.col(j);
     record.torque.col(j) = link.effort_gain * record.torque.col(j).array() + link.bias;
     record.q.col(j).array() -= link.zero;
     const double motion_late = link.clock_late + link.position_late, effort_late = link.clock_late + link.effort_late;
@@ -302,8 +327,8 @@ Robot randomRobot(std::uint64_t seed, int joints, bool tree, bool slides) {
   for (int k = 0; k < joints; ++k) {
     RobotLink link;
     link.parent = tree && k > 1 ? static_cast<int>(draws.between(0.0, k - 1e-6)) : k - 1;
-    const Vector3d way = k == 0 ? Vector3d(0.0, 0.0, 0.2) : Vector3d(draws.between(0.15, 0.4) * draws.direction());
-    link.origin = Translation3d(way) * AngleAxisd(draws.between(-2.0, 2.0), draws.direction());
+    const Vector3d way = k == 0 ? Vector3d(0.0, 0.0, 0.2) : draws.inShell(0.15, 0.4);
+    link.origin = Translation3d(way) * draws.turn(2.0);
     link.axis = Vector3d::Unit(static_cast<Index>(draws.between(0.0, 2.999)));
     link.slides = slides && k > 0 && draws.between(0.0, 1.0) < 0.25;
     if (link.slides) {
@@ -311,8 +336,8 @@ Robot randomRobot(std::uint64_t seed, int joints, bool tree, bool slides) {
       link.upper = 0.3;
     }
     link.mass = 8.0 * std::pow(0.75, k) * draws.between(0.7, 1.4);
-    link.centre = draws.between(0.05, 0.2) * draws.direction();
-    const Matrix3d turn = AngleAxisd(draws.between(-3.0, 3.0), draws.direction()).toRotationMatrix();
+    link.centre = draws.inShell(0.05, 0.2);
+    const Matrix3d turn = draws.turn(3.0).toRotationMatrix();
     const double x = draws.between(0.1, 0.3), y = draws.between(0.1, 0.3), z = draws.between(0.1, 0.3);
     link.inertia = turn * solidInertia(link.mass, {x, y, z}) * turn.transpose();
     const double size = link.slides ? 20.0 : 3.0 * std::pow(0.75, k);
@@ -348,6 +373,7 @@ std::string recordRobot(const Robot& robot, const RobotRigOptions& options, std:
     } else {
       text += fmt::format(",{}_j{}_{}", slides ? "force" : "torque", j + 1, slides ? "N" : "Nm");
     }
+    if (robot.links[j].thins > 0.0) text += fmt::format(",j{}_temperature_degC", j + 1);
   }
   const VectorXd sizes = (record.torque.cwiseAbs2().colwise().mean()).cwiseSqrt().transpose() * options.torque_noise;
   VectorXd noise = VectorXd::Zero(n);
@@ -362,6 +388,7 @@ std::string recordRobot(const Robot& robot, const RobotRigOptions& options, std:
       if (options.log_velocity)
         text += fmt::format(",{:.5f}", record.v(i, j) + options.velocity_noise * draws.normal());
       text += fmt::format(",{:.5g}", options.current ? torque / constants[j] : torque);
+      if (robot.links[j].thins > 0.0) text += fmt::format(",{:.0f}", 22.0 + 18.0 * record.warmth(i, j));
     }
   }
   return text + "\n";

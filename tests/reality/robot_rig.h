@@ -41,6 +41,9 @@ struct RobotLink {
   double zero = 0.0;                                            ///< true position less the logged one [rad]
   /// [s] of the effort; of position and velocity; of all that is logged of the joint
   double effort_late = 0.0, position_late = 0.0, clock_late = 0.0;
+  double gives = 0.0;  ///< of the gear behind an encoder at the motor [rad/(N m)]
+  /// Share of its friction that goes as the drive warms up by moving [1]; its temperature is logged then.
+  double thins = 0.0;
   ///@}
 };
 
@@ -74,7 +77,8 @@ struct RobotRigOptions {
   double start = 0.0;             ///< [s] where in the series the log begins
 };
 
-/// CSV: time_s; of joint k, j1 on, jK_rad, torque_jK_Nm or current_jK_A, and with `log_velocity` jK_velocity_rad_s.
+/// CSV: time_s; of joint k, j1 on, jK_rad, torque_jK_Nm or current_jK_A, and with `log_velocity` jK_velocity_rad_s;
+/// of a joint whose friction thins jK_temperature_degC.
 /// \param draw  numbers motion and noise. \param constants  shape (links) [N m/A]
 std::string recordRobot(const Robot& robot, const RobotRigOptions& options, std::uint64_t draw,
                         const std::vector<double>& constants = {});

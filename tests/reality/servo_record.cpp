@@ -53,7 +53,10 @@ ServoRecord recordServo(const ServoRig& rig, const ServoSecret& secret) {
     r.humidity[i] += 0.3 * normal(random);
     r.supply[i] += 0.01 * normal(random);
     r.neighbour[i] += 0.01 * normal(random);
-    if (u(random) < rig.spike_share) r.position[i] += count * std::copysign(20.0 + 300.0 * u(random), u(random) - 0.5);
+    if (u(random) < rig.spike_share) {
+      const double sign = u(random) - 0.5;
+      r.position[i] += count * std::copysign(20.0 + 300.0 * u(random), sign);
+    }
   }
   const auto first = static_cast<std::size_t>((0.3 + 0.4 * u(random)) * static_cast<double>(r.time.size()));
   loseRows(r, first, first + static_cast<std::size_t>(rig.gap * rig.rate));

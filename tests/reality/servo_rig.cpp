@@ -27,12 +27,14 @@ class Plan {
     while (end_ < seconds) {
       const double kind = u(random);
       if (kind < 0.5) {
-        move(middle + reach * (2.0 * u(random) - 1.0), top * (0.05 + 0.6 * u(random)));
+        const double speed = top * (0.05 + 0.6 * u(random)), to = middle + reach * (2.0 * u(random) - 1.0);
+        move(to, speed);
         hold(0.3 * std::pow(50.0, u(random)));
       } else if (kind < 0.8) {
         const double amplitude = reach * (0.3 + 0.7 * u(random));
         move(middle, 0.4 * top);
-        swing(amplitude, std::min(top * (0.2 + 0.7 * u(random)) / (kTurn * amplitude), 1.5), 2 + int(4.0 * u(random)));
+        const int periods = 2 + int(4.0 * u(random));
+        swing(amplitude, std::min(top * (0.2 + 0.7 * u(random)) / (kTurn * amplitude), 1.5), periods);
       } else {  // slow, there and back
         const double there = middle + reach * (2.0 * u(random) - 1.0), back = at_,
                      speed = top * (0.03 + 0.12 * u(random));

@@ -120,7 +120,8 @@ TEST(CoulombFriction, OfASlippingBallIsItsTorqueAndOpposesTheSlip) {
     return test::velocitiesBetween(model, start, std::vector<JointPosition>{which.jointPosition(0)}, kFrictionStep)[0];
   };
   for (int i = 0; i < 200; ++i) {
-    const Vector3d velocity = test::uniform(random, 0.05, 3.0) * test::randomDirection(random);
+    const Vector3d direction = test::randomDirection(random);
+    const Vector3d velocity = test::uniform(random, 0.05, 3.0) * direction;
     const Vector3d slip = velocityAfter(arm, velocity);
     const Vector3d torque = inertia.cwiseProduct(slip - velocityAfter(free, velocity)) / kFrictionStep;
     // Velocities come from angles of 1e-4 rad and more, to 1e-16 / 2 ms: 1e-13 rad/s, over 2 ms and 0.03 kg m^2.

@@ -25,7 +25,8 @@ EnergyCase randomCase(std::uint64_t seed) {
   c.model = test::modelOf(c.arm, false);
   c.shafts = reality::randomShafts(c.arm, seed);
   for (const Joint& joint : c.model.joints) {
-    JointPosition position = test::ballAt(test::uniform(random, 0.0, 1.2), test::randomDirection(random));
+    const Eigen::Vector3d axis = test::randomDirection(random);
+    JointPosition position = test::ballAt(test::uniform(random, 0.0, 1.2), axis);
     position.angle = std::clamp(test::uniform(random, -1.0, 1.5), joint.lower_limit, joint.upper_limit);
     c.joints.push_back(position);
   }

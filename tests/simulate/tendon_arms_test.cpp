@@ -35,7 +35,8 @@ Drawn drawn(int seed) {
   });
   for (std::size_t m = 0; m < d.model.muscles.size(); ++m) d.shafts.push_back(test::uniform(random, 0.0, 12.0));
   for (const Joint& joint : d.model.joints) {
-    JointPosition position = test::ballAt(test::uniform(random, 0.1, 1.0), test::randomDirection(random));
+    const Eigen::Vector3d axis = test::randomDirection(random);
+    JointPosition position = test::ballAt(test::uniform(random, 0.1, 1.0), axis);
     position.angle = joint.slides() ? test::uniform(random, -0.05, 0.1) : test::uniform(random, -0.2, 1.8);
     d.joints.push_back(position);
   }

@@ -252,7 +252,8 @@ TEST(BallStop, DerivativesAgreeWithDifferences) {
   std::mt19937 random(3);
   int beyond = 0;
   for (int i = 0; i < 30; ++i) {
-    const Eigen::Quaterniond q = test::ballAt(test::uniform(random, 0.1, 2.0), test::randomDirection(random)).rotation;
+    const Eigen::Vector3d turn = test::randomDirection(random);
+    const Eigen::Quaterniond q = test::ballAt(test::uniform(random, 0.1, 2.0), turn).rotation;
     const JointTerm term = ballStop(stop, axis, q);
     beyond += term.energy > 0.0;
     const auto at = [&](const Eigen::Vector3d& w) { return ballStop(stop, axis, q * Eigen::Quaterniond(expSo3(w))); };

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kLargeExcess = 0.5;   // of the cross-validated error over what the model itself expects
 constexpr double kClearExcess = 4.0;   // standard deviations
+constexpr double kFaintExcess = 2.0;   // standard deviations, from which it is said
 constexpr double kFarFromNoise = 2.0;  // RMS, in noise floors
 constexpr double kSmallRest = 0.05;    // of the error without causes: what the law of a named cause may leave
 constexpr double kNearNoise = 1.25;    // RMS, in noise floors: what poses not fitted to may have
@@ -56,6 +57,16 @@ std::string unexplainedText(const PoseSelection& selection, const Diagnosis& d) 
       "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no cause of the catalogue "
       "takes it away",
       100.0 * selection.excess);
+}
+
+/// What poses not fitted to show beyond noise where that is no structure: mostly what is not known of the parameters.
+std::string beyondNoise(const PoseSelection& selection, const Diagnosis& d) {
+  const double times = leftInNoise(d, d.noise_floor);
+  if (times <= kNearNoise) return {};
+  if (selection.excess > kFaintExcess * selection.excess_sd) {
+    return fmt::format("; their error is {:.0f} % above what noise and parameters explain", 100.0 * selection.excess);
+  }
+  return fmt::format("; left is {:.1f} times the noise, no more than unsure parameters explain", times);
 }
 
 /// A tilt that nobody would miss is more likely something else that pulls.
@@ -102,8 +113,7 @@ void concludePoses(const PoseSelection& selection, std::size_t heldout, bool par
       break;
     case DiagnosisVerdict::kNothingFound:
       d.sentence = "no cause of the catalogue improves the model on poses it has not seen";
-      if (const double times = leftInNoise(d, d.noise_floor); times > kNearNoise)
-        d.sentence += fmt::format("; left is {:.1f} times the noise", times);
+      d.sentence += beyondNoise(selection, d);
   }
   warnOfTilt(d);
   if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {

@@ -312,7 +312,7 @@ PoseDiagnosis Diagnosing::run() {
   without.stray_friction = selection_.stray_plain;
   problem_.stray_friction = selection_.stray;
   takeBack(without);
-  d.candidates = selection_.impossible;
+  d.candidates = selection_.candidates;
   say("gain on held-out poses");
   measureGain(without);
   forgetHarmful(without);

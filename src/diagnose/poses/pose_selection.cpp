@@ -185,7 +185,7 @@ std::string PoseSelector::objection(const PoseFit& fit, const PoseCandidate& can
   const double surest = poses_.size() < kFewPoses    ? gain.lower95
                         : odds < kSureOdds || !first ? gain.value
                                                      : gain.upper95;
-  return surest < kSmallestGain ? "rejected: no gain on inner validation poses" : "";
+  return surest < kSmallestGain ? "no sure gain on poses that its fits have not seen" : "";
 }
 
 /// One forward step. \returns whether a cause was accepted
@@ -205,7 +205,7 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
   const std::size_t number = selection.causes.size() + 1;
   const CrossValidation before = folds_.validate(problem_, fit.causes(), fit.z(), fit.causes(), fit.z());
   const PoseCandidate* accepted = nullptr;
-  selection.impossible.clear();
+  selection.candidates.clear();
   std::size_t tried = 0;
   for (const PoseCandidate& candidate : candidates) {
     const double odds = candidate.odds;
@@ -217,14 +217,17 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
     } else if (accepted || tried == kTried) {
       record.outcome = "passed over";
     } else {
-      const std::string impossible = impossibleWith(fit, candidate);
-      if (!impossible.empty()) selection.impossible.push_back({record.effect, record.target, impossible, kNotMeasured});
+      std::string why = impossibleWith(fit, candidate);
+      const bool impossible = !why.empty();
       // The best is there, but not as what it says: whatever comes next would stand in for it.
-      selection.tethered = !impossible.empty() && candidate.cause.effect->gravity != nullptr;
+      selection.tethered = impossible && candidate.cause.effect->gravity != nullptr;
       tried = selection.tethered ? kTried : tried + 1;
-      record.outcome =
-          impossible.empty() ? objection(fit, candidate, before, odds, record.gain_inner) : "rejected: " + impossible;
-      if (record.outcome.empty()) {
+      if (!impossible) why = objection(fit, candidate, before, odds, record.gain_inner);
+      if (!why.empty()) {
+        record.outcome = "rejected: " + why;
+        if (impossible || odds >= kSureOdds)
+          selection.candidates.push_back({record.effect, record.target, why, kNotMeasured});
+      } else {
         record.outcome = fmt::format("accepted: log odds {:.1f}", odds);
         accepted = &candidate;
         AcceptedCause cause{candidate.cause, odds, record.p_adjusted, record.gain_inner, {}, {}};
@@ -352,7 +355,7 @@ void PoseSelector::dropImpossible(PoseFit& fit, PoseSelection& selection) {
     const std::string why = impossibleSize(fit, c);
     if (why.empty()) continue;
     const PoseCause& cause = selection.causes[c].cause;
-    selection.impossible.push_back({std::string(cause.effect->name), cause.target, why, kNotMeasured});
+    selection.candidates.push_back({std::string(cause.effect->name), cause.target, why, kNotMeasured});
     takeOut(c, "rejected: " + why, fit, selection);
   }
 }
@@ -385,6 +388,9 @@ PoseSelection PoseSelector::run(const Eigen::VectorXd& start, const std::functio
 
 void dropNamedRivals(PoseSelection& selection) {
   for (AcceptedCause& accepted : selection.causes) {
+    std::erase_if(selection.candidates, [&own = accepted.cause](const Candidate& candidate) {
+      return candidate.effect == own.effect->name && candidate.target == own.target;
+    });
     for (const AcceptedCause& other : selection.causes) {
       const std::string named = other.cause.label();
       std::erase(accepted.rivals, named);

@@ -39,7 +39,7 @@ struct PoseSelection {
   double stray = 1.0, stray_plain = 1.0;  ///< PoseProblem::stray_friction with the causes and without
   std::vector<HypothesisRecord> records;
   std::vector<PoseCause> refused;     ///< the best of the last step, which accepted none
-  std::vector<Candidate> impossible;  ///< that the poses speak for, with sizes that cannot be
+  std::vector<Candidate> candidates;  ///< that the poses speak for, with why they are no causes
   bool tethered = false;              ///< something pulls that would show if it were the base that is off level
   std::vector<std::string> left_out;  ///< poses near which a model with the causes has no rest
   double excess = 0.0;     ///< of the cross-validated squared distances over what the final model expects, a fraction

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnose/verdict.h"
 #include "robot_findings.h"
 #include "simgap/fit/dynamics/dynamics_fit.h"
 #include "simgap/fit/dynamics/pseudo_inertia.h"
+#include "simgap/model/effects/actuator_effect.h"
+#include "simgap/model/friction/friction_law.h"
 
 namespace simgap {
 namespace {
@@ -57,6 +60,20 @@ std::string elsewhereText(const std::vector<LeftAtJoint>& joints) {
   return text;
 }
 
+/// The simplest law of friction that holds what several joints show; empty: none.
+std::string lawOfMostJoints(const std::vector<Cause>& causes) {
+  for (const ActuatorEffect* effect : actuator_effects::all()) {
+    const auto shown = std::ranges::count(causes, std::string(effect->name), &Cause::effect);
+    if (!effect->on_robot || effect->contained_in == nullptr || shown < 2) continue;
+    std::vector<const FrictionLaw*> laws(friction::all().begin(), friction::all().end());
+    std::erase_if(laws, [&](const FrictionLaw* law) { return !effect->contained_in(*law); });
+    if (laws.empty()) continue;
+    const auto terms = [](const FrictionLaw* law) { return law->terms.size(); };
+    return std::string((*std::ranges::min_element(laws, {}, terms))->name);
+  }
+  return {};
+}
+
 std::string nextStep(const RobotSearch& search, const RobotSelection& selection, const RobotDiagnosis& result) {
   const Diagnosis& d = result.diagnosis;
   for (std::size_t k = 0; k < d.causes.size(); ++k) {
@@ -70,6 +87,10 @@ std::string nextStep(const RobotSearch& search, const RobotSelection& selection,
       if (rival != nullptr && rival->cause != cause.effect) text += "; and " + rival->separates;
     }
     return text + ".";
+  }
+  if (const std::string law = lawOfMostJoints(d.causes); !law.empty()) {
+    return fmt::format("Several joints show what a law of friction has: find the robot with fit-dynamics --law {}.",
+                       law);
   }
   if (!d.causes.empty()) {
     return fmt::format("To confirm {} independently: record {}.", nameOf(d.causes.front()),
@@ -135,7 +156,8 @@ void concludeRobot(const RobotSearch& search, const RobotSelection& selection, R
   Diagnosis& d = result.diagnosis;
   const std::string beyond = beyondKnown(result.joints);
   d.verdict = verdictOf(d.causes, d.left_over_percent >= 1.0 || !beyond.empty());
-  const std::string left = (d.unexplained.empty() ? "nothing that the logged channels show"
+  const std::string shown_by_none = beyond.empty() ? "nothing that the logged channels show" : "what no channel shows";
+  const std::string left = (d.unexplained.empty() ? shown_by_none
                                                   : fmt::format("{:.0f} % of the squared error, by {}",
                                                                 d.left_over_percent, d.unexplained.front().channel)) +
                            elsewhereText(result.elsewhere);

@@ -181,17 +181,23 @@ RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& 
   return left;
 }
 
-double leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints) {
+double leftBeyondKnown(const RobotUnseen& unseen, const RobotSearch::Set& set) {
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
-  double beyond = 0.0, without = 1e-300;
-  for (const std::size_t c : joints) {
-    const GroupErrors of_joint = groupErrors(unseen.with, search.counted(), search.ground().training, {c});
-    without += groupErrors(unseen.plain, search.counted(), search.ground().training, {c}).sum.sum();
-    const double expected = kBeyondKnown * knownError(search, floors[c], c);
-    if (of_joint.mse() > expected) beyond += of_joint.sum.sum() - expected * of_joint.rows.sum();
+  const std::vector<bool> every(search.ground().training.size(), true);
+  std::vector<bool> heldout;
+  for (const bool training : search.ground().training) heldout.push_back(!training);
+  const BlockErrors plain_of_all = unseen.plain + search.errors(search.fit({}, kRobotFolds).z, heldout);
+  const BlockErrors with_of_all = unseen.with + search.errors(search.fit(set, kRobotFolds).z, heldout);
+  double left = 0.0, before = 1e-300;
+  for (std::size_t c = 0; c < search.rows().joints(); ++c) {
+    const double known = knownError(search, floors[c], c);
+    const GroupErrors plain = groupErrors(plain_of_all, search.counted(), every, {c});
+    const GroupErrors with = groupErrors(with_of_all, search.counted(), every, {c});
+    if (plain.mse() > known) before += plain.sum.sum() - known * plain.rows.sum();
+    if (with.mse() > kBeyondKnown * known) left += with.sum.sum() - known * with.rows.sum();
   }
-  return beyond / without;
+  return left / before;
 }
 
 double knownError(const RobotSearch& search, double floor, std::size_t joint) {

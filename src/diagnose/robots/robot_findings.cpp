@@ -154,11 +154,13 @@ class RobotJudge {
       return fmt::format("{:.0f} % of the error are left without a name beside its {:.0f} %: it may only stand in",
                          100.0 * left, 100.0 * gain.value);
     }
-    if (const double beyond = leftBeyondKnown(unseen, joints); beyond > kBeside * gain.value) {
+    constexpr double kMuchBeyond = 0.25;  // bodies carry what acts at one joint to others
+    if (const double beyond = leftBeyondKnown(unseen, set); beyond > kMuchBeyond) {
       return fmt::format(
-          "{:.0f} % of the error are beyond that of the log in which the robot was found, beside its "
-          "{:.0f} %: it may only stand in",
-          100.0 * beyond, 100.0 * gain.value);
+          "{:.0f} % of what is beyond the error of the log in which the robot was found are left beside it: it may "
+          "only "
+          "stand in",
+          100.0 * beyond);
     }
     if (const double placebo = placeboP(search_, set, cause, options_.seed); placebo > kRobotPlaceboLevel) {
       return fmt::format("signals of the same spectrum that belong to no motion explain as much (p {:.2g})", placebo);

@@ -40,9 +40,9 @@ RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set);
 RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
 /// Times the squared error that was left of a joint when the robot was found: more than other motions leave.
 inline constexpr double kBeyondKnown = 2.0;
-/// What is left beyond that at these joints, of the error of the model without causes; 0 where nobody has written down
-/// what was left.
-double leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
+/// What is left beside the causes at joints beyond that, of what the model without causes has beyond its known error at
+/// any; 0 where nobody has written down what was left.
+double leftBeyondKnown(const RobotUnseen& unseen, const RobotSearch::Set& set);
 
 /// Takes causes out of the selection that are no findings.
 RobotFindings judgeFindings(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,

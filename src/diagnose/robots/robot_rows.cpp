@@ -60,6 +60,7 @@ RobotRows::RobotRows(const RobotLog& log, const RobotModel& model, const RobotRe
     rows.acceleration = arrayOf(joint.acceleration);
     rows.joint_angle = arrayOf(joint.position);
     rows.load = rigid_.col(c).array();
+    if (!joint.temperature.empty()) rows.temperature = arrayOf(joint.temperature);
     rows.travel = rows.rest = ArrayXd::Zero(rows.time.size());
     rows.session = log.session;
     rows.step = medianStep(log.time);

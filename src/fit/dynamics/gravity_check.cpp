@@ -20,6 +20,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr std::size_t kMostRows = 3000;
+constexpr double kGravityShare = 0.3;  // share of what the other columns leave that gravity has to explain
 
 /// Columns of each joint: gravity along x, y, z, the rest of the bodies' torque, sign, velocity, 1, and its effort.
 std::vector<MatrixXd> gravityRows(const ArmModel& arm, const RobotLog& log) {
@@ -64,14 +65,24 @@ MatrixXd without(const MatrixXd& columns, const MatrixXd& others) {
   return columns - others * solveLeastSquares(a, others.transpose() * columns);
 }
 
+/// Whether a joint's effort follows the stated gravity: it explains much, and nearly all that any gravity could.
+bool follows(const Vector3d& stated, const MatrixXd& weights, const MatrixXd& effort) {
+  constexpr double kNearlyAll = 0.8;
+  const VectorXd pull = weights * stated;
+  const double along = pull.dot(effort.col(0)), size = effort.squaredNorm();
+  if (!(along > 0.0)) return false;
+  const double explained = along * along / pull.squaredNorm(), most = size - without(effort, weights).squaredNorm();
+  return explained >= kGravityShare * size && explained >= kNearlyAll * most;
+}
+
 }  // namespace
 
 std::optional<LoggedGravity> gravityOfLog(const ArmModel& arm, const RobotLog& log) {
-  constexpr double kMuch = 0.3;    // share of what the other columns leave that gravity has to explain
   constexpr double kClear = 0.02;  // of the stiffest direction: one that no joint feels stays open
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Vector3d right = Vector3d::Zero(), torque = Vector3d::Zero();
   double squares = 0.0;
+  LoggedGravity found;
   for (const MatrixXd& rows : gravityRows(arm, log)) {
     if (rows.rows() < 20) continue;
     const MatrixXd left = without(rows(Eigen::all, {0, 1, 2, 7}), rows.middleCols(3, 4));
@@ -84,10 +95,10 @@ std::optional<LoggedGravity> gravityOfLog(const ArmModel& arm, const RobotLog& l
     right += scale * along;
     torque += along;
     squares += 1.0;
+    found.stated = found.stated || follows(arm.gravity, left.leftCols(3), left.col(3));
   }
   if (squares == 0.0) return std::nullopt;
   const SymmetricEigen eigen = symmetricEigen(normal);
-  LoggedGravity found;
   for (Index k = 0; k < 3; ++k) {
     if (eigen.values[k] < kClear * eigen.values[2]) continue;
     const Vector3d v = eigen.vectors.col(k);
@@ -95,7 +106,7 @@ std::optional<LoggedGravity> gravityOfLog(const ArmModel& arm, const RobotLog& l
     found.size += v * v.dot(torque) / eigen.values[k];
     found.felt += v * v.transpose();
   }
-  if (found.direction.dot(right) < kMuch * squares) return std::nullopt;
+  if (found.direction.dot(right) < kGravityShare * squares) return std::nullopt;
   return found;
 }
 
@@ -103,6 +114,9 @@ bool contradicts(const LoggedGravity& found, const Vector3d& gravity, bool curre
   constexpr double kFar = 0.5;      // cosine: 60 degrees
   constexpr double kHardly = 0.2;   // of gravity: so little of it that its direction says nothing
   constexpr double kClearly = 0.5;  // of gravity, that the log shows where the file has none: masses may be wrong
+  // What lies on the robot besides its bodies, a cable say, may outweigh gravity in light joints, not in those that
+  // carry the arm.
+  if (found.stated) return false;
   const Vector3d part = found.felt * gravity;
   if (part.norm() >= kHardly * gravity.norm()) {
     return found.direction.normalized().dot(part.normalized()) <= kFar;

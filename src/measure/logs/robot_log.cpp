@@ -53,6 +53,13 @@ std::vector<ChannelName> effortNames(const LoggedJoint& joint, std::size_t numbe
           {fmt::format("current{}", number), "A"}};
 }
 
+std::vector<ChannelName> temperatureNames(const LoggedJoint& joint, std::size_t number) {
+  return {{joint.name + "_temperature", "degC"},
+          {"temperature_" + joint.name, "degC"},
+          {joint.name + ".temperature", ""},
+          {fmt::format("temperature{}", number), "degC"}};
+}
+
 /// The first of the names that the table has; a plain name only where it is there.
 const ChannelName* firstName(const CsvTable& table, const std::vector<ChannelName>& names) {
   const auto found = std::ranges::find_if(names, [&](const ChannelName& name) {
@@ -88,6 +95,7 @@ void requireWithinLimits(const CsvTable& table, const ChannelName& name, const L
 /// One joint as the log of a drive of its own, with which the helpers of those work.
 struct JointReader {
   ActuatorLog log;
+  std::vector<double> temperature;
   FrictionData notes;
 };
 
@@ -113,6 +121,10 @@ JointReader readJoint(CsvTable& table, const RobotLog& robot, const LoggedJoint&
   log.effort = table.takeQuantity(effort.stem, effort.unit);
   log.effort_name = effort.stem;
   log.effort_unit = *effort.unit == '\0' ? (joint.slides ? "N" : "Nm") : effort.unit;
+  const std::vector<ChannelName> temperatures = temperatureNames(joint, number);
+  if (const ChannelName* temperature = firstName(table, temperatures)) {
+    reader.temperature = table.takeQuantity(temperature->stem, temperature->unit);
+  }
   return reader;
 }
 
@@ -200,6 +212,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   joint.velocity = std::move(log.velocity);
   joint.acceleration = std::move(log.acceleration);
   joint.effort = std::move(log.effort);
+  joint.temperature = std::move(reader.temperature);
   joint.direction = std::move(sign.direction);
   joint.moves = std::move(sign.keep);
 }

@@ -26,8 +26,8 @@ PreparedLog slowAndFast(double damping, double exponent, double effort_noise = 0
     const double load = 0.5 * std::sin(0.9 * t), slow = std::abs(w) / 0.05, way = w > 0.0 ? 1.0 : -1.0;
     const double dry = 0.7 + 0.35 / (1.0 + slow * slow) + damping * slow * std::exp(-slow);
     const double viscous = 0.6 * std::pow(std::abs(w), exponent);
-    csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", t, w + 2e-4 * noise(random), load,
-                       load + way * (dry + viscous) + effort_noise * noise(random));
+    const double effort = load + way * (dry + viscous) + effort_noise * noise(random);
+    csv += fmt::format("{:.2f},{:.6f},{:.6f},{:.6f}\n", t, w + 2e-4 * noise(random), load, effort);
   }
   return prepareLog(CsvTable::parse(csv, "log.csv"), {}, ActuatorKind::kFriction);
 }

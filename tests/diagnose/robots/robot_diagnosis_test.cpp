@@ -208,6 +208,30 @@ TEST_F(RobotDiagnosisTest, ALateEffortAndALateClockAreNoLatePosition) {
   }
 }
 
+/// What the drive's sensor shows is asked for: friction that thins by as much per degree, neither of the forms exactly.
+TEST_F(RobotDiagnosisTest, FrictionThatThinsAsTheDriveWarmsUpIsNamed) {
+  reality::Robot truth = drawn_->robot;
+  truth.links[1].thins = 0.5;
+  const Diagnosis d = diagnosed(truth).diagnosis;
+  const auto heats = [](const Cause& cause) { return cause.effect == "friction-heating" && cause.target == "j2"; };
+  const auto heating = std::ranges::find_if(d.causes, heats);
+  ASSERT_NE(heating, d.causes.end()) << d.sentence;
+  EXPECT_GT(parameterOf(*heating, "beta_dry").lower95, 0.0);
+  EXPECT_NE(heating->sentence.find("T_mean = "), std::string::npos) << heating->sentence;
+  for (const Cause& cause : d.causes) EXPECT_EQ(cause.target, "j2") << d.sentence;  // that log is warmer than the known
+}
+
+/// The bodies carry what a joint does to others: a name that leaves it there only stands in for what has none.
+TEST_F(RobotDiagnosisTest, AGearThatGivesHasNoName) {
+  for (const double gives : {0.002, 0.006}) {
+    reality::Robot truth = drawn_->robot;
+    truth.links[1].gives = gives;
+    const Diagnosis d = diagnosed(truth).diagnosis;
+    EXPECT_EQ(d.verdict, DiagnosisVerdict::kUnexplained) << gives << ": " << d.sentence;
+    EXPECT_TRUE(d.causes.empty()) << gives << ": " << d.sentence;
+  }
+}
+
 /// A constant effort is an offset of the sensor or dry friction that differs by direction: no log of such a law tells.
 TEST_F(RobotDiagnosisTest, AnExactAliasIsNamedBesideTheCause) {
   reality::Robot truth = drawn_->robot;

@@ -290,6 +290,25 @@ TEST(RobotFit, GravityIsCheckedAsFarAsJointsFeelIt) {
       << refusal(arm, csv);
 }
 
+/// A cord holds the last, light links up with four times what they weigh: the joints that carry the arm know where down
+/// is.
+TEST(RobotFit, WhatPullsAtAWristIsNoOtherGravity) {
+  const reality::Robot robot = reality::randomRobot(15, 5, false, false);
+  const ArmModel arm = test::drawnArm(robot, 5);
+  RobotLog log = test::robotLog(arm, reality::recordRobot(robot, {}, 5));
+  const InverseDynamics dynamics(arm);
+  InverseDynamics::Workspace work = dynamics.workspace();
+  RegressorMatrix y(5, dynamics.parameters());
+  std::vector<double> q(5), still(5);
+  for (std::size_t i = 0; i < log.rows(); ++i) {
+    for (std::size_t c = 0; c < 5; ++c) q[c] = log.joints[c].position[i];
+    dynamics.regressor(q, still, still, arm.gravity, work, y);
+    const VectorXd weight = y * dynamics.parametersOf(arm);
+    for (const Index c : {2, 3, 4}) log.joints[c].effort[i] -= 4.0 * weight[c];
+  }
+  EXPECT_NO_THROW(fitRobot(arm, log, {}));
+}
+
 /// Joints about the vertical feel no weight: what the log says of the plane contradicts nothing.
 TEST(RobotFit, ARobotThatFeelsNoWeightIsNotRefused) {
   reality::Robot robot = reality::randomRobot(17, 3, false, false);

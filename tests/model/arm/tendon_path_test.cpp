@@ -29,8 +29,10 @@ Drawn drawn(int seed) {
              0.1 * test::randomDirection(random), test::randomDirection(random)},
             {},
             {}};
-    d.x0 = d.surface.centre + test::uniform(random, 0.07, 0.2) * test::randomDirection(random);
-    d.x1 = d.surface.centre + test::uniform(random, 0.07, 0.2) * test::randomDirection(random);
+    for (Eigen::Vector3d* end : {&d.x0, &d.x1}) {
+      const Eigen::Vector3d direction = test::randomDirection(random);
+      *end = d.surface.centre + test::uniform(random, 0.07, 0.2) * direction;
+    }
     Stretch stretch;
     wrappedStretch(d.surface, d.x0, d.x1, nullptr, stretch);
     const double deep = stretch.by_radius;

@@ -32,6 +32,7 @@ struct RobotJointLog {
   std::vector<double> sharper_velocity;      ///< [rad/s], smoothed less: kSharper times the bandwidth
   std::vector<double> sharper_acceleration;  ///< [rad/s^2]
   std::vector<double> effort;                ///< [effort_unit]
+  std::vector<double> temperature;           ///< [degC] of its drive; empty: not logged
   std::vector<signed char> direction;        ///< sign of the motion, held through its dead band
   std::vector<bool> moves;                   ///< friction acts against a known direction
   double dead_band = 0.0, bandwidth = 0.0;   ///< [rad/s] of the direction; [Hz] of the smoothing
@@ -58,10 +59,10 @@ RobotLog sharperMotion(RobotLog log);
 
 /// Reads of every joint J `J_rad` (or `J_position_rad`, `J.position`, `q1_rad` of the first), the velocity if it is
 /// there (`J_velocity_rad_s`, `J.velocity`, `qd1_rad_s`), and `torque_J_Nm` (`J_torque_Nm`, `J.effort`, `torque1_Nm`)
-/// or `current_J_A` (`J_current_A`, `current1_A`); of slides in m, m/s and N. Stamps that jitter, spikes and late
-/// velocities are put right as in every log of a drive.
-/// \throws DataError: no time_s, a joint without position or effort, torques of some joints and currents of others, a
-/// position beyond the joint's limits, a session too short to be differentiated.
+/// or `current_J_A` (`J_current_A`, `current1_A`); of slides in m, m/s and N; `J_temperature_degC` if it is there.
+/// Stamps that jitter, spikes and late velocities are put right as in every log of a drive. \throws DataError: no
+/// time_s, a joint without position or effort, torques of some joints and currents of others, a position beyond the
+/// joint's limits, a session too short to be differentiated.
 RobotLog readRobotLog(CsvTable table, std::span<const LoggedJoint> joints);
 
 }  // namespace simgap

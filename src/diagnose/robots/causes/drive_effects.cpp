@@ -1,6 +1,8 @@
 /// \file
 /// Causes of single drives (src/model/effects/drive) at every joint of a robot: a joint is a drive whose load is what
 /// the bodies ask of it. Their columns, or what they change of friction and of time, are the torque that they add.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <numbers>
 
@@ -42,6 +44,18 @@ std::string unitAt(const RobotRows& rows, std::size_t c, const EffectColumn& col
   if (column.unit == "Nm") return effortUnit(rows.joint(c));
   if (!rows.joint(c).slides()) return std::string(column.unit);
   return column.unit == "Nms_rad" ? "Ns_m" : column.unit == "1_Nm" ? "1_N" : std::string(column.unit);
+}
+
+/// "; T_mean = 31.5 degC": what is no number of the fit.
+std::string fixedAt(const ActuatorEffect& effect, const std::vector<double>& p) {
+  std::string text;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const EffectParameter& parameter = effect.parameters[k];
+    if (parameter.kind == Kind::kSmooth || p[k] == parameter.neutral) continue;
+    text += fmt::format("; {} = {:.3g}{}", parameter.name, p[k],
+                        parameter.unit == "1" ? "" : fmt::format(" {}", parameter.unit));
+  }
+  return text;
 }
 
 RobotHypothesis named(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect) {
@@ -148,6 +162,7 @@ RobotHypothesis byChange(const RobotRows& rows, std::size_t c, const ActuatorEff
     }
     return values;
   };
+  h.sentence += fixedAt(effect, p);
   h.linear = false;
   h.torque = [&rows, c, &effect, valuesAt](const VectorXd& theta) {
     return onJoint(rows.joints(), c, changedTorque(rows, c, effect, valuesAt(theta)));
@@ -168,11 +183,18 @@ void addOf(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, s
   std::vector<std::vector<double>> starts = {start};
   if (effect.starts != nullptr) starts = effect.starts(rows.drive(c), rows.residual(c));
   if (effect.columns.empty()) {
-    if (!starts.empty()) list.push_back(byChange(rows, c, effect, starts.front()));
+    const auto isShape = [](const EffectParameter& parameter) { return parameter.kind == Kind::kShape; };
+    if (std::ranges::none_of(effect.parameters, isShape)) starts.resize(std::min<std::size_t>(starts.size(), 1));
+    for (const std::vector<double>& p : starts) list.push_back(byChange(rows, c, effect, p));
     return;
   }
   for (std::size_t s = 0; s < std::min(starts.size(), kMostStarts); ++s) {
-    list.push_back(repeats(effect) ? byPeriod(rows, c, effect, starts[s][0]) : byColumns(rows, c, effect, starts[s]));
+    if (repeats(effect)) {
+      list.push_back(byPeriod(rows, c, effect, starts[s][0]));
+    } else {
+      list.push_back(byColumns(rows, c, effect, starts[s]));
+      list.back().sentence += fixedAt(effect, starts[s]);
+    }
   }
 }
 

@@ -66,6 +66,7 @@ constexpr ActuatorEffect kUsual = {
     .look_alikes = "regime-change, torque-constant-heating",
     .separates = "the same motion while the temperature goes up and while it goes down again",
     .parameters = kParameters,
+    .on_robot = true,
     .apply = apply,
     .starts = starts,
 };
