@@ -39,19 +39,6 @@ class FlawDraws {
   std::uint32_t next_ = 0;
 };
 
-/// A point mass on a link: by Huygens and Steiner about the common centre.
-void hang(RobotLink& link, double mass, const Vector3d& point) {
-  const double whole = link.mass + mass;
-  const Vector3d centre = (link.mass * link.centre + mass * point) / whole;
-  const auto steiner = [&](double m, const Vector3d& at) -> Matrix3d {
-    const Vector3d r = at - centre;
-    return m * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
-  };
-  link.inertia += steiner(link.mass, link.centre) + steiner(mass, point);
-  link.mass = whole;
-  link.centre = centre;
-}
-
 /// One flaw of a size; 1 is where scaling begins.
 struct FlawKind {
   /// Puts it into the link, of `size`; says the target.

@@ -47,10 +47,21 @@ struct RobotLink {
   ///@}
 };
 
+/// A point mass that the last link carries for a while.
+struct RobotLoad {
+  double mass = 0.0;                             ///< [kg]
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();  ///< [m] in the link
+  double from = 0.0, until = 0.0;                ///< [s] since the log begins
+};
+
 struct Robot {
   std::vector<RobotLink> links;
   Eigen::Vector3d gravity = {0.0, 0.0, -9.81};
+  RobotLoad load = {};
 };
+
+/// A point mass on a link, for good: by Huygens and Steiner about the common centre.
+void hang(RobotLink& link, double mass, const Eigen::Vector3d& point);
 
 /// Bodies, rotors and friction of a robot of that many joints; a chain, or a tree. A quarter of the joints slide where
 /// `slides` is set.

@@ -221,6 +221,17 @@ TEST_F(RobotDiagnosisTest, FrictionThatThinsAsTheDriveWarmsUpIsNamed) {
   for (const Cause& cause : d.causes) EXPECT_EQ(cause.target, "j2") << d.sentence;  // that log is warmer than the known
 }
 
+/// What a gripper picks up and puts down again is weighed, and no mass of all the log.
+TEST_F(RobotDiagnosisTest, ALoadThatIsPickedUpIsNamedWithItsTime) {
+  reality::Robot truth = drawn_->robot;
+  truth.load = {0.6, {0.05, 0.0, 0.1}, 9.0, 21.0};
+  const Diagnosis d = diagnosed(truth).diagnosis;
+  ASSERT_EQ(test::answerFor(d, "payload-change:link3"), "right") << d.sentence;
+  EXPECT_NEAR(parameterOf(d.causes.front(), "mass").value, 0.6, 0.05);
+  EXPECT_NE(d.causes.front().sentence.find("it carries it in 4"), std::string::npos) << d.causes.front().sentence;
+  EXPECT_NE(d.causes.front().sentence.find("first from "), std::string::npos) << d.causes.front().sentence;
+}
+
 /// The bodies carry what a joint does to others: a name that leaves it there only stands in for what has none.
 TEST_F(RobotDiagnosisTest, AGearThatGivesHasNoName) {
   for (const double gives : {0.002, 0.006}) {
