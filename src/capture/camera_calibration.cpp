@@ -45,6 +45,16 @@ struct OpenCvPoints {
   }
 };
 
+/// To ten digits: OpenCV stops at a step of 1e-9, and what it has behind that depends on where in memory its LAPACK
+/// finds the numbers, which differs from thread to thread.
+void roundOff(cv::Mat& matrix) {
+  for (double& value : cv::Mat_<double>(matrix)) {
+    if (value == 0.0) continue;
+    const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 9.0);
+    value = unit * std::round(value / unit);
+  }
+}
+
 int flagsFor(int distortion) {
   if (distortion == 8) return cv::CALIB_RATIONAL_MODEL;
   return distortion == 4 ? cv::CALIB_FIX_K3 : 0;
@@ -67,6 +77,7 @@ OpenCvCalibration calibrate(const Views& views, cv::Size size, int distortion, c
     const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-9);
     c.rms = cv::stereoCalibrate(points.board, points.left, points.right, c.k1, c.d1, c.k2, c.d2, size, c.r, c.t,
                                 essential, fundamental, errors, flags | cv::CALIB_USE_INTRINSIC_GUESS, until);
+    for (cv::Mat* matrix : {&c.k1, &c.d1, &c.k2, &c.d2, &c.r, &c.t}) roundOff(*matrix);
     for (int v = 0; v < errors.rows; ++v) {
       c.view_rms.push_back(std::hypot(errors.at<double>(v, 0), errors.at<double>(v, 1)) / std::sqrt(2.0));
     }

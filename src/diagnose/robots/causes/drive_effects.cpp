@@ -177,15 +177,17 @@ RobotHypothesis byChange(const RobotRows& rows, std::size_t c, const ActuatorEff
   return h;
 }
 
-void addOf(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, std::vector<RobotHypothesis>& list) {
+void addOf(const RobotRows& rows, std::size_t c, const ActuatorEffect& effect, bool other_form,
+           std::vector<RobotHypothesis>& list) {
   std::vector<double> start;
   for (const EffectParameter& parameter : effect.parameters) start.push_back(parameter.start);
   std::vector<std::vector<double>> starts = {start};
   if (effect.starts != nullptr) starts = effect.starts(rows.drive(c), rows.residual(c));
   if (effect.columns.empty()) {
-    const auto isShape = [](const EffectParameter& parameter) { return parameter.kind == Kind::kShape; };
-    if (std::ranges::none_of(effect.parameters, isShape)) starts.resize(std::min<std::size_t>(starts.size(), 1));
-    for (const std::vector<double>& p : starts) list.push_back(byChange(rows, c, effect, p));
+    // A change takes many columns: of shapes that are not known the middle one stands for all, and for other forms.
+    if (!starts.empty() && (starts.size() == 1 || !other_form)) {
+      list.push_back(byChange(rows, c, effect, starts[starts.size() / 2]));
+    }
     return;
   }
   for (std::size_t s = 0; s < std::min(starts.size(), kMostStarts); ++s) {
@@ -204,8 +206,8 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     for (const ActuatorEffect* effect : actuator_effects::all()) {
       if (!effect->on_robot) continue;
       if (effect->contained_in != nullptr && effect->contained_in(rows.regressor().law())) continue;
-      addOf(rows, c, *effect, list);
-      for (const ActuatorEffect* form : effect->other_forms) addOf(rows, c, *form, list);
+      addOf(rows, c, *effect, /*other_form=*/false, list);
+      for (const ActuatorEffect* form : effect->other_forms) addOf(rows, c, *form, /*other_form=*/true, list);
     }
   }
   return list;

@@ -36,6 +36,13 @@ struct LoadBlock {
   VectorXd right = VectorXd::Zero(4);
   VectorXd right_of_model = VectorXd::Zero(4);  ///< the same of what the model leaves
   int session = 0;
+
+  LoadBlock& operator+=(const LoadBlock& other) {
+    squares += other.squares;
+    right += other.right;
+    right_of_model += other.right_of_model;
+    return *this;
+  }
 };
 
 /// theta_0 and theta_1, shape (8).
@@ -44,22 +51,24 @@ struct CarriedLoad {
   double explained = 0.0;  ///< [nats]
 };
 
-CarriedLoad solveLoad(const std::vector<LoadBlock>& blocks, const std::vector<bool>& carried) {
-  MatrixXd a = MatrixXd::Zero(8, 8);
-  VectorXd b = VectorXd::Zero(8);
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    a.topLeftCorner<4, 4>() += blocks[k].squares;
-    b.head<4>() += blocks[k].right;
-    if (!carried[k]) continue;
-    a.bottomRightCorner<4, 4>() += blocks[k].squares;
-    a.topRightCorner<4, 4>() += blocks[k].squares;
-    b.tail<4>() += blocks[k].right;
-  }
-  a.bottomLeftCorner<4, 4>() = a.topRightCorner<4, 4>().transpose();
+/// \param all, with  sums over all blocks and over those in which it is carried
+CarriedLoad solveLoad(const LoadBlock& all, const LoadBlock& with) {
+  MatrixXd a(8, 8);
+  a << all.squares, with.squares, with.squares, with.squares;
+  VectorXd b(8);
+  b << all.right, with.right;
   a.diagonal().array() += 1e-9 * a.diagonal().maxCoeff() + 1e-300;
   CarriedLoad load{solveLeastSquares(a, b)};
   load.explained = 0.5 * b.dot(load.theta);
   return load;
+}
+
+LoadBlock sumOver(const std::vector<LoadBlock>& blocks, const std::vector<bool>& some) {
+  LoadBlock sum;
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    if (some[k]) sum += blocks[k];
+  }
+  return sum;
 }
 
 /// The sequence of states that explains most at a price for each change.
@@ -84,49 +93,45 @@ std::vector<bool> bestStates(const std::vector<LoadBlock>& blocks, const VectorX
 }
 
 /// The best of all beginnings: carried from some block on.
-std::vector<bool> bestBeginning(const std::vector<LoadBlock>& blocks) {
-  std::vector<bool> best(blocks.size(), true);
+std::vector<bool> bestBeginning(const std::vector<LoadBlock>& blocks, const LoadBlock& all) {
+  std::size_t best = 0;
   double most = 0.0;
-  for (std::size_t first = 1; first < blocks.size(); ++first) {
-    std::vector<bool> carried(blocks.size());
-    for (std::size_t k = first; k < blocks.size(); ++k) carried[k] = true;
-    const double explained = solveLoad(blocks, carried).explained;
+  LoadBlock with;
+  for (std::size_t first = blocks.size(); first-- > 1;) {
+    with += blocks[first];
+    const double explained = solveLoad(all, with).explained;
     if (explained <= most) continue;
     most = explained;
-    best = carried;
+    best = first;
   }
-  return best;
+  std::vector<bool> carried(blocks.size(), true);
+  std::fill_n(carried.begin(), best, false);
+  return carried;
 }
 
 /// What a load explains that is there in some blocks, of what the model leaves.
-double explainedBeside(const std::vector<LoadBlock>& blocks, const std::vector<bool>& carried) {
-  MatrixXd a = MatrixXd::Zero(4, 4);
-  VectorXd b = VectorXd::Zero(4);
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    if (!carried[k]) continue;
-    a += blocks[k].squares;
-    b += blocks[k].right_of_model;
-  }
+double explainedBeside(const LoadBlock& with) {
+  MatrixXd a = with.squares;
   a.diagonal().array() += 1e-9 * a.diagonal().maxCoeff() + 1e-300;
-  return b.dot(solveLeastSquares(a, b).col(0));
+  return with.right_of_model.dot(solveLeastSquares(a, with.right_of_model).col(0));
 }
 
 /// When the load is carried, by blocks; empty: no such load is clearly there.
 std::vector<bool> carriedIn(const std::vector<LoadBlock>& blocks) {
-  std::vector<bool> carried = bestBeginning(blocks);
+  const LoadBlock all = sumOver(blocks, std::vector<bool>(blocks.size(), true));
+  std::vector<bool> carried = bestBeginning(blocks, all);
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<bool> better = bestStates(blocks, solveLoad(blocks, carried).theta);
+    std::vector<bool> better = bestStates(blocks, solveLoad(all, sumOver(blocks, carried)).theta);
     if (better == carried) break;
     carried = std::move(better);
   }
-  const double more =
-      solveLoad(blocks, carried).explained - solveLoad(blocks, std::vector<bool>(blocks.size(), false)).explained;
-  const auto with = static_cast<double>(std::ranges::count(carried, true)), all = static_cast<double>(blocks.size());
-  const bool both = with > kLeastShare * all && with < (1.0 - kLeastShare) * all;
-  if (!both || more < kClear) return {};
+  const LoadBlock with = sumOver(blocks, carried);
+  const double more = solveLoad(all, with).explained - solveLoad(all, {}).explained;
+  const double share = static_cast<double>(std::ranges::count(carried, true)) / static_cast<double>(carried.size());
+  if (share < kLeastShare || share > 1.0 - kLeastShare || more < kClear) return {};
   std::vector<bool> otherwise = carried;
   otherwise.flip();
-  return explainedBeside(blocks, carried) >= explainedBeside(blocks, otherwise) ? carried : otherwise;
+  return explainedBeside(with) >= explainedBeside(sumOver(blocks, otherwise)) ? carried : otherwise;
 }
 
 std::vector<LoadBlock> blocksOf(const RobotRows& rows, std::size_t body) {
