@@ -195,7 +195,7 @@ double leftBeyondKnown(const RobotUnseen& unseen, const RobotSearch::Set& set) {
     const GroupErrors plain = groupErrors(plain_of_all, search.counted(), every, {c});
     const GroupErrors with = groupErrors(with_of_all, search.counted(), every, {c});
     if (plain.mse() > known) before += plain.sum.sum() - known * plain.rows.sum();
-    if (with.mse() > kBeyondKnown * known) left += with.sum.sum() - known * with.rows.sum();
+    if (with.mse() > kBeyondKnown * known) left += with.sum.sum() - kBeyondKnown * known * with.rows.sum();
   }
   return left / before;
 }

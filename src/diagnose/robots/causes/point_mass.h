@@ -2,6 +2,8 @@
 /// A mass at a point of a body, by its mass m and moment m c: what payloads say of the regressor's parameters.
 #pragma once
 
+#include <cmath>
+
 #include "diagnose/robots/robot_cause.h"
 
 namespace simgap::robot_causes {
