@@ -156,11 +156,8 @@ class RobotJudge {
     }
     constexpr double kMuchBeyond = 0.25;  // bodies carry what acts at one joint to others
     if (const double beyond = leftBeyondKnown(unseen, set); beyond > kMuchBeyond) {
-      return fmt::format(
-          "{:.0f} % of what is beyond the error of the log in which the robot was found are left beside it: it may "
-          "only "
-          "stand in",
-          100.0 * beyond);
+      return fmt::format("{:.0f} % of what is beyond the known robot's error are left beside it: it may only stand in",
+                         100.0 * beyond);
     }
     if (const double placebo = placeboP(search_, set, cause, options_.seed); placebo > kRobotPlaceboLevel) {
       return fmt::format("signals of the same spectrum that belong to no motion explain as much (p {:.2g})", placebo);
