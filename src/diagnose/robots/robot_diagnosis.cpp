@@ -277,9 +277,7 @@ class RobotDiagnoser {
       }
     }
     if (named_.empty()) named_ = all;
-    std::vector<bool> heldout;
-    for (const bool training : ground_.training) heldout.push_back(!training);
-    const std::vector<bool> every(heldout.size(), true);
+    const std::vector<bool> heldout = ground_.heldout(), every(heldout.size(), true);
     const BlockErrors of_before = search.errors(before.z, every), of_after = search.errors(after.z, every);
     const auto mean = [&](const BlockErrors& errors, const std::vector<bool>& blocks,
                           const std::vector<std::size_t>& joints) {
@@ -317,8 +315,7 @@ class RobotDiagnoser {
     RobotLog unseen = log_;  // of whose rows only the held-out ones count
     const std::vector<bool> training = rowsOf(log_, ground_.training);
     for (std::size_t i = 0; i < unseen.rows(); ++i) unseen.usable[i] = unseen.usable[i] && !training[i];
-    std::vector<bool> heldout;
-    for (const bool learned : ground_.training) heldout.push_back(!learned);
+    const std::vector<bool> heldout = ground_.heldout();
     const BlockErrors errors = search.errors(fit.z, heldout);
     const MatrixXd given = known_ ? predictEfforts(robot_, log_) : MatrixXd();
     for (std::size_t c = 0; c < rows.joints(); ++c) {

@@ -184,9 +184,7 @@ RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& 
 double leftBeyondKnown(const RobotUnseen& unseen, const RobotSearch::Set& set) {
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
-  const std::vector<bool> every(search.ground().training.size(), true);
-  std::vector<bool> heldout;
-  for (const bool training : search.ground().training) heldout.push_back(!training);
+  const std::vector<bool> heldout = search.ground().heldout(), every(heldout.size(), true);
   const BlockErrors plain_of_all = unseen.plain + search.errors(search.fit({}, kRobotFolds).z, heldout);
   const BlockErrors with_of_all = unseen.with + search.errors(search.fit(set, kRobotFolds).z, heldout);
   double left = 0.0, before = 1e-300;

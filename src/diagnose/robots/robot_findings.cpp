@@ -106,9 +106,11 @@ class RobotJudge {
  public:
   RobotJudge(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,
              RobotSelection& selection)
-      : search_(search), selector_(selector), options_(options), selection_(selection) {
-    for (const bool training : search.ground().training) heldout_.push_back(!training);
-  }
+      : search_(search),
+        selector_(selector),
+        options_(options),
+        selection_(selection),
+        heldout_(search.ground().heldout()) {}
 
   RobotFindings run() {
     while (takeOutPair() || takeOut()) {

@@ -42,6 +42,13 @@ struct RobotGround {
   std::vector<double> constants;  ///< shape (N)
   Eigen::VectorXd x0;             ///< shape (K)
   Eigen::MatrixXd precision;      ///< C^-1, shape (K, K)
+
+  /// Blocks that only measure the gain, shape (blocks).
+  std::vector<bool> heldout() const {
+    std::vector<bool> others = training;
+    others.flip();
+    return others;
+  }
 };
 
 inline constexpr int kRobotFolds = 5;
