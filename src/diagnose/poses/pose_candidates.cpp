@@ -57,4 +57,17 @@ std::vector<CandidateModel> candidateModels(const PoseProblem& problem, PoseFit&
   return candidates;
 }
 
+void dropNamedRivals(PoseSelection& selection) {
+  for (AcceptedCause& accepted : selection.causes) {
+    std::erase_if(selection.candidates, [&own = accepted.cause](const Candidate& candidate) {
+      return candidate.effect == own.effect->name && candidate.target == own.target;
+    });
+    for (const AcceptedCause& other : selection.causes) {
+      const std::string named = other.cause.label();
+      std::erase(accepted.rivals, named);
+      std::erase_if(accepted.instead, [&](const PoseCause& cause) { return cause.label() == named; });
+    }
+  }
+}
+
 }  // namespace simgap

@@ -13,4 +13,8 @@ namespace simgap {
 std::vector<CandidateModel> candidateModels(const PoseProblem& problem, PoseFit& plain, double stray_plain,
                                             PoseFit& fit, const PoseSelection& selection);
 
+/// Takes out of every cause's rivals, and out of the candidates, what was named itself since, in the place of another
+/// cause or beside it.
+void dropNamedRivals(PoseSelection& selection);
+
 }  // namespace simgap

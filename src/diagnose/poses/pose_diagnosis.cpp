@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "diagnose/paired_error.h"
 #include "diagnose/verdict.h"
@@ -312,11 +313,11 @@ PoseDiagnosis Diagnosing::run() {
   without.stray_friction = selection_.stray_plain;
   problem_.stray_friction = selection_.stray;
   takeBack(without);
-  d.candidates = selection_.candidates;
   say("gain on held-out poses");
   measureGain(without);
   forgetHarmful(without);
   forgetPartial(without);
+  std::ranges::copy(selection_.candidates, std::back_inserter(d.candidates));
   d.hypotheses = selection_.records;
 
   PoseFit plain(without, split_.all, {});

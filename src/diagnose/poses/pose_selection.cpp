@@ -12,6 +12,7 @@
 #include "compared.h"
 #include "diagnose/paired_error.h"
 #include "impossible_sizes.h"
+#include "pose_candidates.h"
 #include "pose_evidence.h"
 #include "pose_score.h"
 #include "pose_validation.h"
@@ -385,19 +386,6 @@ PoseSelection PoseSelector::run(const Eigen::VectorXd& start, const std::functio
 }
 
 }  // namespace
-
-void dropNamedRivals(PoseSelection& selection) {
-  for (AcceptedCause& accepted : selection.causes) {
-    std::erase_if(selection.candidates, [&own = accepted.cause](const Candidate& candidate) {
-      return candidate.effect == own.effect->name && candidate.target == own.target;
-    });
-    for (const AcceptedCause& other : selection.causes) {
-      const std::string named = other.cause.label();
-      std::erase(accepted.rivals, named);
-      std::erase_if(accepted.instead, [&](const PoseCause& cause) { return cause.label() == named; });
-    }
-  }
-}
 
 PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> poses,
                            const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,

@@ -47,9 +47,6 @@ struct PoseSelection {
   double excess_plain = 0.0;
 };
 
-/// Takes out of every cause's rivals what was named itself since, in the place of another cause or beside it.
-void dropNamedRivals(PoseSelection& selection);
-
 PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> poses,
                            const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,
                            const PoseDiagnosisOptions& options, const std::function<void(std::string_view)>& stage);

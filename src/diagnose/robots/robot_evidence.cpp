@@ -132,8 +132,12 @@ MatrixXd predictedTorque(const RobotSearch& search, const RobotSearch::Set& set,
 }
 
 RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set) {
+  const std::vector<bool> heldout = search.ground().heldout();
+  const auto errorsOf = [&](const RobotSearch::Set& causes) {
+    return BlockErrors(search.validate(causes) + search.errors(search.fit(causes, kRobotFolds).z, heldout));
+  };
   const RobotSearch::Fit fit = search.fit(set, kRobotFolds, /*without_prior=*/true);
-  return {search, search.validate({}), search.validate(set), search.validate(set, /*without_prior=*/true),
+  return {search, errorsOf({}), errorsOf(set), search.validate(set, /*without_prior=*/true),
           predictedTorque(search, set, fit)};
 }
 
@@ -181,17 +185,15 @@ RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& 
   return left;
 }
 
-double leftBeyondKnown(const RobotUnseen& unseen, const RobotSearch::Set& set) {
+double leftBeyondKnown(const RobotUnseen& unseen) {
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
-  const std::vector<bool> heldout = search.ground().heldout(), every(heldout.size(), true);
-  const BlockErrors plain_of_all = unseen.plain + search.errors(search.fit({}, kRobotFolds).z, heldout);
-  const BlockErrors with_of_all = unseen.with + search.errors(search.fit(set, kRobotFolds).z, heldout);
+  const std::vector<bool> every(search.ground().training.size(), true);
   double left = 0.0, before = 1e-300;
   for (std::size_t c = 0; c < search.rows().joints(); ++c) {
     const double known = knownError(search, floors[c], c);
-    const GroupErrors plain = groupErrors(plain_of_all, search.counted(), every, {c});
-    const GroupErrors with = groupErrors(with_of_all, search.counted(), every, {c});
+    const GroupErrors plain = groupErrors(unseen.plain, search.counted(), every, {c});
+    const GroupErrors with = groupErrors(unseen.with, search.counted(), every, {c});
     if (plain.mse() > known) before += plain.sum.sum() - known * plain.rows.sum();
     if (with.mse() > kBeyondKnown * known) left += with.sum.sum() - kBeyondKnown * known * with.rows.sum();
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "diagnose/surrogates.h"
 #include "diagnose/verdict.h"
@@ -136,7 +137,8 @@ class RobotJudge {
     return {predictedGain(before.sum, after.sum, options_.seed), pairedP(before, after)};
   }
 
-  std::string reason(std::size_t cause) const {
+  /// \param unseen  what the set leaves, once any of its causes has come that far
+  std::string reason(std::size_t cause, std::optional<RobotUnseen>& unseen) const {
     const RobotSearch::Set& set = selection_.set;
     if (std::string why = unmeasured(search_, set, cause); !why.empty()) return why;
     const auto [gain, p] = gainOf(cause);
@@ -150,14 +152,14 @@ class RobotJudge {
                          p);
     }
     constexpr double kBeside = 0.5;  // of what it explains: with more left beside it, it may have the wrong shape
-    const RobotUnseen unseen = unseenOf(search_, set);
+    if (!unseen) unseen.emplace(unseenOf(search_, set));
     const std::vector<std::size_t>& joints = search_.joints(set[cause]);
-    if (const double left = whatIsLeft(unseen, joints).share; left > kBeside * gain.value) {
+    if (const double left = whatIsLeft(*unseen, joints).share; left > kBeside * gain.value) {
       return fmt::format("{:.0f} % of the error are left without a name beside its {:.0f} %: it may only stand in",
                          100.0 * left, 100.0 * gain.value);
     }
     constexpr double kMuchBeyond = 0.25;  // bodies carry what acts at one joint to others
-    if (const double beyond = leftBeyondKnown(unseen, set); beyond > kMuchBeyond) {
+    if (const double beyond = leftBeyondKnown(*unseen); beyond > kMuchBeyond) {
       return fmt::format("{:.0f} % of what is beyond the known robot's error are left beside it: it may only stand in",
                          100.0 * beyond);
     }
@@ -195,8 +197,9 @@ class RobotJudge {
 
   /// The weakest first: what stays may only have been best beside what went.
   bool takeOut() {
+    std::optional<RobotUnseen> unseen;
     for (std::size_t k = selection_.set.size(); k-- > 0;) {
-      const std::string why = reason(k);
+      const std::string why = reason(k, unseen);
       if (why.empty()) continue;
       const RobotHypothesis& h = search_.hypothesis(selection_.set[k]);
       found_.candidates.push_back({h.cause, h.target, why, gainOf(k).gain});
@@ -221,10 +224,7 @@ class RobotJudge {
 
 ExtraColumn signatureOf(const RobotRows& rows, const RobotHypothesis& hypothesis, const VectorXd& theta) {
   if (hypothesis.torque) return hypothesis.torque(theta);
-  const std::vector<StribeckCurve>& curves = rows.model().curves;
-  const VectorXd change = hypothesis.change(theta);
-  return onAll(predictTorques(rows.log(), rows.regressor(), change, curves) -
-               predictTorques(rows.log(), rows.regressor(), VectorXd::Zero(change.size()), curves));
+  return onAll(rows.torqueOf(hypothesis.change(theta)));
 }
 
 double placeboP(const RobotSearch& search, const RobotSearch::Set& set, std::size_t cause, std::uint64_t seed) {

@@ -33,8 +33,9 @@ struct RobotLeft {
 /// What it is seen by, of all joints at once.
 struct RobotUnseen {
   const RobotSearch& search;
-  BlockErrors plain, with, free;  ///< on unseen folds: without causes, with them, and with all other numbers free, too
-  Eigen::MatrixXd predicted;      ///< with the last, shape (rows, N)
+  BlockErrors plain, with;    ///< on unseen folds and on blocks held out: without causes and with them
+  BlockErrors free;           ///< on unseen folds, with all other numbers free, too
+  Eigen::MatrixXd predicted;  ///< with the last, shape (rows, N)
 };
 RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set);
 RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
@@ -42,7 +43,7 @@ RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& 
 inline constexpr double kBeyondKnown = 2.0;
 /// What is left beside the causes beyond that, of what the model without causes has beyond its known errors, of all
 /// joints; 0 where nobody has written down what was left.
-double leftBeyondKnown(const RobotUnseen& unseen, const RobotSearch::Set& set);
+double leftBeyondKnown(const RobotUnseen& unseen);
 
 /// Takes causes out of the selection that are no findings.
 RobotFindings judgeFindings(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,

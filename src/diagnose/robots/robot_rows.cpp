@@ -47,6 +47,7 @@ RobotRows::RobotRows(const RobotLog& log, const RobotModel& model, const RobotRe
   }
   torque_ = predictTorques(log, regressor, parameters_, model.curves);
   flat_torque_ = predictTorques(log, regressor, flat, model.curves);
+  of_springs_ = predictTorques(log, regressor, VectorXd::Zero(flat.size()), model.curves);
   rigid_ = MatrixXd::Zero(std::ssize(log.time), std::ssize(log.joints));
   rigid_ = rigidChange([](std::size_t, RobotMotion&, Vector3d&) {});
   for (std::size_t c = 0; c < log.joints.size(); ++c) {
@@ -68,6 +69,10 @@ RobotRows::RobotRows(const RobotLog& log, const RobotModel& model, const RobotRe
     rows.top_speed = std::max(rows.speed.abs().maxCoeff(), 1e-9);
     rows.top_load = rows.load.abs().maxCoeff();
   }
+}
+
+MatrixXd RobotRows::torqueOf(const VectorXd& change) const {
+  return predictTorques(log_, regressor_, change, model_.curves) - of_springs_;
 }
 
 ArrayXd RobotRows::residual(std::size_t c) const {

@@ -32,7 +32,9 @@ class RobotRows {
   bool counts(std::size_t row, std::size_t c) const { return log_.usable[row] && log_.joints[c].moves[row]; }
 
   const Eigen::MatrixXd& torque() const { return torque_; }  ///< of the model, shape (rows, N)
-  const Eigen::MatrixXd& rigid() const { return rigid_; }    ///< of its bodies and springs alone
+  /// What a change of the parameters asks more, shape (rows, N). \param change  shape (P)
+  Eigen::MatrixXd torqueOf(const Eigen::VectorXd& change) const;
+  const Eigen::MatrixXd& rigid() const { return rigid_; }  ///< of its bodies and springs alone
   /// A joint as the log of a drive: its load is what the bodies ask of it, its effort in [N m].
   const ActuatorRows& drive(std::size_t c) const { return drives_[c]; }
   /// Measured less what a fit to this log says in training rows that count, 0 in others, shape (rows).
@@ -61,6 +63,7 @@ class RobotRows {
   Eigen::VectorXd parameters_;
   std::vector<bool> training_;
   Eigen::MatrixXd torque_, rigid_, flat_torque_;
+  Eigen::MatrixXd of_springs_;  ///< torque without any of the parameters
   std::vector<ActuatorRows> drives_;
 };
 

@@ -82,12 +82,14 @@ std::optional<LoggedGravity> gravityOfLog(const ArmModel& arm, const RobotLog& l
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Vector3d right = Vector3d::Zero(), torque = Vector3d::Zero();
   double squares = 0.0;
-  LoggedGravity found;
   for (const MatrixXd& rows : gravityRows(arm, log)) {
     if (rows.rows() < 20) continue;
     const MatrixXd left = without(rows(Eigen::all, {0, 1, 2, 7}), rows.middleCols(3, 4));
     const double size = left.col(3).squaredNorm(), pull = left.leftCols(3).squaredNorm();
     if (!(size > 0.0) || !(pull > 1e-6 * rows.leftCols(3).squaredNorm())) continue;
+    // What lies on the robot besides its bodies, a cable say, may outweigh gravity in light joints, not in those that
+    // carry the arm.
+    if (follows(arm.gravity, left.leftCols(3), left.col(3))) return std::nullopt;
     // Of each joint the direction alone: its effort may be a current, and masses may be wrong.
     const double scale = std::sqrt(pull / size);
     const Vector3d along = left.leftCols(3).transpose() * left.col(3) / pull;
@@ -95,10 +97,10 @@ std::optional<LoggedGravity> gravityOfLog(const ArmModel& arm, const RobotLog& l
     right += scale * along;
     torque += along;
     squares += 1.0;
-    found.stated = found.stated || follows(arm.gravity, left.leftCols(3), left.col(3));
   }
   if (squares == 0.0) return std::nullopt;
   const SymmetricEigen eigen = symmetricEigen(normal);
+  LoggedGravity found;
   for (Index k = 0; k < 3; ++k) {
     if (eigen.values[k] < kClear * eigen.values[2]) continue;
     const Vector3d v = eigen.vectors.col(k);
@@ -114,9 +116,6 @@ bool contradicts(const LoggedGravity& found, const Vector3d& gravity, bool curre
   constexpr double kFar = 0.5;      // cosine: 60 degrees
   constexpr double kHardly = 0.2;   // of gravity: so little of it that its direction says nothing
   constexpr double kClearly = 0.5;  // of gravity, that the log shows where the file has none: masses may be wrong
-  // What lies on the robot besides its bodies, a cable say, may outweigh gravity in light joints, not in those that
-  // carry the arm.
-  if (found.stated) return false;
   const Vector3d part = found.felt * gravity;
   if (part.norm() >= kHardly * gravity.norm()) {
     return found.direction.normalized().dot(part.normalized()) <= kFar;

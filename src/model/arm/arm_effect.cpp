@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/model/arm/arm_tree.h"
 #include "simgap/model/arm/tendon_path.h"
 
 namespace simgap {
@@ -50,19 +51,6 @@ int targetIndex(const ArmEffect& effect, const ArmModel& model, std::string_view
   if (group == "body") return indexOf(model.bodies, target);
   if (group == "joint") return indexOf(model.joints, target);
   return -1;
-}
-
-const Joint* jointCarrying(const ArmModel& model, int body) {
-  const auto found = std::ranges::find(model.joints, body, &Joint::child);
-  return found == model.joints.end() ? nullptr : &*found;
-}
-
-std::vector<int> jointsAbove(const ArmModel& model, int body) {
-  std::vector<int> joints;
-  for (const Joint* joint = jointCarrying(model, body); joint; joint = jointCarrying(model, joint->parent)) {
-    joints.push_back(static_cast<int>(joint - model.joints.data()));
-  }
-  return joints;
 }
 
 }  // namespace

@@ -60,9 +60,9 @@ RobotLog sharperMotion(RobotLog log);
 /// Reads of every joint J `J_rad` (or `J_position_rad`, `J.position`, `q1_rad` of the first), the velocity if it is
 /// there (`J_velocity_rad_s`, `J.velocity`, `qd1_rad_s`), and `torque_J_Nm` (`J_torque_Nm`, `J.effort`, `torque1_Nm`)
 /// or `current_J_A` (`J_current_A`, `current1_A`); of slides in m, m/s and N; `J_temperature_degC` if it is there.
-/// Stamps that jitter, spikes and late velocities are put right as in every log of a drive. \throws DataError: no
-/// time_s, a joint without position or effort, torques of some joints and currents of others, a position beyond the
-/// joint's limits, a session too short to be differentiated.
+/// Stamps that jitter, spikes and late velocities are put right as in every log of a drive.
+/// \throws DataError: no time_s, a joint without position or effort, torques of some joints and currents of others, a
+/// position beyond the joint's limits, a session too short to be differentiated.
 RobotLog readRobotLog(CsvTable table, std::span<const LoggedJoint> joints);
 
 }  // namespace simgap

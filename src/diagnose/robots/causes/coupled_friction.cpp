@@ -1,7 +1,10 @@
 /// \file
 /// Friction of a joint that grows with what the bodies ask of its neighbour in the tree: bearings and seals that share
 /// a shaft, or a housing that bends: + n |tau_k| sign(dq_j).
+#include <algorithm>
+
 #include "diagnose/robots/robot_cause.h"
+#include "simgap/model/arm/arm_tree.h"
 
 namespace simgap::robot_causes::coupled_friction {
 namespace {
@@ -14,16 +17,9 @@ constexpr char kName[] = "coupled-friction";
 int coordinateBefore(const RobotRows& rows, std::size_t c) {
   const ArmModel& arm = rows.model().arm;
   const std::vector<int>& coordinates = rows.regressor().dynamics().joints();
-  int body = arm.joints[coordinates[c]].parent;
-  for (std::size_t passed = 0; passed <= arm.joints.size(); ++passed) {
-    for (std::size_t j = 0; j < arm.joints.size(); ++j) {
-      if (arm.joints[j].child != body) continue;
-      for (std::size_t k = 0; k < coordinates.size(); ++k) {
-        if (coordinates[k] == static_cast<int>(j)) return static_cast<int>(k);
-      }
-      body = arm.joints[j].parent;
-      break;
-    }
+  for (const int joint : jointsAbove(arm, arm.joints[coordinates[c]].parent)) {
+    const auto found = std::ranges::find(coordinates, joint);
+    if (found != coordinates.end()) return static_cast<int>(found - coordinates.begin());
   }
   return -1;
 }

@@ -14,6 +14,7 @@
 
 #include "point_mass.h"
 #include "simgap/core/decompositions.h"
+#include "simgap/model/arm/arm_tree.h"
 
 namespace simgap::robot_causes::payload_change {
 namespace {
@@ -136,15 +137,11 @@ std::vector<bool> carriedIn(const std::vector<LoadBlock>& blocks) {
 
 std::vector<LoadBlock> blocksOf(const RobotRows& rows, std::size_t body) {
   const RobotLog& log = rows.log();
-  const auto torqueOf = [&](const VectorXd& parameters) {
-    return predictTorques(log, rows.regressor(), parameters, rows.model().curves);
-  };
-  const MatrixXd none = torqueOf(VectorXd::Zero(rows.regressor().columns()));
   std::vector<MatrixXd> columns;
   for (Index k = 0; k < 4; ++k) {
     VectorXd change = VectorXd::Zero(rows.regressor().columns());
     change[rows.regressor().bodyColumn(body) + k] = 1.0;
-    columns.push_back(torqueOf(change) - none);
+    columns.push_back(rows.torqueOf(change));
   }
   std::vector<LoadBlock> blocks(log.blocks.size());
   for (std::size_t c = 0; c < rows.joints(); ++c) {
@@ -172,14 +169,9 @@ std::vector<LoadBlock> blocksOf(const RobotRows& rows, std::size_t body) {
 bool isEnd(const RobotRows& rows, std::size_t body) {
   const std::vector<int>& bodies = rows.regressor().dynamics().bodies();
   const ArmModel& arm = rows.model().arm;
+  const auto isOwn = [&](int joint) { return arm.joints[joint].parent == bodies[body]; };
   for (std::size_t other = 0; other < bodies.size(); ++other) {
-    if (other == body || rows.regressor().massless(other)) continue;
-    for (int at = bodies[other]; at != bodies[body];) {
-      const auto above = std::ranges::find(arm.joints, at, &Joint::child);
-      if (above == arm.joints.end()) break;
-      at = above->parent;
-      if (at == bodies[body]) return false;
-    }
+    if (!rows.regressor().massless(other) && std::ranges::any_of(jointsAbove(arm, bodies[other]), isOwn)) return false;
   }
   return true;
 }
@@ -211,11 +203,7 @@ std::vector<RobotHypothesis> hypotheses(const RobotRows& rows) {
     h.sentence = "the body picks up a mass, or puts it down, while it is recorded" + whenText(log, carried);
     h.separates = "the same motion without any load, and with it from the beginning to the end";
     h.torque = [&rows, b, there](const VectorXd& theta) {
-      const auto torqueOf = [&](const VectorXd& change) {
-        return predictTorques(rows.log(), rows.regressor(), change, rows.model().curves);
-      };
-      const MatrixXd more =
-          torqueOf(pointMass(rows.regressor(), b, theta)) - torqueOf(VectorXd::Zero(rows.regressor().columns()));
+      const MatrixXd more = rows.torqueOf(pointMass(rows.regressor(), b, theta));
       return onAll((more.array().colwise() * there).matrix());
     };
   }
