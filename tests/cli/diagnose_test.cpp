@@ -18,9 +18,9 @@ using ::testing::IsSupersetOf;
 class DiagnoseTest : public CliTest {
  protected:
   /// A short log with the secret at a size that stands out.
-  static reality::DriveDraw shortDraw(std::uint64_t seed) {
+  static reality::DriveDraw shortDraw(std::uint64_t seed, std::size_t rows = 8000) {
     reality::DriveDraw draw = reality::drawNone(seed);
-    draw.rig.rows = 12000;
+    draw.rig.rows = rows;
     return draw;
   }
   LogAnswer ask(const reality::DriveDraw& draw) const { return diagnoseDraw(draw, folder_.path(), SIMGAP_BINARY); }
@@ -58,7 +58,7 @@ TEST_F(DiagnoseTest, IsSilentWhereNothingIsHidden) {
 }
 
 TEST_F(DiagnoseTest, NamesAnAdhesionOffsetAndExtendsTheModel) {
-  reality::DriveDraw draw = shortDraw(12);
+  reality::DriveDraw draw = shortDraw(12, 12000);
   draw.effects = {"coulomb-offset"};
   draw.secret.coulomb_offset = 0.35;
   const LogAnswer answer = ask(draw);
@@ -178,7 +178,7 @@ TEST_F(DiagnoseTest, TellsPlayFromACableThatStretches) {
 }
 
 TEST_F(DiagnoseTest, SaysUnexplainedAndTheChannelForWhatHasNoName) {
-  reality::DriveDraw draw = shortDraw(15);
+  reality::DriveDraw draw = shortDraw(15, 12000);
   draw.secret.humid_friction = 0.3;
   const LogAnswer answer = ask(draw);
   ASSERT_EQ(answer.verdict(), "unexplained") << answer.result.dump(1);

@@ -29,16 +29,9 @@ bool isScanned(const ActuatorEffect& effect, std::string_view parameter) {
 /// command or a counted position stood, no row says: a reading of that resolution is uncertain by step / sqrt(12)
 /// (JCGM 100:2008, F.2.2.1), however many rows repeat it, as all of them err to the same side.
 void addResolution(const Fitted& fitted, double step, Eigen::MatrixXd& covariance) {
-  const ActuatorRegression& model = *fitted.model;
-  for (std::size_t e = 0; e < model.effects().size(); ++e) {
-    std::vector<double> at_once = fitted.theta;
-    const std::size_t first = model.firstParameter(e);
-    for (std::size_t k = 0; k < model.effects()[e]->parameters.size(); ++k) {
-      at_once[first + k] = model.effects()[e]->parameters[k].neutral;
-    }
-    if (model.delay(at_once) == model.delay(fitted.theta)) continue;
-    const auto i = static_cast<Eigen::Index>(first);
-    covariance(i, i) += step * step / 12.0;
+  for (std::size_t i = 0; i < fitted.theta.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (fitted.model->isDelay(fitted.theta, i)) covariance(k, k) += step * step / 12.0;
   }
 }
 

@@ -247,8 +247,11 @@ std::optional<std::vector<double>> LogSearch::otherStribeck(const ActuatorRegres
 void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const {
   const std::size_t e = fitted.model->effects().size() - 1;
   const std::size_t first = fitted.model->firstParameter(e);
+  if (starts.size() < 2) return;
   for (std::size_t k = 0; k < fitted.model->effects()[e]->parameters.size(); ++k) {
-    if (fitted.model->effects()[e]->parameters[k].kind != Kind::kScanned || starts.size() < 2) continue;
+    const bool scanned = fitted.model->effects()[e]->parameters[k].kind == Kind::kScanned;
+    if (!scanned && !fitted.model->isDelay(fitted.theta, first + k))
+      continue;  // a delay has a valley on either side of each row
     double width = std::abs(starts[1][first + k] - starts[0][first + k]);
     for (int round = 0; round < 4; ++round, width /= 3.0) {
       std::vector<std::vector<double>> near;

@@ -29,6 +29,14 @@ std::string unitOn(std::string_view unit, const ActuatorData& data) {
   return text;
 }
 
+/// Rows that do not count become zeros.
+template <typename Matrix>
+void blank(Matrix& matrix, const std::vector<bool>& keep) {
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    if (!keep[static_cast<std::size_t>(i)]) matrix.row(i).setZero();
+  }
+}
+
 /// The slowest Stribeck velocity that rows can tell: of a steeper curve too few of them would see anything but its end,
 /// and what those few ask for is a static friction without bound.
 double slowestSeen(const ActuatorData& data) {
@@ -128,10 +136,16 @@ ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p
 }
 
 ActuatorRegression::Terms ActuatorRegression::lawTermsBeside(const Terms& near, std::span<const double> p,
-                                                             std::size_t moved) const {
+                                                             std::size_t moved, double by) const {
   if (!base_.hasStribeck() || moved >= 2) return lawTerms(p, &near.stribeck);
+  // E = exp(-x), x = |w / v_s|^delta:  dE/dv_s = E x delta / v_s,  dE/ddelta = -E x ln |w / v_s|.
   Terms t = near;
-  t.stribeck = stribeckFactor(log_speed_, p[0], p[1]).value;
+  const ArrayXd e_x = -near.stribeck * near.stribeck.max(1e-300).log();
+  if (moved == 0) {
+    t.stribeck += by * p[1] / p[0] * e_x;
+  } else {
+    t.stribeck -= by * e_x * (log_speed_ - std::log(p[0]));
+  }
   return t;
 }
 
@@ -242,6 +256,12 @@ double ActuatorRegression::delay(std::span<const double> theta) const {
   return withEffects(lawTerms(p), p, data_->rows.effort).shared.delay;
 }
 
+bool ActuatorRegression::isDelay(std::span<const double> theta, std::size_t parameter) const {
+  std::vector<double> without(theta.begin(), theta.end());
+  without[parameter] = 0.0;
+  return parameter >= linear_ && theta[parameter] != 0.0 && delay(without) != delay(theta);
+}
+
 ArrayXd ActuatorRegression::predict(const Terms& law, std::span<const double> theta, double& delay) const {
   ArrayXd effort = rightHandSide(law, theta, data_->rows.effort, delay);
   if (!implicit_) return effort;
@@ -277,11 +297,6 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
                                   Eigen::MatrixXd* jacobian) const {
   const Index n = rows();
   const auto linear = static_cast<Index>(linear_);
-  const auto blank = [&](auto&& array, const std::vector<bool>& keep) {
-    for (Index i = 0; i < n; ++i) {
-      if (!keep[i]) array.row(i).setZero();
-    }
-  };
   const std::span<const double> p = theta.subspan(linear_);
   const Terms law = lawTerms(p);
   double delay = 0.0;
@@ -323,7 +338,7 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
     moved[i] = theta[i] + h;
     const bool of_law = i >= linear_ && i < first_effect;
     const Terms moved_law =
-        of_law ? lawTermsBeside(law, std::span<const double>(moved).subspan(linear_), i - linear_) : Terms();
+        of_law ? lawTermsBeside(law, std::span<const double>(moved).subspan(linear_), i - linear_, h) : Terms();
     column = ((predict(of_law ? moved_law : law, moved, delay) - predicted) / h).matrix();
     moved[i] = theta[i];
   }
@@ -353,18 +368,20 @@ std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& othe
 std::vector<double> ActuatorRegression::solveCoefficients(std::vector<double> theta, std::span<const Block> blocks,
                                                           double* cost) const {
   const std::span<const double> p = std::span<const double>(theta).subspan(linear_);
-  const Evaluation e = columns(lawTerms(p), p);
+  Evaluation e = columns(lawTerms(p), p);
   const auto c = static_cast<Index>(linear_);
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
-  Eigen::VectorXd row(c + 1);
+  Eigen::VectorXd effort = data_->rows.effort.matrix();
   const std::vector<bool> keep = counted(e.delay);
+  blank(e.x, keep);
+  blank(effort, keep);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);
   for (const Block& b : blocks) {
-    for (std::size_t k = b.begin; k < b.end; ++k) {
-      if (!keep[k]) continue;
-      const auto i = static_cast<Index>(k);
-      row << e.x.row(i).transpose(), data_->rows.effort[i];
-      gram.selfadjointView<Eigen::Lower>().rankUpdate(row);
-    }
+    const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
+    const auto x = e.x.middleRows(begin, size);
+    const auto y = effort.segment(begin, size);
+    gram.topLeftCorner(c, c).selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
+    gram.row(c).head(c).noalias() += y.transpose() * x;
+    gram(c, c) += y.squaredNorm();
   }
   gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
   std::vector<LinearTerm> terms;

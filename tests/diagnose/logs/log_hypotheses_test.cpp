@@ -26,5 +26,24 @@ TEST(LogHypotheses, ACauseIsFoundAgainWhereTheOthersHaveLeftTheirPlacesWithoutIt
   EXPECT_LE(search.tryAll(rest, {bias}, &whole)[0].fitted.mse, (1.0 + 1e-6) * whole.mse);
 }
 
+// Between the rows a delay's error has a valley beside the lowest: a descent that began in it stayed there.
+TEST(LogHypotheses, ADelayIsFoundInTheLowestOfItsValleys) {
+  reality::DriveDraw draw = reality::drawNone(13);
+  draw.rig.rows = 12000;
+  draw.secret.delay = 0.05;  // 1.25 rows
+  const PreparedLog log = preparedLog(draw.rig, draw.secret);
+  const LogDiagnosisOptions options;
+  const LogSearch search(friction::find("classic"), log.data, splitLog(log, options).training, options);
+  const ActuatorEffect* delay = &actuator_effects::find("channel-delay");
+  const Trial trial = search.tryAll(search.fit({}, nullptr), {{delay, {}, {}}})[0];
+  const std::size_t dt = trial.fitted.model->firstParameter(0);
+  EXPECT_NEAR(trial.fitted.theta[dt], draw.secret.delay, 0.1 * search.step());
+  for (double rows = -1.9; rows < 4.0; rows += 0.4) {
+    Fitted other = trial.fitted;
+    other.theta[dt] = rows * search.step();
+    EXPECT_GT(search.fit({delay}, &other).mse, (1.0 - 1e-3) * trial.fitted.mse) << "from " << rows << " rows";
+  }
+}
+
 }  // namespace
 }  // namespace simgap::test

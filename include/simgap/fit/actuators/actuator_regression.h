@@ -56,6 +56,8 @@ class ActuatorRegression : public RowModel {
   Eigen::ArrayXd predict(std::span<const double> theta) const;
   /// By how much the effort is logged later than the motion [s].
   double delay(std::span<const double> theta) const;
+  /// Whether theta[parameter] makes some of it.
+  bool isDelay(std::span<const double> theta, std::size_t parameter) const;
 
  private:
   struct Evaluation {
@@ -75,8 +77,8 @@ class ActuatorRegression : public RowModel {
   /// Before effects act on them.
   /// \param stribeck  its factor where it is known at p; null: it is not
   Terms lawTerms(std::span<const double> p, const Eigen::ArrayXd* stribeck = nullptr) const;
-  /// Where only p[moved] differs from where the terms are `near`.
-  Terms lawTermsBeside(const Terms& near, std::span<const double> p, std::size_t moved) const;
+  /// Where p[moved] is larger by a little than where the terms are `near`, to first order in the Stribeck factor.
+  Terms lawTermsBeside(const Terms& near, std::span<const double> p, std::size_t moved, double by) const;
   /// \param effort  shape (rows): where the effort stands on the right.
   Terms withEffects(Terms law, std::span<const double> p, const Eigen::ArrayXd& effort) const;
   Evaluation columns(Terms law, std::span<const double> p) const;
