@@ -216,6 +216,23 @@ LeastSquaresResult polish(const FrictionModel& model, std::span<const SeparableM
   return best;
 }
 
+/// Where the lowest minimum is none, because a parameter has no bound there, the lowest of its rivals that is one.
+/// \throws NumericsError: none is.
+LeastSquaresResult bounded(const FrictionModel& model, std::span<const SeparableMinimum> minima,
+                           const FrictionFitOptions& options, const LeastSquaresProblem& problem,
+                           LeastSquaresResult best) {
+  const auto fault = [&](const LeastSquaresResult& fit) {
+    return degenerate(model, model.data(), fit.theta, options.predict_load);
+  };
+  const std::string sentence = fault(best);
+  if (sentence.empty()) return best;
+  for (std::size_t m = 1; m < minima.size() && minima[m].linear.cost < kRival * minima[0].linear.cost; ++m) {
+    LeastSquaresResult rival = minimise(problem, model.thetaOf(minima[m]));
+    if (fault(rival).empty()) return rival;
+  }
+  throw NumericsError(fmt::format("{}: {}", model.data().file, sentence));
+}
+
 /// Widens intervals by where the estimates would lie had the fit known of a delay of the target, if one is seen. The
 /// estimates stay those of least squares: whether a delay is one of the channel only a diagnosis can tell.
 void allowForDelay(const LeastSquaresProblem& problem, const FrictionData& data, FrictionFit& fit) {
@@ -249,6 +266,31 @@ void allowForDelay(const LeastSquaresProblem& problem, const FrictionData& data,
       "diagnose tells whether it does",
       fit.predict_load ? "the load" : data.effort_name, 1e3 * std::abs(effect->delay), std::abs(rows),
       rows > 0.0 ? "later" : "earlier"));
+}
+
+/// Where v_s and delta are hardly known, what is likely is no ellipse, and lies in several valleys: intervals hold the
+/// fits at all places of the searched box, too, that the likelihood ratio lets stand at 95 % (Wilks 1938).
+void holdLikelyPlaces(const FrictionModel& model, const BoxSearch& search, FrictionFit& fit) {
+  constexpr double kUnlikely = 3.84;  // chi^2 with one degree of freedom, 95 %
+  const SeparableProblem problem = separable(model, search.total);
+  const CostProfile& profile = search.result.profile;
+  const double enough = (1.0 + kUnlikely / fit.uncertainty.n_effective) * search.result.minima[0].linear.cost;
+  for (std::size_t place = 0; place < profile.cost.size(); ++place) {
+    if (profile.cost[place] > enough) continue;
+    SeparableMinimum at{std::vector<double>(profile.axes.size()), {}};
+    for (std::size_t k = profile.axes.size(), rest = place; k-- > 0; rest /= profile.axes[k].size()) {
+      at.p[k] = profile.axes[k][rest % profile.axes[k].size()];
+    }
+    at.linear = solveBounded(problem.gram(at.p), problem.linear);
+    const std::vector<double> theta = model.thetaOf(at);
+    for (std::size_t i = 0; i < theta.size(); ++i) {
+      Estimate& e = fit.uncertainty.estimates[i];
+      if (e.fixed || !e.identifiable) continue;
+      e.lower95 = std::min(e.lower95, theta[i]);
+      e.upper95 = std::max(e.upper95, theta[i]);
+      e.sd = std::max(e.sd, 0.5 * (e.upper95 - e.lower95) / fit.uncertainty.quantile);
+    }
+  }
 }
 
 }  // namespace
@@ -285,17 +327,16 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   fit.profile = search.result.profile;
 
   LeastSquaresProblem problem = model.problem();
-  const LeastSquaresResult best = polish(model, fit.minima, options, problem);
+  const LeastSquaresResult best =
+      bounded(model, fit.minima, options, problem, polish(model, fit.minima, options, problem));
   fit.theta = best.theta;
-  if (const std::string sentence = degenerate(model, data, fit.theta, options.predict_load); !sentence.empty()) {
-    throw NumericsError(fmt::format("{}: {}", data.file, sentence));
-  }
   const bool squares = options.loss == LossKind::kSquares;
   fit.mse = (squares ? best.cost : residuals(problem, fit.theta).squaredNorm()) / static_cast<double>(fit.n);
   if (!best.converged)
     fit.warnings.push_back(fmt::format("the polish of {} stopped early: {}", law.name, best.message));
   fit.uncertainty = estimateUncertainty(problem, fit.theta, data.session);
   allowForDelay(problem, data, fit);
+  if (squares) holdLikelyPlaces(model, search, fit);
   if (folds >= 2) fit.mse_heldout = crossValidate(model, search.parts, search.total, fit.minima);
   for (const std::string& sentence : gaps(model, data, fit.theta)) fit.warnings.push_back(sentence);
   const auto weight = data.fits_weight

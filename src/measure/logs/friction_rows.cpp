@@ -13,6 +13,7 @@
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/motion.h"
 #include "simgap/measure/logs/rig_load.h"
+#include "turns.h"
 #include "velocity_scale.h"
 
 namespace simgap {
@@ -21,6 +22,14 @@ namespace {
 constexpr std::array kChannels = {&FrictionData::time,      &FrictionData::effort,    &FrictionData::velocity,
                                   &FrictionData::log_speed, &FrictionData::direction, &FrictionData::load};
 constexpr double kLowestLogSpeed = -600.0;  // exp of it is still a number; log(0) is none
+
+/// Seconds beside a stop or a start that are the smoother's. The acceleration jumps there, of which e^(-pi f t) is left
+/// after t: with two periods of its bandwidth f, a five-hundredth, the intervals of a fit hold. A diagnosis keeps most
+/// of them, as it finds what it looks for there.
+double blurredSeconds(const FrictionData& data, bool derived_velocity, const FrictionDataOptions& options) {
+  if (options.all_rows) return derived_velocity ? 0.5 / data.bandwidth : 0.0;
+  return data.bandwidth > 0.0 ? 2.0 / data.bandwidth : 0.0;
+}
 
 void checkLog(const ActuatorLog& log, FrictionData& data) {
   const std::string effort = quantityName(log.effort_name, log.effort_unit);
@@ -174,7 +183,11 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
       options.raw_sign ? rawSign(log.velocity) : holdSign(log.velocity, options.dead_band_widths, dead_band);
   data.dead_band = sign.dead_band;
   data.reversals = sign.reversals;
-  leaveOutRests(log, derived_velocity, options, sign, data);
+  const double blurred_seconds = blurredSeconds(data, derived_velocity, options);
+  leaveOutRests(log, blurred_seconds, options, sign, data);
+  if (blurred_seconds > 0.0 && !options.raw_sign && !options.all_rows) {
+    leaveOutTurns(log.time, runs, blurred_seconds, sign);
+  }
   leaveOutSwitchedOff(log, options, sign, data);
   leaveOutSpikes(options, sign, data);
   leaveOutShortRuns(runs, sign, data);

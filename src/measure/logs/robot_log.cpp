@@ -148,6 +148,9 @@ double usualTimeBetween(const std::vector<double>& time, const std::vector<std::
   return gaps.empty() ? 0.0 : upperMedian(std::move(gaps));
 }
 
+/// Periods of the smoother's bandwidth, on either side of a turn or a rest.
+constexpr double kBlurred = 0.5;
+
 /// Beside turns, and after them and after rests until friction has built up.
 void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, double bandwidth,
                         std::optional<double> known, RobotJointLog& joint, MotionSign& sign) {
@@ -160,7 +163,7 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, dou
   joint.presliding =
       known ? *known : travelOfFriction({log.time, joint.position, log.effort}, turns, runs, sign, seconds);
   if (joint.presliding == 0.0) return;  // friction that turns at once says in turning what it is at low speed
-  leaveOutTurns(log.time, runs, bandwidth, sign);
+  leaveOutTurns(log.time, runs, kBlurred / bandwidth, sign);
   leaveOutFirstTravel(joint.position, log.velocity, runs, restingSpeed(log.velocity, sign.dead_band), joint.presliding,
                       sign);
 }
@@ -196,9 +199,8 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   MotionSign sign = holdSign(log.velocity, options.dead_band_widths, dead_band);
   joint.dead_band = sign.dead_band;
   FrictionData rests;  // its sentence is that of one drive; here the rows are counted per joint
-  rests.bandwidth = notes.bandwidth;
   // Velocity is smoothed and acceleration worked out even where velocity was measured: both are blurred beside rests.
-  leaveOutRests(log, /*derived=*/true, options, sign, rests);
+  leaveOutRests(log, kBlurred / notes.bandwidth, options, sign, rests);
   leaveOutPresliding(log, runs, notes.bandwidth, presliding, joint, sign);
   for (const ChannelSpikes& spikes : notes.spikes) {
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;

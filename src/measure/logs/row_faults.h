@@ -22,12 +22,12 @@ void moveLateVelocity(ActuatorLog& log, std::span<const Block> runs, FrictionDat
 void putSpikesRight(ActuatorLog& log, FrictionData& data);
 
 /// Takes the rows of spikes, and of rests, out of `sign.keep`, and says so in `data`.
-/// \param derived  the velocity was worked out from positions.
+/// \param blurred_seconds  beside a rest, of a motion that was worked out; 0: it was measured.
 /// \throws DataError: with FrictionDataOptions::all_rows, hardly any motion.
 void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data);
 /// The same of sessions, or rows between gaps, that are too short for a slope, where slopes were worked out.
 void leaveOutShortRuns(std::span<const Block> runs, MotionSign& sign, FrictionData& data);
-void leaveOutRests(const ActuatorLog& log, bool derived, const FrictionDataOptions& options, MotionSign& sign,
+void leaveOutRests(const ActuatorLog& log, double blurred_seconds, const FrictionDataOptions& options, MotionSign& sign,
                    FrictionData& data);
 
 /// Takes the rows out of `sign.keep` in which a motor that is driven by a voltage is switched off while it moves, and

@@ -12,8 +12,6 @@
 namespace simgap {
 namespace {
 
-constexpr double kBlurred = 0.5;  // periods of the smoother's bandwidth, on either side
-
 std::ptrdiff_t countKept(const std::vector<bool>& keep) { return std::ranges::count(keep, true); }
 
 constexpr Eigen::Index kPowers = 6;  // of time, by which the load is told around a turn: 1, t … t^5
@@ -129,20 +127,27 @@ std::vector<std::size_t> turnsOf(std::span<const signed char> direction, std::sp
   return turns;
 }
 
-void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, double bandwidth, MotionSign& sign) {
+void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, double blurred_seconds,
+                   MotionSign& sign) {
   const std::vector<std::size_t> turns = turnsOf(sign.direction, runs);
   const auto left = [&](double share) {
     std::vector<bool> keep = sign.keep;
     for (const std::size_t turn : turns) {
       const auto run = std::ranges::find_if(runs, [&](const Block& b) { return turn >= b.begin && turn < b.end; });
-      const double beside = share * kBlurred / bandwidth;
+      const double beside = share * blurred_seconds;
       for (std::size_t k = turn; k-- > run->begin && time[turn] - time[k] <= beside;) keep[k] = false;
       for (std::size_t k = turn; k < run->end && time[k] - time[turn] <= beside; ++k) keep[k] = false;
+    }
+    for (const Block& run : runs) {
+      for (std::size_t k = run.begin; k < run.end && time[k] - time[run.begin] <= share * blurred_seconds; ++k)
+        keep[k] = false;
+      for (std::size_t k = run.end; k-- > run.begin && time[run.end - 1] - time[k] <= share * blurred_seconds;)
+        keep[k] = false;
     }
     return keep;
   };
   constexpr double kLeastShare = 1.0 / 64.0;
-  for (double share = 1.0; share > kLeastShare; share *= 0.5) {
+  for (double share = 1.0; share > kLeastShare; share *= 0.8) {
     std::vector<bool> keep = left(share);
     if (2 * countKept(keep) < countKept(sign.keep)) continue;  // it turns so often that a smaller margin has to do
     sign.keep = std::move(keep);

@@ -15,8 +15,8 @@ namespace simgap {
 std::vector<std::size_t> turnsOf(std::span<const signed char> direction, std::span<const Block> runs);
 
 /// Takes the rows beside turns out of `sign.keep` that a smoother has blurred, on both sides; at least half of the rows
-/// that it kept stay. \param time  [s], shape (n) \param bandwidth  [Hz] of the smoother
-void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, double bandwidth, MotionSign& sign);
+/// that it kept stay. \param time  [s], shape (n) \param blurred_seconds  on either side
+void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, double blurred_seconds, MotionSign& sign);
 
 /// A joint's channels as they were logged, shape (n) each: position [rad], effort in any unit.
 struct TurningJoint {

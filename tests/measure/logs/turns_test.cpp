@@ -60,8 +60,7 @@ TEST(Turns, BlurredRowsBesideThemAreLeftOut) {
   TurningLog log = recordTurns(0.0);
   const std::vector<std::size_t> turns = turnsOf(log.sign.direction, log.runs);
   ASSERT_GT(turns.size(), 20u);
-  constexpr double kBandwidth = 20.0;  // [Hz]
-  leaveOutTurns(log.time, log.runs, kBandwidth, log.sign);
+  leaveOutTurns(log.time, log.runs, 0.025, log.sign);
   for (const std::size_t turn : turns) {
     for (int k = -4; k <= 4; ++k) {  // 25 ms on either side
       const std::size_t row = std::min(turn + k, log.time.size() - 1);
@@ -71,12 +70,14 @@ TEST(Turns, BlurredRowsBesideThemAreLeftOut) {
     }
   }
   EXPECT_TRUE(log.sign.keep[turns[3] + 8]);
+  EXPECT_FALSE(log.sign.keep[4]);  // nor does a smoother know what was before the first row
+  EXPECT_FALSE(log.sign.keep[log.time.size() - 5]);
 }
 
 TEST(Turns, HalfOfTheRowsStay) {
   TurningLog log = recordTurns(0.0);
   const auto before = std::ranges::count(log.sign.keep, true);
-  leaveOutTurns(log.time, log.runs, 1.0, log.sign);
+  leaveOutTurns(log.time, log.runs, 0.5, log.sign);
   EXPECT_GE(2 * std::ranges::count(log.sign.keep, true), before);
   const auto left = std::ranges::count(log.sign.keep, true);
   leaveOutFirstTravel(log.position, log.velocity, log.runs, 1e-3, 10.0, log.sign);
