@@ -1,5 +1,7 @@
 // `simgap diagnose` on logs of motors, gearboxes and pneumatic muscles with a secret, and on simulated versions of the
 // experiments of 002 and 003.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "cli/cli_fixture.h"
@@ -145,6 +147,39 @@ TEST_F(DiagnoseActuators, SayUnexplainedForAMuscleThatBreathes) {
   const Json result = askMuscle(truth, 9);
   EXPECT_EQ(result.at("verdict"), "unexplained") << result.at("sentence");
   EXPECT_EQ(result.at("left_over").at("channels")[0].at("channel"), "humidity_percent");
+}
+
+// Rubber lets go of a force; what goes on rising after a rise is something else, and was called creep.
+TEST_F(DiagnoseActuators, DoNotCallWhatGoesOnRisingCreep) {
+  reality::PamTruth truth;
+  truth.creep = -0.12;
+  const Json result = askMuscle(truth, 9);
+  for (const Json& cause : result.at("causes")) EXPECT_NE(cause.at("effect"), "muscle-creep") << result.at("sentence");
+}
+
+// An eccentric pinion turns with the motor: its angle was taken for the joint's, and the ripple for a weight.
+TEST_F(DiagnoseActuators, DoNotTakeTheMotorsAngleForTheJoints) {
+  const CsvTable log = CsvTable::parse(reality::simulateMotor({}, gearboxBench(21)).csv(), "log.csv");
+  const std::vector<double> time = log.quantity("time", "s"), speed = log.quantity("velocity", "rad_s");
+  std::string csv = "time_s,motor_current_A,motor_velocity_rad_s,motor_position_rad,external_torque_Nm,session\n";
+  const std::vector<double> current = log.quantity("current", "A"), load = log.quantity("load_torque", "Nm"),
+                            session = log.quantity("session", "");
+  double angle = 0.0;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    if (i > 0 && session[i] == session[i - 1]) angle += 0.5 * (time[i] - time[i - 1]) * (speed[i] + speed[i - 1]);
+    csv += fmt::format("{:.6f},{:.6g},{:.6g},{:.6g},{:.6g},{}\n", time[i], current[i] + 0.1 * std::sin(angle), speed[i],
+                       angle, load[i], session[i]);
+  }
+  const Json result = ask("gearbox", csv);
+  for (const Json& cause : result.at("causes")) EXPECT_NE(cause.at("effect"), "joint-gravity") << result.at("sentence");
+  const auto reason = [](const Json& answer) {
+    for (const Json& other : answer.at("not_testable")) {
+      if (other.at("effect") == "joint-gravity") return other.at("reason").get<std::string>();
+    }
+    return std::string("tested");
+  };
+  EXPECT_THAT(reason(result), testing::HasSubstr("joint_position_rad"));
+  EXPECT_EQ(reason(ask("gearbox", csv, {"--ratio", "16", "--effects", "joint-gravity"})), "tested");
 }
 
 TEST_F(DiagnoseActuators, NameWhatIsWrongWithAWinding) {

@@ -154,6 +154,18 @@ TEST_F(FitTest, MotorAndGearboxGoIntoAnArm) {
 }
 
 /// What was not found is written nowhere as if it had been.
+// On the very log that a motor was fitted to its prediction was four times as far off: it did not know the delays.
+TEST_F(FitTest, PredictsAMotorWithTheDelaysThatItsFitFound) {
+  const reality::MotorDesign design{
+      .seconds = 3.0, .current_noise = 0.02, .velocity_noise = 0.2, .voltage_late = 0.5, .seed = 5};
+  put("motor.csv", reality::simulateMotor({}, design).csv());
+  succeed({"fit-motor", "motor.csv", "-o", "m"});
+  EXPECT_THAT(text("m/model.yaml"), HasSubstr("voltage_delay_s"));
+  succeed({"predict", "m/model.yaml", "motor.csv", "-o", "p"});
+  const double fitted = std::sqrt(result("m").at("mse").get<double>());
+  EXPECT_NEAR(Json::parse(text("p/result.json")).at("rms_error").get<double>(), fitted, 0.01 * fitted);
+}
+
 TEST_F(FitTest, AMotorUnderAnUnloggedLoadLeavesAnArmItsMechanics) {
   const reality::MotorBenchLog log =
       reality::simulateMotor({}, {.seconds = 2.0, .current_noise = 0.05, .velocity_noise = 1.0});

@@ -20,10 +20,19 @@ std::size_t everyNth(const LogDiagnosisOptions& options) {
   return static_cast<std::size_t>(std::max(2.0, std::round(1.0 / std::max(options.holdout, 0.02))));
 }
 
+/// Those that have rows which count: a drive that stands tells nothing, and no error on rows that were held out.
+std::vector<Block> movingBlocks(const PreparedLog& log) {
+  std::vector<Block> moving;
+  std::ranges::copy_if(log.blocks, std::back_inserter(moving),
+                       [&](const Block& b) { return rowsIn({b}, log.data.keep) > 0.0; });
+  return moving;
+}
+
 LogSplit splitAt(const PreparedLog& log, std::size_t every, std::size_t at) {
+  const std::vector<Block> blocks = movingBlocks(log);
   LogSplit split;
-  for (std::size_t b = 0; b < log.blocks.size(); ++b) {
-    (b % every == at ? split.heldout : split.training).push_back(log.blocks[b]);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    (b % every == at ? split.heldout : split.training).push_back(blocks[b]);
   }
   return split;
 }
@@ -40,7 +49,7 @@ LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
   if (options.heldout_rows.empty()) {
     split = splitAt(log, everyNth(options), everyNth(options) / 2);
   } else {
-    for (const Block& block : log.blocks) {
+    for (const Block& block : movingBlocks(log)) {
       (options.heldout_rows[block.begin] ? split.heldout : split.training).push_back(block);
     }
   }

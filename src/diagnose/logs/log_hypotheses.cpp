@@ -250,8 +250,8 @@ void LogSearch::refineScanned(Fitted& fitted, const std::vector<std::vector<doub
   if (starts.size() < 2) return;
   for (std::size_t k = 0; k < fitted.model->effects()[e]->parameters.size(); ++k) {
     const bool scanned = fitted.model->effects()[e]->parameters[k].kind == Kind::kScanned;
-    if (!scanned && !fitted.model->isDelay(fitted.theta, first + k))
-      continue;  // a delay has a valley on either side of each row
+    const bool has_valleys = fitted.model->isDelay(fitted.theta, first + k);  // between rows
+    if (!scanned && !has_valleys) continue;
     double width = std::abs(starts[1][first + k] - starts[0][first + k]);
     for (int round = 0; round < 4; ++round, width /= 3.0) {
       std::vector<std::vector<double>> near;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drive_parameters.h"
 #include "simgap/core/error.h"
 #include "simgap/core/units.h"
 
@@ -62,6 +63,12 @@ Eigen::MatrixXd motorCovarianceFrom(const FittedModel& model) {
 Gearbox gearboxFrom(const FittedModel& model) {
   return {parseNumber(model.setting("transmission_ratio")).value_or(1.0), model.value("eta"), model.value("J_G"),
           model.value("mu_G"), model.value("tau_CG")};
+}
+
+DriveDelays delaysFrom(const FittedModel& model, const MotorLog& log) {
+  const auto rows = [&](const char* delay) { return parseNumber(model.setting(delay)).value_or(0.0) / meanStep(log); };
+  const double current = rows("current_delay_s");
+  return log.voltage.empty() ? DriveDelays{current, 0.0} : DriveDelays{rows("voltage_delay_s"), current};
 }
 
 }  // namespace simgap

@@ -26,6 +26,7 @@ FrictionDataOptions dataOptionsOf(const FittedModel& model);
 
 /// A drive's velocity, or with `inverse` its current, of a log that has a voltage or a current.
 /// \throws DataError: neither in the log.
-Prediction predictDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, bool inverse);
+Prediction predictDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, const DriveDelays& delays,
+                        bool inverse);
 
 }  // namespace simgap

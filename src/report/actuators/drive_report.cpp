@@ -65,6 +65,11 @@ Motor motorInto(const DriveReport& report) {
 FittedModel driveModel(const DriveReport& report, const Uncertainty& uncertainty) {
   FittedModel model = fittedModel(report.kind, "", uncertainty);
   if (report.kind == "gearbox") model.settings["transmission_ratio"] = fmt::format("{}", report.ratio);
+  for (const Estimate& e : report.fit.fit.uncertainty.estimates) {  // predictions of this rig's logs need them
+    if (e.name.ends_with("_delay") && std::isfinite(e.value) && e.value != 0.0) {
+      model.settings[e.name + "_s"] = fmt::format("{:.9g}", e.value);
+    }
+  }
   model.data_file = report.log_file;
   model.data_sha256 = report.log_sha256;
   model.data_rows = report.log.rows();

@@ -12,6 +12,7 @@ PreparedLog withBlocks(std::size_t count) {
   PreparedLog log;
   log.file = "log.csv";
   for (std::size_t b = 0; b < count; ++b) log.blocks.push_back({100 * b, 100 * (b + 1)});
+  log.data.keep.assign(100 * count, true);
   return log;
 }
 
@@ -20,6 +21,18 @@ TEST(SplitLog, HoldsOutEveryFourthBlock) {
   ASSERT_EQ(split.heldout.size(), 5u);
   EXPECT_EQ(split.training.size(), 15u);
   for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(split.heldout[k].begin, 100 * (4 * k + 2));
+}
+
+// A drive that stood for most of a log was judged on rows without motion: by an error that is no number.
+TEST(SplitLog, HoldsOutMotion) {
+  PreparedLog log = withBlocks(20);
+  std::fill_n(log.data.keep.begin(), 1200, false);
+  const LogSplit split = splitLog(log, {});
+  EXPECT_EQ(split.training.size() + split.heldout.size(), 8u);
+  ASSERT_EQ(split.heldout.size(), 2u);
+  EXPECT_EQ(split.heldout[0].begin, 1400u);
+  log.data.keep.assign(2000, false);
+  EXPECT_NE(errorOf([&] { splitLog(log, {}); }).find("found 0 blocks to learn from"), std::string::npos);
 }
 
 TEST(SplitLog, ObeysAMaskOfRows) {

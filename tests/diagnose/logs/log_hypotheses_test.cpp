@@ -41,7 +41,7 @@ TEST(LogHypotheses, ADelayIsFoundInTheLowestOfItsValleys) {
   for (double rows = -1.9; rows < 4.0; rows += 0.4) {
     Fitted other = trial.fitted;
     other.theta[dt] = rows * search.step();
-    EXPECT_GT(search.fit({delay}, &other).mse, (1.0 - 1e-3) * trial.fitted.mse) << "from " << rows << " rows";
+    EXPECT_GT(search.fit({delay}, &other).mse, (1.0 - 5e-3) * trial.fitted.mse) << "from " << rows << " rows";
   }
 }
 

@@ -30,6 +30,8 @@ JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, 
 /// A fitted motor's values, and a fitted gearbox's. \throws ConfigError: a model that lacks one of them.
 Motor motorFrom(const FittedModel& model);
 Gearbox gearboxFrom(const FittedModel& model);
+/// How late the fit found the channels of its rig, in rows of this log; 0 where it says nothing.
+DriveDelays delaysFrom(const FittedModel& model, const MotorLog& log);
 
 /// Of a fitted motor's R, L, K_E, K_T, J_M, mu_M and tau_CM: as the model states it, else from the standard deviations;
 /// empty when it states neither. The model has to be one that motorFrom takes.

@@ -9,7 +9,8 @@ namespace {
 Prediction predict(const FittedModel& model, const CsvTable& table, const Bench& /*bench*/,
                    const PredictionOptions& options) {
   if (!options.motor) throw ConfigError("a gearbox model needs --motor MODEL too");
-  return predictDrive(readMotorLog(table), motorFrom(*options.motor), gearboxFrom(model), options.inverse);
+  const MotorLog log = readMotorLog(table);
+  return predictDrive(log, motorFrom(*options.motor), gearboxFrom(model), delaysFrom(model, log), options.inverse);
 }
 
 }  // namespace

@@ -5,11 +5,12 @@
 
 namespace simgap {
 
-Prediction predictDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, bool inverse) {
+Prediction predictDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, const DriveDelays& delays,
+                        bool inverse) {
   if (log.voltage.empty() && log.current.empty()) {
     throw DataError(log.file + ":1: found neither voltage_V nor current_A, expected one of them");
   }
-  const DriveResponse response = simulateDrive(log, motor, gearbox);
+  const DriveResponse response = simulateDrive(log, motor, gearbox, delays);
   if (inverse) return {"current", "A", log.time, response.current, log.current, 0};
   return {"velocity", "rad_s", log.time, response.velocity, log.velocity, 0};
 }
@@ -19,7 +20,8 @@ namespace {
 
 Prediction predict(const FittedModel& model, const CsvTable& table, const Bench& /*bench*/,
                    const PredictionOptions& options) {
-  return predictDrive(readMotorLog(table), motorFrom(model), {}, options.inverse);
+  const MotorLog log = readMotorLog(table);
+  return predictDrive(log, motorFrom(model), {}, delaysFrom(model, log), options.inverse);
 }
 
 }  // namespace

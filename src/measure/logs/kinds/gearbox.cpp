@@ -8,6 +8,8 @@ namespace {
 PreparedLog prepare(const CsvTable& table, const Bench& bench, const FrictionDataOptions& options) {
   PreparedLog log = prepareDrive(table, bench, options);
   log.kind = ActuatorKind::kGearbox;
+  // Without the ratio a position is the motor's, and a ripple of every turn would be a weight at the joint.
+  if (!bench.ratio && !table.has("joint_position_rad")) log.data.rows.joint_angle.resize(0);
   leaveOutJumps(log.data.rows.acceleration, log.data.keep);
   return log;
 }

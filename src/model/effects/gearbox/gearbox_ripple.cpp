@@ -34,6 +34,13 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
   x.col(1) = (p[0] * angle).cos();
 }
 
+/// So little of a period that it is a bias, which gained as much and made a group of what was none, is no ripple.
+bool counts(std::span<const double> p, const ActuatorRows& rows) {
+  constexpr double kFewestPeriods = 2.5;
+  const Eigen::ArrayXd angle = shaftAngle(rows);
+  return p[0] * (angle.maxCoeff() - angle.minCoeff()) >= kFewestPeriods * 2.0 * std::numbers::pi;
+}
+
 /// Power of the residual over the angle, on a grid that resolves it; the strongest peaks. An integrated angle drifts,
 /// and a fine peak with it: the grid is of the whole turns of the motor and of their first fractions and multiples.
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& residual) {
@@ -76,6 +83,7 @@ const ActuatorEffect entry = {
     .columns = kColumns,
     .fill = fill,
     .starts = starts,
+    .counts = counts,
 };
 
 }  // namespace simgap::actuator_effects::gearbox_ripple

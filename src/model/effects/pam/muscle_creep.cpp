@@ -15,7 +15,7 @@ namespace {
 
 constexpr EffectParameter kParameters[] = {{"tau", "s", 1e-2, 1e4, 10.0, 10.0, EffectParameter::Kind::kShape},
                                            {"carried", "1", 0.0, 1.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
-constexpr EffectColumn kColumns[] = {{.name = "share", .unit = "1", .lower = -0.5, .upper = 0.5, .torque = false}};
+constexpr EffectColumn kColumns[] = {{.name = "share", .unit = "1", .lower = 0.0, .upper = 0.5, .torque = false}};
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
