@@ -61,11 +61,11 @@ void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional
                     "out",
                     log.file, kFewestInARow));
   }
-  const bool from_position = !log.position.empty();
-  const std::vector<double>& measured = from_position ? log.position : log.velocity;
+  // One derivative of a measured velocity is quieter than two of a position.
+  const std::vector<double>& measured = velocity ? log.position : log.velocity;
   const double highest = FrictionDataOptions::kDefaultBandwidth * samplingRate(log.time, whole);
   data.bandwidth = bandwidth ? *bandwidth : smoothingBandwidth(log.time, measured, whole, highest);
-  SmoothMotion motion = smoothMotion(log.time, measured, !from_position, runs, data.bandwidth);
+  SmoothMotion motion = smoothMotion(log.time, measured, !velocity, runs, data.bandwidth);
   if (velocity) log.velocity = std::move(motion.velocity);
   if (acceleration) log.acceleration = std::move(motion.acceleration);
   if (velocity) data.derived.emplace_back("velocity");

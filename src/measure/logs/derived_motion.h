@@ -24,10 +24,10 @@ struct SmoothMotion {
 SmoothMotion smoothMotion(std::span<const double> time, std::span<const double> measured, bool of_velocity,
                           std::span<const Block> runs, double bandwidth);
 
-/// Fills velocity, and acceleration if that is wanted, from position, else acceleration from velocity; says in `data`
-/// what was derived and with which bandwidth. \param runs  as splitRuns.
-/// \param bandwidth  [Hz] of the smoothing; none: as suits the channel.
-/// In runs that are too short both stay 0. \throws DataError: no time, or no run that is long enough.
+/// Fills velocity from position, and acceleration if that is wanted from a measured velocity, else from position; says
+/// in `data` what was derived and with which bandwidth. \param runs  as splitRuns. \param bandwidth  [Hz] of the
+/// smoothing; none: as suits the channel. In runs that are too short both stay 0. \throws DataError: no time, or no run
+/// that is long enough.
 void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
                     FrictionData& data);
 

@@ -154,8 +154,11 @@ void fillDirection(ActuatorRows& rows) {
 void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
   constexpr double kJump = 6.0;  // of the median size
   constexpr Index kBeside = 4;
-  std::vector<double> sizes(rate.begin(), rate.end());
-  for (double& size : sizes) size = std::abs(size);
+  std::vector<double> sizes;  // of motion: in a log that mostly rests the median of all would be that of rest
+  for (Index i = 0; i < rate.size(); ++i) {
+    if (keep[static_cast<std::size_t>(i)]) sizes.push_back(std::abs(rate[i]));
+  }
+  if (sizes.empty()) return;
   const double most = kJump * upperMedian(std::move(sizes));
   for (Index i = 0; i < rate.size() && most > 0.0; ++i) {
     if (std::abs(rate[i]) <= most) continue;

@@ -182,8 +182,6 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   putSpikesRight(log, notes);
   moveLateVelocity(log, runs, notes);
   joint.position = log.position;
-  // One derivative of a measured velocity is quieter than two of a position.
-  if (joint.measured_velocity) log.position.clear();
   completeMotion(log, runs, std::nullopt, true, notes);
   joint.bandwidth = notes.bandwidth;
   SmoothMotion sharper = smoothMotion(time, joint.measured_velocity ? log.velocity : joint.position,
