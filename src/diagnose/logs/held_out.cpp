@@ -20,26 +20,31 @@ std::size_t everyNth(const LogDiagnosisOptions& options) {
   return static_cast<std::size_t>(std::max(2.0, std::round(1.0 / std::max(options.holdout, 0.02))));
 }
 
-/// Those that have rows which count: a drive that stands tells nothing, and no error on rows that were held out.
-std::vector<Block> movingBlocks(const PreparedLog& log) {
+/// Those that have rows which count.
+std::vector<Block> movingBlocks(const std::vector<Block>& blocks, const PreparedLog& log) {
   std::vector<Block> moving;
-  std::ranges::copy_if(log.blocks, std::back_inserter(moving),
+  std::ranges::copy_if(blocks, std::back_inserter(moving),
                        [&](const Block& b) { return rowsIn({b}, log.data.keep) > 0.0; });
   return moving;
 }
 
-LogSplit splitAt(const PreparedLog& log, std::size_t every, std::size_t at) {
-  const std::vector<Block> blocks = movingBlocks(log);
-  LogSplit split;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    (b % every == at ? split.heldout : split.training).push_back(blocks[b]);
-  }
-  return split;
+/// To learn from, and to judge by: a drive that stands tells nothing, and has no error on rows that were held out.
+bool isEnough(const LogSplit& split, const PreparedLog& log) {
+  constexpr std::size_t kFewestBlocks = 5;
+  return movingBlocks(split.training, log).size() >= kFewestBlocks && !movingBlocks(split.heldout, log).empty();
 }
 
-bool isEnough(const LogSplit& split) {
-  constexpr std::size_t kFewestBlocks = 5;
-  return split.training.size() >= kFewestBlocks && !split.heldout.empty();
+/// Every n-th block is held out; of those that move alone where all others would be too few.
+LogSplit splitAt(const PreparedLog& log, std::size_t every, std::size_t at) {
+  const auto splitOf = [&](const std::vector<Block>& blocks) {
+    LogSplit split;
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      (b % every == at ? split.heldout : split.training).push_back(blocks[b]);
+    }
+    return split;
+  };
+  LogSplit split = splitOf(log.blocks);
+  return isEnough(split, log) ? split : splitOf(movingBlocks(log.blocks, log));
 }
 
 }  // namespace
@@ -49,11 +54,11 @@ LogSplit splitLog(const PreparedLog& log, const LogDiagnosisOptions& options) {
   if (options.heldout_rows.empty()) {
     split = splitAt(log, everyNth(options), everyNth(options) / 2);
   } else {
-    for (const Block& block : movingBlocks(log)) {
+    for (const Block& block : log.blocks) {
       (options.heldout_rows[block.begin] ? split.heldout : split.training).push_back(block);
     }
   }
-  if (!isEnough(split)) {
+  if (!isEnough(split, log)) {
     throw DataError(
         fmt::format("{}: found {} blocks to learn from and {} to hold out, expected at least 5 and 1: record "
                     "longer, or hold out less",
@@ -69,7 +74,7 @@ std::vector<LogSplit> otherSplits(const PreparedLog& log, const LogDiagnosisOpti
   if (!options.heldout_rows.empty() || log.blocks.size() / every >= kEnoughBlocks) return splits;
   for (std::size_t k = 1; k < every && splits.size() < kMost; ++k) {
     LogSplit split = splitAt(log, every, (every / 2 + k) % every);
-    if (isEnough(split)) splits.push_back(std::move(split));
+    if (isEnough(split, log)) splits.push_back(std::move(split));
   }
   return splits;
 }
