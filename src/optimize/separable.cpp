@@ -249,6 +249,12 @@ SeparableMinimum refineSeparable(const SeparableProblem& problem, std::span<cons
   return finish(problem, descendFrom(problem, start, 0.5, kRough));
 }
 
+std::vector<double> CostProfile::at(std::size_t place) const {
+  std::vector<double> p(axes.size());
+  for (std::size_t k = axes.size(); k-- > 0; place /= axes[k].size()) p[k] = axes[k][place % axes[k].size()];
+  return p;
+}
+
 SeparableResult searchSeparable(const SeparableProblem& problem) {
   constexpr std::size_t kMostMinima = 16;  // the lowest ones are refined
   constexpr double kNear = 1.002;          // of the lowest cost: these to the bottom

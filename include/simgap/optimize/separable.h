@@ -56,6 +56,8 @@ LinearSolution solveBounded(const Eigen::MatrixXd& gram, std::span<const LinearT
 struct CostProfile {
   std::vector<std::vector<double>> axes;  ///< shape (P, grid)
   std::vector<double> cost;               ///< shape (product of grids), the last axis runs fastest
+  /// The non-linear terms where cost[place] is, shape (P).
+  std::vector<double> at(std::size_t place) const;
 };
 
 struct SeparableMinimum {

@@ -257,9 +257,11 @@ double ActuatorRegression::delay(std::span<const double> theta) const {
 }
 
 bool ActuatorRegression::isDelay(std::span<const double> theta, std::size_t parameter) const {
+  const double whole = parameter < linear_ ? 0.0 : delay(theta);
+  if (whole == 0.0) return false;
   std::vector<double> without(theta.begin(), theta.end());
   without[parameter] = 0.0;
-  return parameter >= linear_ && theta[parameter] != 0.0 && delay(without) != delay(theta);
+  return delay(without) != whole;
 }
 
 ArrayXd ActuatorRegression::predict(const Terms& law, std::span<const double> theta, double& delay) const {

@@ -277,10 +277,7 @@ void holdLikelyPlaces(const FrictionModel& model, const BoxSearch& search, Frict
   const double enough = (1.0 + kUnlikely / fit.uncertainty.n_effective) * search.result.minima[0].linear.cost;
   for (std::size_t place = 0; place < profile.cost.size(); ++place) {
     if (profile.cost[place] > enough) continue;
-    SeparableMinimum at{std::vector<double>(profile.axes.size()), {}};
-    for (std::size_t k = profile.axes.size(), rest = place; k-- > 0; rest /= profile.axes[k].size()) {
-      at.p[k] = profile.axes[k][rest % profile.axes[k].size()];
-    }
+    SeparableMinimum at{profile.at(place), {}};
     at.linear = solveBounded(problem.gram(at.p), problem.linear);
     const std::vector<double> theta = model.thetaOf(at);
     for (std::size_t i = 0; i < theta.size(); ++i) {

@@ -129,20 +129,15 @@ std::vector<std::size_t> turnsOf(std::span<const signed char> direction, std::sp
 
 void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, double blurred_seconds,
                    MotionSign& sign) {
-  const std::vector<std::size_t> turns = turnsOf(sign.direction, runs);
+  std::vector<std::size_t> places = turnsOf(sign.direction, runs);
+  for (const Block& run : runs) places.insert(places.end(), {run.begin, run.end - 1});
   const auto left = [&](double share) {
     std::vector<bool> keep = sign.keep;
-    for (const std::size_t turn : turns) {
-      const auto run = std::ranges::find_if(runs, [&](const Block& b) { return turn >= b.begin && turn < b.end; });
+    for (const std::size_t place : places) {
+      const auto run = std::ranges::find_if(runs, [&](const Block& b) { return place >= b.begin && place < b.end; });
       const double beside = share * blurred_seconds;
-      for (std::size_t k = turn; k-- > run->begin && time[turn] - time[k] <= beside;) keep[k] = false;
-      for (std::size_t k = turn; k < run->end && time[k] - time[turn] <= beside; ++k) keep[k] = false;
-    }
-    for (const Block& run : runs) {
-      for (std::size_t k = run.begin; k < run.end && time[k] - time[run.begin] <= share * blurred_seconds; ++k)
-        keep[k] = false;
-      for (std::size_t k = run.end; k-- > run.begin && time[run.end - 1] - time[k] <= share * blurred_seconds;)
-        keep[k] = false;
+      for (std::size_t k = place; k-- > run->begin && time[place] - time[k] <= beside;) keep[k] = false;
+      for (std::size_t k = place; k < run->end && time[k] - time[place] <= beside; ++k) keep[k] = false;
     }
     return keep;
   };

@@ -14,8 +14,9 @@ namespace simgap {
 /// First rows of a new direction within runs. \param direction  shape (n)
 std::vector<std::size_t> turnsOf(std::span<const signed char> direction, std::span<const Block> runs);
 
-/// Takes the rows beside turns out of `sign.keep` that a smoother has blurred, on both sides; at least half of the rows
-/// that it kept stay. \param time  [s], shape (n) \param blurred_seconds  on either side
+/// Takes the rows beside turns and the ends of runs out of `sign.keep` that a smoother has blurred, on both sides; at
+/// least half of the rows that it kept stay. \param runs  none empty \param time  [s], shape (n) \param blurred_seconds
+/// on either side
 void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, double blurred_seconds, MotionSign& sign);
 
 /// A joint's channels as they were logged, shape (n) each: position [rad], effort in any unit.

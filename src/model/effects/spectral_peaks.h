@@ -2,12 +2,21 @@
 /// Where a spectrum is strongest: for ripples whose ratio is searched before it is fitted.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <functional>
+#include <numbers>
 #include <utility>
 #include <vector>
 
 namespace simgap::actuator_effects {
+
+/// Periods that the range of the angle holds at least. What is not seen to repeat is any function of the angle:
+/// friction that is larger where a weight is lowered passed for a ripple of two periods, and a bias for a part of one.
+inline constexpr double kFewestPeriods = 2.5;
+inline bool repeats(double r, const Eigen::ArrayXd& angle) {
+  return r * (angle.maxCoeff() - angle.minCoeff()) >= kFewestPeriods * 2.0 * std::numbers::pi;
+}
 
 /// Peaks of power(r) for r from `lowest` in steps up to `highest`, at most `most`. \returns their r, the strongest
 /// first.

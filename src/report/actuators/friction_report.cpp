@@ -29,8 +29,8 @@ std::string profileCsv(const FrictionReport& report) {
   for (const FrictionFit& fit : report.laws.fits) {
     if (fit.profile.axes.size() != 2) continue;
     for (std::size_t i = 0; i < fit.profile.cost.size(); ++i) {
-      const std::size_t columns = fit.profile.axes[1].size();
-      csv.add(fit.law->name).add(fit.profile.axes[0][i / columns]).add(fit.profile.axes[1][i % columns]);
+      const std::vector<double> at = fit.profile.at(i);
+      csv.add(fit.law->name).add(at[0]).add(at[1]);
       csv.add(fit.profile.cost[i] / static_cast<double>(fit.n)).endRow();
     }
   }

@@ -34,14 +34,7 @@ void fillHarmonics(std::span<const double> p, const ActuatorRows& rows, const Ac
   }
 }
 
-/// Periods that the range of the angle holds at least. What is not seen to repeat is any function of the angle:
-/// friction that is larger where a weight is lowered passed for a ripple of two periods.
-constexpr double kFewestPeriods = 2.5;
-
-bool counts(std::span<const double> p, const ActuatorRows& rows) {
-  const double span = rows.joint_angle.maxCoeff() - rows.joint_angle.minCoeff();
-  return p[0] * span >= kFewestPeriods * 2.0 * std::numbers::pi;
-}
+bool counts(std::span<const double> p, const ActuatorRows& rows) { return repeats(p[0], rows.joint_angle); }
 
 /// Power of the residual over the angle: rows are summed in narrow bins of the angle, then transformed directly.
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& residual) {

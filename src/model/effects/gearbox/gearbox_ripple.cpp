@@ -34,12 +34,7 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
   x.col(1) = (p[0] * angle).cos();
 }
 
-/// So little of a period that it is a bias, which gained as much and made a group of what was none, is no ripple.
-bool counts(std::span<const double> p, const ActuatorRows& rows) {
-  constexpr double kFewestPeriods = 2.5;
-  const Eigen::ArrayXd angle = shaftAngle(rows);
-  return p[0] * (angle.maxCoeff() - angle.minCoeff()) >= kFewestPeriods * 2.0 * std::numbers::pi;
-}
+bool counts(std::span<const double> p, const ActuatorRows& rows) { return repeats(p[0], shaftAngle(rows)); }
 
 /// Power of the residual over the angle, on a grid that resolves it; the strongest peaks. An integrated angle drifts,
 /// and a fine peak with it: the grid is of the whole turns of the motor and of their first fractions and multiples.
