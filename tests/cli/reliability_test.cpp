@@ -9,6 +9,7 @@
 #include "cli/cli_fixture.h"
 #include "simgap/core/run_directory.h"
 #include "support/motions.h"
+#include "support/sanitized.h"
 
 namespace simgap::test {
 namespace {
@@ -75,7 +76,7 @@ TEST_F(ReliabilityTest, AFileThatMayNotGrowIsAnErrorWithAReason) {
 }
 
 TEST_F(ReliabilityTest, NoMemoryIsSaid) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef SIMGAP_SANITIZED
   GTEST_SKIP() << "the address sanitizer needs the address space that this test takes away";
 #endif
   put("large.csv", text("poses.csv"));

@@ -6,7 +6,9 @@
 #include <atomic>
 #include <cstdlib>
 
-#if !defined(__SANITIZE_ADDRESS__) && defined(__GLIBC__)
+#include "support/sanitized.h"
+
+#if !defined(SIMGAP_SANITIZED) && defined(__GLIBC__)
 #define SIMGAP_COUNTS_ALLOCATIONS
 #endif
 
