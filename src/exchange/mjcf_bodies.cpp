@@ -66,6 +66,18 @@ Geom readGeom(const MjcfNode& node) {
   return geom;
 }
 
+/// Where a joint's stops hold: `margin` before the ends of its range, in rad for a hinge whatever the file's unit is.
+std::array<double, 2> stopsOf(const MjcfNode& joint, double lower, double upper) {
+  const double margin = joint.number("margin", 0.0);
+  if (margin == 0.0) return {lower, upper};
+  if (lower + margin >= upper - margin) {
+    joint.remark("margin", "left out: both stops hold at once there, half the range is no wider than it");
+    return {lower, upper};
+  }
+  joint.remark("margin", "taken off both ends of the range, where MuJoCo's stops hold", false);
+  return {lower + margin, upper - margin};
+}
+
 /// Volume of the shape [m^3], and its inertia per mass [m^2], about its centre along its axes.
 std::pair<double, Eigen::Vector3d> solid(const Geom& geom) {
   const double r = geom.size.x(), length = 2.0 * geom.size.y();
@@ -239,8 +251,10 @@ class Bodies {
       node.remark("ref", "positions count from the drawn pose: MuJoCo's position less ref");
     }
     if (const auto range = node.limits("limited", "range")) {
-      joint.range = {unit * (*range)[0] - joint.reference, unit * (*range)[1] - joint.reference};
+      const std::array<double, 2> stops = stopsOf(node, unit * (*range)[0], unit * (*range)[1]);
+      joint.range = {stops[0] - joint.reference, stops[1] - joint.reference};
     }
+    node.find("margin");
     joint.stiffness = node.nonNegative("stiffness", 0.0);
     joint.spring_reference = ball ? 0.0 : unit * node.number("springref", 0.0) - joint.reference;
     joint.damping = node.nonNegative("damping", 0.0);

@@ -1,0 +1,39 @@
+// What of MJCF moves a robot or where it rests, though it looks as if it did not: margins of stops, groups that are
+// switched off, limits of a control, damping of what is pulled.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "mjcf_texts.h"
+
+namespace simgap::test {
+namespace {
+
+using testing::HasSubstr;
+
+std::string swinging(const std::string& attributes) { return "<joint name='h'" + attributes + "/>\n" + kBall; }
+
+/// A line from the world to the body, pulled by an actuator.
+ImportedArm pulled(const std::string& tendon, const std::string& actuator) {
+  return readText(robot("", swinging("") + "<site name='in' pos='0.1 0 0'/>\n",
+                        "<worldbody><site name='out' pos='0 1 0'/></worldbody>\n<tendon><spatial name='t'" + tendon +
+                            "><site site='in'/><site site='out'/></spatial></tendon>\n<actuator>" + actuator +
+                            "</actuator>\n"));
+}
+
+TEST(MjcfEffects, AStopHoldsItsMarginBeforeTheEndOfTheRange) {
+  // In radians in a file in degrees, too.
+  const ImportedArm read = readText(robot("", swinging(" range='-90 90' margin='0.2'")));
+  EXPECT_DOUBLE_EQ(read.model.joints[0].lower_limit, 0.2 - std::numbers::pi / 2.0);
+  EXPECT_DOUBLE_EQ(read.model.joints[0].upper_limit, std::numbers::pi / 2.0 - 0.2);
+  EXPECT_TRUE(hasRemark(read.remarks, "joint margin", false, "robot.xml:4"));
+  const ImportedArm wide = readText(robot("", swinging(" range='-10 10' margin='0.2'")));
+  EXPECT_DOUBLE_EQ(wide.model.joints[0].upper_limit, std::numbers::pi / 18.0);
+  EXPECT_TRUE(hasRemark(wide.remarks, "joint margin", true, "robot.xml:4"));
+  EXPECT_FALSE(hasRemark(readText(robot("", swinging(" margin='0.2'"))).remarks, "joint margin", false, "robot.xml:4"))
+      << "without a range it does nothing";
+}
+
+}  // namespace
+}  // namespace simgap::test
