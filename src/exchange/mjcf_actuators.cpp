@@ -100,7 +100,33 @@ std::string_view actsOn(const MjcfNode& node) {
   return "it names nothing that it acts on";
 }
 
-void readActuator(MjcfFile& file, const MjcfNode& node, MjcfRobot& robot) {
+/// Limits of a control are not modelled, which is seen at once where no control is 0.
+void nameControlLimits(const MjcfNode& node) {
+  const auto range = node.limits("ctrllimited", "ctrlrange");
+  const bool no_zero = range && ((*range)[0] > 0.0 || (*range)[1] < 0.0);
+  for (const char* control : {"ctrllimited", "ctrlrange", "actlimited", "actrange"}) {
+    if (!node.has(control)) continue;
+    const bool acts = no_zero && std::string_view(control) == "ctrlrange";
+    node.remark(
+        control,
+        acts ? "left out: it leaves out 0, which MuJoCo takes to its nearer end" : "left out: no limit of a control",
+        acts);
+  }
+}
+
+/// Groups of actuators that are switched off.
+std::set<int> disabledGroups(MjcfFile& file) {
+  std::set<int> groups;
+  for (const MjcfNode& option : file.sections("option")) {
+    const std::vector<double> said = option.numbers("actuatorgroupdisable");
+    if (!option.has("actuatorgroupdisable")) continue;
+    groups.clear();
+    for (const double group : said) groups.insert(static_cast<int>(group));
+  }
+  return groups;
+}
+
+void readActuator(MjcfFile& file, const MjcfNode& node, const std::set<int>& disabled, MjcfRobot& robot) {
   MjcfActuator actuator;
   actuator.tag = node.tag();
   actuator.name = node.newName("actuator");
@@ -114,21 +140,24 @@ void readActuator(MjcfFile& file, const MjcfNode& node, MjcfRobot& robot) {
   if (robot.loose.contains("tendon " + actuator.tendon) || robot.loose.contains("joint " + actuator.joint)) {
     return node.remarkAll(actuator.tag + " (actuator)", "left out: it moves a loose body that is left out");
   }
+  if (disabled.contains(static_cast<int>(node.number("group", 0.0)))) {
+    return node.remarkAll(actuator.tag + " (actuator)",
+                          "left out: its group is switched off (option actuatorgroupdisable)", false);
+  }
   const std::vector<double> gear = node.numbers("gear");
   if (!gear.empty()) actuator.gear = gear[0];
   actuator.force_range = node.limits("forcelimited", "forcerange");
   readLaw(node, actuator);
-  for (const char* control : {"ctrllimited", "ctrlrange", "actlimited", "actrange"}) {
-    if (node.has(control)) node.remark(control, "left out: no limit of a control", false);
-  }
+  nameControlLimits(node);
   robot.actuators.push_back(actuator);
 }
 
 }  // namespace
 
 void readMjcfActuators(MjcfFile& file, MjcfRobot& robot) {
+  const std::set<int> disabled = disabledGroups(file);
   for (const MjcfNode& section : file.sections("actuator")) {
-    for (const MjcfNode& node : section.children()) readActuator(file, node, robot);
+    for (const MjcfNode& node : section.children()) readActuator(file, node, disabled, robot);
   }
 }
 

@@ -35,5 +35,25 @@ TEST(MjcfEffects, AStopHoldsItsMarginBeforeTheEndOfTheRange) {
       << "without a range it does nothing";
 }
 
+TEST(MjcfEffects, AnActuatorOfAGroupThatIsSwitchedOffPullsNothing) {
+  const ImportedArm read =
+      readText(robot("<option actuatorgroupdisable='1 3'/>\n", swinging(""),
+                     "<actuator>\n<motor joint='h'/>\n<motor name='off' joint='h' group='3'/>\n</actuator>\n"));
+  ASSERT_EQ(read.model.tendons.size(), 1U);
+  EXPECT_EQ(read.model.tendons[0].name, "h");
+  EXPECT_TRUE(hasRemark(read.remarks, "motor (actuator)", false, "robot.xml:11"));
+}
+
+TEST(MjcfEffects, LimitsOfAControlMatterWhereTheyLeaveOutZero) {
+  const auto matters = [](const std::string& range) {
+    const ImportedArm read = readText(
+        robot("", swinging(""), "<actuator><position joint='h' kp='3' ctrlrange='" + range + "'/></actuator>\n"));
+    return hasRemark(read.remarks, "position ctrlrange", true, "robot.xml:8");
+  };
+  EXPECT_TRUE(matters("0.4 1"));
+  EXPECT_TRUE(matters("-1 -0.4"));
+  EXPECT_FALSE(matters("-1 0"));
+}
+
 }  // namespace
 }  // namespace simgap::test
