@@ -297,6 +297,12 @@ class MjcfArm {
     } else {
       setServo(muscle, actuator, stiffness, offset);
     }
+    // What damps the tendon has no line of its own without a spring: the cord has it, too.
+    if (tendon.stiffness == 0.0 && tendon.damping > 0.0) {
+      muscle.shock_cord.damping += tendon.damping;
+      xml_.add("tendon damping", "a part of the damping of the cord, which damps while it is taut (motions only)", true,
+               tendon.place);
+    }
     places_["muscles " + muscle.name] = tendon.place;
     arm_.muscles.push_back(muscle);
   }

@@ -55,5 +55,20 @@ TEST(MjcfEffects, LimitsOfAControlMatterWhereTheyLeaveOutZero) {
   EXPECT_FALSE(matters("-1 0"));
 }
 
+TEST(MjcfEffects, TheCordDampsWhatDampsThePulledTendon) {
+  const ImportedArm servo = pulled(" damping='300'", "<position tendon='t' kp='100' kv='2'/>");
+  ASSERT_EQ(servo.model.muscles.size(), 1U);
+  EXPECT_EQ(servo.model.tendons.size(), 0U);
+  EXPECT_DOUBLE_EQ(servo.model.muscles[0].shock_cord.damping, 302.0);
+  EXPECT_TRUE(hasRemark(servo.remarks, "tendon damping", true, "robot.xml:10"));
+  const double placeholder = pulled("", "<motor tendon='t'/>").model.muscles[0].shock_cord.damping;
+  EXPECT_DOUBLE_EQ(pulled(" damping='3'", "<motor tendon='t'/>").model.muscles[0].shock_cord.damping,
+                   placeholder + 3.0);
+  // Beside a spring it has a line of its own.
+  const ArmModel sprung = pulled(" damping='300' stiffness='50'", "<position tendon='t' kp='100'/>").model;
+  EXPECT_DOUBLE_EQ(sprung.muscles[0].shock_cord.damping, 0.0);
+  EXPECT_DOUBLE_EQ(sprung.tendons[0].p[2], 300.0);
+}
+
 }  // namespace
 }  // namespace simgap::test
