@@ -259,6 +259,9 @@ class Bodies {
     joint.spring_reference = ball ? 0.0 : unit * node.number("springref", 0.0) - joint.reference;
     joint.damping = node.nonNegative("damping", 0.0);
     joint.friction_loss = node.nonNegative("frictionloss", 0.0);
+    if (ball && joint.friction_loss > 0.0) {
+      node.remark("frictionloss", "of a ball: about each of three axes in MuJoCo, a vector of that length here");
+    }
     joint.armature = node.number("armature", 0.0);
     if (joint.armature != 0.0) {
       node.remark("armature", "left out: a joint has no rotor (motions only, not where the robot rests)");

@@ -70,5 +70,11 @@ TEST(MjcfEffects, TheCordDampsWhatDampsThePulledTendon) {
   EXPECT_DOUBLE_EQ(sprung.tendons[0].p[2], 300.0);
 }
 
+TEST(MjcfEffects, FrictionOfABallIsAVectorHere) {
+  const ImportedArm read = readText(robot("", swinging(" type='ball' frictionloss='0.2'")));
+  EXPECT_DOUBLE_EQ(read.model.joints[0].coulomb_friction, 0.2);
+  EXPECT_TRUE(hasRemark(read.remarks, "joint frictionloss", true, "robot.xml:4"));
+}
+
 }  // namespace
 }  // namespace simgap::test
