@@ -7,22 +7,14 @@
 // (mjCModel::AutoSpringDamper).
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 
+#include "drawn_mass.h"
 #include "mjcf_robot.h"
 #include "simgap/core/error.h"
 
 namespace simgap {
 namespace {
-
-/// One way to move, in the world.
-struct SpringDof {
-  std::size_t body;
-  bool slides;
-  Eigen::Vector3d point, axis;
-  double armature;
-};
 
 std::vector<Eigen::Isometry3d> placedBodies(const MjcfRobot& robot) {
   std::vector<Eigen::Isometry3d> placed;
@@ -32,7 +24,7 @@ std::vector<Eigen::Isometry3d> placedBodies(const MjcfRobot& robot) {
   return placed;
 }
 
-void addDofs(const MjcfJoint& joint, std::size_t body, const Eigen::Isometry3d& frame, std::vector<SpringDof>& dofs) {
+void addDofs(const MjcfJoint& joint, std::size_t body, const Eigen::Isometry3d& frame, std::vector<DrawnDof>& dofs) {
   const Eigen::Vector3d point = frame * joint.position;
   if (joint.kind->has_axis) {
     dofs.push_back({body, joint.kind->slides, point, frame.linear() * joint.axis, joint.armature});
@@ -41,36 +33,11 @@ void addDofs(const MjcfJoint& joint, std::size_t body, const Eigen::Isometry3d& 
   for (int k = 0; k < 3; ++k) dofs.push_back({body, false, point, frame.linear().col(k), joint.armature});
 }
 
-/// The mass matrix in the drawn pose.
-Eigen::MatrixXd drawnMassMatrix(const MjcfRobot& robot, const std::vector<Eigen::Isometry3d>& placed,
-                                const std::vector<SpringDof>& dofs) {
-  const auto count = static_cast<Eigen::Index>(dofs.size());
-  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count, count);
-  std::vector<std::vector<Eigen::Index>> moving(robot.bodies.size());  // what moves a body
-  for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
-    const int parent = robot.bodies[b].parent;
-    if (parent >= 0) moving[b] = moving[parent];
-    for (Eigen::Index d = 0; d < count; ++d) {
-      if (dofs[d].body == b) moving[b].push_back(d);
-    }
-    const MassProperties mass = inFrame(robot.bodies[b].mass, placed[b]);
-    Eigen::Matrix3Xd way(3, std::ssize(moving[b])), turn(3, std::ssize(moving[b]));  // velocities per dof
-    for (Eigen::Index i = 0; i < way.cols(); ++i) {
-      const SpringDof& dof = dofs[static_cast<std::size_t>(moving[b][i])];
-      turn.col(i) = dof.slides ? Eigen::Vector3d::Zero() : dof.axis;
-      way.col(i) = dof.slides ? dof.axis : Eigen::Vector3d(dof.axis.cross(mass.centre_of_mass - dof.point));
-    }
-    matrix(moving[b], moving[b]) += mass.mass * way.transpose() * way + turn.transpose() * mass.inertia * turn;
-  }
-  for (Eigen::Index d = 0; d < count; ++d) matrix(d, d) += dofs[d].armature;
-  return matrix;
-}
-
 }  // namespace
 
 void setSpringDampers(MjcfRobot& robot) {
   const std::vector<Eigen::Isometry3d> placed = placedBodies(robot);
-  std::vector<SpringDof> dofs;
+  std::vector<DrawnDof> dofs;
   std::vector<std::pair<MjcfJoint*, Eigen::Index>> joints;  // with their first dofs
   bool asked = false;
   for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
@@ -81,9 +48,11 @@ void setSpringDampers(MjcfRobot& robot) {
     }
   }
   if (!asked) return;
-  const Eigen::MatrixXd matrix = drawnMassMatrix(robot, placed, dofs);
-  const Eigen::VectorXd mobility =
-      matrix.ldlt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols())).diagonal();
+  std::vector<DrawnBody> bodies;
+  for (std::size_t b = 0; b < robot.bodies.size(); ++b) {
+    bodies.push_back({robot.bodies[b].parent, inFrame(robot.bodies[b].mass, placed[b])});
+  }
+  const Eigen::VectorXd mobility = drawnMobility(bodies, dofs);
   for (const auto& [joint, first] : joints) {
     if (!joint->springDamped()) continue;
     const double inertia = 1.0 / mobility.segment(first, joint->kind->degrees_of_freedom).mean();

@@ -9,8 +9,8 @@
 #include <map>
 
 #include "arm_exchange.h"
+#include "mjcf_joints.h"
 #include "remark_list.h"
-#include "simgap/core/joint_kind.h"
 #include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/kinematics.h"
 #include "xml_text.h"
@@ -22,32 +22,19 @@ constexpr double kStrongest = 1e6;     ///< [N] where a force needs an end
 constexpr double kTinyMass = 1e-6;     ///< [kg] of a body that MuJoCo wants one of
 constexpr double kTinyInertia = 1e-9;  ///< [kg m^2]
 
-/// MuJoCo's constraints give way by (1 - d) tc^2 times the acceleration that they hold back: its defaults (d = 0.9 to
-/// 0.95, tc = 0.02 s) let a light finger tip rest tens of degrees beyond its stop. tc is the least that MuJoCo takes,
-/// two time steps. A d closer to 1 lets light limbs with damped lines chatter at a stop (data/finger: from 0.997 on).
-constexpr double kTimeStep = 0.001;              ///< [s]
-constexpr double kTimeConstant = 2 * kTimeStep;  ///< [s]
-constexpr double kStopImpedance = 0.99;
-constexpr double kCouplingImpedance = 0.9999;
-
-/// ` solref="…" solimp="…"`, with `kind` behind each of the two names.
-std::string stiff(std::string_view kind, double impedance) {
-  return fmt::format(" solref{0}=\"{1} 1\" solimp{0}=\"{2} {2} 0.001\"", kind, kTimeConstant, impedance);
-}
-
 class MjcfWriter {
  public:
   explicit MjcfWriter(const ArmModel& model) : model_(model), sites_(model.bodies.size()) {}
 
   ExportedArm write() {
-    nameWhatIsSoft();
+    nameSoftJoints(model_, remarks_);
     for (const Muscle& muscle : model_.muscles) writeMuscle(muscle);
     for (const PassiveTendon& tendon : model_.tendons) writePassive(tendon);
     nameWhatIsLost();
     std::string text = fmt::format("<mujoco model=\"{}\">\n", xmlText(model_.name));
     text += "  <compiler angle=\"radian\" autolimits=\"true\" boundinertia=\"1e-12\"/>\n";
     text += fmt::format("  <option gravity=\"{}\" timestep=\"{}\" integrator=\"implicitfast\"/>\n",
-                        xmlNumbers(model_.gravity), kTimeStep);
+                        xmlNumbers(model_.gravity), kMjcfTimeStep);
     text += "  <worldbody>\n";
     for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
       if (model_.bodies[b].fixed) text += content(static_cast<int>(b), Eigen::Isometry3d::Identity(), "    ");
@@ -55,7 +42,8 @@ class MjcfWriter {
     text += children(worldBodies(), Eigen::Isometry3d::Identity(), "    ");
     text += "  </worldbody>\n";
     if (!tendons_.empty()) text += "  <tendon>\n" + tendons_ + "  </tendon>\n";
-    if (const std::string tied = couplings(); !tied.empty()) text += "  <equality>\n" + tied + "  </equality>\n";
+    if (const std::string tied = mjcfCouplings(model_); !tied.empty())
+      text += "  <equality>\n" + tied + "  </equality>\n";
     if (!actuators_.empty()) text += "  <actuator>\n" + actuators_ + "  </actuator>\n";
     return {text + "</mujoco>\n", remarks_.take()};
   }
@@ -85,24 +73,6 @@ class MjcfWriter {
       if (model_.joints[j].parent == body) joints.push_back(static_cast<int>(j));
     }
     return joints;
-  }
-
-  void nameWhatIsSoft() {
-    for (const Joint& joint : model_.joints) {
-      if (!joint.hasAxis() && joint.child_orientation.coeffs() != Eigen::Quaterniond::Identity().coeffs()) {
-        remarks_.add(fmt::format("ball '{}' in a frame of its own", joint.name),
-                     "its position is written in the child's frame");
-      }
-      if (joint.lower_limit > -Joint::kUnlimited || joint.upper_limit < Joint::kUnlimited) {
-        remarks_.add("joint limits",
-                     "MuJoCo's are soft: written stiff, a light limb still rests some 0.1 deg beyond its stop");
-      }
-      if (joint.coulomb_friction > 0.0) {
-        remarks_.add("joint friction", "frictionloss: MuJoCo's is soft, a robot that it holds creeps");
-      }
-      if (held(joint)) remarks_.add("joints held in one place", "an equality constraint: soft, but written stiff");
-      if (joint.follows()) remarks_.add("coupled joints", "an equality constraint: soft, but written stiff");
-    }
   }
 
   bool bare(int body) const {
@@ -153,7 +123,7 @@ class MjcfWriter {
     }
     for (std::size_t i = 0; i < link.joints.size(); ++i) {
       const Joint& moving = model_.joints[link.joints[i]];
-      text += joint(moving, in_link[i], inner);
+      text += mjcfJoint(model_, moving, in_link[i], inner);
       if (moving.stop.stiffness <= 0.0) continue;
       remarks_.add(fmt::format("limits of joint '{}'", moving.name),
                    "left out: MuJoCo's balls have no swing and twist");
@@ -162,22 +132,6 @@ class MjcfWriter {
     text += content(link.body, Eigen::Isometry3d::Identity(), inner);
     text += children({link.body}, Eigen::Isometry3d::Identity(), inner);
     return text + indent + "</body>\n";
-  }
-
-  static std::string joint(const Joint& j, const Eigen::Isometry3d& frame, const std::string& indent) {
-    std::string text = fmt::format("{}<joint name=\"{}\" type=\"{}\" pos=\"{}\"", indent, xmlText(j.name),
-                                   kindOf(j.type).mjcf, xmlNumbers(frame * j.child_position));
-    if (j.hasAxis()) text += fmt::format(" axis=\"{}\"", xmlNumbers(frame.linear() * (j.child_orientation * j.axis)));
-    const bool lower = j.lower_limit > -Joint::kUnlimited, upper = j.upper_limit < Joint::kUnlimited;
-    if (j.hasAxis() && (lower || upper) && !held(j)) {
-      text += fmt::format(" range=\"{} {}\"", lower ? j.lower_limit : -1e3, upper ? j.upper_limit : 1e3);
-      text += stiff("limit", kStopImpedance);
-    }
-    if (j.viscous_friction > 0.0) text += fmt::format(" damping=\"{}\"", j.viscous_friction);
-    if (j.coulomb_friction > 0.0) text += fmt::format(" frictionloss=\"{}\"", j.coulomb_friction);
-    if (j.spring_stiffness > 0.0) text += fmt::format(" stiffness=\"{}\"", j.spring_stiffness);
-    if (j.spring_stiffness > 0.0 && j.hasAxis()) text += fmt::format(" springref=\"{}\"", j.spring_rest);
-    return text + "/>\n";
   }
 
   std::string inertial(int index, const std::string& indent) {
@@ -314,8 +268,8 @@ class MjcfWriter {
     if (drive.kind->name == "joint-motor") {
       actuators_ += fmt::format("    <motor name=\"{}\" joint=\"{}\" gear=\"{}\"/>\n", xmlText(drive.name), joint,
                                 p[0] * p[1] * p[2]);
-      remarks_.add("a motor at a joint", "its control is the current in A; its friction and inertia are left out",
-                   false);
+      remarks_.add("a motor at a joint",
+                   "its control is the current in A; its friction is a part of the joint's damping", false);
     } else if (drive.kind->name == "joint-servo" && p[1] != 0.0) {
       actuators_ += fmt::format(
           "    <general name=\"{}\" joint=\"{}\" gainprm=\"{}\" biastype=\"affine\" biasprm=\"{} {} {}\"/>\n",
@@ -326,24 +280,6 @@ class MjcfWriter {
     } else {
       remarks_.add(fmt::format("'{}' ({})", drive.name, drive.kind->name), "left out: MJCF has no such drive");
     }
-  }
-
-  /// A joint without any way to go: two equal numbers limit nothing in MuJoCo, an equality does.
-  static bool held(const Joint& joint) { return joint.hasAxis() && joint.lower_limit == joint.upper_limit; }
-
-  std::string couplings() const {
-    std::string text;
-    for (const Joint& joint : model_.joints) {
-      if (held(joint)) {
-        text += fmt::format("    <joint joint1=\"{}\" polycoef=\"{} 0 0 0 0\"{}/>\n", xmlText(joint.name),
-                            joint.lower_limit, stiff("", kCouplingImpedance));
-      }
-      if (!joint.follows()) continue;
-      text += fmt::format("    <joint joint1=\"{}\" joint2=\"{}\" polycoef=\"{} {} 0 0 0\"{}/>\n", xmlText(joint.name),
-                          xmlText(model_.joints[joint.leader].name), joint.coupling_offset, joint.coupling_ratio,
-                          stiff("", kCouplingImpedance));
-    }
-    return text;
   }
 
   void nameWhatIsLost() {

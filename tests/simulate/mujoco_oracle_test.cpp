@@ -324,6 +324,27 @@ TEST(MujocoOracle, TheFingerRestsThereAtItsStopsAndByItsCoupling) {
   EXPECT_GT(largestRestError(arm, coupled, soft(writeMjcf(arm).text)), 5.0);
 }
 
+TEST(MujocoOracle, ItsStopsGiveWayAsFarAsTheExportSays) {
+  SIMGAP_NEEDS_MUJOCO();
+  const std::string link = "<geom type='capsule' fromto='0 0 0 0.03 0 0.01' size='0.005' mass='0.004'/>";
+  const std::string text =
+      "<mujoco><option gravity='0 0 0'/><worldbody><body><joint name='a' axis='0 1 0' stiffness='2' damping='0.0005'/>" +
+      link + "<body pos='0.03 0 0'><joint name='b' axis='0 1 0' range='-90 5' damping='0.0005'/>" + link +
+      "</body></body></worldbody><actuator><motor joint='b'/></actuator></mujoco>";
+  const ArmModel arm = readMjcf(text, "robot.xml", [](const std::filesystem::path&) { return std::string(); }).model;
+  const ExportedArm written = writeMjcf(arm);
+  const std::vector<Json> answers =
+      askMujoco({{"xml", written.text}, {"settle", {{"seconds", 5}, {"controls", {{0.1}}}}}});
+  ASSERT_EQ(answers.size(), 2U);
+  const double beyond = toDegrees(answers[1]["qpos"][1].get<double>() - arm.joints[1].upper_limit);
+  std::string said;
+  for (const ExchangeRemark& remark : written.remarks) said += remark.what == "joint limits" ? remark.done : "";
+  std::smatch number;
+  ASSERT_TRUE(std::regex_search(said, number, std::regex("0.1 Nm press 'b', .*, ([0-9.]+) deg beyond")));
+  EXPECT_GT(beyond, 0.1);
+  EXPECT_NEAR(std::stod(number[1]) / beyond, 1.0, 0.05);  // two digits are said
+}
+
 /// Processor time of a step of a motion [us].
 double ourStep(const ArmModel& arm) {
   constexpr int kSteps = 5000;

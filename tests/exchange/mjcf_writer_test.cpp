@@ -1,0 +1,48 @@
+// MJCF as it is written: what MuJoCo has another word for, or none.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mjcf_texts.h"
+#include "simgap/model/arm/kinematics.h"
+
+namespace simgap::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A link on a hinge, of an inertia about its axis z [kg m^2].
+ArmModel linkOf(double inertia, const std::string& joint = "", const std::string& tail = "") {
+  return readText(robot("<compiler angle='radian'/>\n",
+                        "<joint name='h'" + joint + "/>\n" +
+                            fmt::format("<inertial pos='0 0 0' mass='0.01' diaginertia='{0} {0} {0}'/>\n", inertia),
+                        tail))
+      .model;
+}
+
+std::string doneAbout(const ExportedArm& written, const std::string& what) {
+  for (const ExchangeRemark& remark : written.remarks) {
+    if (remark.what == what) return remark.done;
+  }
+  return "nothing was said";
+}
+
+TEST(MjcfWriter, FrictionOfAMotorDampsItsJoint) {
+  ArmModel arm = linkOf(1e-4, " damping='0.2'", "<actuator><motor name='m' joint='h'/></actuator>\n");
+  arm.tendons.at(0).p[3] = 0.5;
+  const ExportedArm written = writeMjcf(arm);
+  EXPECT_DOUBLE_EQ(readText(written.text).model.joints[0].viscous_friction, 0.7);
+  EXPECT_THAT(doneAbout(written, "a motor at a joint"), HasSubstr("its friction is a part of the joint's damping"));
+}
+
+TEST(MjcfWriter, SaysHowFarTheLightestStopGivesWay) {
+  // (1 - 0.99) (2 ms)^2 0.1 Nm / 1e-6 kg m^2 = 0.004 rad
+  EXPECT_THAT(doneAbout(writeMjcf(linkOf(1e-6, " range='-1 1'")), "joint limits"),
+              HasSubstr("give way by 4e-08 s^2 of the acceleration that they hold back: 0.1 Nm press 'h', the lightest "
+                        "behind a stop, 0.23 deg beyond it"));
+  EXPECT_EQ(doneAbout(writeMjcf(linkOf(1e-6)), "joint limits"), "nothing was said");
+}
+
+}  // namespace
+}  // namespace simgap::test
