@@ -11,6 +11,7 @@
 #include "arm_exchange.h"
 #include "mjcf_joints.h"
 #include "remark_list.h"
+#include "simgap/core/decompositions.h"
 #include "simgap/exchange/exchange.h"
 #include "simgap/model/arm/kinematics.h"
 #include "xml_text.h"
@@ -21,6 +22,8 @@ namespace {
 constexpr double kStrongest = 1e6;     ///< [N] where a force needs an end
 constexpr double kTinyMass = 1e-6;     ///< [kg] of a body that MuJoCo wants one of
 constexpr double kTinyInertia = 1e-9;  ///< [kg m^2]
+/// MuJoCo refuses principal moments below 1e-14 kg m^2, whatever its boundinertia says.
+constexpr double kLeastInertia = 2e-14;  ///< [kg m^2]
 
 class MjcfWriter {
  public:
@@ -32,7 +35,7 @@ class MjcfWriter {
     for (const PassiveTendon& tendon : model_.tendons) writePassive(tendon);
     nameWhatIsLost();
     std::string text = fmt::format("<mujoco model=\"{}\">\n", xmlText(model_.name));
-    text += "  <compiler angle=\"radian\" autolimits=\"true\" boundinertia=\"1e-12\"/>\n";
+    text += "  <compiler angle=\"radian\" autolimits=\"true\"/>\n";
     text += fmt::format("  <option gravity=\"{}\" timestep=\"{}\" integrator=\"implicitfast\"/>\n",
                         xmlNumbers(model_.gravity), kMjcfTimeStep);
     text += "  <worldbody>\n";
@@ -141,6 +144,12 @@ class MjcfWriter {
       remarks_.add(fmt::format("body '{}' without mass", body.name),
                    fmt::format("{} kg: MuJoCo wants some of every body that moves", kTinyMass));
       mass = {kTinyMass, Eigen::Vector3d::Zero(), kTinyInertia * Eigen::Matrix3d::Identity()};
+    }
+    if (const SymmetricEigen principal = symmetricEigen(mass.inertia); principal.values[0] < kLeastInertia) {
+      remarks_.add(fmt::format("body '{}' with hardly any inertia", body.name),
+                   fmt::format("{} kg m^2 about each axis at least: MuJoCo takes no less", kLeastInertia));
+      mass.inertia =
+          principal.vectors * principal.values.cwiseMax(kLeastInertia).asDiagonal() * principal.vectors.transpose();
     }
     const Eigen::Matrix3d& i = mass.inertia;
     return fmt::format("{}<inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{} {} {} {} {} {}\"/>\n", indent,

@@ -36,6 +36,15 @@ TEST(MjcfWriter, FrictionOfAMotorDampsItsJoint) {
   EXPECT_THAT(doneAbout(written, "a motor at a joint"), HasSubstr("its friction is a part of the joint's damping"));
 }
 
+TEST(MjcfWriter, KeepsInertiasThatMujocoTakes) {
+  const auto back = [](double inertia) {
+    return massProperties(readText(writeMjcf(linkOf(inertia)).text).model.bodies[1]).inertia(2, 2);
+  };
+  EXPECT_DOUBLE_EQ(back(7e-13), 7e-13);
+  EXPECT_DOUBLE_EQ(back(3e-15), 2e-14) << "MuJoCo refuses what is below 1e-14";
+  EXPECT_THAT(doneAbout(writeMjcf(linkOf(3e-15)), "body 'b' with hardly any inertia"), HasSubstr("2e-14 kg m^2"));
+}
+
 TEST(MjcfWriter, SaysHowFarTheLightestStopGivesWay) {
   // (1 - 0.99) (2 ms)^2 0.1 Nm / 1e-6 kg m^2 = 0.004 rad
   EXPECT_THAT(doneAbout(writeMjcf(linkOf(1e-6, " range='-1 1'")), "joint limits"),
