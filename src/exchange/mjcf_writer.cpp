@@ -19,6 +19,7 @@
 namespace simgap {
 namespace {
 
+constexpr double kSamePlace = 1e-12;
 constexpr double kStrongest = 1e6;     ///< [N] where a force needs an end
 constexpr double kTinyMass = 1e-6;     ///< [kg] of a body that MuJoCo wants one of
 constexpr double kTinyInertia = 1e-9;  ///< [kg m^2]
@@ -84,14 +85,16 @@ class MjcfWriter {
   }
 
   /// Massless bodies from this one on whose joints the next one with mass has, too; none where reading the file would
-  /// give them other names.
+  /// give them other names, or put them elsewhere: joints of one body are read as bodies that stand where it does.
   std::vector<int> passedOver(int body) const {
     std::vector<int> chain;
     for (; bare(body) && jointsOf(body).size() == 1; body = model_.joints[jointsOf(body)[0]].child) {
       chain.push_back(body);
     }
     for (std::size_t i = 0; i < chain.size(); ++i) {
+      const Eigen::Isometry3d next = drawnPose(model_.joints[jointsOf(chain[i])[0]]);
       if (model_.bodies[chain[i]].name != fmt::format("{}_{}", model_.bodies[body].name, i + 1)) return {};
+      if (!next.isApprox(Eigen::Isometry3d::Identity(), kSamePlace)) return {};
     }
     return chain;
   }

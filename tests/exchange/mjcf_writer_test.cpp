@@ -53,5 +53,33 @@ TEST(MjcfWriter, SaysHowFarTheLightestStopGivesWay) {
   EXPECT_EQ(doneAbout(writeMjcf(linkOf(1e-6)), "joint limits"), "nothing was said");
 }
 
+TEST(MjcfWriter, JointsThatStandApartKeepBodiesOfTheirOwn) {
+  const auto link = [](const std::string& name, const std::string& mass) {
+    return "<link name='" + name + "'>" + mass + "</link>\n";
+  };
+  const auto joint = [](const std::string& name, const std::string& parent, const std::string& child, double down) {
+    return fmt::format(
+        "<joint name='{}' type='continuous'><parent link='{}'/><child link='{}'/><origin xyz='0 0 {}'/></joint>\n",
+        name, parent, child, -down);
+  };
+  const std::string heavy =
+      "<inertial><origin xyz='0 0 -.1'/><mass value='1'/><inertia ixx='.01' iyy='.01' izz='.01'/></inertial>";
+  for (const double apart : {0.02, 0.0}) {
+    const ArmModel arm = readUrdf("<robot name='r'>" + link("world", "") + link("l2_1", "") + link("l2", heavy) +
+                                      joint("j1", "world", "l2_1", 1.0) + joint("j2", "l2_1", "l2", apart) + "</robot>",
+                                  "robot.urdf")
+                             .model;
+    const std::string text = writeMjcf(arm).text;
+    const ArmModel back = readText(text).model;
+    ASSERT_EQ(back.bodies.size(), 3U);
+    const auto placed = [](const ArmModel& model) { return bodiesInWorld(model, std::vector<JointPosition>(2)); };
+    for (std::size_t b = 1; b < 3; ++b) {
+      EXPECT_EQ(back.bodies[b].name, arm.bodies[b].name);
+      EXPECT_NEAR((placed(back)[b].origin - placed(arm)[b].origin).norm(), 0.0, 1e-12);
+    }
+    EXPECT_EQ(text.find("body name=\"l2_1\"") == std::string::npos, apart == 0.0) << "one body has both where it can";
+  }
+}
+
 }  // namespace
 }  // namespace simgap::test
