@@ -29,14 +29,24 @@ void LinkTree::addLink(const XmlElement& element, const std::string& name, const
 }
 
 void LinkTree::addJoint(LinkJoint joint, const std::string& name) {
-  joint.joint.name = freeName(name, joint_names_);
+  joint.said = name;
   joints_.push_back(std::move(joint));
+}
+
+void LinkTree::nameAll() {
+  std::vector<NameWish> links, joints;
+  for (const std::string& link : order_) links.push_back({&body_name_[link], "link", link, place_of_.at(link), "link"});
+  for (LinkJoint& joint : joints_) joints.push_back({&joint.joint.name, "joint", joint.said, joint.place, "joint"});
+  std::set<std::string> taken_links, taken_joints;
+  giveNames(links, taken_links, xml_);
+  giveNames(joints, taken_joints, xml_);
 }
 
 ArmModel LinkTree::build(ArmModel arm) {
   arm_ = std::move(arm);
   const std::string base = baseLink();
-  arm_.bodies.push_back({.name = freeName(base, body_names_), .fixed = true, .parts = {}, .surfaces = {}});
+  nameAll();
+  arm_.bodies.push_back({.name = body_name_.at(base), .fixed = true, .parts = {}, .surfaces = {}});
   const auto where = where_.find(base);
   places_[base] = {0, where == where_.end() ? Eigen::Isometry3d::Identity() : where->second};
   attachChildren(base);
@@ -115,7 +125,7 @@ void LinkTree::attachChildren(const std::string& link) {
       if (!carrier.fixed && mass.mass > 0.0) {
         MassProperties moved{mass.mass, there * mass.centre_of_mass, {}};
         moved.inertia = there.linear() * mass.inertia * there.linear().transpose();
-        carrier.parts.push_back(statedPart(freePartName(carrier, freeName(joint.child, body_names_)), moved));
+        carrier.parts.push_back(statedPart(freePartName(carrier, body_name_.at(joint.child)), moved));
         arm_places_["bodies " + carrier.parts.back().name] = place_of_.at(joint.child);
       }
     } else {
@@ -127,7 +137,7 @@ void LinkTree::attachChildren(const std::string& link) {
       joint.joint.child_orientation = tidyRotation(joint.in_child.linear());
       places_[joint.child] = {joint.joint.child, Eigen::Isometry3d::Identity()};
       Body& moved = arm_.bodies.emplace_back();
-      moved.name = freeName(joint.child, body_names_);
+      moved.name = body_name_.at(joint.child);
       if (mass.mass > 0.0) moved.parts.push_back(statedPart(moved.name, mass));
       arm_.joints.push_back(joint.joint);
       arm_places_["bodies " + moved.name] = place_of_.at(joint.child);
@@ -140,14 +150,14 @@ void LinkTree::attachChildren(const std::string& link) {
 void LinkTree::follow(const LinkJoint& joint) {
   if (joint.leader.empty()) return;
   const auto index = [&](const std::string& name) {
-    const auto found = std::ranges::find(arm_.joints, name, &Joint::name);
-    if (found == arm_.joints.end()) {
-      throw DataError(
-          fmt::format("{}: mimic: found '{}', expected the name of a joint that moves", joint.place, abridged(name)));
-    }
-    return static_cast<int>(found - arm_.joints.begin());
+    return static_cast<int>(std::ranges::find(arm_.joints, name, &Joint::name) - arm_.joints.begin());
   };
-  tieJoints(arm_, index(joint.joint.name), index(joint.leader), joint.multiplier, joint.offset, joint.place);
+  const auto leader = std::ranges::find(joints_, joint.leader, &LinkJoint::said);
+  if (leader == joints_.end() || leader->fixed) {
+    throw DataError(fmt::format("{}: mimic: found '{}', expected the name of a joint that moves", joint.place,
+                                abridged(joint.leader)));
+  }
+  tieJoints(arm_, index(joint.joint.name), index(leader->joint.name), joint.multiplier, joint.offset, joint.place);
 }
 
 }  // namespace simgap

@@ -15,7 +15,8 @@
 namespace simgap {
 
 struct LinkJoint {
-  Joint joint;  ///< type, axis, limits, frictions, spring
+  std::string said;  ///< its name in the file
+  Joint joint;       ///< type, axis, limits, frictions, spring
   bool fixed = false;
   std::string parent, child;
   std::string leader;  ///< of a joint that follows another, q = offset + multiplier q_leader; empty: none
@@ -33,7 +34,7 @@ class LinkTree {
 
   /// \throws DataError: the name is taken, or there are too many
   void addLink(const XmlElement& element, const std::string& name, const MassProperties& mass);
-  /// \param name  made free among those of joints
+  /// \param name  in the file
   void addJoint(LinkJoint joint, const std::string& name);
   /// Where the one link stands that no joint moves; the origin without.
   void placeBase(const std::map<std::string, Eigen::Isometry3d>& where) { where_ = where; }
@@ -49,6 +50,7 @@ class LinkTree {
   void nameStillBase(const std::string& base);
   void nameMassless();
   void follow(const LinkJoint& joint);
+  void nameAll();
 
   XmlRobot& xml_;
   std::filesystem::path file_;
@@ -60,7 +62,7 @@ class LinkTree {
   std::set<std::string> stated_, drawn_;         ///< links with an inertial; with a shape to see or to touch
   ArmPlaces arm_places_;
   std::vector<LinkJoint> joints_;
-  std::set<std::string> joint_names_, body_names_;
+  std::map<std::string, std::string> body_name_;  ///< of a link: that of a body or part of the arm
   std::map<std::string, Eigen::Isometry3d> where_;
   std::map<std::string, std::pair<int, Eigen::Isometry3d>> places_;  ///< of a link, in a body of the arm
 };

@@ -37,9 +37,8 @@ class MjcfArm {
       throw DataError(fmt::format("{}: found no joint in the robot, expected at least one", file.filename().string()));
     }
     for (const MjcfCoupling& coupling : robot_.couplings) couple(coupling);
-    std::set<std::string> taken;
-    for (const MjcfTendon& tendon : robot_.tendons) addTendon(tendon, taken);
-    for (const MjcfActuator& actuator : robot_.actuators) addActuator(actuator, taken);
+    for (const MjcfTendon& tendon : robot_.tendons) addTendon(tendon);
+    for (const MjcfActuator& actuator : robot_.actuators) addActuator(actuator);
     return std::move(arm_);
   }
 
@@ -231,18 +230,18 @@ class MjcfArm {
     return tendonLength(arm_, path, bodiesInWorld(arm_, joints), joints);
   }
 
-  void addTendon(const MjcfTendon& tendon, std::set<std::string>& taken) {
+  void addTendon(const MjcfTendon& tendon) {
     const TendonPath path = pathOf(tendon);
     const double length = lengthAt(path, [](const Joint&) { return 0.0; });
     const double offset = offsetOf(tendon);
     int pulling = 0;
     for (const MjcfActuator& actuator : robot_.actuators) {
-      if (actuator.tendon != tendon.name) continue;
+      if (actuator.tendon.empty() || actuator.tendon != tendon.name) continue;
       if (++pulling > 1) {
         xml_.add(fmt::format("{} '{}'", actuator.tag, abridged(actuator.name)),
                  "left out: another one pulls the same tendon", true, actuator.place);
       } else {
-        addMuscle(tendon, path, actuator, length, offset, taken);
+        addMuscle(tendon, path, actuator, length, offset);
       }
     }
     if (tendon.range) {
@@ -251,13 +250,15 @@ class MjcfArm {
     if (tendon.friction_loss > 0.0) {
       xml_.add("tendon frictionloss", "left out: a line runs without friction", true, tendon.place);
     }
-    if (tendon.stiffness > 0.0 || pulling == 0) addPassive(tendon, path, offset, taken);
+    if (tendon.stiffness > 0.0 || pulling == 0) {
+      addPassive(tendon, pulling == 0 ? tendon.line : tendon.beside, path, offset);
+    }
   }
 
-  void addPassive(const MjcfTendon& tendon, const TendonPath& path, double offset, std::set<std::string>& taken) {
+  void addPassive(const MjcfTendon& tendon, const std::string& name, const TendonPath& path, double offset) {
     PassiveTendon passive;
     static_cast<TendonPath&>(passive) = path;
-    passive.name = freeName(tendon.name, taken);
+    passive.name = name;
     if (tendon.stiffness == 0.0) {
       passive.kind = tendonKind("constant-force");
       xml_.add("tendon that nothing pulls", "a line under 0 N", false, tendon.place);
@@ -283,10 +284,15 @@ class MjcfArm {
   }
 
   void addMuscle(const MjcfTendon& tendon, const TendonPath& path, const MjcfActuator& actuator, double length,
-                 double offset, std::set<std::string>& taken) {
+                 double offset) {
     Muscle muscle = placeholderMuscle(length);
     static_cast<TendonPath&>(muscle) = path;
-    muscle.name = freeName(tendon.name, taken);
+    muscle.name = tendon.line;
+    if (!actuator.name.empty() && actuator.name != muscle.name) {
+      xml_.add(fmt::format("actuator '{}'", abridged(actuator.name)),
+               fmt::format("called '{}' here, as the tendon that it pulls", abridged(muscle.name)), false,
+               actuator.place);
+    }
     arm_.motor_defaults = muscle.motor;
     arm_.gearbox_defaults = muscle.gearbox;
     const double stiffness = -actuator.gear * actuator.gear * actuator.bias[1];
@@ -336,22 +342,22 @@ class MjcfArm {
   }
 
   /// Actuators of tendons were met with their tendons.
-  void addActuator(const MjcfActuator& actuator, std::set<std::string>& taken) {
-    if (actuator.tendon.empty()) return addJointDrive(actuator, taken);
+  void addActuator(const MjcfActuator& actuator) {
+    if (actuator.tendon.empty()) return addJointDrive(actuator);
     if (std::ranges::find(robot_.tendons, actuator.tendon, &MjcfTendon::name) == robot_.tendons.end()) {
       throw DataError(fmt::format("{}: {}: tendon: found '{}', expected the name of a tendon", actuator.place,
                                   actuator.tag, abridged(actuator.tendon)));
     }
   }
 
-  void addJointDrive(const MjcfActuator& actuator, std::set<std::string>& taken) {
+  void addJointDrive(const MjcfActuator& actuator) {
     const auto [joint, reference] = known(actuator.joint, actuator.place);
-    if (const std::string_view why = notDriven(actuator, arm_.joints[joint]); !why.empty()) {
+    if (const std::string_view why = notDriven(actuator, kindOf(arm_.joints[joint].type)); !why.empty()) {
       return xml_.add(fmt::format("{} (actuator of a joint)", actuator.tag), fmt::format("left out: {}", why), true,
                       actuator.place);
     }
     PassiveTendon drive = jointDrive(actuator, joint, reference, xml_);
-    drive.name = freeName(actuator.name.empty() ? actuator.joint : actuator.name, taken);
+    drive.name = actuator.drive;
     places_["tendons " + drive.name] = actuator.place;
     arm_.tendons.push_back(std::move(drive));
   }

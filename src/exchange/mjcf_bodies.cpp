@@ -213,8 +213,7 @@ class Bodies {
     if (robot_.bodies.size() >= kMostBodies) node.fail(fmt::format("found more than {} bodies", kMostBodies));
     const int index = static_cast<int>(robot_.bodies.size());
     MjcfBody& body = robot_.bodies.emplace_back();
-    const std::string given = node.newName("body");
-    body.name = freeName(given.empty() ? fmt::format("body_{}", index + 1) : given, body_names_);
+    body.said = node.newName("body");
     body.parent = parent;
     body.frame = offset * node.frame();
     body.place = file_.xml().place(node.xml());
@@ -234,7 +233,6 @@ class Bodies {
       node.fail(fmt::format("type: found '{}', expected hinge, ball or slide", abridged(type)));
     joint.said = node.newName("joint");
     joint.place = file_.xml().place(node.xml());
-    joint.name = freeName(joint.said.empty() ? robot_.bodies[body].name + "_joint" : joint.said, joint_names_);
     joint.position = offset * node.vector3("pos", Eigen::Vector3d::Zero());
     const Eigen::Vector3d axis = node.vector3("axis", Eigen::Vector3d::UnitZ());
     if (axis.norm() < 1e-10) node.fail("axis: found a zero vector, expected an axis");
@@ -333,7 +331,6 @@ class Bodies {
 
   MjcfFile& file_;
   MjcfRobot& robot_;
-  std::set<std::string> body_names_ = {"world"}, joint_names_;
   std::vector<bool> given_inertia_;
   std::vector<MjcfNode> floating_;                ///< free joints of what is left out
   std::vector<std::pair<int, MjcfNode>> meshes_;  ///< with their bodies; -1: weighs nothing that moves

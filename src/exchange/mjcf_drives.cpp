@@ -6,10 +6,10 @@
 
 namespace simgap {
 
-std::string_view notDriven(const MjcfActuator& actuator, const Joint& joint) {
+std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint) {
   const auto [b0, b1, b2] = actuator.bias;
-  if (!joint.hasAxis()) return "the joint has no axis";
-  if (joint.slides()) return "slides have no drives here";
+  if (!joint.has_axis) return "the joint has no axis";
+  if (joint.slides) return "slides have no drives here";
   if (!actuator.affine) return "its law is neither a motor's nor a position servo's";
   if (actuator.gear == 0.0 || actuator.gain == 0.0) return "its control moves nothing";
   if (b1 > 0.0 || b2 > 0.0) return "its bias drives the joint away";

@@ -15,7 +15,7 @@ namespace simgap {
 
 struct MjcfJoint {
   std::string said;  ///< its name in the file; empty without one
-  std::string name;  ///< that of the arm's joint: said, without what our files cannot hold
+  std::string name;  ///< that of the arm's joint
   const JointKind* kind = nullptr;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m] in the body's frame
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();     ///< in the body's frame, unit length
@@ -33,7 +33,8 @@ struct MjcfJoint {
 };
 
 struct MjcfBody {
-  std::string name;
+  std::string said;                                         ///< its name in the file; empty without one
+  std::string name;                                         ///< that of the arm's body
   int parent = -1;                                          ///< -1: the world
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();  ///< in the parent's
   std::vector<MjcfJoint> joints;
@@ -62,7 +63,9 @@ struct MjcfPathElement {
 };
 
 struct MjcfTendon {
-  std::string name;
+  std::string name;                                    ///< in the file; empty without one
+  std::string line;                                    ///< that of the arm's muscle or passive line
+  std::string beside;                                  ///< that of its spring beside a muscle
   std::vector<MjcfPathElement> path;                   ///< of a spatial one
   std::vector<std::pair<std::string, double>> joints;  ///< of a fixed one: joint, coefficient
   double stiffness = 0.0;                              ///< [N/m]
@@ -81,7 +84,8 @@ struct MjcfCoupling {
 
 /// force = gain ctrl + bias[0] + bias[1] length + bias[2] rate, times gear
 struct MjcfActuator {
-  std::string name, tag;
+  std::string name, tag;  ///< the name in the file; empty without one
+  std::string drive;      ///< that of the arm's drive of a joint
   std::string tendon, joint;
   double gear = 1.0;
   double gain = 1.0;
@@ -114,8 +118,10 @@ void readMjcfBodies(MjcfFile& file, MjcfRobot& robot);
 void setSpringDampers(MjcfRobot& robot);
 void readMjcfTendons(MjcfFile& file, MjcfRobot& robot);
 void readMjcfActuators(MjcfFile& file, MjcfRobot& robot);
+/// What bodies, joints, lines and drives are called in the arm.
+void nameMjcfParts(MjcfRobot& robot, XmlRobot& xml);
 /// Why no drive of ours does what the actuator of a joint does; empty: one does.
-std::string_view notDriven(const MjcfActuator& actuator, const Joint& joint);
+std::string_view notDriven(const MjcfActuator& actuator, const JointKind& joint);
 /// MuJoCo's torque of an affine actuator, gear (gain ctrl + b0 + b1 gear q + b2 gear dq/dt): a motor without bias, a
 /// servo with b1 < 0, without a name. Its q counts from the joint's reference.
 PassiveTendon jointDrive(const MjcfActuator& actuator, int joint, double reference, XmlRobot& xml);

@@ -79,10 +79,9 @@ void readTendonLaw(const MjcfNode& node, MjcfTendon& tendon) {
   }
 }
 
-MjcfTendon readTendon(MjcfFile& file, const MjcfNode& node, const MjcfRobot& robot, std::set<std::string>& names) {
+MjcfTendon readTendon(MjcfFile& file, const MjcfNode& node, const MjcfRobot& robot) {
   MjcfTendon tendon;
   tendon.name = node.newName("tendon");
-  if (tendon.name.empty()) tendon.name = freeName("tendon", names);
   tendon.place = file.xml().place(node.xml());
   for (const MjcfNode& child : node.children()) {
     const std::string tag = child.tag();
@@ -139,7 +138,6 @@ void readEquality(MjcfFile& file, const MjcfNode& node, MjcfRobot& robot) {
 }  // namespace
 
 void readMjcfTendons(MjcfFile& file, MjcfRobot& robot) {
-  std::set<std::string> names;
   for (const MjcfNode& section : file.sections("tendon")) {
     for (const MjcfNode& node : section.children()) {
       if (node.tag() != "spatial" && node.tag() != "fixed") node.fail("found it, expected <spatial> or <fixed>");
@@ -149,7 +147,7 @@ void readMjcfTendons(MjcfFile& file, MjcfRobot& robot) {
         node.remarkAll(node.tag() + " (tendon)", "left out: it runs to a loose body that is left out");
         continue;
       }
-      robot.tendons.push_back(readTendon(file, node, robot, names));
+      robot.tendons.push_back(readTendon(file, node, robot));
     }
   }
   for (const MjcfNode& section : file.sections("equality")) {
@@ -178,6 +176,7 @@ MjcfRobot readMjcfRobot(MjcfFile& file) {
   readMjcfBodies(file, robot);
   readMjcfTendons(file, robot);
   readMjcfActuators(file, robot);
+  nameMjcfParts(robot, file.xml());
   return robot;
 }
 

@@ -40,6 +40,13 @@ bool isUtf8(std::string_view text) {
   return left == 0;
 }
 
+std::string heldName(std::string name) {
+  for (char& c : name) {
+    if (c == '.' || c == '*' || c == ',' || static_cast<unsigned char>(c) < 0x20) c = '_';
+  }
+  return name.empty() ? "unnamed" : name;
+}
+
 }  // namespace
 
 const XmlElement& XmlRobot::parse(const std::string& text, const std::filesystem::path& file,
@@ -195,11 +202,26 @@ Eigen::Vector3d XmlRobot::vector3(const XmlElement& element, const char* attribu
   return {values[0], values[1], values[2]};
 }
 
-std::string freeName(std::string wanted, std::set<std::string>& taken) {
-  for (char& c : wanted) {
-    if (c == '.' || c == '*' || c == ',' || static_cast<unsigned char>(c) < 0x20) c = '_';
+void giveNames(const std::vector<NameWish>& wishes, std::set<std::string>& taken, XmlRobot& xml) {
+  const auto holdable = [](const NameWish& wish) { return !wish.given.empty() && heldName(wish.given) == wish.given; };
+  for (const NameWish& wish : wishes) {
+    if (holdable(wish) && taken.insert(wish.given).second) *wish.name = wish.given;
   }
-  if (wanted.empty()) wanted = "unnamed";
+  for (const NameWish& wish : wishes) {
+    if (wish.given.empty() || !wish.name->empty()) continue;
+    *wish.name = freeName(wish.given, taken);
+    xml.add(fmt::format("{} '{}'", wish.kind, abridged(wish.given)),
+            fmt::format("called '{}' here: {}", abridged(*wish.name),
+                        holdable(wish) ? "the name is taken" : "names hold neither '.' nor '*' nor ','"),
+            false, wish.place);
+  }
+  for (const NameWish& wish : wishes) {
+    if (wish.given.empty()) *wish.name = freeName(wish.made_up, taken);
+  }
+}
+
+std::string freeName(std::string wanted, std::set<std::string>& taken) {
+  wanted = heldName(std::move(wanted));
   std::string name = wanted;
   for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", wanted, i);
   return name;

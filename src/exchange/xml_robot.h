@@ -78,6 +78,19 @@ class XmlRobot {
   std::map<std::string, std::size_t> index_;  ///< of a remark, by its text
 };
 
+/// What one thing of a file is to be called in the arm.
+struct NameWish {
+  std::string* name;  ///< receives it
+  std::string kind;   ///< "joint", for a remark
+  std::string given;  ///< in the file; empty without one
+  std::string place;
+  std::string made_up;  ///< of what has no name
+};
+
+/// Given names first, then those that our files cannot hold or that are taken, then made-up ones, so that a made-up one
+/// never takes a given one. A given name that becomes another is remarked.
+void giveNames(const std::vector<NameWish>& wishes, std::set<std::string>& taken, XmlRobot& xml);
+
 /// A name that our files can hold: '.', '*' and ',' become '_'; free among `taken`, to which it is added.
 std::string freeName(std::string wanted, std::set<std::string>& taken);
 
