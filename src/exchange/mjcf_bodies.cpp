@@ -107,6 +107,11 @@ class Bodies {
   void finish() {
     const bool hangs = std::ranges::any_of(robot_.bodies, [](const MjcfBody& body) { return !body.joints.empty(); });
     if (!hangs && !floating_.empty()) refuseFloating(floating_.front());
+    if (!hangs && unread_) {
+      unread_->fail(
+          "found it, which is not read, and no joint outside of it, expected the bodies themselves: MuJoCo's `compile` "
+          "writes them");
+    }
     for (const auto& [body, node] : meshes_) {
       const bool needed = body >= 0 && !given_inertia_[body];
       if (needed) refuseGuess(body, node);
@@ -139,6 +144,7 @@ class Bodies {
       } else if (tag == "light" || tag == "camera") {
         child.remarkAll(tag, "looks: left out", false);
       } else {
+        if (!unread_) unread_ = child;
         child.remarkAll(tag, "not understood, left out with all that stands in it");
       }
     }
@@ -333,6 +339,7 @@ class Bodies {
   MjcfRobot& robot_;
   std::vector<bool> given_inertia_;
   std::vector<MjcfNode> floating_;                ///< free joints of what is left out
+  std::optional<MjcfNode> unread_;                ///< the first element that is not understood
   std::vector<std::pair<int, MjcfNode>> meshes_;  ///< with their bodies; -1: weighs nothing that moves
   int depth_ = 0;
 };

@@ -61,6 +61,15 @@ TEST(MjcfRefusals, WhatTheArmCannotBeIsSaidAtItsPlaceInTheFile) {
               HasSubstr("robot.xml:10: tendon 's': attachments: both ends are on the same body"));
 }
 
+TEST(MjcfRefusals, BodiesThatOnlyMujocoMakesAreNamed) {
+  const std::string copies = "<replicate count='3'><body><joint/>" + std::string(kBall) + "</body></replicate>\n";
+  EXPECT_THAT(refusal("<mujoco>\n<worldbody>\n" + copies + "</worldbody></mujoco>"),
+              HasSubstr("robot.xml:3: replicate: found it, which is not read, and no joint outside of it"));
+  EXPECT_TRUE(hasRemark(readText(robot("", turning(), "<worldbody>\n" + copies + "</worldbody>\n")).remarks,
+                        "replicate", true, "robot.xml:9"))
+      << "beside a robot they are left out";
+}
+
 TEST(MjcfRefusals, ElementsMayStandOnlySoDeep) {
   std::string deep = "<mujoco><worldbody>\n";
   for (int i = 0; i < 120; ++i) deep += "<body>\n";
