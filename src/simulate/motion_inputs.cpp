@@ -7,6 +7,7 @@
 #include "position_reach.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
 
@@ -25,6 +26,7 @@ MotionStart readMotionStart(const CsvTable& table, const ArmModel& model, const 
     start.shafts.push_back(table.quantity("shaft_" + muscle.name, "rad")[row]);
   }
   refuseStartOutOfReach(model, start.joints, table.name(), pose.empty() ? "row 1" : "pose " + pose);
+  coupleJoints(model, start.joints);  // what is measured agrees with them but for its noise
   return start;
 }
 

@@ -66,6 +66,20 @@ void refuseJointOutOfReach(const Joint& joint, std::size_t j, const PlacedPositi
                               help));
 }
 
+/// A start is where the arm begins, so it has to be one that its couplings allow.
+void refuseUncoupled(const ArmModel& model, std::span<const JointPosition> joints, const std::string& file,
+                     const std::string& place) {
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const Joint& joint = model.joints[j];
+    if (!joint.follows()) continue;
+    const double expected = joint.coupling_offset + joint.coupling_ratio * joints[joint.leader].angle;
+    if (std::abs(joints[j].angle - expected) <= kOfStart * reachOf(joint).beyond) continue;
+    throw DataError(fmt::format("{}: {}: {}_{}: found {:.6g}, expected {:.6g}, where its coupling with {} holds it",
+                                file, place, joint.name, kindOf(joint.type).unit, joints[j].angle, expected,
+                                model.joints[joint.leader].name));
+  }
+}
+
 }  // namespace
 
 void refusePositionsOutOfReach(const ArmModel& model, const PlacedPositions& positions) {
@@ -82,6 +96,7 @@ void refuseStartOutOfReach(const ArmModel& model, std::span<const JointPosition>
                                     .joints = [&](std::size_t) { return joints; },
                                     .place = [&](std::size_t) { return place; },
                                     .tolerance = kOfStart});
+  refuseUncoupled(model, joints, file, place);
 }
 
 void refuseMotionsOutOfReach(const ArmModel& model, const MotionSet& set) {

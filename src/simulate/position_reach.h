@@ -29,7 +29,7 @@ void refusePositionsOutOfReach(const ArmModel& model, const PlacedPositions& pos
 /// The same of what a motion set's files and starts say; a start has to lie next to the limits.
 void refuseMotionsOutOfReach(const ArmModel& model, const MotionSet& set);
 
-/// The same of one start.
+/// The same of one start, which has to agree with the couplings of joints, too.
 void refuseStartOutOfReach(const ArmModel& model, std::span<const JointPosition> joints, const std::string& file,
                            const std::string& place);
 

@@ -107,6 +107,29 @@ TEST_F(Convert, WeighsAMeshThatOtherCommandsRefuse) {
   expectRefused({"convert", "drawn.yaml", "other.yaml"}, 3, "found an edge of one triangle alone");
 }
 
+TEST_F(Convert, CoupledJointsStartWhereTheyAreHeldAndStandWithoutAWarning) {
+  put("pair.xml",
+      "<mujoco><worldbody>\n<body><joint name='a' axis='0 1 0'/><geom size='0.02' pos='0 0 -0.2'/>\n<body pos='0 0 "
+      "-0.2'><joint name='b' axis='0 1 0'/><geom size='0.02' pos='0.03 0 -0.2'/></body></body></worldbody>\n<equality>"
+      "<joint joint1='b' joint2='a' polycoef='0 -2'/></equality></mujoco>\n");
+  succeed({"convert", "pair.xml", "pair.yaml"});
+  put("t.csv", "time_s\n0\n1\n");
+  put("start.csv", "pose,a_rad,b_rad\napart,0.3,0.5\nheld,0.3,-0.61\n");
+  const auto play = [](const std::string& start, const std::string& pose) {
+    Arguments all{"simulate", "pair.yaml", "--commands", "t.csv", "--start", start, "--force", "-o", "out"};
+    if (!pose.empty()) all.insert(all.end(), {"--start-pose", pose});
+    return all;
+  };
+  expectRefused(play("start.csv", "apart"), 3,
+                "start.csv: pose apart: b_rad: found 0.5, expected -0.6, where its coupling with a holds it");
+  succeed(play("start.csv", "held"));
+  const std::string rows = text("out/motion.csv");
+  EXPECT_THAT(rows.substr(rows.find('\n') + 1, 20), testing::StartsWith("0,0.3,-0.6,")) << "without what it was off";
+  const ProcessResult still = simgap(play("rest", ""));
+  EXPECT_EQ(still.exit_code, 0);
+  EXPECT_EQ(still.err, "");
+}
+
 TEST_F(Convert, RefusesWithOneSentence) {
   put("pendulum.xml", kPendulum);
   put("floating.xml", replaced(kPendulum, "<joint name='pivot' axis='0 1 0' armature='0.01'/>", "<freejoint/>"));
