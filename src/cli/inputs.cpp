@@ -1,6 +1,7 @@
 #include "inputs.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -25,17 +26,57 @@ LogTable readLogOf(CsvTable table, const std::vector<std::string>& sessions) {
   return readLogTable(std::move(table), sessions);
 }
 
+bool matchesAny(const ArmModel& model, const std::string& pattern) {
+  ArmModel copy = model;
+  bool found = false;
+  visitParameters(copy, [&](const ParameterPath& path, const ParameterKind&, double&) {
+    found = found || matchesPattern(pattern, path.str());
+  });
+  return found;
+}
+
 }  // namespace
 
+YamlNode readModelFile(Session& session, const std::string& role, const std::string& file) {
+  const std::string text = session.read(role, file).content;
+  if (const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+      first != std::string::npos && text[first] == '<') {
+    throw ConfigError(
+        fmt::format("{}: found a robot in XML, expected an arm file: convert it first, `simgap convert {} {}`", file,
+                    file, std::filesystem::path(file).filename().replace_extension(".yaml").string()));
+  }
+  return YamlNode::parse(text, file);
+}
+
 ArmModel readArmFile(Session& session, const std::string& role, const std::string& file) {
-  return readArm(YamlNode::parse(session.read(role, file).content, file));
+  return readArm(readModelFile(session, role, file));
+}
+
+std::vector<ParameterSpace::Choice> builtInChoices(const std::vector<ParameterSpace::Choice>& choices,
+                                                   const ArmModel& model, const std::string& name) {
+  std::vector<ParameterSpace::Choice> matching;
+  std::vector<std::string> others;
+  for (const ParameterSpace::Choice& choice : choices) {
+    if (matchesAny(model, choice.pattern)) {
+      matching.push_back(choice);
+    } else {
+      others.push_back(choice.pattern);
+    }
+  }
+  if (matching.empty()) return choices;  // refused where a space is made of them
+  if (!others.empty()) {
+    spdlog::warn("{}: left out {}, which this arm does not have; --config FILE gives other parameters", name,
+                 fmt::join(others, ", "));
+  }
+  return matching;
 }
 
 CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model) {
   const std::string name = file.empty() ? "configs/calibrate_arm.yaml" : file;
   const std::string text =
       file.empty() ? std::string(assets::calibrate_arm_yaml()) : session.read("config", file).content;
-  const CalibrationConfig config = CalibrationConfig::read(YamlNode::parse(text, name));
+  CalibrationConfig config = CalibrationConfig::read(YamlNode::parse(text, name));
+  if (file.empty() && model != nullptr) config.parameters = builtInChoices(config.parameters, *model, name);
   try {
     if (model != nullptr) ParameterSpace(*model, config.parameters);
   } catch (const ConfigError& error) {

@@ -19,7 +19,13 @@
 
 namespace simgap {
 
+/// What the file of a model says. \throws ConfigError: no YAML, or a robot of another format, which has to be converted
+YamlNode readModelFile(Session& session, const std::string& role, const std::string& file);
 ArmModel readArmFile(Session& session, const std::string& role, const std::string& file);
+/// Of parameters that nobody has chosen those that the arm has: an imported one may have lines without ends of their
+/// own. All where it has none of them. \param name  of where they stand, for the warning about the others
+std::vector<ParameterSpace::Choice> builtInChoices(const std::vector<ParameterSpace::Choice>& choices,
+                                                   const ArmModel& model, const std::string& name);
 /// Calibration settings: those the user named, or the paper's that are built in. \throws ConfigError: also for
 /// parameters that `model` does not have.
 CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model = nullptr);

@@ -180,6 +180,7 @@ MotionCalibrationConfig readMotionConfig(Session& session, const std::string& fi
   const std::string text =
       built_in ? std::string(assets::calibrate_motions_yaml()) : session.read("config", file).content;
   MotionCalibrationConfig config = MotionCalibrationConfig::read(YamlNode::parse(text, name));
+  if (built_in) config.parameters = builtInChoices(config.parameters, model, name);
   try {
     ParameterSpace(model, config.parameters);
   } catch (const ConfigError& error) {

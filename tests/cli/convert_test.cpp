@@ -107,6 +107,24 @@ TEST_F(Convert, WeighsAMeshThatOtherCommandsRefuse) {
   expectRefused({"convert", "drawn.yaml", "other.yaml"}, 3, "found an edge of one triangle alone");
 }
 
+TEST_F(Convert, ArmsWhoseLinesAllBendOverSomethingCalibrateWithoutAConfig) {
+  const std::string wrapped = replaced(
+      replaced(kPendulum, "<site site='top'/>", "<site site='top'/><geom geom='wheel'/>"), "<body name='rod'>",
+      "<geom name='wheel' type='cylinder' size='0.02 0.1' euler='90 0 0' pos='0.08 0 -0.1'/>\n<body name='rod'>");
+  put("wrapped.xml", wrapped);
+  succeed({"convert", "wrapped.xml", "wrapped.yaml"});
+  put("rests.csv", "pose,shaft_line_rad,pivot_rad\np0,1,0.2\np1,2,0.25\np2,3,0.3\n");
+  const ProcessResult built_in = simgap({"calibrate", "wrapped.yaml", "--poses", "rests.csv", "--dry-run"});
+  EXPECT_EQ(built_in.exit_code, 0) << built_in.err;
+  EXPECT_THAT(unwrapped(built_in.err),
+              HasSubstr("configs/calibrate_arm.yaml: left out muscles.*.attachments.1, which this arm does not have"));
+  EXPECT_THAT(built_in.out, HasSubstr("muscles.*.attachments.0"));
+  // What a user asks for is asked of the arm.
+  put("own.yaml", readText(sourceFile("configs/calibrate_arm.yaml")));
+  expectRefused({"calibrate", "wrapped.yaml", "--poses", "rests.csv", "--dry-run", "--config", "own.yaml"}, 2,
+                "'muscles.*.attachments.1' matches nothing");
+}
+
 TEST_F(Convert, CoupledJointsStartWhereTheyAreHeldAndStandWithoutAWarning) {
   put("pair.xml",
       "<mujoco><worldbody>\n<body><joint name='a' axis='0 1 0'/><geom size='0.02' pos='0 0 -0.2'/>\n<body pos='0 0 "

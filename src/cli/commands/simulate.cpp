@@ -172,7 +172,7 @@ void refuseIdle(const Options& options, const CLI::App& app) {
 ExitCode run(const Options& options, const std::vector<std::string>& argv, const CLI::App& app) {
   refuseIdle(options, app);
   Session session("simulate", options.common, argv);
-  const YamlNode root = YamlNode::parse(session.read("model", options.model).content, options.model);
+  const YamlNode root = readModelFile(session, "model", options.model);
   if (holdsExo(root)) return runExo(options, root, session, app);
   const ArmModel model = readArm(root);
   SimulationOptions settings = settingsOf(session, options);
