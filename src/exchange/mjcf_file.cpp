@@ -25,8 +25,9 @@ const std::map<std::string, std::string> kIgnoredInMjcf = [] {
                           "@markrgb", "@width"});
   add("the user's own data: left out", {"custom", "@user", "size"});
   add("sensors and stored states: left out", {"sensor", "keyframe"});
-  add("contacts are not modelled: left out", {"contact", "@contype", "@conaffinity", "@condim", "@friction", "@margin",
-                                              "@gap", "@solmix", "@priority", "@fluidshape", "@fluidcoef"});
+  add("contacts are not modelled: left out",
+      {"contact", "@contype", "@conaffinity", "@condim", "@friction", "@margin", "@gap", "@solmix", "@priority"});
+  add("no air and no liquid acts on bodies: left out", {"@fluidshape", "@fluidcoef"});
   add("how far MuJoCo's contacts and couplings give way: left out, couplings hold exactly here",
       {"@solref", "@solimp"});
   add("how MuJoCo solves, not what: left out",

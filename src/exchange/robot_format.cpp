@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::array<std::string_view, 5> kXmlEndings = {".xml", ".mjcf", ".urdf", ".sdf", ".xacro"};
 
+constexpr std::size_t kTextBeginning = 1000;  ///< [bytes] where what is no text shows it, as a binary STL
+
 /// The name of the first element; empty without one.
 std::string rootElement(const std::string& text) {
   for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
@@ -31,8 +33,10 @@ bool isLfsPointer(std::string_view text) { return text.starts_with("version http
 /// What stands in a file that has the name of one but not its text; empty: nothing is wrong with it.
 std::string_view notXml(std::string_view text) {
   if (isLfsPointer(text)) return "a pointer of Git LFS (`git lfs pull` fetches the file itself)";
-  const bool wide = text.size() > 1 && (text[0] == '\0' || text[1] == '\0');
+  const std::string_view first_letters = text.substr(0, 2);
+  const bool wide = first_letters == std::string_view("<\0", 2) || first_letters == std::string_view("\0<", 2);
   if (wide || text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) return "UTF-16 text";
+  if (text.substr(0, kTextBeginning).find('\0') != std::string_view::npos) return "no text";
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first == std::string_view::npos) return "an empty file";
   return text[first] == '<' ? "" : "no XML";

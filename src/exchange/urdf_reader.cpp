@@ -121,7 +121,12 @@ class UrdfArm {
       if (j.axis.norm() < 1e-9 && !joint.fixed) xml_.fail(*axis, "xyz: found a zero vector, expected an axis");
       if (std::abs(j.axis.norm() - 1.0) > 1e-12 && j.axis.norm() > 0.0) j.axis.normalize();
     }
-    if (const XmlElement* const limit = xml_.child(element, "limit"); limit && type != "continuous") {
+    const XmlElement* const limit = xml_.child(element, "limit");
+    if (limit == nullptr && (type == "revolute" || type == "prismatic")) {
+      xml_.add(fmt::format("{} joint without limit", type), "has none here, though the format asks for one", true,
+               joint.place);
+    }
+    if (limit != nullptr && type != "continuous") {
       j.lower_limit = number(*limit, "lower", 0.0);
       j.upper_limit = number(*limit, "upper", 0.0);
       if (j.lower_limit > j.upper_limit) {

@@ -51,7 +51,8 @@ std::string heldName(std::string name) {
 
 const XmlElement& XmlRobot::parse(const std::string& text, const std::filesystem::path& file,
                                   const std::vector<std::string>& roots) {
-  const std::string name = file.filename().string();
+  // Included files are told apart by their folders.
+  const std::string name = documents_.empty() ? file.filename().string() : file.generic_string();
   if (text.size() > kLargestRobotFile) {
     throw DataError(fmt::format("{}: found {} bytes, expected at most {}", name, text.size(), kLargestRobotFile));
   }

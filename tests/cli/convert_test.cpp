@@ -148,6 +148,14 @@ TEST_F(Convert, CoupledJointsStartWhereTheyAreHeldAndStandWithoutAWarning) {
   EXPECT_EQ(still.err, "");
 }
 
+TEST_F(Convert, OtherCommandsAskForTheConversion) {
+  put("pendulum.xml", kPendulum);
+  put("t.csv", "time_s\n0\n1\n");
+  const std::string sentence = "found a robot in XML, expected an arm file: convert it first";
+  expectRefused({"validate", "pendulum.xml", "--poses", "poses.csv", "-o", "v"}, 2, sentence);
+  expectRefused({"simulate", "pendulum.xml", "--commands", "t.csv", "-o", "s"}, 2, sentence);
+}
+
 TEST_F(Convert, RefusesWithOneSentence) {
   put("pendulum.xml", kPendulum);
   put("floating.xml", replaced(kPendulum, "<joint name='pivot' axis='0 1 0' armature='0.01'/>", "<freejoint/>"));

@@ -76,6 +76,18 @@ TEST(MjcfRefusals, ElementsMayStandOnlySoDeep) {
   EXPECT_THAT(refusal(deep), HasSubstr("found elements nested deeper than 100, the most that can be read of one file"));
 }
 
+TEST(MjcfRemarks, TellFilesOfOneNameApart) {
+  const FileReader read = [](const std::filesystem::path& file) {
+    return "<mujocoinclude><body name='" + file.parent_path().filename().string() + "'><joint magic='1'/>" + kBall +
+           "</body></mujocoinclude>";
+  };
+  const ImportedArm arm =
+      readMjcf("<mujoco><worldbody><include file='a/part.xml'/><include file='b/part.xml'/></worldbody></mujoco>",
+               "robot.xml", read);
+  EXPECT_TRUE(hasRemark(arm.remarks, "joint magic", true, "a/part.xml:1"));
+  EXPECT_TRUE(hasRemark(arm.remarks, "joint magic", true, "b/part.xml:1"));
+}
+
 TEST(MjcfRemarks, SayWhatWasDone) {
   const auto remark = [](const std::string& text, const std::string& what) {
     for (const ExchangeRemark& r : readText(text).remarks) {
@@ -90,6 +102,8 @@ TEST(MjcfRemarks, SayWhatWasDone) {
   EXPECT_THAT(
       remark(robot("", two, "<equality><joint joint1='k' joint2='h' solref='0.01 1'/></equality>"), "joint solref"),
       HasSubstr("couplings hold exactly here"));
+  EXPECT_THAT(remark(robot("", turning() + "<geom size='1' fluidshape='ellipsoid'/>\n"), "geom fluidshape"),
+              HasSubstr("no air and no liquid acts on bodies"));
   EXPECT_THAT(remark(robot("", turning(" type='ball' range='0 1' limited='true'")), "joint range of a ball"),
               HasSubstr("it limits the whole turn in MuJoCo"));
   EXPECT_THAT(remark(robot("", turning() + "<site name='in' pos='0.1 0 0'/>\n",

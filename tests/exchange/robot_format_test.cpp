@@ -28,6 +28,7 @@ TEST(RobotFormat, AFileThatIsNoneSaysWhatItIs) {
   EXPECT_THAT(refused(" \n", "a.sdf"), HasSubstr("found an empty file"));
   EXPECT_THAT(refused(std::string("\xFF\xFE<\0m\0", 6), "a.xml"), HasSubstr("found UTF-16 text"));
   EXPECT_THAT(refused(std::string("<\0m\0", 4), "a.xml"), HasSubstr("found UTF-16 text"));
+  EXPECT_THAT(refused(std::string(84, '\0'), "a.xml"), HasSubstr("found no text, expected")) << "a binary STL";
   EXPECT_THAT(refused("format: simgap/arm/1", "a.xml"), HasSubstr("found no XML"));
 }
 

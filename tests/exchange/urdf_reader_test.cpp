@@ -167,6 +167,22 @@ TEST(UrdfReader, SaysWhichLinkMovesWithoutAMass) {
   EXPECT_FALSE(find(bare, "link 'a' without inertial")->matters) << "it only stands between two joints";
 }
 
+TEST(UrdfReader, SaysWhichHingeHasNoLimitThoughItsKindAsksForOne) {
+  const auto matters = [](const std::string& type, const std::string& limit) {
+    const std::string joint = urdfJoint("j", type, "base", "a");
+    const std::string end = "</joint>";
+    const std::string text =
+        "<robot name='r'>\n<link name='base'/>\n<link name='a'><inertial><mass value='1'/><inertia ixx='0.1' iyy='0.1' "
+        "izz='0.1'/></inertial></link>\n" +
+        joint.substr(0, joint.rfind(end)) + limit + end + "</robot>";
+    return hasRemark(readUrdf(text, "r.urdf").remarks, type + " joint without limit", true, "r.urdf:4");
+  };
+  EXPECT_TRUE(matters("revolute", ""));
+  EXPECT_TRUE(matters("prismatic", ""));
+  EXPECT_FALSE(matters("revolute", "<limit lower='-1' upper='1'/>"));
+  EXPECT_FALSE(matters("continuous", ""));
+}
+
 TEST(UrdfReader, SaysAtWhichLinkAnInertiaCannotBe) {
   EXPECT_THAT(urdfRefused("<robot name='r'>\n<link name='base'/>\n<link name='a'><inertial><mass value='1'/><inertia "
                           "ixx='0.1' iyy='0.1' izz='9'/></inertial></link>\n" +
