@@ -328,7 +328,8 @@ TEST(MujocoOracle, ItsStopsGiveWayAsFarAsTheExportSays) {
   SIMGAP_NEEDS_MUJOCO();
   const std::string link = "<geom type='capsule' fromto='0 0 0 0.03 0 0.01' size='0.005' mass='0.004'/>";
   const std::string text =
-      "<mujoco><option gravity='0 0 0'/><worldbody><body><joint name='a' axis='0 1 0' stiffness='2' damping='0.0005'/>" +
+      "<mujoco><option gravity='0 0 0'/><worldbody><body><joint name='a' axis='0 1 0' stiffness='2' "
+      "damping='0.0005'/>" +
       link + "<body pos='0.03 0 0'><joint name='b' axis='0 1 0' range='-90 5' damping='0.0005'/>" + link +
       "</body></body></worldbody><actuator><motor joint='b'/></actuator></mujoco>";
   const ArmModel arm = readMjcf(text, "robot.xml", [](const std::filesystem::path&) { return std::string(); }).model;
