@@ -129,7 +129,7 @@ struct Diagnosis {
   double noise_floor = 0.0;  ///< mean squared error that no model can go below
   ModelError baseline, extended;
   std::vector<Cause> causes;          ///< in the order they were found
-  double explainable_percent = 0.0;   ///< of the baseline's held-out error, by any function of the logged channels
+  double explainable_percent = 0.0;   ///< of it, by any function of logged channels; of poses, motions: beyond noise
   double explained_percent = 0.0;     ///< of the baseline's held-out error, by the named causes
   double left_over_percent = 0.0;     ///< of the baseline's held-out error: structure that no named cause explains
   std::vector<Leftover> unexplained;  ///< by channel; the shares add up to it

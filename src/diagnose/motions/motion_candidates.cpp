@@ -45,7 +45,7 @@ MotionCandidate candidateOf(const MotionCauseFit& fit, const char* role) {
   for (const ArmCause& cause : fit.causes()) {
     const double row = cause.effect->command_delay ? kOfRow * longestRow(fit.motions()) : 0.0;
     for (Eigen::Index k = 0; k < fittedParameters(*cause.effect); ++k, ++i) {
-      const double of_law = kModelOfMagnitude * z[i];  // z = 0: the cause is not there
+      const double of_law = cause.effect->law_sd * z[i];  // z = 0: the cause is not there
       const double size = std::hypot(of_law, row / fit.posterior().parameters().slope(i, z[i]));
       const Eigen::VectorXd with = known.col(i) / known(i, i) * size;
       candidate.covariance += with * with.transpose();

@@ -11,10 +11,6 @@
 
 namespace simgap {
 
-/// Of a cause's size, as a standard deviation: what the model's steps and law leave of it that no curvature knows. On
-/// forearms of an independent simulator sizes were 2, 2, 8 and 9 % off where the curvature said 2 %.
-inline constexpr double kModelOfMagnitude = 0.05;
-
 /// What all fits of a diagnosis share, from what it was asked with; `motions` are still to be set.
 MotionProblem motionProblem(const ArmModel& model, const MotionCalibrationConfig& config);
 

@@ -15,7 +15,8 @@
 namespace simgap {
 namespace {
 
-constexpr double kMostOfIt = 95.0;  // [%] of the error that named causes have to explain, if much is left
+constexpr double kMostOfIt = 95.0;     // [%] of the error that named causes have to explain, if much is left
+constexpr double kNothingElse = 1.25;  // times the noise's mean square: an ordinary parameter takes up what is missing
 
 }  // namespace
 
@@ -32,18 +33,14 @@ void MotionDiagnosing::fillErrors() {
   d.effective_samples = static_cast<double>(d.samples);
   d.baseline = {meanSquare(seen_before), meanSquare(before)};
   d.extended = {meanSquare(seen_after), meanSquare(unseen)};
-  const auto floors = [](const Eigen::MatrixXd& squares) {
-    Eigen::ArrayXd means(squares.cols());
-    for (Eigen::Index m = 0; m < means.size(); ++m) means[m] = meanSquare(squares.col(m));
-    return means;
-  };
-  d.explained_percent = 100.0 * explainedShare(before, unseen, floors(of_noise));
+  const Eigen::ArrayXd all_of_it = Eigen::ArrayXd::Zero(before.cols());
+  d.explained_percent = 100.0 * explainedShare(before, unseen, all_of_it);
+  d.explainable_percent = std::max(d.explained_percent, 100.0 * explainedShare(before, of_noise, all_of_it));
   Eigen::MatrixXd all_before(before.rows(), seen_before.cols() + before.cols()), all_after = all_before;
   all_before << seen_before, before;
   all_after << seen_after, unseen;
   // The right causes leave the discrepancy, too.
   explained_of_all_ = 100.0 * explainedShare(all_before, all_after, Eigen::ArrayXd::Ones(all_before.cols()));
-  d.explainable_percent = 100.0 * std::max(0.0, 1.0 - d.noise_floor / d.baseline.mse_heldout);
   result_.baseline = plain_->model();
   result_.model = after.model();
   result_.held_out = split_.judging;
@@ -168,12 +165,35 @@ void MotionDiagnosing::nameOrdinary() {
   const Eigen::MatrixXd before = unseenSquares(*plain_, shift_->back, problem_, split_.judging.motions);
   const Interval gain = gainOf(logGains(before, unseenOf(*plain_)));
   if (!(gain.lower95 > 0.0) || gain.value < kLeastMotionGain) return;
+  const double times_noise = d.extended.mse_heldout / d.noise_floor;
+  if (times_noise > kNothingElse) {
+    d.candidates.push_back({shift_->cause.effect, shift_->cause.target,
+                            fmt::format("beside it held-out motions are missed by {:.1f} times the noise's mean "
+                                        "square: it may stand for what is missing there",
+                                        times_noise),
+                            gain});
+    return;
+  }
   shift_->cause.gain_heldout = gain;
   d.causes.push_back(shift_->cause);
-  // The model as it is has the parameter as it was expected.
-  d.baseline = {meanSquare(unseenSquares(*plain_, shift_->back, problem_, split_.selecting.motions)),
-                meanSquare(before)};
-  d.explained_percent = d.explainable_percent = 100.0 * gain.value;
+  d.explained_percent = 100.0 * gain.value;
+  d.explainable_percent = std::max(d.explained_percent, 100.0 * (1.0 - d.noise_floor / meanSquare(before)));
+  compareWithExpected(before);
+}
+
+/// The model without the cause has the parameter as it was expected. \param judging  squares of held-out motions then
+void MotionDiagnosing::compareWithExpected(const Eigen::MatrixXd& judging) {
+  const Eigen::MatrixXd selecting = unseenSquares(*plain_, shift_->back, problem_, split_.selecting.motions);
+  result_.diagnosis.baseline = {meanSquare(selecting), meanSquare(judging)};
+  result_.baseline = plain_->posterior().modelAt(shift_->back);
+  result_.before = playAll(result_.baseline, split_.judging.motions, problem_.options.motion,
+                           plain_->posterior().captureDelay(shift_->back));
+  for (Eigen::Index m = 0; m < selecting.cols() + judging.cols(); ++m) {
+    const bool held_out = m >= selecting.cols();
+    const Eigen::MatrixXd& squares = held_out ? judging : selecting;
+    result_.motions[m].before = squares.col(held_out ? m - selecting.cols() : m).mean();
+    result_.motions[m].evidence = std::nan("");  // no fit was made without it
+  }
 }
 
 /// For a change of the arm to judge: the named model, what stood in the place of a cause, what was refused.

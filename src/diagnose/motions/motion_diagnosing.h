@@ -40,6 +40,7 @@ class MotionDiagnosing {
   void forgetCauses();
   bool preferOrdinary();
   void nameOrdinary();
+  void compareWithExpected(const Eigen::MatrixXd& judging);
   void keepCandidates();
   Eigen::MatrixXd unseenOf(const MotionCauseFit& fit) const {
     return unseenSquares(fit, fit.here().z, problem_, split_.judging.motions);

@@ -12,7 +12,8 @@
 namespace simgap {
 namespace {
 
-constexpr double kBin = 0.25;  // [s]
+constexpr double kBin = 0.25;    // [s]
+constexpr double kStep = 0.002;  // [s] of what is played: no time is known better
 
 /// Root mean square of a series over a bin, and how many samples it has.
 std::pair<double, std::size_t> binned(const ErrorSeries& series, double begin) {
@@ -82,7 +83,9 @@ void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
       const Estimate& p = diagnosis.extensions[c].parameters[i];
       // Of what it changes, or of itself where that is less: no current is limited at a thousand amperes.
       const double size = std::min(std::abs(p.value - effect.parameters[i].neutral), std::abs(p.value));
-      const double of_model = effect.command_delay ? 0.0 : kModelOfMagnitude * size;
+      const double of_model = effect.command_delay               ? 0.0
+                              : effect.parameters[i].unit == "s" ? std::hypot(effect.law_sd * size, kStep)
+                                                                 : effect.law_sd * size;
       const double half =
           (std::isfinite(p.sd) ? 1.96 * std::hypot(p.sd, of_model) : 0.0) + (effect.command_delay ? row : 0.0);
       diagnosis.causes[c].parameters.push_back(withIntervalIn(effect.parameters[i], p, half));

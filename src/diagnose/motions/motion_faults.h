@@ -9,8 +9,9 @@
 
 namespace simgap {
 
-/// Shafts that stand while their set-points move and others follow, and channels that repeat one reading: a cable off,
-/// a sensor that hangs, a capture that lost its markers. \param[out] faulty  shape (motions)
+/// Shafts that stand while their set-points move and others follow, and channels that repeat one reading while
+/// something moves: a cable off, a sensor that hangs, a capture that lost its markers. \param[out] faulty  shape
+/// (motions)
 std::vector<DataFault> findMotionFaults(const MotionSet& set, const PoseLayout& layout, std::vector<bool>& faulty);
 
 }  // namespace simgap

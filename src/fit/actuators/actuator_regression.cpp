@@ -149,8 +149,8 @@ ActuatorRegression::Terms ActuatorRegression::lawTermsBeside(const Terms& near, 
   return t;
 }
 
-ActuatorRegression::Terms ActuatorRegression::withEffects(Terms t, std::span<const double> p,
-                                                          const ArrayXd& effort) const {
+ActuatorRegression::Terms ActuatorRegression::withEffects(Terms t, std::span<const double> p, const ArrayXd& effort,
+                                                          std::vector<ActuatorTerms>* before) const {
   const ActuatorRows& rows = data_->rows;
   if (rows.pressure.size() > 0) {
     t.shared.effort = effort;
@@ -158,14 +158,34 @@ ActuatorRegression::Terms ActuatorRegression::withEffects(Terms t, std::span<con
     t.shared.contraction = rows.contraction;
   }
   if (rows.deflection.size() > 0) t.shared.deflection = rows.deflection;
-  for (std::size_t e = 0; e < effects_.size(); ++e) {
-    if (effects_[e]->apply != nullptr) effects_[e]->apply(own(e, p), rows, t.shared);
-  }
+  applyFrom(0, p, t.shared, before);
   return t;
 }
 
+void ActuatorRegression::applyFrom(std::size_t first, std::span<const double> p, ActuatorTerms& terms,
+                                   std::vector<ActuatorTerms>* before) const {
+  if (before != nullptr) before->resize(effects_.size());
+  for (std::size_t e = first; e < effects_.size(); ++e) {
+    if (effects_[e]->apply == nullptr) continue;
+    if (before != nullptr) (*before)[e] = terms;
+    effects_[e]->apply(own(e, p), data_->rows, terms);
+  }
+}
+
+ActuatorRegression::Fills ActuatorRegression::fills(const Terms& t, std::span<const double> p, Fills known) const {
+  known.resize(effects_.size());
+  for (std::size_t e = 0; e < effects_.size(); ++e) {
+    const auto count = static_cast<Index>(effects_[e]->columns.size());
+    if (count == 0 || known[e] != nullptr) continue;
+    const auto added = std::make_shared<Eigen::ArrayXXd>(rows(), count);
+    effects_[e]->fill(own(e, p), data_->rows, t.shared, t.stribeck, *added);
+    known[e] = added;
+  }
+  return known;
+}
+
 template <typename Visit>
-void ActuatorRegression::visitColumns(const Terms& t, std::span<const double> p, const Visit& visit) const {
+void ActuatorRegression::visitColumns(const Terms& t, const Fills& fills, const Visit& visit) const {
   const ActuatorTerms& terms = t.shared;
   const bool gain = terms.gain.size() > 0;
   std::size_t j = 0;
@@ -196,12 +216,9 @@ void ActuatorRegression::visitColumns(const Terms& t, std::span<const double> p,
     }
   }
   if (data_->offset) give(ArrayXd::Ones(rows()));
-  for (std::size_t e = 0; e < effects_.size(); ++e) {
-    const auto count = static_cast<Index>(effects_[e]->columns.size());
-    if (count == 0) continue;
-    Eigen::ArrayXXd added(rows(), count);
-    effects_[e]->fill(own(e, p), data_->rows, terms, t.stribeck, added);
-    for (Index k = 0; k < count; ++k) give(added.col(k));
+  for (const auto& added : fills) {
+    if (added == nullptr) continue;
+    for (Index k = 0; k < added->cols(); ++k) give(added->col(k));
   }
 }
 
@@ -239,10 +256,12 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
 }
 
 ActuatorRegression::Evaluation ActuatorRegression::columns(Terms law, std::span<const double> p) const {
-  const Terms t = withEffects(std::move(law), p, data_->rows.effort);
-  Evaluation result{Eigen::MatrixXd(rows(), static_cast<Index>(linear_)), t.shared.saturation, t.shared.delay};
-  visitColumns(t, p, [&](std::size_t j, const auto& column) { result.x.col(j) = column; });
-  delayRows(result.x, t.shared.delay);
+  Evaluation result;
+  result.x.resize(rows(), static_cast<Index>(linear_));
+  result.terms = withEffects(std::move(law), p, data_->rows.effort, &result.before);
+  result.fills = fills(result.terms, p);
+  visitColumns(result.terms, result.fills, [&](std::size_t j, const auto& column) { result.x.col(j) = column; });
+  delayRows(result.x, result.terms.shared.delay);
   return result;
 }
 
@@ -265,33 +284,63 @@ bool ActuatorRegression::isDelay(std::span<const double> theta, std::size_t para
 }
 
 ArrayXd ActuatorRegression::predict(const Terms& law, std::span<const double> theta, double& delay) const {
-  ArrayXd effort = rightHandSide(law, theta, data_->rows.effort, delay);
+  const std::span<const double> p = theta.subspan(linear_);
+  const auto rightHandSideAt = [&](const ArrayXd& effort) {
+    const Terms t = withEffects(law, p, effort);
+    delay = t.shared.delay;
+    return rightHandSide(t, fills(t, p), theta);
+  };
+  ArrayXd effort = rightHandSideAt(data_->rows.effort);
   if (!implicit_) return effort;
   // f = F(f) from the measured f, row by row as Steffensen (1933) does it, so that its noise is not in the prediction.
   constexpr int kRounds = 3;
   ArrayXd start = data_->rows.effort;
   for (int round = 0; round < kRounds; ++round) {
-    const ArrayXd again = rightHandSide(law, theta, effort, delay);
+    const ArrayXd again = rightHandSideAt(effort);
     const ArrayXd step = effort - start, slope = (again - effort) / (step.abs() > 1e-12).select(step, 1.0);
     start = (slope < 0.9).select(start + step / (1.0 - slope), again);
-    effort = rightHandSide(law, theta, start, delay);
+    effort = rightHandSideAt(start);
   }
   return effort;
 }
 
-ArrayXd ActuatorRegression::rightHandSide(const Terms& law, std::span<const double> theta, const ArrayXd& effort,
-                                          double& delay) const {
+ArrayXd ActuatorRegression::predictBeside(const Evaluation& e, const Terms& law, std::span<const double> theta,
+                                          std::size_t moved, double by) const {
   const std::span<const double> p = theta.subspan(linear_);
-  const Terms t = withEffects(law, p, effort);
+  const bool of_law = moved >= linear_ && (effects_.empty() || moved < p_begin_.front());
+  if (implicit_) {
+    double delay = 0.0;
+    return predict(of_law ? lawTermsBeside(law, p, moved - linear_, by) : law, theta, delay);
+  }
+  const bool in_stribeck_factor = of_law && base_.hasStribeck() && moved - linear_ < 2;
+  const std::size_t owner = of_law ? effects_.size() : effectOf(moved);
+  const bool in_terms = !of_law && effects_[owner]->apply != nullptr;
+  // What an effect does to the terms does not depend on the Stribeck factor, nor on what only adds columns.
+  Terms t = e.terms;
+  if (in_stribeck_factor) {
+    t = lawTermsBeside(e.terms, p, moved - linear_, by);
+  } else if (of_law) {
+    t = withEffects(lawTermsBeside(law, p, moved - linear_, by), p, data_->rows.effort);
+  } else if (in_terms) {
+    t.shared = e.before[owner];
+    applyFrom(owner, p, t.shared);
+  }
+  Fills same(effects_.size());
+  for (std::size_t k = 0; k < effects_.size(); ++k) {
+    if (k != owner && (effects_[k]->of_rows || !(of_law || in_terms))) same[k] = e.fills[k];
+  }
+  return rightHandSide(t, fills(t, p, std::move(same)), theta);
+}
+
+ArrayXd ActuatorRegression::rightHandSide(const Terms& t, const Fills& fills, std::span<const double> theta) const {
   ArrayXd sum = ArrayXd::Zero(rows()), for_speed;
-  visitColumns(t, p, [&](std::size_t j, const auto& column) {
+  visitColumns(t, fills, [&](std::size_t j, const auto& column) {
     sum += theta[j] * column;
     if (j == viscous_ && t.shared.saturation.acts()) for_speed = theta[j] * column;
   });
-  delay = t.shared.delay;
-  delayRows(sum, delay);
+  delayRows(sum, t.shared.delay);
   if (!t.shared.saturation.acts()) return sum;
-  delayRows(for_speed, delay);
+  delayRows(for_speed, t.shared.delay);
   return t.shared.saturation.effort(sum, for_speed);
 }
 
@@ -301,24 +350,26 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
   const auto linear = static_cast<Index>(linear_);
   const std::span<const double> p = theta.subspan(linear_);
   const Terms law = lawTerms(p);
-  double delay = 0.0;
   if (jacobian == nullptr) {
+    double delay = 0.0;
     residual = (predict(law, theta, delay) - data_->rows.effort).matrix();
     blank(residual, counted(delay));
     return;
   }
   const Evaluation e = columns(law, p);
+  const Saturation& saturation = e.terms.shared.saturation;
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
   const auto viscous = static_cast<Index>(viscous_);
-  const ArrayXd for_speed = e.saturation.acts() ? ArrayXd(theta[viscous_] * e.x.col(viscous).array()) : ArrayXd();
-  const ArrayXd predicted = implicit_             ? predict(law, theta, delay)
-                            : e.saturation.acts() ? e.saturation.effort(x_c.array(), for_speed)
-                                                  : ArrayXd(x_c.array());
+  const ArrayXd for_speed = saturation.acts() ? ArrayXd(theta[viscous_] * e.x.col(viscous).array()) : ArrayXd();
+  double delay = e.terms.shared.delay;
+  const ArrayXd predicted = implicit_           ? predict(law, theta, delay)
+                            : saturation.acts() ? saturation.effort(x_c.array(), for_speed)
+                                                : ArrayXd(x_c.array());
   residual = (predicted - data_->rows.effort).matrix();
   jacobian->resize(n, static_cast<Index>(parameters_.size()));
-  if (e.saturation.acts()) {
-    jacobian->leftCols(linear) = (e.x.array().colwise() * e.saturation.slope(x_c.array(), for_speed)).matrix();
-    jacobian->col(viscous).array() += e.x.col(viscous).array() * e.saturation.slopeBySpeed(x_c.array(), for_speed);
+  if (saturation.acts()) {
+    jacobian->leftCols(linear) = (e.x.array().colwise() * saturation.slope(x_c.array(), for_speed)).matrix();
+    jacobian->col(viscous).array() += e.x.col(viscous).array() * saturation.slopeBySpeed(x_c.array(), for_speed);
   } else {
     jacobian->leftCols(linear) = e.x;
   }
@@ -326,7 +377,6 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
     if (base_.law != nullptr) return 1e-2;
     return std::isfinite(spec.upper - spec.lower) ? 1e-3 * (spec.upper - spec.lower) : 1e-9;
   };
-  const std::size_t first_effect = effects_.empty() ? parameters_.size() : p_begin_.front();
   std::vector<double> moved(theta.begin(), theta.end());
   for (std::size_t i = implicit_ ? 0 : linear_; i < parameters_.size(); ++i) {
     auto column = jacobian->col(static_cast<Index>(i));
@@ -338,13 +388,10 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
     double h = 1e-5 * std::max(std::abs(theta[i]), typicalSize(parameter));
     if (theta[i] + h > parameter.upper) h = -h;
     moved[i] = theta[i] + h;
-    const bool of_law = i >= linear_ && i < first_effect;
-    const Terms moved_law =
-        of_law ? lawTermsBeside(law, std::span<const double>(moved).subspan(linear_), i - linear_, h) : Terms();
-    column = ((predict(of_law ? moved_law : law, moved, delay) - predicted) / h).matrix();
+    column = ((predictBeside(e, law, moved, i, h) - predicted) / h).matrix();
     moved[i] = theta[i];
   }
-  const std::vector<bool> keep = counted(e.delay);
+  const std::vector<bool> keep = counted(delay);
   blank(residual, keep);
   blank(*jacobian, keep);
 }
@@ -373,7 +420,7 @@ std::vector<double> ActuatorRegression::solveCoefficients(std::vector<double> th
   Evaluation e = columns(lawTerms(p), p);
   const auto c = static_cast<Index>(linear_);
   Eigen::VectorXd effort = data_->rows.effort.matrix();
-  const std::vector<bool> keep = counted(e.delay);
+  const std::vector<bool> keep = counted(e.terms.shared.delay);
   blank(e.x, keep);
   blank(effort, keep);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(c + 1, c + 1);

@@ -166,8 +166,8 @@ std::string terminalTable(const Diagnosis& d) {
     text += fmt::format("candidate {}, not named: {}\n", c.target.empty() ? c.effect : c.effect + " of " + c.target,
                         c.reason);
   if (!d.causes.empty() || d.verdict == DiagnosisVerdict::kUnexplained) {  // else there is nothing to explain
-    text += fmt::format("explained {:.0f} % of the error; {:.0f} % is explainable by what was logged\n",
-                        d.explained_percent, d.explainable_percent);
+    text += fmt::format("explained {:.0f} % of the error; some {:.0f} % is explainable\n", d.explained_percent,
+                        d.explainable_percent);
   }
   for (const Leftover& l : d.unexplained) {
     constexpr double kNothing = 0.005;  // of the error: the share of a channel that was asked, too

@@ -11,7 +11,11 @@
 namespace simgap::test {
 namespace {
 
-using namespace reality;
+using reality::benchYaml;
+using reality::drawServoNone;
+using reality::Mechanism;
+using reality::recordServo;
+using reality::ServoDraw;
 
 /// A controlled drive with an encoder, whose effort is logged some rows late.
 class LateServo : public testing::TestWithParam<Mechanism> {

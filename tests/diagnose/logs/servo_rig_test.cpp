@@ -9,7 +9,14 @@
 namespace simgap::test {
 namespace {
 
-using namespace reality;
+using reality::drawServoEffect;
+using reality::drawServoNone;
+using reality::expectedGain;
+using reality::Mechanism;
+using reality::recordServo;
+using reality::ServoDraw;
+using reality::ServoRecord;
+using reality::ServoRig;
 
 class ServoRigTest : public testing::TestWithParam<Mechanism> {
  protected:

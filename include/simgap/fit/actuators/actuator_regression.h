@@ -9,6 +9,8 @@
 /// offset of the rig's pendulum where it is fitted, and the effects' own.
 #pragma once
 
+#include <algorithm>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,15 +62,18 @@ class ActuatorRegression : public RowModel {
   bool isDelay(std::span<const double> theta, std::size_t parameter) const;
 
  private:
-  struct Evaluation {
-    Eigen::MatrixXd x;  ///< shape (rows, C), delayed, over gain
-    Saturation saturation;
-    double delay;
-  };
   struct Terms {
     ActuatorTerms shared;
     Eigen::ArrayXd stribeck;  ///< shape (rows): the Stribeck factor E, 0 for laws without one
     Eigen::ArrayXd weight;    ///< shape (rows): of a pendulum whose angle offset is fitted, or empty
+  };
+  /// Added columns of each effect, shape (rows, its columns); null: none, or not known.
+  using Fills = std::vector<std::shared_ptr<const Eigen::ArrayXXd>>;
+  struct Evaluation {
+    Eigen::MatrixXd x;                  ///< shape (rows, C), delayed, over gain
+    Terms terms;                        ///< with effects
+    std::vector<ActuatorTerms> before;  ///< each effect that changes them
+    Fills fills;
   };
   struct Shift {
     Eigen::Index whole;  ///< rows
@@ -80,16 +85,29 @@ class ActuatorRegression : public RowModel {
   /// Where p[moved] is larger by a little than where the terms are `near`, to first order in the Stribeck factor.
   Terms lawTermsBeside(const Terms& near, std::span<const double> p, std::size_t moved, double by) const;
   /// \param effort  shape (rows): where the effort stands on the right.
-  Terms withEffects(Terms law, std::span<const double> p, const Eigen::ArrayXd& effort) const;
+  /// \param before  receives them as they are before each effect that changes them
+  Terms withEffects(Terms law, std::span<const double> p, const Eigen::ArrayXd& effort,
+                    std::vector<ActuatorTerms>* before = nullptr) const;
+  void applyFrom(std::size_t first, std::span<const double> p, ActuatorTerms& terms,
+                 std::vector<ActuatorTerms>* before = nullptr) const;
   Evaluation columns(Terms law, std::span<const double> p) const;
   /// As predict(theta), and by how much the effort is logged later than the motion [s]. \param law  lawTerms there
   Eigen::ArrayXd predict(const Terms& law, std::span<const double> theta, double& delay) const;
-  /// The equation's right-hand side for an effort that stands there, shape (rows).
-  Eigen::ArrayXd rightHandSide(const Terms& law, std::span<const double> theta, const Eigen::ArrayXd& effort,
-                               double& delay) const;
+  /// As predict(theta), where theta[moved] is larger by `by` than where the columns are `e`: what that leaves as it is,
+  /// is taken from there.
+  Eigen::ArrayXd predictBeside(const Evaluation& e, const Terms& law, std::span<const double> theta, std::size_t moved,
+                               double by) const;
+  /// The equation's right-hand side, shape (rows). \param terms  with effects
+  Eigen::ArrayXd rightHandSide(const Terms& terms, const Fills& fills, std::span<const double> theta) const;
+  /// \param known  those that need not be filled again
+  Fills fills(const Terms& terms, std::span<const double> p, Fills known = {}) const;
   /// Calls `visit(j, column)` for each column, over gain, not delayed.
   template <typename Visit>
-  void visitColumns(const Terms& terms, std::span<const double> p, const Visit& visit) const;
+  void visitColumns(const Terms& terms, const Fills& fills, const Visit& visit) const;
+  /// The effect whose parameter that is.
+  std::size_t effectOf(std::size_t parameter) const {
+    return static_cast<std::size_t>(std::ranges::upper_bound(p_begin_, parameter) - p_begin_.begin()) - 1;
+  }
   Shift shift(double delay) const;
   template <typename Array>
   void delayRows(Array& array, double delay) const;

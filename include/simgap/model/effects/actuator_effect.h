@@ -119,6 +119,7 @@ struct ActuatorEffect {
   bool is_bias = false;         ///< constant from the beginning on: what begins at a moment is no rival of it
   bool at_moment = false;       ///< from a moment on: more than a drift has to explain
   bool of_angle = false;        ///< an effort that goes with the joint's angle alone
+  bool of_rows = false;         ///< `fill` looks at the rows and at its own parameters alone, and is worth keeping
   bool remembers = false;       ///< it depends on the rows before: on travel, rests, another time
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
   bool on_drive = false;        ///< a gearbox's cause that any drive can have, too

@@ -26,6 +26,7 @@ const ArmEffect entry{.name = "cord-relaxation",
                       .look_alikes = kLookAlikes,
                       .separates_by = "command a step, then 2 s of rest: damping ends when the arm stands",
                       .needs_motion = true,
+                      .law_sd = 0.1,
                       .relaxation = relaxation};
 
 }  // namespace simgap::arm_effects::cord_relaxation

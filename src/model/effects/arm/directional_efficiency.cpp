@@ -24,6 +24,7 @@ const ArmEffect entry{.name = "directional-efficiency",
                       .look_alikes = kLookAlikes,
                       .separates_by = "wind up and pay out under the same load at the same speed",
                       .needs_motion = true,
+                      .law_sd = 0.1,
                       .motor = back};
 
 }  // namespace simgap::arm_effects::directional_efficiency

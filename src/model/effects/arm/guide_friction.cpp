@@ -32,6 +32,7 @@ const ArmEffect entry{
         "record the same movement at two co-contractions: friction of guides grows with the tension, friction of the "
         "joints does not",
     .needs_motion = true,
+    .law_sd = 0.1,
     .guide = loss};
 
 }  // namespace simgap::arm_effects::guide_friction

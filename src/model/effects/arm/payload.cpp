@@ -27,6 +27,7 @@ const ArmEffect entry{.name = "payload",
                       .starts = kStarts,
                       .look_alikes = kLookAlikes,
                       .separates_by = "weigh the body, or hang a known mass on it and record the same poses again",
+                      .law_sd = 0.1,  // held beside the bone, and no point
                       .mass = mass};
 
 }  // namespace simgap::arm_effects::payload

@@ -5,6 +5,7 @@
 #include "simgap/model/effects/actuator_effect.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "model/effects/spectral_peaks.h"
@@ -18,19 +19,22 @@ constexpr EffectColumn kColumns[] = {{"a", "Nm"}, {"b", "Nm"}};
 
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
-  x.col(0) = (p[0] * rows.joint_angle).sin();
-  x.col(1) = (p[0] * rows.joint_angle).cos();
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {  // both of an angle at once
+    const double angle = p[0] * rows.joint_angle[i];
+    x(i, 0) = std::sin(angle);
+    x(i, 1) = std::cos(angle);
+  }
 }
 
 constexpr EffectColumn kHarmonicColumns[] = {{"a", "Nm"},   {"b", "Nm"},   {"a_2", "Nm"},
                                              {"b_2", "Nm"}, {"a_3", "Nm"}, {"b_3", "Nm"}};
 
-void fillHarmonics(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& /*terms*/,
-                   const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const Eigen::ArrayXd phase = static_cast<double>(k + 1) * p[0] * rows.joint_angle;
-    x.col(2 * k) = phase.sin();
-    x.col(2 * k + 1) = phase.cos();
+void fillHarmonics(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
+                   const Eigen::ArrayXd& stribeck, Eigen::Ref<Eigen::ArrayXXd> x) {
+  fill(p, rows, terms, stribeck, x.leftCols(2));
+  for (Eigen::Index k = 2; k < 6; k += 2) {  // sin (k + 1) a = sin k a cos a + cos k a sin a, and so the cosine
+    x.col(k) = x.col(k - 2) * x.col(1) + x.col(k - 1) * x.col(0);
+    x.col(k + 1) = x.col(k - 1) * x.col(1) - x.col(k - 2) * x.col(0);
   }
 }
 
@@ -71,6 +75,7 @@ constexpr ActuatorEffect kUsual = {
     .parameters = kParameters,
     .columns = kColumns,
     .needs = kNeeds,
+    .of_rows = true,
     .on_robot = true,
     .places = 1000.0,  // ratios
     .on_gearbox = false,

@@ -76,6 +76,7 @@ const ActuatorEffect entry = {
     .separates = "slow motion at constant speed over several turns, with the shaft angle logged",
     .parameters = kParameters,
     .columns = kColumns,
+    .of_rows = true,
     .fill = fill,
     .starts = starts,
     .counts = counts,

@@ -53,6 +53,7 @@ const ActuatorEffect entry = {
     .separates = "the shaft held at one current for minutes, then cooling and again",
     .parameters = kParameters,
     .columns = kColumns,
+    .of_rows = true,
     .fill = fill,
     .starts = starts,
 };

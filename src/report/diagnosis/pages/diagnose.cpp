@@ -342,8 +342,8 @@ Page make(const ResultFiles& files) {
   addCauses(result, page);
   addJoints(result, page);
   page.add(
-      PageText{fmt::format("Verdict: {}. The named causes explain {} % of the error; {} % is explainable by what "
-                           "was logged.",
+      PageText{fmt::format("Verdict: {}. The named causes explain {} % of the error; some {} % is "
+                           "explainable.",
                            text(result, "verdict"), numberText(result.at("explained_percent"), "{:.0f}"),
                            numberText(result.at("explainable_percent"), "{:.0f}"))});
   if (const std::string next = text(result, "next_experiment"); !next.empty()) {
