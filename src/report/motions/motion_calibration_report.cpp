@@ -77,7 +77,15 @@ std::string terminalTable(const MotionCalibrationResult& result) {
   constexpr double kFarFromOptimum = 3.0;  // [sd]
   const Json json = toJson(result);
   const Table rms = calibrationRms(json);
-  std::string text = rms.caption + "\n" + alignedTable(rms);
+  const bool converged = !usesDescent(result) || result.state.descent.converged;
+  std::string text;
+  if (!converged) {
+    text += fmt::format(
+        "not converged after {} rounds: what follows is where the search was cut off, and its intervals may be far too "
+        "narrow; motions: {{rounds: {}}} in --config goes on\n",
+        result.config.rounds, 2 * result.config.rounds);
+  }
+  text += rms.caption + "\n" + alignedTable(rms);
   text += fmt::format("of {} parameters these motions tell:", result.parameters.size());
   for (const auto& [verdict, count] : json.at("identifiability").items()) {
     text += fmt::format("{} {} {}", text.ends_with(':') ? "" : ",", count.get<long>(), verdict);
@@ -95,10 +103,7 @@ std::string terminalTable(const MotionCalibrationResult& result) {
         "all intervals are wider by that\n",
         result.misfit);
   }
-  if (usesDescent(result) && !result.state.descent.converged) {
-    text += fmt::format("not converged after {} rounds: motions: {{rounds: {}}} in --config goes on\n",
-                        result.config.rounds, 2 * result.config.rounds);
-  } else if (result.fit.from_optimum > kFarFromOptimum) {
+  if (converged && result.fit.from_optimum > kFarFromOptimum) {
     text += fmt::format(
         "the search stopped {:.1f} standard deviations from where its derivatives still lead: the intervals may be too "
         "narrow, and a calibration on poses first (--poses) brings it nearer\n",

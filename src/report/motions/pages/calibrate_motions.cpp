@@ -23,17 +23,37 @@ std::string answer(const Json& result) {
   return text + ".";
 }
 
+/// Whether a channel of held-out motions is missed by clearly more than was expected of it.
+bool surprises(const Json& result) {
+  constexpr double kClearly = 1.25;  // times the upper limit: of many channels one is beyond it by chance
+  const auto predicted = result.find("predicted_motion_rms");
+  if (predicted == result.end() || !predicted->contains("validation")) return false;
+  const Json& final = result.at("motion_rms").at("validation").at("final");
+  for (const auto& [channel, upper] : predicted->at("validation").at("upper").items()) {
+    if (numberOf(final.at(channel)) > kClearly * numberOf(upper)) return true;
+  }
+  return false;
+}
+
 PageVerdict verdictOf(const ResultFiles& files) {
   using enum PageVerdict::Level;
   const Json& result = files.result();
   const std::string model = files.path("model.yaml");
   const std::string validate = fmt::format("simgap validate {} --motions OTHER_MOTIONS.yaml", model);
   if (result.at("failure").is_string()) return {kBad, "worse than the start", result.at("failure"), validate};
+  if (result.at("optimizer") == "lm" && !result.at("converged").get<bool>()) {
+    return {kDoubtful, "not converged", "The search was cut off: intervals may be far too narrow.",
+            "simgap calibrate MODEL.yaml --motions MOTIONS.yaml --config MORE_ROUNDS.yaml"};
+  }
   if (result.at("misfit").get<double>() > 1.5) {
     return {kDoubtful, "something is not in the model", "Residuals are larger than noise and model leave.", validate};
   }
   if (!result.at("motion_rms").contains("validation")) {
     return {kDoubtful, "not judged", "Only motions it was not fitted to can show what it is worth.", validate};
+  }
+  if (surprises(result)) {
+    return {kDoubtful, "missed by more than expected",
+            "Motions it never saw are missed by more than the model's own uncertainty.", validate};
   }
   return {kGood, "good", "It holds on motions the fit never saw.", validate};
 }
