@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "mjcf_robot.h"
 #include "simgap/core/text.h"
@@ -93,6 +94,9 @@ MjcfTendon readTendon(MjcfFile& file, const MjcfNode& node, const MjcfRobot& rob
       child.fail(fmt::format("found it in <{}>, expected what a tendon runs over", node.tag()));
     }
   }
+  // A wheel of radius 0, which ours cannot have, changes no length beside others.
+  const auto acts = [](const auto& wheel) { return wheel.second != 0.0; };
+  if (std::ranges::any_of(tendon.joints, acts)) std::erase_if(tendon.joints, std::not_fn(acts));
   if (node.tag() == "spatial") checkPath(node, tendon.path);
   if (node.tag() == "fixed" && tendon.joints.empty()) node.fail("found no joint, expected at least one");
   readTendonLaw(node, tendon);

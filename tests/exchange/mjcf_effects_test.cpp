@@ -76,5 +76,16 @@ TEST(MjcfEffects, FrictionOfABallIsAVectorHere) {
   EXPECT_TRUE(hasRemark(read.remarks, "joint frictionloss", true, "robot.xml:4"));
 }
 
+TEST(MjcfEffects, AWheelWithoutACoefficientTurnsNothing) {
+  const std::string joints = swinging("") + "<joint name='k' axis='0 1 0'/>\n";
+  const auto wheels = [&](const std::string& coef) {
+    return robot("", joints,
+                 "<tendon>\n<fixed name='t' stiffness='5'><joint joint='h' coef='" + coef +
+                     "'/><joint joint='k' coef='0'/></fixed></tendon>\n");
+  };
+  EXPECT_EQ(readText(wheels("0.5")).model.tendons.at(0).between.size(), 1U);
+  EXPECT_THAT(refusal(wheels("0")), HasSubstr("robot.xml:10: tendon 't'"));
+}
+
 }  // namespace
 }  // namespace simgap::test
