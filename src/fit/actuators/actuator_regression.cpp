@@ -29,14 +29,6 @@ std::string unitOn(std::string_view unit, const ActuatorData& data) {
   return text;
 }
 
-/// Rows that do not count become zeros.
-template <typename Matrix>
-void blank(Matrix& matrix, const std::vector<bool>& keep) {
-  for (Index i = 0; i < matrix.rows(); ++i) {
-    if (!keep[static_cast<std::size_t>(i)]) matrix.row(i).setZero();
-  }
-}
-
 /// The slowest Stribeck velocity that rows can tell: of a steeper curve too few of them would see anything but its end,
 /// and what those few ask for is a static friction without bound.
 double slowestSeen(const ActuatorData& data) {
@@ -131,20 +123,6 @@ ActuatorRegression::Terms ActuatorRegression::lawTerms(std::span<const double> p
   if (data_->angle) {
     t.weight = data_->angle->load(p[at++]);
     if (!data_->angle->scaled) t.shared.load += t.weight - data_->angle->load(data_->angle->start);
-  }
-  return t;
-}
-
-ActuatorRegression::Terms ActuatorRegression::lawTermsBeside(const Terms& near, std::span<const double> p,
-                                                             std::size_t moved, double by) const {
-  if (!base_.hasStribeck() || moved >= 2) return lawTerms(p, &near.stribeck);
-  // E = exp(-x), x = |w / v_s|^delta:  dE/dv_s = E x delta / v_s,  dE/ddelta = -E x ln |w / v_s|.
-  Terms t = near;
-  const ArrayXd e_x = -near.stribeck * near.stribeck.max(1e-300).log();
-  if (moved == 0) {
-    t.stribeck += by * p[1] / p[0] * e_x;
-  } else {
-    t.stribeck -= by * e_x * (log_speed_ - std::log(p[0]));
   }
   return t;
 }
@@ -245,6 +223,12 @@ Eigen::Index ActuatorRegression::source(Index row, Index by) const {
   return std::clamp(row - by, session_begin_[k], session_end_[k] - 1);
 }
 
+void ActuatorRegression::blank(Eigen::Ref<Eigen::MatrixXd> matrix, const std::vector<bool>& keep) {
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    if (!keep[static_cast<std::size_t>(i)]) matrix.row(i).setZero();
+  }
+}
+
 std::vector<bool> ActuatorRegression::counted(double delay) const {
   if (delay == 0.0) return data_->keep;
   const auto by = static_cast<Index>(std::lround(delay / data_->rows.step));
@@ -304,34 +288,6 @@ ArrayXd ActuatorRegression::predict(const Terms& law, std::span<const double> th
   return effort;
 }
 
-ArrayXd ActuatorRegression::predictBeside(const Evaluation& e, const Terms& law, std::span<const double> theta,
-                                          std::size_t moved, double by) const {
-  const std::span<const double> p = theta.subspan(linear_);
-  const bool of_law = moved >= linear_ && (effects_.empty() || moved < p_begin_.front());
-  if (implicit_) {
-    double delay = 0.0;
-    return predict(of_law ? lawTermsBeside(law, p, moved - linear_, by) : law, theta, delay);
-  }
-  const bool in_stribeck_factor = of_law && base_.hasStribeck() && moved - linear_ < 2;
-  const std::size_t owner = of_law ? effects_.size() : effectOf(moved);
-  const bool in_terms = !of_law && effects_[owner]->apply != nullptr;
-  // What an effect does to the terms does not depend on the Stribeck factor, nor on what only adds columns.
-  Terms t = e.terms;
-  if (in_stribeck_factor) {
-    t = lawTermsBeside(e.terms, p, moved - linear_, by);
-  } else if (of_law) {
-    t = withEffects(lawTermsBeside(law, p, moved - linear_, by), p, data_->rows.effort);
-  } else if (in_terms) {
-    t.shared = e.before[owner];
-    applyFrom(owner, p, t.shared);
-  }
-  Fills same(effects_.size());
-  for (std::size_t k = 0; k < effects_.size(); ++k) {
-    if (k != owner && (effects_[k]->of_rows || !(of_law || in_terms))) same[k] = e.fills[k];
-  }
-  return rightHandSide(t, fills(t, p, std::move(same)), theta);
-}
-
 ArrayXd ActuatorRegression::rightHandSide(const Terms& t, const Fills& fills, std::span<const double> theta) const {
   ArrayXd sum = ArrayXd::Zero(rows()), for_speed;
   visitColumns(t, fills, [&](std::size_t j, const auto& column) {
@@ -342,58 +298,6 @@ ArrayXd ActuatorRegression::rightHandSide(const Terms& t, const Fills& fills, st
   if (!t.shared.saturation.acts()) return sum;
   delayRows(for_speed, t.shared.delay);
   return t.shared.saturation.effort(sum, for_speed);
-}
-
-void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd& residual,
-                                  Eigen::MatrixXd* jacobian) const {
-  const Index n = rows();
-  const auto linear = static_cast<Index>(linear_);
-  const std::span<const double> p = theta.subspan(linear_);
-  const Terms law = lawTerms(p);
-  if (jacobian == nullptr) {
-    double delay = 0.0;
-    residual = (predict(law, theta, delay) - data_->rows.effort).matrix();
-    blank(residual, counted(delay));
-    return;
-  }
-  const Evaluation e = columns(law, p);
-  const Saturation& saturation = e.terms.shared.saturation;
-  const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
-  const auto viscous = static_cast<Index>(viscous_);
-  const ArrayXd for_speed = saturation.acts() ? ArrayXd(theta[viscous_] * e.x.col(viscous).array()) : ArrayXd();
-  double delay = e.terms.shared.delay;
-  const ArrayXd predicted = implicit_           ? predict(law, theta, delay)
-                            : saturation.acts() ? saturation.effort(x_c.array(), for_speed)
-                                                : ArrayXd(x_c.array());
-  residual = (predicted - data_->rows.effort).matrix();
-  jacobian->resize(n, static_cast<Index>(parameters_.size()));
-  if (saturation.acts()) {
-    jacobian->leftCols(linear) = (e.x.array().colwise() * saturation.slope(x_c.array(), for_speed)).matrix();
-    jacobian->col(viscous).array() += e.x.col(viscous).array() * saturation.slopeBySpeed(x_c.array(), for_speed);
-  } else {
-    jacobian->leftCols(linear) = e.x;
-  }
-  const auto typicalSize = [&](const ParameterSpec& spec) {
-    if (base_.law != nullptr) return 1e-2;
-    return std::isfinite(spec.upper - spec.lower) ? 1e-3 * (spec.upper - spec.lower) : 1e-9;
-  };
-  std::vector<double> moved(theta.begin(), theta.end());
-  for (std::size_t i = implicit_ ? 0 : linear_; i < parameters_.size(); ++i) {
-    auto column = jacobian->col(static_cast<Index>(i));
-    const ParameterSpec& parameter = parameters_[i];
-    if (parameter.fixed) {
-      column.setZero();
-      continue;
-    }
-    double h = 1e-5 * std::max(std::abs(theta[i]), typicalSize(parameter));
-    if (theta[i] + h > parameter.upper) h = -h;
-    moved[i] = theta[i] + h;
-    column = ((predictBeside(e, law, moved, i, h) - predicted) / h).matrix();
-    moved[i] = theta[i];
-  }
-  const std::vector<bool> keep = counted(delay);
-  blank(residual, keep);
-  blank(*jacobian, keep);
 }
 
 std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& other,

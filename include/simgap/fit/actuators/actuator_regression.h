@@ -113,6 +113,8 @@ class ActuatorRegression : public RowModel {
   void delayRows(Array& array, double delay) const;
   Eigen::Index source(Eigen::Index row, Eigen::Index by) const;
   std::vector<bool> counted(double delay) const;
+  /// Rows that do not count become zeros, shape (rows, any).
+  static void blank(Eigen::Ref<Eigen::MatrixXd> matrix, const std::vector<bool>& keep);
   std::span<const double> own(std::size_t effect, std::span<const double> p) const {
     return p.subspan(p_begin_[effect] - linear_, effects_[effect]->parameters.size());
   }
