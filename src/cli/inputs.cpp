@@ -26,13 +26,11 @@ LogTable readLogOf(CsvTable table, const std::vector<std::string>& sessions) {
   return readLogTable(std::move(table), sessions);
 }
 
-bool matchesAny(const ArmModel& model, const std::string& pattern) {
-  ArmModel copy = model;
-  bool found = false;
-  visitParameters(copy, [&](const ParameterPath& path, const ParameterKind&, double&) {
-    found = found || matchesPattern(pattern, path.str());
-  });
-  return found;
+std::vector<std::string> parameterPaths(ArmModel model) {
+  std::vector<std::string> paths;
+  visitParameters(model,
+                  [&](const ParameterPath& path, const ParameterKind&, double&) { paths.push_back(path.str()); });
+  return paths;
 }
 
 }  // namespace
@@ -54,10 +52,12 @@ ArmModel readArmFile(Session& session, const std::string& role, const std::strin
 
 std::vector<ParameterSpace::Choice> builtInChoices(const std::vector<ParameterSpace::Choice>& choices,
                                                    const ArmModel& model, const std::string& name) {
+  const std::vector<std::string> paths = parameterPaths(model);
   std::vector<ParameterSpace::Choice> matching;
   std::vector<std::string> others;
   for (const ParameterSpace::Choice& choice : choices) {
-    if (matchesAny(model, choice.pattern)) {
+    const auto matches = [&choice](const std::string& path) { return matchesPattern(choice.pattern, path); };
+    if (std::ranges::any_of(paths, matches)) {
       matching.push_back(choice);
     } else {
       others.push_back(choice.pattern);

@@ -223,7 +223,7 @@ void MotionDiagnosing::conclude() {
   nameOrdinary();
   if (last_) {
     d.extensions = last_->extensions();
-    fillParameters(d, split_.selecting);
+    fillParameters(d, split_.selecting, problem_.options.motion.rollout.step);
     d.causes.front().absorbed_by = shiftsBetween(*plain_, *last_);
   }
   keepCandidates();

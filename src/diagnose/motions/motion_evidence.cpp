@@ -12,8 +12,7 @@
 namespace simgap {
 namespace {
 
-constexpr double kBin = 0.25;    // [s]
-constexpr double kStep = 0.002;  // [s] of what is played: no time is known better
+constexpr double kBin = 0.25;  // [s]
 
 /// Root mean square of a series over a bin, and how many samples it has.
 std::pair<double, std::size_t> binned(const ErrorSeries& series, double begin) {
@@ -75,7 +74,7 @@ std::vector<EvidenceBin> errorsOverTime(const MotionSet& set, const std::vector<
   return bins;
 }
 
-void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
+void fillParameters(Diagnosis& diagnosis, const MotionSet& set, double step) {
   const double row = longestRow(set.motions);
   for (std::size_t c = 0; c < diagnosis.causes.size(); ++c) {
     const ArmEffect& effect = *findArmEffect(diagnosis.causes[c].effect);
@@ -84,7 +83,7 @@ void fillParameters(Diagnosis& diagnosis, const MotionSet& set) {
       // Of what it changes, or of itself where that is less: no current is limited at a thousand amperes.
       const double size = std::min(std::abs(p.value - effect.parameters[i].neutral), std::abs(p.value));
       const double of_model = effect.command_delay               ? 0.0
-                              : effect.parameters[i].unit == "s" ? std::hypot(effect.law_sd * size, kStep)
+                              : effect.parameters[i].unit == "s" ? std::hypot(effect.law_sd * size, step)
                                                                  : effect.law_sd * size;
       const double half =
           (std::isfinite(p.sd) ? 1.96 * std::hypot(p.sd, of_model) : 0.0) + (effect.command_delay ? row : 0.0);

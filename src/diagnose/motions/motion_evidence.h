@@ -15,8 +15,8 @@ std::vector<EvidenceBin> errorsOverTime(const MotionSet& set, const std::vector<
                                         const std::vector<PlayedMotion>& after, const PoseLayout& layout);
 
 /// The causes' parameters with 95 % intervals, from the extensions. When a command changed is known to a row of the set
-/// only, and so is how late it acts.
-void fillParameters(Diagnosis& diagnosis, const MotionSet& set);
+/// only, and so is how late it acts. \param step  of the rollouts [s]: no other time is known better
+void fillParameters(Diagnosis& diagnosis, const MotionSet& set, double step);
 
 /// By how much the ordinary parameters moved when the causes came in.
 std::vector<Absorption> shiftsBetween(const MotionCauseFit& plain, const MotionCauseFit& with);

@@ -39,15 +39,16 @@ ArrayXd ActuatorRegression::predictBeside(const Evaluation& e, const Terms& law,
   const std::size_t owner = of_law ? effects_.size() : effectOf(moved);
   const bool in_terms = !of_law && effects_[owner]->apply != nullptr;
   // What an effect does to the terms does not depend on the Stribeck factor, nor on what only adds columns.
-  Terms t = e.terms;
+  Terms changed;
   if (in_stribeck_factor) {
-    t = lawTermsBeside(e.terms, p, moved - linear_, by);
+    changed = lawTermsBeside(e.terms, p, moved - linear_, by);
   } else if (of_law) {
-    t = withEffects(lawTermsBeside(law, p, moved - linear_, by), p, data_->rows.effort);
+    changed = withEffects(lawTermsBeside(law, p, moved - linear_, by), p, data_->rows.effort);
   } else if (in_terms) {
-    t.shared = e.before[owner];
-    applyFrom(owner, p, t.shared);
+    changed = {e.before[owner], e.terms.stribeck, e.terms.weight};
+    applyFrom(owner, p, changed.shared);
   }
+  const Terms& t = of_law || in_terms ? changed : e.terms;
   Fills same(effects_.size());
   for (std::size_t k = 0; k < effects_.size(); ++k) {
     if (k != owner && (effects_[k]->of_rows || !(of_law || in_terms))) same[k] = e.fills[k];
@@ -67,7 +68,7 @@ void ActuatorRegression::evaluate(std::span<const double> theta, Eigen::VectorXd
     blank(residual, counted(delay));
     return;
   }
-  const Evaluation e = columns(law, p);
+  const Evaluation e = columns(law, p, /*slopes_too=*/true);
   const Saturation& saturation = e.terms.shared.saturation;
   const Eigen::VectorXd x_c = e.x * Eigen::Map<const Eigen::VectorXd>(theta.data(), linear);
   const auto viscous = static_cast<Index>(viscous_);

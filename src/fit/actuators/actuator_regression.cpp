@@ -239,10 +239,11 @@ std::vector<bool> ActuatorRegression::counted(double delay) const {
   return keep;
 }
 
-ActuatorRegression::Evaluation ActuatorRegression::columns(Terms law, std::span<const double> p) const {
+ActuatorRegression::Evaluation ActuatorRegression::columns(Terms law, std::span<const double> p,
+                                                           bool slopes_too) const {
   Evaluation result;
   result.x.resize(rows(), static_cast<Index>(linear_));
-  result.terms = withEffects(std::move(law), p, data_->rows.effort, &result.before);
+  result.terms = withEffects(std::move(law), p, data_->rows.effort, slopes_too ? &result.before : nullptr);
   result.fills = fills(result.terms, p);
   visitColumns(result.terms, result.fills, [&](std::size_t j, const auto& column) { result.x.col(j) = column; });
   delayRows(result.x, result.terms.shared.delay);

@@ -72,7 +72,7 @@ class ActuatorRegression : public RowModel {
   struct Evaluation {
     Eigen::MatrixXd x;                  ///< shape (rows, C), delayed, over gain
     Terms terms;                        ///< with effects
-    std::vector<ActuatorTerms> before;  ///< each effect that changes them
+    std::vector<ActuatorTerms> before;  ///< each effect that changes them; empty where no slopes are asked for
     Fills fills;
   };
   struct Shift {
@@ -90,7 +90,7 @@ class ActuatorRegression : public RowModel {
                     std::vector<ActuatorTerms>* before = nullptr) const;
   void applyFrom(std::size_t first, std::span<const double> p, ActuatorTerms& terms,
                  std::vector<ActuatorTerms>* before = nullptr) const;
-  Evaluation columns(Terms law, std::span<const double> p) const;
+  Evaluation columns(Terms law, std::span<const double> p, bool slopes_too = false) const;
   /// As predict(theta), and by how much the effort is logged later than the motion [s]. \param law  lawTerms there
   Eigen::ArrayXd predict(const Terms& law, std::span<const double> theta, double& delay) const;
   /// As predict(theta), where theta[moved] is larger by `by` than where the columns are `e`: what that leaves as it is,
