@@ -160,9 +160,7 @@ class MjcfArm {
     const Home home = homeOf(from.body);
     const Eigen::Isometry3d frame = home.frame * from.frame;
     Surface surface;
-    surface.name = element.name;
-    std::ranges::replace_if(
-        surface.name, [](char c) { return c == '.' || c == '*' || c == ','; }, '_');
+    surface.name = from.name;
     surface.shape = from.cylinder ? Surface::Shape::kCylinder : Surface::Shape::kSphere;
     surface.radius = from.radius;
     surface.position = frame.translation();

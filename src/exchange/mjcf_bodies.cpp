@@ -285,7 +285,8 @@ class Bodies {
     geom.frame = offset * geom.frame;
     const std::string name = node.newName("geom");
     if (!name.empty() && (geom.type == "sphere" || geom.type == "cylinder")) {
-      robot_.surfaces[name] = {body, geom.frame, geom.type == "cylinder", geom.size.x()};
+      robot_.surfaces[name] = {"",         file_.xml().place(node.xml()), body,
+                               geom.frame, geom.type == "cylinder",       geom.size.x()};
     }
     const std::vector<double>& groups = file_.compiler().inertia_groups;
     const double group = node.number("group", 0.0);

@@ -35,6 +35,21 @@ void nameLines(MjcfRobot& robot, XmlRobot& xml) {
   giveNames(wishes, taken, xml);
 }
 
+/// Those that a line runs over: others do not come into the arm.
+void nameSurfaces(MjcfRobot& robot, XmlRobot& xml) {
+  std::vector<NameWish> wishes;
+  for (auto& [said, surface] : robot.surfaces) {
+    const bool used = std::ranges::any_of(robot.tendons, [&said = said](const MjcfTendon& tendon) {
+      return std::ranges::any_of(tendon.path, [&](const MjcfPathElement& element) {
+        return element.kind == MjcfPathElement::Kind::kSurface && element.name == said;
+      });
+    });
+    if (used) wishes.push_back({&surface.name, "geom", said, surface.place, ""});
+  }
+  std::set<std::string> taken;
+  giveNames(wishes, taken, xml);
+}
+
 }  // namespace
 
 void nameMjcfParts(MjcfRobot& robot, XmlRobot& xml) {
@@ -52,6 +67,7 @@ void nameMjcfParts(MjcfRobot& robot, XmlRobot& xml) {
   }
   giveNames(joints, taken_joints, xml);
   nameLines(robot, xml);
+  nameSurfaces(robot, xml);
 }
 
 }  // namespace simgap

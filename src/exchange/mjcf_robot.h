@@ -48,6 +48,8 @@ struct MjcfSite {
   Eigen::Vector3d point = Eigen::Vector3d::Zero();
 };
 struct MjcfSurface {
+  std::string name;  ///< in the arm
+  std::string place;
   int body = -1;
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   bool cylinder = false;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 #include "simgap/core/decompositions.h"
@@ -36,11 +37,7 @@ class Replay {
 
   ExchangeReplay run() {
     ExchangeReplay result;
-    for (std::size_t b = 0, k = 0; b < one_.bodies.size(); ++b) {
-      if (one_.bodies[b].fixed) continue;
-      const double difference = massProperties(one_.bodies[b]).mass - massProperties(other_.bodies[bodies_[k++]]).mass;
-      result.mass = std::max(result.mass, std::abs(difference));
-    }
+    compareMasses(result);
     for (int i = 0; i < kPositions; ++i, ++result.positions) {
       const std::vector<JointPosition> joints = randomPosition(i);
       compare(joints, translated(joints), result.way, result.turn);
@@ -126,6 +123,27 @@ class Replay {
       way = std::max(way, (expected[b].origin - other.origin).norm());
       turn =
           std::max(turn, geodesicAngle(Eigen::Quaterniond(expected[b].rotation), Eigen::Quaterniond(other.rotation)));
+    }
+  }
+
+  /// Mass, its centre and its inertia about that centre, where both arms begin.
+  void compareMasses(ExchangeReplay& result) const {
+    const std::vector<JointPosition> joints = startPosition(one_);
+    const std::vector<BodyInWorld> here = bodiesInWorld(one_, joints),
+                                   there = bodiesInWorld(other_, translated(joints));
+    const auto inWorld = [](const MassProperties& body, const BodyInWorld& frame) -> Eigen::Matrix3d {
+      return frame.rotation * body.inertia * frame.rotation.transpose();
+    };
+    for (std::size_t b = 0, k = 0; b < one_.bodies.size(); ++b) {
+      if (one_.bodies[b].fixed) continue;
+      const std::size_t same = static_cast<std::size_t>(bodies_[k++]);
+      const MassProperties ours = massProperties(one_.bodies[b]), theirs = massProperties(other_.bodies[same]);
+      const Eigen::Matrix3d inertia = inWorld(ours, here[b]);
+      const double size = std::max(inertia.norm(), std::numeric_limits<double>::min());
+      result.mass = std::max(result.mass, std::abs(ours.mass - theirs.mass));
+      result.centre =
+          std::max(result.centre, (here[b] * ours.centre_of_mass - there[same] * theirs.centre_of_mass).norm());
+      result.inertia = std::max(result.inertia, (inertia - inWorld(theirs, there[same])).norm() / size);
     }
   }
 

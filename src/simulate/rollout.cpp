@@ -210,8 +210,9 @@ MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& st
   while (steps_ < 0) {
     if (!follow(commands, command_row)) return stopped();
   }
-  take(*now_);
-  for (; row < times.size() && times[row] <= start.time; ++row) write(1.0, track, row);
+  const bool settled = start.settle > 0.0;
+  if (settled) take(*now_);
+  for (; settled && row < times.size() && times[row] <= start.time; ++row) write(1.0, track, row);
   while (row < times.size()) {
     stopIfInterrupted();
     const double from = time(), to = from + options_.step;
@@ -224,6 +225,12 @@ MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& st
     }
     if (!wanted) continue;
     take(*now_);
+    // What lines do where a step begins is worked out in that step: of a start that nothing settled, in the first.
+    if (!settled && steps_ == 1) {
+      before_->cord_lengths = now_->cord_lengths;
+      before_->forces = now_->forces;
+      before_->line_forces = now_->line_forces;
+    }
     for (; row < times.size() && times[row] <= to; ++row) write((times[row] - from) / options_.step, track, row);
   }
   return {true, time(), -1, -1, row};

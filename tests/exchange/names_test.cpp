@@ -59,6 +59,25 @@ TEST(Names, LinesAndDrivesShareTheirs) {
   EXPECT_EQ(calledHere(taken, "actuator 'elbow'"), "called 'elbow_2' here: the name is taken");
 }
 
+/// Two surfaces of one body whose names our files hold alike stay two: the line runs over both.
+TEST(Names, OfSurfacesStayApart) {
+  const std::string line =
+      "<spatial name='line' stiffness='5'><site site='in'/><geom geom='s.1'/><site site='mid'/><geom geom='s_1'/>"
+      "<site site='out'/></spatial>";
+  const ImportedArm read =
+      readText(robot("", "<joint name='elbow'/>\n" + std::string(kBall) + "<site name='in' pos='0.3 0 0'/>\n",
+                     "<worldbody><geom name='s.1' size='0.05' mass='0' pos='1 0 0'/>"
+                     "<geom name='s_1' size='0.07' mass='0' pos='1 2 0'/><geom name='other.1' size='0.01' mass='0'/>"
+                     "<site name='mid' pos='1 1 0'/><site name='out' pos='0 3 0'/></worldbody>\n<tendon>\n" +
+                         line + "</tendon>\n"));
+  const std::vector<Surface>& surfaces = read.model.bodies[0].surfaces;
+  ASSERT_EQ(namesOf(surfaces), (Names{"s_1_2", "s_1"}));
+  EXPECT_DOUBLE_EQ(surfaces[0].radius, 0.05);
+  EXPECT_DOUBLE_EQ(surfaces[1].radius, 0.07);
+  EXPECT_THAT(calledHere(read, "geom 's.1'"), HasSubstr("called 's_1_2' here"));
+  EXPECT_EQ(calledHere(read, "geom 'other.1'"), "nothing was said") << "no line runs over it";
+}
+
 TEST(Names, OfLinksAndTheirJointsAreRemarkedToo) {
   const std::string mass = "<inertial><mass value='1'/><inertia ixx='.01' iyy='.01' izz='.01'/></inertial>";
   const auto joint = [](const std::string& name, const std::string& parent, const std::string& child,

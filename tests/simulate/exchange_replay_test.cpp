@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "simgap/exchange/exchange.h"
 
 namespace simgap::test {
@@ -47,6 +49,19 @@ TEST(ExchangeReplay, WhatIsIndifferentIsNotComparedInsteadOfTakenForAnotherRobot
   EXPECT_GT(replay.rests, 0);
   EXPECT_EQ(replay.rests + replay.not_compared, 20);
   EXPECT_LT(replay.rest_way, 1e-12);
+}
+
+/// A finger whose inertia alone was lost on the way stands and rests where it did: only its inertia tells.
+TEST(ExchangeReplay, SeesAnInertiaThatRestsDoNotSee) {
+  const ArmModel arm = readMjcf(kGripper, "gripper.xml", {}).model;
+  std::string changed = kGripper;
+  const std::string finger = "diaginertia=\"2.375e-6 2.375e-6 7.5e-7\"";
+  changed.replace(changed.find(finger), finger.size(), "diaginertia=\"2.375e-6 2e-6 7.5e-7\"");
+  const ExchangeReplay replay = replayExchange(arm, readMjcf(changed, "changed.xml", {}).model, false);
+  EXPECT_NEAR(replay.inertia, 0.375 / std::hypot(2.375, 2.375, 0.75), 1e-9);
+  EXPECT_EQ(replay.mass, 0.0);
+  EXPECT_LT(replay.centre, 1e-12);
+  EXPECT_LT(replay.way, 1e-12);
 }
 
 }  // namespace

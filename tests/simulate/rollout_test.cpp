@@ -191,6 +191,28 @@ TEST(Rollout, RepeatsToTheLastBitWhateverCameBefore) {
   EXPECT_EQ(first.currents, again.currents);
 }
 
+/// A cord at rest pulls with k x, and a shaft wound by more has its cord longer by what it wound. The row has the pull
+/// of the first step, in whose middle bodies have moved a little: the shorter the step, the less.
+TEST(Rollout, TheFirstRowOfAStartThatNothingSettledHasTheTensionOfItsCords) {
+  const ArmModel model = test::exampleArm();
+  const auto firstRow = [&](double shaft) {
+    MotionStart start;
+    start.shafts.assign(model.muscles.size(), shaft);
+    return playRollout(model, 1e-5, start, {0.0});
+  };
+  const MotionTrack track = firstRow(3.0), wound = firstRow(3.5);
+  int taut = 0;
+  for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+    const ShockCord& cord = model.muscles[m].shock_cord;
+    const auto i = static_cast<Eigen::Index>(m);
+    const double expansion = track.cord_lengths(i, 0) - cord.rest_length;
+    EXPECT_NEAR(track.forces(i, 0), std::max(0.0, cord.stiffness * expansion), 0.005) << m;
+    EXPECT_NEAR(wound.cord_lengths(i, 0) - track.cord_lengths(i, 0), 0.5 * model.muscles[m].spindle_radius, 1e-6) << m;
+    taut += track.forces(i, 0) > 1.0 ? 1 : 0;
+  }
+  EXPECT_GT(taut, 5);
+}
+
 TEST(Rollout, SaysWhenAndWhereItBlewUp) {
   ArmModel model = test::exampleArm();
   for (Muscle& muscle : model.muscles) muscle.shock_cord.stiffness = 1e9;

@@ -12,6 +12,8 @@ struct ExchangeReplay {
   double way = 0.0;        ///< [m] between origins of the same body
   double turn = 0.0;       ///< [rad] between its orientations
   double mass = 0.0;       ///< [kg]
+  double centre = 0.0;     ///< [m] between centres of mass
+  double inertia = 0.0;    ///< about them, as a share of the body's own
   int rests = 0;           ///< random shafts (of muscles) for which both come to rest
   int restless = 0;        ///< for which only the first one does
   int not_compared = 0;    ///< for which the first one does not rest, or rounding alone says where

@@ -48,10 +48,11 @@ void leaveOut(const std::string& channel, const std::string& sentence, const std
 }
 
 /// Rows at the very end of a range that is reached several rows in a row, and more than once: a converter or an
-/// amplifier that cannot go further. The rows beside them go with them: so near to a limit only those are left that
-/// noise has made small. \returns those ends.
+/// amplifier that cannot go further, unless it comes there by single counts. The rows beside them go with them: so near
+/// to a limit only those are left that noise has made small. \returns those ends.
 std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
   constexpr double kBeside = 0.1;  // [s]
+  constexpr Index kTogether = 4;   // rows
   const auto beside = static_cast<Index>(std::ceil(kBeside / log.data.rows.step));
   std::vector<double> limits;
   for (const double limit : {channel.values.maxCoeff(), channel.values.minCoeff()}) {
@@ -61,10 +62,11 @@ std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, 
       end = i;
       while (end < channel.values.size() && channel.values[end] == limit) ++end;
       for (Index k = i; k < end; ++k) rows.push_back(k);
-      if (end - i >= 4) ++runs;
+      if (end - i >= kTogether) ++runs;
     }
     if (limit == 0.0 || runs < 2 ||
-        static_cast<double>(rows.size()) < 1e-3 * static_cast<double>(channel.values.size()))
+        static_cast<double>(rows.size()) < 1e-3 * static_cast<double>(channel.values.size()) ||
+        comesByCounts(spanOf(channel.values), limit, kTogether))
       continue;
     const std::string sentence =
         fmt::format("{} sits at its limit {:.4g} in {} rows ({} times in 4 and more together): saturated", channel.name,

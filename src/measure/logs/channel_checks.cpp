@@ -81,7 +81,7 @@ std::vector<std::string> checkChannels(const std::string& file, std::span<const 
     if (low == high) continue;  // said by whoever needs the channel
     for (const auto& [bound, side] : {std::pair{high, "above"}, std::pair{low, "below"}}) {
       const double share = bound == 0.0 ? 0.0 : shareAt(values, bound, kClippedRun);
-      if (share < kClippedShare) continue;
+      if (share < kClippedShare || comesByCounts(values, bound, kClippedRun)) continue;
       warnings.push_back(
           fmt::format("{} stands at {:.4g} in {:.1f} % of the rows, nothing is {}: it looks clipped, which "
                       "biases every parameter; leave these rows out or record with a larger range",

@@ -28,4 +28,19 @@ double noiseLevel(std::span<const double> values) {
   return std::max(robustDeviation(std::move(bends)) / std::sqrt(6.0), quantumOf(values) / 4.0);
 }
 
+bool comesByCounts(std::span<const double> values, double end, std::size_t least) {
+  std::vector<double> levels(values.begin(), values.end());
+  std::ranges::sort(levels);
+  const double count = 1.5 * quantumOf(levels);
+  std::size_t runs = 0, by_counts = 0;
+  for (std::size_t i = 1, after = 1; i < values.size(); i = std::max(after, i + 1)) {
+    after = i;
+    while (after < values.size() && values[after] == end) ++after;
+    if (after - i < least || values[i - 1] == end) continue;
+    ++runs;
+    if (std::abs(values[i - 1] - end) <= count) ++by_counts;
+  }
+  return runs > 0 && 2 * by_counts > runs;
+}
+
 }  // namespace simgap

@@ -59,6 +59,9 @@ Json toJson(const RobotExchange& exchange) {
            {{"positions", replay.positions},
             {"largest_way_m", replay.way},
             {"largest_turn_deg", toDegrees(replay.turn)},
+            {"largest_mass_kg", replay.mass},
+            {"largest_centre_m", replay.centre},
+            {"largest_inertia_share", replay.inertia},
             {"rests", replay.rests},
             {"not_compared", replay.not_compared},
             {"largest_way_at_rest_m", rested ? Json(replay.rest_way) : Json(nullptr)},
@@ -75,6 +78,8 @@ std::string terminalTable(const RobotExchange& exchange) {
                       surfaces(model));
   text += fmt::format("read back  {} positions of the joints: bodies within {:.1e} m and {:.1e} deg\n",
                       replay.positions, replay.way, toDegrees(replay.turn));
+  text += fmt::format("           masses within {:.1e} kg, their centres {:.1e} m, inertias {:.1e} of themselves\n",
+                      replay.mass, replay.centre, replay.inertia);
   if (replay.rests > 0) {
     text += fmt::format("           {} poses at rest: bodies within {:.1e} m and {:.1e} deg\n", replay.rests,
                         replay.rest_way, toDegrees(replay.rest_turn));

@@ -26,6 +26,19 @@ TEST(LogFaults, FindsClippedEffort) {
   EXPECT_GT(faults[0].rows, 20u);
 }
 
+/// The grid is as coarse as the noise of a row: what stands at its last level comes there by one count.
+TEST(LogFaults, ASpeedThatSettlesOnAGridIsNotSaturated) {
+  PreparedLog log = preparedLog(smallRig());
+  Eigen::ArrayXd& speed = log.data.rows.speed;
+  const double count = 0.05 * speed.maxCoeff(), top = 0.5 * speed.maxCoeff();
+  speed = top * (speed / top).tanh();
+  speed = count * (speed / count).round();
+  const Index standing = (speed == speed.maxCoeff()).count();
+  ASSERT_GT(standing, 100);
+  const std::vector<DataFault> faults = findFaults(log);
+  EXPECT_TRUE(faults.empty()) << faults[0].sentence;
+}
+
 TEST(LogFaults, LeavesOutEveryRowAtALimit) {
   PreparedLog log = preparedLog(smallRig());
   const double limit = 0.7 * log.data.rows.effort.maxCoeff();

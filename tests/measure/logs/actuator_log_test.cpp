@@ -79,6 +79,24 @@ TEST(LogChecks, NameImplausibleClippedAndStuckChannels) {
   EXPECT_THAT(check(100.0), ElementsAre(HasSubstr("looks stuck")));
 }
 
+/// A motor that settles at its top speed, each way, read off an encoder: counts per row are a coarse grid.
+TEST(LogChecks, ATopSpeedOnTheGridOfAnEncoderIsNoLimit) {
+  constexpr double kCount = 0.05;  // [rad/s]
+  std::vector<double> steady(2000), cut(2000);
+  for (std::size_t i = 0; i < steady.size(); ++i) {
+    const double since = static_cast<double>(i % 200), side = i / 200 % 2 == 0 ? 1.0 : -1.0;
+    const double speed = 4.3 * side * (1.0 - 2.0 * std::exp(-since / 5.0));
+    steady[i] = kCount * std::round(speed / kCount);
+    cut[i] = kCount * std::round(std::clamp(speed, -3.0, 3.0) / kCount);
+  }
+  const auto check = [](const std::vector<double>& values) {
+    const ChannelCheck channel[] = {{"motor_velocity_rad_s", values, 100.0}};
+    return checkChannels("log.csv", channel);
+  };
+  EXPECT_THAT(check(steady), testing::IsEmpty());
+  EXPECT_THAT(check(cut), ElementsAre(HasSubstr("looks clipped"), HasSubstr("looks clipped")));
+}
+
 TEST(ActuatorLog, APressureInBarUnderTheNameOfPascalsIsRefused) {
   const std::string rows = ",contraction,force_N\n0,0.1,1\n0.45,0.1,20\n";
   EXPECT_THAT(errorOf([&] { readPamLog(CsvTable::parse("pressure_Pa" + rows, "muscle.csv")); }),
