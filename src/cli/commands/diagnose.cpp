@@ -272,6 +272,8 @@ extern const Command entry;
 const Command entry{"diagnose", "what the model gets wrong, the physical cause, and the gain on data never used",
                     "  simgap diagnose classic --log data/logs/bend-friction.csv.gz \\\n"
                     "    -o runs/diagnosis\n"
+                    "  simgap diagnose data/robot/robot.urdf --log data/robot/log.csv.gz \\\n"
+                    "    -o runs/diagnosis-robot\n"
                     "  simgap diagnose data/arm-dense/arm.yaml \\\n"
                     "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm\n"
                     "  simgap diagnose data/motions/arm.yaml --dry-run \\\n"

@@ -97,8 +97,10 @@ ArmModel readArm(const YamlNode& root, const MeshReader& mesh) {
   if (const auto node = root.find("motor_defaults")) model.motor_defaults = readMotor(*node, nullptr);
   if (const auto node = root.find("gearbox_defaults")) model.gearbox_defaults = readGearbox(*node, nullptr);
   std::set<std::string> names;
-  for (const YamlNode& muscle : root.at("muscles").items()) {
-    model.muscles.push_back(readMuscle(muscle, model, root, places, names, second_version));
+  if (const auto muscles = second_version ? root.find("muscles") : root.at("muscles")) {
+    for (const YamlNode& muscle : muscles->items()) {
+      model.muscles.push_back(readMuscle(muscle, model, root, places, names, second_version));
+    }
   }
   if (const auto tendons = second_version ? root.find("tendons") : std::nullopt) {
     for (const YamlNode& tendon : tendons->items()) {

@@ -40,6 +40,15 @@ TEST(SecondArmFormat, AnArmThatNeedsNothingOfItIsWrittenAsTheFirst) {
   EXPECT_EQ(writeArm(readSecond(second)), writeArm(model));
 }
 
+TEST(SecondArmFormat, ARobotWithoutMusclesNeedNotSayThatItHasNone) {
+  ArmModel model = test::exampleArm();
+  model.muscles.clear();
+  const std::string first = writeArm(model), none = test::replaced(first, "muscles: []\n", "");
+  ASSERT_NE(none, first);
+  EXPECT_EQ(writeArm(readSecond(test::replaced(none, "simgap/arm/1", "simgap/arm/2"))), first);
+  EXPECT_THAT(test::errorOf([&] { readSecond(none); }), HasSubstr("expected the key 'muscles'"));
+}
+
 TEST(SecondArmFormat, FixedJointsAreWelded) {
   const ArmModel model = readSecond(test::kManyKinds);
   ASSERT_EQ(model.bodies.size(), 5u);
