@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <tbb/parallel_invoke.h>
 
 #include "simgap/capture/camera_files.h"
 #include "simgap/capture/image_pairs.h"
@@ -58,8 +59,10 @@ Views viewsOfImages(const Options& options) {
       throw DataError(fmt::format("{}: found {}x{} px, the images before have {}x{}", pairs.leftName(),
                                   pairs.left().cols, pairs.left().rows, views.size.width, views.size.height));
     }
-    const auto view = joinViews(board, std::filesystem::path(pairs.leftName()).filename().string(),
-                                findBoard(pairs.left(), board), findBoard(pairs.right(), board));
+    BoardPoints left, right;
+    tbb::parallel_invoke([&] { left = findBoard(pairs.left(), board); },
+                         [&] { right = findBoard(pairs.right(), board); });
+    const auto view = joinViews(board, std::filesystem::path(pairs.leftName()).filename().string(), left, right);
     if (view) views.views.push_back(*view);
     views.pairs = pairs.frame() + 1;
     progress.update(views.pairs);

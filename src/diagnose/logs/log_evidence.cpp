@@ -1,11 +1,14 @@
 #include "log_evidence.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <opencv2/ml.hpp>
+#include <optional>
 
 #include "diagnose/paired_error.h"
 #include "log_hypotheses.h"
@@ -34,7 +37,7 @@ std::vector<std::size_t> keptRows(const PreparedLog& log) {
 /// Rows where a drive turns, stops or starts, and as far from them as a smoother blurs the jump of its acceleration
 /// there, are no evidence of structure: what a model lacks in them is as likely the smoother's. Where it stops and
 /// starts, rows that count (of motion) border on rows that do not.
-void leaveOutTurns(const PreparedLog& log, std::vector<std::size_t>& kept) {
+void leaveOutBlurred(const PreparedLog& log, std::vector<std::size_t>& kept) {
   if (log.blurred_seconds <= 0.0) return;
   const ActuatorRows& rows = log.data.rows;
   std::vector<bool> blurred(log.data.keep.size(), false);
@@ -239,10 +242,56 @@ std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<E
   return bins;
 }
 
+namespace {
+
+/// What a forest leaves of the rows of one fold, which it has not seen.
+struct ForestFold {
+  std::vector<std::size_t> rows;
+  ArrayXd before, after;         ///< squared errors, shape (rows)
+  std::vector<double> shuffled;  ///< sums of them with one channel's values exchanged, shape (channels)
+};
+
+cv::Ptr<cv::ml::RTrees> trainedForest(const std::vector<EvidenceChannel>& channels,
+                                      const std::vector<std::size_t>& rows, const VectorXd& residual, int seed) {
+  cv::Mat target(static_cast<int>(rows.size()), 1, CV_32F);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    target.at<float>(static_cast<int>(i)) = static_cast<float>(residual[rows[i]]);
+  }
+  const cv::Ptr<cv::ml::RTrees> forest = cv::ml::RTrees::create();
+  forest->setMaxDepth(10);
+  forest->setMinSampleCount(std::max(20, static_cast<int>(rows.size() / 150)));
+  forest->setActiveVarCount(std::max(2, static_cast<int>(channels.size() / 2)));
+  forest->setTermCriteria({cv::TermCriteria::MAX_ITER, 40, 0.0});
+  cv::setRNGSeed(seed);  // of this thread, which trains it
+  forest->train(features(channels, rows), cv::ml::ROW_SAMPLE, target);
+  return forest;
+}
+
+/// \returns nothing where there are too few rows to train on, or none to judge by
+std::optional<ForestFold> judgeFold(const std::vector<EvidenceChannel>& channels,
+                                    const std::vector<std::size_t>& training, const std::vector<std::size_t>& test,
+                                    const VectorXd& residual, int seed) {
+  if (training.size() < 100 || test.empty()) return std::nullopt;
+  const cv::Ptr<cv::ml::RTrees> forest = trainedForest(channels, training, residual, seed);
+  const VectorXd y = valuesAt(residual, test);
+  cv::Mat x = features(channels, test);
+  ForestFold fold{test, y.array().square(), squaredErrors(forest, x, y), {}};
+  for (int c = 0; c < x.cols; ++c) {
+    // Shuffled by a turn of half the rows: other values of the same channel, in other blocks.
+    const cv::Mat original = x.col(c).clone();
+    for (int i = 0; i < x.rows; ++i) x.at<float>(i, c) = original.at<float>((i + x.rows / 2) % x.rows);
+    fold.shuffled.push_back(squaredErrors(forest, x, y).sum());
+    original.copyTo(x.col(c));
+  }
+  return fold;
+}
+
+}  // namespace
+
 Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& channels, const VectorXd& residual,
                     std::uint64_t seed) {
   std::vector<std::size_t> kept = keptRows(log);
-  leaveOutTurns(log, kept);
+  leaveOutBlurred(log, kept);
   if (kept.empty()) return {};
   const VectorXd near = bounded(residual, kept);
   if (near.isZero(0.0)) return {};  // nothing is left
@@ -257,37 +306,19 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
   for (std::size_t b = 0; b < log.blocks.size(); ++b) {
     for (std::size_t i = log.blocks[b].begin; i < log.blocks[b].end; ++i) fold[i] = static_cast<int>(b % kForestFolds);
   }
-  cv::setRNGSeed(static_cast<int>(seed));
-  PiecewiseErrors errors(log);
-  std::vector<double> shuffled(used.size(), 0.0);
-  for (int f = 0; f < kForestFolds; ++f) {
+  std::array<std::optional<ForestFold>, kForestFolds> folds;
+  tbb::parallel_for(0, kForestFolds, [&](int f) {
     std::vector<std::size_t> training, test;
     for (const std::size_t i : kept) (fold[i] == f ? test : training).push_back(i);
-    training = thinned(training, kForestRows);
-    test = thinned(test, kForestRows);
-    if (training.size() < 100 || test.empty()) return {};
-    const VectorXd y_training = valuesAt(near, training), y = valuesAt(near, test);
-    cv::Mat target(static_cast<int>(training.size()), 1, CV_32F);
-    for (std::size_t i = 0; i < training.size(); ++i) {
-      target.at<float>(static_cast<int>(i)) = static_cast<float>(y_training[i]);
-    }
-    const cv::Ptr<cv::ml::RTrees> forest = cv::ml::RTrees::create();
-    forest->setMaxDepth(10);
-    forest->setMinSampleCount(std::max(20, static_cast<int>(training.size() / 150)));
-    forest->setActiveVarCount(std::max(2, static_cast<int>(used.size() / 2)));
-    forest->setTermCriteria({cv::TermCriteria::MAX_ITER, 40, 0.0});
-    forest->train(features(used, training), cv::ml::ROW_SAMPLE, target);
-    cv::Mat x = features(used, test);
-    errors.add(test, y.array().square(), squaredErrors(forest, x, y));
-    for (std::size_t c = 0; c < used.size(); ++c) {
-      // Shuffled by a turn of half the rows: other values of the same channel, in other blocks.
-      const cv::Mat original = x.col(static_cast<int>(c)).clone();
-      for (int i = 0; i < x.rows; ++i) {
-        x.at<float>(i, static_cast<int>(c)) = original.at<float>((i + x.rows / 2) % x.rows);
-      }
-      shuffled[c] += squaredErrors(forest, x, y).sum();
-      original.copyTo(x.col(static_cast<int>(c)));
-    }
+    folds[f] =
+        judgeFold(used, thinned(training, kForestRows), thinned(test, kForestRows), near, static_cast<int>(seed) + f);
+  });
+  PiecewiseErrors errors(log);
+  std::vector<double> shuffled(used.size(), 0.0);
+  for (const std::optional<ForestFold>& one : folds) {
+    if (!one) return {};
+    errors.add(one->rows, one->before, one->after);
+    for (std::size_t c = 0; c < used.size(); ++c) shuffled[c] += one->shuffled[c];
   }
   Ceiling ceiling;
   ceiling.share = errors.share(seed);
