@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -73,6 +74,45 @@ EegRecording readEeg(const CsvTable& table, const EegLabels& labels) {
   }
   recording.instructions = instructionsOf(table, labels);
   return recording;
+}
+
+std::vector<std::string> checkEeg(const EegRecording& recording) {
+  // From one row to the next an EEG goes by some microvolts: less at high rates, more with the mains in it.
+  constexpr double kLeastStep = 1e-8, kMostStep = 1e-3;  // [V], of the channel in the middle
+  constexpr double kStill = 1.0;                         // [s] of all channels at once
+  const Eigen::Index rows = recording.volts.rows(), between = rows - 1;
+  const Eigen::MatrixXd steps = recording.volts.bottomRows(between) - recording.volts.topRows(between);
+  std::vector<std::string> sentences;
+  std::vector<double> sizes;
+  for (Eigen::Index c = 0; c < steps.cols(); ++c) {
+    const double size = std::sqrt(steps.col(c).squaredNorm() / static_cast<double>(between));
+    if (size > 0.0)
+      sizes.push_back(size);
+    else
+      sentences.push_back(fmt::format("{} is constant: nothing was measured there", recording.channels[c]));
+  }
+  if (sizes.empty()) {
+    throw DataError(fmt::format("{}: every channel is constant, expected an EEG: was it connected?", recording.name));
+  }
+  const double size = upperMedian(sizes);
+  if (size < kLeastStep || size > kMostStep) {
+    throw DataError(
+        fmt::format("{}: from row to row the channels go by {:.2g} uV, expected {:g} to {:g} as of an EEG: is "
+                    "the unit in the columns' names right? (--map {}_uV=COLUMN*FACTOR)",
+                    recording.name, 1e6 * size, 1e6 * kLeastStep, 1e6 * kMostStep, recording.channels.front()));
+  }
+  Eigen::Index still = 0, run = 0;
+  const auto least = static_cast<Eigen::Index>(kStill * recording.rate);
+  for (Eigen::Index i = 0; i < between; ++i) {
+    run = (steps.row(i).array() == 0.0).all() ? run + 1 : 0;
+    if (run == least) still += least;
+    if (run > least) ++still;
+  }
+  if (still > 0) {
+    sentences.push_back(fmt::format("all channels stand still for {:.1f} s: what is decoded there is nobody's",
+                                    static_cast<double>(still) / recording.rate));
+  }
+  return sentences;
 }
 
 }  // namespace simgap

@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "simgap/core/rotation.h"
+#include "simgap/core/units.h"
 
 namespace simgap {
 namespace {
@@ -55,6 +56,30 @@ std::vector<ExoJointRun> runsOf(const ExoJoint& joint, const ExoJointCommands& c
           run("rigid_alone", false, false)};
 }
 
+/// Where the supply cannot give what both muscles are to do besides the torque, or the torque leaves no room for it:
+/// by how much it was missed, where by more than a tenth for more than a tenth of the time; empty otherwise. Momentary
+/// misses are the valves'.
+std::string missedCoContraction(const ExoJoint& joint, const ExoJointTrack& track) {
+  using Kind = CoContraction::Kind;
+  constexpr double kMuch = 0.1;
+  const CoContraction& asked = joint.co_contraction;
+  if (track.desired.empty() || asked.kind == Kind::kExtensorPressure) return {};
+  const bool stiff = asked.kind == Kind::kStiffness;
+  const AntagonistJoint& m = joint.muscles;
+  double missed = 0.0, least = kInfinity;
+  for (std::size_t i = 0; i < track.angle.size(); ++i) {
+    const double had = stiff ? track.stiffness[i]
+                             : std::min(m.flexorForce(track.flexor_pressure[i], track.angle[i]),
+                                        m.extensorForce(track.extensor_pressure[i], track.angle[i]));
+    if (had < (1.0 - kMuch) * asked.value) missed += 1.0 / static_cast<double>(track.angle.size());
+    least = std::min(least, had);
+  }
+  if (missed <= kMuch) return {};
+  return fmt::format("the muscles did not give the {} of {:.3g} {} for {:.1f} % of the time: it went down to {:.3g} {}",
+                     stiff ? "stiffness" : "co-contraction", asked.value, stiff ? "Nm/rad" : "N", 100.0 * missed, least,
+                     stiff ? "Nm/rad" : "N");
+}
+
 std::vector<std::string> notesOf(const ExoJoint& joint, const ExoJointStudy& study) {
   constexpr double kMostChange = 0.1 * kDegree;
   std::vector<std::string> notes;
@@ -79,6 +104,7 @@ std::vector<std::string> notesOf(const ExoJoint& joint, const ExoJointStudy& stu
     notes.push_back(fmt::format("the muscles contracted by {:.3f} … {:.3f}, their fits have seen {:.3f} … {:.3f}",
                                 least, most, joint.lowest_fitted, joint.highest_fitted));
   }
+  if (std::string missed = missedCoContraction(joint, track); !missed.empty()) notes.push_back(std::move(missed));
   if (joint.motor && study.main().tracking.at_limit > 0.0) {
     notes.push_back(
         fmt::format("the motor was at its limit of {:.3g} Nm, and torque was missing, for {:.1f} % of the "

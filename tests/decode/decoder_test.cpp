@@ -257,6 +257,26 @@ TEST(Decoder, WhatDoesNotBelongToItIsRefused) {
   EXPECT_THAT(sentenceOf([&] { trainDecoder(recording, many); }), testing::HasSubstr("expected 20 of each"));
 }
 
+// All of these were decoded without a word.
+TEST(EegRecording, SaysWhereNothingWasMeasured) {
+  using testing::ElementsAre;
+  const EegRecording sound = recorded({.channels = 4, .trials = 6, .trial_s = 2.0});
+  EXPECT_THAT(checkEeg(sound), testing::IsEmpty());
+  EegRecording recording = sound;
+  recording.volts.col(2).setConstant(3e-6);
+  EXPECT_THAT(checkEeg(recording), ElementsAre(recording.channels[2] + " is constant: nothing was measured there"));
+  recording = sound;
+  recording.volts.middleRows(256, 321).rowwise() = sound.volts.row(256).eval();  // 320 steps of 128 a second
+  EXPECT_THAT(checkEeg(recording), ElementsAre(testing::HasSubstr("all channels stand still for 2.5 s")));
+  recording.volts.setZero();
+  EXPECT_THAT(sentenceOf([&] { checkEeg(recording); }), testing::HasSubstr("every channel is constant"));
+  for (const double factor : {1e-6, 1e3}) {
+    recording.volts = factor * sound.volts;
+    EXPECT_THAT(sentenceOf([&] { checkEeg(recording); }),
+                testing::HasSubstr("is the unit in the columns' names right?"));
+  }
+}
+
 TEST(EegRecording, BadFilesGetASentence) {
   const auto read = [](const std::string& head, const std::function<std::string(int)>& row) {
     std::string text = head + "\n";

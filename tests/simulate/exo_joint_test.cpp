@@ -1,5 +1,7 @@
 // The joint of two pneumatic muscles and a motor: its integrator against closed forms, its motions against a simulator
 // that shares no code with it, its rest against the same muscles in an arm; the split of torques.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -17,6 +19,7 @@ namespace simgap::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 FittedModel noModel(const std::string& file) { throw ConfigError("asked for " + file); }
 
@@ -234,6 +237,23 @@ TEST(ExoJointStudy, WithoutHysteresisTheRestIsTheValvesLag) {
   EXPECT_LT(studyExoJoint(joint, commands, 10.0, 2e-4).runs[1].tracking.rms, 0.05);
 }
 
+// The supply's 6 bar make the joint as stiff as 100 Nm/rad; what was asked for was not named.
+TEST(ExoJointStudy, SaysWhatTheMusclesDoNotReach) {
+  using Kind = CoContraction::Kind;
+  ExoJoint joint = sampleJoint();
+  const ExoJointCommands commands =
+      readExoJointSchedule(joint, YamlNode::load(sourceFile("data/exoskeleton/torque.yaml")));
+  const auto notes = [&](CoContraction asked) {
+    joint.co_contraction = asked;
+    return fmt::format("{}", fmt::join(studyExoJoint(joint, commands, 5.0, 1e-3).notes, "; "));
+  };
+  EXPECT_THAT(notes({Kind::kStiffness, 5000.0}), HasSubstr("did not give the stiffness of 5e+03 Nm/rad for 100.0 %"));
+  EXPECT_THAT(notes({Kind::kForce, 5000.0}), HasSubstr("did not give the co-contraction of 5e+03 N for 100.0 %"));
+  for (const CoContraction within : {CoContraction{Kind::kStiffness, 40.0}, CoContraction{Kind::kForce, 100.0}}) {
+    EXPECT_THAT(notes(within), Not(HasSubstr("did not give"))) << within.value;
+  }
+}
+
 std::string jointText() { return readText(sourceFile("data/exoskeleton/joint.yaml")); }
 std::string exoJointError(const std::string& text) {
   return errorOf([&] { readExoJoint(YamlNode::parse(text, "joint.yaml"), noModel); });
@@ -268,6 +288,8 @@ TEST(ExoJointFile, RefusesWhatNoJointIs) {
   EXPECT_THAT(exoJointError(with("extensor_pressure_MPa: 0.6", "extensor_pressure_MPa: 0.6, co_contraction_N: 3")),
               HasSubstr("found two of co_contraction_N"));
   EXPECT_THAT(exoJointError(with("supply_MPa: 0.6", "supply_MPa: 0")), HasSubstr("supply_MPa"));
+  EXPECT_THAT(exoJointError(with("extensor_pressure_MPa: 0.6", "extensor_pressure_MPa: 0.9")),
+              HasSubstr("found an extensor_pressure of 9e+05 Pa, expected at most the supply's 6e+05 Pa"));
   EXPECT_THAT(exoJointError(with("ratio: 20", "ration: 20")), HasSubstr("ratio"));
   EXPECT_THAT(exoJointError(with("{diameter_mm: 30, braid_angle_deg: 25, k_N: 40000,", "{model: m.yaml,")),
               HasSubstr("asked for m.yaml"));

@@ -33,4 +33,8 @@ struct EegLabels {
 /// word, and all that CsvTable refuses.
 EegRecording readEeg(const CsvTable& table, const EegLabels& labels);
 
+/// Sentences about channels that say nothing, and about times at which none does: a decoder answers there, too, and
+/// what it answers is nobody's. \throws DataError: no channel says anything, or they are no EEG's in volts
+std::vector<std::string> checkEeg(const EegRecording& recording);
+
 }  // namespace simgap

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
@@ -21,8 +22,12 @@ struct Options {
 
 EegRecording readRecording(const Options& options, Session& session) {
   const Input& input = session.read("recording", options.files.back());
-  if (isEdf(input.content)) return readEdf(input.content, input.file.string(), options.labels);
-  return readEeg(CsvTable::parse(input.content, input.file.string(), options.table.csv()), options.labels);
+  EegRecording recording =
+      isEdf(input.content)
+          ? readEdf(input.content, input.file.string(), options.labels)
+          : readEeg(CsvTable::parse(input.content, input.file.string(), options.table.csv()), options.labels);
+  for (const std::string& sentence : checkEeg(recording)) spdlog::warn("{}", sentence);
+  return recording;
 }
 
 ExitCode train(const Options& options, Session& session) {

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "effort_delay.h"
 #include "friction_model.h"
 #include "friction_signs.h"
+#include "left_out_effects.h"
 #include "simgap/core/error.h"
 #include "simgap/core/statistics.h"
 
@@ -233,14 +233,35 @@ LeastSquaresResult bounded(const FrictionModel& model, std::span<const Separable
   throw NumericsError(fmt::format("{}: {}", model.data().file, sentence));
 }
 
-/// Widens intervals by where the estimates would lie had the fit known of a delay of the target, if one is seen. The
-/// estimates stay those of least squares: whether a delay is one of the channel only a diagnosis can tell.
-void allowForDelay(const LeastSquaresProblem& problem, const FrictionData& data, FrictionFit& fit) {
+/// What a user is told of what was left out. \param acceleration  shape (rows)
+void sayWhatWasLeftOut(const LeftOutEffect& effect, const FrictionData& data, const Eigen::ArrayXd& acceleration,
+                       FrictionFit& fit) {
+  constexpr double kWorthSaying = 0.05;  // rows, and of the deviation that the fit leaves
+  const std::string target = fit.predict_load ? "the load" : data.effort_name;
+  constexpr const char* kHow = "the intervals allow for it; simgap diagnose tells whether it";
+  const double rows = effect.value[kDelay] / rowSeconds(data);
+  if (std::abs(rows) >= kWorthSaying) {
+    fit.warnings.push_back(fmt::format("{} seems to come {:.2g} ms ({:.2f} rows) {} than load and motion: {} does",
+                                       target, 1e3 * std::abs(effect.value[kDelay]), std::abs(rows),
+                                       rows > 0.0 ? "later" : "earlier", kHow));
+  }
+  const Eigen::ArrayXd part = std::abs(effect.value[kInertia]) * acceleration.abs();
+  if (part.square().mean() < kWorthSaying * kWorthSaying * fit.mse) return;
+  fit.warnings.push_back(
+      fmt::format("{} goes with the acceleration besides, by up to {:.2g} {}, as where a rotor's inertia is not in the "
+                  "load: {} is one",
+                  target, part.maxCoeff(), fit.predict_load ? data.load_unit : data.effort_unit, kHow));
+}
+
+/// Widens intervals by where the estimates would lie had the fit known of a delay of the target, or of an inertia that
+/// is not in the load, if one is seen. The estimates stay those of least squares: what it is only a diagnosis can tell.
+void allowForLeftOut(const LeastSquaresProblem& problem, const FrictionData& data, FrictionFit& fit) {
   const Eigen::ArrayXd& target = fit.predict_load ? data.load : data.effort;
-  const LeastSquaresProblem delayed = withDelay(problem, data, target, fit.theta);
+  const Eigen::ArrayXd acceleration = slopeOfVelocity(data);
+  const LeastSquaresProblem with = withLeftOut(problem, data, target, acceleration, fit.theta);
   std::vector<double> theta = fit.theta;
-  theta.push_back(0.0);
-  const std::optional<DelayEffect> effect = delayEffect(delayed, theta, data.session);
+  theta.resize(theta.size() + kLeftOut.size(), 0.0);
+  const std::optional<LeftOutEffect> effect = leftOutEffect(with, theta, data.session);
   if (!effect) return;
   Eigen::VectorXd shift = Eigen::VectorXd::Zero(std::ssize(fit.theta));
   for (std::size_t i = 0; i < fit.theta.size(); ++i) {
@@ -258,14 +279,7 @@ void allowForDelay(const LeastSquaresProblem& problem, const FrictionData& data,
   const Eigen::VectorXd scale = covariance.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   fit.uncertainty.correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
   fit.uncertainty.correlation.diagonal().setOnes();
-  const double rows = effect->delay / rowSeconds(data);
-  constexpr double kWorthSaying = 0.05;  // rows
-  if (std::abs(rows) < kWorthSaying) return;
-  fit.warnings.push_back(fmt::format(
-      "{} seems to come {:.2g} ms ({:.2f} rows) {} than load and motion: the intervals allow for it; simgap "
-      "diagnose tells whether it does",
-      fit.predict_load ? "the load" : data.effort_name, 1e3 * std::abs(effect->delay), std::abs(rows),
-      rows > 0.0 ? "later" : "earlier"));
+  sayWhatWasLeftOut(*effect, data, acceleration, fit);
 }
 
 /// Where v_s and delta are hardly known, what is likely is no ellipse, and lies in several valleys: intervals hold the
@@ -332,7 +346,7 @@ FrictionFit fitFriction(const FrictionLaw& law, const FrictionData& data, const 
   if (!best.converged)
     fit.warnings.push_back(fmt::format("the polish of {} stopped early: {}", law.name, best.message));
   fit.uncertainty = estimateUncertainty(problem, fit.theta, data.session);
-  allowForDelay(problem, data, fit);
+  allowForLeftOut(problem, data, fit);
   if (squares) holdLikelyPlaces(model, search, fit);
   if (folds >= 2) fit.mse_heldout = crossValidate(model, search.parts, search.total, fit.minima);
   for (const std::string& sentence : gaps(model, data, fit.theta)) fit.warnings.push_back(sentence);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "opposite_sign.h"
 #include "pam_signs.h"
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/parameter_choices.h"
@@ -158,6 +159,67 @@ class PamProblem {
   std::vector<double> inside_, opposing_inside_;  ///< [N]
 };
 
+/// What a level that was never changed leaves open.
+std::vector<const char*> unmoved(const PamLog& log, const PamFitOptions& options) {
+  std::vector<const char*> sentences;
+  if (isConstant(log.contraction)) {
+    sentences.push_back("the contraction is constant: a, b, c and k act only together; record several lengths");
+  }
+  const bool one_pressure = isConstant(log.pressure) && (!log.opposed() || isConstant(log.opposing_pressure));
+  if (one_pressure && !options.fixed.contains("k")) {
+    sentences.push_back(
+        "the pressure is constant: a tendon that stretches looks like other a, b and c, which then hold at this "
+        "pressure alone; record several pressures");
+  }
+  return sentences;
+}
+
+/// A joint's log with its angle, its torque or both turned round.
+PamLog turnedRound(PamLog log, bool angle, bool torque) {
+  const auto mirror = [](std::vector<double>& values, double middle) {
+    for (double& value : values) value = 2.0 * middle - value;
+  };
+  if (angle) mirror(log.contraction, log.rest), mirror(log.opposing_contraction, log.opposing_rest);
+  if (torque) mirror(log.force, 0.0);
+  return log;
+}
+
+/// No muscle pulls the harder the more it is contracted.
+bool risesWithContraction(const PamFit& fit, const PamLog& log) {
+  const auto [least, most] = std::ranges::minmax(log.contraction);
+  return fit.theta[1] + fit.theta[0] * (least + most) > 0.0;
+}
+
+PamFit fitAsRead(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows);
+
+/// Which columns of a joint's log have the opposite sign: those that turned round leave the least, and less than half
+/// of the squared error of the log as it is. Two of them look alike to a rigid tendon, so each is fitted. Empty: none
+std::string oppositeJointSign(const PamLog& log, const PamFit& fit, const PamFitOptions& options,
+                              const std::vector<bool>& rows) {
+  struct Turn {
+    bool angle, torque;
+    double mse;
+  };
+  Turn best{false, false, fit.mse};
+  for (Turn turn : {Turn{true, false, 0.0}, Turn{false, true, 0.0}, Turn{true, true, 0.0}}) {
+    const PamLog turned = turnedRound(log, turn.angle, turn.torque);
+    const PamFit other = fitAsRead(turned, options, rows);
+    turn.mse = other.mse;
+    if (turn.mse < best.mse && !risesWithContraction(other, turned)) best = turn;
+  }
+  if (!(best.mse < kOtherSign * fit.mse)) return {};
+  std::string names = best.angle ? "angle_rad" : log.force_column, how = fmt::format("--map {}=COLUMN*-1", names);
+  if (best.angle && best.torque) {
+    names += " and " + log.force_column;
+    how += fmt::format(" --map {}=COLUMN*-1{}", log.force_column,
+                       log.opposed() ? ", or exchange the pressures if they are those of each other's muscle" : "");
+  }
+  return fmt::format(
+      "{} {}: turned round, a muscle explains the force to {:.3g} N, as it is to {:.3g}; turn it with {}", names,
+      best.angle && best.torque ? "have the opposite sign" : "has the opposite sign", std::sqrt(best.mse),
+      std::sqrt(fit.mse), how);
+}
+
 }  // namespace
 
 Pam PamFit::muscle() const { return {theta[0], theta[1], theta[2], theta[3]}; }
@@ -169,7 +231,9 @@ std::optional<PamGeometry> geometryOf(double a, double c) {
   return PamGeometry{std::sqrt(4.0 * q / std::numbers::pi), std::atan(std::sqrt(3.0 * q / a))};
 }
 
-PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows) {
+namespace {
+
+PamFit fitAsRead(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows) {
   // Pressures and lengths are set to levels: only their units can be checked.
   const ChannelCheck levels[] = {{"pressure_Pa", log.pressure, 1e8}, {"contraction", log.contraction, 1.0}};
   const ChannelCheck measured[] = {{"force_N", log.force, 1e6}};
@@ -186,10 +250,7 @@ PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector
   }
   if (isConstant(log.force))
     throw DataError(log.file + ": force_N is constant throughout: nothing can be found from it");
-  if (isConstant(log.contraction)) {
-    fit.warnings.emplace_back("the contraction is constant: a, b, c and k act only together; record several lengths");
-  }
-  if (const std::string turned = oppositePamSign(log); !turned.empty()) throw DataError(log.file + ": " + turned);
+  for (const char* sentence : unmoved(log, options)) fit.warnings.emplace_back(sentence);
   std::vector<LeastSquaresResult> found;
   if (!options.spring) {
     const double k = options.fixed.contains("k") ? options.fixed.at("k") : kInfinity;
@@ -223,6 +284,18 @@ PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector
     fit.uncertainty.covariance.conservativeResize(count, count);
     fit.uncertainty.correlation.conservativeResize(count, count);
   }
+  return fit;
+}
+
+}  // namespace
+
+PamFit fitPam(const PamLog& log, const PamFitOptions& options, const std::vector<bool>& rows) {
+  PamFit fit = fitAsRead(log, options, rows);
+  std::string turned = oppositePamSign(log);
+  if (log.of_joint && (!turned.empty() || risesWithContraction(fit, log))) {
+    turned = oppositeJointSign(log, fit, options, rows);
+  }
+  if (!turned.empty()) throw DataError(log.file + ": " + turned);
   return fit;
 }
 

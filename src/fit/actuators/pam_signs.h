@@ -13,7 +13,8 @@ namespace simgap {
 ///
 ///     f = p (a eps^2 - b eps + c) + offset,     a, b, c >= 0
 ///
-/// less the same of a muscle that opposes it. Of a joint's log the angle cannot be judged: it is no contraction.
+/// less the same of a muscle that opposes it. Of a joint's log fits judge the angle (fitPam): it is no
+/// contraction, and a rigid tendon is too coarse for it.
 std::string oppositePamSign(const PamLog& log);
 
 }  // namespace simgap

@@ -186,6 +186,8 @@ PamLog readJointPamLog(CsvTable table, const MusclePulley& pulley) {
     log.contraction.push_back(flexor.empty() ? in_extensor : in_flexor);
     if (!flexor.empty() && !extensor.empty()) log.opposing_contraction.push_back(in_extensor);
   }
+  log.rest = flexor.empty() ? pulley.rest_extensor : pulley.rest_flexor;
+  log.opposing_rest = pulley.rest_extensor;
   log.pressure = flexor.empty() ? extensor : flexor;
   if (!flexor.empty()) log.opposing_pressure = extensor;
   log.session = readSessions(table, log.session_names);

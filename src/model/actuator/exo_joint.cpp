@@ -82,13 +82,18 @@ ExoLink readExoLink(const YamlNode& node) {
   return link;
 }
 
-CoContraction readCoContraction(const YamlNode& node) {
+/// \param supply  [Pa]
+CoContraction readCoContraction(const YamlNode& node, double supply) {
   using Kind = CoContraction::Kind;
   const int given = int(node.hasQuantity("co_contraction", "N")) + int(node.hasQuantity("stiffness", "Nm_rad")) +
                     int(node.hasQuantity("extensor_pressure", "Pa"));
   if (given > 1) node.fail("found two of co_contraction_N, stiffness_Nm_rad and extensor_pressure_Pa, expected one");
   if (const auto stiffness = node.findQuantity("stiffness", "Nm_rad", kPositive)) return {Kind::kStiffness, *stiffness};
   if (const auto pressure = node.findQuantity("extensor_pressure", "Pa", kPressureRange)) {
+    if (*pressure > supply) {
+      node.fail(fmt::format("found an extensor_pressure of {:.3g} Pa, expected at most the supply's {:.3g} Pa",
+                            *pressure, supply));
+    }
     return {Kind::kExtensorPressure, *pressure};
   }
   return {Kind::kForce, node.findQuantity("co_contraction", "N", kNonNegative).value_or(0.0)};
@@ -154,7 +159,7 @@ ExoJoint readExoJoint(const YamlNode& root, const std::function<FittedModel(cons
   if (const auto controller = root.find("controller")) {
     joint.rate = controller->findQuantity("rate", "Hz", kRateRange).value_or(joint.rate);
     joint.crossover = controller->findQuantity("crossover", "Hz", kNonNegative).value_or(0.0);
-    joint.co_contraction = readCoContraction(*controller);
+    joint.co_contraction = readCoContraction(*controller, joint.supply);
   }
   if (const auto node = root.find("switch")) joint.by_switch = readExoSwitch(*node);
   root.expectAllRead();

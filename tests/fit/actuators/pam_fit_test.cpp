@@ -12,7 +12,9 @@ namespace simgap::test {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr double kA = 0.06, kB = -0.12, kC = 0.015, kSpring = 20000.0;  // some 5 kN at 0.6 MPa; 4 kN stretch by 0.2
 
@@ -147,6 +149,24 @@ TEST(PamFit, NamesTheChannelWithTheOppositeSign) {
                 AllOf(HasSubstr("pam.csv: force_N has the opposite sign"), HasSubstr("--map force_N=COLUMN*-1")));
     EXPECT_THAT(saidOfTurned(&PamLog::contraction, spring), HasSubstr("pam.csv: contraction has the opposite sign"));
   }
+}
+
+// At one pressure a stiff tendon with another a fits to the noise, within narrow intervals.
+TEST(PamFit, SaysThatOnePressureTellsNothingOfTheTendon) {
+  const PamLog all = rig(kSpring, 0.0);
+  PamLog log = all;
+  log.pressure.clear(), log.contraction.clear(), log.force.clear(), log.session.clear();
+  for (std::size_t i = 0; i < all.rows(); ++i) {
+    if (all.pressure[i] != all.pressure.back()) continue;
+    log.pressure.push_back(all.pressure[i]), log.contraction.push_back(all.contraction[i]);
+    log.force.push_back(all.force[i]), log.session.push_back(0);
+  }
+  PamFitOptions options;
+  options.spring = false;
+  EXPECT_THAT(fitPam(log, options).warnings, Contains(HasSubstr("the pressure is constant")));
+  EXPECT_THAT(fitPam(all, options).warnings, Not(Contains(HasSubstr("the pressure is constant"))));
+  options.fixed = {{"k", kSpring}};
+  EXPECT_THAT(fitPam(log, options).warnings, Not(Contains(HasSubstr("the pressure is constant"))));
 }
 
 TEST(PamFit, RefusesLogsThatCannotAnswer) {

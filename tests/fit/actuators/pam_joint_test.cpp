@@ -1,4 +1,5 @@
 // A muscle's parameters from the log of a joint: angle, pressures and torque, no contraction and no single force.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -55,6 +56,28 @@ TEST(JointPamLog, ATurnedTorqueIsNamed) {
     for (double& force : log.force) force = -force;
     EXPECT_THAT(errorOf([&] { fitPam(log, {}); }), HasSubstr("_Nm has the opposite sign")) << both;
   }
+}
+
+// Turned, the angle looks to a muscle like a negative a, which no braid has: that was found to one per cent.
+TEST(JointPamLog, ATurnedAngleIsNamed) {
+  for (const bool both : {true, false}) {
+    CsvTable table = CsvTable::parse(jointLog(0.1, both), "joint.csv");
+    std::string text = "angle_rad,muscle_torque_Nm,pressure_flexor_Pa,pressure_extensor_Pa\n";
+    const PamLog log = readJointPamLog(std::move(table), kPulley);
+    for (std::size_t i = 0; i < log.rows(); ++i) {
+      text +=
+          fmt::format("{},{},{},{}\n", -(log.contraction[i] - kPulley.rest_flexor) * kPulley.length / kPulley.radius,
+                      log.force[i] * kPulley.radius, log.pressure[i], log.opposing_pressure[i]);
+    }
+    EXPECT_THAT(errorOf([&] { fitPam(readJoint(text), {}); }), HasSubstr("angle_rad has the opposite sign")) << both;
+  }
+}
+
+TEST(JointPamLog, ExchangedPressuresAreNamed) {
+  std::string text = replaced(jointLog(0.1, true), "pressure_extensor_Pa", "pressure_other_Pa");
+  text =
+      replaced(replaced(text, "pressure_flexor_Pa", "pressure_extensor_Pa"), "pressure_other_Pa", "pressure_flexor_Pa");
+  EXPECT_THAT(errorOf([&] { fitPam(readJoint(text), {}); }), HasSubstr("or exchange the pressures"));
 }
 
 TEST(JointPamLog, OneMuscleIsFoundFromItsTorque) {

@@ -64,12 +64,13 @@ MotorLog readMotorLog(CsvTable table);
 /// A pneumatic muscle's log.
 struct PamLog {
   std::string file;
-  std::vector<double> pressure;          ///< [Pa] gauge
-  std::vector<double> contraction;       ///< [1] apparent: of the muscle with its tendon
-  std::vector<double> force;             ///< [N]; of two muscles the difference
-  std::string force_column = "force_N";  ///< that it was read from, or a torque over the pulley's radius
-  bool of_joint = false;                 ///< contractions follow from its angle
-  std::vector<double> time;              ///< [s]
+  std::vector<double> pressure;            ///< [Pa] gauge
+  std::vector<double> contraction;         ///< [1] apparent: of the muscle with its tendon
+  std::vector<double> force;               ///< [N]; of two muscles the difference
+  std::string force_column = "force_N";    ///< that it was read from, or a torque over the pulley's radius
+  bool of_joint = false;                   ///< contractions follow from its angle
+  double rest = 0.0, opposing_rest = 0.0;  ///< contractions at angle 0, of a joint's muscles
+  std::vector<double> time;                ///< [s]
   std::vector<int> session;
   std::vector<std::string> session_names;
   /// Of a muscle that pulls the other way, which is like this one; empty where there is none.
