@@ -45,8 +45,8 @@ struct OpenCvPoints {
   }
 };
 
-/// To ten digits: OpenCV stops at a step of 1e-9, and what it has behind that depends on where in memory its LAPACK
-/// finds the numbers, which differs from thread to thread.
+/// To ten digits: what the last steps leave behind them depends on where in memory OpenCV's LAPACK finds the numbers,
+/// which differs from run to run.
 void roundOff(cv::Mat& matrix) {
   for (double& value : cv::Mat_<double>(matrix)) {
     if (value == 0.0) continue;
@@ -74,7 +74,8 @@ OpenCvCalibration calibrate(const Views& views, cv::Size size, int distortion, c
       cv::calibrateCamera(points.board, points.right, size, c.k2, c.d2, cv::noArray(), cv::noArray(), flags);
     }
     cv::Mat essential, fundamental, errors;
-    const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-9);
+    // Of the length of all numbers, focal lengths in pixels among them: 1e-9 of it is the tenth digit of a distortion.
+    const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-14);
     c.rms = cv::stereoCalibrate(points.board, points.left, points.right, c.k1, c.d1, c.k2, c.d2, size, c.r, c.t,
                                 essential, fundamental, errors, flags | cv::CALIB_USE_INTRINSIC_GUESS, until);
     for (cv::Mat* matrix : {&c.k1, &c.d1, &c.k2, &c.d2, &c.r, &c.t}) roundOff(*matrix);

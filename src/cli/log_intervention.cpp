@@ -48,6 +48,25 @@ void requireOtherFiles(const Session& session, const std::string& role, const st
   }
 }
 
+namespace {
+
+constexpr double kMostSeen = 0.1;  // of the rows
+
+/// A piece of the log that found a cause, or one that goes on where it ended, confirms nothing either.
+void requireOtherRows(const CsvTable& after, const InterveneOptions& options, Session& session) {
+  const std::string file = (options.run / kCandidateFolder / kGivenLog).string();
+  const CsvTable before = CsvTable::parse(session.take("log before", file), file);
+  const CsvTable rows = CsvTable::parse(logCsv(after), options.log);
+  const std::size_t seen = rowsInBoth(rows, before);
+  if (static_cast<double>(seen) <= kMostSeen * static_cast<double>(rows.rows())) return;
+  throw DataError(
+      fmt::format("{}: found {} of {} rows that the diagnosis in {} has seen, expected another recording: "
+                  "what found a cause does not confirm it",
+                  options.log, seen, rows.rows(), options.run.string()));
+}
+
+}  // namespace
+
 bool holdsLogCandidates(const std::filesystem::path& run) {
   const std::filesystem::path list = run / kCandidateFolder / kCandidateList;
   return std::filesystem::exists(list) && readFile(list).starts_with(fmt::format("format: {}", kLogCandidates));
@@ -72,6 +91,7 @@ ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::
   if (!options.log.empty()) {
     after = readLog(session, "log", options.log, options.table);
     requireOtherFiles(session, "log", options.run);
+    requireOtherRows(after->table, options, session);
     for (const std::string& sentence : after->summary()) spdlog::warn("{}", sentence);
   }
   if (options.common.dry_run) {

@@ -34,7 +34,7 @@ std::string likeBest(std::span<const CandidateAnswer> answers, std::size_t best)
   std::string names = answers[best].causes;
   for (std::size_t c = 1; c < answers.size(); ++c) {
     const bool close = oddsOfAll(answers[best]) - oddsOfAll(answers[c]) < kDecisiveLogOdds;
-    if (c != best && answers[c].rival && close && answers[c].p >= kImprobable) names += " or " + answers[c].causes;
+    if (c != best && answers[c].rival && close && answers[c].p >= kDoubtful) names += " or " + answers[c].causes;
   }
   return names;
 }
@@ -48,6 +48,32 @@ std::size_t rivalAsGood(std::span<const CandidateAnswer> answers, std::size_t be
     if (good && all(c) > all(best) - kDecisiveLogOdds && (found == best || all(c) > all(found))) found = c;
   }
   return found;
+}
+
+/// The named candidate is beaten by `best`. A law leaves a little that a cause which is not there can take up, and many
+/// rows make any odds of it: what the diagnosis refused refutes no model that predicts the recording as well as it
+/// should.
+Judgement refutation(std::span<const CandidateAnswer> answers, std::size_t best, std::string_view data) {
+  const CandidateAnswer &named = answers.front(), &better = answers[best];
+  const std::string odds = saidOdds(better.log_odds);
+  if (better.p < kDoubtful) {
+    return {InterventionVerdict::kCannotTell,
+            fmt::format("{} comes nearer to these {} than {} ({}), and yet not near enough (p {:.2g}): what was "
+                        "changed, or what is wrong, is not what any of {} models says",
+                        better.causes, data, named.causes, odds, better.p, answers.size())};
+  }
+  if (named.p < kDoubtful) {
+    return {InterventionVerdict::kRefuted,
+            fmt::format("{} predicts these {}, {} does not ({})", likeBest(answers, best), data, named.causes, odds)};
+  }
+  if (better.refused) {
+    return {InterventionVerdict::kCannotTell,
+            fmt::format("{} comes nearer to these {} than {} ({}), but {} predicts them, too, and the diagnosis has "
+                        "refused {}",
+                        better.causes, data, named.causes, odds, named.causes, better.causes)};
+  }
+  return {InterventionVerdict::kRefuted,
+          fmt::format("{} predicts these {} better than {} ({})", likeBest(answers, best), data, named.causes, odds)};
 }
 
 }  // namespace
@@ -109,11 +135,7 @@ Judgement judgeCandidates(std::span<const CandidateAnswer> answers, std::string_
     return {InterventionVerdict::kCannotTell, fmt::format("{} predicts these {} better than {} alone ({})",
                                                           first.causes, data, named.causes, saidOdds(first.log_odds))};
   }
-  if (named_fails) {
-    return {InterventionVerdict::kRefuted,
-            fmt::format("{} predicts these {}, {} does not ({})", likeBest(answers, best), data, named.causes,
-                        saidOdds(answers[best].log_odds))};
-  }
+  if (named_fails) return refutation(answers, best, data);
   if (runner_up < -kDecisiveLogOdds) {
     return {InterventionVerdict::kCannotTell,
             fmt::format("{} comes nearest to these {} ({}), and yet not near enough (p {:.2g}): its size, or something "

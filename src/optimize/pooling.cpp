@@ -15,6 +15,8 @@ namespace {
 
 using Estimates = std::span<const GroupEstimate>;
 
+constexpr double kFewestFreedoms = 0.25;  // of Student's t; below, nothing is known of the scatter
+
 struct WeightedMean {
   double value = 0.0, precision = 0.0;
 };
@@ -55,6 +57,32 @@ double varianceScale(Estimates estimates) {
   double scale = 0.0;
   for (const GroupEstimate& e : estimates) scale = std::max(scale, e.sd * e.sd);
   return scale;
+}
+
+/// As many groups of one precision tell as much (Kish 1965): one that is known far better than the others is alone.
+double groupsThatCount(Estimates estimates, double variance) {
+  double sum = 0.0, squares = 0.0;
+  for (const GroupEstimate& e : estimates) {
+    const double weight = 1.0 / (e.sd * e.sd + variance);
+    sum += weight;
+    squares += weight * weight;
+  }
+  return sum * sum / squares;
+}
+
+/// Q about a straight line over the order of the groups.
+double leftByLine(Estimates estimates, double variance) {
+  double s = 0.0, sx = 0.0, sxx = 0.0, sy = 0.0, sxy = 0.0, q = 0.0;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const double w = 1.0 / (estimates[i].sd * estimates[i].sd + variance), x = static_cast<double>(i);
+    s += w, sx += w * x, sxx += w * x * x, sy += w * estimates[i].value, sxy += w * x * estimates[i].value;
+  }
+  const double slope = (s * sxy - sx * sy) / (s * sxx - sx * sx), start = (sy - slope * sx) / s;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const GroupEstimate& e = estimates[i];
+    q += std::pow(e.value - start - slope * static_cast<double>(i), 2) / (e.sd * e.sd + variance);
+  }
+  return q;
 }
 
 /// Two means, one before a group and one from it on, with the scatter that both share.
@@ -111,7 +139,6 @@ PooledEstimate pool(Estimates estimates) {
 std::optional<ChangePoint> findChange(Estimates estimates) {
   if (estimates.size() < 4) return {};
   const double freedoms = static_cast<double>(estimates.size() - 2);
-  const boost::math::students_t distribution(freedoms);
   double clearest = -1.0;
   ChangePoint change{};
   double variance = 0.0;
@@ -125,8 +152,15 @@ std::optional<ChangePoint> findChange(Estimates estimates) {
     change.first = first;
     change.step = split.step;
   }
-  // Any of the k - 1 places would have been reported: Bonferroni.
-  change.p = std::min(1.0, 2.0 * cdf(complement(distribution, clearest)) * static_cast<double>(estimates.size() - 1));
+  // What drifts from group to group has no moment at which it changed.
+  const bool drifts = leftByLine(estimates, variance) <= splitAt(estimates, change.first, variance).q;
+  const double counted = groupsThatCount(estimates, variance) - 2.0;
+  change.p = 1.0;
+  if (!drifts && counted > kFewestFreedoms) {
+    // Any of the k - 1 places would have been reported: Bonferroni.
+    const boost::math::students_t distribution(counted);
+    change.p = std::min(1.0, 2.0 * cdf(complement(distribution, clearest)) * static_cast<double>(estimates.size() - 1));
+  }
   // Places that fit as well as the best but for a likelihood ratio's 95 % quantile, with the best one's scatter.
   const double most = splitAt(estimates, change.first, variance).q + quantile(boost::math::chi_squared(1.0), 0.95);
   change.earliest = change.latest = change.first;

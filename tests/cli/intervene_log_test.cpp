@@ -52,8 +52,16 @@ TEST_F(InterveneLog, ForeseesJudgesAndChoosesTheNextLog) {
   succeed({"design", "--separate", "d", "--speeds", "1,2", "--loads", "1,2", "-q", "-o", "next"});
   const Json next = resultOf("next");
   EXPECT_EQ(next.at("protocols").size(), 4u);
+  EXPECT_THAT(next.at("sentence").get<std::string>(), HasSubstr("odds beyond 1e+09 to 1 at least"));
   EXPECT_THAT(text("next/next_log.csv"), HasSubstr("time_s"));
   EXPECT_THAT(text("next/report.html"), HasSubstr("What each motion is expected to tell"));
+}
+
+// A piece of the log that found the cause, by another clock.
+TEST_F(InterveneLog, RowsThatFoundTheCauseDoNotConfirmIt) {
+  const std::string all = text("log.csv"), head = firstLines(all, 1);
+  put("piece.csv", head + all.substr(firstLines(all, 2001).size()));
+  expectRefused({"intervene", "d", "--log", "piece.csv", "-o", "x"}, 3, "rows that the diagnosis in d has seen");
 }
 
 TEST_F(InterveneLog, RefusesWhatItCannotUse) {

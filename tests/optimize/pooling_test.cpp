@@ -73,6 +73,35 @@ TEST(FindChange, ScatterAloneIsNoChange) {
   }
 }
 
+// Runs whose standard deviations differ by orders of magnitude: a few that are well known stand for no row of runs.
+TEST(FindChange, AFewGroupsThatAreWellKnownAreNoChange) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  int found = 0;
+  for (int s = 0; s < kSets; ++s) {
+    std::vector<GroupEstimate> groups;
+    for (int i = 0; i < 6; ++i) {
+      const double sd = std::exp(1.5 * normal(random));
+      const double scatter = normal(random);
+      const double noise = sd * normal(random);
+      groups.push_back({10.0 + scatter + noise, sd});
+    }
+    found += findChange(groups)->p < 0.05;
+  }
+  EXPECT_LE(found, 0.06 * kSets);  // 0.12 with k - 2 freedoms
+}
+
+TEST(FindChange, ADriftIsNoChangeAtOneTime) {
+  std::mt19937_64 random(6);
+  int found = 0;
+  for (int s = 0; s < kSets; ++s) {
+    std::vector<GroupEstimate> groups = drawn(random, 8, 0.0);
+    for (std::size_t i = 0; i < groups.size(); ++i) groups[i].value += 2.0 * static_cast<double>(i);
+    found += findChange(groups)->p < 0.05;
+  }
+  EXPECT_LE(found, 0.06 * kSets);  // 0.72 where a step has no rival
+}
+
 TEST(FindChange, SaysSinceWhenAndByHowMuch) {
   std::mt19937_64 random(4);
   int found = 0, place_held = 0, size_held = 0;

@@ -52,6 +52,7 @@ struct CandidateAnswer {
   double log_odds = 0.0;  ///< against the named candidate, from what came after the change alone
   bool rival = false;     ///< contradicts the named one: it does not hold all its causes
   double before = 0.0;    ///< the same odds from the data before the change
+  bool refused = false;   ///< the diagnosis looked at it and did not accept it
 };
 
 struct Judgement {

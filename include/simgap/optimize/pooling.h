@@ -40,11 +40,14 @@ struct ChangePoint {
   std::size_t first;             ///< group from which on the later value holds
   std::size_t earliest, latest;  ///< the same, with 95 % confidence
   GroupEstimate step;            ///< later minus earlier
-  double p;                      ///< of a step as clear as this anywhere when there is only scatter
+  double p;                      ///< of a step as clear as this anywhere when there is only scatter; 1 where a drift
+                                 ///< along the order explains as much
 };
 
-/// The step that explains most, judged against the scatter that is left beside it. \returns nothing for fewer than four
-/// groups, which cannot tell a step from scatter.
+/// The step that explains most, judged against the scatter that is left beside it by Student's t. Its freedoms are
+/// those of the groups that count, (sum w)^2 / sum w^2 - 2 with the weights w = 1 / (s_i^2 + tau^2) (L. Kish, "Survey
+/// Sampling", 1965): two groups that are known well between many that are hardly known are no row of groups.
+/// \returns nothing for fewer than four groups, which cannot tell a step from scatter.
 std::optional<ChangePoint> findChange(std::span<const GroupEstimate> estimates);
 
 /// Holm's step-down adjustment of p values that are looked at together, shape (tests).

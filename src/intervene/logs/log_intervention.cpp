@@ -7,7 +7,9 @@
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "diagnose/logs/log_candidates.h"
 #include "log_prediction.h"
@@ -24,6 +26,7 @@ using Eigen::VectorXd;
 
 constexpr double kFarRow = 8.0;         // [sd] of a row that no candidate comes near
 constexpr double kMostOutliers = 0.01;  // of the rows: more are no outliers
+constexpr double kPieceSeconds = 2.0;   // errors within are alike
 
 std::set<std::string> causesOf(const std::string& label) {
   std::set<std::string> causes;
@@ -69,14 +72,18 @@ Answers askAll(const LogEvidence& evidence, const LogChanges& change, const CsvT
   return answers;
 }
 
-/// Places among the rows that some candidate comes near; all, where too many are far off to be outliers.
+/// Places among the rows that some candidate comes near; all, where too many are far off to be outliers. What is far is
+/// said by the candidate that knows best: one that explains little expects large errors everywhere, and would keep any
+/// outlier for those that do not.
 std::vector<Index> comparable(const LogEvidence& evidence, const Answers& answers, const ArrayXd& measured) {
+  double variance = std::numeric_limits<double>::infinity();
+  for (const LogEvidence::Candidate& c : evidence.candidates) variance = std::min(variance, c.known.posterior.variance);
   std::vector<Index> near;
   for (Index i = 0; i < measured.size(); ++i) {
     for (std::size_t c = 0; c < answers.predicted.size(); ++c) {
       const PredictedRows& predicted = answers.predicted[c];
-      const double variance = evidence.candidates[c].known.posterior.variance + predicted.spread.row(i).squaredNorm();
-      if (std::abs(predicted.values[i] - measured[i]) > kFarRow * std::sqrt(variance)) continue;
+      const double sd = std::sqrt(variance + predicted.spread.row(i).squaredNorm());
+      if (std::abs(predicted.values[i] - measured[i]) > kFarRow * sd) continue;
       near.push_back(i);
       break;
     }
@@ -88,16 +95,20 @@ std::vector<Index> comparable(const LogEvidence& evidence, const Answers& answer
   return near;
 }
 
-/// Squared errors on pieces of two seconds of the rows that are compared.
+/// The piece of two seconds that a compared row lies in: (number, session).
+std::pair<Index, int> pieceOf(Index compared, const Answers& answers) {
+  const ActuatorRows& rows = answers.changed.log.data.rows;
+  const auto length = static_cast<Index>(std::max(8.0, std::round(kPieceSeconds / rows.step)));
+  const Index row = answers.changed.rows[compared];
+  return {row / length, rows.session[row]};
+}
+
+/// Squared errors on pieces of the rows that are compared.
 GroupErrors piecesOf(const VectorXd& errors, const std::vector<Index>& rows, const Answers& answers) {
-  constexpr double kSeconds = 2.0;
-  const auto length = static_cast<Index>(std::max(8.0, std::round(kSeconds / answers.changed.log.data.rows.step)));
-  const std::vector<int>& session = answers.changed.log.data.rows.session;
   std::vector<std::pair<double, double>> pieces;
   std::pair<Index, int> last{-1, -1};
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const Index row = answers.changed.rows[rows[k]];
-    const std::pair<Index, int> place{row / length, session[row]};
+    const std::pair<Index, int> place = pieceOf(rows[k], answers);
     if (place != last) pieces.emplace_back(0.0, 0.0);
     last = place;
     pieces.back().first += errors[k] * errors[k];
@@ -115,6 +126,16 @@ double fTail(double ratio, double above, double below) {
   return boost::math::cdf(boost::math::complement(boost::math::fisher_f(above, below), ratio));
 }
 
+/// How improbable a way of the parameters is, were they allowed to miss by what a law's shape leaves: a share of the
+/// squared error below which the diagnosis takes nothing for a cause. Without it every law that is not quite the
+/// drive's fails on enough rows, however well it predicts. Chi-squared that is not central, as a multiple of one that
+/// is (Patnaik 1949). \param way  along `directions`  \param rows  that count
+double chanceOfWay(double way, int directions, double rows, double freedom) {
+  if (directions == 0) return 1.0;
+  const double left = LogDiagnosisOptions{}.least_gain * rows, k = directions;
+  return fTail(way / (k + left), std::pow(k + left, 2) / (k + 2.0 * left), freedom);
+}
+
 /// Fills what the measured rows say of a candidate. \returns ln p, up to a constant that all share
 double judge(const LogPosterior& known, const PredictedRows& predicted, const ArrayXd& measured,
              const std::vector<Index>& rows, const Answers& answers, LogPrediction& result) {
@@ -128,8 +149,7 @@ double judge(const LogPosterior& known, const PredictedRows& predicted, const Ar
   result.distance = distance.value();
   result.freedom = n;
   const double beside = fTail(distance.beside / n, freedomOf(piecesOf(distance.left, rows, answers)), nu);
-  const int k = distance.directions;
-  const double along = k > 0 ? fTail(distance.along / k, k, nu) : 1.0;
+  const double along = chanceOfWay(distance.along, distance.directions, n, nu);
   result.p = std::min(1.0, 2.0 * std::min(beside, along));
   result.log_odds_before = known.log_odds;
   result.predicted = predicted.values;
@@ -157,6 +177,81 @@ void findLargestShift(const Answers& answers, std::size_t c, double variance, Fo
   result.where.push_back(largest > 0.0 ? placeOf(data.rows, answers.changed.rows[at], data) : "-");
 }
 
+/// What all candidates say of some of the rows.
+std::vector<CandidateAnswer> weigh(const LogEvidence& evidence, const Answers& answers, const ArrayXd& measured,
+                                   const std::vector<Index>& rows, std::vector<LogPrediction>& predictions) {
+  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
+  std::vector<CandidateAnswer> said;
+  double named = 0.0;
+  predictions.assign(evidence.candidates.size(), {});
+  for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
+    const LogCandidate& known = evidence.candidates[c].known;
+    LogPrediction& prediction = predictions[c];
+    const double density = judge(known.posterior, answers.predicted[c], measured, rows, answers, prediction);
+    if (c == 0) named = density;
+    prediction.log_odds = density - named;
+    said.push_back({known.causes, prediction.p, prediction.log_odds, rival[c], prediction.log_odds_before,
+                    known.role == "refused"});
+  }
+  return said;
+}
+
+/// The rows without one piece of two seconds, and when that begins.
+struct Telling {
+  std::vector<Index> others;
+  double begins = 0.0;  ///< [s]
+};
+
+/// The piece that speaks most for the named candidate, or against it, beside its nearest rival. A start that jerks, or
+/// a push, is far from what any model says, and farthest from what the best of them says.
+Telling mostTelling(const LogEvidence& evidence, const Answers& answers, const ArrayXd& measured,
+                    const std::vector<Index>& rows, const std::vector<CandidateAnswer>& said, bool for_named) {
+  std::size_t rival = 1;
+  for (std::size_t c = 2; c < said.size(); ++c) {
+    if (said[c].rival && (!said[rival].rival || said[c].log_odds > said[rival].log_odds)) rival = c;
+  }
+  const auto squares = [&](std::size_t c, Index i) {
+    return std::pow(answers.predicted[c].values[i] - measured[i], 2) / evidence.candidates[c].known.posterior.variance;
+  };
+  std::map<std::pair<Index, int>, double> told;
+  for (const Index i : rows) {
+    told[pieceOf(i, answers)] += (squares(rival, i) - squares(0, i)) * (for_named ? 1.0 : -1.0);
+  }
+  const auto most = std::ranges::max_element(told, {}, [](const auto& piece) { return piece.second; })->first;
+  Telling telling;
+  bool begun = false;
+  for (const Index i : rows) {
+    if (pieceOf(i, answers) != most) {
+      telling.others.push_back(i);
+    } else if (!std::exchange(begun, true)) {
+      telling.begins = answers.changed.log.data.rows.time[answers.changed.rows[i]];
+    }
+  }
+  return telling;
+}
+
+/// No verdict hangs on two seconds: it has to stand without those that speak most for it.
+Judgement withoutTheMostTelling(Judgement judgement, const LogEvidence& evidence, const Answers& answers,
+                                const ArrayXd& measured, const std::vector<Index>& rows,
+                                const std::vector<CandidateAnswer>& said) {
+  const bool confirmed = judgement.verdict == InterventionVerdict::kConfirmed;
+  if (judgement.verdict == InterventionVerdict::kCannotTell || said.size() < 2) return judgement;
+  const Telling telling = mostTelling(evidence, answers, measured, rows, said, confirmed);
+  if (!telling.others.empty()) {
+    std::vector<LogPrediction> predictions;
+    const std::vector<CandidateAnswer> without = weigh(evidence, answers, measured, telling.others, predictions);
+    const bool stands = confirmed ? std::ranges::none_of(without,
+                                                         [](const CandidateAnswer& answer) {
+                                                           return answer.rival && answer.log_odds >= -kDecisiveLogOdds;
+                                                         })
+                                  : judgeCandidates(without, "rows").verdict == judgement.verdict;
+    if (stands) return judgement;
+  }
+  return {InterventionVerdict::kCannotTell,
+          fmt::format("but for {:g} s from {:.4g} s on, these rows do not tell {} from the other models: record more",
+                      kPieceSeconds, telling.begins, said.front().causes)};
+}
+
 }  // namespace
 
 LogIntervention judgeChange(const LogEvidence& evidence, const LogChanges& change, const CsvTable& after) {
@@ -169,18 +264,9 @@ LogIntervention judgeChange(const LogEvidence& evidence, const LogChanges& chang
   const std::vector<Index> compared = comparable(evidence, answers, result.measured);
   result.rows = compared.size();
   result.left_out = static_cast<std::size_t>(result.measured.size()) - compared.size();
-  const std::vector<bool> rival = rivalsOf(heldBy(evidence));
-  std::vector<CandidateAnswer> said;
-  double named = 0.0;
-  for (std::size_t c = 0; c < evidence.candidates.size(); ++c) {
-    const LogCandidate& known = evidence.candidates[c].known;
-    LogPrediction& prediction = result.predictions.emplace_back();
-    const double density = judge(known.posterior, answers.predicted[c], result.measured, compared, answers, prediction);
-    if (c == 0) named = density;
-    prediction.log_odds = density - named;
-    said.push_back({known.causes, prediction.p, prediction.log_odds, rival[c], prediction.log_odds_before});
-  }
-  Judgement judgement = judgeCandidates(said, "rows");
+  const std::vector<CandidateAnswer> said = weigh(evidence, answers, result.measured, compared, result.predictions);
+  Judgement judgement =
+      withoutTheMostTelling(judgeCandidates(said, "rows"), evidence, answers, result.measured, compared, said);
   result.verdict = judgement.verdict;
   result.sentence = std::move(judgement.sentence);
   return result;

@@ -109,7 +109,7 @@ MotionIntervention judgeChange(const MotionEvidence& evidence, const ArmChanges&
     prediction.lost =
         static_cast<std::size_t>(std::ranges::count_if(predicted.e, [](const VectorXd& e) { return e.size() == 0; }));
     played = played || prediction.lost < after.motions.size();
-    answers.push_back({candidate.causes, prediction.p, 0.0, rival[c], candidate.log_odds});
+    answers.push_back({candidate.causes, prediction.p, 0.0, rival[c], candidate.log_odds, candidate.role == "refused"});
   }
   if (!played) {
     throw DataError(

@@ -93,7 +93,7 @@ void decide(const PoseEvidence& evidence, Intervention& result) {
   std::vector<CandidateAnswer> answers;
   for (std::size_t c = 0; c < result.predictions.size(); ++c) {
     answers.push_back({evidence.candidates[c].causes, result.predictions[c].p, result.predictions[c].log_odds, rival[c],
-                       result.predictions[c].log_odds_before});
+                       result.predictions[c].log_odds_before, evidence.candidates[c].role == "refused"});
   }
   Judgement judgement = judgeCandidates(answers, "poses");
   result.verdict = judgement.verdict;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <unordered_set>
 
 #include "simgap/core/blocks.h"
 #include "simgap/core/error.h"
@@ -130,6 +131,28 @@ CsvTable keepSessions(CsvTable table, const std::vector<std::string>& chosen) {
   return table.onlyRows(keep);
 }
 
+constexpr std::size_t kRun = 8;  // neighbouring rows that are compared at once
+
+/// The readings of every row, as one text.
+std::vector<std::string> rowTexts(const CsvTable& table, const std::vector<std::string>& names) {
+  std::vector<std::string> rows(table.rows());
+  for (const std::string& name : names) {
+    const std::vector<double> values = table.quantity(name, "");
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] += fmt::format("{} ", values[i]);
+  }
+  return rows;
+}
+
+std::string runOf(const std::vector<std::string>& rows, std::size_t first) {
+  return fmt::format("{}", fmt::join(rows.begin() + static_cast<std::ptrdiff_t>(first),
+                                     rows.begin() + static_cast<std::ptrdiff_t>(first + kRun), "|"));
+}
+
+bool standsStill(const std::vector<std::string>& rows, std::size_t first) {
+  const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(first);
+  return std::all_of(begin, begin + kRun, [&](const std::string& row) { return row == *begin; });
+}
+
 }  // namespace
 
 std::vector<std::string> LogTable::summary() const {
@@ -137,6 +160,26 @@ std::vector<std::string> LogTable::summary() const {
   std::vector<std::string> reasons;
   for (const LeftOutRows& rows : left_out) reasons.push_back(rows.sentence);
   return {fmt::format("{}: rows were left out: {}", table.name(), fmt::join(reasons, "; "))};
+}
+
+std::size_t rowsInBoth(const CsvTable& log, const CsvTable& other) {
+  const auto notShared = [&](const std::string& name) {
+    return name == "session" || splitUnit(name).stem == "time" || !isWhole(log, name) || !other.has(name) ||
+           !isWhole(other, name) || !log.isNumeric(name) || !other.isNumeric(name);
+  };
+  std::vector<std::string> names = log.columns();
+  std::erase_if(names, notShared);
+  if (names.empty()) return 0;
+  const std::vector<std::string> rows = rowTexts(log, names), known = rowTexts(other, names);
+  std::unordered_set<std::string> runs;
+  for (std::size_t i = 0; i + kRun <= known.size(); ++i) {
+    if (!standsStill(known, i)) runs.insert(runOf(known, i));
+  }
+  std::vector<bool> seen(rows.size(), false);
+  for (std::size_t i = 0; i + kRun <= rows.size(); ++i) {
+    if (runs.contains(runOf(rows, i))) std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(i), kRun, true);
+  }
+  return static_cast<std::size_t>(std::ranges::count(seen, true));
 }
 
 bool isLogChannel(const std::string& column) {

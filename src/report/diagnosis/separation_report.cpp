@@ -14,7 +14,7 @@ namespace simgap {
 namespace {
 
 /// Even ones at least: nothing that is recorded is expected to speak for the wrong model.
-double promisedOdds(double log_odds) { return oddsOf(std::max(log_odds, 0.0)); }
+std::string promisedOdds(double log_odds) { return saidOdds(std::max(log_odds, 0.0)); }
 
 /// The model that a protocol tells from the named one worst. \tparam Foreseen  with log_odds and smallest
 template <class Foreseen>
@@ -47,22 +47,21 @@ Json toJson(const PoseSeparation& result, const PoseEvidence& evidence) {
     }
     poses.push_back({{"pose", pose.name}, {"shaft_rad", shafts}});
   }
-  return {
-      {"format", "simgap/separate/1"},
-      {"sentence",
-       fmt::format("{} {} poses are expected to tell {} from every model that contradicts it by odds of {:.3g} to 1 at "
-                   "least, whichever is right; as many random ones by {:.3g} to 1",
-                   result.promised > kDecisiveLogOdds ? "These" : "Not even these", result.poses.size(),
-                   named == "none" ? "the model without a cause" : named, promisedOdds(result.promised),
-                   promisedOdds(result.promised_random))},
-      {"named", named},
-      {"recorded", evidence.poses.size()},
-      {"promised", result.promised},
-      {"promised_random", result.promised_random},
-      {"smallest", result.smallest},
-      {"smallest_random", result.smallest_random},
-      {"rivals", rivals},
-      {"poses", poses}};
+  return {{"format", "simgap/separate/1"},
+          {"sentence",
+           fmt::format("{} {} poses are expected to tell {} from every model that contradicts it by {} at least, "
+                       "whichever is right; as many random ones by {}",
+                       result.promised > kDecisiveLogOdds ? "These" : "Not even these", result.poses.size(),
+                       named == "none" ? "the model without a cause" : named, promisedOdds(result.promised),
+                       promisedOdds(result.promised_random))},
+          {"named", named},
+          {"recorded", evidence.poses.size()},
+          {"promised", result.promised},
+          {"promised_random", result.promised_random},
+          {"smallest", result.smallest},
+          {"smallest_random", result.smallest_random},
+          {"rivals", rivals},
+          {"poses", poses}};
 }
 
 std::string nextPosesCsv(const PoseSeparation& result, const ArmModel& model) {
@@ -99,16 +98,16 @@ Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& eviden
   }
   const LogProtocol& best = bestOf(protocols);
   const std::string& named = evidence.candidates.front().known.causes;
-  return {
-      {"format", "simgap/separate/1"},
-      {"sentence",
-       fmt::format("The motion {:g} times as fast under {:g} times the load is expected to tell {} from every model "
-                   "that contradicts it by odds of {:.3g} to 1 at least, whichever is right",
-                   best.speed, best.load, named, promisedOdds(best.foreseen.smallest))},
-      {"named", named},
-      {"unit", best.foreseen.unit},
-      {"best", {{"speed", best.speed}, {"load", best.load}}},
-      {"protocols", list}};
+  return {{"format", "simgap/separate/1"},
+          {"sentence",
+           fmt::format("{} motion {:g} times as fast under {:g} times the load is expected to tell {} from every model "
+                       "that contradicts it by {} at least, whichever is right",
+                       best.foreseen.smallest > kDecisiveLogOdds ? "The" : "Not even the", best.speed, best.load, named,
+                       promisedOdds(best.foreseen.smallest))},
+          {"named", named},
+          {"unit", best.foreseen.unit},
+          {"best", {{"speed", best.speed}, {"load", best.load}}},
+          {"protocols", list}};
 }
 
 std::string nextMotionFile(int chosen) { return fmt::format("next_{}.csv", chosen); }
@@ -126,7 +125,7 @@ Json toJson(const MotionSeparation& result, const MotionEvidence& evidence) {
   const double promised = result.smallest.back();
   const std::string last = nextMotionFile(static_cast<int>(result.smallest.size())),
                     files = result.smallest.size() == 1 ? last : nextMotionFile(1) + " to " + last,
-                    odds = saidOdds(std::max(0.0, promised));
+                    odds = promisedOdds(promised);
   const std::string sentence =
       promised > kDecisiveLogOdds
           ? fmt::format(

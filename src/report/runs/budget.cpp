@@ -44,6 +44,7 @@ BudgetLimit readLimit(const YamlNode& node) {
     limit.subject = cause->text();
     limit.upper = 0.0;
     readBounds(node, limit);
+    if (limit.upper < 0.0) node.fail(fmt::format("found upper {:g}, expected a gain >= 0 %", limit.upper));
     limit.text = limit.upper > 0.0 ? fmt::format("cause {} is worth at most {:g} %", limit.subject, limit.upper)
                                    : fmt::format("cause {} is not found", limit.subject);
     return limit;

@@ -24,8 +24,14 @@ void flatten(const std::string& name, const Json& value, std::vector<std::pair<s
   }
 }
 
+/// \param sd  of the curvature; the interval may reach further, and to one side only, where several valleys fit
 void add(const std::string& name, const Json& parameter, double sd, std::vector<RunParameter>& parameters) {
   const double value = numberOf(parameter.at("value"));
+  const Json interval = parameter.value("ci95", Json::array());
+  for (const Json& end : interval) {
+    const double away = std::abs(numberOf(end) - value) / kNormalQuantile;
+    if (std::isfinite(away)) sd = std::max(sd, away);
+  }
   if (!std::isfinite(value) || !std::isfinite(sd) || sd <= 0.0) return;
   parameters.push_back({name, parameter.value("unit", ""), {value, sd}});
 }
@@ -42,10 +48,7 @@ RunCause readCause(const Json& cause, std::vector<RunParameter>& parameters) {
     const std::string name = p.at("name").get<std::string>();
     read.magnitude +=
         fmt::format("{}{} {}", read.magnitude.empty() ? "" : ", ", name, numberText(p.at("value"), "{:.4g}"));
-    const Json interval = p.value("ci95", Json::array());
-    if (interval.size() != 2) continue;
-    add(read.name + "." + name, p, (numberOf(interval[1]) - numberOf(interval[0])) / (2.0 * kNormalQuantile),
-        parameters);
+    if (p.value("ci95", Json::array()).size() == 2) add(read.name + "." + name, p, 0.0, parameters);
   }
   return read;
 }

@@ -113,6 +113,49 @@ TEST(LogIntervention, KnowsAnAmplifierThatWasExchangedAndHowWell) {
   EXPECT_THAT(none.sentence, HasSubstr("none of 4 models predicts these rows"));
 }
 
+// What the diagnosis takes for nothing, 1.5 % of the squared error, is no failure of a prediction either.
+TEST(LogIntervention, ALawThatIsNotQuiteTheDrivesMayPredict) {
+  const auto after = [](double torque) {
+    reality::DriveRig rig = rigOf(12);
+    rig.rows = 40000;  // enough for any little to be seen
+    rig.torque_per_ampere *= torque;
+    return judgeChange(evidence(), {}, logOf(rig, biased())).predictions[0];
+  };
+  const LogPrediction same = after(1.0), nearly = after(1.003), other = after(1.03);
+  EXPECT_LT(nearly.rms, 1.0075 * same.rms) << "less than 1.5 % of the squared error";
+  EXPECT_GT(nearly.p, 0.01);
+  EXPECT_GT(other.rms, 1.05 * same.rms);
+  EXPECT_LT(other.p, 1e-3);
+}
+
+/// A current that jerks at first, by `ampere` in rows 5 to 14.
+CsvTable jerked(reality::DriveRig rig, const reality::DriveSecret& secret, std::size_t rows, double ampere) {
+  rig.rows = 6000;
+  reality::DriveRecord record = reality::recordDrive(rig, secret);
+  for (std::size_t i = 5; i < 15; ++i) record.current[i] += ampere;
+  return CsvTable::parse(firstLines(record.csv(), rows + 1), "after.csv");
+}
+
+// The diagnosis was right and nothing was changed. A model that explains little expects large errors everywhere, also
+// where a jerk makes them; the one that knows better is not refuted by two seconds.
+TEST(LogIntervention, NoVerdictHangsOnTwoSeconds) {
+  for (const std::size_t rows : {60, 200, 400}) {
+    const LogIntervention result = judgeChange(evidence(), {}, jerked(rigOf(12), biased(), rows, 3.0));
+    EXPECT_NE(result.verdict, InterventionVerdict::kRefuted) << rows << " rows: " << result.sentence;
+  }
+  const LogIntervention few = judgeChange(evidence(), {}, jerked(rigOf(12), biased(), 60, 0.0));
+  EXPECT_EQ(few.verdict, InterventionVerdict::kCannotTell) << few.sentence;
+}
+
+// Rows that are far from every model, in the eyes of the one that knows best, are left out.
+TEST(LogIntervention, ModelsThatExplainLittleKeepNoOutliers) {
+  const double best = std::sqrt(evidence().candidates.front().known.posterior.variance),
+               least = std::sqrt(evidence().candidates.back().known.posterior.variance);
+  const LogIntervention result = judgeChange(evidence(), {}, jerked(rigOf(12), biased(), 6000, 12.0 * best));
+  EXPECT_GE(result.left_out, 8u) << best << " A of the named one, " << least << " A without a cause; " << result.rows;
+  EXPECT_EQ(result.verdict, InterventionVerdict::kConfirmed) << result.sentence;
+}
+
 TEST(LogIntervention, ForeseesWhichChangeTells) {
   const ForeseenLogChange off = foreseeChange(evidence(), changeOf("  - {kind: undo, cause: current-bias}\n"));
   const ForeseenLogChange same = foreseeChange(evidence(), changeOf("  - {kind: speed, factor: 1.0}\n"));

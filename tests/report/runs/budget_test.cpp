@@ -91,6 +91,7 @@ TEST(Budget, RefusesLinesWithoutMeaning) {
   EXPECT_THROW(check("  - {value: mse}\n"), ConfigError);
   EXPECT_THROW(check("  - {value: mse, lower: 2, upper: 1}\n"), ConfigError);
   EXPECT_THROW(check("  - {upper: 1}\n"), ConfigError);
+  EXPECT_THAT(test::errorOf([] { check("  - {cause: payload, upper: -5}\n"); }), HasSubstr("found upper -5"));
   EXPECT_THROW(check("  - {value: mse, upper: 1, unknown: 2}\n"), ConfigError);
   EXPECT_THAT(test::errorOf([] { check("  - {value: mse, uper: 1}\n"); }), HasSubstr("uper"));
 }

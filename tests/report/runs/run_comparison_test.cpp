@@ -73,6 +73,19 @@ const Json kDiagnosis = {
        {"gain_heldout_percent", 40.0},
        {"parameters", {{{"name", "b"}, {"unit", "1_rad"}, {"value", 0.2}, {"ci95", {0.1, 0.3}}}}}}}}};
 
+// A friction's speed that several valleys fit: its interval reaches further than its curvature, to one side.
+TEST(ReadRun, AnIntervalThatReachesFurtherThanTheCurvatureCounts) {
+  const test::ResultFolder folder(
+      Json{{"format", "simgap/fit-friction/1"},
+           {"parameters",
+            {{{"name", "v_s"}, {"unit", "rad_s"}, {"value", 8.0}, {"sd", 0.5}, {"ci95", {0.16, 8.98}}},
+             {{"name", "k_v"}, {"unit", "Nms_rad"}, {"value", 1.0}, {"sd", 0.1}, {"ci95", {nullptr, nullptr}}}}}});
+  const RunFigures run = readRun(folder.directory().path());
+  ASSERT_EQ(run.parameters.size(), 2u);
+  EXPECT_NEAR(run.parameters[0].estimate.sd, (8.0 - 0.16) / 1.96, 1e-3);
+  EXPECT_EQ(run.parameters[1].estimate.sd, 0.1);
+}
+
 TEST(ReadRun, TakesErrorsCausesAndIntervals) {
   const test::ResultFolder folder(kDiagnosis);
   const RunFigures run = readRun(folder.directory().path());

@@ -32,6 +32,10 @@ struct LogTable {
 /// lack numbers.
 std::string logCsv(const CsvTable& table);
 
+/// Rows of `log` that `other` has, too: readings of all channels that both have, the same in eight neighbouring rows
+/// (noise does not repeat itself, whatever the clock says). Rows that are all alike, of a rest, say nothing.
+std::size_t rowsInBoth(const CsvTable& log, const CsvTable& other);
+
 /// True for a column that a log's reader takes as a channel: "motor_current_A".
 bool isLogChannel(const std::string& column);
 
