@@ -65,6 +65,15 @@ void requireOtherRows(const CsvTable& after, const InterveneOptions& options, Se
                   options.log, seen, rows.rows(), options.run.string()));
 }
 
+/// A log from afterwards is taken as it is: whether its load was doubled, nobody asks.
+void warnOfUnusedSizes(const LogChanges& change) {
+  for (const LogChange& part : change.changes) {
+    if (!part.kind->shown_by_log) continue;
+    spdlog::warn("{}: the log shows by itself what became of the {}: the number that is stated is not used",
+                 change.name, part.kind->name);
+  }
+}
+
 }  // namespace
 
 bool holdsLogCandidates(const std::filesystem::path& run) {
@@ -93,6 +102,7 @@ ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::
     requireOtherFiles(session, "log", options.run);
     requireOtherRows(after->table, options, session);
     for (const std::string& sentence : after->summary()) spdlog::warn("{}", sentence);
+    warnOfUnusedSizes(changes.front());
   }
   if (options.common.dry_run) {
     session.print(fmt::format("would ask {} models for {} changes; nothing was written\n", evidence.candidates.size(),

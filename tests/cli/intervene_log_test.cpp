@@ -48,6 +48,10 @@ TEST_F(InterveneLog, ForeseesJudgesAndChoosesTheNextLog) {
   // The same log without the change being told: the bias that is gone speaks against the model that holds it.
   succeed({"intervene", "d", "--log", "after.csv", "-q", "-o", "untold"});
   EXPECT_NE(resultOf("untold").at("verdict"), "confirmed");
+  // Nobody asks whether the load was doubled.
+  const ProcessResult loaded =
+      simgap({"intervene", "d", "--change", "load.yaml", "--log", "after.csv", "-o", "loaded"});
+  EXPECT_THAT(loaded.err, HasSubstr("twice the load: the log shows by itself what became of the load"));
 
   succeed({"design", "--separate", "d", "--speeds", "1,2", "--loads", "1,2", "-q", "-o", "next"});
   const Json next = resultOf("next");
