@@ -126,16 +126,6 @@ double fTail(double ratio, double above, double below) {
   return boost::math::cdf(boost::math::complement(boost::math::fisher_f(above, below), ratio));
 }
 
-/// How improbable a way of the parameters is, were they allowed to miss by what a law's shape leaves: a share of the
-/// squared error below which the diagnosis takes nothing for a cause. Without it every law that is not quite the
-/// drive's fails on enough rows, however well it predicts. Chi-squared that is not central, as a multiple of one that
-/// is (Patnaik 1949). \param way  along `directions`  \param rows  that count
-double chanceOfWay(double way, int directions, double rows, double freedom) {
-  if (directions == 0) return 1.0;
-  const double left = LogDiagnosisOptions{}.least_gain * rows, k = directions;
-  return fTail(way / (k + left), std::pow(k + left, 2) / (k + 2.0 * left), freedom);
-}
-
 /// Fills what the measured rows say of a candidate. \returns ln p, up to a constant that all share
 double judge(const LogPosterior& known, const PredictedRows& predicted, const ArrayXd& measured,
              const std::vector<Index>& rows, const Answers& answers, LogPrediction& result) {
@@ -149,7 +139,8 @@ double judge(const LogPosterior& known, const PredictedRows& predicted, const Ar
   result.distance = distance.value();
   result.freedom = n;
   const double beside = fTail(distance.beside / n, freedomOf(piecesOf(distance.left, rows, answers)), nu);
-  const double along = chanceOfWay(distance.along, distance.directions, n, nu);
+  const int k = distance.directions;
+  const double along = k > 0 ? fTail(distance.along / k, k, nu) : 1.0;
   result.p = std::min(1.0, 2.0 * std::min(beside, along));
   result.log_odds_before = known.log_odds;
   result.predicted = predicted.values;
