@@ -45,14 +45,13 @@ struct OpenCvPoints {
   }
 };
 
-/// To ten digits: what the last steps leave behind them depends on where in memory OpenCV's LAPACK finds the numbers,
-/// which differs from run to run.
+/// To ten digits of the largest number: what the last steps leave behind them depends on where in memory OpenCV's
+/// LAPACK finds the numbers, which differs from run to run.
 void roundOff(cv::Mat& matrix) {
-  for (double& value : cv::Mat_<double>(matrix)) {
-    if (value == 0.0) continue;
-    const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 9.0);
-    value = unit * std::round(value / unit);
-  }
+  const double largest = cv::norm(matrix, cv::NORM_INF);
+  if (largest == 0.0) return;
+  const double unit = std::pow(10.0, std::floor(std::log10(largest)) - 9.0);
+  for (double& value : cv::Mat_<double>(matrix)) value = unit * std::round(value / unit);
 }
 
 int flagsFor(int distortion) {
