@@ -77,7 +77,10 @@ OpenCvCalibration calibrate(const Views& views, cv::Size size, int distortion, c
     const cv::TermCriteria until(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 100, 1e-14);
     c.rms = cv::stereoCalibrate(points.board, points.left, points.right, c.k1, c.d1, c.k2, c.d2, size, c.r, c.t,
                                 essential, fundamental, errors, flags | cv::CALIB_USE_INTRINSIC_GUESS, until);
-    for (cv::Mat* matrix : {&c.k1, &c.d1, &c.k2, &c.d2, &c.r, &c.t}) roundOff(*matrix);
+    cv::Mat turn;  // a vector: whatever it is rounded to, it is one of a rotation
+    cv::Rodrigues(c.r, turn);
+    for (cv::Mat* matrix : {&c.k1, &c.d1, &c.k2, &c.d2, &turn, &c.t}) roundOff(*matrix);
+    cv::Rodrigues(turn, c.r);
     for (int v = 0; v < errors.rows; ++v) {
       c.view_rms.push_back(std::hypot(errors.at<double>(v, 0), errors.at<double>(v, 1)) / std::sqrt(2.0));
     }
