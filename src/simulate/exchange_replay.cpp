@@ -136,7 +136,7 @@ class Replay {
     };
     for (std::size_t b = 0, k = 0; b < one_.bodies.size(); ++b) {
       if (one_.bodies[b].fixed) continue;
-      const std::size_t same = static_cast<std::size_t>(bodies_[k++]);
+      const int same = bodies_[k++];
       const MassProperties ours = massProperties(one_.bodies[b]), theirs = massProperties(other_.bodies[same]);
       const Eigen::Matrix3d inertia = inWorld(ours, here[b]);
       const double size = std::max(inertia.norm(), std::numeric_limits<double>::min());

@@ -211,8 +211,10 @@ MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& st
     if (!follow(commands, command_row)) return stopped();
   }
   const bool settled = start.settle > 0.0;
-  if (settled) take(*now_);
-  for (; settled && row < times.size() && times[row] <= start.time; ++row) write(1.0, track, row);
+  if (settled) {
+    take(*now_);
+    for (; row < times.size() && times[row] <= start.time; ++row) write(1.0, track, row);
+  }
   while (row < times.size()) {
     stopIfInterrupted();
     const double from = time(), to = from + options_.step;

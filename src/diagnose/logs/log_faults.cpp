@@ -51,18 +51,16 @@ void leaveOut(const std::string& channel, const std::string& sentence, const std
 /// amplifier that cannot go further, unless it comes there by single counts. The rows beside them go with them: so near
 /// to a limit only those are left that noise has made small. \returns those ends.
 std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
-  constexpr double kBeside = 0.1;  // [s]
-  constexpr Index kTogether = 4;   // rows
+  constexpr double kBeside = 0.1;       // [s]
+  constexpr std::size_t kTogether = 4;  // rows
   const auto beside = static_cast<Index>(std::ceil(kBeside / log.data.rows.step));
   std::vector<double> limits;
   for (const double limit : {channel.values.maxCoeff(), channel.values.minCoeff()}) {
     std::size_t runs = 0;
     std::vector<Index> rows;
-    for (Index i = 0, end = 0; i < channel.values.size(); i = std::max(end, i + 1)) {
-      end = i;
-      while (end < channel.values.size() && channel.values[end] == limit) ++end;
-      for (Index k = i; k < end; ++k) rows.push_back(k);
-      if (end - i >= kTogether) ++runs;
+    for (const Block& run : runsAt(spanOf(channel.values), limit)) {
+      for (std::size_t i = run.begin; i < run.end; ++i) rows.push_back(static_cast<Index>(i));
+      if (run.size() >= kTogether) ++runs;
     }
     if (limit == 0.0 || runs < 2 ||
         static_cast<double>(rows.size()) < 1e-3 * static_cast<double>(channel.values.size()) ||

@@ -14,15 +14,8 @@ namespace {
 
 /// Share of rows in runs of at least `least` rows that stand exactly on `value`.
 double shareAt(std::span<const double> values, double value, std::size_t least) {
-  std::size_t count = 0, run = 0;
-  for (std::size_t i = 0; i <= values.size(); ++i) {
-    if (i < values.size() && values[i] == value) {
-      ++run;
-      continue;
-    }
-    if (run >= least) count += run;
-    run = 0;
-  }
+  std::size_t count = 0;
+  for (const Block& run : runsAt(values, value)) count += run.size() >= least ? run.size() : 0;
   return static_cast<double>(count) / static_cast<double>(values.size());
 }
 

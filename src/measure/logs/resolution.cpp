@@ -28,19 +28,27 @@ double noiseLevel(std::span<const double> values) {
   return std::max(robustDeviation(std::move(bends)) / std::sqrt(6.0), quantumOf(values) / 4.0);
 }
 
+std::vector<Block> runsAt(std::span<const double> values, double value) {
+  std::vector<Block> runs;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (values[i] != value) continue;
+    if (runs.empty() || runs.back().end != i) runs.push_back({i, i});
+    runs.back().end = i + 1;
+  }
+  return runs;
+}
+
 bool comesByCounts(std::span<const double> values, double end, std::size_t least) {
   std::vector<double> levels(values.begin(), values.end());
   std::ranges::sort(levels);
   const double count = 1.5 * quantumOf(levels);
-  std::size_t runs = 0, by_counts = 0;
-  for (std::size_t i = 1, after = 1; i < values.size(); i = std::max(after, i + 1)) {
-    after = i;
-    while (after < values.size() && values[after] == end) ++after;
-    if (after - i < least || values[i - 1] == end) continue;
-    ++runs;
-    if (std::abs(values[i - 1] - end) <= count) ++by_counts;
+  std::size_t come = 0, by_counts = 0;
+  for (const Block& run : runsAt(values, end)) {
+    if (run.begin == 0 || run.size() < least) continue;
+    ++come;
+    if (std::abs(values[run.begin - 1] - end) <= count) ++by_counts;
   }
-  return runs > 0 && 2 * by_counts > runs;
+  return come > 0 && 2 * by_counts > come;
 }
 
 }  // namespace simgap

@@ -4,6 +4,9 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
+
+#include "simgap/core/blocks.h"
 
 namespace simgap {
 
@@ -13,6 +16,9 @@ double quantumOf(std::span<const double> values);
 /// Standard deviation of a channel's white noise, from the median size of its second differences; at least a quarter
 /// of the smallest step of a quantised channel. 0 for fewer than 3 rows.
 double noiseLevel(std::span<const double> values);
+
+/// Rows in a row that stand exactly on `value`.
+std::vector<Block> runsAt(std::span<const double> values, double value);
 
 /// Whether a channel comes to one of its ends by single counts, in most of the runs of at least `least` rows there: a
 /// level that it settles at, as a motor at its top speed on the grid of an encoder. What runs into a limit is cut off
