@@ -15,6 +15,5 @@ static_assert(sizeof(btScalar) == 8, "Bullet must be built in double precision (
 
 inline btVector3 toBullet(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 inline btQuaternion toBullet(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
-inline Eigen::Quaterniond fromBullet(const btQuaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
 
 }  // namespace simgap

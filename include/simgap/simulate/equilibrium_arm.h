@@ -69,7 +69,6 @@ class EquilibriumArm {
   const std::vector<JointPosition>& observe(std::span<const double> shafts, std::span<const double> shafts_before);
   /// Sensitivities of what observe() returned. After linearise().
   void observedSensitivities(std::span<const StaticParameter> parameters, Eigen::Ref<Eigen::MatrixXd> columns);
-  const ArmObservation& observation() const { return observation_; }
   ///@}
 
  private:

@@ -26,7 +26,6 @@ class ExoLegMotion {
   double ankle() const { return state_[0]; }
   double knee() const { return state_[1] - state_[0]; }
   double ankleVelocity() const { return state_[2]; }
-  double kneeVelocity() const { return state_[3] - state_[2]; }
   double leaning() const { return leaning(state_); }  ///< the person's horizontal force at the hip [N]
   double energy() const;                              ///< kinetic, and of height [J]
   bool finite() const { return state_.allFinite(); }

@@ -13,7 +13,6 @@ namespace {
 constexpr double kSampleLength = 0.0952;  // [m]
 constexpr double kSampleForce = 85.7;     // [N] of its cords
 constexpr double kSampleWeight = 16.38;   // [N] of its bodies
-constexpr double kSampleMass = 0.835;     // [kg]
 constexpr double kGravity = 9.81;         // [m/s^2]: an arm that lies on a table has its weight, too
 
 /// Distance to the nearest joint of the body; infinite where it has none.
@@ -43,8 +42,6 @@ double ArmSizes::of(ArmSize size) const {
       return length;
     case ArmSize::kTorque:
       return force * length;
-    case ArmSize::kMass:
-      return mass;
     case ArmSize::kCompliance:
       return 1.0 / force;
   }
@@ -52,7 +49,7 @@ double ArmSizes::of(ArmSize size) const {
 }
 
 ArmSizes sizesOf(const ArmModel& model) {
-  std::vector<double> levers, stiffnesses, masses;
+  std::vector<double> levers, stiffnesses;
   for (const Muscle& muscle : model.muscles) {
     addLevers(model, muscle, levers);
     stiffnesses.push_back(muscle.shock_cord.stiffness);
@@ -62,9 +59,7 @@ ArmSizes sizesOf(const ArmModel& model) {
   }
   double weight = 0.0;
   for (const Body& body : model.bodies) {
-    const double mass = body.fixed ? 0.0 : massProperties(body).mass;
-    weight += kGravity * mass;
-    if (mass > 0.0) masses.push_back(mass);
+    if (!body.fixed) weight += kGravity * massProperties(body).mass;
   }
   ArmSizes sizes;
   if (!levers.empty()) sizes.length = median(std::move(levers)) / kSampleLength;
@@ -73,9 +68,8 @@ ArmSizes sizesOf(const ArmModel& model) {
   } else if (weight > 0.0) {
     sizes.force = weight / kSampleWeight;
   }
-  sizes.mass = masses.empty() ? sizes.force : median(std::move(masses)) / kSampleMass;
   // Narrower priors lose what they were to help finding: a light forearm's payload, in motions.
-  for (double* size : {&sizes.length, &sizes.force, &sizes.mass}) *size = std::max(1.0, *size);
+  for (double* size : {&sizes.length, &sizes.force}) *size = std::max(1.0, *size);
   return sizes;
 }
 

@@ -17,13 +17,11 @@ TEST(ArmSizes, AreOneOnTheSampleArm) {
   const ArmSizes sizes = sizesOf(sampleArm());
   EXPECT_NEAR(sizes.length, 1.0, 1e-3);
   EXPECT_NEAR(sizes.force, 1.0, 1e-3);
-  EXPECT_NEAR(sizes.mass, 1.0, 1e-3);
 }
 
 TEST(ArmSizes, OfASmallerArmAreTheSampleArms) {
   const ArmSizes sizes = sizesOf(test::withForces(sampleArm(), 1.0 / 80.0));
   EXPECT_NEAR(sizes.of(ArmSize::kTorque), 1.0, 1e-3);
-  EXPECT_NEAR(sizes.mass, 1.0, 1e-3);
 }
 
 TEST(ArmSizes, OfAnArmWithoutCordsAreItsWeights) {
