@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
+#include <span>
 #include <unordered_set>
 
 #include "simgap/core/blocks.h"
@@ -133,24 +135,36 @@ CsvTable keepSessions(CsvTable table, const std::vector<std::string>& chosen) {
 
 constexpr std::size_t kRun = 8;  // neighbouring rows that are compared at once
 
-/// The readings of every row, as one text.
-std::vector<std::string> rowTexts(const CsvTable& table, const std::vector<std::string>& names) {
-  std::vector<std::string> rows(table.rows());
-  for (const std::string& name : names) {
-    const std::vector<double> values = table.quantity(name, "");
-    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] += fmt::format("{} ", values[i]);
+/// Readings of two logs, one behind the other, shape (channels) of (rows).
+using Readings = std::vector<std::vector<double>>;
+
+/// A run of rows, by the first of them, for a set of runs that hold different readings.
+struct RunHash {
+  const Readings* readings;
+  std::size_t operator()(std::size_t first) const {
+    std::size_t hash = 0;
+    for (const std::vector<double>& channel : *readings) {
+      for (std::size_t k = 0; k < kRun; ++k) hash = 1099511628211U * (hash ^ std::hash<double>()(channel[first + k]));
+    }
+    return hash;
   }
-  return rows;
-}
+};
 
-std::string runOf(const std::vector<std::string>& rows, std::size_t first) {
-  return fmt::format("{}", fmt::join(rows.begin() + static_cast<std::ptrdiff_t>(first),
-                                     rows.begin() + static_cast<std::ptrdiff_t>(first + kRun), "|"));
-}
+struct SameRun {
+  const Readings* readings;
+  bool operator()(std::size_t one, std::size_t other) const {
+    return std::ranges::all_of(*readings, [&](const std::vector<double>& channel) {
+      const auto rows = [&](std::size_t first) { return std::span(channel).subspan(first, kRun); };
+      return std::ranges::equal(rows(one), rows(other));
+    });
+  }
+};
 
-bool standsStill(const std::vector<std::string>& rows, std::size_t first) {
-  const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(first);
-  return std::all_of(begin, begin + kRun, [&](const std::string& row) { return row == *begin; });
+bool standsStill(const Readings& readings, std::size_t first) {
+  return std::ranges::all_of(readings, [&](const std::vector<double>& channel) {
+    const std::span rows = std::span(channel).subspan(first, kRun);
+    return std::ranges::all_of(rows, [&](double reading) { return reading == rows.front(); });
+  });
 }
 
 }  // namespace
@@ -170,14 +184,20 @@ std::size_t rowsInBoth(const CsvTable& log, const CsvTable& other) {
   std::vector<std::string> names = log.columns();
   std::erase_if(names, notShared);
   if (names.empty()) return 0;
-  const std::vector<std::string> rows = rowTexts(log, names), known = rowTexts(other, names);
-  std::unordered_set<std::string> runs;
-  for (std::size_t i = 0; i + kRun <= known.size(); ++i) {
-    if (!standsStill(known, i)) runs.insert(runOf(known, i));
+  Readings readings;
+  for (const std::string& name : names) {
+    const std::vector<double> own = log.quantity(name, "");
+    std::vector<double>& both = readings.emplace_back(other.quantity(name, ""));
+    both.insert(both.end(), own.begin(), own.end());
   }
-  std::vector<bool> seen(rows.size(), false);
-  for (std::size_t i = 0; i + kRun <= rows.size(); ++i) {
-    if (runs.contains(runOf(rows, i))) std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(i), kRun, true);
+  std::unordered_set<std::size_t, RunHash, SameRun> runs(0, RunHash{&readings}, SameRun{&readings});
+  for (std::size_t i = 0; i + kRun <= other.rows(); ++i) {
+    if (!standsStill(readings, i)) runs.insert(i);
+  }
+  std::vector<bool> seen(log.rows(), false);
+  for (std::size_t i = 0; i + kRun <= seen.size(); ++i) {
+    if (!runs.contains(other.rows() + i)) continue;
+    std::fill_n(seen.begin() + static_cast<std::ptrdiff_t>(i), kRun, true);
   }
   return static_cast<std::size_t>(std::ranges::count(seen, true));
 }

@@ -79,7 +79,7 @@ void addPendulum(const ActuatorLog& log, const Bench& bench, const ArrayXd& angl
     addConstant(data, "angle_offset", "rad");
     data.load += inertial;
   } else {
-    data.fits_weight = scaled;
+    data.fits_weight = bench.fitsWeight();
     const ArrayXd offset = perRow(log, sessions, &BenchConstants::angle_offset);
     addRigTerm(data, scaled, name, unit, ArrayXd::Ones(angle.size()),
                moment * bench.gravity * (angle - offset).sin() + inertial);

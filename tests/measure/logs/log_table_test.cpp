@@ -29,12 +29,13 @@ std::string log(const std::map<int, std::string>& other) {
 LogTable readTable(const std::string& text) { return readLogTable(CsvTable::parse(text, "log.csv")); }
 
 /// Rows `first` to `last` of a log that goes on for ever, with a rest from row 60 to 79, by a clock that begins at 0.
-CsvTable recording(int first, int last) {
+/// \param faster  than such a log
+CsvTable recording(int first, int last, int faster = 0) {
   std::string text = "time_s,motor_current_A,motor_velocity_rad_s,session\n";
   for (int i = first; i <= last; ++i) {
     const bool rests = i >= 60 && i < 80;
     text += std::to_string(i - first) +
-            (rests ? ",0,0," : "," + std::to_string(i * i % 97) + "," + std::to_string(i % 13) + ",") + "a\n";
+            (rests ? ",0,0," : "," + std::to_string(i * i % 97) + "," + std::to_string(i % 13 + faster) + ",") + "a\n";
   }
   return CsvTable::parse(text, "log.csv");
 }
@@ -44,6 +45,7 @@ TEST(LogTable, RowsInBothAreThoseOfOneRecording) {
   EXPECT_EQ(rowsInBoth(recording(30, 59), recording(0, 39)), 10u) << "one that goes on behind its end";
   EXPECT_EQ(rowsInBoth(recording(60, 79), recording(0, 99)), 0u) << "rests are alike";
   EXPECT_EQ(rowsInBoth(recording(200, 250), recording(0, 99)), 0u);
+  EXPECT_EQ(rowsInBoth(recording(0, 50, 1), recording(0, 99)), 0u) << "one of two channels is another";
   const CsvTable others = CsvTable::parse("force_N\n1\n2\n", "other.csv");
   EXPECT_EQ(rowsInBoth(recording(0, 99), others), 0u) << "no channel in common";
 }
