@@ -263,12 +263,11 @@ LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<doub
   return result;
 }
 
-std::size_t rankMinima(std::vector<LeastSquaresResult>& found) {
-  constexpr double kSame = 1.0001;  // costs that differ by less are of one minimum
+std::size_t rankMinima(std::vector<LeastSquaresResult>& found, double same) {
   std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
   std::size_t minima = found.empty() ? 0 : 1;
   for (std::size_t i = 1; i < found.size(); ++i) {
-    if (found[i].cost > kSame * found[i - 1].cost) ++minima;
+    if (found[i].cost > same * found[i - 1].cost) ++minima;
   }
   return minima;
 }

@@ -65,8 +65,9 @@ struct LeastSquaresResult {
 LeastSquaresResult minimise(const LeastSquaresProblem& problem, std::vector<double> start,
                             const LeastSquaresOptions& options = {});
 
-/// Sorts what several starts found by its cost, lowest first. \returns how many minima of different cost they are
-std::size_t rankMinima(std::vector<LeastSquaresResult>& found);
+/// Sorts what several starts found by its cost, lowest first. \param same  costs that differ by a smaller factor are of
+/// one minimum \returns how many minima of different cost they are
+std::size_t rankMinima(std::vector<LeastSquaresResult>& found, double same = 1.0001);
 
 /// Residuals at theta, shape (rows).
 Eigen::VectorXd residuals(const LeastSquaresProblem& problem, std::span<const double> theta);

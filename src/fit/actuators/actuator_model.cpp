@@ -39,6 +39,11 @@ void addOwnParameters(const FittedModel& model, const LogKind& kind, ActuatorMod
 
 }  // namespace
 
+std::optional<double> ActuatorModel::presliding() const {
+  const auto nuisance = std::ranges::find(values, kNuisance, &Estimate::name);
+  return nuisance == values.end() ? std::nullopt : std::optional(nuisance->value);
+}
+
 ActuatorModel subjectOf(std::string_view name) {
   const LogKind* const kind = log_kinds::find(name);
   if (kind == nullptr || kind->prepare == nullptr) return {friction::find(name), {}, {}};
@@ -74,10 +79,7 @@ ActuatorModel subjectOf(const FittedModel& model) {
 }
 
 Eigen::ArrayXd predictExtended(const ActuatorModel& subject, const ActuatorData& data) {
-  const auto presliding = std::ranges::find(subject.values, kNuisance, &Estimate::name);
-  std::optional<double> largest;
-  if (presliding != subject.values.end()) largest = presliding->value;
-  const ActuatorRegression regression(subject.base, subject.effects, data, largest);
+  const ActuatorRegression regression(subject.base, subject.effects, data, subject.presliding());
   return regression.predict(regression.thetaOf(subject.values));
 }
 

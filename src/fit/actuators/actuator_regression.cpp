@@ -54,8 +54,7 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
   if (base.law != nullptr) {
     // Without a load there is no k_a: torques are then told in what the motor draws.
     const bool loaded = (data.rows.load != 0.0).any();
-    addLinear("k_a", data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit,
-              loaded ? 1e-12 : 1.0, loaded ? kInfinity : 1.0, false);
+    addLinear("k_a", gainUnit(data.load_unit, data.effort_unit), loaded ? 1e-12 : 1.0, loaded ? kInfinity : 1.0, false);
     for (const ParameterSpec& p : termParameters(*base.law, data.load_unit))
       addLinear(p.name, p.unit, p.lower, p.upper, true);
     const auto viscous = std::ranges::find(base.law->terms, FrictionBasis::kVelocity, &FrictionTerm::basis);

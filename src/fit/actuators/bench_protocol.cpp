@@ -80,11 +80,8 @@ class NoiselessLog {
  public:
   NoiselessLog(const DriveLimits& limits, const ActuatorModel& subject, std::span<const BenchMotion> motions)
       : log_(prepare(limits, motions)) {
-    const auto nuisance = std::ranges::find(subject.values, kNuisance, &Estimate::name);
-    std::optional<double> presliding;
-    if (nuisance != subject.values.end()) presliding = nuisance->value;
     for (const ActuatorEffect* effect : subject.effects) requireChannels(*effect);
-    regression_.emplace(subject.base, subject.effects, log_.data, presliding);
+    regression_.emplace(subject.base, subject.effects, log_.data, subject.presliding());
     theta_ = regression_->thetaOf(subject.values);
     current_ = regression_->predict(theta_);
   }

@@ -53,7 +53,7 @@ class ResponseProblem {
     problem.parameters = parameters_;
     problem.chunks = chunks_;
     std::vector<ParameterSpec> moving = parameters_;
-    for (std::size_t i = 0; given_too && i < kFirstOfGearbox; ++i) moving[i].fixed = false;
+    for (std::size_t i = 0; given_too && i < kMotorParameters; ++i) moving[i].fixed = false;
     problem.evaluate = [this, moving](std::span<const double> at, const Block& chunk, Eigen::Ref<VectorXd> residual,
                                       Eigen::Ref<MatrixXd>* jacobian) {
       evaluate(at, chunk, residual);
@@ -146,7 +146,7 @@ void checkMotorLog(const MotorLog& log) {
   (void)checkChannels(log.file, channels);
 }
 
-/// Rough fits from the regression, and from mechanical parameters that are off by a factor; the best first.
+/// Rough fits from the regression, and from mechanical parameters that are off by a factor.
 std::vector<LeastSquaresResult> fitFromSeveralStarts(const LeastSquaresProblem& problem, std::vector<double> theta) {
   for (std::size_t i = 0; i < theta.size(); ++i) {
     const ParameterSpec& p = problem.parameters[i];
@@ -164,8 +164,30 @@ std::vector<LeastSquaresResult> fitFromSeveralStarts(const LeastSquaresProblem& 
     if (factor != 1.0 && start == theta) continue;
     found.push_back(minimise(problem, start, rough));
   }
-  std::ranges::stable_sort(found, {}, &LeastSquaresResult::cost);
   return found;
+}
+
+/// From the best of several starts, with weights of the channels that follow the fit.
+/// \param measure  what is simulated with theta
+template <class Measure>
+LeastSquaresResult fitWeighted(const MotorLog& log, const LeastSquaresProblem& problem, const Measure& measure,
+                               const std::vector<bool>& rows, ResponseProblem& response, DriveFit& fit) {
+  response.velocityScale = response.hasVelocity() ? spread(log.velocity) : 1.0;
+  response.currentScale = response.hasCurrent() ? spread(log.current) : 1.0;
+  constexpr double kSameRough = 1.001;  // costs of rough fits that differ by less are of one minimum
+  std::vector<LeastSquaresResult> found = fitFromSeveralStarts(problem, fit.first_guess);
+  fit.starts = found.size();
+  fit.distinct_minima = rankMinima(found, kSameRough);
+  LeastSquaresResult best = found.front();
+  for (int round = 0; round < 2; ++round) {
+    const DriveResponse r = measure(best.theta);
+    if (response.hasVelocity())
+      response.velocityScale = std::max(rms(r.velocity, log.velocity, rows), 1e-9 * response.velocityScale);
+    if (response.hasCurrent())
+      response.currentScale = std::max(rms(r.current, log.current, rows), 1e-9 * response.currentScale);
+    best = minimise(problem, best.theta);
+  }
+  return best;
 }
 
 /// The delays that were fitted; a sentence about each that is clearly none.
@@ -202,7 +224,7 @@ void addMotorUncertainty(const LeastSquaresProblem& problem, const DriveFitOptio
     return;
   }
   std::vector<int> held;
-  for (std::size_t i = 0; i < kFirstOfGearbox; ++i) held.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < kMotorParameters; ++i) held.push_back(static_cast<int>(i));
   addHeldUncertainty(problem, fit.theta, held, options.motor_covariance, fit.uncertainty);
 }
 
@@ -224,24 +246,7 @@ DriveFit fitExtent(const MotorLog& log, DriveFitOptions options, DriveExtent ext
     if (options.tie_constants) all[kKt] = all[kKe];
     return simulateDrive(log, motorOf(all), gearboxOf(all, options.ratio), response.delays(all), extent);
   };
-  // The channels' weights follow the fit.
-  response.velocityScale = response.hasVelocity() ? spread(log.velocity) : 1.0;
-  response.currentScale = response.hasCurrent() ? spread(log.current) : 1.0;
-  const std::vector<LeastSquaresResult> found = fitFromSeveralStarts(problem, fit.first_guess);
-  fit.starts = found.size();
-  fit.distinct_minima = 1;
-  for (std::size_t k = 1; k < found.size(); ++k) {
-    if (found[k].cost > 1.001 * found[k - 1].cost) ++fit.distinct_minima;
-  }
-  LeastSquaresResult best = found.front();
-  for (int round = 0; round < 2; ++round) {
-    const DriveResponse r = measure(best.theta);
-    if (response.hasVelocity())
-      response.velocityScale = std::max(rms(r.velocity, log.velocity, rows), 1e-9 * response.velocityScale);
-    if (response.hasCurrent())
-      response.currentScale = std::max(rms(r.current, log.current, rows), 1e-9 * response.currentScale);
-    best = minimise(problem, best.theta);
-  }
+  const LeastSquaresResult best = fitWeighted(log, problem, measure, rows, response, fit);
   if (!best.converged) fit.warnings.push_back("the fit stopped early: " + best.message);
   fit.theta = best.theta;
   if (options.tie_constants) fit.theta[kKt] = fit.theta[kKe];

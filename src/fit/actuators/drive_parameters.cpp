@@ -18,8 +18,8 @@ std::vector<ParameterSpec> driveParameters(const DriveFitOptions& options, doubl
                                     {"tau_CG", "Nm", 0.0, kInfinity},       {"mu_G", "Nms", 0.0, kInfinity},
                                     {"J_G", "kg_m2", 0.0, kInfinity},       {"voltage_delay", "s", -latest, latest},
                                     {"current_delay", "s", -latest, latest}};
-  for (std::size_t i = 0; i < kFirstDelay; ++i) {
-    all[i].fixed = i < kFirstOfGearbox ? !options.fit_motor : !options.fit_gearbox;
+  for (std::size_t i = 0; i < kDriveParameters; ++i) {
+    all[i].fixed = i < kMotorParameters ? !options.fit_motor : !options.fit_gearbox;
   }
   constrain({options.fixed, options.bounds}, all);
   return all;

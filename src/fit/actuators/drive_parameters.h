@@ -25,7 +25,7 @@ enum Parameter : std::size_t {
   kCurrentDelay,
   kCount
 };
-inline constexpr std::size_t kFirstOfGearbox = kEta, kFirstDelay = kVoltageDelay;
+static_assert(kEta == kMotorParameters && kVoltageDelay == kDriveParameters);
 
 /// Bounds, and which are fixed, shape (kCount). \param step  between two rows [s]
 std::vector<ParameterSpec> driveParameters(const DriveFitOptions& options, double step = 1.0);

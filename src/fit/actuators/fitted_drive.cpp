@@ -12,8 +12,9 @@
 namespace simgap {
 
 std::vector<std::string> driveParameterNames() {
-  return {"R",   "L",      "K_E",  "K_T", "J_M",           "mu_M",         "tau_CM",
-          "eta", "tau_CG", "mu_G", "J_G", "voltage_delay", "current_delay"};
+  std::vector<std::string> names;
+  for (const ParameterSpec& p : driveParameters({})) names.push_back(p.name);
+  return names;
 }
 
 JudgedDriveFit fitAndJudge(const MotorLog& log, const DriveFitOptions& options, const Holdout& holdout,
@@ -43,7 +44,7 @@ Motor motorFrom(const FittedModel& model) {
 
 Eigen::MatrixXd motorCovarianceFrom(const FittedModel& model) {
   const std::vector<std::string> names = driveParameterNames();
-  constexpr Eigen::Index kOfMotor = 7;
+  constexpr Eigen::Index kOfMotor = kMotorParameters;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(kOfMotor, kOfMotor);
   const auto place = [&](Eigen::Index i) {
     return std::ranges::find(model.parameters, names[i], &Estimate::name) - model.parameters.begin();
@@ -66,9 +67,10 @@ Gearbox gearboxFrom(const FittedModel& model) {
 }
 
 DriveDelays delaysFrom(const FittedModel& model, const MotorLog& log) {
-  const auto rows = [&](const char* delay) { return parseNumber(model.setting(delay)).value_or(0.0) / meanStep(log); };
-  const double current = rows("current_delay_s");
-  return log.voltage.empty() ? DriveDelays{current, 0.0} : DriveDelays{rows("voltage_delay_s"), current};
+  std::vector<double> theta(kCount, 0.0);
+  theta[kVoltageDelay] = parseNumber(model.setting("voltage_delay_s")).value_or(0.0);
+  theta[kCurrentDelay] = parseNumber(model.setting("current_delay_s")).value_or(0.0);
+  return delaysOf(log, theta, meanStep(log));
 }
 
 }  // namespace simgap

@@ -14,10 +14,6 @@ using Eigen::ArrayXd;
 using Eigen::ArrayXXd;
 using Eigen::Index;
 
-std::string gainUnit(const FrictionData& data) {
-  return data.load_unit == data.effort_unit ? "1" : data.load_unit + "_" + data.effort_unit;
-}
-
 }  // namespace
 
 FrictionModel::FrictionModel(const FrictionLaw& law, const FrictionData& data, const FrictionFitOptions& options)
@@ -32,7 +28,7 @@ FrictionModel::FrictionModel(const FrictionLaw& law, const FrictionData& data, c
   if (predict_load_ && rig_ > 0) {
     throw ConfigError("found constants of the rig to be fitted and the load to be predicted, expected one of them");
   }
-  addParameter(options, {"k_a", gainUnit(data), 1e-12, kInfinity});
+  addParameter(options, {"k_a", gainUnit(data.load_unit, data.effort_unit), 1e-12, kInfinity});
   for (const ParameterSpec& p : termParameters(law, data.load_unit)) addParameter(options, p);
   for (std::size_t k = 0; k < rig_; ++k) {
     const bool angle = data.fits_angle && k == data.angleIndex();

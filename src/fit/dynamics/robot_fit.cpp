@@ -181,15 +181,42 @@ void widen(DynamicsFit& fit, const MatrixXd& of_model, const VectorXd& of_log, s
 /// A bandwidth too low takes from accelerations, one too high leaves noise in them, and what is smoothed away beside a
 /// turn leaks into the rows after it: alike in all blocks, so that no jackknife over blocks sees it. What a fit to
 /// motion that is smoothed less finds otherwise is taken for its standard uncertainty.
-/// \param data  of that motion
-void widenBySmoothing(const DynamicsData& data, const std::vector<double>& constants, DynamicsFit& fit) {
-  const std::vector<bool> all(data.sums.blocks.size(), true);
+void widenBySmoothing(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options,
+                      const RobotRegressor& regressor, const BaseParameters& base, const std::vector<double>& constants,
+                      RobotFit& found) {
+  const RobotLog sharper = sharperMotion(log);
+  const std::vector<bool> all(log.blocks.size(), true);
+  const ExtraColumn load = options.payload ? payloadTorques(*options.payload, sharper, regressor, arm) : ExtraColumn();
+  const DynamicsSums sums = sumDynamics(sharper, regressor, base, found.model.curves, all, {}, load);
+  const DynamicsData data{arm, regressor, base, sums};
+  DynamicsFit& fit = found.fit;
   const VectorXd moved = fittedParameters(data, constants, all) - fit.model.parameters;
   const VectorXd of_base = data.base.combination * moved;
   fit.sd = (fit.sd.cwiseAbs2() + moved.cwiseAbs2()).cwiseSqrt();
   VectorXd alone = solveBase(data, data.sums.total(all), constants).x;
   for (Eigen::Index k = 0; k < alone.size(); ++k) alone[k] -= fit.base[static_cast<std::size_t>(k)].estimate.value;
   widen(fit, of_base * of_base.transpose(), alone.cwiseAbs2(), all.size());
+}
+
+std::vector<int> foldsOverSessions(const RobotLog& log) {
+  std::vector<int> folds;
+  for (const Block& block : log.blocks) folds.push_back(log.session[block.begin]);
+  return folds;
+}
+
+/// What the model's file says of what was found.
+void fillModel(const ArmModel& arm, const RobotLog& log, const RobotFitOptions& options,
+               const RobotRegressor& regressor, RobotFit& found) {
+  RobotModel& model = found.model;
+  model.arm = armWith(arm, regressor, found.fit.model.parameters);
+  model.law = options.law;
+  model.currents = log.joints.front().effort_unit == "A";
+  if (model.currents) model.torque_constants = found.fit.model.torque_constants;
+  model.parameters = found.fit.model.parameters;
+  model.sd = found.fit.sd;
+  model.base_covariance = found.fit.base_covariance;
+  model.heldout_sd = found.heldout.sd;
+  for (const RobotJointLog& joint : log.joints) model.presliding.push_back(joint.presliding);
 }
 
 }  // namespace
@@ -203,7 +230,6 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   RobotRegressor regressor(arm, friction::find(options.law));
   const BaseParameters base = baseParameters(regressor, arm);
   requireRobotLog(arm, log, options);
-  const bool currents = log.joints.front().effort_unit == "A";
   RobotFit found;
   found.names = regressor.names();
   found.units = regressor.units();
@@ -220,7 +246,8 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
     sums = sumsOf(regressor, found.model.curves);
   };
   MatrixXd of_constants = MatrixXd::Zero(std::ssize(base.columns), std::ssize(base.columns));
-  if (currents && !options.torque_constants) {  // the load is the file's until torques are known
+  if (log.joints.front().effort_unit == "A" &&
+      !options.torque_constants) {  // the load is the file's until torques are known
     sumUp();
     const TorqueConstants told = findTorqueConstants({arm, regressor, base, *sums}, jointNames(log));
     found.constants = told.constants;
@@ -233,13 +260,7 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   }
   found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
   widen(found.fit, of_constants, of_constants.diagonal(), log.blocks.size());
-  {
-    const RobotLog sharper = sharperMotion(log);
-    const ExtraColumn load =
-        options.payload ? payloadTorques(*options.payload, sharper, regressor, arm) : ExtraColumn();
-    const DynamicsSums again = sumDynamics(sharper, regressor, base, found.model.curves, all, {}, load);
-    widenBySmoothing({arm, regressor, base, again}, constants, found.fit);
-  }
+  widenBySmoothing(arm, log, options, regressor, base, constants, found);
   if (!found.fit.converged) {
     throw NumericsError(
         "the search for bodies that can exist did not converge: is the log of this robot, with efforts of its signs "
@@ -257,20 +278,8 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
     return crossValidate(arm, regressor, base, sums_of, constants, fold);
   };
   found.heldout = judge(foldsOverBlocks(log.blocks.size()));
-  if (log.session_names.size() > 1) {
-    std::vector<int> of_session;
-    for (const Block& block : log.blocks) of_session.push_back(log.session[block.begin]);
-    found.over_logs = judge(of_session);
-  }
-  found.model.arm = armWith(arm, regressor, found.fit.model.parameters);
-  found.model.law = options.law;
-  found.model.currents = currents;
-  if (currents) found.model.torque_constants = found.fit.model.torque_constants;
-  found.model.parameters = found.fit.model.parameters;
-  found.model.sd = found.fit.sd;
-  found.model.base_covariance = found.fit.base_covariance;
-  found.model.heldout_sd = found.heldout.sd;
-  for (const RobotJointLog& joint : log.joints) found.model.presliding.push_back(joint.presliding);
+  if (log.session_names.size() > 1) found.over_logs = judge(foldsOverSessions(log));
+  fillModel(arm, log, options, regressor, found);
   found.warnings = warningsOf(arm, log, found);
   return found;
 }

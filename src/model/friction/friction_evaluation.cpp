@@ -27,6 +27,10 @@ std::vector<ParameterSpec> termParameters(const FrictionLaw& law, std::string_vi
   return parameters;
 }
 
+std::string gainUnit(const std::string& load_unit, const std::string& effort_unit) {
+  return load_unit == effort_unit ? "1" : load_unit + "_" + effort_unit;
+}
+
 std::vector<ParameterSpec> stribeckParameters(const FrictionLaw& law, double top_speed,
                                               std::string_view velocity_unit) {
   if (!law.hasStribeck()) return {};

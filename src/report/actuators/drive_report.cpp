@@ -14,10 +14,8 @@
 namespace simgap {
 namespace {
 
-/// The estimates that belong to the kind: a motor's seven, or a gearbox's four.
+/// The estimates that belong to the kind: a motor's, or a gearbox's.
 Uncertainty partOf(const Uncertainty& all, const std::string& kind) {
-  constexpr std::size_t kMotorParameters = 7;
-  constexpr std::size_t kDriveParameters = 11;  // what follows are delays of channels
   return kind == "motor" ? partOf(all, 0, kMotorParameters) : partOf(all, kMotorParameters, kDriveParameters);
 }
 

@@ -145,6 +145,10 @@ Coverage gearboxes(int logs) {
   return coverage;
 }
 
+FrictionData frictionData(const std::string& csv, const Bench& bench = {}) {
+  return prepareFrictionData(readActuatorLog(CsvTable::parse(csv, "log.csv"), {}), bench, {});
+}
+
 Coverage frictions(int logs, double current_late) {
   Coverage coverage;
   reality::FrictionTruth truth;
@@ -154,9 +158,8 @@ Coverage frictions(int logs, double current_late) {
   truth.velocity_noise = 0.1;
   truth.current_late = current_late;
   for (int seed = 0; seed < logs; ++seed) {
-    const std::string csv =
-        simulateFrictionLog(truth, {.rows = 12000, .seed = static_cast<std::uint64_t>(2000 + seed)}).csv();
-    const FrictionData data = prepareFrictionData(readActuatorLog(CsvTable::parse(csv, "friction.csv"), {}), {}, {});
+    const FrictionData data = frictionData(
+        simulateFrictionLog(truth, {.rows = 12000, .seed = static_cast<std::uint64_t>(2000 + seed)}).csv());
     const FrictionFit fit = fitFriction(friction::find("variant-b"), data, {});
     coverage.add(fit.uncertainty.estimates, {{"k_a", truth.torque_per_ampere},
                                              {"n_c1", truth.sliding_per_load},
@@ -180,8 +183,7 @@ Coverage rotors(int logs) {
     rig.rows = 15000, rig.seed = static_cast<std::uint64_t>(4000 + seed);
     reality::DriveSecret secret;
     secret.inertia = 0.01;
-    const std::string csv = recordDrive(rig, secret).csv();
-    const FrictionData data = prepareFrictionData(readActuatorLog(CsvTable::parse(csv, "rotor.csv"), {}), {}, {});
+    const FrictionData data = frictionData(recordDrive(rig, secret).csv());
     const FrictionFit fit = fitFriction(friction::find("classic"), data, {});
     coverage.add(fit.uncertainty.estimates, {{"k_a", rig.torque_per_ampere},
                                              {"n_c", rig.sliding},
@@ -222,8 +224,7 @@ Coverage benches(int count, std::uint64_t first, bool logs_velocity) {
   for (int k = 0; k < count; ++k) {
     reality::StickingPendulum bench = reality::drawStickingPendulum(first + static_cast<std::uint64_t>(k));
     bench.logs_velocity = logs_velocity;
-    const FrictionData data = prepareFrictionData(readActuatorLog(CsvTable::parse(bench.csv(), "log.csv"), {}),
-                                                  readBench(YamlNode::parse(bench.benchYaml(), "bench.yaml")), {});
+    const FrictionData data = frictionData(bench.csv(), readBench(YamlNode::parse(bench.benchYaml(), "bench.yaml")));
     coverage.add(fitFriction(friction::find("stribeck"), data, {}).uncertainty.estimates, bench.truth());
   }
   return coverage;

@@ -2,6 +2,7 @@
 /// The model of an actuator as a user has it: by name, or from a file, with the effects that extend it.
 #pragma once
 
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct ActuatorModel {
   std::vector<const ActuatorEffect*> effects;  ///< of its extensions
   std::vector<Estimate> values;                ///< as the file holds them; empty for a law alone
   std::vector<Extension> of_angles = {};       ///< extensions that say nothing about the effort: of the transmission
+
+  /// What the values say of it, as ActuatorRegression takes it.
+  std::optional<double> presliding() const;
 };
 
 /// A muscle's spring is an effect on top of 002 eq. 14, the inertia of a gearbox one on top of Coulomb friction.

@@ -60,6 +60,9 @@ struct FittedDelay {
   double rows = 0.0;  ///< the same in steps of the log
 };
 
+/// How many of a drive's parameters are the motor's, and how many are its and the gearbox's, before the delays.
+inline constexpr std::size_t kMotorParameters = 7, kDriveParameters = 11;
+
 struct DriveFit {
   std::vector<double> first_guess;  ///< shape (P)
   /// Shape (P): R, L, K_E, K_T, J_M, mu_M, tau_CM, eta, tau_CG, mu_G, J_G, and the delays of voltage and current [s].

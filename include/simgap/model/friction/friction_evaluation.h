@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace simgap {
 
 /// The law's linear parameters, >= 0, shape (T). \param load_unit  "Nm" or "N"
 std::vector<ParameterSpec> termParameters(const FrictionLaw& law, std::string_view load_unit);
+
+/// Of k_a: load per effort.
+std::string gainUnit(const std::string& load_unit, const std::string& effort_unit);
 
 /// v_s and delta; empty for a law without them. The box holds every curve that differs from its limits on a log: with
 /// v_s above its range E is 1 up to the largest speed, below it 0 but for a few rows; a delta beyond 20 makes a step,
