@@ -1,11 +1,52 @@
 #include "arm_cause.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+
+#include "simgap/core/error.h"
 
 namespace simgap {
 
 Eigen::Index fittedParameters(const ArmEffect& effect) {
   return std::ranges::count_if(effect.parameters, [](const ArmEffectParameter& p) { return p.fitted; });
+}
+
+void requireArmEffects(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (findArmEffect(name)) continue;
+    std::vector<std::string_view> known;
+    for (const ArmEffect* effect : arm_effects::all()) known.push_back(effect->name);
+    throw ConfigError(fmt::format("--effects: found '{}', expected some of {}", name, fmt::join(known, ", ")));
+  }
+}
+
+std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target,
+                                             const ArmModel& model) {
+  std::vector<EffectParameters> starts;
+  const ArmSizes arm = sizesOf(model);
+  for (const EffectParameters& stated : effect.starts) {
+    const EffectParameters start = startOn(effect, stated, arm);
+    Extension extension = makeExtension(effect, target, start);
+    if (checkExtension(extension, model).empty()) starts.push_back(start);
+  }
+  return starts;
+}
+
+bool hasExtension(const ArmModel& model, const ArmEffect& effect, const std::string& target) {
+  return std::ranges::any_of(
+      model.extensions, [&](const Extension& given) { return given.effect == effect.name && given.target == target; });
+}
+
+std::vector<ArmCause> withOneMore(std::vector<ArmCause> causes, const ArmCause& more) {
+  causes.push_back(more);
+  return causes;
+}
+
+std::vector<ArmCause> withoutOne(std::vector<ArmCause> causes, std::size_t cause) {
+  causes.erase(causes.begin() + static_cast<std::ptrdiff_t>(cause));
+  return causes;
 }
 
 ArmModel withCauses(const ArmModel& model, const std::vector<ArmCause>& causes) {

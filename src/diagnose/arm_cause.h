@@ -16,10 +16,31 @@ struct ArmCause {
   const ArmEffect* effect = nullptr;
   std::string target;
   EffectParameters start{};
-  std::string label() const {
-    return target.empty() ? std::string(effect->name) : std::string(effect->name) + ":" + target;
-  }
+  std::string label() const { return effectLabel(effect->name, target); }
 };
+
+/// An effect on a target that a model does not have yet, with all starts that fits of it try.
+struct ArmHypothesis {
+  const ArmEffect* effect = nullptr;
+  std::string target;
+  std::vector<EffectParameters> starts;  ///< the first where motions show it most easily
+  std::string label() const { return effectLabel(effect->name, target); }
+  bool isOf(const ArmCause& cause) const { return cause.effect == effect && cause.target == target; }
+};
+
+/// \throws ConfigError: one of the names, of --effects, is that of no effect
+void requireArmEffects(const std::vector<std::string>& names);
+
+/// Where fits of an effect begin, with those of its choices that the target has: a muscle that crosses one joint cannot
+/// bend round a second.
+std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target, const ArmModel& model);
+/// Whether a model has an effect on a target.
+bool hasExtension(const ArmModel& model, const ArmEffect& effect, const std::string& target);
+
+/// The causes and one more.
+std::vector<ArmCause> withOneMore(std::vector<ArmCause> causes, const ArmCause& more);
+/// The causes without one of them. \param cause  its place
+std::vector<ArmCause> withoutOne(std::vector<ArmCause> causes, std::size_t cause);
 
 /// What a search changes of a cause: without a choice or a moment.
 Eigen::Index fittedParameters(const ArmEffect& effect);

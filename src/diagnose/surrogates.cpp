@@ -1,5 +1,6 @@
 #include "surrogates.h"
 
+#include <algorithm>
 #include <complex>
 #include <numbers>
 #include <unsupported/Eigen/FFT>
@@ -26,6 +27,11 @@ Index smoothLength(Index n) {
 }
 
 }  // namespace
+
+double placeboP(double gain, std::span<const double> of_placebos) {
+  const auto reach = std::ranges::count_if(of_placebos, [&](double placebo) { return placebo >= gain; });
+  return (1.0 + static_cast<double>(reach)) / (1.0 + static_cast<double>(of_placebos.size()));
+}
 
 VectorXd phaseRandomised(const VectorXd& values, std::uint32_t draw, std::uint64_t seed) {
   const Index n = smoothLength(values.size());

@@ -1,5 +1,8 @@
 #include "verdict.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -18,6 +21,30 @@ DiagnosisVerdict verdictOf(const std::vector<Cause>& causes, bool structure) {
 const DataFault* openFault(const std::vector<DataFault>& faults) {
   const auto open = std::ranges::find(faults, false, &DataFault::corrected);
   return open == faults.end() ? nullptr : &*open;
+}
+
+void endWith(const DataFault& fault, Diagnosis& diagnosis) {
+  diagnosis.verdict = DiagnosisVerdict::kDataFault;
+  diagnosis.sentence = "Data fault: " + fault.sentence + ".";
+  diagnosis.baseline = diagnosis.extended = {std::nan(""), std::nan("")};
+  diagnosis.noise_floor = diagnosis.explained_percent = diagnosis.explainable_percent = std::nan("");
+}
+
+std::string nameOf(const Cause& cause) {
+  return cause.target.empty() ? cause.effect : cause.effect + " of " + cause.target;
+}
+
+std::string namesOf(const std::vector<Cause>& causes) {
+  std::vector<std::string> names;
+  for (const Cause& cause : causes) {
+    std::string& name = names.emplace_back(nameOf(cause));
+    for (const std::string& other : cause.ambiguous_with) name += " or " + other;
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+double detectionFactor(double least_gain, double effective_samples) {
+  return std::max(4.6, std::sqrt(least_gain * effective_samples));
 }
 
 std::vector<Absorption> absorbed(std::vector<Absorption> shifts) {

@@ -2,6 +2,7 @@
 /// What follows from the causes that a search has accepted, whatever the data were: the same rules for logs and poses.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "simgap/diagnose/diagnosis.h"
@@ -22,6 +23,18 @@ DiagnosisVerdict verdictOf(const std::vector<Cause>& causes, bool structure);
 
 /// The first fault that was not put right; null when there is none.
 const DataFault* openFault(const std::vector<DataFault>& faults);
+
+/// Nothing is fitted to data with such a fault.
+void endWith(const DataFault& fault, Diagnosis& diagnosis);
+
+/// "joint-spring of j2".
+std::string nameOf(const Cause& cause);
+/// "bend-friction, joint-spring of j2 or joint-gravity".
+std::string namesOf(const std::vector<Cause>& causes);
+
+/// How many standard deviations an effect has to be large to be found: a z of 3 for the number of hypotheses, 1.6 for
+/// 95 % power, and the least gain.
+double detectionFactor(double least_gain, double effective_samples);
 
 /// Of all shifts of ordinary parameters those of two standard deviations and more, the largest first, at most five.
 std::vector<Absorption> absorbed(std::vector<Absorption> shifts);

@@ -27,14 +27,10 @@ double costOf(const VectorXd& residual, std::span<const Block> blocks) {
 }
 
 Normal normalOf(const MatrixXd& jacobian, const VectorXd& residual, std::span<const Block> blocks) {
-  const Index p = jacobian.cols();
-  Normal normal{MatrixXd::Zero(p, p), VectorXd::Zero(p)};
+  Normal normal{gramOf(jacobian, blocks), VectorXd::Zero(jacobian.cols())};
   for (const Block& b : blocks) {
-    const auto rows = jacobian.middleRows(b.begin, b.size());
-    normal.h.selfadjointView<Eigen::Lower>().rankUpdate(rows.transpose());
-    normal.g.noalias() += rows.transpose() * residual.segment(b.begin, b.size());
+    normal.g.noalias() += jacobian.middleRows(b.begin, b.size()).transpose() * residual.segment(b.begin, b.size());
   }
-  normal.h.triangularView<Eigen::StrictlyUpper>() = normal.h.transpose();
   return normal;
 }
 
@@ -82,6 +78,15 @@ VectorXd step(const std::vector<ParameterSpec>& parameters, std::span<const doub
 }
 
 }  // namespace
+
+MatrixXd gramOf(const MatrixXd& jacobian, std::span<const Block> blocks) {
+  MatrixXd gram = MatrixXd::Zero(jacobian.cols(), jacobian.cols());
+  for (const Block& b : blocks) {
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.middleRows(b.begin, b.size()).transpose());
+  }
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  return gram;
+}
 
 RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
                const RowFitOptions& options) {

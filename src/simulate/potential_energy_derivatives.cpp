@@ -248,8 +248,9 @@ int indexOf(const Items& items, std::string_view name) {
 
 /// \param label  "effect:target"
 int extensionIndex(const ArmModel& model, std::string_view label) {
-  const auto found = std::ranges::find_if(
-      model.extensions, [&](const Extension& extension) { return extensionLabel(extension) == label; });
+  const auto found = std::ranges::find_if(model.extensions, [&](const Extension& extension) {
+    return effectLabel(extension.effect, extension.target) == label;
+  });
   assert(found != model.extensions.end());
   return static_cast<int>(found - model.extensions.begin());
 }

@@ -191,7 +191,9 @@ TEST_P(ArmEffects, ObservedSensitivitiesAgreeWithDifferences) {
   const ArmModel model = extended(c);
   std::vector<std::string> names;
   for (const ArmEffectParameter& p : c.effect->parameters) {
-    if (p.fitted) names.push_back("extensions." + extensionLabel(model.extensions[0]) + "." + std::string(p.name));
+    if (p.fitted)
+      names.push_back("extensions." + effectLabel(model.extensions[0].effect, model.extensions[0].target) + "." +
+                      std::string(p.name));
   }
   const std::vector<StaticParameter> parameters = staticParameters(model, names);
   int moved = 0;

@@ -2,7 +2,9 @@
 /// What `diagnose` answers (docs/formats.md), for logs and pose sets alike.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -145,8 +147,27 @@ struct Diagnosis {
   std::vector<Extension> extensions;  ///< of the causes, as the extended model holds them
 };
 
+/// What every diagnosis is asked with.
+struct DiagnosisOptions {
+  std::vector<std::string> effects;  ///< only these causes; empty: all
+  double level = 0.05;               ///< of the false-alarm rate of each step
+  bool ignore_faults = false;        ///< go on without the data that are faulty
+  std::uint64_t seed = 1;
+
+  bool wants(std::string_view effect) const {
+    return effects.empty() || std::ranges::find(effects, effect) != effects.end();
+  }
+};
+
 /// Called with what is being done and the share of the whole that is done.
 using DiagnosisProgress = std::function<void(const std::string& what, double done)>;
+
+/// Tells of a part of a whole: what is done of it counts as that share, behind `begin`. \param whole  outlives it
+inline DiagnosisProgress partOfProgress(const DiagnosisProgress& whole, double begin, double share) {
+  return [&whole, begin, share](const std::string& what, double done) {
+    if (whole) whole(what, begin + share * done);
+  };
+}
 
 /// Adds a warning for each cause that makes the data it was not chosen on worse.
 void warnOfHarm(Diagnosis& diagnosis);

@@ -35,6 +35,9 @@ struct RowFitOptions {
   double tolerance = 1e-5;  ///< relative decrease of the cost that counts as none
 };
 
+/// J^T J over the rows of some blocks, shape (P, P).
+Eigen::MatrixXd gramOf(const Eigen::MatrixXd& jacobian, std::span<const Block> blocks);
+
 /// \param start  shape (P); moved into the bounds.
 RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
                const RowFitOptions& options = {});

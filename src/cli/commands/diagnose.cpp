@@ -70,7 +70,6 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
   PreparedLog log = prepareLog(table, bench, subject.base.kind);
   log.left_out = std::move(file_rows.left_out);
   LogDiagnosisOptions diagnose = options.diagnose;
-  diagnose.seed = options.common.seed.value_or(1);
   if (options.max_causes) diagnose.max_causes = *options.max_causes;
   const Holdout holdout = readHoldout(options.holdout, table);
   if (holdout.fraction) diagnose.holdout = *holdout.fraction;
@@ -104,12 +103,9 @@ ExitCode runLog(const Options& options, Session& session, const CLI::App& app) {
 
 PoseDiagnosisOptions poseOptions(const Options& options) {
   PoseDiagnosisOptions pose;
-  pose.effects = options.diagnose.effects;
+  static_cast<DiagnosisOptions&>(pose) = options.diagnose;
   if (options.max_causes) pose.max_causes = static_cast<std::size_t>(*options.max_causes);
-  pose.level = options.diagnose.level;
-  pose.ignore_faults = options.diagnose.ignore_faults;
   pose.self_test = options.diagnose.self_tests;
-  pose.seed = options.common.seed.value_or(1);
   if (!options.holdout.empty()) {
     const auto fraction = parseNumber(options.holdout);
     if (!fraction) {
@@ -159,11 +155,8 @@ ExitCode runMotions(const Options& options, Session& session) {
                                {}};
   if (options.diagnose.self_tests > 0)
     throw ConfigError("found --self-test with --motions, expected it with --log or --poses");
-  motion.diagnose.effects = options.diagnose.effects;
+  static_cast<DiagnosisOptions&>(motion.diagnose) = options.diagnose;
   if (options.max_causes) motion.diagnose.max_causes = static_cast<std::size_t>(*options.max_causes);
-  motion.diagnose.level = options.diagnose.level;
-  motion.diagnose.ignore_faults = options.diagnose.ignore_faults;
-  motion.diagnose.seed = options.common.seed.value_or(1);
   if (!options.holdout.empty()) {
     const auto fraction = parseNumber(options.holdout);
     if (!fraction || !options.validation_motions.empty()) {
@@ -182,11 +175,8 @@ ExitCode runRobot(const Options& options, Session& session, const CLI::App& app)
     throw ConfigError(options.model + ": found a robot, expected no --bench, --ratio or --self-test");
   }
   RobotDiagnoseOptions robot{options.common, options.table, options.model, options.logs, options.torque_constants, {}};
-  robot.diagnose.effects = options.diagnose.effects;
+  static_cast<DiagnosisOptions&>(robot.diagnose) = options.diagnose;
   if (options.max_causes) robot.diagnose.max_causes = *options.max_causes;
-  robot.diagnose.level = options.diagnose.level;
-  robot.diagnose.ignore_faults = options.diagnose.ignore_faults;
-  robot.diagnose.seed = options.common.seed.value_or(1);
   if (!options.holdout.empty()) {
     const auto fraction = parseNumber(options.holdout);
     if (!fraction || !(*fraction > 0.0 && *fraction <= 0.5)) {
@@ -263,7 +253,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_flag("--ignore-faults", options->diagnose.ignore_faults, "go on where the data look wrong");
   options->table.add(app);
   options->common.add(app);
-  return [options, argv, &app] { return run(*options, argv, app); };
+  return [options, argv, &app] {
+    options->diagnose.seed = options->common.seed.value_or(options->diagnose.seed);
+    return run(*options, argv, app);
+  };
 }
 
 }  // namespace

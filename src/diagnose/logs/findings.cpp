@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 
+#include "diagnose/surrogates.h"
 #include "diagnose/verdict.h"
 #include "drift.h"
 #include "free_shape.h"
@@ -19,8 +20,6 @@
 
 namespace simgap {
 namespace {
-
-constexpr double kPlaceboLevel = 0.05;
 
 /// More than the whole error is no share of it: data that a model was not fitted to are then off without bound.
 std::string inWords(const Interval& gain, double p) {

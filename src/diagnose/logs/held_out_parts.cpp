@@ -34,9 +34,7 @@ void HeldOutParts::addOthers(const PreparedLog& log, const ActuatorModel& subjec
   const std::vector<Hypothesis> promising = promisingOf(named, records, options);
   const std::vector<LogSplit> splits = otherSplits(log, options);
   for (std::size_t s = 0; s < splits.size(); ++s) {
-    const DiagnosisProgress part = [&](const std::string& what, double done) {
-      if (progress) progress(what, kMainShare * (1.0 + static_cast<double>(s) + done));
-    };
+    const DiagnosisProgress part = partOfProgress(progress, kMainShare * (1.0 + static_cast<double>(s)), kMainShare);
     auto search = std::make_unique<LogSearch>(subject.base, log.data, splits[s].training, options);
     Selection selection = selectCauses(*search, subject.effects, promising, {}, options, part);
     blocks_.insert(blocks_.end(), splits[s].heldout.begin(), splits[s].heldout.end());

@@ -14,13 +14,11 @@ void addLikely(const Selection& selection, Diagnosis& d) {
   constexpr double kMostP = 0.1;        // of the hypothesis alone
   constexpr double kSmallestP = 1e-3;
   constexpr std::size_t kMost = 3;
-  std::vector<const Trial*> likely;
-  for (const Trial& trial : selection.last) {
+  const auto likely = [&](const Trial& trial) {
     const bool found = std::ranges::find(d.causes, trial.hypothesis.effect->name, &Cause::effect) != d.causes.end();
-    if (!found && trial.gain && trial.gain->value >= kWorthSaying && trial.p_paired < kMostP) likely.push_back(&trial);
-  }
-  std::ranges::stable_sort(likely, std::greater<>(), [](const Trial* trial) { return trial->gain->value; });
-  for (const Trial* trial : likely) {
+    return !found && trial.gain->value >= kWorthSaying && trial.p_paired < kMostP;
+  };
+  for (const Trial* trial : byGain(selection.last, likely)) {
     const std::string name(trial->hypothesis.effect->name);
     if (std::ranges::find(d.candidates, name, &Candidate::effect) != d.candidates.end()) continue;
     if (d.candidates.size() >= kMost) break;

@@ -65,15 +65,13 @@ void addRefused(const LogSearch& search, const Selection& selection, const std::
     const auto best = std::ranges::max_element(trials, {}, &Trial::gain_training);
     if (best != trials.end() && best->identifiable) add(best->fitted, best->hypothesis.effect->name);
   }
-  std::vector<const Trial*> last;
-  for (const Trial& trial : selection.last) {
+  const auto helps = [&](const Trial& trial) {
     // Tried on top of what was chosen then: of the same model only what was not changed since.
     const bool on_top =
         trial.fitted.model && trial.fitted.model->effects().size() == selection.chosen.model->effects().size() + 1;
-    if (on_top && trial.identifiable && trial.gain && trial.gain->value > 0.0) last.push_back(&trial);
-  }
-  std::ranges::stable_sort(last, std::greater<>(), [](const Trial* trial) { return trial->gain->value; });
-  for (const Trial* trial : last) {
+    return on_top && trial.identifiable && trial.gain->value > 0.0;
+  };
+  for (const Trial* trial : byGain(selection.last, helps)) {
     Effects effects = selection.chosen.model->effects();
     if (held.contains(trial->hypothesis.effect->name)) continue;
     effects.push_back(trial->hypothesis.effect);

@@ -17,17 +17,6 @@ namespace {
 
 constexpr double kStructure = 0.05;  // share of the error that forests have to explain to count as structure
 
-/// "bend-friction, current-bias or joint-gravity"
-std::string namesOf(const std::vector<Cause>& causes) {
-  std::vector<std::string> names;
-  for (const Cause& cause : causes) {
-    std::string name = cause.effect;
-    for (const std::string& other : cause.ambiguous_with) name += " or " + other;
-    names.push_back(name);
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 double timesTheNoise(const Diagnosis& d) {
   return d.noise_floor > 0.0 ? std::sqrt(d.baseline.mse_heldout / d.noise_floor) : 0.0;
 }

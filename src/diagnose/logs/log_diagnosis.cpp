@@ -125,12 +125,15 @@ bool actsUnseen(const PreparedLog& log, const Eigen::VectorXd& residual, double 
 
 /// What is left with the causes, against noise and against anything that the channels could explain.
 /// \param before, after  residuals, shape (rows). \param known  what forests explain of `after`, where it is known
-void measureLeft(const Selection& selection, const PreparedLog& log, const Eigen::VectorXd& before,
-                 const Eigen::VectorXd& after, const std::optional<Ceiling>& known, std::uint64_t seed, Diagnosis& d) {
+/// \returns how many neighbouring rows of `after` are alike
+double measureLeft(const Selection& selection, const PreparedLog& log, const Eigen::VectorXd& before,
+                   const Eigen::VectorXd& after, const std::optional<Ceiling>& known, std::uint64_t seed,
+                   Diagnosis& d) {
+  const double correlation = correlationTime(after, log.data.rows.session);
   d.noise_floor = noiseFloor(log, after);
-  d.effective_samples = static_cast<double>(d.samples) / correlationTime(after, log.data.rows.session);
+  d.effective_samples = static_cast<double>(d.samples) / correlation;
   const std::vector<EvidenceChannel> channels = evidenceChannels(log);
-  d.evidence = binEvidence(log, channels, before, after);
+  d.evidence = binEvidence(log, channels, before, after, correlation);
   const Ceiling left = known ? *known : explainable(log, channels, after, seed);
   const Ceiling whole = d.causes.empty() ? left : explainable(log, channels, before, seed);
   const double explained = std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
@@ -142,6 +145,7 @@ void measureLeft(const Selection& selection, const PreparedLog& log, const Eigen
     if (isMostlyConstant(log, after)) d.unexplained.push_back({"an offset", 0.01 * d.left_over_percent, ""});
   }
   d.explainable_percent = std::max(d.explainable_percent, d.explained_percent + d.left_over_percent);
+  return correlation;
 }
 
 /// A static term that hardly any row told is without bound in rows that are slower.
@@ -154,15 +158,6 @@ void requireBounded(const PreparedLog& log, double mse_heldout) {
                   "that ends: hardly any row tells its friction in slow motion; take a law without a Stribeck term "
                   "(coulomb, load-coulomb), or record slow motion",
                   log.file, std::sqrt(mse_heldout / square)));
-}
-
-/// Nothing was fitted.
-void endWith(const DataFault& fault, Diagnosis& d) {
-  d.verdict = DiagnosisVerdict::kDataFault;
-  d.baseline = d.extended = {std::nan(""), std::nan("")};
-  d.noise_floor = d.explained_percent = d.explainable_percent = std::nan("");
-  d.sentence = "Data fault: " + fault.sentence + ".";
-  d.next_experiment = "Mend or leave out these rows and diagnose again, or go on with --ignore-faults.";
 }
 
 }  // namespace
@@ -208,16 +203,13 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   if (openFault(d.faults) == nullptr) takeOutRows(subject, search, log, d);
   if (const DataFault* fault = openFault(d.faults); fault != nullptr && !options.ignore_faults) {
     endWith(*fault, d);
+    d.next_experiment = "Mend or leave out these rows and diagnose again, or go on with --ignore-faults.";
     return result;
   }
 
-  const DiagnosisProgress choosing = [&](const std::string& what, double done) {
-    if (progress) progress(what, kChoosing * done);
-  };
-  const DiagnosisProgress first = [&](const std::string& what, double done) {
-    choosing(what, HeldOutParts::kMainShare * done);
-  };
-  Selection selection = selectCauses(search, subject.effects, named, unnamed, options, first);
+  const DiagnosisProgress choosing = partOfProgress(progress, 0.0, kChoosing);
+  Selection selection = selectCauses(search, subject.effects, named, unnamed, options,
+                                     partOfProgress(choosing, 0.0, HeldOutParts::kMainShare));
   d.hypotheses = selection.records;
   HeldOutParts parts(search, split.heldout, subject.effects.size());
   if (selection.steps.size() > 1) parts.addOthers(log, subject, named, selection.records, options, choosing);
@@ -240,7 +232,8 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   result.predicted_after = after.model->predict(after.theta);
   d.causes = causesOf(selection, found.heldout, result.baseline, result.extended, subject.effects.size(), options.seed);
   addLikely(selection, d);
-  measureLeft(selection, log, residualOf(before), residualOf(after), found.left, options.seed, d);
+  const double correlation =
+      measureLeft(selection, log, residualOf(before), residualOf(after), found.left, options.seed, d);
   d.detectable = detectable(search, selection.last, options.least_gain, d.effective_samples);
   if (options.self_tests > 0) {
     d.self_test = runSelfTest(subject, log, after, named, unnamed, d.detectable, d.effective_samples, options,
@@ -250,9 +243,8 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   addTransmission(subject, log, split, options, result);
   warnOfHarm(d);
   d.extensions = result.extended.extensions;
-  const double tau = correlationTime(residualOf(after), log.data.rows.session);
-  result.correlation_s = tau * log.data.rows.step;
-  result.candidates = logCandidates(search, log, selection, d.candidates, named, subject.effects.size(), tau);
+  result.correlation_s = correlation * log.data.rows.step;
+  result.candidates = logCandidates(search, log, selection, d.candidates, named, subject.effects.size(), correlation);
   d.next_experiment = nextExperiment(d, log);
   return result;
 }

@@ -17,9 +17,11 @@ double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep) {
   return rows;
 }
 
-Eigen::VectorXd residualOf(const Fitted& fitted) {
+Eigen::VectorXd residualOf(const Fitted& fitted) { return residualOf(fitted, fitted.theta); }
+
+Eigen::VectorXd residualOf(const Fitted& fitted, std::span<const double> theta) {
   Eigen::VectorXd residual;
-  fitted.model->evaluate(fitted.theta, residual, nullptr);
+  fitted.model->evaluate(theta, residual, nullptr);
   return residual;
 }
 

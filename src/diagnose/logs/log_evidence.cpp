@@ -223,8 +223,7 @@ void addBins(const EvidenceChannel& channel, const std::string& against, const s
 }  // namespace
 
 std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<EvidenceChannel>& channels,
-                                     const VectorXd& before, const VectorXd& after) {
-  const double correlation = correlationTime(after, log.data.rows.session);
+                                     const VectorXd& before, const VectorXd& after, double correlation) {
   std::vector<std::size_t> rows = keptRows(log);
   // What friction lacks has one sign forwards and the other backwards: its mean over both says nothing.
   const VectorXd direction = log.data.rows.direction.matrix();

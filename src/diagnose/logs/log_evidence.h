@@ -19,9 +19,10 @@ struct EvidenceChannel {
 /// Motion, load, context channels, quadrant of the power flow, time since reversal, session.
 std::vector<EvidenceChannel> evidenceChannels(const PreparedLog& log);
 
-/// Mean residual in bins of equal counts. \param before, after  shape (rows), 0 where a row does not count.
+/// Mean residual in bins of equal counts. \param before, after  shape (rows), 0 where a row does not count. \param
+/// correlation  [rows] of `after`
 std::vector<EvidenceBin> binEvidence(const PreparedLog& log, const std::vector<EvidenceChannel>& channels,
-                                     const Eigen::VectorXd& before, const Eigen::VectorXd& after);
+                                     const Eigen::VectorXd& before, const Eigen::VectorXd& after, double correlation);
 
 /// What random forests (Breiman 2001) of all channels predict of a residual in blocks they have not seen.
 struct Ceiling {

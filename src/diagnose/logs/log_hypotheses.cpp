@@ -43,15 +43,10 @@ double distinctShare(const ActuatorRegression& model, std::span<const double> th
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;
   model.evaluate(theta, residual, &jacobian);
-  const Index p = jacobian.cols();
-  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(p, p);
-  for (const Block& b : blocks) {
-    const auto rows = jacobian.middleRows(b.begin, b.size());
-    h.noalias() += rows.transpose() * rows;
-  }
+  const Eigen::MatrixXd h = gramOf(jacobian, blocks);
   std::vector<Index> own, others;
   const std::size_t columns = model.firstColumn(effect), values = model.firstParameter(effect);
-  for (Index i = 0; i < p; ++i) {
+  for (Index i = 0; i < h.cols(); ++i) {
     if (h(i, i) <= 1e-300) continue;
     const auto k = static_cast<std::size_t>(i);
     const bool is_own = (k >= columns && k < columns + model.effects()[effect]->columns.size()) ||

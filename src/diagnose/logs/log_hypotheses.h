@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,8 @@ struct Beside {
 double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep);
 /// Errors, shape (rows); 0 where they do not count.
 Eigen::VectorXd residualOf(const Fitted& fitted);
+/// The same at another place. \param theta  shape (P)
+Eigen::VectorXd residualOf(const Fitted& fitted, std::span<const double> theta);
 
 /// One hypothesis on top of a model.
 struct Trial {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numeric>
 #include <set>
 
 namespace simgap {
@@ -30,6 +29,26 @@ void rebuildSteps(const LogSearch& search, std::size_t own, Selection& selection
                                                   effects.begin() + static_cast<std::ptrdiff_t>(own + k));
     selection.steps.push_back(k == causes ? selection.chosen : search.fit(some, &selection.chosen));
   }
+}
+
+/// Takes out what is known of a cause.
+void forget(std::size_t cause, Selection& selection) {
+  const auto at = static_cast<std::ptrdiff_t>(cause);
+  selection.p_adjusted.erase(selection.p_adjusted.begin() + at);
+  selection.ambiguous_with.erase(selection.ambiguous_with.begin() + at);
+  selection.instead.erase(selection.instead.begin() + at);
+}
+
+/// The first few of different causes.
+std::vector<const Trial*> oneOfEach(const std::vector<const Trial*>& trials, std::size_t most) {
+  std::vector<const Trial*> few;
+  for (const Trial* trial : trials) {
+    const auto same = [&](const Trial* other) {
+      return other->hypothesis.effect->name == trial->hypothesis.effect->name;
+    };
+    if (few.size() < most && std::ranges::none_of(few, same)) few.push_back(trial);
+  }
+  return few;
 }
 
 /// Causes none of whose forms the model's own parameters leave anything to say.
@@ -134,16 +153,9 @@ std::vector<Trial> Selector::step(const Fitted& base, Open open, const Fitted* n
 /// The few that gain most, significant or not: firsts of pairs.
 std::vector<std::size_t> Selector::promising(const std::vector<Trial>& trials) const {
   constexpr std::size_t kMost = 3;
-  std::vector<std::size_t> order(trials.size()), few;
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto gainOf = [&](std::size_t t) { return trials[t].gain ? trials[t].gain->value : 0.0; };
-  std::ranges::stable_sort(order, std::greater<>(), gainOf);
-  for (const std::size_t t : order) {
-    const auto same = [&](std::size_t other) {
-      return trials[other].hypothesis.effect->name == trials[t].hypothesis.effect->name;
-    };
-    if (few.size() < kMost && gainOf(t) >= kPromising && std::ranges::none_of(few, same)) few.push_back(t);
-  }
+  std::vector<std::size_t> few;
+  const auto gains = [](const Trial& trial) { return trial.gain->value >= kPromising; };
+  for (const Trial* trial : oneOfEach(byGain(trials, gains), kMost)) few.push_back(trial - trials.data());
   return few;
 }
 
@@ -219,17 +231,11 @@ std::vector<std::string> Selector::rivals(const std::vector<Trial>& trials, std:
 /// The causes that gain most beside the accepted one, significant or not: what a diagnosis has to be asked about.
 std::vector<Trial> Selector::runnersUp(const std::vector<Trial>& trials, std::size_t accepted) const {
   constexpr std::size_t kMost = 2;
-  std::vector<const Trial*> others;
-  for (const Trial& trial : trials) {
-    const bool same = trial.hypothesis.effect->name == trials[accepted].hypothesis.effect->name;
-    if (!same && trial.gain && trial.gain->value > 0.0) others.push_back(&trial);
-  }
-  std::ranges::stable_sort(others, std::greater<>(), [](const Trial* trial) { return trial->gain->value; });
+  const auto other = [&](const Trial& trial) {
+    return trial.hypothesis.effect->name != trials[accepted].hypothesis.effect->name && trial.gain->value > 0.0;
+  };
   std::vector<Trial> best;
-  for (const Trial* trial : others) {
-    const auto taken = [&](const Trial& t) { return t.hypothesis.effect->name == trial->hypothesis.effect->name; };
-    if (best.size() < kMost && std::ranges::none_of(best, taken)) best.push_back(*trial);
-  }
+  for (const Trial* trial : oneOfEach(byGain(trials, other), kMost)) best.push_back(*trial);
   return best;
 }
 
@@ -244,9 +250,7 @@ void Selector::drop(std::size_t k, const Fitted& rest, double gain) {
   selection_.records.push_back({step_, titleOf(*effect), {}, {gain, gain, gain}, 1.0, "pruned"});
   dropped_.insert(effect->name);
   selection_.chosen = rest;
-  selection_.p_adjusted.erase(selection_.p_adjusted.begin() + static_cast<std::ptrdiff_t>(k));
-  selection_.ambiguous_with.erase(selection_.ambiguous_with.begin() + static_cast<std::ptrdiff_t>(k));
-  selection_.instead.erase(selection_.instead.begin() + static_cast<std::ptrdiff_t>(k));
+  forget(k, selection_);
 }
 
 /// Takes out causes that the later ones made superfluous.
@@ -367,16 +371,9 @@ Selection Selector::reviewed(std::size_t own, Selection selection) {
 
 }  // namespace
 
-double detectionFactor(double least_gain, double effective_samples) {
-  return std::max(4.6, std::sqrt(least_gain * effective_samples));
-}
-
 void dropCause(const LogSearch& search, std::size_t own, std::size_t cause, Selection& selection) {
   selection.chosen = search.without(selection.chosen, own + cause);
-  const auto at = static_cast<std::ptrdiff_t>(cause);
-  selection.p_adjusted.erase(selection.p_adjusted.begin() + at);
-  selection.ambiguous_with.erase(selection.ambiguous_with.begin() + at);
-  selection.instead.erase(selection.instead.begin() + at);
+  forget(cause, selection);
   rebuildSteps(search, own, selection);
 }
 

@@ -3,6 +3,8 @@
 /// cause against its rivals, and at last what is outside the catalogue.
 #pragma once
 
+#include <functional>
+
 #include "log_hypotheses.h"
 
 namespace simgap {
@@ -20,9 +22,16 @@ struct Selection {
   std::vector<HypothesisRecord> records;
 };
 
-/// How many standard deviations an effect has to be large to be found: a z of 3 for the number of hypotheses, 1.6 for
-/// 95 % power, and the least gain.
-double detectionFactor(double least_gain, double effective_samples);
+/// Those of the trials that were measured and that `wanted` takes, the largest gain first.
+template <class Wanted>
+std::vector<const Trial*> byGain(const std::vector<Trial>& trials, const Wanted& wanted) {
+  std::vector<const Trial*> some;
+  for (const Trial& trial : trials) {
+    if (trial.gain && wanted(trial)) some.push_back(&trial);
+  }
+  std::ranges::stable_sort(some, std::greater<>(), [](const Trial* trial) { return trial->gain->value; });
+  return some;
+}
 
 /// Takes a cause out again; the later ones are refitted. \param own  effects of the baseline; \param cause  from 0
 void dropCause(const LogSearch& search, std::size_t own, std::size_t cause, Selection& selection);

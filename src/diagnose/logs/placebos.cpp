@@ -19,8 +19,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr std::uint32_t kPlacebos = 39;  // one of them may reach the cause at a level of 5 %
-
 /// Rows of the training blocks that count, in their order.
 std::vector<Index> countedRows(const LogSearch& search, const VectorXd& residual) {
   std::vector<Index> rows;
@@ -114,12 +112,6 @@ CommonErrors compare(const LogSearch& search, const VectorXd& before, const Vect
   return errors;
 }
 
-VectorXd residualAt(const Fitted& fitted, std::span<const double> theta) {
-  VectorXd residual;
-  fitted.model->evaluate(theta, residual, nullptr);
-  return residual;
-}
-
 /// The parameters with the effect's own times a factor.
 std::vector<double> scaled(const Fitted& full, std::size_t effect, double factor) {
   std::vector<double> theta = full.theta;
@@ -137,7 +129,7 @@ std::array<double, 2> delaysByDirection(const LogSearch& search, const Fitted& f
   for (int k = 0; k <= kSteps; ++k) {
     // The law follows each delay: one that was fitted to a mean of two would favour that mean.
     const std::vector<double> moved = scaled(full, effect, 2.0 * k / kSteps);
-    const VectorXd residual = residualAt(full, full.model->solveCoefficients(moved, search.training()));
+    const VectorXd residual = residualOf(full, full.model->solveCoefficients(moved, search.training()));
     double sum[2] = {0.0, 0.0}, rows[2] = {0.0, 0.0};
     for (const Index i : countedRows(search, residual)) {
       const int side = direction[i] > 0.0 ? 0 : 1;
@@ -200,7 +192,7 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   // Nor is a delay of several rows: its derivative where it ended says little of what it changes from none on.
   const std::vector<double> undelayed = scaled(full, effect, 0.0);
   if (std::abs(model.delay(full.theta) - model.delay(undelayed)) > search.step()) {
-    signature = residualAt(full, undelayed)(rows) - own_residual(rows);
+    signature = residualOf(full, undelayed)(rows) - own_residual(rows);
   }
   if (isConstant(signature)) return {0.0, 0.0, 0.0};
   test.gain = fitted.gain(signature);
@@ -217,8 +209,7 @@ PlaceboTest testPlacebos(const LogSearch& search, const Fitted& full, const Fitt
   pack(digest, full.theta);
   computeOnRanks(std::span(gains), gainOf, /*one_by_one=*/false, std::move(digest));
   test.largest = *std::ranges::max_element(gains);
-  const auto reach = std::ranges::count_if(gains, [&](double gain) { return gain >= test.gain; });
-  test.p = (1.0 + static_cast<double>(reach)) / (1.0 + kPlacebos);
+  test.p = placeboP(test.gain, gains);
   return test;
 }
 
@@ -228,15 +219,15 @@ std::string doubtOfDelay(const LogSearch& search, const Fitted& full, const Fitt
   if (delay == full.model->delay(opposite)) return {};
   const double rows_late = std::abs(delay) / search.step();
   const int window = static_cast<int>(std::ceil(kNeighbours * std::max(1.0, rows_late)));
-  const VectorXd before = residualAt(rest, rest.theta);
-  const CommonErrors errors = compare(search, before, residualAt(full, full.theta), window);
+  const VectorXd before = residualOf(rest);
+  const CommonErrors errors = compare(search, before, residualOf(full), window);
   if (errors.held() < kHolds) {
     return fmt::format(
         "of what it explains of single rows means over {} of them keep {:.0f} %, of a delay's 19 %: noise that a "
         "controller feeds back looks like that",
         window, 100.0 * std::max(0.0, errors.held()));
   }
-  const VectorXd turned = residualAt(full, full.model->solveCoefficients(opposite, search.training()));
+  const VectorXd turned = residualOf(full, full.model->solveCoefficients(opposite, search.training()));
   const double other = compare(search, before, turned, window).gain();
   if (other <= kOpposite * errors.gain()) return doubtOfOneTime(search, full, effect);
   return fmt::format("the opposite delay explains {:.1f} %, too (this one {:.1f} %)", 100.0 * other,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/verdict.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/core/random.h"
 #include "simgap/core/ranks.h"

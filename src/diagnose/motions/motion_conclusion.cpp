@@ -231,9 +231,8 @@ void MotionDiagnosing::conclude() {
   d.verdict = verdictOf(d.causes, !d.unexplained.empty());
   if (!d.causes.empty()) {
     const Cause& first = d.causes.front();
-    const std::string name = first.target.empty() ? first.effect : first.effect + ":" + first.target;
     std::vector<std::string> group = first.ambiguous_with;
-    group.insert(group.begin(), name);
+    group.insert(group.begin(), effectLabel(first.effect, first.target));
     d.sentence = first.ambiguous_with.empty() ? first.sentence
                  : isLost(first.ambiguous_with)
                      ? "something of the catalogue is missing, but too many causes would explain it alike"

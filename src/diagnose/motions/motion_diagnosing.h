@@ -50,7 +50,7 @@ class MotionDiagnosing {
   const MotionDiagnosisOptions& options_;
   const DiagnosisProgress& progress_;
   MotionSplit split_;
-  std::vector<MotionHypothesis> hypotheses_;
+  std::vector<ArmHypothesis> hypotheses_;
   std::unique_ptr<MotionCauseFit> plain_, last_;  // last_: with all named causes, null without any
   std::vector<FoundCause> found_;                 // named; their fits have moved to last_
   std::vector<MotionCandidate> others_;           // in place of a named cause, and what was not named

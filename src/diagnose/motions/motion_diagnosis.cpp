@@ -172,12 +172,7 @@ MotionDiagnosis MotionDiagnosing::run(const MotionSet& motions, const MotionSet*
 }
 
 void MotionDiagnosisOptions::validate() const {
-  for (const std::string& name : effects) {
-    if (findArmEffect(name)) continue;
-    std::vector<std::string_view> known;
-    for (const ArmEffect* effect : arm_effects::all()) known.push_back(effect->name);
-    throw ConfigError(fmt::format("--effects: found '{}', expected some of {}", name, fmt::join(known, ", ")));
-  }
+  requireArmEffects(effects);
   const auto refuse = [](const char* what, double found) {
     throw ConfigError(fmt::format("{}: found {}, expected a number between 0 and 1", what, found));
   };

@@ -25,20 +25,20 @@ double rangeOf(const std::vector<double>& values) {
   return most - least;
 }
 
-/// The longest run of equal readings, as first sample and length.
+/// The longest run of equal readings, as first sample and length. \param[out] repeats  readings that equal the one
+/// before
 std::pair<std::size_t, std::size_t> longestRun(std::size_t samples, const std::function<bool(std::size_t)>& same,
                                                std::size_t& repeats) {
-  std::size_t first = 0, best = 0, length = samples > 0 ? 1 : 0;
+  std::size_t first = 0, length = samples > 0 ? 1 : 0;
   repeats = 0;
   for (std::size_t i = 1, begin = 0; i < samples; ++i) {
     if (!same(i)) begin = i;
     repeats += same(i);
     if (i - begin + 1 > length) {
       length = i - begin + 1;
-      best = begin;
+      first = begin;
     }
   }
-  first = best;
   return {first, length};
 }
 

@@ -13,20 +13,15 @@ std::string_view hiddenFromMotions(const ArmEffect& effect) {
   return {};
 }
 
-bool hasAlready(const ArmModel& model, const Extension& extension) {
-  return std::ranges::any_of(
-      model.extensions, [&](const Extension& given) { return extensionLabel(given) == extensionLabel(extension); });
-}
-
 }  // namespace
 
-bool ofOneMuscle(const MotionHypothesis& hypothesis) {
+bool ofOneMuscle(const ArmHypothesis& hypothesis) {
   using enum ArmEffect::Target;
   return !hypothesis.target.empty() &&
          (hypothesis.effect->target == kMuscle || hypothesis.effect->target == kMuscleOrAll);
 }
 
-bool looksLike(const MotionHypothesis& hypothesis, const ArmCause& cause) {
+bool looksLike(const ArmHypothesis& hypothesis, const ArmCause& cause) {
   const auto names = [](const ArmEffect& effect, const ArmEffect& other) {
     return std::ranges::find(effect.look_alikes, other.name) != effect.look_alikes.end();
   };
@@ -34,21 +29,9 @@ bool looksLike(const MotionHypothesis& hypothesis, const ArmCause& cause) {
   return names(*cause.effect, *hypothesis.effect) || names(*hypothesis.effect, *cause.effect);
 }
 
-std::vector<EffectParameters> possibleStarts(const ArmEffect& effect, const std::string& target,
-                                             const ArmModel& model) {
-  std::vector<EffectParameters> starts;
-  const ArmSizes arm = sizesOf(model);
-  for (const EffectParameters& stated : effect.starts) {
-    const EffectParameters start = startOn(effect, stated, arm);
-    Extension extension = makeExtension(effect, target, start);
-    if (checkExtension(extension, model).empty()) starts.push_back(start);
-  }
-  return starts;
-}
-
-std::vector<MotionHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,
-                                               std::vector<NotTestable>& not_testable) {
-  std::vector<MotionHypothesis> hypotheses;
+std::vector<ArmHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,
+                                            std::vector<NotTestable>& not_testable) {
+  std::vector<ArmHypothesis> hypotheses;
   for (const ArmEffect* effect : arm_effects::all()) {
     if (!effects.empty() && std::ranges::find(effects, effect->name) == effects.end()) continue;
     if (const std::string_view why = hiddenFromMotions(*effect); !why.empty()) {
@@ -56,8 +39,8 @@ std::vector<MotionHypothesis> motionHypotheses(const ArmModel& model, const std:
       continue;
     }
     for (const std::string& target : effectTargets(*effect, model)) {
-      if (hasAlready(model, makeExtension(*effect, target, effect->starts.front()))) continue;
-      MotionHypothesis hypothesis{effect, target, possibleStarts(*effect, target, model)};
+      if (hasExtension(model, *effect, target)) continue;
+      ArmHypothesis hypothesis{effect, target, possibleStarts(*effect, target, model)};
       if (!hypothesis.starts.empty()) hypotheses.push_back(std::move(hypothesis));
     }
   }

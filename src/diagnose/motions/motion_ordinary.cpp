@@ -61,11 +61,6 @@ double shiftOf(const Group& group, const Eigen::VectorXd& z, const Eigen::Matrix
   return variance > 0.25 * static_cast<double>(group.members.size()) ? sum / std::sqrt(variance) : 0.0;
 }
 
-std::string labelOf(const Group& group) {
-  const std::string name(group.kind->effect);
-  return group.target.empty() ? name : name + ":" + group.target;
-}
-
 /// The factor by which the members differ from what was expected, their geometric mean.
 Estimate factorOf(const Group& group, const MotionCauseFit& fit, const Eigen::MatrixXd& known) {
   const ScaledParameters& scaled = fit.posterior().parameters();
@@ -112,7 +107,7 @@ std::optional<OrdinaryShift> furthestShift(const MotionCauseFit& fit) {
     const bool part = other.kind == first.kind && (other.target.empty() || first.target.empty());
     if (&other == &first || part || std::abs(other.shift) < std::max(least, std::abs(first.shift) - kAsImprobable))
       continue;
-    found.cause.ambiguous_with.push_back(labelOf(other));
+    found.cause.ambiguous_with.push_back(effectLabel(other.kind->effect, other.target));
   }
   return found;
 }

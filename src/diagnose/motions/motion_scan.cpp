@@ -58,7 +58,7 @@ struct Profile {
 class Scanner {
  public:
   /// \param some  the motions that the points know; empty: all
-  Scanner(std::span<const MotionPoint> points, const std::vector<MotionHypothesis>& hypotheses, std::uint64_t seed,
+  Scanner(std::span<const MotionPoint> points, const std::vector<ArmHypothesis>& hypotheses, std::uint64_t seed,
           const std::function<void(long)>& news, std::vector<std::size_t> some = {})
       : points_(points),
         hypotheses_(hypotheses),
@@ -102,7 +102,7 @@ class Scanner {
   std::vector<std::vector<Eigen::Index>> shifts(std::uint32_t draw) const;
 
   std::span<const MotionPoint> points_;
-  const std::vector<MotionHypothesis>& hypotheses_;
+  const std::vector<ArmHypothesis>& hypotheses_;
   CounterRandom random_;
   const std::function<void(long)>& news_;
   std::vector<std::size_t> some_;
@@ -148,7 +148,7 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
     std::vector<double> delays;
     for (std::size_t i = first; i < first + count; ++i) {
       const MotionPoint& at = points_[tries[i].point];
-      const MotionHypothesis& hypothesis = hypotheses_[tries[i].hypothesis];
+      const ArmHypothesis& hypothesis = hypotheses_[tries[i].hypothesis];
       models.push_back(at.posterior().modelAt(at.here().z));
       models.back().extensions.push_back(makeExtension(*hypothesis.effect, hypothesis.target, tries[i].start));
       delays.push_back(at.posterior().captureDelay(at.here().z));
@@ -181,7 +181,7 @@ std::vector<MotionTrial> Scanner::play(const std::vector<Try>& tries, bool profi
 
 /// The start with another first parameter. \returns false where that may not be
 bool Scanner::extrapolate(std::size_t hypothesis, const EffectParameters& from, double z, EffectParameters& to) const {
-  const MotionHypothesis& h = hypotheses_[hypothesis];
+  const ArmHypothesis& h = hypotheses_[hypothesis];
   to = from;
   const ArmEffectParameter first = onArm(h.effect->parameters[0], arm_);
   to[0] = fromPriorUnits(first, std::clamp(z, -5.0, 5.0));
@@ -208,7 +208,7 @@ std::vector<std::size_t> Scanner::promising(std::size_t most) const {
   };
   for (const auto& [gain, hypothesis] : order) {
     if (chosen.size() >= most) break;
-    const MotionHypothesis& one = hypotheses_[hypothesis];
+    const ArmHypothesis& one = hypotheses_[hypothesis];
     if (!one.target.empty() && ++of_effect[one.effect] > kPerEffect) continue;
     add(hypothesis);
     for (const auto& [other, trial] : best_) {
@@ -308,7 +308,7 @@ MotionScan Scanner::run() {
 
 }  // namespace
 
-MotionScan scanMotions(std::span<const MotionPoint> points, const std::vector<MotionHypothesis>& hypotheses,
+MotionScan scanMotions(std::span<const MotionPoint> points, const std::vector<ArmHypothesis>& hypotheses,
                        std::uint64_t seed, const std::function<void(long)>& news) {
   return Scanner(points, hypotheses, seed, news).run();
 }

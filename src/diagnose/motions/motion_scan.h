@@ -31,7 +31,7 @@ struct MotionScan {
 
 /// \param points  a place each where the model without another cause stands; the first decides of placebos
 /// \throws InterruptedError
-MotionScan scanMotions(std::span<const MotionPoint> points, const std::vector<MotionHypothesis>& hypotheses,
+MotionScan scanMotions(std::span<const MotionPoint> points, const std::vector<ArmHypothesis>& hypotheses,
                        std::uint64_t seed, const std::function<void(long rollouts)>& news);
 
 }  // namespace simgap

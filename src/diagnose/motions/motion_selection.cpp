@@ -9,6 +9,8 @@
 #include <map>
 #include <span>
 
+#include "diagnose/surrogates.h"
+
 namespace simgap {
 namespace {
 
@@ -37,12 +39,6 @@ bool toldApart(const MotionCauseFit& better, const MotionCauseFit& worse, double
   return lead.mean() > kSteady * error || say_so >= kMostMotions * count;
 }
 
-/// How often placebos promise as much.
-double chanceOf(double promised, const std::vector<double>& placebos) {
-  const auto as_good = std::ranges::count_if(placebos, [&](double gain) { return gain >= promised; });
-  return (1.0 + static_cast<double>(as_good)) / (1.0 + static_cast<double>(placebos.size()));
-}
-
 /// Motions that do not tell which of two muscles a cause is of do not exclude that it is of all.
 void nameOfAll(const ArmCause& cause, std::vector<std::string>& rivals) {
   const std::string all(cause.effect->name);
@@ -52,7 +48,7 @@ void nameOfAll(const ArmCause& cause, std::vector<std::string>& rivals) {
   if (of_one && of_another && std::ranges::find(rivals, all) == rivals.end()) rivals.push_back(all);
 }
 
-MotionPlan planOf(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses) {
+MotionPlan planOf(const MotionProblem& problem, const std::vector<ArmHypothesis>& hypotheses) {
   const auto single = static_cast<std::size_t>(std::ranges::count_if(hypotheses, ofOneMuscle));
   const std::size_t parameters = ParameterSpace(problem.nominal, problem.parameters).size() + 1;
   return {parameters, problem.motions.size(), single, hypotheses.size() - single};
@@ -64,7 +60,7 @@ bool MotionSelector::enough(double gain, double objective) {
   return gain < std::max(kGained, kGainedShare * objective);
 }
 
-MotionSelector::MotionSelector(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses,
+MotionSelector::MotionSelector(const MotionProblem& problem, const std::vector<ArmHypothesis>& hypotheses,
                                std::uint64_t seed, double level, News news)
     : problem_(problem),
       hypotheses_(hypotheses),
@@ -107,11 +103,11 @@ std::unique_ptr<MotionCauseFit> MotionSelector::fitPlain() {
 /// muscles, whatever the scan says: where the fit without it is far off, one muscle alone may promise more than all of
 /// them, and would be named for what all do.
 std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& scan,
-                                                             const std::vector<MotionHypothesis>& open,
+                                                             const std::vector<ArmHypothesis>& open,
                                                              const std::vector<Refit>& fitted) {
   std::vector<const MotionTrial*> chosen;
   const auto isFitted = [&](const MotionTrial& trial) {
-    return std::ranges::any_of(fitted, [&](const Refit& refit) { return refit.isOf(open[trial.hypothesis]); });
+    return std::ranges::any_of(fitted, [&](const Refit& refit) { return open[trial.hypothesis].isOf(refit.cause()); });
   };
   const auto add = [&](const MotionTrial& trial) {
     if (std::ranges::find(chosen, &trial) == chosen.end() && !isFitted(trial)) chosen.push_back(&trial);
@@ -119,7 +115,7 @@ std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& s
   std::map<const ArmEffect*, std::size_t> of_effect;
   for (const MotionTrial& trial : scan.trials) {
     if (chosen.size() >= kRefits || trial.gain < kHopelessGain) break;
-    const MotionHypothesis& hypothesis = open[trial.hypothesis];
+    const ArmHypothesis& hypothesis = open[trial.hypothesis];
     if (isFitted(trial)) continue;
     if (!hypothesis.target.empty() && ++of_effect[hypothesis.effect] > kOfOneEffect) continue;
     add(trial);
@@ -134,19 +130,15 @@ std::vector<const MotionTrial*> MotionSelector::worthFitting(const MotionScan& s
 /// The effect of the best of those fitted on other muscles: a scan from where the model is lost tells these apart
 /// badly.
 std::vector<const MotionTrial*> MotionSelector::otherTargets(const MotionScan& scan,
-                                                             const std::vector<MotionHypothesis>& open,
+                                                             const std::vector<ArmHypothesis>& open,
                                                              const std::vector<Refit>& fitted) {
   std::vector<const MotionTrial*> chosen;
   for (const MotionTrial& trial : scan.trials) {
-    const MotionHypothesis& one = open[trial.hypothesis];
-    const bool known = std::ranges::any_of(fitted, [&](const Refit& refit) { return refit.isOf(one); });
+    const ArmHypothesis& one = open[trial.hypothesis];
+    const bool known = std::ranges::any_of(fitted, [&](const Refit& refit) { return one.isOf(refit.cause()); });
     if (one.effect == fitted.front().cause().effect && !known && chosen.size() < kRefits) chosen.push_back(&trial);
   }
   return chosen;
-}
-
-bool MotionSelector::Refit::isOf(const MotionHypothesis& hypothesis) const {
-  return cause().effect == hypothesis.effect && cause().target == hypothesis.target;
 }
 
 /// What looks like the best and is still on its way may pass it yet.
@@ -172,13 +164,13 @@ std::unique_ptr<MotionCauseFit> MotionSelector::descended(std::vector<ArmCause> 
 /// Fits of the causes that the scan likes best, from where the model without them ended and from the prior's mean.
 std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& base,
                                                          std::span<const MotionPoint> points,
-                                                         const std::vector<MotionHypothesis>& open,
+                                                         const std::vector<ArmHypothesis>& open,
                                                          const std::vector<const MotionTrial*>& chosen) {
   std::vector<Refit> refits;
   for (const MotionTrial* trial : chosen) {
-    const MotionHypothesis& hypothesis = open[trial->hypothesis];
-    std::vector<ArmCause> causes = base.causes();
-    causes.push_back({hypothesis.effect, hypothesis.target, trial->start});
+    const ArmHypothesis& hypothesis = open[trial->hypothesis];
+    const std::vector<ArmCause> causes =
+        withOneMore(base.causes(), {hypothesis.effect, hypothesis.target, trial->start});
     std::unique_ptr<MotionCauseFit> best;
     for (const MotionPoint& point : points) {
       auto fit = descended(causes, [&](MotionCauseFit& one) { return one.beginBeside(point); });
@@ -195,7 +187,7 @@ std::vector<MotionSelector::Refit> MotionSelector::refit(const MotionCauseFit& b
 
 /// Scans from where the model without another cause ended, and from the prior's mean while it has none.
 /// \param[out] points  these places
-MotionScan MotionSelector::lookAround(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+MotionScan MotionSelector::lookAround(const MotionCauseFit& base, const std::vector<ArmHypothesis>& open,
                                       std::vector<MotionPoint>& points) {
   points.clear();
   points.emplace_back(base.posterior(), base.here());
@@ -214,9 +206,8 @@ void MotionSelector::improveBase(MotionCauseFit& base, const MotionCauseFit& wit
 }
 
 std::unique_ptr<MotionCauseFit> MotionSelector::without(const MotionCauseFit& fit, std::size_t cause) {
-  std::vector<ArmCause> causes = fit.causes();
-  causes.erase(causes.begin() + static_cast<std::ptrdiff_t>(cause));
-  auto left = descended(std::move(causes), [&](MotionCauseFit& one) { return one.beginWithout(fit, cause); });
+  auto left =
+      descended(withoutOne(fit.causes(), cause), [&](MotionCauseFit& one) { return one.beginWithout(fit, cause); });
   if (!left) return left;
   const long before = left->rollouts();
   converge(*left, kRefreshRounds);
@@ -235,7 +226,7 @@ FoundCause MotionSelector::conclude(const MotionCauseFit& base, std::vector<Refi
   // Placebos are granted one step of a scan. Where that one was lost its promise says little, and what a fit then gains
   // many times over no placebo's step does; held-out motions judge it besides.
   constexpr double kBeyondAStep = 10.0;
-  found.p = chanceOf(std::max(best.promised, found.evidence / kBeyondAStep), placebos);
+  found.p = placeboP(std::max(best.promised, found.evidence / kBeyondAStep), placebos);
   for (const Refit& one : refits) {
     const ArmCause& cause = one.cause();
     const double odds = (base.objective() - one.fit->objective()) / variance;
@@ -257,8 +248,8 @@ FoundCause MotionSelector::conclude(const MotionCauseFit& base, std::vector<Refi
 }
 
 std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector<HypothesisRecord>& records) {
-  std::vector<MotionHypothesis> open = hypotheses_;
-  std::erase_if(open, [&](const MotionHypothesis& hypothesis) {
+  std::vector<ArmHypothesis> open = hypotheses_;
+  std::erase_if(open, [&](const ArmHypothesis& hypothesis) {
     return std::ranges::any_of(base.causes(), [&](const ArmCause& cause) { return cause.effect == hypothesis.effect; });
   });
   if (open.empty()) return std::nullopt;
@@ -273,12 +264,12 @@ std::optional<FoundCause> MotionSelector::step(MotionCauseFit& base, std::vector
     count(base.rollouts() - before);
     scan = lookAround(base, open, points);
   }
-  if (scan.trials.empty() || chanceOf(scan.trials.front().gain, scan.placebos) > level_) {
+  if (scan.trials.empty() || placeboP(scan.trials.front().gain, scan.placebos) > level_) {
     // However well it fits, none could be named.
     for (const MotionTrial& trial : std::span(scan.trials).first(std::min(kTold, scan.trials.size()))) {
-      const MotionHypothesis& one = open[trial.hypothesis];
+      const ArmHypothesis& one = open[trial.hypothesis];
       records.push_back({base.causes().size() + 1, std::string(one.effect->name), one.target, kNotMeasured,
-                         chanceOf(trial.gain, scan.placebos), "rejected: promises no more than its placebos",
+                         placeboP(trial.gain, scan.placebos), "rejected: promises no more than its placebos",
                          trial.gain});
     }
     return std::nullopt;

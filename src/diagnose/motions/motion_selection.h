@@ -34,7 +34,7 @@ class MotionSelector {
   using News = std::function<void(double done)>;
   /// \param problem, hypotheses  must outlive it  \param level  placebos may promise as much with this probability at
   /// most; where no hypothesis promises more, none is fitted
-  MotionSelector(const MotionProblem& problem, const std::vector<MotionHypothesis>& hypotheses, std::uint64_t seed,
+  MotionSelector(const MotionProblem& problem, const std::vector<ArmHypothesis>& hypotheses, std::uint64_t seed,
                  double level, News news);
 
   /// The model without causes, fitted until nothing is gained. \throws NumericsError, InterruptedError
@@ -55,27 +55,25 @@ class MotionSelector {
     double gained = 0.0;   ///< by the last of them
 
     const ArmCause& cause() const { return fit->causes().back(); }
-    bool isOf(const MotionHypothesis& hypothesis) const;
     bool standsBeside(const ArmCause& best) const;
     bool mayPass(const Refit& best) const;
   };
   using Begin = std::function<bool(MotionCauseFit&)>;
   std::unique_ptr<MotionCauseFit> descended(std::vector<ArmCause> causes, const Begin& begin);
-  static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan, const std::vector<MotionHypothesis>& open,
+  static std::vector<const MotionTrial*> worthFitting(const MotionScan& scan, const std::vector<ArmHypothesis>& open,
                                                       const std::vector<Refit>& fitted);
-  static std::vector<const MotionTrial*> otherTargets(const MotionScan& scan, const std::vector<MotionHypothesis>& open,
+  static std::vector<const MotionTrial*> otherTargets(const MotionScan& scan, const std::vector<ArmHypothesis>& open,
                                                       const std::vector<Refit>& fitted);
   std::vector<Refit> refit(const MotionCauseFit& base, std::span<const MotionPoint> points,
-                           const std::vector<MotionHypothesis>& open, const std::vector<const MotionTrial*>& chosen);
-  MotionScan lookAround(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+                           const std::vector<ArmHypothesis>& open, const std::vector<const MotionTrial*>& chosen);
+  MotionScan lookAround(const MotionCauseFit& base, const std::vector<ArmHypothesis>& open,
                         std::vector<MotionPoint>& points);
-  void startBesideBest(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
-                       std::vector<Refit>& refits);
-  void lookAgain(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits);
+  void startBesideBest(const MotionCauseFit& base, const std::vector<ArmHypothesis>& open, std::vector<Refit>& refits);
+  void lookAgain(const MotionCauseFit& base, const std::vector<ArmHypothesis>& open, std::vector<Refit>& refits);
   static void sortBest(std::vector<Refit>& refits);
   void finishRivals(std::vector<Refit>& refits);
   static std::size_t owedDerivatives(const std::vector<Refit>& refits);
-  void settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open, std::vector<Refit>& refits,
+  void settle(const MotionCauseFit& base, const std::vector<ArmHypothesis>& open, std::vector<Refit>& refits,
               int owed_of_new);
   std::vector<std::vector<ArmCause>> choicesOf(const MotionCauseFit& fit) const;
   void chooseAgain(Refit& refit);
@@ -91,7 +89,7 @@ class MotionSelector {
   void tell(long rollouts);
 
   const MotionProblem& problem_;
-  const std::vector<MotionHypothesis>& hypotheses_;
+  const std::vector<ArmHypothesis>& hypotheses_;
   std::uint64_t seed_;
   double level_;
   News news_;

@@ -76,20 +76,22 @@ void MotionSelector::bringBack(Refit& refit, double least) {
 /// What the catalogue says is hard to tell from the best, and the best's own effect on other targets, once more from
 /// where that one stands, whether or not the scan liked them: it looked from where the model without a cause was, which
 /// may be far from where the ordinary parameters belong.
-void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vector<ArmHypothesis>& open,
                                      std::vector<Refit>& refits) {
   const MotionLinearisation there = refits.front().fit->withoutLastCause();
   const MotionPoint point(base.posterior(), there);
   const ArmCause best = refits.front().cause();
   const double promised = refits.front().promised;
-  for (const MotionHypothesis& hypothesis : open) {
-    const auto fitted = std::ranges::find_if(refits, [&](const Refit& refit) { return refit.isOf(hypothesis); });
+  for (const ArmHypothesis& hypothesis : open) {
+    const auto fitted =
+        std::ranges::find_if(refits, [&](const Refit& refit) { return hypothesis.isOf(refit.cause()); });
     const bool kin = fitted != refits.end() && hypothesis.effect == best.effect;
     if (fitted == refits.begin() || !(kin || looksLike(hypothesis, best))) continue;
-    std::vector<ArmCause> causes = base.causes();
-    causes.push_back(fitted == refits.end() ? ArmCause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()}
-                                            : fitted->cause());
-    auto other = descended(std::move(causes), [&](MotionCauseFit& one) { return one.beginBeside(point); });
+    const ArmCause cause = fitted == refits.end()
+                               ? ArmCause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()}
+                               : fitted->cause();
+    auto other =
+        descended(withOneMore(base.causes(), cause), [&](MotionCauseFit& one) { return one.beginBeside(point); });
     if (!other) continue;
     if (fitted == refits.end()) {
       refits.push_back({std::move(other), promised});
@@ -101,7 +103,7 @@ void MotionSelector::startBesideBest(const MotionCauseFit& base, const std::vect
 }
 
 /// The best is brought back, and what stands beside it before it is refused: from where the best stands, too.
-void MotionSelector::lookAgain(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+void MotionSelector::lookAgain(const MotionCauseFit& base, const std::vector<ArmHypothesis>& open,
                                std::vector<Refit>& refits) {
   bringBack(refits.front(), refits.front().fit->objective());
   startBesideBest(base, open, refits);
@@ -143,7 +145,7 @@ std::size_t MotionSelector::owedDerivatives(const std::vector<Refit>& refits) {
 /// once, the best of them again. Derivatives of the model without the cause rank badly where it is large; so all
 /// muscles' gets its own, however far behind one muscle's it is. \param owed_of_new  so many of those that have none of
 /// their own get them
-void MotionSelector::settle(const MotionCauseFit& base, const std::vector<MotionHypothesis>& open,
+void MotionSelector::settle(const MotionCauseFit& base, const std::vector<ArmHypothesis>& open,
                             std::vector<Refit>& refits, int owed_of_new) {
   double most_gained = 0.0;
   bool news = true;

@@ -20,7 +20,7 @@ class Compared {
     packed << fit.z(), fit.logEvidence(), fit.objective();
     return packed;
   }
-  PoseCandidate candidate(const PoseCause& cause, const Eigen::VectorXd& packed, double share) const {
+  PoseCandidate candidate(const ArmCause& cause, const Eigen::VectorXd& packed, double share) const {
     const Eigen::Index n = packed.size() - 2;
     return {cause, packed.head(n), packed[n] - evidence_ + std::log(share), objective_ - packed[n + 1], share};
   }

@@ -16,19 +16,17 @@ constexpr std::size_t kManyPoses = 40;  // enough to name most causes (docs/diag
 
 /// The model with a rival in the place of the cause it is not told from.
 PoseFit withRival(const PoseProblem& problem, PoseFit& fit, const std::string& cause, const std::string& rival,
-                  const std::vector<PoseHypothesis>& hypotheses) {
-  std::vector<PoseCause> causes = fit.causes();
-  const auto replaced = std::ranges::find(causes, cause, &PoseCause::label);
-  const Eigen::VectorXd z = fit.solutionWithout(static_cast<std::size_t>(replaced - causes.begin()));
-  causes.erase(replaced);
+                  const std::vector<ArmHypothesis>& hypotheses) {
+  const auto replaced =
+      static_cast<std::size_t>(std::ranges::find(fit.causes(), cause, &ArmCause::label) - fit.causes().begin());
+  const Eigen::VectorXd z = fit.solutionWithout(replaced);
+  const std::vector<ArmCause> causes = withoutOne(fit.causes(), replaced);
   PoseFit best(problem, fit.posterior().poses(), causes);
   double lowest = std::numeric_limits<double>::infinity();
-  for (const PoseHypothesis& h : hypotheses) {
-    if (PoseCause{h.effect, h.target, {}}.label() != rival) continue;
+  for (const ArmHypothesis& h : hypotheses) {
+    if (h.label() != rival) continue;
     for (const EffectParameters& start : h.starts) {
-      std::vector<PoseCause> with = causes;
-      with.push_back({h.effect, h.target, start});
-      PoseFit other(problem, fit.posterior().poses(), with);
+      PoseFit other(problem, fit.posterior().poses(), withOneMore(causes, {h.effect, h.target, start}));
       other.posterior().whitenLike(fit.posterior());
       other.descend(other.extended(z));
       if (other.objective() >= lowest) continue;
@@ -83,7 +81,7 @@ std::string partingPose(PoseFit& fit, PoseFit& other) {
 }  // namespace
 
 std::string nextPoseExperiment(const PoseProblem& problem, PoseFit& fit, const PoseSelection& selection,
-                               const std::vector<PoseHypothesis>& hypotheses,
+                               const std::vector<ArmHypothesis>& hypotheses,
                                const std::vector<NotTestable>& not_testable) {
   for (const AcceptedCause& accepted : selection.causes) {
     if (accepted.rivals.empty()) continue;

@@ -9,7 +9,7 @@ namespace simgap {
 
 /// In plain words and numbers. \param fit  with the causes, on all poses
 std::string nextPoseExperiment(const PoseProblem& problem, PoseFit& fit, const PoseSelection& selection,
-                               const std::vector<PoseHypothesis>& hypotheses,
+                               const std::vector<ArmHypothesis>& hypotheses,
                                const std::vector<NotTestable>& not_testable);
 
 }  // namespace simgap

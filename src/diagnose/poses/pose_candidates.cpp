@@ -5,8 +5,8 @@
 namespace simgap {
 namespace {
 
-bool holds(const std::vector<PoseCause>& causes, const PoseCause& cause) {
-  return std::ranges::find(causes, cause.label(), &PoseCause::label) != causes.end();
+bool holds(const std::vector<ArmCause>& causes, const ArmCause& cause) {
+  return std::ranges::find(causes, cause.label(), &ArmCause::label) != causes.end();
 }
 
 CandidateModel candidateOf(PoseFit& fit, const char* role, double stray) {
@@ -19,34 +19,27 @@ std::vector<CandidateModel> candidateModels(const PoseProblem& problem, PoseFit&
                                             PoseFit& fit, const PoseSelection& selection) {
   const std::span<const Pose> poses = fit.posterior().poses();
   struct Other {
-    std::vector<PoseCause> causes;
+    std::vector<ArmCause> causes;
     Eigen::VectorXd z;  ///< of all but the last
     const char* role;
   };
   std::vector<Other> others;
   for (std::size_t c = 0; c < selection.causes.size(); ++c) {
-    std::vector<PoseCause> kept = fit.causes();
-    kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(c));
-    for (const PoseCause& instead : selection.causes[c].instead) {
-      Other& other = others.emplace_back(Other{kept, fit.solutionWithout(c), "instead"});
-      other.causes.push_back(instead);
+    const std::vector<ArmCause> kept = withoutOne(fit.causes(), c);
+    for (const ArmCause& instead : selection.causes[c].instead) {
+      others.push_back({withOneMore(kept, instead), fit.solutionWithout(c), "instead"});
     }
   }
   // Each of several alone: what was named beside the true cause must not stand in all models that a change is to judge.
-  for (const PoseCause& cause : fit.causes()) {
+  for (const ArmCause& cause : fit.causes()) {
     if (fit.causes().size() > 1) others.push_back({{cause}, plain.z(), "alone"});
   }
-  for (const PoseCause& refused : selection.refused) {
-    if (holds(fit.causes(), refused)) continue;
-    Other& other = others.emplace_back(Other{fit.causes(), fit.z(), "refused"});
-    other.causes.push_back(refused);
+  for (const ArmCause& refused : selection.refused) {
+    if (!holds(fit.causes(), refused)) others.push_back({withOneMore(fit.causes(), refused), fit.z(), "refused"});
   }
   std::vector<CandidateModel> candidates(others.size());
   forEach(problem, others.size(), [&](std::size_t i) {
-    PoseFit other(problem, poses, others[i].causes);
-    const Eigen::VectorXd start = other.extended(others[i].z);
-    other.posterior().whiten(start);
-    other.descend(start);
+    PoseFit other = fittedFrom(problem, poses, others[i].causes, others[i].z);
     candidates[i] = candidateOf(other, others[i].role, problem.stray_friction);
   });
   std::erase_if(candidates, [](const CandidateModel& candidate) { return !std::isfinite(candidate.log_odds); });
@@ -65,7 +58,7 @@ void dropNamedRivals(PoseSelection& selection) {
     for (const AcceptedCause& other : selection.causes) {
       const std::string named = other.cause.label();
       std::erase(accepted.rivals, named);
-      std::erase_if(accepted.instead, [&](const PoseCause& cause) { return cause.label() == named; });
+      std::erase_if(accepted.instead, [&](const ArmCause& cause) { return cause.label() == named; });
     }
   }
 }

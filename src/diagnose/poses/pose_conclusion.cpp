@@ -24,31 +24,25 @@ bool isStructure(const PoseSelection& selection) {
   return selection.excess > kLargeExcess && selection.excess > kClearExcess * selection.excess_sd;
 }
 
-std::string acceptedNames(const PoseSelection& selection) {
-  std::string names;
-  for (const AcceptedCause& cause : selection.causes) names += (names.empty() ? "" : ", ") + cause.cause.label();
-  return names;
-}
-
 std::string foundText(const PoseSelection& selection, std::size_t heldout, const Diagnosis& d) {
   const double left = d.extended.mse_heldout / d.baseline.mse_heldout;
   const bool one = d.causes.size() == 1;
+  const std::string names = labelOf(selection.allCauses());
   if (!(left < 1.0)) {
-    return fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it",
-                       acceptedNames(selection), one ? "makes" : "make", heldout);
+    return fmt::format("{} {} the poses more probable, but {} poses that were held out do not show it", names,
+                       one ? "makes" : "make", heldout);
   }
   const double times = leftInNoise(d, d.noise_floor);
   const std::string rest = times > kNearNoise ? fmt::format("{:.1f} times the noise", times) : "about the noise";
-  return fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out. Left: {:.0f} %, {}",
-                     acceptedNames(selection), one ? "takes away" : "take away", 100.0 * (1.0 - left), heldout,
-                     100.0 * left, rest);
+  return fmt::format("{} {} {:.0f} % of the squared error on {} poses that were held out. Left: {:.0f} %, {}", names,
+                     one ? "takes away" : "take away", 100.0 * (1.0 - left), heldout, 100.0 * left, rest);
 }
 
 std::string unexplainedText(const PoseSelection& selection, const Diagnosis& d) {
   for (const Cause& cause : d.causes) {
     if (!isLost(cause.ambiguous_with)) continue;
     return fmt::format("something like {} is there, but these poses do not tell it from {} other causes",
-                       extensionLabel({cause.effect, cause.target, {}}), cause.ambiguous_with.size());
+                       effectLabel(cause.effect, cause.target), cause.ambiguous_with.size());
   }
   if (selection.tethered) {
     return "something pulls on the arm as a base would that is too far off level not to be seen: a tether, a hose?";

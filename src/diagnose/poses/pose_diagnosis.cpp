@@ -55,12 +55,6 @@ Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std
 
 double mean(const Eigen::ArrayXd& values) { return values.size() > 0 ? values.mean() : 0.0; }
 
-std::vector<PoseCause> causesOf(const PoseSelection& selection, std::size_t first) {
-  std::vector<PoseCause> causes;
-  for (std::size_t c = 0; c < first; ++c) causes.push_back(selection.causes[c].cause);
-  return causes;
-}
-
 class Diagnosing {
  public:
   Diagnosing(const ArmModel& model, const PoseSet& set, const std::vector<ParameterSpace::Choice>& parameters,
@@ -95,7 +89,7 @@ class Diagnosing {
   const DiagnosisProgress& progress_;
   std::size_t done_ = 0;
   Split split_;
-  std::vector<PoseHypothesis> hypotheses_;
+  std::vector<ArmHypothesis> hypotheses_;
   PoseSelection selection_;
   bool partial_ = false;  ///< causes were taken back since too much is left beside them
   PoseDiagnosis result_;
@@ -154,11 +148,8 @@ void Diagnosing::leaveOut() {
 /// the answer more silent.
 void Diagnosing::takeBack(const PoseProblem& without) {
   if (selection_.causes.empty()) return;
-  PoseFit plain(without, split_.all, {}), fit(problem_, split_.all, causesOf(selection_, selection_.causes.size()));
-  plain.posterior().whiten(selection_.z_plain);
-  plain.descend(selection_.z_plain);
-  fit.posterior().whiten(selection_.z);
-  fit.descend(selection_.z);
+  PoseFit plain = fittedFrom(without, split_.all, {}, selection_.z_plain);
+  PoseFit fit = fittedFrom(problem_, split_.all, selection_.allCauses(), selection_.z);
   const double odds = fit.logEvidence() - plain.logEvidence();
   if (odds > kLeastOdds) return;
   for (HypothesisRecord& record : selection_.records) {
@@ -179,14 +170,11 @@ void Diagnosing::forgetAll() {
 /// Takes a cause out of the model.
 void Diagnosing::forget(std::size_t cause) {
   if (selection_.causes.size() == 1) return forgetAll();
-  PoseFit with(problem_, split_.selection, causesOf(selection_, selection_.causes.size()));
+  PoseFit with(problem_, split_.selection, selection_.allCauses());
   with.setSolution(selection_.z);
   const Eigen::VectorXd z = with.solutionWithout(cause);
   selection_.causes.erase(selection_.causes.begin() + static_cast<std::ptrdiff_t>(cause));
-  PoseFit rest(problem_, split_.selection, causesOf(selection_, selection_.causes.size()));
-  rest.posterior().whiten(z);
-  rest.descend(z);
-  selection_.z = rest.z();
+  selection_.z = fittedFrom(problem_, split_.selection, selection_.allCauses(), z).z();
 }
 
 /// A cause that is no finding: the reason is said, and a change of the arm may still be asked about it.
@@ -222,7 +210,7 @@ void Diagnosing::forgetPartial(const PoseProblem& without) {
   if (d.causes.empty()) return;
   PoseProblem stated = problem_;
   stated.stray_friction = std::min(1.0, problem_.stray_friction);
-  PoseFit fit(stated, split_.all, causesOf(selection_, selection_.causes.size()));
+  PoseFit fit(stated, split_.all, selection_.allCauses());
   fit.posterior().whiten(selection_.z);
   fit.setSolution(selection_.z);
   const double noise = poseNoiseFloor(fit);
@@ -248,9 +236,7 @@ void Diagnosing::measureGain(const PoseProblem& without) {
   d.extended = d.baseline = {mean(fitted.of(plain.model())), mean(before)};
   Eigen::ArrayXd last = before;
   for (std::size_t c = 0; c < selection_.causes.size(); ++c) {
-    PoseFit fit(problem_, split_.selection, causesOf(selection_, c + 1));
-    fit.posterior().whiten(fit.extended(selection_.z));
-    fit.descend(fit.extended(selection_.z));
+    const PoseFit fit = fittedFrom(problem_, split_.selection, selection_.firstCauses(c + 1), selection_.z);
     const Eigen::ArrayXd now = heldout.of(fit.model());
     // Of the baseline's error: what this cause takes away from what the causes before it left.
     if (before.size() > 0) d.causes[c].gain_heldout = predictedGain(before, before - (last - now), options_.seed);
@@ -320,12 +306,8 @@ PoseDiagnosis Diagnosing::run() {
   std::ranges::copy(selection_.candidates, std::back_inserter(d.candidates));
   d.hypotheses = selection_.records;
 
-  PoseFit plain(without, split_.all, {});
-  plain.posterior().whiten(selection_.z_plain);
-  plain.descend(selection_.z_plain);
-  PoseFit fit(problem_, split_.all, causesOf(selection_, selection_.causes.size()));
-  fit.posterior().whiten(selection_.z);
-  fit.descend(selection_.z);
+  PoseFit plain = fittedFrom(without, split_.all, {}, selection_.z_plain);
+  PoseFit fit = fittedFrom(problem_, split_.all, selection_.allCauses(), selection_.z);
   d.noise_floor = poseNoiseFloor(fit);
   d.extensions = fit.extensions();
   for (std::size_t c = 0; c < d.causes.size(); ++c) {
@@ -363,12 +345,7 @@ PoseDiagnosis Diagnosing::run() {
 }  // namespace
 
 void PoseDiagnosisOptions::validate() const {
-  for (const std::string& name : effects) {
-    if (findArmEffect(name)) continue;
-    std::string known;
-    for (const ArmEffect* effect : arm_effects::all()) known += (known.empty() ? "" : ", ") + std::string(effect->name);
-    throw ConfigError(fmt::format("--effects: found '{}', expected one of {}", name, known));
-  }
+  requireArmEffects(effects);
   if (!(level > 0.0 && level < 1.0))
     throw ConfigError(fmt::format("--level: found {}, expected a number in (0, 1)", level));
   if (!(holdout > 0.0 && holdout < 0.9)) {

@@ -112,36 +112,27 @@ std::vector<DataFault> findPoseFaults(PoseFit& fit, double capture_sd, std::vect
   // More than a few are no readings that were wrong: something is missing that acts in these poses.
   if (static_cast<double>(alone.size()) > std::max(1.0, kMostAlone * static_cast<double>(poses.size()))) alone.clear();
   for (const std::size_t p : alone) faulty[p] = true;
-  std::vector<DataFault> faults;
   for (const std::size_t p : unsolved) faulty[p] = true;
-  if (!unsolved.empty()) {
-    faults.push_back(fault(poses, unsolved, "the model has no equilibrium near it, so it is left out"));
-    faults.back().corrected = true;
-  }
-  if (!alone.empty()) {
-    faults.push_back(fault(poses, alone,
-                           fmt::format("more than {:.0f} times as far from the model as half of the others are, and "
-                                       "alone in that; left out",
-                                       kAlone * kFarFromOthers)));
-    faults.back().corrected = true;
-  }
-  if (!soft.empty()) {
-    faults.push_back(fault(poses, soft,
-                           "hardly anything holds the arm where the model rests at this command, so that small errors "
-                           "carry it far; left out"));
-    faults.back().corrected = true;
-  }
-  if (!flipped.empty()) {
-    faults.push_back(fault(poses, flipped,
-                           "turned far from where this model can be, as when markers are confused, or something strong "
-                           "is missing in the model; record them anew: if they come back, look for that, else leave "
-                           "them out"));
-  }
-  if (!stuck.empty()) {
-    faults.push_back(fault(poses, stuck,
-                           "the same joint positions as in the pose before though the shafts moved; the "
-                           "capture was stuck"));
-  }
+  std::vector<DataFault> faults;
+  const auto add = [&](const std::vector<std::size_t>& which, std::string_view what, bool left_out) {
+    if (which.empty()) return;
+    faults.push_back(fault(poses, which, what));
+    faults.back().corrected = left_out;
+  };
+  add(unsolved, "the model has no equilibrium near it, so it is left out", true);
+  add(alone,
+      fmt::format("more than {:.0f} times as far from the model as half of the others are, and alone in that; left out",
+                  kAlone * kFarFromOthers),
+      true);
+  add(soft,
+      "hardly anything holds the arm where the model rests at this command, so that small errors carry it far; left "
+      "out",
+      true);
+  add(flipped,
+      "turned far from where this model can be, as when markers are confused, or something strong is missing in the "
+      "model; record them anew: if they come back, look for that, else leave them out",
+      false);
+  add(stuck, "the same joint positions as in the pose before though the shafts moved; the capture was stuck", false);
   return faults;
 }
 

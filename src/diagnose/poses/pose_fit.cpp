@@ -13,7 +13,7 @@ namespace {
 constexpr double kUnbounded = 1e-9;     // curvature, in prior units, of what nothing bounds
 constexpr double kNoEquilibrium = 1e4;  // d_p^2 of a pose the model cannot take
 
-ArmModel priorModel(const PoseProblem& problem, const std::vector<PoseCause>& causes) {
+ArmModel priorModel(const PoseProblem& problem, const std::vector<ArmCause>& causes) {
   ArmModel model = withCauses(problem.nominal, causes);
   for (Joint& joint : model.joints) joint.coulomb_friction *= problem.stray_friction;
   return model;
@@ -21,7 +21,7 @@ ArmModel priorModel(const PoseProblem& problem, const std::vector<PoseCause>& ca
 
 }  // namespace
 
-PoseFit::PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::vector<PoseCause> causes)
+PoseFit::PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::vector<ArmCause> causes)
     : prior_(priorModel(problem, causes)),
       nominal_joints_(problem.nominal.joints),
       causes_(std::move(causes)),
@@ -29,7 +29,7 @@ PoseFit::PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::v
       posterior_(prior_, poses, space_, problem.noise),
       ordinary_(space_.size()),
       z_(Eigen::VectorXd::Zero(space_.size())) {
-  for (const PoseCause& cause : causes_) ordinary_ -= static_cast<std::size_t>(fittedParameters(*cause.effect));
+  for (const ArmCause& cause : causes_) ordinary_ -= static_cast<std::size_t>(fittedParameters(*cause.effect));
 }
 
 ArmModel PoseFit::model() const {
@@ -44,7 +44,7 @@ Eigen::VectorXd PoseFit::extended(const Eigen::VectorXd& z) const {
   Eigen::VectorXd all(z_.size());
   Eigen::Index i = static_cast<Eigen::Index>(ordinary_);
   all.head(i) = z.head(i);
-  for (const PoseCause& cause : causes_) {
+  for (const ArmCause& cause : causes_) {
     for (std::size_t k = 0; k < cause.effect->parameters.size(); ++k) {
       if (!cause.effect->parameters[k].fitted) continue;
       all[i] = i < z.size() ? z[i] : posterior_.parameters().scaled(i, cause.start[k]);
@@ -165,6 +165,15 @@ std::vector<Extension> PoseFit::extensions() {
   }
   found.erase(found.begin(), found.begin() + static_cast<std::ptrdiff_t>(given));
   return found;
+}
+
+PoseFit fittedFrom(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<ArmCause>& causes,
+                   const Eigen::VectorXd& z) {
+  PoseFit fit(problem, poses, causes);
+  const Eigen::VectorXd start = fit.extended(z);
+  fit.posterior().whiten(start);
+  fit.descend(start);
+  return fit;
 }
 
 std::vector<double> unseenDistances(const PoseFit& fit, const PoseProblem& problem, std::span<const Pose> poses,

@@ -18,8 +18,6 @@
 
 namespace simgap {
 
-using PoseCause = ArmCause;
-
 /// What all fits of a diagnosis share.
 struct PoseProblem {
   ArmModel nominal;
@@ -57,9 +55,9 @@ void forEachOnRanks(const PoseProblem& problem, std::size_t count, const Eigen::
 class PoseFit {
  public:
   /// \param poses  must outlive it.
-  PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::vector<PoseCause> causes);
+  PoseFit(const PoseProblem& problem, std::span<const Pose> poses, std::vector<ArmCause> causes);
 
-  const std::vector<PoseCause>& causes() const { return causes_; }
+  const std::vector<ArmCause>& causes() const { return causes_; }
   const ParameterSpace& space() const { return space_; }
   PosePosterior& posterior() { return posterior_; }
   const Eigen::VectorXd& z() const { return z_; }
@@ -93,13 +91,18 @@ class PoseFit {
 
   ArmModel prior_;  ///< the nominal model with the causes at their expected values
   std::vector<Joint> nominal_joints_;
-  std::vector<PoseCause> causes_;
+  std::vector<ArmCause> causes_;
   ParameterSpace space_;
   PosePosterior posterior_;
   std::size_t ordinary_;
   Eigen::VectorXd z_;
   double objective_ = 0.0;
 };
+
+/// A fit to poses, whitened at z and descended from there. \param poses  must outlive it \param z  of the model with
+/// all causes, or with the first of them
+PoseFit fittedFrom(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<ArmCause>& causes,
+                   const Eigen::VectorXd& z);
 
 /// d_p^2 of poses that took no part in the fit, whitened as `like` (of the same poses); capped where there is no
 /// equilibrium.

@@ -6,12 +6,11 @@
 
 namespace simgap {
 
-std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,
-                                           const std::vector<std::string>& effects,
-                                           std::vector<NotTestable>& not_testable) {
+std::vector<ArmHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,
+                                          const std::vector<std::string>& effects,
+                                          std::vector<NotTestable>& not_testable) {
   const bool timed = std::ranges::none_of(poses, [](const Pose& pose) { return std::isnan(pose.time); });
-  const ArmSizes arm = sizesOf(model);
-  std::vector<PoseHypothesis> hypotheses;
+  std::vector<ArmHypothesis> hypotheses;
   for (const ArmEffect* effect : arm_effects::all()) {
     if (!effects.empty() && std::ranges::find(effects, effect->name) == effects.end()) continue;
     if (effect->needs_motion) {
@@ -23,28 +22,22 @@ std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<cons
       continue;
     }
     for (const std::string& target : effectTargets(*effect, model)) {
-      PoseHypothesis hypothesis{effect, target, {}};
-      for (const EffectParameters& stated : effect->starts) {
-        const EffectParameters start = startOn(*effect, stated, arm);
-        Extension extension = makeExtension(*effect, target, start);
-        if (!checkExtension(extension, model).empty()) continue;
-        if (effect->from_previous >= 0 && start[effect->from_previous] != 0.0 && !timed) continue;
-        hypothesis.starts.push_back(start);
-      }
-      const Extension named{std::string(effect->name), target, {}};
-      const auto given = [&](const Extension& other) { return extensionLabel(other) == extensionLabel(named); };
-      if (hypothesis.starts.empty() || std::ranges::any_of(model.extensions, given)) continue;
-      hypotheses.push_back(std::move(hypothesis));
+      if (hasExtension(model, *effect, target)) continue;
+      ArmHypothesis hypothesis{effect, target, possibleStarts(*effect, target, model)};
+      std::erase_if(hypothesis.starts, [&](const EffectParameters& start) {
+        return effect->from_previous >= 0 && start[effect->from_previous] != 0.0 && !timed;
+      });
+      if (!hypothesis.starts.empty()) hypotheses.push_back(std::move(hypothesis));
     }
   }
   return hypotheses;
 }
 
-double shareOf(const PoseHypothesis& hypothesis, std::span<const PoseHypothesis> all, std::size_t poses) {
+double shareOf(const ArmHypothesis& hypothesis, std::span<const ArmHypothesis> all, std::size_t poses) {
   std::set<const ArmEffect*> effects;
   double targets = 0.0;
   bool whole = false;
-  for (const PoseHypothesis& h : all) {
+  for (const ArmHypothesis& h : all) {
     effects.insert(h.effect);
     if (h.effect != hypothesis.effect) continue;
     whole |= h.target.empty();

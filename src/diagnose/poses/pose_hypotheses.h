@@ -6,25 +6,18 @@
 #include <string>
 #include <vector>
 
+#include "diagnose/arm_cause.h"
 #include "simgap/diagnose/poses/pose_diagnosis.h"
-#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
 
-/// An effect on a target, with all starts that its fit tries.
-struct PoseHypothesis {
-  const ArmEffect* effect = nullptr;
-  std::string target;
-  std::vector<EffectParameters> starts;
-};
-
 /// All hypotheses that the poses can test, and why others cannot be.
-std::vector<PoseHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,
-                                           const std::vector<std::string>& effects,
-                                           std::vector<NotTestable>& not_testable);
+std::vector<ArmHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,
+                                          const std::vector<std::string>& effects,
+                                          std::vector<NotTestable>& not_testable);
 
 /// The share of all hypotheses that one has before any data: every effect is as likely as any other, and so is each of
 /// its targets and moments; an effect on all muscles is as likely as on some one of them.
-double shareOf(const PoseHypothesis& hypothesis, std::span<const PoseHypothesis> all, std::size_t poses);
+double shareOf(const ArmHypothesis& hypothesis, std::span<const ArmHypothesis> all, std::size_t poses);
 
 }  // namespace simgap

@@ -21,10 +21,8 @@ Eigen::VectorXd stackErrors(const std::vector<PoseResidual>& poses) {
 }
 
 /// The fit's causes and one more, on its poses with its whitening.
-PoseFit withOneMore(const PoseProblem& problem, PoseFit& fit, const PoseCause& cause) {
-  std::vector<PoseCause> causes = fit.causes();
-  causes.push_back(cause);
-  PoseFit more(problem, fit.posterior().poses(), causes);
+PoseFit extendedBy(const PoseProblem& problem, PoseFit& fit, const ArmCause& cause) {
+  PoseFit more(problem, fit.posterior().poses(), withOneMore(fit.causes(), cause));
   more.posterior().whitenLike(fit.posterior());
   more.setSolution(more.extended(fit.z()));
   return more;
@@ -49,8 +47,8 @@ PoseScore::PoseScore(PoseFit& fit) : fit_(fit) {
 
 double PoseScore::information(const Eigen::VectorXd& s) const { return s.squaredNorm() - (left_ * s).squaredNorm(); }
 
-Eigen::MatrixXd PoseScore::slopes(const PoseProblem& problem, const PoseCause& cause) const {
-  PoseFit more = withOneMore(problem, fit_, cause);
+Eigen::MatrixXd PoseScore::slopes(const PoseProblem& problem, const ArmCause& cause) const {
+  PoseFit more = extendedBy(problem, fit_, cause);
   const std::vector<PoseResidual>& poses = more.linearised();
   const Eigen::Index first = fit_.z().size();
   const Eigen::Index fitted = more.z().size() - first;
@@ -66,9 +64,9 @@ Eigen::MatrixXd PoseScore::slopes(const PoseProblem& problem, const PoseCause& c
   return slopes;
 }
 
-Eigen::VectorXd PoseScore::change(const PoseProblem& problem, const PoseCause& cause) const {
+Eigen::VectorXd PoseScore::change(const PoseProblem& problem, const ArmCause& cause) const {
   const Eigen::VectorXd before = stackErrors(fit_.posterior().evaluate(fit_.z(), false));
-  PoseFit more = withOneMore(problem, fit_, cause);
+  PoseFit more = extendedBy(problem, fit_, cause);
   const std::vector<PoseResidual>& poses = more.posterior().evaluate(more.z(), false);
   Eigen::VectorXd change = stackErrors(poses) - before;
   const Eigen::Index n = poses.front().error.size();
@@ -81,18 +79,18 @@ Eigen::VectorXd PoseScore::change(const PoseProblem& problem, const PoseCause& c
   return change;
 }
 
-void placeMoments(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypothesis>& hypotheses) {
+void placeMoments(const PoseProblem& problem, PoseFit& fit, std::vector<ArmHypothesis>& hypotheses) {
   constexpr std::size_t kMoments = 2;  // per muscle; neighbours of the best hardly differ from it
   constexpr Eigen::Index kApart = 4;   // [poses]
   constexpr Eigen::Index kSide = 4;    // poses before a moment and behind it: one pose that is off is no slip
   const std::span<const Pose> poses = fit.posterior().poses();
   const Eigen::Index n = fit.posterior().degreesOfFreedom();
-  std::vector<PoseHypothesis*> slips;
-  for (PoseHypothesis& hypothesis : hypotheses) {
+  std::vector<ArmHypothesis*> slips;
+  for (ArmHypothesis& hypothesis : hypotheses) {
     if (hypothesis.effect->from_moment) slips.push_back(&hypothesis);
   }
   forEach(problem, slips.size(), [&](std::size_t h) {
-    PoseHypothesis& slip = *slips[h];
+    ArmHypothesis& slip = *slips[h];
     PoseFit own = fit;  // its posterior holds the state of an evaluation
     const PoseScore own_score(own);
     const EffectParameters always = {0.0, -1e300};
@@ -126,7 +124,7 @@ namespace {
 
 /// Without contact a wrap has no slope: it grows until what it changes would be seen, and the last doubling is
 /// interpolated as a power law.
-double smallestWrap(const PoseProblem& problem, const PoseScore& score, PoseCause cause) {
+double smallestWrap(const PoseProblem& problem, const PoseScore& score, ArmCause cause) {
   const ArmEffectParameter p = onArm(cause.effect->parameters[0], sizesOf(problem.nominal));
   double below = 0.0, below_gain = 0.0;
   for (double magnitude = 0.1 * p.scale; magnitude <= 3.0 * p.scale; magnitude *= 1.3) {
@@ -143,9 +141,9 @@ double smallestWrap(const PoseProblem& problem, const PoseScore& score, PoseCaus
   return std::nan("");
 }
 
-double smallestRevealed(const PoseProblem& problem, const PoseScore& score, const PoseHypothesis& hypothesis,
+double smallestRevealed(const PoseProblem& problem, const PoseScore& score, const ArmHypothesis& hypothesis,
                         std::span<const Pose> poses) {
-  PoseCause cause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()};
+  ArmCause cause{hypothesis.effect, hypothesis.target, hypothesis.starts.front()};
   if (cause.effect->path) return smallestWrap(problem, score, cause);
   cause.start[0] = cause.effect->parameters[0].neutral;
   if (cause.effect->from_moment) cause.start[1] = poses[poses.size() / 2].time;
@@ -156,10 +154,9 @@ double smallestRevealed(const PoseProblem& problem, const PoseScore& score, cons
 }  // namespace
 
 std::vector<Detectable> detectableMagnitudes(const PoseProblem& problem, PoseFit& fit,
-                                             std::vector<PoseHypothesis> hypotheses) {
-  std::erase_if(hypotheses, [&](const PoseHypothesis& h) {
-    return std::ranges::any_of(
-        fit.causes(), [&](const PoseCause& cause) { return cause.effect == h.effect && cause.target == h.target; });
+                                             std::vector<ArmHypothesis> hypotheses) {
+  std::erase_if(hypotheses, [&](const ArmHypothesis& h) {
+    return std::ranges::any_of(fit.causes(), [&](const ArmCause& cause) { return h.isOf(cause); });
   });
   std::vector<Detectable> detectable(hypotheses.size());
   const auto magnitudeOf = [&](std::size_t h) {

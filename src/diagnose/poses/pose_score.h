@@ -19,9 +19,9 @@ class PoseScore {
   double information(const Eigen::VectorXd& signature) const;
   /// Signatures of the fitted parameters of one more cause at its start: the change of the residual per unit of the
   /// parameter, shape (poses * dof, fitted parameters).
-  Eigen::MatrixXd slopes(const PoseProblem& problem, const PoseCause& cause) const;
+  Eigen::MatrixXd slopes(const PoseProblem& problem, const ArmCause& cause) const;
   /// The change of the residual that a cause makes, shape (poses * dof); jumps are cut.
-  Eigen::VectorXd change(const PoseProblem& problem, const PoseCause& cause) const;
+  Eigen::VectorXd change(const PoseProblem& problem, const ArmCause& cause) const;
 
  private:
   std::vector<double> roots_;  ///< of the poses' robust weights
@@ -31,10 +31,10 @@ class PoseScore {
 };
 
 /// The moments at which a slip of each muscle would explain most, as starts.
-void placeMoments(const PoseProblem& problem, PoseFit& fit, std::vector<PoseHypothesis>& hypotheses);
+void placeMoments(const PoseProblem& problem, PoseFit& fit, std::vector<ArmHypothesis>& hypotheses);
 
 /// The smallest magnitude of each hypothesis, beside the causes of the fit, that these poses would reveal.
 std::vector<Detectable> detectableMagnitudes(const PoseProblem& problem, PoseFit& fit,
-                                             std::vector<PoseHypothesis> hypotheses);
+                                             std::vector<ArmHypothesis> hypotheses);
 
 }  // namespace simgap

@@ -39,20 +39,20 @@ constexpr std::size_t kTried = 6;          // candidates of a step that are cros
 
 class PoseSelector {
  public:
-  PoseSelector(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<PoseHypothesis>& hypotheses,
+  PoseSelector(const PoseProblem& problem, std::span<const Pose> poses, const std::vector<ArmHypothesis>& hypotheses,
                const PoseDiagnosisOptions& options)
       : problem_(problem), poses_(poses), hypotheses_(hypotheses), options_(options), folds_(poses) {}
 
   PoseSelection run(const Eigen::VectorXd& start, const std::function<void(std::string_view)>& stage);
 
  private:
-  PoseFit refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
+  PoseFit refit(const std::vector<ArmCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
                 double tolerance = 1e-7) const;
-  PoseFit settled(const std::vector<PoseCause>& causes, const Eigen::VectorXd& z) {
+  PoseFit settled(const std::vector<ArmCause>& causes, const Eigen::VectorXd& z) {
     return settledFit(problem_, poses_, causes, z);
   }
-  std::vector<PoseHypothesis> openBeside(const std::vector<PoseCause>& causes) const;
-  std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const;
+  std::vector<ArmHypothesis> openBeside(const std::vector<ArmCause>& causes) const;
+  std::vector<PoseCandidate> tryAll(PoseFit& fit, const std::vector<ArmHypothesis>& hypotheses) const;
   void lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidates) const;
   void lookFromHere(const PoseFit& fit, PoseFit& without, std::vector<PoseCandidate>& candidates) const;
   bool improveBase(PoseFit& fit, const PoseCandidate& candidate) const;
@@ -69,13 +69,13 @@ class PoseSelector {
 
   PoseProblem problem_;  ///< with the stray friction of the fit that others are compared with
   std::span<const Pose> poses_;
-  std::vector<PoseHypothesis> hypotheses_;
+  std::vector<ArmHypothesis> hypotheses_;
   const PoseDiagnosisOptions& options_;
   PoseFolds folds_;
   std::deque<std::vector<Pose>> kept_;  ///< what poses_ is without those left out; fits hold spans of all of them
 };
 
-PoseFit PoseSelector::refit(const std::vector<PoseCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
+PoseFit PoseSelector::refit(const std::vector<ArmCause>& causes, PoseFit& like, const Eigen::VectorXd& z,
                             double tolerance) const {
   PoseFit fit(problem_, poses_, causes);
   fit.posterior().whitenLike(like.posterior());
@@ -83,20 +83,19 @@ PoseFit PoseSelector::refit(const std::vector<PoseCause>& causes, PoseFit& like,
   return fit;
 }
 
-std::vector<PoseHypothesis> PoseSelector::openBeside(const std::vector<PoseCause>& causes) const {
-  std::vector<PoseHypothesis> open;
-  for (const PoseHypothesis& h : hypotheses_) {
-    const auto same = [&](const PoseCause& cause) { return cause.effect == h.effect && cause.target == h.target; };
-    if (std::ranges::none_of(causes, same)) open.push_back(h);
+std::vector<ArmHypothesis> PoseSelector::openBeside(const std::vector<ArmCause>& causes) const {
+  std::vector<ArmHypothesis> open;
+  for (const ArmHypothesis& h : hypotheses_) {
+    if (std::ranges::none_of(causes, [&](const ArmCause& cause) { return h.isOf(cause); })) open.push_back(h);
   }
   return open;
 }
 
 /// Every hypothesis beside the causes of `fit`, each with all its starts; the best start of each.
-std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses) const {
+std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<ArmHypothesis>& hypotheses) const {
   struct Try {
     std::size_t hypothesis;
-    PoseCause cause;
+    ArmCause cause;
     PoseCandidate result;
   };
   std::vector<Try> tries;
@@ -107,9 +106,7 @@ std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<
   }
   const Compared plain(fit);
   const auto tryThis = [&](std::size_t t) {
-    std::vector<PoseCause> causes = fit.causes();
-    causes.push_back(tries[t].cause);
-    PoseFit more = refit(causes, fit, fit.z(), kTryTolerance);
+    PoseFit more = refit(withOneMore(fit.causes(), tries[t].cause), fit, fit.z(), kTryTolerance);
     return Compared::pack(more);
   };
   forEachOnRanks(problem_, tries.size(), fit.z(), tryThis, [&](std::size_t t, const Eigen::VectorXd& found) {
@@ -132,9 +129,7 @@ std::vector<PoseCandidate> PoseSelector::tryAll(PoseFit& fit, const std::vector<
 void PoseSelector::lookAgain(PoseFit& fit, std::vector<PoseCandidate>& candidates) const {
   const Compared plain(fit);
   const auto again = [&](std::size_t c) {
-    std::vector<PoseCause> causes = fit.causes();
-    causes.push_back(candidates[c].cause);
-    PoseFit more(problem_, poses_, causes);
+    PoseFit more(problem_, poses_, withOneMore(fit.causes(), candidates[c].cause));
     more.posterior().whitenLike(fit.posterior());
     PosePosterior balancing = more.posterior();  // which changes the whitening
     more.descend(balanceTorques(balancing, candidates[c].z), kTryTolerance);
@@ -165,19 +160,16 @@ bool PoseSelector::improveBase(PoseFit& fit, const PoseCandidate& candidate) con
 
 /// Why a candidate cannot be, with the sizes that fitted best.
 std::string PoseSelector::impossibleWith(const PoseFit& fit, const PoseCandidate& candidate) const {
-  std::vector<PoseCause> causes = fit.causes();
-  causes.push_back(candidate.cause);
-  PoseFit with(problem_, poses_, causes);
+  PoseFit with(problem_, poses_, withOneMore(fit.causes(), candidate.cause));
   with.setSolution(candidate.z);
-  return impossibleSize(with, causes.size() - 1);
+  return impossibleSize(with, fit.causes().size());
 }
 
 /// Why a candidate that the evidence speaks for is not accepted: poses that its fits have not seen. \returns empty when
 /// it is
 std::string PoseSelector::objection(const PoseFit& fit, const PoseCandidate& candidate, const CrossValidation& before,
                                     double odds, Interval& gain) const {
-  std::vector<PoseCause> causes = fit.causes();
-  causes.push_back(candidate.cause);
+  const std::vector<ArmCause> causes = withOneMore(fit.causes(), candidate.cause);
   const CrossValidation after = folds_.validate(problem_, causes, candidate.z, fit.causes(), fit.z());
   gain = pairedGain(before.distances, after.distances, options_.seed);
   // Few poses let a wrong cause look good by absorbing what the priors do not: then it has to be clear of chance.
@@ -191,7 +183,7 @@ std::string PoseSelector::objection(const PoseFit& fit, const PoseCandidate& can
 
 /// One forward step. \returns whether a cause was accepted
 bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
-  std::vector<PoseHypothesis> open = openBeside(fit.causes());
+  std::vector<ArmHypothesis> open = openBeside(fit.causes());
   placeMoments(problem_, fit, open);
   std::vector<PoseCandidate> candidates = tryAll(fit, open);
   lookAgain(fit, candidates);
@@ -245,9 +237,7 @@ bool PoseSelector::step(PoseFit& fit, PoseSelection& selection) {
       selection.refused.push_back(candidates[i].cause);
     return false;
   }
-  std::vector<PoseCause> causes = fit.causes();
-  causes.push_back(accepted->cause);
-  fit = settled(causes, accepted->z);
+  fit = settled(withOneMore(fit.causes(), accepted->cause), accepted->z);
   leaveOut(fit, selection);
   return true;
 }
@@ -274,15 +264,13 @@ void PoseSelector::leaveOut(PoseFit& fit, PoseSelection& selection) {
 /// The first cause of `fit` among the candidates for its place, from where it is: its usual start may not find that way
 /// again beside what came after it.
 void PoseSelector::lookFromHere(const PoseFit& fit, PoseFit& without, std::vector<PoseCandidate>& candidates) const {
-  const PoseCause& present = fit.causes().front();
+  const ArmCause& present = fit.causes().front();
   const auto found = std::ranges::find(candidates, present.label(), [](const auto& c) { return c.cause.label(); });
   if (found == candidates.end()) return;
-  std::vector<PoseCause> causes = without.causes();
-  causes.push_back(present);
   const Eigen::VectorXd rest = fit.solutionWithout(0);
   Eigen::VectorXd z(fit.z().size());
   z << rest, fit.z().segment(static_cast<Eigen::Index>(fit.ordinary()), z.size() - rest.size());
-  PoseFit from_here = refit(causes, without, z, kTryTolerance);
+  PoseFit from_here = refit(withOneMore(without.causes(), present), without, z, kTryTolerance);
   PoseCandidate here = Compared(without).candidate(present, Compared::pack(from_here), found->share);
   if (here.odds > found->odds) *found = std::move(here);
   std::ranges::stable_sort(candidates, std::greater<>(), &PoseCandidate::odds);
@@ -294,13 +282,10 @@ void PoseSelector::exchange(PoseFit& fit, PoseSelection& selection) {
   for (std::size_t turn = selection.causes.size(); turn > 0; --turn) {
     AcceptedCause cause = selection.causes.front();
     selection.causes.erase(selection.causes.begin());
-    std::vector<PoseCause> causes = fit.causes();
-    causes.erase(causes.begin());
+    std::vector<ArmCause> causes = withoutOne(fit.causes(), 0);
     PoseFit without = refit(causes, fit, fit.solutionWithout(0));
-    std::vector<PoseHypothesis> open = openBeside(causes);
-    std::erase_if(open, [&](const PoseHypothesis& h) {
-      return !cause.contenders.contains(PoseCause{h.effect, h.target, {}}.label());
-    });
+    std::vector<ArmHypothesis> open = openBeside(causes);
+    std::erase_if(open, [&](const ArmHypothesis& h) { return !cause.contenders.contains(h.label()); });
     placeMoments(problem_, without, open);
     std::vector<PoseCandidate> candidates = tryAll(without, open);
     lookFromHere(fit, without, candidates);
@@ -333,14 +318,11 @@ void PoseSelector::exchange(PoseFit& fit, PoseSelection& selection) {
 }
 
 void PoseSelector::takeOut(std::size_t cause, std::string outcome, PoseFit& fit, PoseSelection& selection) {
-  const PoseCause& gone = selection.causes[cause].cause;
+  const ArmCause& gone = selection.causes[cause].cause;
   selection.records.push_back({selection.causes.size() + 1, std::string(gone.effect->name), gone.target, kNotMeasured,
                                1.0, std::move(outcome)});
-  const auto place = static_cast<std::ptrdiff_t>(cause);
-  std::vector<PoseCause> causes = fit.causes();
-  causes.erase(causes.begin() + place);
-  selection.causes.erase(selection.causes.begin() + place);
-  fit = settled(causes, fit.solutionWithout(cause));
+  selection.causes.erase(selection.causes.begin() + static_cast<std::ptrdiff_t>(cause));
+  fit = settled(withoutOne(fit.causes(), cause), fit.solutionWithout(cause));
 }
 
 /// Removes causes that the later ones have made needless.
@@ -355,7 +337,7 @@ void PoseSelector::dropImpossible(PoseFit& fit, PoseSelection& selection) {
   for (std::size_t c = selection.causes.size(); c-- > 0;) {
     const std::string why = impossibleSize(fit, c);
     if (why.empty()) continue;
-    const PoseCause& cause = selection.causes[c].cause;
+    const ArmCause& cause = selection.causes[c].cause;
     selection.candidates.push_back({std::string(cause.effect->name), cause.target, why, kNotMeasured});
     takeOut(c, "rejected: " + why, fit, selection);
   }
@@ -388,7 +370,7 @@ PoseSelection PoseSelector::run(const Eigen::VectorXd& start, const std::functio
 }  // namespace
 
 PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> poses,
-                           const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,
+                           const std::vector<ArmHypothesis>& hypotheses, const Eigen::VectorXd& start,
                            const PoseDiagnosisOptions& options, const std::function<void(std::string_view)>& stage) {
   return PoseSelector(problem, poses, hypotheses, options).run(start, stage);
 }

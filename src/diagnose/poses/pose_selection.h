@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace simgap {
 
 /// A hypothesis after its best refit.
 struct PoseCandidate {
-  PoseCause cause;          ///< with the choices that fitted best
+  ArmCause cause;           ///< with the choices that fitted best
   Eigen::VectorXd z;        ///< of the whole model with it
   double odds = 0.0;        ///< log of the odds against the model without it
   double likelihood = 0.0;  ///< objective that it saves
@@ -23,13 +24,13 @@ struct PoseCandidate {
 };
 
 struct AcceptedCause {
-  PoseCause cause;
+  ArmCause cause;
   double odds = 0.0;  ///< log, against the model without it
   double p_adjusted = 1.0;
   Interval gain_inner;
-  std::vector<std::string> rivals;      ///< that these poses do not tell from it
-  std::set<std::string> contenders;     ///< that an exchange tries in its place
-  std::vector<PoseCause> instead = {};  ///< what fitted best in its place: the rivals, then others, best first
+  std::vector<std::string> rivals;     ///< that these poses do not tell from it
+  std::set<std::string> contenders;    ///< that an exchange tries in its place
+  std::vector<ArmCause> instead = {};  ///< what fitted best in its place: the rivals, then others, best first
 };
 
 struct PoseSelection {
@@ -38,17 +39,25 @@ struct PoseSelection {
   Eigen::VectorXd z_plain;                ///< without
   double stray = 1.0, stray_plain = 1.0;  ///< PoseProblem::stray_friction with the causes and without
   std::vector<HypothesisRecord> records;
-  std::vector<PoseCause> refused;     ///< the best of the last step, which accepted none
+  std::vector<ArmCause> refused;      ///< the best of the last step, which accepted none
   std::vector<Candidate> candidates;  ///< that the poses speak for, with why they are no causes
   bool tethered = false;              ///< something pulls that would show if it were the base that is off level
   std::vector<std::string> left_out;  ///< poses near which a model with the causes has no rest
   double excess = 0.0;     ///< of the cross-validated squared distances over what the final model expects, a fraction
   double excess_sd = 0.0;  ///< of that under the model
   double excess_plain = 0.0;
+
+  /// The first so many of the causes, as a fit takes them.
+  std::vector<ArmCause> firstCauses(std::size_t count) const {
+    std::vector<ArmCause> first;
+    for (const AcceptedCause& accepted : std::span(causes).first(count)) first.push_back(accepted.cause);
+    return first;
+  }
+  std::vector<ArmCause> allCauses() const { return firstCauses(causes.size()); }
 };
 
 PoseSelection selectCauses(const PoseProblem& problem, std::span<const Pose> poses,
-                           const std::vector<PoseHypothesis>& hypotheses, const Eigen::VectorXd& start,
+                           const std::vector<ArmHypothesis>& hypotheses, const Eigen::VectorXd& start,
                            const PoseDiagnosisOptions& options, const std::function<void(std::string_view)>& stage);
 
 }  // namespace simgap

@@ -53,8 +53,8 @@ std::string answerOf(const Diagnosis& diagnosis, const std::string& hidden, cons
   }
   const Cause& first = diagnosis.causes.front();
   if (first.ambiguous_with.empty()) {
-    const Extension named{first.effect, first.target, {}};
-    return extensionLabel(named) == label || first.effect != hidden ? first.effect : first.effect + " elsewhere";
+    const bool right = effectLabel(first.effect, first.target) == label;
+    return right || first.effect != hidden ? first.effect : first.effect + " elsewhere";
   }
   return "ambiguous";
 }
@@ -66,11 +66,11 @@ bool isQuiet(const std::string& answer) {
 }
 
 /// Puts one of the targets into the model, larger than what the poses should reveal. \returns its label
-std::string hideOne(const std::vector<const Detectable*>& targets, const std::vector<PoseHypothesis>& hypotheses,
+std::string hideOne(const std::vector<const Detectable*>& targets, const std::vector<ArmHypothesis>& hypotheses,
                     PoseFit& fit, std::uint64_t seed, ArmModel& model) {
   const double u = CounterRandom(seed).uniform({0, 0, 0, kTargetPurpose});
   const Detectable& d = *targets[static_cast<std::size_t>(u * static_cast<double>(targets.size()))];
-  const auto h = std::ranges::find_if(hypotheses, [&](const PoseHypothesis& other) {
+  const auto h = std::ranges::find_if(hypotheses, [&](const ArmHypothesis& other) {
     return other.effect->name == d.effect && other.target == d.target;
   });
   EffectParameters p = h->starts.front();
@@ -80,18 +80,18 @@ std::string hideOne(const std::vector<const Detectable*>& targets, const std::ve
     p[1] = poses[poses.size() / 2].time;
   }
   model.extensions.push_back(makeExtension(*h->effect, d.target, p));
-  return extensionLabel(model.extensions.back());
+  return effectLabel(h->effect->name, d.target);
 }
 
 }  // namespace
 
-SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses,
+SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vector<ArmHypothesis>& hypotheses,
                        const std::vector<Detectable>& detectable, const PoseDiagnosisOptions& options,
                        const DiagnosisProgress& progress) {
   SelfTest test;
   test.hidden = {"none"};
   test.answers = {"none", "ambiguous", "unexplained", "data-fault"};
-  for (const PoseHypothesis& h : hypotheses) {
+  for (const ArmHypothesis& h : hypotheses) {
     const std::string name(h.effect->name);
     if (std::ranges::find(test.hidden, name) != test.hidden.end()) continue;
     test.hidden.push_back(name);

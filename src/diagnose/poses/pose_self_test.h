@@ -9,7 +9,7 @@
 namespace simgap {
 
 /// \param fit  without causes, on all poses, at its solution
-SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vector<PoseHypothesis>& hypotheses,
+SelfTest selfTestPoses(const PoseProblem& problem, PoseFit& fit, const std::vector<ArmHypothesis>& hypotheses,
                        const std::vector<Detectable>& detectable, const PoseDiagnosisOptions& options,
                        const DiagnosisProgress& progress);
 

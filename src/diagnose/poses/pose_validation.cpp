@@ -20,8 +20,8 @@ PoseFolds::PoseFolds(std::span<const Pose> poses) : folds_(kPoseFolds), poses_(p
   }
 }
 
-CrossValidation PoseFolds::validate(const PoseProblem& problem, const std::vector<PoseCause>& causes,
-                                    const Eigen::VectorXd& z, const std::vector<PoseCause>& like,
+CrossValidation PoseFolds::validate(const PoseProblem& problem, const std::vector<ArmCause>& causes,
+                                    const Eigen::VectorXd& z, const std::vector<ArmCause>& like,
                                     const Eigen::VectorXd& z_like) const {
   CrossValidation result;
   result.distances.resize(poses_);

@@ -21,8 +21,8 @@ class PoseFolds {
  public:
   explicit PoseFolds(std::span<const Pose> poses);
   /// \param z  where the fits of the folds begin \param like, z_like  the model that whitens
-  CrossValidation validate(const PoseProblem& problem, const std::vector<PoseCause>& causes, const Eigen::VectorXd& z,
-                           const std::vector<PoseCause>& like, const Eigen::VectorXd& z_like) const;
+  CrossValidation validate(const PoseProblem& problem, const std::vector<ArmCause>& causes, const Eigen::VectorXd& z,
+                           const std::vector<ArmCause>& like, const Eigen::VectorXd& z_like) const;
 
  private:
   struct Fold {

@@ -10,14 +10,11 @@ constexpr double kSmallestShare = 0.1, kLargestShare = 4.0;
 
 }  // namespace
 
-PoseFit settledFit(PoseProblem& problem, std::span<const Pose> poses, const std::vector<PoseCause>& causes,
+PoseFit settledFit(PoseProblem& problem, std::span<const Pose> poses, const std::vector<ArmCause>& causes,
                    const Eigen::VectorXd& z) {
   const auto fitWith = [&](double share) {
     problem.stray_friction = share;
-    PoseFit fit(problem, poses, causes);
-    fit.posterior().whiten(z);
-    fit.descend(z);
-    return fit;
+    return fittedFrom(problem, poses, causes, z);
   };
   const auto logPosterior = [](PoseFit& fit, double share) {
     return fit.logEvidence() - 0.5 * std::pow(std::log(share), 2);

@@ -50,7 +50,7 @@ struct RobotHypothesis {
   std::function<bool(const Eigen::VectorXd& theta, RobotModel& model)> hold = {};
 
   bool isDelay() const { return parameters.size() == 1 && parameters[0].unit == "s"; }
-  std::string label() const { return target.empty() ? cause : cause + ":" + target; }
+  std::string label() const { return effectLabel(cause, target); }
 };
 
 struct RobotCause {

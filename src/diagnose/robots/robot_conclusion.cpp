@@ -20,20 +20,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-std::string nameOf(const Cause& cause) {
-  return cause.target.empty() ? cause.effect : cause.effect + " of " + cause.target;
-}
-
-std::string robotNamesOf(const std::vector<Cause>& causes) {
-  std::vector<std::string> names;
-  for (const Cause& cause : causes) {
-    std::string name = nameOf(cause);
-    for (const std::string& other : cause.ambiguous_with) name += " or " + other;
-    names.push_back(name);
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 const RobotHypothesis* findLabel(const RobotSearch& search, const std::string& label) {
   for (std::size_t h = 0; h < search.size(); ++h) {
     if (search.hypothesis(h).label() == label) return &search.hypothesis(h);
@@ -137,7 +123,7 @@ void addUntestable(const RobotSearch& search, bool known, Diagnosis& d) {
 
 void addDetectable(const RobotSearch& search, const RobotSelection& selection, const RobotDiagnosisOptions& options,
                    Diagnosis& d) {
-  const double factor = std::max(4.6, std::sqrt(options.least_gain * d.effective_samples));
+  const double factor = detectionFactor(options.least_gain, d.effective_samples);
   for (std::size_t h = 0; h < search.size(); ++h) {
     const RobotHypothesis& hypothesis = search.hypothesis(h);
     if (hypothesis.ordinary || !search.testable(h) || hypothesis.parameters.size() != 1 || !hypothesis.form.empty())
@@ -164,13 +150,12 @@ void concludeRobot(const RobotSearch& search, const RobotSelection& selection, R
   if (d.verdict == DiagnosisVerdict::kNothingFound) {
     d.sentence = "Nothing found: no cause improves the model of any joint on data it has not seen.";
   } else if (!d.causes.empty() && d.verdict == DiagnosisVerdict::kUnexplained) {
-    d.sentence =
-        fmt::format("Unexplained: these motions do not tell apart {}. Left: {}.", robotNamesOf(d.causes), left);
+    d.sentence = fmt::format("Unexplained: these motions do not tell apart {}. Left: {}.", namesOf(d.causes), left);
   } else if (d.causes.empty()) {
     d.sentence = fmt::format("Unexplained: no cause of the catalogue was found. Left: {}.", left);
   } else {
     d.sentence = fmt::format("Found{}: {} ({:.0f} % of the squared error on data never used). Left: {}.",
-                             d.verdict == DiagnosisVerdict::kAmbiguous ? ", but not alone" : "", robotNamesOf(d.causes),
+                             d.verdict == DiagnosisVerdict::kAmbiguous ? ", but not alone" : "", namesOf(d.causes),
                              d.explained_percent, left);
   }
   if (!beyond.empty()) {

@@ -61,13 +61,6 @@ std::vector<RobotHypothesis> hypothesesOf(const RobotRows& rows, const RobotDiag
   return all;
 }
 
-/// The law's base parameters as the regressor's own: only what is kept has a value.
-VectorXd keptParameters(const RobotRegressor& regressor, const BaseParameters& base, const VectorXd& x) {
-  VectorXd parameters = VectorXd::Zero(regressor.columns());
-  for (std::size_t k = 0; k < base.columns.size(); ++k) parameters[base.columns[k]] = x[k];
-  return parameters;
-}
-
 std::vector<bool> rowsOf(const RobotLog& log, const std::vector<bool>& blocks) {
   std::vector<bool> rows(log.rows(), false);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
@@ -146,10 +139,7 @@ class RobotDiagnoser {
     d.warnings = log_.warnings;
     d.faults = findRobotFaults(regressor_, known_ ? robot_.parameters : VectorXd(), robot_.curves, log_);
     if (const DataFault* fault = openFault(d.faults); fault != nullptr && !options_.ignore_faults) {
-      d.verdict = DiagnosisVerdict::kDataFault;
-      d.sentence = "Data fault: " + fault->sentence + ".";
-      d.baseline = d.extended = {std::nan(""), std::nan("")};
-      d.noise_floor = d.explained_percent = d.explainable_percent = std::nan("");
+      endWith(*fault, d);
       return std::move(result_);
     }
     splitBlocks(log_, options_.holdout, ground_);

@@ -114,12 +114,15 @@ void addJointBins(const RobotSearch& search, const Driver& driver, std::size_t c
 
 }  // namespace
 
+VectorXd keptParameters(const RobotRegressor& regressor, const BaseParameters& base, const VectorXd& z) {
+  VectorXd parameters = VectorXd::Zero(regressor.columns());
+  for (std::size_t k = 0; k < base.columns.size(); ++k) parameters[base.columns[k]] = z[k];
+  return parameters;
+}
+
 MatrixXd predictedTorque(const RobotSearch& search, const RobotSearch::Set& set, const RobotSearch::Fit& fit) {
   const RobotRows& rows = search.rows();
-  VectorXd parameters = VectorXd::Zero(rows.regressor().columns());
-  for (std::size_t k = 0; k < search.ground().base.columns.size(); ++k) {
-    parameters[search.ground().base.columns[k]] = fit.z[k];
-  }
+  const VectorXd parameters = keptParameters(rows.regressor(), search.ground().base, fit.z);
   MatrixXd torque = predictTorques(rows.log(), rows.regressor(), parameters, rows.model().curves);
   for (std::size_t k = 0; k < set.size(); ++k) {
     if (!search.hypothesis(set[k]).torque) continue;  // others stand in the parameters

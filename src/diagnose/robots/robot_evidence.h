@@ -6,6 +6,9 @@
 
 namespace simgap {
 
+/// Base parameters as the regressor's own, shape (P): only what is kept has a value. \param z  begins with them
+Eigen::VectorXd keptParameters(const RobotRegressor& regressor, const BaseParameters& base, const Eigen::VectorXd& z);
+
 /// Torque of every joint, shape (rows, N), of a fit to all training blocks.
 Eigen::MatrixXd predictedTorque(const RobotSearch& search, const RobotSearch::Set& set, const RobotSearch::Fit& fit);
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <span>
 
 #include "diagnose/surrogates.h"
 #include "diagnose/verdict.h"
@@ -21,9 +22,6 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr std::uint32_t kRobotPlacebos = 39;  // one of them may reach the cause at a level of 5 %
-constexpr double kRobotPlaceboLevel = 0.05;
 
 /// Rows of training blocks that count for a joint.
 std::vector<Index> trainingRows(const RobotSearch& search, std::size_t joint) {
@@ -163,7 +161,7 @@ class RobotJudge {
       return fmt::format("{:.0f} % of what is beyond the known robot's error are left beside it: it may only stand in",
                          100.0 * beyond);
     }
-    if (const double placebo = placeboP(search_, set, cause, options_.seed); placebo > kRobotPlaceboLevel) {
+    if (const double placebo = placeboP(search_, set, cause, options_.seed); placebo > kPlaceboLevel) {
       return fmt::format("signals of the same spectrum that belong to no motion explain as much (p {:.2g})", placebo);
     }
     return {};
@@ -239,8 +237,8 @@ double placeboP(const RobotSearch& search, const RobotSearch::Set& set, std::siz
   const ExtraColumn own = signatureOf(rows, search.hypothesis(set[cause]), fit.theta[cause]);
   if (hasNoColour(search, own)) return 0.0;
   columns.push_back(own);
-  columns.resize(columns.size() + kRobotPlacebos);
-  tbb::parallel_for(std::uint32_t{0}, kRobotPlacebos, [&](std::uint32_t draw) {
+  columns.resize(columns.size() + kPlacebos);
+  tbb::parallel_for(std::uint32_t{0}, kPlacebos, [&](std::uint32_t draw) {
     if (interruptRequested()) return;
     columns[static_cast<std::size_t>(other) + 1 + draw] = placeboOf(search, own, draw, seed);
   });
@@ -258,9 +256,8 @@ double placeboP(const RobotSearch& search, const RobotSearch::Set& set, std::siz
   }
   const RobotNormal normal =
       normalOf(sums.total(ground.training), acts, base + std::ssize(columns), variance, ground.constants);
-  const VectorXd gains = explainedAlone(normal, ground, base, other, 1 + Index{kRobotPlacebos});
-  const auto reach = (gains.tail(kRobotPlacebos).array() >= gains[0]).count();
-  return (1.0 + static_cast<double>(reach)) / (1.0 + kRobotPlacebos);
+  const VectorXd gains = explainedAlone(normal, ground, base, other, 1 + Index{kPlacebos});
+  return placeboP(gains[0], std::span<const double>(gains.data() + 1, kPlacebos));
 }
 
 RobotFindings judgeFindings(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,

@@ -76,7 +76,7 @@ RobotTrial RobotSelector::tryOne(const Start& start, const BlockErrors& before, 
   return trial;
 }
 
-std::vector<RobotTrial> RobotSelector::step(const RobotSearch::Set& set, bool open_only) const {
+std::vector<RobotTrial> RobotSelector::step(const RobotSearch::Set& set) const {
   std::vector<std::size_t> open;
   for (std::size_t h = 0; h < search_.size(); ++h) {
     const bool taken = std::ranges::any_of(set, [&](std::size_t other) {
@@ -84,7 +84,7 @@ std::vector<RobotTrial> RobotSelector::step(const RobotSearch::Set& set, bool op
              search_.hypothesis(h).searched == 1.0;
     });
     const bool asked = search_.testable(h) && !search_.hypothesis(h).ordinary;
-    if (asked && !taken && !(open_only && refused_[h])) open.push_back(h);
+    if (asked && !taken && !refused_[h]) open.push_back(h);
   }
   // Starts: with the numbers of each drive free, and the set itself.
   std::vector<std::size_t> drives;
@@ -231,7 +231,7 @@ void RobotSelector::prune(RobotSelection& selection) {
 void RobotSelector::review(RobotSelection& selection) {
   for (std::size_t k = 0; k < selection.set.size(); ++k) {
     const RobotSearch::Set rest = without(selection.set, k);
-    const std::vector<RobotTrial> trials = step(rest, true);
+    const std::vector<RobotTrial> trials = step(rest);
     const auto winner = best(rest, trials);
     record(trials, winner, selection);
     if (!winner) continue;
@@ -255,7 +255,7 @@ void RobotSelector::grow(RobotSelection& selection, const DiagnosisProgress& pro
     if (progress) {
       progress("trying causes", 0.4 + 0.4 * static_cast<double>(selection.set.size()) / (options_.max_causes + 1.0));
     }
-    const std::vector<RobotTrial> trials = step(selection.set, true);
+    const std::vector<RobotTrial> trials = step(selection.set);
     const auto accepted = best(selection.set, trials);
     record(trials, accepted, selection);
     if (!accepted) break;

@@ -39,7 +39,7 @@ class RobotSelector {
   void drop(std::size_t cause, RobotSelection& selection);
 
  private:
-  std::vector<RobotTrial> step(const RobotSearch::Set& set, bool open_only) const;
+  std::vector<RobotTrial> step(const RobotSearch::Set& set) const;
   /// A set with what its errors are on unseen folds, and what it costs.
   struct Start {
     RobotSearch::Set set;

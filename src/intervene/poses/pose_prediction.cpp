@@ -18,7 +18,7 @@ PoseProblem problemOf(const PoseEvidence& evidence, const CandidateModel& candid
 std::vector<Index> undoneParameters(const PoseFit& fit, const ArmChanges& change) {
   std::vector<Index> undone;
   auto parameter = static_cast<Index>(fit.ordinary());
-  for (const PoseCause& cause : fit.causes()) {
+  for (const ArmCause& cause : fit.causes()) {
     for (const ArmEffectParameter& p : cause.effect->parameters) {
       if (p.fitted && change.undoes(cause.label())) undone.push_back(parameter);
       parameter += p.fitted ? 1 : 0;

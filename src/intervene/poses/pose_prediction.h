@@ -59,7 +59,7 @@ class PosePrediction {
 
   const PoseEvidence& evidence_;
   const CandidateModel& candidate_;
-  std::vector<PoseCause> causes_;
+  std::vector<ArmCause> causes_;
   Eigen::LLT<Eigen::MatrixXd> curvature_;  ///< N = L L^T
   double known_ = 1.0;                     ///< residuals before the change, less the parameters they determine
 };

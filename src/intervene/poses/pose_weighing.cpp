@@ -108,7 +108,7 @@ double halfLogDeterminant(const MatrixXd& curvature) {
 
 Weighed weighAfter(const PoseEvidence& evidence, const CandidateModel& candidate, const ArmChanges& change,
                    std::span<const Pose> after, const MatrixXd& uncertain) {
-  const std::vector<PoseCause> causes = causesBeyond(evidence.given, candidate.model);
+  const std::vector<ArmCause> causes = causesBeyond(evidence.given, candidate.model);
   PoseFit before(problemOf(evidence, candidate), evidence.poses, causes);
   // The poses are whitened as the candidate is; under another whitening it was not quite the optimum.
   const VectorXd z = solutionOf(before, candidate.model);

@@ -121,10 +121,6 @@ int restLengthOf(const PassiveTendon& tendon) {
   return found == known.end() ? -1 : static_cast<int>(found - known.begin());
 }
 
-std::string extensionLabel(const Extension& extension) {
-  return extension.target.empty() ? extension.effect : extension.effect + ":" + extension.target;
-}
-
 std::vector<ArmExtension> resolveExtensions(const ArmModel& model) {
   std::vector<ArmExtension> resolved;
   resolved.reserve(model.extensions.size());

@@ -128,7 +128,7 @@ void traverse(ArmModel& model, const Visit& visit) {
     visitTendon(tendon, item);
   }
   for (Extension& extension : model.extensions) {
-    const std::string label = extensionLabel(extension);
+    const std::string label = effectLabel(extension.effect, extension.target);
     const ItemVisitor<Visit> item("extensions", label, visit);
     const ArmEffect& effect = *findArmEffect(extension.effect);
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {

@@ -15,6 +15,10 @@ double Extension::value(std::string_view name) const {
   throw ConfigError(fmt::format("found no parameter {} in the extension {}, expected it", name, effect));
 }
 
+std::string effectLabel(std::string_view effect, std::string_view target) {
+  return target.empty() ? std::string(effect) : fmt::format("{}:{}", effect, target);
+}
+
 std::vector<Extension> readExtensions(const YamlNode& list) {
   std::vector<Extension> extensions;
   for (const YamlNode& entry : list.items()) {

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "diagnose/logs/held_out.h"
+#include "diagnose/verdict.h"
 #include "prepared_logs.h"
 #include "reality/spring_rig.h"
 #include "simgap/fit/actuators/actuator_model.h"

@@ -163,9 +163,9 @@ TEST(MotionDiagnosis, ALimitOfCurrentsIsKnownToAPartOfItself) {
 TEST(MotionDiagnosis, AsksATargetForChoicesThatItHasOnly) {
   const ArmModel model = test::modelOf(test::movingForearm().arm, true);
   std::vector<NotTestable> not_testable;
-  const std::vector<MotionHypothesis> hypotheses = motionHypotheses(model, {"muscle-wrap"}, not_testable);
+  const std::vector<ArmHypothesis> hypotheses = motionHypotheses(model, {"muscle-wrap"}, not_testable);
   ASSERT_EQ(hypotheses.size(), 2u);
-  for (const MotionHypothesis& hypothesis : hypotheses) {
+  for (const ArmHypothesis& hypothesis : hypotheses) {
     EXPECT_EQ(hypothesis.starts.size(), 5u);
     for (const EffectParameters& start : hypothesis.starts) EXPECT_EQ(start[1], 1.0);
   }

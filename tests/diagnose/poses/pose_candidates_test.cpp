@@ -11,16 +11,16 @@ namespace {
 
 using ::testing::ElementsAre;
 
-PoseCause causeOf(const std::string& effect, const std::string& target, const EffectParameters& start) {
+ArmCause causeOf(const std::string& effect, const std::string& target, const EffectParameters& start) {
   return {findArmEffect(effect), target, start};
 }
 
 TEST(PoseCandidates, NoneHoldsACauseTwice) {
   // The second cause was named after it had been noted as a rival of the first, and as one that was refused.
   PoseRig rig(1, {.poses = 12, .effect = "payload"});
-  const PoseCause payload = causeOf("payload", "link2", {0.05, 0.15});
-  const PoseCause tilt = causeOf("gravity-tilt", "", {0.0, 0.0});
-  const PoseCause passive = causeOf("passive-joint-torque", "joint2", {0.05, 0.3, 0.0});
+  const ArmCause payload = causeOf("payload", "link2", {0.05, 0.15});
+  const ArmCause tilt = causeOf("gravity-tilt", "", {0.0, 0.0});
+  const ArmCause passive = causeOf("passive-joint-torque", "joint2", {0.05, 0.3, 0.0});
   PoseFit fit(rig.problem, rig.set.poses, {payload, tilt});
   fit.posterior().whitenLike(rig.plain.posterior());
   fit.descend(fit.extended(rig.plain.z()));

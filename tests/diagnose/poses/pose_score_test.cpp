@@ -7,7 +7,7 @@
 namespace simgap::test {
 namespace {
 
-std::vector<PoseHypothesis> hypothesesOf(const PoseRig& rig, const std::vector<std::string>& effects) {
+std::vector<ArmHypothesis> hypothesesOf(const PoseRig& rig, const std::vector<std::string>& effects) {
   std::vector<NotTestable> none;
   return poseHypotheses(rig.problem.nominal, rig.set.poses, effects, none);
 }
@@ -15,7 +15,7 @@ std::vector<PoseHypothesis> hypothesesOf(const PoseRig& rig, const std::vector<s
 TEST(PoseScore, OrdinaryParametersTakeAwayInformation) {
   PoseRig rig(21, {.poses = 20, .causes = 0});
   const PoseScore score(rig.plain);
-  for (const PoseHypothesis& h : hypothesesOf(rig, {"payload"})) {
+  for (const ArmHypothesis& h : hypothesesOf(rig, {"payload"})) {
     const Eigen::VectorXd s = score.slopes(rig.problem, {h.effect, h.target, h.starts.front()}).col(0);
     EXPECT_GT(score.information(s), 0.0) << h.target;
     EXPECT_LT(score.information(s), s.squaredNorm()) << h.target;
@@ -26,8 +26,8 @@ TEST(PoseScore, OrdinaryParametersTakeAwayInformation) {
 TEST(PoseScore, PlacesASlipWhereItHappened) {
   PoseRig rig(11, {.poses = 40, .effect = "potentiometer-slip"});
   const reality::HiddenCause& hidden = rig.draw.hidden[0];
-  std::vector<PoseHypothesis> hypotheses = hypothesesOf(rig, {"potentiometer-slip", "payload"});
-  const std::vector<PoseHypothesis> before = hypotheses;
+  std::vector<ArmHypothesis> hypotheses = hypothesesOf(rig, {"potentiometer-slip", "payload"});
+  const std::vector<ArmHypothesis> before = hypotheses;
   placeMoments(rig.problem, rig.plain, hypotheses);
   const double apart = rig.set.poses[1].time - rig.set.poses[0].time;
   for (std::size_t h = 0; h < hypotheses.size(); ++h) {
@@ -46,10 +46,10 @@ TEST(PoseScore, OnePoseThatIsOffIsNoSlip) {
   rig.set.poses.back().joints[1].angle += 0.1;
   PoseFit fit(rig.problem, rig.set.poses, {});
   fit.setSolution(rig.plain.z());
-  std::vector<PoseHypothesis> hypotheses = hypothesesOf(rig, {"potentiometer-slip"});
+  std::vector<ArmHypothesis> hypotheses = hypothesesOf(rig, {"potentiometer-slip"});
   placeMoments(rig.problem, fit, hypotheses);
   const std::vector<Pose>& poses = rig.set.poses;
-  for (const PoseHypothesis& h : hypotheses) {
+  for (const ArmHypothesis& h : hypotheses) {
     ASSERT_FALSE(h.starts.empty()) << h.target;
     for (const EffectParameters& start : h.starts) {
       EXPECT_GT(start[1], poses[3].time) << h.target;
@@ -60,7 +60,7 @@ TEST(PoseScore, OnePoseThatIsOffIsNoSlip) {
 
 TEST(PoseScore, EveryHypothesisHasASmallestMagnitude) {
   PoseRig rig(21, {.poses = 20, .causes = 0});
-  const std::vector<PoseHypothesis> hypotheses = hypothesesOf(rig, {"gravity-tilt", "payload"});
+  const std::vector<ArmHypothesis> hypotheses = hypothesesOf(rig, {"gravity-tilt", "payload"});
   const std::vector<Detectable> least = detectableMagnitudes(rig.problem, rig.plain, hypotheses);
   ASSERT_EQ(least.size(), hypotheses.size());
   for (const Detectable& d : least) EXPECT_GT(d.magnitude95, 0.0) << d.effect;

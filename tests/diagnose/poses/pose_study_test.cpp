@@ -40,7 +40,7 @@ class Judge {
     const reality::HiddenCause& hidden = draw_.hidden[0];
     double lowest = std::numeric_limits<double>::infinity();
     ArmModel model;
-    for (const PoseHypothesis& h : poseHypotheses(problem_.nominal, set_.poses, {hidden.effect}, none)) {
+    for (const ArmHypothesis& h : poseHypotheses(problem_.nominal, set_.poses, {hidden.effect}, none)) {
       if (h.target != hidden.target) continue;
       for (EffectParameters start : h.starts) {
         if (hidden.effect == "potentiometer-slip") start = {hidden.magnitude, hidden.moment};

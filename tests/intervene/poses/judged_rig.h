@@ -27,19 +27,19 @@ struct Judged {
   CandidateModel fitted(const std::string& label) {
     CandidateModel best{label, "instead", -1e300, {}, 1.0};
     std::vector<NotTestable> none;
-    std::vector<PoseCause> causes;
-    for (const PoseHypothesis& h : poseHypotheses(rig.problem.nominal, rig.set.poses, {}, none)) {
+    std::vector<ArmCause> causes;
+    for (const ArmHypothesis& h : poseHypotheses(rig.problem.nominal, rig.set.poses, {}, none)) {
       if (labelOf(h.effect->name.data(), h.target) != label) continue;
       for (const EffectParameters& start : h.starts) causes.push_back({h.effect, h.target, start});
     }
-    const auto consider = [&](std::vector<PoseCause> chosen) {
+    const auto consider = [&](std::vector<ArmCause> chosen) {
       PoseFit fit(rig.problem, rig.set.poses, std::move(chosen));
       fit.posterior().whitenLike(rig.plain.posterior());
       fit.descend(fit.extended(rig.plain.z()));
       if (fit.logEvidence() > best.log_odds) best = {label, "instead", fit.logEvidence(), fit.model(), 1.0};
     };
     if (causes.empty()) consider({});
-    for (const PoseCause& cause : causes) consider({cause});
+    for (const ArmCause& cause : causes) consider({cause});
     return best;
   }
 

@@ -15,20 +15,12 @@
 
 namespace simgap {
 
-struct LogDiagnosisOptions {
-  std::vector<std::string> effects;  ///< only these; the whole catalogue when empty
+struct LogDiagnosisOptions : DiagnosisOptions {
   int max_causes = 4;
-  double level = 0.05;                  ///< of the false-alarm rate of each step
   double least_gain = 0.015;            ///< of the mean squared error that a cause has to save
   double holdout = 0.25;                ///< fraction of the blocks that only measure the gain
   std::vector<bool> heldout_rows = {};  ///< shape (rows): instead of `holdout`
-  bool ignore_faults = false;
-  int self_tests = 0;  ///< injections of every effect, and of none, into this design
-  std::uint64_t seed = 1;
-
-  bool wants(std::string_view effect) const {
-    return effects.empty() || std::ranges::find(effects, effect) != effects.end();
-  }
+  int self_tests = 0;                   ///< injections of every effect, and of none, into this design
 };
 
 /// A model fitted to all rows, with what is known of its parameters.

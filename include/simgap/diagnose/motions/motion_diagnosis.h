@@ -13,13 +13,9 @@
 
 namespace simgap {
 
-struct MotionDiagnosisOptions {
-  std::vector<std::string> effects;  ///< names to test; empty: all
+struct MotionDiagnosisOptions : DiagnosisOptions {
   std::size_t max_causes = 2;
-  double level = 0.05;         ///< of placebos
-  double holdout = 0.3;        ///< fraction of the motions that only measure the gain, without a set of their own
-  bool ignore_faults = false;  ///< go on without the faulty motions
-  std::uint64_t seed = 1;
+  double holdout = 0.3;  ///< fraction of the motions that only measure the gain, without a set of their own
   /// \throws ConfigError: an unknown effect, a level or a fraction outside (0, 1)
   void validate() const;
 };

@@ -14,16 +14,12 @@
 
 namespace simgap {
 
-struct PoseDiagnosisOptions {
-  std::vector<std::string> effects;  ///< names to test; empty: all
+struct PoseDiagnosisOptions : DiagnosisOptions {
   std::size_t max_causes = 8;
-  double level = 0.05;         ///< of significance, for all hypotheses together
-  double holdout = 0.25;       ///< fraction of the poses that only measure the gain
-  bool ignore_faults = false;  ///< go on without the faulty poses
-  int starts = 8;              ///< of the fit without causes
-  int self_test = 0;           ///< sets simulated per effect
-  int threads = 0;             ///< 0: all
-  std::uint64_t seed = 1;
+  double holdout = 0.25;  ///< fraction of the poses that only measure the gain
+  int starts = 8;         ///< of the fit without causes
+  int self_test = 0;      ///< sets simulated per effect
+  int threads = 0;        ///< 0: all
   /// \throws ConfigError: an unknown effect, a level or a fraction outside (0, 1)
   void validate() const;
 };

@@ -15,18 +15,10 @@
 
 namespace simgap {
 
-struct RobotDiagnosisOptions {
-  std::vector<std::string> effects;  ///< only these; all causes when empty
+struct RobotDiagnosisOptions : DiagnosisOptions {
   int max_causes = 4;
-  double level = 0.05;        ///< of the false-alarm rate of each step
   double least_gain = 0.015;  ///< of the squared error of the joints on which a cause acts
   double holdout = 0.25;      ///< fraction of the blocks that only measure the gain
-  bool ignore_faults = false;
-  std::uint64_t seed = 1;
-
-  bool wants(std::string_view effect) const {
-    return effects.empty() || std::ranges::find(effects, effect) != effects.end();
-  }
   /// \throws ConfigError: a cause that does not exist, with those that do.
   void validate() const;
 };

@@ -195,9 +195,6 @@ const ArmEffect* findArmEffect(std::string_view name);
 /// Names of what an effect may be at home in: muscles, bodies or joints; "" for the whole arm or all muscles.
 std::vector<std::string> effectTargets(const ArmEffect& effect, const ArmModel& model);
 
-/// "muscle-wrap:biceps", "gravity-tilt": an extension by name.
-std::string extensionLabel(const Extension& extension);
-
 /// An extension of a model, ready for use.
 struct ArmExtension {
   const ArmEffect* effect = nullptr;

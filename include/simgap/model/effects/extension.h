@@ -24,6 +24,9 @@ struct Extension {
   double value(std::string_view name) const;
 };
 
+/// "payload:forearm"; without a target "gravity-tilt".
+std::string effectLabel(std::string_view effect, std::string_view target);
+
 /// Reads the list under `extensions:`. Which effects and parameters exist is the caller's to check.
 std::vector<Extension> readExtensions(const YamlNode& list);
 

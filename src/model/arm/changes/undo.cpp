@@ -27,7 +27,7 @@ ArmChange read(const YamlNode& node, const ArmModel& model) {
 
 void apply(const ArmChange& change, ArmModel& model) {
   for (Extension& extension : model.extensions) {
-    if (change.cause != extensionLabel(extension)) continue;
+    if (change.cause != effectLabel(extension.effect, extension.target)) continue;
     const ArmEffect& effect = *findArmEffect(extension.effect);
     for (std::size_t k = 0; k < effect.parameters.size(); ++k) {  // a turn or a shift has several that must be nothing
       if (effect.parameters[k].fitted) extension.parameters[k].value = effect.parameters[k].neutral;
