@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "simgap/core/run_directory.h"
 #include "support/files.h"
 #include "support/process.h"
 
@@ -77,6 +78,14 @@ class CliTest : public testing::Test {
     Arguments all{"calibrate", "arm.yaml", "--poses", "poses.csv", "--config", "config.yaml", "-q", "-o", directory};
     all.insert(all.end(), more.begin(), more.end());
     return all;
+  }
+
+  /// What `diagnose` answers on log.csv, in the folder d.
+  Json diagnosis(const std::string& model, const Arguments& more = {}) const {
+    Arguments all{"diagnose", model, "--log", "log.csv", "-q", "--force", "-o", "d"};
+    all.insert(all.end(), more.begin(), more.end());
+    succeed(all);
+    return Json::parse(text("d/result.json"));
   }
 
   /// Expects an exit code and one line on stderr that holds `sentence`, nothing on stdout and nothing written.

@@ -17,10 +17,7 @@ class DiagnoseActuators : public CliTest {
  protected:
   Json ask(const std::string& model, const std::string& csv, const Arguments& more = {}) const {
     put("log.csv", csv);
-    Arguments all{"diagnose", model, "--log", "log.csv", "-q", "--force", "-o", "d"};
-    all.insert(all.end(), more.begin(), more.end());
-    succeed(all);
-    return Json::parse(text("d/result.json"));
+    return diagnosis(model, more);
   }
   static reality::MotorDesign bench(std::uint64_t seed) {
     reality::MotorDesign design;

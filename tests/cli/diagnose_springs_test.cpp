@@ -33,8 +33,7 @@ class Springs : public CliTest {
   Json ask(const reality::SpringTruth& truth, reality::SpringDesign design, double rate = 25.0) const {
     design.rate = rate;
     put("log.csv", reality::recordSpring(truth, design).csv());
-    succeed({"diagnose", "spring", "--log", "log.csv", "-q", "--force", "-o", "d"});
-    return Json::parse(text("d/result.json"));
+    return diagnosis("spring");
   }
   Json fit(const reality::SpringTruth& truth, const reality::SpringDesign& design, const Arguments& more = {}) const {
     put("log.csv", reality::recordSpring(truth, design).csv());

@@ -40,12 +40,6 @@ class DiagnoseTest : public CliTest {
     }
     return csv.text();
   }
-  Json diagnoseLog(const Arguments& more = {}) const {
-    Arguments all{"diagnose", "classic", "--log", "log.csv", "-q", "--force", "-o", "d"};
-    all.insert(all.end(), more.begin(), more.end());
-    succeed(all);
-    return Json::parse(text("d/result.json"));
-  }
 };
 
 TEST_F(DiagnoseTest, IsSilentWhereNothingIsHidden) {
@@ -125,9 +119,9 @@ TEST_F(DiagnoseTest, NamesATransmissionThatStretches) {
     put("log.csv", csvWithMotorAngle(reality::recordDrive(draw.rig, draw.secret), draw.rig.ratio, stretch));
   };
   withMotorAngle(0.0);
-  EXPECT_EQ(diagnoseLog().at("verdict"), "nothing-found");
+  EXPECT_EQ(diagnosis("classic").at("verdict"), "nothing-found");
   withMotorAngle(0.004);
-  const Json found = diagnoseLog();
+  const Json found = diagnosis("classic");
   ASSERT_EQ(found.at("verdict"), "cause-found") << found.dump(1);
   ASSERT_EQ(found.at("causes").size(), 1u);
   EXPECT_EQ(found.at("causes")[0].at("effect"), "transmission-compliance");
@@ -162,7 +156,7 @@ TEST_F(DiagnoseTest, TellsPlayFromACableThatStretches) {
   const auto found = [&](double stretch, double play) {
     put("log.csv", csvWithMotorAngle(reality::recordDrive(draw.rig, draw.secret), draw.rig.ratio, stretch, play));
     std::map<std::string, Json> causes;
-    const Json result = diagnoseLog();
+    const Json result = diagnosis("classic");
     for (const Json& cause : result.at("causes")) causes[cause.at("effect")] = cause;
     return causes;
   };
@@ -199,7 +193,7 @@ TEST_F(DiagnoseTest, SaysThatPushesByHandActUnseen) {
       }
     }
   });
-  const Json result = diagnoseLog();
+  const Json result = diagnosis("classic");
   EXPECT_EQ(result.at("verdict"), "unexplained") << result.at("sentence");
   EXPECT_TRUE(result.at("causes").empty());
   EXPECT_GT(result.at("left_over").at("share_percent").get<double>(), 50.0);
@@ -213,7 +207,7 @@ TEST_F(DiagnoseTest, TheSameSeedGivesTheSameAnswerForAnyNumberOfThreads) {
   putLog(draw, [](reality::DriveRecord&) {});
   std::vector<std::string> answers;
   for (const char* threads : {"1", "2"}) {
-    diagnoseLog({"--threads", threads});
+    diagnosis("classic", {"--threads", threads});
     answers.push_back(text("d/result.json") + text("d/model.yaml") + text("d/hypotheses.csv"));
   }
   EXPECT_EQ(answers[0], answers[1]);
@@ -224,7 +218,7 @@ TEST_F(DiagnoseTest, DataFaultsComeBeforePhysics) {
   const auto faultOf = [&](const char* channel, const char* words,
                            const std::function<void(reality::DriveRecord&)>& spoil) {
     putLog(draw, spoil);
-    const Json json = diagnoseLog();
+    const Json json = diagnosis("classic");
     Json named = Json::object();
     for (const Json& fault : json.at("faults")) {
       if (fault.at("sentence").get<std::string>().find(words) != std::string::npos) named = fault;
@@ -278,7 +272,7 @@ TEST_F(DiagnoseTest, StandstillIsNoEvidence) {
   const auto ask = [&](const std::string& log) {
     const CsvTable whole = CsvTable::load(sourceFile("data/logs/" + log));
     put("log.csv", firstRows(whole, whole.rows() / 2));
-    return diagnoseLog();
+    return diagnosis("classic");
   };
   const Json none = ask("standstill-none.csv.gz");
   EXPECT_EQ(none.at("verdict"), "nothing-found") << none.at("sentence");
@@ -293,7 +287,7 @@ TEST_F(DiagnoseTest, AFewOutliersAreLeftOutAndSaid) {
   putLog(shortDraw(18), [](reality::DriveRecord& r) {
     for (std::size_t i = 700; i < r.current.size(); i += 400) r.current[i] += 15.0;
   });
-  const Json json = diagnoseLog();
+  const Json json = diagnosis("classic");
   EXPECT_EQ(json.at("verdict"), "nothing-found");
   ASSERT_EQ(json.at("faults").size(), 1u);
   EXPECT_TRUE(json.at("faults")[0].at("corrected"));
@@ -304,7 +298,8 @@ TEST_F(DiagnoseTest, SelfTestCountsWhatItNames) {
   reality::DriveDraw draw = shortDraw(19);
   draw.rig.rows = 8000;
   putLog(draw, [](reality::DriveRecord&) {});
-  const Json json = diagnoseLog({"--self-test", "1", "--effects", "coulomb-offset,current-bias,bend-friction"});
+  const Json json =
+      diagnosis("classic", {"--self-test", "1", "--effects", "coulomb-offset,current-bias,bend-friction"});
   const Json test = json.at("self_test");
   EXPECT_EQ(test.at("hidden"), (std::vector<std::string>{"none", "bend-friction", "coulomb-offset", "current-bias"}));
   int runs = 0;
