@@ -14,11 +14,13 @@ namespace {
 
 /// Nothing of a motor alone depends on them.
 bool isOfGearbox(const std::string& parameter) {
-  return parameter == "eta" || parameter == "tau_CG" || parameter == "mu_G" || parameter == "J_G";
+  const std::vector<std::string> names = driveParameterNames();
+  const auto place = static_cast<std::size_t>(std::ranges::find(names, parameter) - names.begin());
+  return place >= kMotorParameters && place < kDriveParameters;
 }
 
 /// A gearbox's fit holds the motor at what its own fit said: bounds of it would change nothing.
-void requireOfGearbox(const ParameterChoices& choices) {
+void refuseBoundsOfMotor(const ParameterChoices& choices) {
   for (const auto& [name, range] : choices.bounds) {
     if (isOfGearbox(name) || name.ends_with("_delay")) continue;
     throw ConfigError(fmt::format(
@@ -66,7 +68,7 @@ ExitCode runDriveFit(const std::string& kind, const DriveCommandOptions& options
   std::vector<std::string> names = driveParameterNames();
   if (!drive.fit_gearbox) std::erase_if(names, isOfGearbox);
   requireKnown(choices, names);
-  if (!drive.fit_motor) requireOfGearbox(choices);
+  if (!drive.fit_motor) refuseBoundsOfMotor(choices);
   drive.fixed = choices.fixed;
   drive.bounds = choices.bounds;
   const LogTable rows = readLog(session, "log", options.log, options.table, options.fit.sessions);

@@ -33,23 +33,8 @@ std::vector<std::string> parameterPaths(ArmModel model) {
   return paths;
 }
 
-}  // namespace
-
-YamlNode readModelFile(Session& session, const std::string& role, const std::string& file) {
-  const std::string text = session.read(role, file).content;
-  if (const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-      first != std::string::npos && text[first] == '<') {
-    throw ConfigError(
-        fmt::format("{}: found a robot in XML, expected an arm file: convert it first, `simgap convert {} {}`", file,
-                    file, std::filesystem::path(file).filename().replace_extension(".yaml").string()));
-  }
-  return YamlNode::parse(text, file);
-}
-
-ArmModel readArmFile(Session& session, const std::string& role, const std::string& file) {
-  return readArm(readModelFile(session, role, file));
-}
-
+/// Of parameters that nobody has chosen those that the arm has: an imported one may have lines without ends of their
+/// own. All where it has none of them. \param name  of where they stand, for the warning about the others
 std::vector<ParameterSpace::Choice> builtInChoices(const std::vector<ParameterSpace::Choice>& choices,
                                                    const ArmModel& model, const std::string& name) {
   const std::vector<std::string> paths = parameterPaths(model);
@@ -71,11 +56,14 @@ std::vector<ParameterSpace::Choice> builtInChoices(const std::vector<ParameterSp
   return matching;
 }
 
-CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model) {
-  const std::string name = file.empty() ? "configs/calibrate_arm.yaml" : file;
-  const std::string text =
-      file.empty() ? std::string(assets::calibrate_arm_yaml()) : session.read("config", file).content;
-  CalibrationConfig config = CalibrationConfig::read(YamlNode::parse(text, name));
+/// \param built_in, content  file and text of the one that is taken without a file. \param model  that has to have the
+/// parameters; null: none
+template <class Config>
+Config readConfigOf(Session& session, const std::string& file, const char* built_in, std::string_view content,
+                    const ArmModel* model) {
+  const std::string name = file.empty() ? built_in : file;
+  const std::string text = file.empty() ? std::string(content) : session.read("config", file).content;
+  Config config = Config::read(YamlNode::parse(text, name));
   if (file.empty() && model != nullptr) config.parameters = builtInChoices(config.parameters, *model, name);
   try {
     if (model != nullptr) ParameterSpace(*model, config.parameters);
@@ -85,6 +73,33 @@ CalibrationConfig readConfig(Session& session, const std::string& file, const Ar
                     file.empty() ? " (these parameters are the built-in ones; --config FILE gives others)" : ""));
   }
   return config;
+}
+
+}  // namespace
+
+YamlNode readModelFile(Session& session, const std::string& role, const std::string& file) {
+  const std::string text = session.read(role, file).content;
+  if (const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+      first != std::string::npos && text[first] == '<') {
+    throw ConfigError(
+        fmt::format("{}: found a robot in XML, expected an arm file: convert it first, `simgap convert {} {}`", file,
+                    file, std::filesystem::path(file).filename().replace_extension(".yaml").string()));
+  }
+  return YamlNode::parse(text, file);
+}
+
+ArmModel readArmFile(Session& session, const std::string& role, const std::string& file) {
+  return readArm(readModelFile(session, role, file));
+}
+
+CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model) {
+  return readConfigOf<CalibrationConfig>(session, file, "configs/calibrate_arm.yaml", assets::calibrate_arm_yaml(),
+                                         model);
+}
+
+MotionCalibrationConfig readMotionConfig(Session& session, const std::string& file, const ArmModel& model) {
+  return readConfigOf<MotionCalibrationConfig>(session, file, "configs/calibrate_motions.yaml",
+                                               assets::calibrate_motions_yaml(), &model);
 }
 
 PoseSet readPoses(Session& session, const std::string& role, const std::string& file, const ArmModel& model,

@@ -10,6 +10,7 @@
 #include "simgap/capture/camera_files.h"
 #include "simgap/cli/session.h"
 #include "simgap/fit/actuators/actuator_model.h"
+#include "simgap/fit/motions/motion_calibration.h"
 #include "simgap/fit/poses/calibration.h"
 #include "simgap/measure/logs/bench.h"
 #include "simgap/measure/logs/log_table.h"
@@ -22,13 +23,11 @@ namespace simgap {
 /// What the file of a model says. \throws ConfigError: no YAML, or a robot of another format, which has to be converted
 YamlNode readModelFile(Session& session, const std::string& role, const std::string& file);
 ArmModel readArmFile(Session& session, const std::string& role, const std::string& file);
-/// Of parameters that nobody has chosen those that the arm has: an imported one may have lines without ends of their
-/// own. All where it has none of them. \param name  of where they stand, for the warning about the others
-std::vector<ParameterSpace::Choice> builtInChoices(const std::vector<ParameterSpace::Choice>& choices,
-                                                   const ArmModel& model, const std::string& name);
 /// Calibration settings: those the user named, or the paper's that are built in. \throws ConfigError: also for
 /// parameters that `model` does not have.
 CalibrationConfig readConfig(Session& session, const std::string& file, const ArmModel* model = nullptr);
+/// The same for motions.
+MotionCalibrationConfig readMotionConfig(Session& session, const std::string& file, const ArmModel& model);
 /// Recorded poses for that model; warns of rows that were left out. \throws ConfigError, DataError as readPosesFor.
 PoseSet readPoses(Session& session, const std::string& role, const std::string& file, const ArmModel& model,
                   const CsvOptions& csv);

@@ -34,6 +34,12 @@ LogEvidence readLogEvidence(const InterveneOptions& options, Session& session) {
   return evidence;
 }
 
+void requireOneChange(const InterveneOptions& options, const char* recorded) {
+  if (options.changes.size() <= 1) return;
+  throw ConfigError(fmt::format("found {} files of --change with {}, expected the one that was made",
+                                options.changes.size(), recorded));
+}
+
 void requireOtherFiles(const Session& session, const std::string& role, const std::filesystem::path& run) {
   const Json before = ResultFiles(run).run().value("inputs", Json::array());
   for (const Input& input : session.inputs()) {
@@ -56,13 +62,12 @@ constexpr double kMostSeen = 0.1;  // of the rows
 void requireOtherRows(const CsvTable& after, const InterveneOptions& options, Session& session) {
   const std::string file = (options.run / kCandidateFolder / kGivenLog).string();
   const CsvTable before = CsvTable::parse(session.take("log before", file), file);
-  const CsvTable rows = CsvTable::parse(logCsv(after), options.log);
-  const std::size_t seen = rowsInBoth(rows, before);
-  if (static_cast<double>(seen) <= kMostSeen * static_cast<double>(rows.rows())) return;
+  const std::size_t seen = rowsInBoth(after, before);
+  if (static_cast<double>(seen) <= kMostSeen * static_cast<double>(after.rows())) return;
   throw DataError(
       fmt::format("{}: found {} of {} rows that the diagnosis in {} has seen, expected another recording: "
                   "what found a cause does not confirm it",
-                  options.log, seen, rows.rows(), options.run.string()));
+                  options.log, seen, after.rows(), options.run.string()));
 }
 
 /// A log from afterwards is taken as it is: whether its load was doubled, nobody asks.
@@ -76,11 +81,6 @@ void warnOfUnusedSizes(const LogChanges& change) {
 
 }  // namespace
 
-bool holdsLogCandidates(const std::filesystem::path& run) {
-  const std::filesystem::path list = run / kCandidateFolder / kCandidateList;
-  return std::filesystem::exists(list) && readFile(list).starts_with(fmt::format("format: {}", kLogCandidates));
-}
-
 ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::string>& argv) {
   Session session("intervene", options.common, argv);
   if (!options.poses.empty() || !options.motions.empty()) {
@@ -89,10 +89,7 @@ ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::
   if (!options.log.empty() && !options.profile.empty()) {
     throw ConfigError("found --profile with --log, expected it only where nothing was recorded yet");
   }
-  if (!options.log.empty() && options.changes.size() > 1) {
-    throw ConfigError(
-        fmt::format("found {} files of --change with --log, expected the one that was made", options.changes.size()));
-  }
+  if (!options.log.empty()) requireOneChange(options, "--log");
   const LogEvidence evidence = readLogEvidence(options, session);
   const std::vector<LogChanges> changes = readChangeFiles<LogChanges>(
       options, session, options.log.empty() ? "this motion" : "another motion", &LogChanges::read);

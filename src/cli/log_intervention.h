@@ -33,11 +33,12 @@ std::vector<Changes> readChangeFiles(const InterveneOptions& options, Session& s
   return all;
 }
 
+/// What was recorded shows what became of one change. \param recorded  option of its file \throws ConfigError: several
+void requireOneChange(const InterveneOptions& options, const char* recorded);
+
 /// \throws DataError: a file of that role has the content of one that the run read.
 void requireOtherFiles(const Session& session, const std::string& role, const std::filesystem::path& run);
 
-/// Whether a diagnosis was of a log.
-bool holdsLogCandidates(const std::filesystem::path& run);
 /// What the diagnosis left in its folder of candidates.
 LogEvidence readLogEvidence(const InterveneOptions& options, Session& session);
 ExitCode interveneOnLog(const InterveneOptions& options, const std::vector<std::string>& argv);

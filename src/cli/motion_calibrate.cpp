@@ -10,7 +10,6 @@
 #include "simgap/core/progress.h"
 #include "simgap/core/ranks.h"
 #include "simgap/core/text.h"
-#include "simgap/report/html/assets.h"
 #include "simgap/report/motions/motion_report.h"
 
 namespace simgap {
@@ -27,17 +26,11 @@ MotionCalibrationConfig searchConfig(Session& session, const MotionCalibrateOpti
     }
     config.optimizer = *options.optimizer;
   }
-  const bool evolves = config.optimizer != "lm";
-  if (!evolves && (options.generations || options.mu || options.lambda)) {
+  const StrategyOptions& asked = options.strategy;
+  if (config.optimizer == "lm" && (asked.generations || asked.mu || asked.lambda)) {
     throw ConfigError("found --generations, --mu or --lambda with --optimizer lm, expected them with es or cma-es");
   }
-  if (options.generations) config.strategy.generations = *options.generations;
-  if (options.mu) config.strategy.mu = *options.mu;
-  if (options.lambda) config.strategy.lambda = *options.lambda;
-  if (options.target_fitness) config.strategy.target_fitness = *options.target_fitness;
-  if (options.common.seed) config.strategy.seed = *options.common.seed;
-  if (config.optimizer == "cma-es") config.strategy.mu = std::min(config.strategy.mu, config.strategy.lambda);
-  config.strategy.validate();
+  asked.applyTo(config.optimizer, options.common.seed, config.strategy);
   return config;
 }
 
@@ -174,21 +167,23 @@ MotionCalibrationResult calibrated(MotionCalibration& calibration, const MotionC
 
 }  // namespace
 
-MotionCalibrationConfig readMotionConfig(Session& session, const std::string& file, const ArmModel& model) {
-  const bool built_in = file.empty();
-  const std::string name = built_in ? "configs/calibrate_motions.yaml" : file;
-  const std::string text =
-      built_in ? std::string(assets::calibrate_motions_yaml()) : session.read("config", file).content;
-  MotionCalibrationConfig config = MotionCalibrationConfig::read(YamlNode::parse(text, name));
-  if (built_in) config.parameters = builtInChoices(config.parameters, model, name);
-  try {
-    ParameterSpace(model, config.parameters);
-  } catch (const ConfigError& error) {
-    throw ConfigError(
-        fmt::format("{}: {}{}", name, error.what(),
-                    built_in ? " (these parameters are the built-in ones; --config FILE gives others)" : ""));
+void StrategyOptions::applyTo(const std::string& optimizer, const std::optional<std::uint64_t>& seed,
+                              EvolutionStrategyOptions& strategy) const {
+  constexpr int kSmallestPopulation = 5;  // of a CMA-ES in pagmo
+  strategy.generations = generations.value_or(strategy.generations);
+  strategy.mu = mu.value_or(strategy.mu);
+  strategy.lambda = lambda.value_or(strategy.lambda);
+  if (target_fitness) strategy.target_fitness = *target_fitness;
+  strategy.seed = seed.value_or(strategy.seed);
+  if (optimizer == "cma-es") {
+    if (strategy.lambda < kSmallestPopulation) {
+      throw ConfigError(fmt::format("found lambda = {} with --optimizer cma-es, expected at least {}", strategy.lambda,
+                                    kSmallestPopulation));
+    }
+    // A CMA-ES weighs its whole population; only the evolution strategy has parents.
+    strategy.mu = std::min(strategy.mu, strategy.lambda);
   }
-  return config;
+  strategy.validate();
 }
 
 MotionSet readOtherMotions(Session& session, const std::string& file, const std::string& first, const ArmModel& model,

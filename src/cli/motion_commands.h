@@ -10,8 +10,19 @@
 #include "simgap/cli/session.h"
 #include "simgap/core/error.h"
 #include "simgap/intervene/motions/motion_intervention.h"
+#include "simgap/optimize/evolution_strategy.h"
 
 namespace simgap {
+
+/// What the command line says of an evolution in place of the config's.
+struct StrategyOptions {
+  std::optional<int> generations, mu, lambda;
+  std::optional<double> target_fitness;
+
+  /// \throws ConfigError: a population that the optimiser cannot work with
+  void applyTo(const std::string& optimizer, const std::optional<std::uint64_t>& seed,
+               EvolutionStrategyOptions& strategy) const;
+};
 
 struct MotionCalibrateOptions {
   CommonOptions common;
@@ -19,8 +30,7 @@ struct MotionCalibrateOptions {
   std::string model, motions, validation_motions, poses, config;
   std::filesystem::path resume;  ///< empty: a new run
   std::optional<std::string> optimizer;
-  std::optional<int> generations, mu, lambda;
-  std::optional<double> target_fitness;
+  StrategyOptions strategy;
 };
 ExitCode calibrateMotions(const MotionCalibrateOptions& options, const std::vector<std::string>& argv);
 /// Whether a directory holds a calibration on motions, to be resumed by calibrateMotions().
@@ -46,13 +56,8 @@ ExitCode diagnoseMotionSet(const MotionDiagnoseOptions& options, Session& sessio
 struct InterveneOptions;
 /// What a diagnosis of motions left in its folder of candidates. \throws ConfigError, DataError: files that are none
 MotionEvidence readMotionEvidence(const std::filesystem::path& run, Session& session);
-/// Whether a diagnosis was of motions.
-bool holdsMotionCandidates(const std::filesystem::path& run);
 ExitCode interveneOnMotions(const InterveneOptions& options, const std::vector<std::string>& argv);
 
-/// Calibration settings for motions: those the user named, or the built-in ones. \throws ConfigError: also for
-/// parameters that `model` does not have
-MotionCalibrationConfig readMotionConfig(Session& session, const std::string& file, const ArmModel& model);
 /// Another set to judge by. \throws ConfigError: it is the first one
 MotionSet readOtherMotions(Session& session, const std::string& file, const std::string& first, const ArmModel& model,
                            bool skip_bad_rows, double restart);

@@ -39,11 +39,6 @@ MotionEvidence readMotionEvidence(const std::filesystem::path& run, Session& ses
   return evidence;
 }
 
-bool holdsMotionCandidates(const std::filesystem::path& run) {
-  const std::filesystem::path list = run / kCandidateFolder / kCandidateList;
-  return std::filesystem::exists(list) && readFile(list).starts_with(fmt::format("format: {}", kMotionCandidates));
-}
-
 ExitCode interveneOnMotions(const InterveneOptions& options, const std::vector<std::string>& argv) {
   Session session("intervene", options.common, argv);
   if (!options.poses.empty() || !options.log.empty() || !options.profile.empty() || !options.bench.empty()) {
@@ -53,10 +48,7 @@ ExitCode interveneOnMotions(const InterveneOptions& options, const std::vector<s
     throw ConfigError(
         "found neither --change nor --motions, expected what may be done to the arm, or what was recorded");
   }
-  if (!options.motions.empty() && options.changes.size() > 1) {
-    throw ConfigError(fmt::format("found {} files of --change with --motions, expected the one that was made",
-                                  options.changes.size()));
-  }
+  if (!options.motions.empty()) requireOneChange(options, "--motions");
   const MotionEvidence evidence = readMotionEvidence(options.run, session);
   const auto read = [&](const YamlNode& node) { return ArmChanges::read(node, evidence.given); };
   const std::vector<ArmChanges> changes = readChangeFiles<ArmChanges>(options, session, "further motions", read);

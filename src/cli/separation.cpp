@@ -8,6 +8,7 @@
 #include "cli/motion_commands.h"
 #include "cli/pose_evidence.h"
 #include "simgap/core/progress.h"
+#include "simgap/report/diagnosis/candidate_files.h"
 #include "simgap/report/diagnosis/log_intervention_report.h"
 #include "simgap/report/diagnosis/separation_report.h"
 
@@ -90,8 +91,9 @@ ExitCode separateMotionSets(const SeparateOptions& options, Session& session) {
 
 ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv) {
   Session session("design", options.of.common, argv);
-  if (holdsLogCandidates(options.of.run)) return separateLogs(options, session);
-  return holdsMotionCandidates(options.of.run) ? separateMotionSets(options, session) : separateArms(options, session);
+  if (holdsCandidates(options.of.run, kLogCandidates)) return separateLogs(options, session);
+  const bool motions = holdsCandidates(options.of.run, kMotionCandidates);
+  return motions ? separateMotionSets(options, session) : separateArms(options, session);
 }
 
 }  // namespace simgap

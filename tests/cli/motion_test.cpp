@@ -80,6 +80,11 @@ TEST_F(MotionTest, ValidationTellsErrorNoiseAndLag) {
   EXPECT_EQ(failed.exit_code, 1) << failed.err;
 }
 
+TEST_F(MotionTest, APopulationThatIsTooSmallForACmaEsIsRefused) {
+  expectRefused(calibration("out", {"--optimizer", "cma-es", "--lambda", "3"}), 2,
+                "found lambda = 3 with --optimizer cma-es, expected at least 5");
+}
+
 TEST_F(MotionTest, OptionsThatBelongElsewhereAreRefused) {
   expectRefused(calibration("out", {"--starts", "3"}), 2, "found --starts with --motions");
   expectRefused(calibration("out", {"--optimizer", "hybrid"}), 2, "expected lm, es or cma-es");

@@ -25,16 +25,13 @@ struct Options {
   TableOptions table;
   std::string model, poses, validation, motions, validation_motions, config;
   std::filesystem::path resume;
-  std::optional<int> generations, mu, lambda;
-  std::optional<double> target_fitness;
+  StrategyOptions strategy;
   std::optional<bool> early_acquisition;
   std::optional<std::string> evaluator, optimizer, objective, verify;
   std::optional<int> starts;
   std::optional<double> settle;  ///< [s]
   std::string only;
 };
-
-constexpr int kSmallestPopulation = 5;  // of a CMA-ES in pagmo
 
 /// An option of another optimiser would change nothing.
 void refuseForeignOptions(const Options& options, const CalibrationConfig& config) {
@@ -44,19 +41,14 @@ void refuseForeignOptions(const Options& options, const CalibrationConfig& confi
     throw ConfigError(fmt::format("found {} with --optimizer {}, expected it with --optimizer {}", option, chosen,
                                   fmt::join(optimizers, " or ")));
   };
-  refuse(options.generations.has_value(), "--generations", {"es", "cma-es"});
-  refuse(options.mu.has_value(), "--mu", {"es", "hybrid"});
-  refuse(options.lambda.has_value(), "--lambda", {"es", "cma-es", "hybrid"});
+  refuse(options.strategy.generations.has_value(), "--generations", {"es", "cma-es"});
+  refuse(options.strategy.mu.has_value(), "--mu", {"es", "hybrid"});
+  refuse(options.strategy.lambda.has_value(), "--lambda", {"es", "cma-es", "hybrid"});
   refuse(options.starts.has_value(), "--starts", {"lm", "hybrid"});
   refuse(options.objective.has_value(), "--objective", {"es", "cma-es"});
 }
 
 void applyOverrides(const Options& options, CalibrationConfig& config) {
-  if (options.generations) config.strategy.generations = *options.generations;
-  if (options.mu) config.strategy.mu = *options.mu;
-  if (options.lambda) config.strategy.lambda = *options.lambda;
-  if (options.target_fitness) config.strategy.target_fitness = *options.target_fitness;
-  if (options.common.seed) config.strategy.seed = *options.common.seed;
   if (options.early_acquisition) config.protocol.early_acquisition = *options.early_acquisition;
   if (options.optimizer) config.optimizer = *options.optimizer;
   if (options.evaluator) config.evaluator = *options.evaluator;
@@ -77,15 +69,7 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
     config.evaluator = "equilibrium";
   }
   refuseForeignOptions(options, config);
-  // A CMA-ES weighs its whole population; only the evolution strategy has parents.
-  if (config.optimizer == "cma-es") {
-    if (config.strategy.lambda < kSmallestPopulation) {
-      throw ConfigError(fmt::format("found lambda = {} with --optimizer cma-es, expected at least {}",
-                                    config.strategy.lambda, kSmallestPopulation));
-    }
-    config.strategy.mu = std::min(config.strategy.mu, config.strategy.lambda);
-  }
-  config.strategy.validate();
+  options.strategy.applyTo(config.optimizer, options.common.seed, config.strategy);
 }
 
 CalibrationTask readTask(const Options& options, Session& session) {
@@ -217,10 +201,7 @@ ExitCode runMotions(const Options& options, const CLI::App& app, const std::vect
   moving.config = options.config;
   moving.resume = options.resume;
   moving.optimizer = options.optimizer;
-  moving.generations = options.generations;
-  moving.mu = options.mu;
-  moving.lambda = options.lambda;
-  moving.target_fitness = options.target_fitness;
+  moving.strategy = options.strategy;
   return calibrateMotions(moving, argv);
 }
 
@@ -233,10 +214,10 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
                  "recorded motions the search sees (YAML): static and dynamic parameters; --poses may join them");
   app.add_option("--validation-motions", options->validation_motions, "recorded motions it never sees (YAML)");
   app.add_option("--config", options->config, "what is searched and how (YAML; default: the paper's parameters)");
-  app.add_option("--generations", options->generations, "of es and cma-es, instead of the config's");
-  app.add_option("--mu", options->mu, "parents, of es and hybrid");
-  app.add_option("--lambda", options->lambda, "offspring, of es, cma-es and hybrid");
-  app.add_option("--target-fitness", options->target_fitness, "stop at this sum of squared errors [rad^2]")
+  app.add_option("--generations", options->strategy.generations, "of es and cma-es, instead of the config's");
+  app.add_option("--mu", options->strategy.mu, "parents, of es and hybrid");
+  app.add_option("--lambda", options->strategy.lambda, "offspring, of es, cma-es and hybrid");
+  app.add_option("--target-fitness", options->strategy.target_fitness, "stop at this sum of squared errors [rad^2]")
       ->check(finiteNumber());
   // Not an optional<bool>: CLI11 would take it for a counter and set it to 0 when the flag is not given.
   app.add_flag_function(

@@ -9,6 +9,7 @@
 #include "simgap/cli/command.h"
 #include "simgap/cli/session.h"
 #include "simgap/model/arm/arm_yaml.h"
+#include "simgap/report/diagnosis/candidate_files.h"
 #include "simgap/report/diagnosis/intervention_report.h"
 
 namespace simgap::commands::intervene {
@@ -17,8 +18,8 @@ namespace {
 using Options = InterveneOptions;
 
 ExitCode run(const Options& options, const std::vector<std::string>& argv) {
-  if (holdsLogCandidates(options.run)) return interveneOnLog(options, argv);
-  if (holdsMotionCandidates(options.run)) return interveneOnMotions(options, argv);
+  if (holdsCandidates(options.run, kLogCandidates)) return interveneOnLog(options, argv);
+  if (holdsCandidates(options.run, kMotionCandidates)) return interveneOnMotions(options, argv);
   Session session("intervene", options.common, argv);
   if (!options.motions.empty()) throw ConfigError("found --motions with a diagnosis of poses, expected --poses");
   if (!options.log.empty() || !options.profile.empty() || !options.bench.empty()) {
@@ -27,10 +28,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv) {
   if (options.poses.empty() && options.changes.empty()) {
     throw ConfigError("found neither --change nor --poses, expected what may be done to the arm, or what was recorded");
   }
-  if (!options.poses.empty() && options.changes.size() > 1) {
-    throw ConfigError(
-        fmt::format("found {} files of --change with --poses, expected the one that was made", options.changes.size()));
-  }
+  if (!options.poses.empty()) requireOneChange(options, "--poses");
   const PoseEvidence evidence = readPoseEvidence(options.run, session);
   const auto read = [&](const YamlNode& node) { return ArmChanges::read(node, evidence.given); };
   const std::vector<ArmChanges> changes = readChangeFiles<ArmChanges>(options, session, "further poses", read);

@@ -23,15 +23,41 @@ struct Options {
   std::optional<double> ratio;
 };
 
+/// A log and the rig that it was recorded on; without --ratio the model's.
+struct LogOnRig {
+  CsvTable table;
+  Bench bench;
+};
+
+LogOnRig readLogOnRig(const FittedModel& model, const Options& options, Session& session) {
+  LogTable rows = readLog(session, "log", options.log, options.table);
+  for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
+  const std::optional<double> ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
+  return {std::move(rows.table), readRig(session, options.bench, ratio)};
+}
+
 Prediction predictWith(const FittedModel& model, const Options& options, Session& session) {
   if (options.simulate && options.inverse) throw ConfigError("found --simulate and --inverse, expected one of them");
-  const LogTable rows = readLog(session, "log", options.log, options.table);
-  for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
+  const LogOnRig log = readLogOnRig(model, options, session);
   PredictionOptions prediction{options.inverse, {}, options.model};
   if (!options.motor.empty()) prediction.motor = readModel(session, "motor", options.motor, {"motor"});
-  const std::optional<double> ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
-  const Bench bench = readRig(session, options.bench, ratio);
-  return options.simulate ? runFreely(model, rows.table, bench) : predictLog(model, rows.table, bench, prediction);
+  return options.simulate ? runFreely(model, log.table, log.bench)
+                          : predictLog(model, log.table, log.bench, prediction);
+}
+
+/// Whether a plan was all that was asked for, and is said.
+bool isPlanned(const Options& options, std::size_t rows, Session& session) {
+  if (!options.common.dry_run) return false;
+  session.print(fmt::format("would predict {} rows of {}; nothing was written\n", rows, options.log));
+  return true;
+}
+
+/// Begins the result with what was asked for and what was predicted. \returns the file of the latter
+std::string beginResult(const Options& options, const std::string& prediction, Session& session, const CLI::App& app) {
+  session.begin(options.common.seed.value_or(0));
+  session.directory().write("config.resolved.yaml", resolvedOptions(app));
+  session.directory().write("prediction.csv", prediction);
+  return session.directory().file("prediction.csv").string();
 }
 
 /// All joints of a robot at once.
@@ -46,16 +72,10 @@ ExitCode runRobot(const RobotModel& model, const Options& options, Session& sess
     gains = readJointGains(YamlNode::parse(session.read("gains", options.gains).content, options.gains), model);
   }
   RobotLog log = readRobotLogs(session, loggedJoints(model), {options.log}, options.table);
-  if (options.common.dry_run) {
-    session.print(fmt::format("would predict {} rows of {}; nothing was written\n", log.rows(), options.log));
-    return ExitCode::kDone;
-  }
+  if (isPlanned(options, log.rows(), session)) return ExitCode::kDone;
   const auto finish = [&](const auto& prediction) {
-    session.begin(options.common.seed.value_or(0));
-    const RunDirectory& directory = session.directory();
-    directory.write("config.resolved.yaml", resolvedOptions(app));
-    directory.write("prediction.csv", predictionCsv(prediction));
-    session.finish(toJson(prediction), terminalTable(prediction, directory.file("prediction.csv").string()));
+    const std::string file = beginResult(options, predictionCsv(prediction), session, app);
+    session.finish(toJson(prediction), terminalTable(prediction, file));
     return ExitCode::kDone;
   };
   if (!options.simulate) return finish(predictRobot(model, std::move(log)));
@@ -69,20 +89,11 @@ ExitCode runJointAngle(const FittedModel& model, const Options& options, Session
   if (options.simulate || options.inverse || !options.motor.empty()) {
     throw ConfigError("found --joint-angle with --simulate, --inverse or --motor, expected one of them");
   }
-  const LogTable rows = readLog(session, "log", options.log, options.table);
-  for (const std::string& sentence : rows.summary()) spdlog::warn("{}", sentence);
-  const std::optional<double> ratio = options.ratio ? options.ratio : parseNumber(model.setting("transmission_ratio"));
-  const JointStretch stretch = predictJointAngle(model, rows.table, readRig(session, options.bench, ratio));
-  if (options.common.dry_run) {
-    session.print(
-        fmt::format("would predict {} rows of {}; nothing was written\n", stretch.angle.predicted.size(), options.log));
-    return ExitCode::kDone;
-  }
-  session.begin(options.common.seed.value_or(0));
-  const RunDirectory& directory = session.directory();
-  directory.write("config.resolved.yaml", resolvedOptions(app));
-  directory.write("prediction.csv", predictionCsv(stretch.angle));
-  if (!stretch.cells.empty()) directory.write("stretch.csv", stretchCsv(stretch));
+  const LogOnRig log = readLogOnRig(model, options, session);
+  const JointStretch stretch = predictJointAngle(model, log.table, log.bench);
+  if (isPlanned(options, stretch.angle.predicted.size(), session)) return ExitCode::kDone;
+  beginResult(options, predictionCsv(stretch.angle), session, app);
+  if (!stretch.cells.empty()) session.directory().write("stretch.csv", stretchCsv(stretch));
   const Json result = toJson(stretch, model.kind);
   session.finish(result, answerText(stretchAnswer(result), {stretchTable(result)}));
   return ExitCode::kDone;
@@ -103,16 +114,9 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
     refuseOptions(app, {"--bench", "--ratio"}, ofKind(options, model, "a drive's friction"));
   if (options.joint_angle) return runJointAngle(model, options, session, app);
   const Prediction prediction = predictWith(model, options, session);
-  if (options.common.dry_run) {
-    session.print(
-        fmt::format("would predict {} rows of {}; nothing was written\n", prediction.predicted.size(), options.log));
-    return ExitCode::kDone;
-  }
-  session.begin(options.common.seed.value_or(0));
-  const RunDirectory& directory = session.directory();
-  directory.write("config.resolved.yaml", resolvedOptions(app));
-  directory.write("prediction.csv", predictionCsv(prediction));
-  session.finish(toJson(prediction, model.kind), terminalTable(prediction, directory.file("prediction.csv").string()));
+  if (isPlanned(options, prediction.predicted.size(), session)) return ExitCode::kDone;
+  const std::string file = beginResult(options, predictionCsv(prediction), session, app);
+  session.finish(toJson(prediction, model.kind), terminalTable(prediction, file));
   return ExitCode::kDone;
 }
 

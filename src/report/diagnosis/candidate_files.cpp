@@ -24,6 +24,11 @@ std::string fileNameOf(const YamlNode& node) {
   return name;
 }
 
+bool holdsCandidates(const std::filesystem::path& run, std::string_view format) {
+  const std::filesystem::path list = run / kCandidateFolder / kCandidateList;
+  return std::filesystem::exists(list) && readFile(list).starts_with(fmt::format("format: {}", format));
+}
+
 void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, std::span<const std::string> poses_csv,
                      const RunDirectory& directory) {
   const auto write = [&](const std::string& name, const std::string& content) {

@@ -3,9 +3,11 @@
 /// from, `simgap/candidates/1` (docs/formats.md).
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "simgap/core/run_directory.h"
@@ -25,6 +27,9 @@ inline constexpr const char* kGivenLog = "log.csv";
 inline constexpr const char* kGivenBench = "bench.yaml";
 inline constexpr const char* kLogCandidates = "simgap/log-candidates/1";
 inline constexpr const char* kMotionCandidates = "simgap/motion-candidates/1";
+
+/// Whether a run has left candidates. \param format  kLogCandidates or kMotionCandidates
+bool holdsCandidates(const std::filesystem::path& run, std::string_view format);
 
 /// \param poses_csv  the files as the user gave them
 void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, std::span<const std::string> poses_csv,
