@@ -116,20 +116,22 @@ Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
     }
     starts.push_back(model->solveCoefficients(std::move(start), training_));
   }
-  std::vector<std::pair<double, std::size_t>> promise;
-  for (std::size_t s = 0; s < starts.size(); ++s) {
+  std::vector<std::pair<double, RowLinearisation>> promise;  // the few that leave least after one step, the best first
+  for (const std::vector<double>& start : starts) {
     stopIfInterrupted();
-    promise.emplace_back(
-        starts.size() > kToTheEnd || hopeless > 0.0 ? linearisedCost(*model, training_, starts[s]) : 0.0, s);
+    RowLinearisation there = linearise(*model, start);
+    const bool choose = starts.size() > kToTheEnd || hopeless > 0.0;
+    const double cost = choose ? linearisedCost(*model, training_, there) : 0.0;
+    const auto place = std::ranges::upper_bound(promise, cost, {}, &std::pair<double, RowLinearisation>::first);
+    promise.emplace(place, cost, std::move(there));
+    if (promise.size() > kToTheEnd) promise.pop_back();
   }
-  std::ranges::stable_sort(promise);
   if (hopeless > 0.0 && promise[0].first > hopeless) {
-    return {model, starts[promise[0].second], promise[0].first / training_rows_, {}, {}};
+    return {model, promise[0].second.theta, promise[0].first / training_rows_, {}, {}};
   }
-  promise.resize(std::min(promise.size(), kToTheEnd));
   Fitted best{model, {}, 0.0, {}, {}};
   for (std::size_t k = 0; k < promise.size(); ++k) {
-    const RowFit fit = fitRows(*model, training_, starts[promise[k].second]);
+    const RowFit fit = fitRows(*model, training_, promise[k].second);
     if (k > 0 && fit.cost >= best.mse * training_rows_) continue;
     best.theta = fit.theta;
     best.mse = fit.cost / training_rows_;
@@ -182,19 +184,20 @@ Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects, std
   return fitFromStarts(model, starts);
 }
 
-Fitted LogSearch::refitted(const Fitted& fitted, const std::vector<Block>& blocks) const {
-  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = 3, .tolerance = 1e-5});
-  return {fitted.model, fit.theta, 0.0, {}, {}};
+Eigen::VectorXd refittedResidual(const Fitted& fitted, const RowLinearisation& at, const std::vector<Block>& blocks) {
+  const RowFit fit = fitRows(*fitted.model, blocks, at, {.max_iterations = 3, .tolerance = 1e-5});
+  return residualOf(fitted, fit.theta);
 }
 
 void LogSearch::validate(Fitted& fitted) const {
   fitted.unseen = Eigen::VectorXd::Zero(data_.rows.rows());
+  const RowLinearisation at = linearise(*fitted.model, fitted.theta);
   tbb::parallel_for(0, kFolds, [&](int f) {
     std::vector<Block> others;
     for (int g = 0; g < kFolds; ++g) {
       if (g != f) others.insert(others.end(), folds_[g].begin(), folds_[g].end());
     }
-    const Eigen::VectorXd residual = residualOf(refitted(fitted, others));
+    const Eigen::VectorXd residual = refittedResidual(fitted, at, others);
     for (const Block& b : folds_[f]) {
       const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
       fitted.unseen.segment(begin, size) = residual.segment(begin, size);
@@ -362,7 +365,7 @@ Fitted LogSearch::beside(const Fitted& fitted, const Hypothesis& other, const Fi
 }
 
 Eigen::MatrixXd LogSearch::refit(Fitted& fitted, const std::vector<Block>& blocks) const {
-  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta);
+  const RowFit fit = fitRows(*fitted.model, blocks, linearise(*fitted.model, fitted.theta));
   fitted.theta = fit.theta;
   fitted.mse = fit.cost / rowsIn(blocks, data_.keep);
   // What a model gets slightly wrong lasts for a whole motion: pieces would take it for many independent errors.

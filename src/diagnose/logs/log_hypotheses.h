@@ -43,6 +43,8 @@ double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep);
 Eigen::VectorXd residualOf(const Fitted& fitted);
 /// The same at another place. \param theta  shape (P)
 Eigen::VectorXd residualOf(const Fitted& fitted, std::span<const double> theta);
+/// The same refitted to other blocks, by a few steps from where it is. \param at  the model there
+Eigen::VectorXd refittedResidual(const Fitted& fitted, const RowLinearisation& at, const std::vector<Block>& blocks);
 
 /// One hypothesis on top of a model.
 struct Trial {
@@ -78,8 +80,6 @@ class LogSearch {
   /// The same from the values of a model file.
   Fitted fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const Estimate> values) const;
   void validate(Fitted& fitted) const;
-  /// Refitted to other blocks, by a few steps from where it is.
-  Fitted refitted(const Fitted& fitted, const std::vector<Block>& blocks) const;
 
   /// Every hypothesis on top of `base` (validated first where it is not), in their order; on the threads of all ranks.
   /// \param near  another model where a search may begin, too: without one of its causes the others may have left
