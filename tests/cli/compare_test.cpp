@@ -35,6 +35,25 @@ TEST_F(CompareTest, AStifferSpringDiffersAndEqualOnesAgree) {
   EXPECT_EQ(CsvTable::load(path("other/parameters.csv")).rows(), 3 * result.at("parameters").size());
 }
 
+// A damping that is lost is what differs most: a run that could not find it was left out without a word.
+TEST_F(CompareTest, SaysWhatOnlySomeRunsKnow) {
+  const auto record = [&](const std::string& name, double damping) {
+    CsvWriter csv({"time_s", "deflection_m", "force_N"});
+    for (int i = 0; i < 400; ++i) {
+      const double t = 0.05 * i, x = 0.02 + 0.01 * std::sin(1.3 * t), rate = 0.013 * std::cos(1.3 * t);
+      csv.add(t).add(x).add(300.0 * x + damping * rate + 0.01 * std::sin(97.0 * t)).endRow();
+    }
+    put(name + ".csv", csv.text());
+    succeed({"fit-spring", name + ".csv", "-q", "-o", name});
+  };
+  record("before", 20.0);
+  record("late", -20.0);
+  const std::string told = succeed({"compare", "before", "late", "-q", "-o", "k"});
+  EXPECT_THAT(told, HasSubstr("1 more cannot be compared"));
+  EXPECT_THAT(told, HasSubstr("damping is at a bound or not determined in late"));
+  EXPECT_EQ(Json::parse(text("k/result.json")).at("partly_known"), Json({"damping"}));
+}
+
 TEST_F(CompareTest, ABrokenBudgetEndsWithOne) {
   recordSpring("a", 300.0, 0.0);
   put("kept.yaml", "format: simgap/budget/1\nlimits:\n  - {parameter: stiffness, lower: 250, upper: 350}\n");

@@ -1,6 +1,7 @@
 #include "simgap/report/runs/run_comparison.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -134,8 +135,30 @@ Json causesJson(const std::vector<RunFigures>& runs) {
   return list;
 }
 
+/// Parameters that some runs estimate and others could not: what differs most may be among them.
+std::vector<std::string> partlyKnown(const std::vector<RunFigures>& runs) {
+  std::vector<std::string> names;
+  for (const RunFigures& run : runs) {
+    for (const std::string& name : run.without_interval) {
+      const bool elsewhere = std::ranges::any_of(runs, [&](const RunFigures& other) {
+        return std::ranges::find(other.parameters, name, &RunParameter::name) != other.parameters.end();
+      });
+      if (elsewhere && std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
 Json warningsOf(const std::vector<RunFigures>& runs) {
   Json warnings = Json::array();
+  for (const std::string& name : partlyKnown(runs)) {
+    std::vector<std::string> where;
+    for (const RunFigures& run : runs) {
+      if (std::ranges::find(run.without_interval, name) != run.without_interval.end()) where.push_back(run.name);
+    }
+    warnings.push_back(fmt::format("{} is at a bound or not determined in {}, and so not compared with it", name,
+                                   fmt::join(where, ", ")));
+  }
   for (std::size_t a = 0; a < runs.size(); ++a) {
     for (std::size_t b = 0; b < a; ++b) {
       const bool same = std::ranges::find_first_of(runs[a].data, runs[b].data) != runs[a].data.end();
@@ -167,9 +190,9 @@ Json compareRuns(const std::vector<RunFigures>& runs) {
   Json parameters = Json::array();
   for (const Shared& s : shared) parameters.push_back(parameterJson(s, pool(s.estimates), runs));
   judge(shared, parameters);
-  return {{"format", "simgap/compare/1"}, {"compared", runs[0].format}, {"runs", described},
-          {"errors", errorsJson(runs)},   {"parameters", parameters},   {"causes", causesJson(runs)},
-          {"warnings", warningsOf(runs)}};
+  return {{"format", "simgap/compare/1"},      {"compared", runs[0].format},  {"runs", described},
+          {"errors", errorsJson(runs)},        {"parameters", parameters},    {"causes", causesJson(runs)},
+          {"partly_known", partlyKnown(runs)}, {"warnings", warningsOf(runs)}};
 }
 
 std::string comparisonAnswer(const Json& result) {
@@ -191,7 +214,10 @@ std::string comparisonAnswer(const Json& result) {
   const std::size_t all = result.at("parameters").size(), runs = result.at("runs").size();
   if (all == 0) return fmt::format("{} runs, no parameter with an interval in two of them.", runs);
   if (differing == 0) {
-    return fmt::format("{} runs agree: none of {} parameters differs by more than its interval allows.", runs, all);
+    const std::size_t partly = result.value("partly_known", Json::array()).size();
+    return fmt::format("{} runs agree{}: none of {} parameters differs by more than its interval allows.", runs,
+                       partly == 0 ? "" : fmt::format(" in what all know, and {} more cannot be compared", partly),
+                       all);
   }
   return fmt::format("{} of {} parameters differ between {} runs: {}.", differing, all, runs, words);
 }

@@ -24,16 +24,18 @@ void flatten(const std::string& name, const Json& value, std::vector<std::pair<s
   }
 }
 
+/// Returns whether the parameter has an interval.
 /// \param sd  of the curvature; the interval may reach further, and to one side only, where several valleys fit
-void add(const std::string& name, const Json& parameter, double sd, std::vector<RunParameter>& parameters) {
+bool add(const std::string& name, const Json& parameter, double sd, std::vector<RunParameter>& parameters) {
   const double value = numberOf(parameter.at("value"));
   const Json interval = parameter.value("ci95", Json::array());
   for (const Json& end : interval) {
     const double away = std::abs(numberOf(end) - value) / kNormalQuantile;
     if (std::isfinite(away)) sd = std::max(sd, away);
   }
-  if (!std::isfinite(value) || !std::isfinite(sd) || sd <= 0.0) return;
+  if (!std::isfinite(value) || !std::isfinite(sd) || sd <= 0.0) return false;
   parameters.push_back({name, parameter.value("unit", ""), {value, sd}});
+  return true;
 }
 
 RunCause readCause(const Json& cause, std::vector<RunParameter>& parameters) {
@@ -70,8 +72,11 @@ RunFigures figuresOf(const ResultFiles& files) {
     if (result.contains(name)) flatten(name, result.at(name), run.errors);
   }
   for (const Json& p : result.value("parameters", Json::array())) {
-    if (p.value("fixed", false) || p.value("at_bound", false)) continue;
-    add(p.at("name").get<std::string>(), p, numberOf(p.value("sd", Json(nullptr))), run.parameters);
+    if (p.value("fixed", false)) continue;
+    const std::string name = p.at("name").get<std::string>();
+    const bool known =
+        !p.value("at_bound", false) && add(name, p, numberOf(p.value("sd", Json(nullptr))), run.parameters);
+    if (!known) run.without_interval.push_back(name);
   }
   for (const Json& cause : result.value("causes", Json::array())) {
     run.causes.push_back(readCause(cause, run.parameters));

@@ -32,7 +32,8 @@ struct RunFigures {
   std::string verdict;            ///< of a diagnosis; otherwise empty
   std::vector<std::string> data;  ///< SHA-256 of the tables it read
   std::vector<std::pair<std::string, double>> errors;
-  std::vector<RunParameter> parameters;  ///< those with a standard deviation, neither fixed nor at a bound
+  std::vector<RunParameter> parameters;       ///< those with a standard deviation, neither fixed nor at a bound
+  std::vector<std::string> without_interval;  ///< fitted, too, but at a bound or not determined
   std::vector<RunCause> causes;
 };
 
