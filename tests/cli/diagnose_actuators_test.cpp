@@ -110,6 +110,24 @@ TEST_F(DiagnoseActuators, NameTheRubberOfAMuscle) {
   EXPECT_NEAR(valueOf(slow, "share"), 0.08, 0.02);
 }
 
+// Beside a cause, what is far above the noise and follows no channel was "nothing that the logged channels show".
+TEST_F(DiagnoseActuators, SayWhatIsLeftBesideACause) {
+  reality::PamTruth truth;
+  truth.tendon = 6000.0;
+  truth.hose_seconds = 0.15;
+  reality::PamDesign design;
+  design.seed = 25;
+  const Json result = ask("pam", reality::recordPam(truth, design).csv(), {"--effects", "tendon-compliance"});
+  ASSERT_TRUE(alone(result, "tendon-compliance")) << result.at("sentence");
+  const double left =
+      result.at("extended").at("mse_heldout").get<double>() - result.at("baseline").at("noise_floor").get<double>();
+  const double whole = result.at("baseline").at("mse_heldout").get<double>();
+  EXPECT_GT(left / whole, 0.05);
+  EXPECT_NEAR(result.at("left_over").at("share_percent").get<double>(), 100.0 * left / whole, 1.0);
+  EXPECT_THAT(result.at("sentence").get<std::string>(), ::testing::HasSubstr("times the noise"));
+  EXPECT_THAT(result.at("next_experiment").get<std::string>(), ::testing::HasSubstr("follows no logged channel"));
+}
+
 TEST_F(DiagnoseActuators, NameTheOffsetOfAWindingsSensor) {
   reality::MotorTruth offset;
   offset.current_offset = 0.2;

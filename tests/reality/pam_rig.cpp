@@ -53,6 +53,13 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   std::normal_distribution<double> normal;
   ColouredNoise force_noise(design.force_noise, design.noise_memory);
+  const auto through_hose = [&](double inside, double before, double now) {
+    constexpr int kSteps = 40;
+    const double dt = 1.0 / design.rate / kSteps;
+    for (int step = 0; step < kSteps; ++step)
+      inside += dt / m.hose_seconds * (before + (now - before) * (step + 0.5) / kSteps - inside);
+    return inside;
+  };
   const double late = design.pressure_late / design.rate;  // [s]
   PamRecord record;
   double humid = uniform(random) * 6.0;
@@ -61,7 +68,7 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
     const double phase_e = 6.28 * uniform(random), phase_p = 6.28 * uniform(random);
     const double middle_e = 0.06 + 0.06 * uniform(random), swing_e = 0.02 + 0.04 * uniform(random);
     const double middle_p = (2.2 + 1.2 * uniform(random)) * 1e5, swing_p = (1.0 + 0.9 * uniform(random)) * 1e5;
-    double last = 0.0, bristle = 0.0, settled = 0.0;
+    double last = 0.0, bristle = 0.0, settled = 0.0, inside = 0.0, p_before = 0.0;
     for (std::size_t k = 0; k < design.rows; ++k) {
       const double t = static_cast<double>(k) / design.rate;
       const double e = middle_e + swing_e * std::sin(6.2831853 * t / period_e + phase_e);
@@ -72,7 +79,9 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
       last = e;
       humid += 0.002 * normal(random) + 0.004;
       const double humidity = 50.0 + 20.0 * std::sin(humid);
-      double f = muscleForce(m, p, e) - m.braid_friction * p * bristle;
+      inside = k == 0 || m.hose_seconds <= 0.0 ? p : through_hose(inside, p_before, p);
+      p_before = p;
+      double f = muscleForce(m, inside, e) - m.braid_friction * inside * bristle;
       settled += k == 0 ? f : (f - settled) / (m.creep_seconds * design.rate);
       f += m.creep * (f - settled);
       f *= 1.0 + m.breathing * std::sin(humid);

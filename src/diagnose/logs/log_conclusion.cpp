@@ -17,8 +17,9 @@ namespace {
 
 constexpr double kStructure = 0.05;  // share of the error that forests have to explain to count as structure
 
+/// What is left beside the causes, if there are any.
 double timesTheNoise(const Diagnosis& d) {
-  return d.noise_floor > 0.0 ? std::sqrt(d.baseline.mse_heldout / d.noise_floor) : 0.0;
+  return d.noise_floor > 0.0 ? std::sqrt(d.extended.mse_heldout / d.noise_floor) : 0.0;
 }
 
 /// Whether something acts on the rig that no channel shows, such as a push: more than a rough model or an uneven noise.
@@ -52,14 +53,13 @@ std::string shapeOf(const std::vector<EvidenceBin>& evidence, const std::string&
 
 std::string leftText(const Diagnosis& d) {
   if (d.left_over_percent < 1.0) return {};
-  if (d.causes.empty() && d.unexplained.empty()) {
+  if (d.unexplained.empty()) {
     return fmt::format("{:.0f} % of the squared error, {:.1f} times the noise, which follows no logged channel",
                        d.left_over_percent, timesTheNoise(d));
   }
-  const std::string channel = d.unexplained.empty() ? "the logged channels" : d.unexplained[0].channel;
-  const std::string shape =
-      d.unexplained.empty() || d.unexplained[0].shape.empty() ? "" : fmt::format(" ({})", d.unexplained[0].shape);
-  return fmt::format("{:.0f} % of the squared error, by {}{}", d.left_over_percent, channel, shape);
+  const Leftover& most = d.unexplained[0];
+  return fmt::format("{:.0f} % of the squared error, by {}{}", d.left_over_percent, most.channel,
+                     most.shape.empty() ? "" : fmt::format(" ({})", most.shape));
 }
 
 double shareLeft(const Selection& selection, const Ceiling& left) {
@@ -145,16 +145,16 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
                               log.data.rows.top_load, log.data.load_unit);
   }
   if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) return stepsOf(d.unexplained[0].channel);
+  const std::string unseen = fmt::format(
+      "What is left is {:.1f} times the noise and follows no logged channel: log what else acts on the rig, and "
+      "record one motion twice; what differs between the two is not the drive's.",
+      timesTheNoise(d));
   if (!d.causes.empty()) {
-    return fmt::format("To confirm {} independently: record {}.", d.causes[0].effect,
-                       actuator_effects::find(d.causes[0].effect).separates);
+    const std::string confirm = fmt::format("To confirm {} independently: record {}.", d.causes[0].effect,
+                                            actuator_effects::find(d.causes[0].effect).separates);
+    return d.left_over_percent >= 1.0 && d.unexplained.empty() ? confirm + " " + unseen : confirm;
   }
-  if (farAboveNoise(d) || d.verdict == DiagnosisVerdict::kUnexplained) {
-    return fmt::format(
-        "What is left is {:.1f} times the noise and follows no logged channel: log what else acts on the rig, and "
-        "record one motion twice; what differs between the two is not the drive's.",
-        timesTheNoise(d));
-  }
+  if (farAboveNoise(d) || d.verdict == DiagnosisVerdict::kUnexplained) return unseen;
   if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
   constexpr double kAtTheNoise = 1.2;
   if (timesTheNoise(d) > kAtTheNoise) {
