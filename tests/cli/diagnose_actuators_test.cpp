@@ -110,6 +110,17 @@ TEST_F(DiagnoseActuators, NameTheRubberOfAMuscle) {
   EXPECT_NEAR(valueOf(slow, "share"), 0.08, 0.02);
 }
 
+// A pressure that is measured before a hose: the tendon's compliance was named for it.
+TEST_F(DiagnoseActuators, NameTheHoseBetweenSensorAndMuscle) {
+  reality::PamTruth truth;
+  truth.hose_seconds = 0.15;
+  const Json hose = askMuscle(truth, 24);
+  ASSERT_TRUE(alone(hose, "pressure-lag")) << hose.at("sentence");
+  EXPECT_NEAR(valueOf(hose, "tau"), 0.15, 0.01);
+  succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});
+  EXPECT_LT(Json::parse(text("p/result.json")).at("rms_error").get<double>(), 6.0);
+}
+
 // Beside a cause, what is far above the noise and follows no channel was "nothing that the logged channels show".
 TEST_F(DiagnoseActuators, SayWhatIsLeftBesideACause) {
   reality::PamTruth truth;

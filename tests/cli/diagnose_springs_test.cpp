@@ -192,6 +192,30 @@ TEST_F(Springs, NameTheDirectionThatIsStiffer) {
   EXPECT_NEAR(valueOf(result, "change"), 60.0, 5.0);
 }
 
+// An encoder that slips once shifts the force from then on: that had passed for a creep as slow as the log.
+TEST_F(Springs, DoNotCreepWhereAnEncoderSlips) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<> noise(0.0, 0.15);
+  const auto pathAt = [](double t) {
+    return 0.02 * std::sin(0.44 * t + 0.3) + 0.008 * std::sin(1.95 * t + 1.2) + 0.003 * std::sin(6.91 * t + 2.0);
+  };
+  std::string log = "time_s,deflection_m,force_N\n";
+  double x = 0.0, shift = 0.0;  // the motion goes on from where it was held
+  for (int i = 0; i < 2000; ++i) {
+    const double t = 0.04 * i;
+    const bool holds = (t > 20.0 && t < 24.0) || (t > 45.0 && t < 49.0) || (t > 65.0 && t < 69.0);
+    if (holds) shift = x - pathAt(t);
+    x = pathAt(t) + shift;
+    const double read = x + (t > 50.0 ? 0.0012 : 0.0);
+    log += fmt::format("{},{:.5f},{:.3f}\n", t, read, 2500.0 * x + noise(random));
+  }
+  put("log.csv", log);
+  succeed({"diagnose", "spring", "--log", "log.csv", "-q", "--force", "-o", "d"});
+  const Json result = Json::parse(text("d/result.json"));
+  EXPECT_EQ(result.at("verdict"), "unexplained") << result.at("sentence");
+  EXPECT_TRUE(result.at("causes").empty()) << result.at("sentence");
+}
+
 TEST_F(Springs, NameWhatTheyRemember) {
   reality::SpringTruth creep, narrow, friction, pack;
   narrow.creep_stiffness = 60.0;

@@ -1,5 +1,5 @@
 /// \file
-/// Relaxation times that a log can show: of some time steps and more, and shorter than its longest session.
+/// Relaxation times that a log can show: of some time steps and more, and short enough to see it die away.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,9 @@
 
 namespace simgap::actuator_effects {
 
+/// Of the longest session. What is slower is a drift in it, or an encoder that slips once: a creep of two thirds of a
+/// session, known to twice its size, stood for that.
+inline constexpr double kLongestRelaxation = 1.0 / 3.0;
 inline constexpr double kShortestRelaxation = 3.0;  // time steps: faster is damping, or a sensor's or valve's lag
 
 inline double longestSession(const ActuatorRows& rows) {
@@ -23,12 +26,13 @@ inline double longestSession(const ActuatorRows& rows) {
 
 /// Where a search may begin [s]. \param part  0: fast, 1: slow
 inline double relaxationTime(const ActuatorRows& rows, double part) {
-  const double low = 3.0 * kShortestRelaxation * rows.step, high = std::max(longestSession(rows) / 3.0, 2.0 * low);
+  const double low = 3.0 * kShortestRelaxation * rows.step,
+               high = std::max(kLongestRelaxation * longestSession(rows), 2.0 * low);
   return low * std::pow(high / low, part);
 }
 
 inline bool showsRelaxation(const ActuatorRows& rows, double tau) {
-  return tau > kShortestRelaxation * rows.step && tau < longestSession(rows);
+  return tau > kShortestRelaxation * rows.step && tau < kLongestRelaxation * longestSession(rows);
 }
 
 }  // namespace simgap::actuator_effects

@@ -43,7 +43,7 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return list;
 }
 
-/// Slower than a session it is force itself.
+/// Slower than that it is force itself.
 bool counts(std::span<const double> p, const ActuatorRows& rows) { return showsRelaxation(rows, p[0]); }
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTime};

@@ -53,7 +53,7 @@ std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::A
   return list;
 }
 
-/// Slower than a session it is stiffness, or time itself.
+/// Slower than that it is stiffness, or time itself.
 bool counts(std::span<const double> p, const ActuatorRows& rows) { return showsRelaxation(rows, p[0]); }
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTime};
