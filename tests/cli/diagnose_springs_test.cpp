@@ -192,6 +192,19 @@ TEST_F(Springs, NameTheDirectionThatIsStiffer) {
   EXPECT_NEAR(valueOf(result, "change"), 60.0, 5.0);
 }
 
+// Play had passed for a spring that is stiffer one way, which leaves half of the error.
+TEST_F(Springs, NameThePlayInSeriesWithThem) {
+  reality::SpringTruth truth;
+  truth.damping = 0.0;
+  truth.curve = {{-1.0, -150.0 * 0.999}, {-0.001, 0.0}, {0.001, 0.0}, {1.0, 150.0 * 0.999}};
+  reality::SpringDesign design = rig(14);
+  design.low = -0.02;
+  const Json result = ask(truth, design);
+  ASSERT_TRUE(alone(result, "spring-play")) << result.at("sentence") << result.at("candidates");
+  EXPECT_NEAR(valueOf(result, "play"), 0.002, 1e-4);
+  EXPECT_NEAR(valueOf(result, "middle"), 0.0, 1e-4);
+}
+
 // An encoder that slips once shifts the force from then on: that had passed for a creep as slow as the log.
 TEST_F(Springs, DoNotCreepWhereAnEncoderSlips) {
   std::mt19937_64 random(3);
