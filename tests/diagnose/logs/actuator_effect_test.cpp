@@ -244,6 +244,34 @@ INSTANTIATE_TEST_SUITE_P(All, DriveEffectContract, testing::ValuesIn(everyForm()
   return name;
 });
 
+// The first rows of every session, of which the motion is not yet known well, were a hose that pulls there.
+TEST(JointSpring, IsNotAnEndOfAFewRows) {
+  ActuatorRows rows;
+  rows.joint_angle = Eigen::ArrayXd::LinSpaced(1000, 0.0, 1.0);
+  for (const char* form : {"above", "below"}) {
+    const ActuatorEffect& spring = actuator_effects::find("joint-spring", form);
+    EXPECT_FALSE(spring.counts(std::array{0.4, 0.01}, rows)) << form;
+    EXPECT_FALSE(spring.counts(std::array{0.4, 0.99}, rows)) << form;
+    EXPECT_TRUE(spring.counts(std::array{0.4, 0.1}, rows)) << form;
+  }
+}
+
+// A load cell that creeps was a drive that is warm within a second, the shortest time there is.
+TEST(FrictionHeating, AtTheShortestWarmUpIsRefused) {
+  for (const EffectParameter& p : actuator_effects::find("friction-heating").parameters) {
+    if (p.name == "t_warm") EXPECT_NE(p.neutral, p.lower) << "a value at its neutral bound is not refused";
+  }
+}
+
+TEST(SpringPlay, IsPulledThroughBothWays) {
+  ActuatorRows rows;
+  rows.deflection = Eigen::ArrayXd::LinSpaced(1000, 0.0, 1.0);
+  const ActuatorEffect& play = actuator_effects::find("spring-play");
+  EXPECT_TRUE(play.counts(std::array{0.2, 0.5}, rows));     // of its width and its middle
+  EXPECT_FALSE(play.counts(std::array{0.2, 0.13}, rows));   // hardly beyond one end: a cord that hangs loose
+  EXPECT_FALSE(play.counts(std::array{0.002, 0.5}, rows));  // hardly a row within it
+}
+
 TEST(EffectForms, AFormThatIsNoneIsRefusedWithThoseThatAre) {
   EXPECT_THROW(
       {

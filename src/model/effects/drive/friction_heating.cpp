@@ -11,7 +11,7 @@ namespace {
 constexpr EffectParameter kParameters[] = {{"beta_viscous", "1", -10.0, 10.0, 0.0, 0.0},
                                            {"beta_dry", "1", -10.0, 10.0, 0.0, 0.0},
                                            {"T_mean", "degC", -1e9, 1e9, 0.0, 0.0, EffectParameter::Kind::kConstant},
-                                           {"t_warm", "s", 1.0, 1e6, 1.0, 1.0, EffectParameter::Kind::kShape},
+                                           {"t_warm", "s", 1.0, 1e6, 100.0, 1.0, EffectParameter::Kind::kShape},
                                            {"cools", "1", 0.0, 1.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 
 /// [s] since the log began, or the session where it cools down between them.

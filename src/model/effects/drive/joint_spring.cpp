@@ -63,9 +63,11 @@ bool isOneSpring(std::span<const double> p, const ActuatorRows& rows) {
   return isNearby(p[2], rows) && p[0] * (p[0] + 3.0 * p[1] * furthest * furthest) > 0.0;
 }
 
-/// One that is taut everywhere is not one-sided.
+/// One that is taut everywhere is not one-sided; an end of a few rows, where a session begins, is no spring.
 bool isSeenSlack(std::span<const double> p, const ActuatorRows& rows) {
-  return p[1] > rows.joint_angle.minCoeff() && p[1] < rows.joint_angle.maxCoeff();
+  constexpr double kFewest = 0.02;  // share of the rows
+  const double below = (rows.joint_angle < p[1]).cast<double>().mean();
+  return below > kFewest && below < 1.0 - kFewest;
 }
 
 constexpr ActuatorEffect kUsual = {
