@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <random>
 
 #include "cli/cli_fixture.h"
 #include "reality/friction_log.h"
@@ -119,6 +120,25 @@ TEST_F(DiagnoseActuators, NameTheHoseBetweenSensorAndMuscle) {
   EXPECT_NEAR(valueOf(hose, "tau"), 0.15, 0.01);
   succeed({"predict", "d/model.yaml", "log.csv", "-q", "-o", "p"});
   EXPECT_LT(Json::parse(text("p/result.json")).at("rms_error").get<double>(), 6.0);
+}
+
+// Between two rows no lag says how a step of the pressure went: a creep of one row and a half stood for that.
+TEST_F(DiagnoseActuators, KnowNoCreepWithinTwoRows) {
+  std::mt19937_64 random(9);
+  std::normal_distribution<> normal;
+  std::uniform_real_distribution<> level(0.6e5, 5e5);
+  std::string log = "time_s,pressure_Pa,contraction,force_N\n";
+  double pressure = 2e5, inside = pressure;
+  for (int i = 0; i < 8000; ++i) {
+    const double t = 0.01 * i, x = 0.12 + 0.07 * std::sin(0.314 * t) + 0.03 * std::sin(1.445 * t + 1.0);
+    if (i % 200 == 0) pressure = level(random);
+    inside += (1.0 - std::exp(-0.01 / 0.12)) * (pressure - inside);
+    const double read = pressure + 300.0 * normal(random);
+    const double force = inside * (3.0e-3 * x * x - 5.5e-3 * x + 1.5e-3) + normal(random);
+    log += fmt::format("{:.2f},{:.1f},{:.5f},{:.3f}\n", t, read, x, force);
+  }
+  const Json result = ask("pam", log, {"--effects", "pressure-lag,muscle-creep"});
+  EXPECT_TRUE(alone(result, "pressure-lag")) << result.at("sentence");
 }
 
 // Beside a cause, what is far above the noise and follows no channel was "nothing that the logged channels show".

@@ -143,6 +143,8 @@ class Judge {
     }
     if (std::string reason = undetermined(*full.model, found_.on_all_rows.theta, found_.fit, effect); !reason.empty())
       return reason;
+    std::string unseen = outOfSight(*full.model, found_.on_all_rows.theta, effect, log_.data.rows);
+    if (!unseen.empty()) return unseen;
     if (cancels(*full.model, full, effect)) return "its terms cancel each other: their sizes mean nothing";
     std::string beyond = beyondTheData(*full.model, found_.on_all_rows, effect, log_.data.rows);
     if (!beyond.empty()) return beyond;

@@ -1,6 +1,7 @@
 #include "measured_sizes.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,19 @@ std::string undetermined(const ActuatorRegression& model, std::span<const double
     any = any || isMeasured(value, p.neutral, fit.t);
   }
   return any || !sized ? "" : "none of its own parameters is determined by these data";
+}
+
+std::string outOfSight(const ActuatorRegression& model, std::span<const double> theta, std::size_t effect,
+                       const ActuatorRows& rows) {
+  const ActuatorEffect& cause = *model.effects()[effect];
+  const std::span<const double> p = theta.subspan(model.firstParameter(effect), cause.parameters.size());
+  if (cause.counts == nullptr || cause.counts(p, rows)) return {};
+  std::vector<std::string> sizes;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    if (cause.parameters[k].kind != Kind::kConstant)
+      sizes.push_back(fmt::format("{} = {:.3g}", cause.parameters[k].name, p[k]));
+  }
+  return fmt::format("fitted to all rows it is none that such a log could show ({})", fmt::join(sizes, ", "));
 }
 
 std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect,

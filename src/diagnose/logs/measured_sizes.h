@@ -13,6 +13,11 @@ namespace simgap {
 std::string undetermined(const ActuatorRegression& model, std::span<const double> theta, const LogFit& fit,
                          std::size_t effect);
 
+/// Why a cause that counted when it was tried counts no more, fitted with all others to all rows: a relaxation within
+/// two of them, say. Empty when it does.
+std::string outOfSight(const ActuatorRegression& model, std::span<const double> theta, std::size_t effect,
+                       const ActuatorRows& rows);
+
 /// The first column whose size nothing in the log comes near: its shape is fitted to the tail of a law, and the law's
 /// head, where its size would show, lies outside of the data. Empty: none.
 std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect,
