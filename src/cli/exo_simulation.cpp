@@ -101,6 +101,7 @@ ExitCode simulateLeg(const ExoSimulateOptions& options, const YamlNode& root, Se
   const double end = switchEnd(told, options), duration = end - told.times.front();
   return play(options, leg.name, duration, leg.rate, session, [&] {
     const ExoLegStudy study = studyExoLeg(leg, told, end, options.step);
+    for (const std::string& note : study.notes) spdlog::warn("{}", note);
     writeExoLeg(leg, study, options.rate, session.directory());
     const Json result = toJson(leg, study);
     session.finish(result, exoLegText(result));

@@ -8,6 +8,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
 #include "simgap/simulate/cable_drive_motion.h"
+#include "simgap/simulate/tick_steps.h"
 #include "told_channels.h"
 
 namespace simgap {
@@ -158,7 +159,7 @@ CableDriveCommands readCableDriveSchedule(const YamlNode& root, double rate) {
 DriveRun playCableDrive(const CableDrive& drive, const FrictionCompensation& compensation,
                         const CableDriveCommands& commands, double end, const DrivePlay& play) {
   const double start = commands.over_time.times.front(), dt = 1.0 / drive.rate;
-  const auto steps = static_cast<int>(std::ceil(dt / play.step - 1e-9));
+  const int steps = stepsPerTick(dt, play.step);
   const auto settling = static_cast<long>(std::ceil(play.settle * drive.rate));
   const auto ticks = static_cast<long>(std::floor((end - start) * drive.rate + 1e-6));
   const auto stride = static_cast<long>(std::max(1.0, std::round(drive.rate / play.row_rate)));

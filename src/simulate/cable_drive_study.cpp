@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "simgap/simulate/tick_steps.h"
+
 namespace simgap {
 namespace {
 
@@ -32,12 +34,12 @@ CableDriveStudy studyCableDrive(const CableDrive& drive, const CableDriveCommand
   CableDriveStudy study;
   study.start = commands.over_time.times.front();
   study.end = end;
-  study.step = step;
+  study.step = stepWithinTick(1.0 / drive.rate, step);
   for (const FrictionCompensation& c : drive.compensations) study.runs.push_back({c.name, c.share, {}});
   DriveRun fine;
   tbb::parallel_for(std::size_t{0}, study.runs.size() + 1, [&](std::size_t i) {
     const bool again = i == study.runs.size();
-    const DrivePlay play{.step = again ? 0.5 * step : step, .row_rate = row_rate};
+    const DrivePlay play{.step = again ? 0.5 * study.step : study.step, .row_rate = row_rate};
     (again ? fine : study.runs[i].run) = playCableDrive(drive, drive.compensations[again ? 0 : i], commands, end, play);
   });
   const double rms = study.runs.front().run.tracking.rms;

@@ -8,6 +8,7 @@
 #include "simgap/core/interrupt.h"
 #include "simgap/core/units.h"
 #include "simgap/simulate/exo_joint_motion.h"
+#include "simgap/simulate/tick_steps.h"
 #include "told_channels.h"
 
 namespace simgap {
@@ -149,7 +150,7 @@ ExoJointCommands readExoJointSchedule(const ExoJoint& joint, const YamlNode& roo
 ExoJointTrack playExoJoint(const ExoJoint& joint, const ExoJointCommands& commands, double end,
                            const ExoJointPlay& play) {
   const double start = commands.over_time.times.front(), tick = 1.0 / joint.rate;
-  const auto steps = static_cast<int>(std::ceil(tick / play.step - 1e-9));
+  const int steps = stepsPerTick(tick, play.step);
   const auto settling = static_cast<long>(std::ceil(play.settle * joint.rate));
   const auto ticks = static_cast<long>(std::floor((end - start) * joint.rate + 1e-6));
   ExoController controller(joint, commands, play);

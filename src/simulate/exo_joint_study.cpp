@@ -8,6 +8,7 @@
 
 #include "simgap/core/rotation.h"
 #include "simgap/core/units.h"
+#include "simgap/simulate/tick_steps.h"
 
 namespace simgap {
 namespace {
@@ -122,7 +123,7 @@ ExoJointStudy studyExoJoint(const ExoJoint& joint, const ExoJointCommands& comma
   ExoJointStudy study;
   study.start = commands.over_time.times.front();
   study.end = end;
-  study.runs = runsOf(joint, commands, step);
+  study.runs = runsOf(joint, commands, stepWithinTick(1.0 / joint.rate, step));
   for (ExoJointRun& run : study.runs) {
     const std::clock_t begin = std::clock();
     run.track = playExoJoint(joint, commands, end, run.play);

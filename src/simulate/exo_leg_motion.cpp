@@ -14,6 +14,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/interrupt.h"
+#include "simgap/simulate/tick_steps.h"
 
 namespace simgap {
 namespace {
@@ -57,7 +58,7 @@ void recordLeg(const ExoLeg& leg, const ExoLegMotion& motion, double time, const
 
 ExoLegTrack playLeg(const ExoLeg& leg, const LegSwitch& told, double end, double step, bool assisted) {
   const double start = told.times.front(), tick = 1.0 / leg.rate;
-  const auto steps = static_cast<int>(std::ceil(tick / step - 1e-9));
+  const int steps = stepsPerTick(tick, step);
   const auto ticks = static_cast<long>(std::floor((end - start) * leg.rate + 1e-6));
   ExoLegMotion motion(leg);
   motion.reset(leg.sitting[0], leg.sitting[1]);
@@ -173,12 +174,19 @@ LegSwitch readLegSwitch(const CsvTable& table) {
 }
 
 ExoLegStudy studyExoLeg(const ExoLeg& leg, const LegSwitch& told, double end, double step) {
-  ExoLegStudy study{{}, told.times.front(), end, step, 0.0};
-  study.runs.push_back(judged(leg, "assisted", playLeg(leg, told, end, step, true)));
-  study.runs.push_back(judged(leg, "alone", playLeg(leg, told, end, step, false)));
-  const ExoLegTrack fine = playLeg(leg, told, end, 0.5 * step, true);
+  constexpr double kMostChange = 1e-3;  // [m]
+  const double taken = stepWithinTick(1.0 / leg.rate, step);
+  ExoLegStudy study{{}, told.times.front(), end, taken, 0.0, {}};
+  study.runs.push_back(judged(leg, "assisted", playLeg(leg, told, end, taken, true)));
+  study.runs.push_back(judged(leg, "alone", playLeg(leg, told, end, taken, false)));
+  const ExoLegTrack fine = playLeg(leg, told, end, 0.5 * taken, true);
   for (std::size_t i = 0; i < fine.hip.size(); ++i) {
     study.half_step = std::max(study.half_step, std::abs(fine.hip[i] - study.runs[0].track.hip[i]));
+  }
+  if (study.half_step > kMostChange) {
+    study.notes.push_back(
+        fmt::format("the step of {:g} s is too large: at half of it the hip moves by {:.3g} mm; try --step-s {:g}",
+                    taken, 1e3 * study.half_step, 0.5 * taken));
   }
   return study;
 }

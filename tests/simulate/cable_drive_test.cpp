@@ -290,6 +290,7 @@ TEST(FrictionCompensation, TooMuchOfItHuntsWhereItsSignIsMeasured) {
   // The sample drive hunts likewise.
   drive = sampleDrive();
   const CableDriveStudy study = studyCableDrive(drive, samplePath(drive), 84.0, 1e-4, 100.0);
+  EXPECT_EQ(study.step, 0.5 / drive.rate) << "the largest step of 0.1 ms that a tick of 0.125 ms is a multiple of";
   EXPECT_EQ(study.runs[0].name, "none");
   EXPECT_FALSE(study.runs[0].run.tracking.hunting.found());
   EXPECT_FALSE(study.runs[3].run.tracking.hunting.found()) << study.runs[3].name;

@@ -227,6 +227,16 @@ TEST(ExoJointStudy, TendonsInTheControllerImproveItsTorque) {
   EXPECT_LT(study.half_step, 1e-4);
 }
 
+/// A step beyond the controller's tick is the tick, and half of it is half of what was taken.
+TEST(ExoJointStudy, SaysWhichStepItTook) {
+  const ExoJoint joint = sampleJoint();
+  const ExoJointCommands commands =
+      readExoJointSchedule(joint, YamlNode::load(sourceFile("data/exoskeleton/torque.yaml")));
+  const ExoJointStudy study = studyExoJoint(joint, commands, 2.0, 0.5);
+  EXPECT_NEAR(study.main().play.step, 1.0 / joint.rate, 1e-12);
+  EXPECT_GT(study.half_step, 0.0);
+}
+
 /// Of the tendons' share nothing is left where there is no friction, and the joint moves slowly.
 TEST(ExoJointStudy, WithoutHysteresisTheRestIsTheValvesLag) {
   ExoJoint joint = sampleJoint();

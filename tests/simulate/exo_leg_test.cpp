@@ -116,6 +116,20 @@ TEST(ExoLegStudy, StandsUpAsToldWithTheExoskeletonAlone) {
   EXPECT_LT(study.half_step, 1e-3);
 }
 
+/// A step beyond the controller's tick is the tick, and half of it is half of what was taken.
+TEST(ExoLegStudy, SaysWhichStepItTookAndWhatHalfOfItChanges) {
+  const LegSwitch told = readLegSwitch(CsvTable::load(sourceFile("data/exoskeleton/switch.csv")));
+  const ExoLegStudy coarse = studyExoLeg(sampleLeg(), told, 10.0, 0.01);
+  EXPECT_NEAR(coarse.step, 2e-3, 1e-12);
+  EXPECT_GT(coarse.half_step, 0.0);
+  EXPECT_TRUE(coarse.notes.empty());
+  ExoLeg stiff = sampleLeg();
+  stiff.seat_stiffness = 1e11;
+  const ExoLegStudy study = studyExoLeg(stiff, told, told.times.back(), 1e-4);
+  ASSERT_EQ(study.notes.size(), 1U) << study.half_step;
+  EXPECT_THAT(study.notes[0], HasSubstr("the step of 0.0001 s is too large"));
+}
+
 TEST(ExoLegFile, RefusesWhatNoLegIs) {
   const std::string text = readText(sourceFile("data/exoskeleton/leg.yaml"));
   const auto refusal = [&](const std::string& from, const std::string& to) {

@@ -59,6 +59,7 @@ struct ExoLegStudy {
   std::vector<ExoLegRun> runs;                ///< assisted, alone
   double start = 0.0, end = 0.0, step = 0.0;  ///< [s]
   double half_step = 0.0;                     ///< largest change of the hip's height at half the step [m]
+  std::vector<std::string> notes;             ///< what a reader should know, as sentences
 };
 
 /// \param step  largest step of the integration [s]  \throws NumericsError: it blew up

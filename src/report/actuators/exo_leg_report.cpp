@@ -32,7 +32,8 @@ Json toJson(const ExoLeg& leg, const ExoLegStudy& study) {
           {"controller_rate_Hz", leg.rate},
           {"assist_share", leg.assist.share},
           {"half_step_mm", 1e3 * study.half_step},
-          {"runs", runs}};
+          {"runs", runs},
+          {"notes", study.notes}};
 }
 
 std::string exoLegAnswer(const Json& result) {
