@@ -304,6 +304,26 @@ struct DrawnSeries {
   std::vector<ExcitationPrecision> precisions;  ///< of these
 };
 
+/// No motion is delivered: the best one breaks a limit, or leaves something open that is asked for.
+[[noreturn]] void refuseSearch(const ExcitationLimits& limits, double lowest) {
+  if (lowest > kBroken) {
+    throw ConfigError(
+        fmt::format("no motion of {:g} s was found within the limits of effort and distance, expected "
+                    "wider ones, or a start that keeps them",
+                    limits.duration));
+  }
+  if (limits.payload.empty()) {
+    throw ConfigError(
+        fmt::format("no motion of {:g} s within these limits tells the base parameters apart, expected wider limits, "
+                    "above all of velocity and acceleration",
+                    limits.duration));
+  }
+  throw ConfigError(
+      fmt::format("payload: no motion of {:g} s within these limits tells mass and centre of what {} carries, expected "
+                  "wider limits, or a body that more joints carry",
+                  limits.duration, limits.payload));
+}
+
 DrawnSeries drawSeries(Search& search, std::uint64_t seed) {
   const CounterRandom random(seed);
   DrawnSeries series;
@@ -351,12 +371,7 @@ Excitation exciteRobot(const ArmModel& arm, const FrictionLaw& law, const Excita
                     return interruptRequested();
                   });
   stopIfInterrupted();
-  if (lowest >= kBroken) {
-    throw ConfigError(
-        fmt::format("no motion of {:g} s was found within the limits of effort and distance, expected "
-                    "wider ones, or a start that keeps them",
-                    limits.duration));
-  }
+  if (lowest >= kBroken) refuseSearch(limits, lowest);
   const FourierMotion motion = search.motionOf(best);
   search.cost(motion);
   auto [reached, nearest] = search.reached(motion);

@@ -154,6 +154,12 @@ TEST(Excitation, BadLimitsGetASentence) {
   EXPECT_NE(sentenceOf(kAll + "joints: {j1: {torque_Nm: 1e-6}}\n").find("no motion of 10 s was found"),
             std::string::npos);
   EXPECT_NE(sentenceOf(kAll + "speed: 3\n").find("speed"), std::string::npos);
+  // What one joint carries is felt as a moment about it, whatever the limits are: they are not to blame.
+  const std::string first = sentenceOf(kAll + "payload: {body: " + arm.bodies[arm.joints[0].child].name + "}\n");
+  EXPECT_NE(first.find("tells mass and centre of what"), std::string::npos) << first;
+  std::string slow = kAll;
+  slow.replace(slow.find("rad_s2: 6"), 9, "rad_s2: 1e-9");
+  EXPECT_NE(sentenceOf(slow).find("tells the base parameters apart"), std::string::npos) << sentenceOf(slow);
 }
 
 /// What base parameters of a robot are off by, fitted to a motion of it: torques by Lagrange's equations, an encoder
