@@ -1,4 +1,6 @@
 // design --drive, as a user runs it.
+#include <algorithm>
+
 #include "cli_fixture.h"
 #include "simgap/core/csv.h"
 #include "simgap/core/run_directory.h"
@@ -19,6 +21,14 @@ TEST_F(DesignDriveTest, WritesTheLogToRecord) {
   EXPECT_EQ(result.at("sessions").size(), 15u);
   const CsvTable rows = CsvTable::parse(text("next/protocol.csv"), "protocol.csv");
   EXPECT_EQ(rows.rows(), 15000u);
+  const std::vector<double> angles = rows.quantity("joint_position", "rad");
+  auto first = angles.begin();
+  for (const Json& session : result.at("sessions")) {  // what is said of a session is what its rows do
+    const auto [lower, upper] = std::minmax_element(first, first + 1000);
+    EXPECT_NEAR(session.at("lower_rad").get<double>(), *lower, 1e-9) << session;
+    EXPECT_NEAR(session.at("upper_rad").get<double>(), *upper, 1e-9) << session;
+    first += 1000;
+  }
   EXPECT_NE(text("next/report.html").find("Load over velocity"), std::string::npos);
   // What is to be recorded is a log that fit-friction reads: without noise it finds what the limits say.
   succeed({"fit-friction", "next/protocol.csv", "--ratio", "97.74", "--model", "variant-b", "-q", "-o", "fit"});

@@ -59,14 +59,15 @@ FittedModel checked(const FittedModel& fitted) {
 
 }  // namespace
 
-std::size_t DriveLimits::sessions() const { return static_cast<std::size_t>(std::llround(duration / session)); }
+std::size_t DriveLimits::sessions() const { return static_cast<std::size_t>(std::floor(duration / session + 1e-9)); }
 std::size_t DriveLimits::sessionRows() const { return static_cast<std::size_t>(std::llround(session * rate)); }
 
 DriveLimits DriveLimits::read(const YamlNode& root, const FittedModel* fitted) {
   if (root.at("format").text() != "simgap/drive-limits/1") root.at("format").fail("expected simgap/drive-limits/1");
   DriveLimits limits;
   limits.session = root.findQuantity("session", "s", {2.0, 600.0, false, "2 to 600 s"}).value_or(limits.session);
-  limits.duration = root.quantity("duration", "s", {limits.session, 1e5, false, "at least the length of a session"});
+  limits.duration = root.quantity("duration", "s",
+                                  {limits.session, 1e5, false, "at least the length of a session, at most 100000 s"});
   limits.rate = root.findQuantity("rate", "Hz", {5.0, 1e4, false, "5 to 10000 Hz"}).value_or(limits.rate);
   if (limits.duration * limits.rate > kMostProtocolRows)
     root.fail("expected at most 1000000 rows (duration_s x rate_Hz)");
@@ -96,7 +97,14 @@ DriveLimits DriveLimits::read(const YamlNode& root, const FittedModel* fitted) {
     root.at("guess").fail("found values here and a fitted model, expected one");
   limits.guess = fitted != nullptr ? checked(*fitted) : guessOf(root);
   if (const std::optional<YamlNode> causes = root.find("causes")) {
-    for (const YamlNode& node : causes->items()) limits.guess.extensions.push_back(unknownCause(node));
+    for (const YamlNode& node : causes->items()) {
+      Extension cause = unknownCause(node);
+      // Twice the same tells only a sum, and what a sum's parts are known by is nobody's business.
+      if (std::ranges::count(limits.guess.extensions, cause.effect, &Extension::effect) > 0) {
+        node.fail(fmt::format("found {} a second time, expected each cause once", cause.effect));
+      }
+      limits.guess.extensions.push_back(std::move(cause));
+    }
   }
   root.expectAllRead();
   return limits;

@@ -11,8 +11,25 @@
 namespace simgap {
 namespace {
 
+/// What the rows of a session reach: a slow motion does not get round within its time.
+struct SessionReach {
+  double lower = kInfinity, upper = -kInfinity, velocity = 0.0;  ///< [rad], [rad/s]
+};
+
+std::vector<SessionReach> sessionReach(const BenchProtocol& found) {
+  std::vector<SessionReach> reach(found.sessions.size());
+  for (std::size_t row = 0; row < found.time.size(); ++row) {
+    SessionReach& session = reach[found.session[row]];
+    session.lower = std::min(session.lower, found.angle[row]);
+    session.upper = std::max(session.upper, found.angle[row]);
+    session.velocity = std::max(session.velocity, std::abs(found.velocity[row]));
+  }
+  return reach;
+}
+
 Json sessionRecords(const ProtocolReport& report) {
   Json records = Json::array();
+  const std::vector<SessionReach> reach = sessionReach(report.found);
   for (std::size_t s = 0; s < report.found.sessions.size(); ++s) {
     const BenchMotion& motion = report.found.sessions[s];
     const LeverWeight& weight = report.limits.weights[motion.weight];
@@ -21,9 +38,9 @@ Json sessionRecords(const ProtocolReport& report) {
                        {"motion", sine ? "sine" : "moves"},
                        {"mass_kg", weight.mass},
                        {"length_m", weight.length},
-                       {"lower_rad", motion.middle - motion.amplitude},
-                       {"upper_rad", motion.middle + motion.amplitude},
-                       {"velocity_rad_s", motion.speed},
+                       {"lower_rad", reach[s].lower},
+                       {"upper_rad", reach[s].upper},
+                       {"velocity_rad_s", reach[s].velocity},
                        {"acceleration_rad_s2", motion.acceleration},
                        {"rest_s", motion.rest}});
   }

@@ -90,6 +90,11 @@ TEST(BenchProtocol, KeepsTheLimitsAndIsExpectedToTellMoreThanSessionsAtRandom) {
   for (const ProtocolPrecision& random : found.random) EXPECT_LT(found.precision.log_sd, random.log_sd);
 }
 
+TEST(BenchProtocol, LastsNoLongerThanItMay) {
+  EXPECT_EQ(protocolFor(limitsYaml(79) + kGuess).sessions.size(), 3u);
+  EXPECT_EQ(protocolFor(limitsYaml(80) + kGuess).sessions.size(), 4u);
+}
+
 TEST(BenchProtocol, TheSameSeedGivesTheSameSessions) {
   const BenchProtocol one = protocolFor(limitsYaml(60) + kGuess, 7), again = protocolFor(limitsYaml(60) + kGuess, 7),
                       other = protocolFor(limitsYaml(60) + kGuess, 8);
@@ -188,6 +193,7 @@ TEST(BenchProtocol, BadLimitsGetASentence) {
   expect(good + kGuess + "causes: [torque-constant-heating]\n", "needs");
   expect(good + kGuess + "causes: [gremlins]\n", "gremlins");
   expect(good + kGuess + "causes: [coulomb-offset]\n", "is part of the law");
+  expect(good + kGuess + "causes: [bend-friction, current-bias, bend-friction]\n", "found bend-friction a second time");
   expect(good + kGuess + "colour: red\n", "colour");
 }
 
