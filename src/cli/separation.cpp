@@ -22,11 +22,12 @@ LogChanges protocolOf(double speed, double load) {
   return LogChanges::read(YamlNode::parse(yaml, "--speeds, --loads"));
 }
 
-ExitCode separateLogs(const SeparateOptions& options, Session& session) {
+ExitCode separateLogs(const SeparateOptions& options, Session& session, const CLI::App& app) {
   const LogEvidence evidence = readLogEvidence(options.of, session);
   // A load that no sensor shows is the bench's own: it cannot be multiplied.
   const bool sensed =
       evidence.bench.load == BenchLoad::kTorqueSensor && (evidence.candidates.front().model.kind == "friction");
+  if (!sensed) refuseOptions(app, {"--loads"}, "where no sensor shows the load, expected --speeds alone");
   const std::vector<double> loads = sensed ? options.loads : std::vector{1.0};
   if (options.of.common.dry_run) {
     session.print(fmt::format("would ask {} models for {} motions; nothing was written\n", evidence.candidates.size(),
@@ -42,7 +43,7 @@ ExitCode separateLogs(const SeparateOptions& options, Session& session) {
   const LogProtocol& best = bestOf(protocols);
   session.begin(options.of.common.seed.value_or(0));
   session.directory().write("predictions.csv", predictionsCsv(best.foreseen, evidence));
-  session.directory().write("next_log.csv", logCsv(profileOf(evidence, protocolOf(best.speed, best.load))));
+  session.directory().write("next_log.csv", nextLogCsv(evidence, protocolOf(best.speed, best.load)));
   const Json result = toJson(protocols, evidence);
   session.finish(result, separationText(result));
   return ExitCode::kDone;
@@ -89,11 +90,18 @@ ExitCode separateMotionSets(const SeparateOptions& options, Session& session) {
 
 }  // namespace
 
-ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv) {
+ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("design", options.of.common, argv);
-  if (holdsCandidates(options.of.run, kLogCandidates)) return separateLogs(options, session);
-  const bool motions = holdsCandidates(options.of.run, kMotionCandidates);
-  return motions ? separateMotionSets(options, session) : separateArms(options, session);
+  if (holdsCandidates(options.of.run, kLogCandidates)) {
+    refuseOptions(app, {"--candidates", "--count"}, "with a diagnosis of a log, expected it with one of poses");
+    return separateLogs(options, session, app);
+  }
+  if (holdsCandidates(options.of.run, kMotionCandidates)) {
+    refuseOptions(app, {"--candidates", "--loads"}, "with a diagnosis of motions, expected --speeds and --count");
+    return separateMotionSets(options, session);
+  }
+  refuseOptions(app, {"--speeds", "--loads"}, "with a diagnosis of poses, expected it with one of a log");
+  return separateArms(options, session);
 }
 
 }  // namespace simgap

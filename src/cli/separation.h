@@ -11,6 +11,7 @@ struct SeparateOptions {
   std::size_t candidates = 300, count = 7;
   std::vector<double> speeds = {0.5, 1.0, 2.0}, loads = {0.5, 1.0, 2.0};
 };
-ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv);
+/// \param app  the command: options that mean nothing to this diagnosis are refused
+ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv, const CLI::App& app);
 
 }  // namespace simgap

@@ -38,11 +38,13 @@ TEST_F(IdleOptionsTest, OfSimulate) {
 }
 
 TEST_F(IdleOptionsTest, OfDesign) {
-  expectIdle({{{"design", "arm.yaml", "--poses", "poses.csv", "--speeds", "1,2"}, "found --speeds without --separate"},
-              {{"design", "arm.yaml", "--poses", "poses.csv", "--law", "stribeck"}, "found --law without --excite"},
-              {{"design", "--drive", "limits.yaml", "--criterion", "information"}, "found --criterion with --drive"},
-              {{"design", "--separate", "run", "--config", "c.yaml"}, "found --config with --separate"},
-              {{"design", "--excite", "arm.yaml", "limits.yaml", "--count", "3"}, "found --count with --excite"}});
+  expectIdle(
+      {{{"design", "arm.yaml", "--poses", "poses.csv", "--speeds", "1,2"}, "found --speeds without --separate"},
+       {{"design", "arm.yaml", "--poses", "poses.csv", "--law", "stribeck"}, "found --law without --excite"},
+       {{"design", "--drive", "limits.yaml", "--criterion", "information"}, "found --criterion with --drive"},
+       {{"design", "--separate", "run", "--config", "c.yaml"}, "found --config with --separate"},
+       {{"design", "--excite", "arm.yaml", "limits.yaml", "--count", "3"}, "found --count with --excite"},
+       {{"design", "arm.yaml", "--poses", "poses.csv", "--candidates", "3"}, "found --count 7 of --candidates 3"}});
 }
 
 TEST_F(IdleOptionsTest, OfPosesLogsAndMotions) {

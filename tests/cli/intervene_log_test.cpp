@@ -9,6 +9,7 @@ namespace simgap::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class InterveneLog : public CliTest {
  protected:
@@ -58,6 +59,8 @@ TEST_F(InterveneLog, ForeseesJudgesAndChoosesTheNextLog) {
   EXPECT_EQ(next.at("protocols").size(), 4u);
   EXPECT_THAT(next.at("sentence").get<std::string>(), HasSubstr("odds beyond 1e+09 to 1 at least"));
   EXPECT_THAT(text("next/next_log.csv"), HasSubstr("time_s"));
+  EXPECT_THAT(text("next/next_log.csv"), Not(HasSubstr("motor_current")))
+      << "the current of the log before belongs to another speed and load";
   EXPECT_THAT(text("next/report.html"), HasSubstr("What each motion is expected to tell"));
 }
 
@@ -78,6 +81,7 @@ TEST_F(InterveneLog, RefusesWhatItCannotUse) {
   put("wrong.yaml", "format: simgap/change/1\nchanges: [{kind: gain, factor: -1}]\n");
   expectRefused({"intervene", "d", "--change", "wrong.yaml", "-o", "x"}, 2, "wrong.yaml:2");
   expectRefused({"design", "--separate", "d", "--poses", "poses.csv", "-o", "x"}, 2, "found MODEL or --poses with");
+  expectRefused({"design", "--separate", "d", "--count", "3", "-o", "x"}, 2, "found --count with a diagnosis of a log");
   expectRefused({"design", "-o", "x"}, 2, "found no MODEL or no --poses");
   put("d/candidates/candidates.yaml", replaced(text("d/candidates/candidates.yaml"), "freedom: ", "freedom: -"));
   expectRefused({"intervene", "d", "--change", "off.yaml", "-o", "x"}, 2, "candidates.yaml");

@@ -40,6 +40,7 @@ TEST_F(Intervene, ForeseesAndJudges) {
 }
 
 TEST_F(Intervene, ChoosesPosesThatTellAndJudgesThem) {
+  expectRefused({"design", "--separate", "d", "--loads", "2", "-o", "x"}, 2, "found --loads with a diagnosis of poses");
   succeed({"design", "--separate", "d", "--count", "3", "--candidates", "40", "-q", "-o", "next"});
   const Json next = Json::parse(text("next/result.json"));
   ASSERT_EQ(next.at("smallest").size(), 3u);

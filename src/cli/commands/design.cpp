@@ -29,6 +29,10 @@ ExitCode nextPoses(const Options& options, const std::vector<std::string>& argv)
     throw ConfigError(
         "found no MODEL or no --poses, expected both, or --separate RUN, --excite ROBOT LIMITS or --drive LIMITS");
   }
+  if (options.count > options.candidates) {
+    throw ConfigError(fmt::format("found --count {} of --candidates {}, expected at least as many", options.count,
+                                  options.candidates));
+  }
   Session session("design", options.common, argv);
   const ArmModel model = readArmFile(session, "model", options.model);
   const CalibrationConfig config = readConfig(session, options.config, &model);
@@ -90,7 +94,7 @@ ExitCode run(Options& options, const std::vector<std::string>& argv, const CLI::
   options.separate.of.common = options.common;
   options.separate.candidates = options.candidates;
   options.separate.count = options.count;
-  return designSeparation(options.separate, argv);
+  return designSeparation(options.separate, argv, app);
 }
 
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {

@@ -193,6 +193,11 @@ ChangedLog changedLog(const LogEvidence& evidence, const LogChanges& change, con
   return changed;
 }
 
+std::string nextLogCsv(const LogEvidence& evidence, const LogChanges& change) {
+  const CsvTable profile = profileOf(evidence, change);
+  return logCsv(profile, splitUnit(changedLog(evidence, change, profile, /*recorded=*/false).log.effort_column).stem);
+}
+
 PredictedRows predictRows(const LogEvidence::Candidate& candidate, const ChangedLog& changed,
                           const std::vector<std::pair<ChangedLog, ChangedLog>>& moved) {
   const Asking asking(candidate, changed);

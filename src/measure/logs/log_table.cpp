@@ -218,9 +218,11 @@ LogTable readLogTable(CsvTable table, const std::vector<std::string>& sessions) 
   return log;
 }
 
-std::string logCsv(const CsvTable& table) {
+std::string logCsv(const CsvTable& table, std::string_view without) {
   std::vector<std::string> names = table.columns();
-  std::erase_if(names, [&](const std::string& name) { return !isWhole(table, name); });
+  std::erase_if(names, [&](const std::string& name) {
+    return !isWhole(table, name) || (!without.empty() && splitUnit(name).stem == without);
+  });
   const WholeColumns columns(table, names);
   CsvWriter csv(names);
   for (std::size_t row = 0; row < table.rows(); ++row) {

@@ -66,6 +66,8 @@ LogIntervention judgeChange(const LogEvidence& evidence, const LogChanges& chang
 
 /// The reference log with its channels as the change makes them. \throws DataError: as CsvTable
 CsvTable profileOf(const LogEvidence& evidence, const LogChanges& change);
+/// The same as the file of a motion to record: without the effort, which belongs to the log that it was made from.
+std::string nextLogCsv(const LogEvidence& evidence, const LogChanges& change);
 
 /// What a change would tell, were the reference log's motion to be recorded after it.
 struct ForeseenLogChange {

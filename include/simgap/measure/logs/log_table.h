@@ -29,8 +29,8 @@ struct LogTable {
 };
 
 /// The log's columns as they were read, names and factors of --map done, as a file of its own; without columns that
-/// lack numbers.
-std::string logCsv(const CsvTable& table);
+/// lack numbers. \param without  a quantity that is left out, "motor_current"
+std::string logCsv(const CsvTable& table, std::string_view without = {});
 
 /// Rows of `log` that `other` has, too: readings of all channels that both have, the same in eight neighbouring rows
 /// (noise does not repeat itself, whatever the clock says). Rows that are all alike, of a rest, say nothing.
