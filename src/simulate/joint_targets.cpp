@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "position_reach.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 
@@ -57,6 +58,12 @@ JointTargets readJointTargets(const CsvTable& table, const ArmModel& model, bool
     const auto positions = kindOf(model.joints[j].type).read(table, "target_" + model.joints[j].name);
     for (std::size_t row = 0; row < positions.size(); ++row) targets.joints[row * joints + j] = positions[row];
   }
+  refusePositionsOutOfReach(
+      model, {.file = table.name(),
+              .count = targets.times.size(),
+              .joints = [&](std::size_t row) { return std::span(targets.joints).subspan(row * joints, joints); },
+              .place = [&](std::size_t row) { return fmt::format("{:g} s", targets.times[row]); },
+              .stem = "target_"});
   return targets;
 }
 

@@ -59,11 +59,12 @@ void refuseJointOutOfReach(const Joint& joint, std::size_t j, const PlacedPositi
   if (reached(-1.0)) {
     help = "; its sign looks turned: positions count about the joint's axis, as the model has it";
   } else if (std::abs(at(largest)) > reach.largest && reached(reach.mistaken)) {
-    help = fmt::format("; it looks like {}: name the column {}{}", reach.looks_like, joint.name, reach.end);
+    help = fmt::format("; it looks like {}: name the column {}{}{}", reach.looks_like, positions.stem, joint.name,
+                       reach.end);
   }
-  throw DataError(fmt::format("{}: {}: {}_{}: found {:.6g}, expected {} within the joint's limits{}", positions.file,
-                              positions.place(farthest), joint.name, kindOf(joint.type).unit, at(farthest), reach.what,
-                              help));
+  throw DataError(fmt::format("{}: {}: {}{}_{}: found {:.6g}, expected {} within the joint's limits{}", positions.file,
+                              positions.place(farthest), positions.stem, joint.name, kindOf(joint.type).unit,
+                              at(farthest), reach.what, help));
 }
 
 /// A start is where the arm begins, so it has to be one that its couplings allow.

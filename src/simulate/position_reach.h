@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "simgap/measure/motion_set.h"
 #include "simgap/model/arm/arm.h"
@@ -20,6 +21,7 @@ struct PlacedPositions {
   double most_outside = 0.0;  ///< share of the places that may lie out of reach: single frames do where one is lost
   /// How far one may lie beyond a joint's limits, of what a hand-made model may have wrong: a quarter turn or 0.25 m.
   double tolerance = 1.0;
+  std::string_view stem = {};  ///< before a joint's name in its column: "target_"
 };
 
 /// Refuses positions in degrees or millimetres where radians or metres are announced, with a turned sign, or otherwise

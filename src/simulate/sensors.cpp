@@ -27,7 +27,10 @@ double sensed(double value, const SensorNoise& sensor, double normal_number) {
 void readClock(const YamlNode& node, SensorClock& clock) {
   clock.rate = node.findQuantity("rate", "Hz", kPositive).value_or(clock.rate);
   clock.offset = node.findQuantity("clock_offset", "s").value_or(clock.offset);
-  if (const auto drift = node.find("clock_drift_ppm")) clock.drift = 1e-6 * drift->number();
+  if (const auto drift = node.find("clock_drift_ppm")) {
+    // A clock that runs backwards, or ten times as fast, is a slip of the unit, and its file is no recording.
+    clock.drift = 1e-6 * drift->number({-1e5, 1e5, false, "-100000 to 100000 ppm"});
+  }
 }
 
 void readNoise(const YamlNode& node, const std::string& name, std::string_view unit, SensorNoise& sensor) {

@@ -224,6 +224,11 @@ TEST_F(SimulateTest, JointsFollowTheirTargetsThroughTheTendonJacobian) {
   EXPECT_FALSE(table("run/muscles.csv").has("force_biceps_N"));
   put("both.csv", "time_s,target_elbow_deg,force_biceps_N\n0,40,3\n1,40,3\n");
   expectRefused(simulate("both.csv"), 3, "expected joints or muscles to be commanded");
+  put("degrees.csv", "time_s,target_elbow_rad\n0,40\n1,40\n2,70\n");
+  expectRefused(simulate("degrees.csv"), 3, "target_elbow_rad: found 70, expected an angle in rad within the joint's");
+  expectRefused(simulate("degrees.csv"), 3, "it looks like degrees: name the column target_elbow_deg");
+  put("back.yaml", "format: simgap/simulation/1\nsensors: {joints: {clock_drift_ppm: -2e6}}\n");
+  expectRefused(simulate("targets.csv", {"--config", "back.yaml"}), 2, "clock_drift_ppm: found -2e6, expected -100000");
   put("none.csv", "time_s,target_knee_deg\n0,40\n1,40\n");
   expectRefused(simulate("none.csv"), 3, "target_elbow");
   succeed({"convert", robotFile("robot.urdf"), "robot.yaml"});
