@@ -12,7 +12,7 @@ using ::testing::Not;
 
 Diagnosis withoutCauses(double rms, double noise) {
   Diagnosis d;
-  d.baseline.mse_heldout = rms * rms;
+  d.baseline.mse_heldout = d.extended.mse_heldout = rms * rms;
   d.noise_floor = noise * noise;
   conclude(d);
   return d;
@@ -58,7 +58,7 @@ TEST(LogConclusion, WhatToRecordCanBeDone) {
 
 TEST(LogConclusion, WhatIsLeftThroughoutAndFollowsNoChannelIsUnexplained) {
   Diagnosis d;
-  d.baseline.mse_heldout = 0.16 * 0.16;
+  d.baseline.mse_heldout = d.extended.mse_heldout = 0.16 * 0.16;
   d.noise_floor = 0.04 * 0.04;
   d.left_over_percent = 94.0;
   conclude(d);
@@ -69,7 +69,7 @@ TEST(LogConclusion, WhatIsLeftThroughoutAndFollowsNoChannelIsUnexplained) {
 
 TEST(LogConclusion, WhatIsTheSameInAllRowsIsAnOffset) {
   Diagnosis d;
-  d.baseline.mse_heldout = 0.16 * 0.16;
+  d.baseline.mse_heldout = d.extended.mse_heldout = 0.16 * 0.16;
   d.noise_floor = 0.04 * 0.04;
   d.left_over_percent = 94.0;
   d.unexplained = {{"an offset", 0.94, {}}};
