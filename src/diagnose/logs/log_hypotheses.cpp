@@ -116,22 +116,20 @@ Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
     }
     starts.push_back(model->solveCoefficients(std::move(start), training_));
   }
-  std::vector<std::pair<double, RowLinearisation>> promise;  // the few that leave least after one step, the best first
-  for (const std::vector<double>& start : starts) {
+  std::vector<std::pair<double, std::size_t>> promise;
+  for (std::size_t s = 0; s < starts.size(); ++s) {
     stopIfInterrupted();
-    RowLinearisation there = linearise(*model, start);
     const bool choose = starts.size() > kToTheEnd || hopeless > 0.0;
-    const double cost = choose ? linearisedCost(*model, training_, there) : 0.0;
-    const auto place = std::ranges::upper_bound(promise, cost, {}, &std::pair<double, RowLinearisation>::first);
-    promise.emplace(place, cost, std::move(there));
-    if (promise.size() > kToTheEnd) promise.pop_back();
+    promise.emplace_back(choose ? linearisedCost(*model, training_, linearise(*model, starts[s])) : 0.0, s);
   }
+  std::ranges::stable_sort(promise);
   if (hopeless > 0.0 && promise[0].first > hopeless) {
-    return {model, promise[0].second.theta, promise[0].first / training_rows_, {}, {}};
+    return {model, starts[promise[0].second], promise[0].first / training_rows_, {}, {}};
   }
+  promise.resize(std::min(promise.size(), kToTheEnd));
   Fitted best{model, {}, 0.0, {}, {}};
   for (std::size_t k = 0; k < promise.size(); ++k) {
-    const RowFit fit = fitRows(*model, training_, promise[k].second);
+    const RowFit fit = fitRows(*model, training_, linearise(*model, starts[promise[k].second]));
     if (k > 0 && fit.cost >= best.mse * training_rows_) continue;
     best.theta = fit.theta;
     best.mse = fit.cost / training_rows_;
