@@ -88,29 +88,21 @@ MatrixXd gramOf(const MatrixXd& jacobian, std::span<const Block> blocks) {
   return gram;
 }
 
-RowLinearisation linearise(const RowModel& model, std::vector<double> theta) {
-  const std::vector<ParameterSpec>& parameters = model.parameters();
-  for (std::size_t i = 0; i < theta.size(); ++i) {
-    if (!parameters[i].fixed) theta[i] = std::clamp(theta[i], parameters[i].lower, parameters[i].upper);
-  }
-  RowLinearisation at{std::move(theta), {}, {}};
-  model.evaluate(at.theta, at.residual, &at.jacobian);
-  return at;
-}
-
-RowFit fitRows(const RowModel& model, std::span<const Block> blocks, const RowLinearisation& start,
+RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
                const RowFitOptions& options) {
   const std::vector<ParameterSpec>& parameters = model.parameters();
-  RowFit fit{start.theta, 0.0, 0};
-  RowLinearisation moved;
-  VectorXd trial_residual;
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    if (!parameters[i].fixed) start[i] = std::clamp(start[i], parameters[i].lower, parameters[i].upper);
+  }
+  RowFit fit{std::move(start), 0.0, 0};
+  VectorXd residual, trial_residual;
+  MatrixXd jacobian;
   double damping = 1e-6;
   for (; fit.iterations < options.max_iterations; ++fit.iterations) {
     stopIfInterrupted();
-    if (fit.iterations > 0) moved = linearise(model, fit.theta);
-    const RowLinearisation& here = fit.iterations > 0 ? moved : start;
-    fit.cost = costOf(here.residual, blocks);
-    const Normal normal = normalOf(here.jacobian, here.residual, blocks);
+    model.evaluate(fit.theta, residual, &jacobian);
+    fit.cost = costOf(residual, blocks);
+    const Normal normal = normalOf(jacobian, residual, blocks);
     const std::vector<Index> free = freeOnes(parameters, fit.theta, normal);
     if (free.empty()) break;
     bool better = false;
@@ -135,12 +127,15 @@ RowFit fitRows(const RowModel& model, std::span<const Block> blocks, const RowLi
   return fit;
 }
 
-double linearisedCost(const RowModel& model, std::span<const Block> blocks, const RowLinearisation& start) {
-  const Normal normal = normalOf(start.jacobian, start.residual, blocks);
-  const std::vector<Index> free = freeOnes(model.parameters(), start.theta, normal);
-  const double cost = costOf(start.residual, blocks);
+double linearisedCost(const RowModel& model, std::span<const Block> blocks, std::span<const double> start) {
+  VectorXd residual;
+  MatrixXd jacobian;
+  model.evaluate(start, residual, &jacobian);
+  const Normal normal = normalOf(jacobian, residual, blocks);
+  const std::vector<Index> free = freeOnes(model.parameters(), start, normal);
+  const double cost = costOf(residual, blocks);
   if (free.empty()) return cost;
-  const VectorXd delta = step(model.parameters(), start.theta, normal, free, 1e-9);
+  const VectorXd delta = step(model.parameters(), start, normal, free, 1e-9);
   return cost + 2.0 * normal.g.dot(delta) + delta.dot(normal.h * delta);
 }
 

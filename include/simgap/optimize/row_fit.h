@@ -24,16 +24,6 @@ class RowModel {
   virtual void evaluate(std::span<const double> theta, Eigen::VectorXd& residual, Eigen::MatrixXd* jacobian) const = 0;
 };
 
-/// Errors of a model and their slopes at one place: where several fits begin, they are worked out once.
-struct RowLinearisation {
-  std::vector<double> theta;  ///< shape (P)
-  Eigen::VectorXd residual;   ///< shape (rows)
-  Eigen::MatrixXd jacobian;   ///< shape (rows, P)
-};
-
-/// \param theta  shape (P); moved into the bounds.
-RowLinearisation linearise(const RowModel& model, std::vector<double> theta);
-
 struct RowFit {
   std::vector<double> theta;  ///< shape (P)
   double cost = 0.0;          ///< sum of squares over the blocks
@@ -48,11 +38,12 @@ struct RowFitOptions {
 /// J^T J over the rows of some blocks, shape (P, P).
 Eigen::MatrixXd gramOf(const Eigen::MatrixXd& jacobian, std::span<const Block> blocks);
 
-RowFit fitRows(const RowModel& model, std::span<const Block> blocks, const RowLinearisation& start,
+/// \param start  shape (P); moved into the bounds.
+RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
                const RowFitOptions& options = {});
 
 /// Cost after one full Gauss-Newton step as the linearised model sees it: tells at which start to begin.
-double linearisedCost(const RowModel& model, std::span<const Block> blocks, const RowLinearisation& start);
+double linearisedCost(const RowModel& model, std::span<const Block> blocks, std::span<const double> start);
 
 /// Covariance of theta from the scores of blocks, H^-1 (sum_b g_b g_b^T) H^-1 (sandwich: Liang & Zeger 1986); it holds
 /// for correlated residuals. Shape (P, P), 0 for what is fixed, at a bound or without effect.

@@ -105,12 +105,11 @@ std::vector<Fold> foldsOf(const std::vector<Block>& heldout, const std::vector<i
   return folds;
 }
 
-/// Errors of a model that has seen nothing of the session. \param at  the model where it was fitted
-VectorXd residualWithout(const LogSearch& search, const Fitted& fitted, const RowLinearisation& at,
-                         const std::vector<int>& session, int own) {
+/// Errors of a model that has seen nothing of the session.
+VectorXd residualWithout(const LogSearch& search, const Fitted& fitted, const std::vector<int>& session, int own) {
   std::vector<Block> others = search.training();
   std::erase_if(others, [&](const Block& b) { return session[b.begin] == own; });
-  return others.empty() ? residualOf(fitted) : refittedResidual(fitted, at, others);
+  return others.empty() ? residualOf(fitted) : refittedResidual(fitted, others);
 }
 
 }  // namespace
@@ -122,10 +121,9 @@ std::vector<VectorXd> heldOutResiduals(const LogSearch& search, const std::vecto
   const Index rows = search.data().rows.rows();
   std::vector<VectorXd> unseen(models.size(), VectorXd::Zero(rows));
   tbb::parallel_for(std::size_t{0}, models.size(), [&](std::size_t m) {
-    const RowLinearisation at = by_session ? linearise(*models[m].model, models[m].theta) : RowLinearisation{};
     const VectorXd fit = by_session ? VectorXd() : residualOf(models[m]);
     for (const Fold& fold : folds) {
-      const VectorXd own = by_session ? residualWithout(search, models[m], at, session, fold.session) : VectorXd();
+      const VectorXd own = by_session ? residualWithout(search, models[m], session, fold.session) : VectorXd();
       const VectorXd& residual = by_session ? own : fit;
       for (const Block& b : fold.blocks) {
         const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());

@@ -120,7 +120,7 @@ Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
   for (std::size_t s = 0; s < starts.size(); ++s) {
     stopIfInterrupted();
     const bool choose = starts.size() > kToTheEnd || hopeless > 0.0;
-    promise.emplace_back(choose ? linearisedCost(*model, training_, linearise(*model, starts[s])) : 0.0, s);
+    promise.emplace_back(choose ? linearisedCost(*model, training_, starts[s]) : 0.0, s);
   }
   std::ranges::stable_sort(promise);
   if (hopeless > 0.0 && promise[0].first > hopeless) {
@@ -129,7 +129,7 @@ Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
   promise.resize(std::min(promise.size(), kToTheEnd));
   Fitted best{model, {}, 0.0, {}, {}};
   for (std::size_t k = 0; k < promise.size(); ++k) {
-    const RowFit fit = fitRows(*model, training_, linearise(*model, starts[promise[k].second]));
+    const RowFit fit = fitRows(*model, training_, starts[promise[k].second]);
     if (k > 0 && fit.cost >= best.mse * training_rows_) continue;
     best.theta = fit.theta;
     best.mse = fit.cost / training_rows_;
@@ -182,20 +182,19 @@ Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects, std
   return fitFromStarts(model, starts);
 }
 
-Eigen::VectorXd refittedResidual(const Fitted& fitted, const RowLinearisation& at, const std::vector<Block>& blocks) {
-  const RowFit fit = fitRows(*fitted.model, blocks, at, {.max_iterations = 3, .tolerance = 1e-5});
+Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks) {
+  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = 3, .tolerance = 1e-5});
   return residualOf(fitted, fit.theta);
 }
 
 void LogSearch::validate(Fitted& fitted) const {
   fitted.unseen = Eigen::VectorXd::Zero(data_.rows.rows());
-  const RowLinearisation at = linearise(*fitted.model, fitted.theta);
   tbb::parallel_for(0, kFolds, [&](int f) {
     std::vector<Block> others;
     for (int g = 0; g < kFolds; ++g) {
       if (g != f) others.insert(others.end(), folds_[g].begin(), folds_[g].end());
     }
-    const Eigen::VectorXd residual = refittedResidual(fitted, at, others);
+    const Eigen::VectorXd residual = refittedResidual(fitted, others);
     for (const Block& b : folds_[f]) {
       const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
       fitted.unseen.segment(begin, size) = residual.segment(begin, size);
@@ -363,7 +362,7 @@ Fitted LogSearch::beside(const Fitted& fitted, const Hypothesis& other, const Fi
 }
 
 Eigen::MatrixXd LogSearch::refit(Fitted& fitted, const std::vector<Block>& blocks) const {
-  const RowFit fit = fitRows(*fitted.model, blocks, linearise(*fitted.model, fitted.theta));
+  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta);
   fitted.theta = fit.theta;
   fitted.mse = fit.cost / rowsIn(blocks, data_.keep);
   // What a model gets slightly wrong lasts for a whole motion: pieces would take it for many independent errors.

@@ -43,8 +43,8 @@ double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep);
 Eigen::VectorXd residualOf(const Fitted& fitted);
 /// The same at another place. \param theta  shape (P)
 Eigen::VectorXd residualOf(const Fitted& fitted, std::span<const double> theta);
-/// The same refitted to other blocks, by a few steps from where it is. \param at  the model there
-Eigen::VectorXd refittedResidual(const Fitted& fitted, const RowLinearisation& at, const std::vector<Block>& blocks);
+/// The same refitted to other blocks, by a few steps from where it is.
+Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks);
 
 /// One hypothesis on top of a model.
 struct Trial {
