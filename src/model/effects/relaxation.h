@@ -1,5 +1,6 @@
 /// \file
-/// Relaxation times that a log can show: of some time steps and more, and short enough to see it die away.
+/// Relaxation, and the times of it that a log can show: of some time steps and more, and short enough to see it die
+/// away.
 #pragma once
 
 #include <algorithm>
@@ -22,6 +23,19 @@ inline double longestSession(const ActuatorRows& rows) {
     longest = std::max(longest, rows.time[i] - rows.time[begin]);
   }
   return longest;
+}
+
+/// What a spring and a damper in series hold of the stretches of `x`, shape (rows): dy/dt = dx/dt - y / tau, solved
+/// exactly for an x that changes linearly between rows. Every session begins relaxed. \param tau  > 0 [s]
+inline Eigen::ArrayXd maxwellBranch(const ActuatorRows& rows, double tau, const Eigen::ArrayXd& x) {
+  Eigen::ArrayXd y = Eigen::ArrayXd::Zero(rows.rows());
+  for (Eigen::Index i = 1; i < rows.rows(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (rows.session[k] != rows.session[k - 1]) continue;
+    const double dt = rows.time[i] - rows.time[i - 1], stays = std::exp(-dt / tau);
+    y[i] = stays * y[i - 1] + tau / dt * (1.0 - stays) * (x[i] - x[i - 1]);
+  }
+  return y;
 }
 
 /// Where a search may begin [s]. \param part  0: fast, 1: slow

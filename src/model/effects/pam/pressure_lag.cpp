@@ -4,8 +4,6 @@
 ///     f = z g(e),   tau dz/dt = p - z,
 ///
 /// z solved exactly for a pressure that changes linearly between rows. Every session begins settled.
-#include <cmath>
-
 #include "model/effects/relaxation.h"
 #include "simgap/model/effects/actuator_effect.h"
 
@@ -14,22 +12,9 @@ namespace {
 
 constexpr EffectParameter kParameters[] = {{"tau", "s", 0.0, 1e2, 0.0, 0.0}};
 
+/// z = p - y with dy/dt = dp/dt - y / tau: what has not arrived yet is what a Maxwell branch holds.
 void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
-  const double tau = p[0];
-  if (tau <= 0.0) return;
-  double before = 0.0, behind = 0.0;  // pressure of the row before, and by how much the muscle's differed from it
-  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double now = terms.pressure[i];
-    if (i == 0 || rows.session[k] != rows.session[k - 1]) {
-      behind = 0.0;
-    } else {
-      const double dt = rows.time[i] - rows.time[i - 1], lag = tau * (now - before) / dt;
-      behind = (behind + lag) * std::exp(-dt / tau) - lag;
-    }
-    before = now;
-    terms.pressure[i] = now + behind;
-  }
+  if (p[0] > 0.0) terms.pressure -= maxwellBranch(rows, p[0], terms.pressure);
 }
 
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {

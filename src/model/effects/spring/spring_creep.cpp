@@ -18,29 +18,13 @@ constexpr EffectParameter kParameters[] = {{"tau", "s", 1e-3, 1e4, 1.0, 1.0, Eff
                                            {"decades", "1", 0.0, 4.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 constexpr EffectColumn kColumns[] = {{.name = "stiffness", .unit = "Nm_rad", .lower = 0.0, .torque = false}};
 
-/// y of one branch, shape (n), times `share`, added to `sum`.
-void addBranch(double tau, double share, const ActuatorRows& rows, const Eigen::ArrayXd& deflection,
-               Eigen::Ref<Eigen::ArrayXd> sum) {
-  double y = 0.0;
-  for (Eigen::Index i = 1; i < rows.rows(); ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (rows.session[k] != rows.session[k - 1]) {
-      y = 0.0;
-      continue;
-    }
-    const double dt = rows.time[i] - rows.time[i - 1], stays = std::exp(-dt / tau);
-    y = stays * y + tau / dt * (1.0 - stays) * (deflection[i] - deflection[i - 1]);
-    sum[i] += share * y;
-  }
-}
-
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.setZero();
   const int branches = p[1] > 0.0 ? kBranches : 1;
   for (int b = 0; b < branches; ++b) {
     const double place = branches > 1 ? static_cast<double>(b) / (branches - 1) - 0.5 : 0.0;
-    addBranch(p[0] * std::pow(10.0, p[1] * place), 1.0 / branches, rows, terms.deflection, x.col(0));
+    x.col(0) += 1.0 / branches * maxwellBranch(rows, p[0] * std::pow(10.0, p[1] * place), terms.deflection);
   }
 }
 
