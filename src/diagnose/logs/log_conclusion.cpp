@@ -22,6 +22,13 @@ double timesTheNoise(const Diagnosis& d) {
   return d.noise_floor > 0.0 ? std::sqrt(d.extended.mse_heldout / d.noise_floor) : 0.0;
 }
 
+std::string recordTwice(const Diagnosis& d) {
+  return fmt::format(
+      "What is left is {:.1f} times the noise and follows no logged channel: log what else acts on the rig, and "
+      "record one motion twice; what differs between the two is not the drive's.",
+      timesTheNoise(d));
+}
+
 /// Whether something acts on the rig that no channel shows, such as a push: more than a rough model or an uneven noise.
 bool farAboveNoise(const Diagnosis& d) {
   constexpr double kFar = 2.0;
@@ -145,16 +152,12 @@ std::string nextExperiment(const Diagnosis& d, const PreparedLog& log) {
                               log.data.rows.top_load, log.data.load_unit);
   }
   if (d.verdict == DiagnosisVerdict::kUnexplained && !d.unexplained.empty()) return stepsOf(d.unexplained[0].channel);
-  const std::string unseen = fmt::format(
-      "What is left is {:.1f} times the noise and follows no logged channel: log what else acts on the rig, and "
-      "record one motion twice; what differs between the two is not the drive's.",
-      timesTheNoise(d));
   if (!d.causes.empty()) {
     const std::string confirm = fmt::format("To confirm {} independently: record {}.", d.causes[0].effect,
                                             actuator_effects::find(d.causes[0].effect).separates);
-    return d.left_over_percent >= 1.0 && d.unexplained.empty() ? confirm + " " + unseen : confirm;
+    return d.left_over_percent >= 1.0 && d.unexplained.empty() ? confirm + " " + recordTwice(d) : confirm;
   }
-  if (farAboveNoise(d) || d.verdict == DiagnosisVerdict::kUnexplained) return unseen;
+  if (farAboveNoise(d) || d.verdict == DiagnosisVerdict::kUnexplained) return recordTwice(d);
   if (d.verdict != DiagnosisVerdict::kNothingFound) return {};
   constexpr double kAtTheNoise = 1.2;
   if (timesTheNoise(d) > kAtTheNoise) {

@@ -149,9 +149,10 @@ std::vector<std::string> partlyKnown(const std::vector<RunFigures>& runs) {
   return names;
 }
 
-Json warningsOf(const std::vector<RunFigures>& runs) {
+/// \param partly  parameters that only some of them know
+Json warningsOf(const std::vector<RunFigures>& runs, const std::vector<std::string>& partly) {
   Json warnings = Json::array();
-  for (const std::string& name : partlyKnown(runs)) {
+  for (const std::string& name : partly) {
     std::vector<std::string> where;
     for (const RunFigures& run : runs) {
       if (std::ranges::find(run.without_interval, name) != run.without_interval.end()) where.push_back(run.name);
@@ -190,9 +191,15 @@ Json compareRuns(const std::vector<RunFigures>& runs) {
   Json parameters = Json::array();
   for (const Shared& s : shared) parameters.push_back(parameterJson(s, pool(s.estimates), runs));
   judge(shared, parameters);
-  return {{"format", "simgap/compare/1"},      {"compared", runs[0].format},  {"runs", described},
-          {"errors", errorsJson(runs)},        {"parameters", parameters},    {"causes", causesJson(runs)},
-          {"partly_known", partlyKnown(runs)}, {"warnings", warningsOf(runs)}};
+  const std::vector<std::string> partly = partlyKnown(runs);
+  return {{"format", "simgap/compare/1"},
+          {"compared", runs[0].format},
+          {"runs", described},
+          {"errors", errorsJson(runs)},
+          {"parameters", parameters},
+          {"causes", causesJson(runs)},
+          {"partly_known", partly},
+          {"warnings", warningsOf(runs, partly)}};
 }
 
 std::string comparisonAnswer(const Json& result) {
