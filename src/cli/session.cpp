@@ -110,6 +110,7 @@ void refuseOptions(const CLI::App& app, std::initializer_list<const char*> optio
 CsvOptions TableOptions::csv() const {
   CsvOptions options;
   options.skip_bad_rows = skip_bad_rows;
+  options.missing_advice = "; --map NAME=COLUMN says that COLUMN of the file is NAME";
   for (const std::string& entry : map) {
     const auto equals = entry.find('=');
     if (equals == std::string::npos || equals == 0 || equals + 1 == entry.size()) {

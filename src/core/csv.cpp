@@ -97,6 +97,7 @@ class CsvParser {
   void readHeader() {
     if (cells_.atEnd()) failInCsv(name_, kHeaderLine, "found an empty file, expected a header row");
     headers_ = cells_.nextRow();
+    if (headers_.size() > 1 && headers_.back().empty()) headers_.pop_back();
     requireHeaders(headers_, name_);
     headers_ = renamed(headers_, options_.rename, name_);
     requireHeaders(headers_, name_);
@@ -110,16 +111,24 @@ class CsvParser {
     const std::uint32_t line = cells_.line();
     std::size_t count = 0;
     bool last = false;
-    while (!last) {
-      last = count < columns_.size() ? readCell(columns_[count]) : cells_.next().last;
+    while (!last && count < columns_.size()) {
+      last = readCell(columns_[count]);
       ++count;
+    }
+    while (!last) {
+      const CsvCell cell = cells_.next();
+      last = cell.last;
+      // What ends every line with a separator (PLCs, LabVIEW) has no cell behind it.
+      if (!last || count > columns_.size() || !cell.raw.empty()) ++count;
     }
     if (count == columns_.size()) {
       acceptRow(line);
     } else if (options_.skip_bad_rows) {
       takeRowBack();
     } else {
-      failInCsv(name_, line, fmt::format("found {} cells, expected {}", count, columns_.size()));
+      failInCsv(name_, line,
+                fmt::format("found {} cells, expected {}{}", count, columns_.size(),
+                            columns_.size() == 1 ? ": line 1 has to name the columns; is it a title?" : ""));
     }
   }
 
@@ -209,6 +218,7 @@ class CsvParser {
     result.lines_ = std::move(lines_);
     result.text_ = text_;
     result.decimal_ = cells_.decimal();
+    result.missing_advice_ = options_.missing_advice;
     scaleColumns(result.headers_);
     for (Column& column : columns_) {
       const bool number = column.kind == Kind::kNumber;
@@ -366,7 +376,7 @@ void CsvTable::failMissing(std::string_view stem, std::string_view unit) const {
   for (std::size_t i = 0; i < spellings.size() && nearest.empty(); ++i) nearest = nearestName(spellings[i], headers_);
   failInCsv(name_, kHeaderLine,
             fmt::format("found no column {}, expected it among {}{}", fmt::join(spellings, " or "), listed(headers_),
-                        didYouMean(nearest)));
+                        nearest.empty() ? missing_advice_ : didYouMean(nearest)));
 }
 
 void CsvTable::failCell(std::size_t row, std::size_t column) const {

@@ -78,6 +78,12 @@ void syncFolder(const fs::path& folder) {
 }
 
 [[noreturn]] void failToRead(const fs::path& file, int error) {
+  if (error == EISDIR) {
+    const fs::path model = file / "model.yaml";
+    std::error_code none;
+    throw ConfigError(fmt::format("{}: found a directory, expected a file{}", file.string(),
+                                  fs::exists(model, none) ? ": the model of this run is " + model.string() : ""));
+  }
   throw ConfigError(fmt::format("{}: cannot be read: {}", file.string(), std::strerror(error)));
 }
 

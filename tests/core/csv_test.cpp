@@ -101,6 +101,23 @@ TEST(Csv, TakesAnEmptyCellAtTheEndOfTheText) {
   EXPECT_THAT(parseCsv("a,b\n1,\n").text("b"), ElementsAre(""));
 }
 
+// As a PLC and LabVIEW write them.
+TEST(Csv, ASeparatorMayEndALine) {
+  for (const std::string text : {"a_m;b;\n1;2;\n3;4;\n", "a_m;b\n1;2;\n3;4;", "a_m;b;\n1;2\n3;4\n"}) {
+    const CsvTable table = parseCsv(text);
+    EXPECT_THAT(table.columns(), ElementsAre("a_m", "b")) << text;
+    EXPECT_THAT(table.quantity("a", "m"), ElementsAre(1.0, 3.0)) << text;
+    EXPECT_THAT(table.text("b"), ElementsAre("2", "4")) << text;
+  }
+  EXPECT_EQ(parseSentence("a,b,\n1,2,3\n"), "log.csv:2: found 3 cells, expected 2");
+  EXPECT_EQ(parseSentence("a,b\n1,2,,\n"), "log.csv:2: found 4 cells, expected 2");
+}
+
+TEST(Csv, SaysThatATitleIsNoHeader) {
+  EXPECT_EQ(parseSentence("rig 3\nt,i\n0,1\n"),
+            "log.csv:2: found 2 cells, expected 1: line 1 has to name the columns; is it a title?");
+}
+
 TEST(Csv, MayHoldAHeaderOnly) {
   const CsvTable table = parseCsv("a_m,b\n");
   EXPECT_EQ(table.rows(), 0u);
@@ -239,6 +256,9 @@ TEST(CsvQuantity, NamesTheMissingColumnAndTheOnesThere) {
             "log.csv:1: found no column contraction, expected it among pose, x");
   EXPECT_EQ(csvSentence([] { parseCsv("a,b\n").text("pose"); }),
             "log.csv:1: found no column pose, expected it among a, b");
+  const CsvOptions options{.missing_advice = "; this may help"};
+  EXPECT_EQ(csvSentence([&] { CsvTable::parse("a,b\n", "log.csv", options).text("pose"); }),
+            "log.csv:1: found no column pose, expected it among a, b; this may help");
 }
 
 TEST(CsvQuantity, RefusesAQuantityInTwoUnits) {

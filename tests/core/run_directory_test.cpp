@@ -98,7 +98,11 @@ TEST_F(RunDirectoryTest, ReadersNeverSeeAPartOfAFile) {
 TEST_F(RunDirectoryTest, UnreadableFileIsNamed) {
   const fs::path missing = folder_ / "missing.csv";
   EXPECT_EQ(errorOf([&] { readFile(missing); }), missing.string() + ": cannot be read: No such file or directory");
-  EXPECT_EQ(errorOf([&] { readFile(folder_); }), folder_.string() + ": cannot be read: Is a directory");
+  EXPECT_EQ(errorOf([&] { readFile(folder_); }), folder_.string() + ": found a directory, expected a file");
+  writeFileAtomically(folder_ / "model.yaml", "a: 1\n");
+  EXPECT_EQ(errorOf([&] { readFile(folder_); }), folder_.string() +
+                                                     ": found a directory, expected a file: the model of this run is " +
+                                                     (folder_ / "model.yaml").string());
 }
 
 TEST_F(RunDirectoryTest, AFileThatIsTooLargeIsRefusedWhateverItsSize) {

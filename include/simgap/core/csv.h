@@ -1,6 +1,6 @@
 /// \file
 /// Strict reading and atomic writing of CSV (RFC 4180, header row, gzip when the name ends in .gz). Semicolons and tabs
-/// separate, too.
+/// separate, too; a separator may end each line.
 #pragma once
 
 #include <cstddef>
@@ -22,6 +22,7 @@ struct CsvOptions {
   bool skip_bad_rows = false;  ///< drop and count rows with a bad cell in a numeric column, or ragged rows
   std::map<std::string, std::string> rename;  ///< canonical name -> column of the file (`--map canonical=column`)
   std::map<std::string, double> scale = {};   ///< canonical name -> factor (`--map canonical=column*factor`)
+  std::string missing_advice = {};            ///< ends the sentence of a missing column
 };
 
 /// A table held by columns. Numbers are parsed once, on loading; a column whose first cell that is not empty is no
@@ -87,6 +88,7 @@ class CsvTable {
   std::vector<std::uint32_t> lines_;                           ///< empty when row r stands on line r + 2
   std::shared_ptr<const std::string> text_;                    ///< the whole file
   char decimal_ = '.';                                         ///< or ','
+  std::string missing_advice_;
 };
 
 /// Builds a CSV text: a header row, then rows of numbers (shortest form that reads back exactly) and texts (quoted when
