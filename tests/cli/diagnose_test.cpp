@@ -105,6 +105,18 @@ TEST_F(DiagnoseTest, NamesADelayBetweenChannels) {
   EXPECT_NEAR(answer.result.at("causes")[0].at("parameters")[0].at("value").get<double>(), 0.05, 0.01);
 }
 
+// A bridge with one strain gauge, which loses balance with the load: torque-saturation was named for it, and "Left:
+// nothing".
+TEST_F(DiagnoseTest, NamesATorqueSensorThatBends) {
+  reality::DriveDraw draw = shortDraw(16, 12000);
+  draw.effects = {"torque-sensor-nonlinearity"};
+  draw.secret.gauge_bend = 0.01;
+  const LogAnswer answer = ask(draw);
+  ASSERT_TRUE(answer.namedAlone("torque-sensor-nonlinearity")) << answer.result.at("sentence");
+  const Json c = answer.result.at("causes")[0].at("parameters").at(0);
+  EXPECT_NEAR(c.at("value"), 0.01, 0.003);
+}
+
 TEST_F(DiagnoseTest, NamesHeating) {
   reality::DriveDraw draw = shortDraw(14);
   draw.effects = {"friction-heating"};

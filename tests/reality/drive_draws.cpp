@@ -41,7 +41,8 @@ const std::vector<Drawable>& drawables() {
       {"current-bias", 0.1, [](DriveSecret& s, double m) { s.current_bias = m; }},
       {"torque-bias", 0.15, [](DriveSecret& s, double m) { s.torque_bias = m; }},
       {"channel-delay", 0.03, [](DriveSecret& s, double m) { s.delay = m; }},
-      {"regime-change", 0.15, [](DriveSecret& s, double m) { s.change_share = m; }}};
+      {"regime-change", 0.15, [](DriveSecret& s, double m) { s.change_share = m; }},
+      {"torque-sensor-nonlinearity", 0.003, [](DriveSecret& s, double m) { s.gauge_bend = m; }}};
   return list;
 }
 
@@ -188,7 +189,8 @@ std::optional<std::pair<std::string, double>> statedParameter(const DriveDraw& d
       {"current-bias", {"I_0", s.current_bias}},
       {"torque-bias", {"tau_0", s.torque_bias}},
       {"channel-delay", {"dt", s.delay}},
-      {"regime-change", {"a", s.change_share}}};
+      {"regime-change", {"a", s.change_share}},
+      {"torque-sensor-nonlinearity", {"c", s.gauge_bend}}};
   const auto found = stated.find(draw.effects[0]);
   if (found == stated.end()) return std::nullopt;
   return found->second;

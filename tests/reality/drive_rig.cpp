@@ -145,7 +145,7 @@ Truth Drive::run() {
       r.time.push_back(clock);
       r.current.push_back(current);
       r.velocity.push_back(w);
-      r.torque.push_back(load - secret_.torque_bias);
+      r.torque.push_back(load / (1.0 + secret_.gauge_bend * load) - secret_.torque_bias);
       r.angle.push_back(angle);
       r.temperature.push_back(temperature);
       r.humidity.push_back(humidity);
