@@ -37,7 +37,9 @@ ExitCode separateLogs(const SeparateOptions& options, Session& session, const CL
   std::vector<LogProtocol> protocols;
   for (const double speed : options.speeds) {
     for (const double load : loads) {
-      protocols.push_back({speed, load, foreseeChange(evidence, protocolOf(speed, load))});
+      LogProtocol& protocol =
+          protocols.emplace_back(LogProtocol{speed, load, foreseeChange(evidence, protocolOf(speed, load))});
+      protocol.beyond = beyondLimits(protocol.foreseen, options.limits);
     }
   }
   const LogProtocol& best = bestOf(protocols);
@@ -51,7 +53,8 @@ ExitCode separateLogs(const SeparateOptions& options, Session& session, const CL
 
 ExitCode separateArms(const SeparateOptions& options, Session& session) {
   const PoseEvidence evidence = readPoseEvidence(options.of.run, session);
-  const SeparationOptions separation{options.candidates, options.count, options.of.common.seed.value_or(1)};
+  const SeparationOptions separation{options.candidates, options.count, options.of.common.seed.value_or(1),
+                                     options.limits.tension};
   if (options.of.common.dry_run) {
     session.print(fmt::format("would choose {} of {} commands to tell {} models apart; nothing was written\n",
                               separation.poses, separation.candidates, evidence.candidates.size()));
@@ -74,9 +77,9 @@ ExitCode separateMotionSets(const SeparateOptions& options, Session& session) {
   }
   session.begin(options.of.common.seed.value_or(0));
   std::optional<Progress> progress(std::in_place, "design:", 100, options.of.common.quiet, Progress::Unit::kPercent);
-  const MotionSeparation found = separateMotions(evidence, options.speeds, options.count, [&](double done) {
-    progress->update(static_cast<std::size_t>(100.0 * done));
-  });
+  const MotionSeparation found =
+      separateMotions(evidence, options.speeds, options.count, options.limits,
+                      [&](double done) { progress->update(static_cast<std::size_t>(100.0 * done)); });
   for (const MotionProtocol& protocol : found.protocols) {
     if (protocol.chosen == 0) continue;
     session.directory().write(nextMotionFile(protocol.chosen),
@@ -93,14 +96,16 @@ ExitCode separateMotionSets(const SeparateOptions& options, Session& session) {
 ExitCode designSeparation(const SeparateOptions& options, const std::vector<std::string>& argv, const CLI::App& app) {
   Session session("design", options.of.common, argv);
   if (holdsCandidates(options.of.run, kLogCandidates)) {
-    refuseOptions(app, {"--candidates", "--count"}, "with a diagnosis of a log, expected it with one of poses");
+    refuseOptions(app, {"--candidates", "--count", "--max-tension-N"},
+                  "with a diagnosis of a log, expected it with one of poses");
     return separateLogs(options, session, app);
   }
   if (holdsCandidates(options.of.run, kMotionCandidates)) {
     refuseOptions(app, {"--candidates", "--loads"}, "with a diagnosis of motions, expected --speeds and --count");
     return separateMotionSets(options, session);
   }
-  refuseOptions(app, {"--speeds", "--loads"}, "with a diagnosis of poses, expected it with one of a log");
+  refuseOptions(app, {"--speeds", "--loads", "--max-current-A", "--max-duration-s"},
+                "with a diagnosis of poses, expected it with one of a log");
   return separateArms(options, session);
 }
 

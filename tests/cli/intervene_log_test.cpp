@@ -64,6 +64,23 @@ TEST_F(InterveneLog, ForeseesJudgesAndChoosesTheNextLog) {
   EXPECT_THAT(text("next/report.html"), HasSubstr("What each motion is expected to tell"));
 }
 
+TEST_F(InterveneLog, ChoosesWithinLimitsOfCurrentAndDuration) {
+  succeed({"design", "--separate", "d", "--speeds", "1,2", "--loads", "1,2", "--max-duration-s", "100", "-q", "-o",
+           "short"});
+  const Json brief = resultOf("short");  // the log lasts 120 s
+  EXPECT_EQ(brief.at("best").at("speed"), 2.0);
+  for (const Json& one : brief.at("protocols")) EXPECT_EQ(one.at("beyond").is_null(), one.at("speed") == 2.0) << one;
+  succeed(
+      {"design", "--separate", "d", "--speeds", "1", "--loads", "0.5,2", "--max-current-A", "15", "-q", "-o", "weak"});
+  const Json weak = resultOf("weak");
+  EXPECT_EQ(weak.at("best").at("load"), 0.5);
+  EXPECT_THAT(weak.at("protocols").at(1).at("beyond").get<std::string>(), HasSubstr(" A"));
+  EXPECT_THAT(text("weak/report.html"), HasSubstr("beyond: "));
+  expectRefused({"design", "--separate", "d", "--max-current-A", "0.1", "-o", "x"}, 2, "is beyond the limits");
+  expectRefused({"design", "--separate", "d", "--max-tension-N", "10", "-o", "x"}, 2,
+                "found --max-tension-N with a diagnosis of a log");
+}
+
 // A piece of the log that found the cause, by another clock.
 TEST_F(InterveneLog, RowsThatFoundTheCauseDoNotConfirmIt) {
   const std::string all = text("log.csv"), head = firstLines(all, 1);

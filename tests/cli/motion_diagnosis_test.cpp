@@ -69,6 +69,10 @@ TEST_F(MotionDiagnosisTest, ItsModelsAreAskedAboutAChangeAndWhatToRecordNext) {
   succeed({"simulate", "forearm.yaml", "--commands", "next/next_1.csv", "-q", "-o", "played"});
   succeed({"design", "--separate", "out", "--speeds", "0.5,1", "--threads", "1", "-q", "-o", "next_again"});
   EXPECT_EQ(text("next_again/result.json"), text("next/result.json"));
+  succeed({"design", "--separate", "out", "--speeds", "0.5,1", "--max-duration-s", "4", "-q", "-o", "brief"});
+  const Json brief = Json::parse(text("brief/result.json"));  // they lasted 3 s
+  for (const Json& one : brief.at("protocols")) EXPECT_EQ(one.at("beyond").is_null(), one.at("speed") == 1.0) << one;
+  expectRefused({"design", "--separate", "out", "--max-tension-N", "0.01", "-o", "no"}, 2, " N of ");
 
   expectRefused({"intervene", "out", "--motions", "unseen.yaml", "-o", "no"}, 3,
                 "found what the diagnosis in out has seen");

@@ -59,7 +59,10 @@ ExitCode nextPoses(const Options& options, const std::vector<std::string>& argv)
 void refuseForeign(const Options& options, const CLI::App& app) {
   const bool drive = !options.drive.limits.empty(), excite = !options.excite.robot.empty();
   const bool separate = !options.separate.of.run.empty();
-  if (!separate) refuseOptions(app, {"--speeds", "--loads"}, "without --separate, expected it with --separate RUN");
+  if (!separate) {
+    refuseOptions(app, {"--speeds", "--loads", "--max-tension-N", "--max-current-A", "--max-duration-s"},
+                  "without --separate, expected it with --separate RUN");
+  }
   if (!excite) refuseOptions(app, {"--law", "--gravity"}, "without --excite, expected it with --excite ROBOT");
   if (!(drive || excite || separate)) return;
   const char* const way = drive ? "--drive" : excite ? "--excite" : "--separate";
@@ -97,6 +100,15 @@ ExitCode run(Options& options, const std::vector<std::string>& argv, const CLI::
   return designSeparation(options.separate, argv, app);
 }
 
+void addLimits(CLI::App& app, MotionLimits& limits) {
+  app.add_option("--max-tension-N", limits.tension, "of --separate with poses or motions: no muscle is pulled harder")
+      ->check(positiveNumber());
+  app.add_option("--max-current-A", limits.current, "of --separate with a log or motions: no motor draws more")
+      ->check(positiveNumber());
+  app.add_option("--max-duration-s", limits.duration, "of --separate with a log or motions: nothing lasts longer")
+      ->check(positiveNumber());
+}
+
 std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& argv) {
   auto options = std::make_shared<Options>();
   app.add_option("MODEL", options->model,
@@ -116,6 +128,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
   app.add_option("--loads", separate.loads, "of --separate with a log: under how many times the load (default 0.5,1,2)")
       ->delimiter(',')
       ->check(finiteNumber());
+  addLimits(app, separate.limits);
   ExciteOptions& excite = options->excite;
   app.add_option("--excite", excite.robot,
                  "instead: the motion that tells a robot's bodies and drives best (arm, URDF, MJCF or SDF)");

@@ -200,12 +200,13 @@ PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorX
 
 namespace {
 
-/// Stable, and no cord beyond its linear range.
-bool feasible(EquilibriumArm& arm, std::span<const double> shafts) {
+/// Stable, no cord beyond its linear range, and no line pulled harder.
+bool feasible(EquilibriumArm& arm, std::span<const double> shafts, double most_tension) {
   if (!arm.solve(shafts).stable) return false;
   const std::vector<Muscle>& muscles = arm.energy().model().muscles;
   for (std::size_t m = 0; m < muscles.size(); ++m) {
     if (arm.energy().expansion(m) > ShockCord::kLinearRange * muscles[m].shock_cord.rest_length) return false;
+    if (arm.energy().tension(m) > most_tension) return false;
   }
   return true;
 }
@@ -216,9 +217,10 @@ struct CommandDraw {
   std::span<const Pose> recorded;
   std::vector<double> lower, upper;  ///< of the recorded shafts, shape (muscles) [rad]
   CounterRandom random;
+  double most_tension;  ///< [N]
 
-  CommandDraw(std::span<const Pose> poses, std::uint64_t seed)
-      : recorded(poses), lower(poses.front().shafts), upper(lower), random(seed) {
+  CommandDraw(std::span<const Pose> poses, std::uint64_t seed, double tension)
+      : recorded(poses), lower(poses.front().shafts), upper(lower), random(seed), most_tension(tension) {
     for (const Pose& pose : recorded) {
       for (std::size_t m = 0; m < lower.size(); ++m) {
         lower[m] = std::min(lower[m], pose.shafts[m]);
@@ -240,7 +242,7 @@ struct CommandDraw {
         const double anywhere = lower[m] + draw(1 + m) * (upper[m] - lower[m]);
         command.shafts[m] = home[m] + way * (anywhere - home[m]);
       }
-      if (!feasible(arm, command.shafts)) continue;
+      if (!feasible(arm, command.shafts, most_tension)) continue;
       command.joints = arm.joints();
       command.spread.assign(command.joints.size(), 0.0);
       return command;
@@ -252,10 +254,10 @@ struct CommandDraw {
 }  // namespace
 
 std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
-                               std::uint64_t seed) {
+                               std::uint64_t seed, double most_tension) {
   constexpr std::size_t kTriesPerPose = 20;
   constexpr std::size_t kAtOnce = 32;  // attempts; the last of them may be one too many
-  const CommandDraw draw(posterior.poses(), seed);
+  const CommandDraw draw(posterior.poses(), seed, most_tension);
   tbb::enumerable_thread_specific<EquilibriumArm> arms(posterior.modelAt(z));
   std::vector<Pose> commands;
   for (std::size_t first = 0; commands.size() < count && first < kTriesPerPose * count; first += kAtOnce) {

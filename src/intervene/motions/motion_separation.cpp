@@ -1,7 +1,10 @@
 #include "simgap/intervene/motions/motion_separation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "played_motion.h"
 #include "simgap/core/error.h"
 
 namespace simgap {
@@ -31,33 +34,45 @@ double smallestWith(const std::vector<double>& before, const std::vector<double>
   return smallest;
 }
 
+void requireOneWithin(const std::vector<MotionProtocol>& protocols) {
+  if (std::ranges::any_of(protocols, [](const MotionProtocol& p) { return p.beyond.empty(); })) return;
+  throw ConfigError(fmt::format("every motion at every speed is beyond the limits ({} x {:g}: {}), expected one within",
+                                protocols.front().motion.name, protocols.front().speed, protocols.front().beyond));
+}
+
 }  // namespace
 
 MotionSeparation separateMotions(const MotionEvidence& evidence, const std::vector<double>& speeds, std::size_t most,
-                                 const InterventionProgress& progress) {
+                                 const MotionLimits& limits, const InterventionProgress& progress) {
   const std::vector<bool> rival = evidence.rivals();
   if (std::ranges::none_of(rival, [](bool one) { return one; })) {
     throw ConfigError("no model of the diagnosis contradicts the named one: there is nothing to tell apart");
   }
   MotionSeparation result;
-  std::vector<std::vector<double>> pairs;
+  std::vector<std::vector<double>> pairs;  // empty where a motion is beyond the limits
+  std::size_t within = 0;
   const auto all = static_cast<double>(evidence.profile.size() * speeds.size());
   for (const PlannedMotion& recorded : evidence.profile) {
     for (const double speed : speeds) {
       const auto done = static_cast<double>(result.protocols.size());
       MotionProtocol& protocol =
           result.protocols.emplace_back(MotionProtocol{{recorded.name, atSpeed(recorded.commands, speed)}, speed});
+      protocol.beyond = beyondLimits(evidence, protocol.motion, limits);
+      pairs.emplace_back();
+      if (!protocol.beyond.empty()) continue;
       protocol.foreseen =
           foreseeChange(evidence, {}, {protocol.motion}, [&](double part) { progress((done + part) / all); });
-      pairs.push_back(pairsOf(protocol.foreseen, rival));
+      pairs.back() = pairsOf(protocol.foreseen, rival);
+      ++within;
     }
   }
-  std::vector<double> told(pairs.front().size(), 0.0);
-  while (result.smallest.size() < std::min(most, pairs.size())) {
+  requireOneWithin(result.protocols);
+  std::vector<double> told(2 * static_cast<std::size_t>(std::ranges::count(rival, true)), 0.0);
+  while (result.smallest.size() < std::min(most, within)) {
     if (!result.smallest.empty() && result.smallest.back() > kDecisiveLogOdds) break;
     std::size_t best = pairs.size();
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-      if (result.protocols[k].chosen > 0) continue;
+      if (result.protocols[k].chosen > 0 || !result.protocols[k].beyond.empty()) continue;
       if (best == pairs.size() || smallestWith(told, pairs[k]) > smallestWith(told, pairs[best])) best = k;
     }
     for (std::size_t i = 0; i < told.size(); ++i) told[i] += pairs[best][i];

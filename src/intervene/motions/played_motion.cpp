@@ -1,5 +1,9 @@
 #include "played_motion.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "simgap/simulate/simulation.h"
 
 namespace simgap {
@@ -8,6 +12,25 @@ namespace {
 using Eigen::Index;
 
 constexpr double kFrameTime = 1.0 / 30;  // [s] of a foreseen capture
+
+/// A model's motion under commands, from its rest under the first of them.
+MotionTrack played(const MotionEvidence& evidence, const ArmModel& model, const MotionCommands& commands,
+                   const std::vector<double>& times) {
+  const MotionOptions& playing = evidence.config.motions.motion;
+  SimulationOptions options;
+  options.rollout = playing.rollout;
+  const MotionStart start = restUnder(model, commands, commands.times.front(), playing.settle);
+  return playAt(model, commands, start, times, options);
+}
+
+/// "81.2 N of biceps", where the largest row of a track exceeds a limit. \param rows  shape (muscles, times)
+std::string beyond(const Eigen::MatrixXd& rows, const std::vector<Muscle>& muscles, double limit, const char* unit) {
+  if (!std::isfinite(limit) || rows.size() == 0) return "";
+  Index muscle = 0, time = 0;
+  const double largest = rows.cwiseAbs().maxCoeff(&muscle, &time);
+  if (largest <= limit) return "";
+  return fmt::format("{:.3g} {} of {}", largest, unit, muscles[static_cast<std::size_t>(muscle)].name);
+}
 
 }  // namespace
 
@@ -22,16 +45,12 @@ RecordedMotion playedAsRecorded(const MotionEvidence& evidence, const ArmChanges
   for (double time = commands.times.front(); time <= commands.end(); time += kFrameTime) {
     motion.joint_times.push_back(time);
   }
-  const MotionOptions& playing = evidence.config.motions.motion;
-  SimulationOptions options;
-  options.rollout = playing.rollout;
-  const MotionStart start = restUnder(model, commands, commands.times.front(), playing.settle);
-  const MotionTrack frames = playAt(model, commands, start, motion.joint_times, options);
+  const MotionTrack frames = played(evidence, model, commands, motion.joint_times);
   for (std::size_t f = 0; f < motion.joint_times.size(); ++f) {
     const std::span<const JointPosition> joints = frames.jointsAt(f);
     motion.joints.emplace_back(joints.begin(), joints.end());
   }
-  const MotionTrack rows = playAt(model, commands, start, commands.times, options);
+  const MotionTrack rows = played(evidence, model, commands, commands.times);
   for (Index m = 0; m < rows.shafts.rows(); ++m) {
     MuscleRecord& record = motion.muscles.emplace_back();
     record.shafts.assign(rows.shafts.cols(), 0.0);
@@ -40,6 +59,17 @@ RecordedMotion playedAsRecorded(const MotionEvidence& evidence, const ArmChanges
     Eigen::VectorXd::Map(record.currents.data(), rows.shafts.cols()) = rows.currents.row(m);
   }
   return motion;
+}
+
+std::string beyondLimits(const MotionEvidence& evidence, const PlannedMotion& planned, const MotionLimits& limits) {
+  const MotionCommands& commands = planned.commands;
+  const double duration = commands.end() - commands.times.front();
+  if (duration > limits.duration) return fmt::format("{:.3g} s", duration);
+  if (!std::isfinite(limits.tension) && !std::isfinite(limits.current)) return "";
+  const ArmModel& model = evidence.candidates.front().model;
+  const MotionTrack track = played(evidence, model, commands, commands.times);
+  const std::string tension = beyond(track.forces, model.muscles, limits.tension, "N");
+  return tension.empty() ? beyond(track.currents, model.muscles, limits.current, "A") : tension;
 }
 
 }  // namespace simgap

@@ -128,7 +128,7 @@ std::vector<Pose> commandsOf(const PoseEvidence& evidence, const SeparationOptio
   const PosePrediction named(evidence, evidence.candidates.front());
   std::vector<Pose> commands =
       named.atPosterior(evidence.poses, [&](const PosePosterior& posterior, const VectorXd& z) {
-        return drawCommands(posterior, z, options.candidates, options.seed);
+        return drawCommands(posterior, z, options.candidates, options.seed, options.most_tension);
       });
   const double time = timeAfter(evidence.poses);
   for (Pose& command : commands) command.time = time;
@@ -232,8 +232,12 @@ PoseSeparation separatePoses(const PoseEvidence& evidence, const SeparationOptio
   }
   if (usable.size() < options.poses) {
     throw NumericsError(
-        fmt::format("only {} of {} commands lead to an equilibrium of every model, expected {} at least", usable.size(),
-                    options.candidates, options.poses));
+        fmt::format("only {} of {} commands lead to an equilibrium of every model{}, expected {} at least",
+                    usable.size(), options.candidates,
+                    std::isfinite(options.most_tension)
+                        ? fmt::format(" with no muscle pulled by more than {:g} N", options.most_tension)
+                        : "",
+                    options.poses));
   }
   PoseSeparation result;
   result.smallest_random = randomlyChosen(foreseen, usable, options.poses, options.seed);

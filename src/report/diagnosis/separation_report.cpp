@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "intervention_tables.h"
 #include "separation_tables.h"
 #include "simgap/core/csv.h"
+#include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/intervene/intervention.h"
 
@@ -25,6 +27,8 @@ std::string nearestOf(const Foreseen& foreseen, const CandidateNames& candidates
   }
   return "-";
 }
+
+Json beyondOrNull(const std::string& beyond) { return beyond.empty() ? Json(nullptr) : Json(beyond); }
 
 }  // namespace
 
@@ -82,8 +86,28 @@ std::string nextPosesCsv(const PoseSeparation& result, const ArmModel& model) {
   return csv.text();
 }
 
+std::string beyondLimits(const ForeseenLogChange& foreseen, const MotionLimits& limits) {
+  double duration = 0.0;  // of sessions one after the other
+  for (Eigen::Index i = 1; i < foreseen.time.size(); ++i) {
+    duration += std::max(0.0, foreseen.time[i] - foreseen.time[i - 1]);
+  }
+  if (duration > limits.duration) return fmt::format("{:.3g} s", duration);
+  if (!std::isfinite(limits.current)) return "";
+  if (foreseen.unit != "A") {
+    throw ConfigError(fmt::format(
+        "found --max-current-A, expected it with a log of currents: the effort of this one is in {}", foreseen.unit));
+  }
+  const double largest = foreseen.predicted.front().abs().maxCoeff();
+  return largest > limits.current ? fmt::format("{:.3g} A", largest) : "";
+}
+
 const LogProtocol& bestOf(const std::vector<LogProtocol>& protocols) {
-  return *std::ranges::max_element(protocols, {}, [](const LogProtocol& p) { return p.foreseen.smallest; });
+  const LogProtocol& best = *std::ranges::max_element(
+      protocols, {}, [](const LogProtocol& p) { return std::pair(p.beyond.empty(), p.foreseen.smallest); });
+  if (best.beyond.empty()) return best;
+  throw ConfigError(
+      fmt::format("every motion is beyond the limits (speed x {:g}, load x {:g}: {}), expected one within",
+                  protocols.front().speed, protocols.front().load, protocols.front().beyond));
 }
 
 Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& evidence) {
@@ -94,7 +118,8 @@ Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& eviden
     list.push_back({{"speed", protocol.speed},
                     {"load", protocol.load},
                     {"smallest_log_odds", numberOrNull(protocol.foreseen.smallest)},
-                    {"nearest", nearestOf(protocol.foreseen, names)}});
+                    {"nearest", nearestOf(protocol.foreseen, names)},
+                    {"beyond", beyondOrNull(protocol.beyond)}});
   }
   const LogProtocol& best = bestOf(protocols);
   const std::string& named = evidence.candidates.front().known.causes;
@@ -116,11 +141,13 @@ Json toJson(const MotionSeparation& result, const MotionEvidence& evidence) {
   const CandidateNames names = namesOf(evidence.candidates);
   Json list = Json::array();
   for (const MotionProtocol& protocol : result.protocols) {
-    list.push_back({{"motion", protocol.motion.name},
-                    {"speed", protocol.speed},
-                    {"smallest_log_odds", numberOrNull(protocol.foreseen.smallest)},
-                    {"nearest", nearestOf(protocol.foreseen, names)},
-                    {"record", protocol.chosen > 0 ? Json(nextMotionFile(protocol.chosen)) : Json(nullptr)}});
+    list.push_back(
+        {{"motion", protocol.motion.name},
+         {"speed", protocol.speed},
+         {"smallest_log_odds", protocol.beyond.empty() ? numberOrNull(protocol.foreseen.smallest) : Json(nullptr)},
+         {"nearest", protocol.beyond.empty() ? nearestOf(protocol.foreseen, names) : "-"},
+         {"beyond", beyondOrNull(protocol.beyond)},
+         {"record", protocol.chosen > 0 ? Json(nextMotionFile(protocol.chosen)) : Json(nullptr)}});
   }
   const double promised = result.smallest.back();
   const std::string last = nextMotionFile(static_cast<int>(result.smallest.size())),

@@ -28,13 +28,18 @@ Table countsTable(const Json& result) {
   return table;
 }
 
+std::string beyondText(const Json& protocol) {
+  const Json& beyond = protocol.at("beyond");
+  return beyond.is_null() ? "" : "beyond: " + cellText(beyond);
+}
+
 Table protocolTable(const Json& result) {
   Table table{"The reference log's motion again, so many times as fast, under so many times the load",
-              {"speed", "load", "smallest log odds", "nearest model"},
+              {"speed", "load", "smallest log odds", "nearest model", ""},
               {}};
   for (const Json& p : result.at("protocols")) {
     table.rows.push_back({numberText(p.at("speed"), "{:g}"), numberText(p.at("load"), "{:g}"),
-                          numberText(p.at("smallest_log_odds"), "{:.2f}"), cellText(p.at("nearest"))});
+                          numberText(p.at("smallest_log_odds"), "{:.2f}"), cellText(p.at("nearest")), beyondText(p)});
   }
   return table;
 }
@@ -46,7 +51,7 @@ Table motionsTable(const Json& result) {
   for (const Json& p : result.at("protocols")) {
     table.rows.push_back({cellText(p.at("motion")), numberText(p.at("speed"), "{:g}"),
                           numberText(p.at("smallest_log_odds"), "{:.2f}"), cellText(p.at("nearest")),
-                          p.at("record").is_null() ? "" : cellText(p.at("record"))});
+                          p.at("record").is_null() ? beyondText(p) : cellText(p.at("record"))});
   }
   return table;
 }

@@ -67,8 +67,9 @@ PredictedError predictError(const PosePosterior& posterior, const Eigen::VectorX
                             const PoseUncertainty& uncertainty, std::span<const Pose> poses);
 
 /// Commands like the recorded ones (each shaft within its recorded range) that lead to stable equilibria of the model
-/// at z, with their equilibrium as joints. A pure function of its arguments.
+/// at z, with their equilibrium as joints, and pull no line harder than `most_tension` [N]. A pure function of its
+/// arguments.
 std::vector<Pose> drawCommands(const PosePosterior& posterior, const Eigen::VectorXd& z, std::size_t count,
-                               std::uint64_t seed);
+                               std::uint64_t seed, double most_tension = kInfinity);
 
 }  // namespace simgap

@@ -12,10 +12,18 @@
 
 namespace simgap {
 
+/// What a motion may not exceed, as the named model expects it.
+struct MotionLimits {
+  double tension = kInfinity;   ///< [N] of a muscle
+  double current = kInfinity;   ///< [A] of a muscle's motor
+  double duration = kInfinity;  ///< [s]
+};
+
 /// One motion that may be recorded.
 struct MotionProtocol {
-  PlannedMotion motion;  ///< one that was recorded, in another time
-  double speed = 1.0;    ///< so many times as fast
+  PlannedMotion motion;     ///< one that was recorded, in another time
+  double speed = 1.0;       ///< so many times as fast
+  std::string beyond = {};  ///< which limit it exceeds, and by what: "81.2 N of biceps"; it is not asked then
   ForeseenChange foreseen = {};
   int chosen = 0;  ///< its place among those to record, from 1; 0: not one of them
 };
@@ -26,8 +34,9 @@ struct MotionSeparation {
 };
 
 /// \param speeds  > 0 \param most  to choose at most
-/// \throws ConfigError: no candidate contradicts the named one. NumericsError: it cannot play one. InterruptedError
+/// \throws ConfigError: no candidate contradicts the named one, or every motion is beyond the limits. NumericsError: it
+/// cannot play one. InterruptedError
 MotionSeparation separateMotions(const MotionEvidence& evidence, const std::vector<double>& speeds, std::size_t most,
-                                 const InterventionProgress& progress);
+                                 const MotionLimits& limits, const InterventionProgress& progress);
 
 }  // namespace simgap

@@ -26,6 +26,7 @@ struct SeparationOptions {
   std::size_t candidates = 300;  ///< commands to choose from
   std::size_t poses = 7;         ///< to choose
   std::uint64_t seed = 1;
+  double most_tension = kInfinity;  ///< [N] of a muscle, as the named model expects it
 };
 
 /// What the chosen poses are expected to say of one pair of models.

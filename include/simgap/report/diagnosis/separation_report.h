@@ -20,10 +20,14 @@ std::string nextPosesCsv(const PoseSeparation& result, const ArmModel& model);
 struct LogProtocol {
   double speed = 1.0, load = 1.0;  ///< factors
   ForeseenLogChange foreseen;
+  std::string beyond = {};  ///< which limit it exceeds, and by what: "41.3 A"
 };
+/// Which of the limits on current and duration the named model's prediction exceeds, and by what; empty when none.
+/// \throws ConfigError: a limit on the current of a log whose effort is none
+std::string beyondLimits(const ForeseenLogChange& foreseen, const MotionLimits& limits);
 /// \param protocols  not empty
 Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& evidence);
-/// The one that tells most.
+/// The one within the limits that tells most. \throws ConfigError: none is
 const LogProtocol& bestOf(const std::vector<LogProtocol>& protocols);
 
 Json toJson(const MotionSeparation& result, const MotionEvidence& evidence);
