@@ -112,8 +112,7 @@ MotionCommands sampled(const YamlNode& root, const ArmModel& model, const std::v
 
 MotionCommands readSchedule(const YamlNode& root, const ArmModel& model, double rate,
                             const std::function<PoseSet(const std::string& file)>& poses) {
-  const YamlNode format = root.at("format");
-  if (format.text() != "simgap/schedule/1") format.fail("found " + format.text() + ", expected simgap/schedule/1");
+  root.at("format").oneOf({"simgap/schedule/1"});
   std::vector<Line> lines(model.muscles.size());
   if (const auto kind = root.find("command")) {
     const CommandKind all = readKind(*kind);
@@ -122,6 +121,7 @@ MotionCommands readSchedule(const YamlNode& root, const ArmModel& model, double 
   for (const PassiveTendon* tendon : commandedLines(model)) {
     lines.emplace_back().own_unit = tendon->kind->command.unit;
   }
+  for (Line& line : lines) line.rate = rate;
   std::optional<PoseSet> set;
   if (const auto file = root.find("poses")) set = poses(file->text());
   if (const auto all = root.find("all")) readAll(*all, set ? &*set : nullptr, lines);

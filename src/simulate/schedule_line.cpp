@@ -27,6 +27,10 @@ ScheduleSegment readSegment(const YamlNode& node, const ScheduleLine& line, std:
   } else if (const auto sine = node.findQuantity("sine", unit)) {
     segment.amplitude = *sine;
     segment.frequency = node.quantity("frequency", "Hz", kPositive);
+    if (segment.frequency > 0.5 * line.rate) {
+      node.fail(fmt::format("frequency: found {:g} Hz, expected at most {:g}: commands change {:g} times a second",
+                            segment.frequency, 0.5 * line.rate, line.rate));
+    }
     segment.phase = node.findQuantity("phase", "rad").value_or(0.0);
   } else {
     node.fail(fmt::format("found none of hold_{0}, step_{0}, ramp_{0} and sine_{0}, expected one", unit));

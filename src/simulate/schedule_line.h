@@ -27,6 +27,7 @@ struct ScheduleSegment {
 
 struct ScheduleLine {
   std::vector<ScheduleSegment> segments;
+  double rate = 0.0;  ///< [Hz] of the rows it becomes
   double end() const { return segments.empty() ? 0.0 : segments.back().begin + segments.back().duration; }
   double last() const { return segments.empty() ? 0.0 : segments.back().to; }
   double at(double time) const {
@@ -37,7 +38,8 @@ struct ScheduleLine {
 
 /// The part of a segment that all of its kinds have. \throws ConfigError: it begins before the one above has ended
 ScheduleSegment beginSegment(const YamlNode& node, const ScheduleLine& line);
-/// \param unit  of the command: hold_N, step_N, … \throws ConfigError
+/// \param unit  of the command: hold_N, step_N, … \throws ConfigError: as beginSegment; a sine that the rows cannot
+/// show
 ScheduleSegment readSegment(const YamlNode& node, const ScheduleLine& line, std::string_view unit);
 /// How many rows a schedule has at that rate. \throws ConfigError: no time passes, or too much
 std::size_t scheduleRows(const YamlNode& root, double duration, double rate);

@@ -64,6 +64,7 @@ std::vector<double> energies(const ArmModel& model, const MotionTrack& track, bo
   std::vector<double> energy;
   std::vector<double> shafts(model.muscles.size());
   for (std::size_t row = 0; row < track.times.size(); ++row) {
+    stopIfInterrupted();
     arm.setJointPositions(track.jointsAt(row));
     for (std::size_t j = 0; j < model.joints.size(); ++j) {
       if (!at_rest) arm.setJointVelocity(j, track.joint_velocities[row * track.joint_count + j]);
@@ -118,11 +119,46 @@ void addJointHeader(const Joint& joint, std::vector<std::string>& velocities) {
   }
 }
 
+/// Muscles whose motors had no voltage left to follow their set-point or force.
+std::vector<std::string> atTheirSupply(const ArmModel& model, const MotionCommands& commands,
+                                       const MotionTrack& track) {
+  constexpr double kLongest = 0.2;  // share of the time: a step takes the whole supply for a while
+  std::vector<std::string> notes;
+  for (std::size_t m = 0; m < model.muscles.size(); ++m) {
+    if (commands.kinds[m] == CommandKind::kVoltage) continue;
+    const double supply = model.muscles[m].motor.supply_voltage;
+    const double share =
+        (track.voltages.row(static_cast<Eigen::Index>(m)).array().abs() >= supply).cast<double>().mean();
+    if (share < kLongest) continue;
+    notes.push_back(
+        fmt::format("{}: its motor stood at the supply of {:g} V for {:.0f} % of the time and did not follow "
+                    "its commands",
+                    model.muscles[m].name, supply, 100.0 * share));
+  }
+  return notes;
+}
+
+/// What half the step changes, where that is too much; else empty.
+std::string noteOnStep(const ArmModel& model, const StepCheck& check, double step) {
+  constexpr double kMostEnergy = 0.01;
+  if (!check.finished)
+    return fmt::format("the simulation blows up at half the step of {:g} s: it cannot be relied on", step);
+  const auto counted = [&](std::size_t j) { return kindOf(model.joints[j].type).counted * check.joint_change[j]; };
+  std::size_t worst = 0;
+  for (std::size_t j = 1; j < model.joints.size(); ++j) worst = counted(j) > counted(worst) ? j : worst;
+  if (counted(worst) <= kMostChange && check.energy_change <= kMostEnergy) return "";
+  const JointKind& kind = kindOf(model.joints[worst].type);
+  return fmt::format(
+      "the step of {:g} s is too large: at half of it {} moves by {:.2f} {} and the energy by {:.2g} % "
+      "of its range; try --step-s {:g}",
+      step, model.joints[worst].name, kind.shown(check.joint_change[worst]), kind.error_unit,
+      100.0 * check.energy_change, 0.5 * step);
+}
+
 }  // namespace
 
 SimulationOptions SimulationOptions::read(const YamlNode& root) {
-  const YamlNode format = root.at("format");
-  if (format.text() != "simgap/simulation/1") format.fail("found " + format.text() + ", expected simgap/simulation/1");
+  root.at("format").oneOf({"simgap/simulation/1"});
   SimulationOptions options;
   options.rollout.step = root.findQuantity("step", "s", kPositive).value_or(options.rollout.step);
   options.rate = root.findQuantity("rate", "Hz", kPositive).value_or(options.rate);
@@ -179,21 +215,13 @@ MotionTrack playAt(const ArmModel& model, const MotionCommands& commands, const 
   return track;
 }
 
-std::vector<std::string> notesOn(const ArmModel& model, const Simulation& simulation, double step) {
-  constexpr double kMostEnergy = 0.01;
-  const StepCheck& check = simulation.check;
-  if (!check.finished)
-    return {fmt::format("the simulation blows up at half the step of {:g} s: it cannot be relied on", step)};
-  const auto counted = [&](std::size_t j) { return kindOf(model.joints[j].type).counted * check.joint_change[j]; };
-  std::size_t worst = 0;
-  for (std::size_t j = 1; j < model.joints.size(); ++j) worst = counted(j) > counted(worst) ? j : worst;
-  if (counted(worst) <= kMostChange && check.energy_change <= kMostEnergy) return {};
-  const JointKind& kind = kindOf(model.joints[worst].type);
-  return {
-      fmt::format("the step of {:g} s is too large: at half of it {} moves by {:.2f} {} and the energy by {:.2g} % "
-                  "of its range; try --step-s {:g}",
-                  step, model.joints[worst].name, kind.shown(check.joint_change[worst]), kind.error_unit,
-                  100.0 * check.energy_change, 0.5 * step)};
+std::vector<std::string> notesOn(const ArmModel& model, const MotionCommands& commands, const Simulation& simulation,
+                                 double step) {
+  std::vector<std::string> notes = atTheirSupply(model, commands, simulation.motion);
+  if (std::string step_note = noteOnStep(model, simulation.check, step); !step_note.empty()) {
+    notes.push_back(std::move(step_note));
+  }
+  return notes;
 }
 
 std::string motionCsv(const ArmModel& model, const MotionTrack& track) {

@@ -31,6 +31,7 @@ MotionCommands readToldChannels(const YamlNode& root, std::span<const CommandCha
   double end = 0.0;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     if (i >= required && !node.has(channels[i].stem)) continue;
+    lines[i].rate = rate;
     for (const YamlNode& item : node.at(channels[i].stem).at("segments").items()) {
       lines[i].segments.push_back(readSegment(item, lines[i], channels[i].unit));
     }

@@ -152,6 +152,14 @@ TEST_F(SimulateTest, RefusesCommandsThatNoMuscleCanFollow) {
   expectRefused(simulate("commands.csv", {"--step-s", "0.0015"}), 2, "divided by a whole number");
 }
 
+// A force beyond what the motor can pull ended at what it can, without a word.
+TEST_F(SimulateTest, SaysWhichMotorsStoodAtTheirSupply) {
+  put("strong.csv", "time_s,force_biceps_N,force_brachialis_N,force_triceps_N\n0,2000,3,3\n1,2000,3,3\n");
+  succeed(simulate("strong.csv"));
+  ASSERT_EQ(result().at("notes").size(), 1U);
+  EXPECT_THAT(result().at("notes")[0].get<std::string>(), HasSubstr("biceps: its motor stood at the supply of "));
+}
+
 TEST_F(SimulateTest, SaysWhenAMotionBlewUpAndWhichStepHolds) {
   // A line of steel on a forearm of half a kilogram: far too stiff for 2 ms.
   put("rig.yaml", std::regex_replace(text("rig.yaml"), std::regex("stiffness_N_m: 9.0"), "stiffness_N_m: 1.0e9"));

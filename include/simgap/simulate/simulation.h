@@ -55,7 +55,8 @@ MotionTrack playAt(const ArmModel& model, const MotionCommands& commands, const 
                    std::span<const double> times, const SimulationOptions& options);
 
 /// What a user should know before believing a motion: a step too large. Empty where all is well.
-std::vector<std::string> notesOn(const ArmModel& model, const Simulation& simulation, double step);
+std::vector<std::string> notesOn(const ArmModel& model, const MotionCommands& commands, const Simulation& simulation,
+                                 double step);
 
 /// motion.csv: `time_s`, joints, their velocities, and per muscle `shaft_…_rad`, `cord_length_…_m`, `tension_…_N`,
 /// `current_…_A`, `voltage_…_V`.

@@ -203,7 +203,7 @@ ExitCode run(const Options& options, const std::vector<std::string>& argv, const
                                 simulation,
                                 options.start,
                                 std::move(measured),
-                                notesOn(model, simulation, settings.rollout.step)};
+                                notesOn(model, commands, simulation, settings.rollout.step)};
   for (const std::string& note : result.notes) spdlog::warn("{}", note);
   writeSimulation(result, seed, session.directory());
   session.finish(toJson(result), terminalTable(result));

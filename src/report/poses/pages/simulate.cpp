@@ -11,7 +11,7 @@ namespace {
 PageVerdict verdictOf(const Json& result) {
   using enum PageVerdict::Level;
   const std::string speed = fmt::format("{:.0f} times as fast as real time.", numberOf(result.at("real_time_factor")));
-  if (!result.at("notes").empty()) return {kDoubtful, "the step is too large", speed, ""};
+  if (!result.at("notes").empty()) return {kDoubtful, "read the notes", speed, ""};
   return {kGood, "the step is small enough", speed, ""};
 }
 
