@@ -119,6 +119,7 @@ class Search {
     RobotMotion now;
     const auto rows = static_cast<std::size_t>(std::ceil(limits_.rate * limits_.duration));
     for (std::size_t i = 0; i <= rows; ++i) {
+      stopIfInterrupted();
       play(motion, static_cast<double>(i) / limits_.rate, now, work, y);
       for (std::size_t j = 0; j < joints.size(); ++j) {
         JointExcursion& joint = joints[j];

@@ -106,9 +106,7 @@ DistanceLimit distanceOf(const YamlNode& node, const ArmModel& arm) {
 }  // namespace
 
 ExcitationLimits ExcitationLimits::read(const YamlNode& root, const ArmModel& arm) {
-  if (root.at("format").text() != "simgap/excitation-limits/1") {
-    root.at("format").fail("expected simgap/excitation-limits/1");
-  }
+  root.at("format").oneOf({"simgap/excitation-limits/1"});
   const auto count = [&](const char* key, long least, long most, int other) {
     const std::optional<YamlNode> node = root.find(key);
     return node ? static_cast<int>(node->integer(least, most)) : other;

@@ -67,13 +67,14 @@ BodyParameters bodyOf(const LogCholesky& theta, BodyJacobian* jacobian) {
   return fromPseudo(u * u.transpose());
 }
 
-LogCholesky logCholeskyOf(const BodyParameters& pi, double thinnest) {
+LogCholesky logCholeskyOf(const BodyParameters& pi) {
+  constexpr double kThinnest = 1e-3;  // [m]
   const double mass = pi[0];
   const Vector3d centre = pi.segment<3>(1) / mass;
   // S / m = C + c c^T, with C the second moments about the centre; C = R R^T with R upper triangular.
   Matrix3d about_centre = secondMoments(inertiaOf(pi)) / mass - centre * centre.transpose();
   const SymmetricEigen eigen = symmetricEigen(about_centre);
-  const Vector3d moments = eigen.values.cwiseMax(thinnest * thinnest);
+  const Vector3d moments = eigen.values.cwiseMax(kThinnest * kThinnest);
   about_centre = eigen.vectors * moments.asDiagonal() * eigen.vectors.transpose();
   // An upper factor is a lower one of the matrix turned round.
   const Matrix3d turned = about_centre.reverse();

@@ -102,7 +102,9 @@ std::string writeRobotModel(const RobotModel& model) {
     if (!model.presliding.empty()) text += fmt::format("    presliding: {:.6g}\n", model.presliding[c]);
     if (!model.heldout_sd.empty()) text += fmt::format("    heldout_sd: {:.6g}\n", model.heldout_sd[c]);
     if (!regressor.law().hasStribeck()) continue;
-    text += fmt::format("    v_s_rad_s: {}\n    delta: {}\n", model.curves[c].v_s, model.curves[c].delta);
+    const bool slides = model.arm.joints[regressor.dynamics().joints()[c]].slides();
+    text += fmt::format("    v_s_{}: {}\n    delta: {}\n", slides ? "m_s" : "rad_s", model.curves[c].v_s,
+                        model.curves[c].delta);
   }
   text += "parameters:\n";
   for (Index k = 0; k < regressor.columns(); ++k) {
@@ -122,16 +124,16 @@ RobotModel readRobotModel(const YamlNode& root) {
   model.data_file = data.at("file").text();
   model.data_sha256 = data.at("sha256").text();
   const bool stribeck = friction::find(model.law).hasStribeck();
-  std::vector<std::string> names;
-  for (const YamlNode& joint : root.at("joints").items()) {
-    names.push_back(joint.at("name").text());
+  const std::vector<YamlNode> joints = root.at("joints").items();
+  for (const YamlNode& joint : joints) {
+    joint.at("name");
     StribeckCurve& curve = model.curves.emplace_back();
     if (model.currents) model.torque_constants.push_back(joint.quantity("torque_constant", "Nm_A", kPositive));
     if (const auto travel = joint.find("presliding")) model.presliding.push_back(travel->number(kNonNegative));
     // Files of before have none: what has not been looked at of all joints is not known of any.
     if (const auto sd = joint.find("heldout_sd")) model.heldout_sd.push_back(sd->number(kNonNegative));
     if (!stribeck) continue;
-    curve.v_s = joint.at("v_s_rad_s").number(kPositive);
+    curve.v_s = joint.at(joint.has("v_s_m_s") ? "v_s_m_s" : "v_s_rad_s").number(kPositive);
     curve.delta = joint.at("delta").number(kPositive);
   }
   // What is known of its numbers depends on its robot, whose reader refuses keys that nobody has asked for.
@@ -150,14 +152,19 @@ RobotModel readRobotModel(const YamlNode& root) {
   if (const auto covariance = root.find("base_covariance")) {
     model.base_covariance = readCovariance(*covariance, std::ssize(baseParameters(regressor, model.arm).columns));
   }
-  if (names.size() != regressor.coordinates()) {
+  if (joints.size() != regressor.coordinates()) {
     root.at("joints").fail(
-        fmt::format("found {} joints, expected the {} of its robot", names.size(), regressor.coordinates()));
+        fmt::format("found {} joints, expected the {} of its robot", joints.size(), regressor.coordinates()));
+  }
+  for (std::size_t c = 0; c < joints.size(); ++c) {
+    const std::string& expected = model.arm.joints[regressor.dynamics().joints()[c]].name;
+    const YamlNode name = joints[c].at("name");
+    if (name.text() != expected) name.fail(fmt::format("found {}, expected {}, as its robot", name.text(), expected));
   }
   const auto requireAllOrNone = [&](const char* key, std::size_t found) {
-    if (found == 0 || found == names.size()) return;
+    if (found == 0 || found == joints.size()) return;
     root.at("joints").fail(
-        fmt::format("found {} of {} joints, expected it of all {} or of none", key, found, names.size()));
+        fmt::format("found {} of {} joints, expected it of all {} or of none", key, found, joints.size()));
   };
   requireAllOrNone("heldout_sd", model.heldout_sd.size());
   requireAllOrNone("presliding", model.presliding.size());

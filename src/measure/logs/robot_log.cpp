@@ -228,6 +228,14 @@ void markEnds(std::span<const Block> runs, RobotLog& robot) {
   }
 }
 
+/// A joint that moves takes effort; a sensor that says nothing else is none.
+void requireEffort(const RobotJointLog& joint, const std::string& file, const std::string& name) {
+  if (!isConstant(joint.effort) || isConstant(joint.position)) return;
+  throw DataError(
+      fmt::format("{}: the effort of joint {} is {:.4g} in every row while it moves, expected what moved it", file,
+                  name, joint.effort.front()));
+}
+
 }  // namespace
 
 RobotLog sharperMotion(RobotLog log) {
@@ -255,6 +263,7 @@ RobotLog readRobotLog(CsvTable table, std::span<const LoggedJoint> joints) {
   }
   const std::vector<Block> runs = splitRuns(robot.time, robot.session);
   for (std::size_t j = 0; j < joints.size(); ++j) {
+    requireEffort(readers[j].log, robot.file, joints[j].name);
     if (!readers[j].log.velocity.empty()) requireVelocityOfPosition(readers[j].log, robot.time, runs, joints[j].name);
   }
   robot.joints.resize(joints.size());

@@ -232,10 +232,11 @@ void couple(const std::vector<Entry>& entries, std::vector<Joint>& joints) {
     }
     Joint& joint = joints[j];
     joint.leader = static_cast<int>(leader);
-    for (const double limit : {joint.lower_limit, joint.upper_limit}) {
+    for (const bool of_lower : {true, false}) {
+      const double limit = of_lower ? joint.lower_limit : joint.upper_limit;
       if (std::abs(limit) >= Joint::kUnlimited) continue;
       const double of_leader = (limit - joint.coupling_offset) / joint.coupling_ratio;
-      const bool lower = (limit == joint.lower_limit) == (joint.coupling_ratio > 0.0);
+      const bool lower = of_lower == (joint.coupling_ratio > 0.0);
       if (lower) found->lower_limit = std::max(found->lower_limit, of_leader);
       if (!lower) found->upper_limit = std::min(found->upper_limit, of_leader);
     }

@@ -69,14 +69,7 @@ InverseDynamics::InverseDynamics(const ArmModel& model) : all_bodies_(model.bodi
               .child_pivot = joint.child_position,
               .stiffness = joint.spring_stiffness,
               .rest = joint.spring_rest};
-    if (joint.follows()) {
-      const Link& leader = links_[joint.leader];
-      link.coordinate = leader.coordinate;
-      link.ratio = joint.coupling_ratio * leader.ratio;
-      link.offset = joint.coupling_ratio * leader.offset + joint.coupling_offset;
-    } else {
-      coordinates_.push_back(index);
-    }
+    if (!joint.follows()) coordinates_.push_back(index);
     // Rodrigues: Q(q) = 1 + sin q K + (1 - cos q) K^2, K = [axis]x, between the joint's frames on either body.
     const Matrix3d before = joint.parent_orientation.toRotationMatrix();
     const Matrix3d after = joint.child_orientation.toRotationMatrix().transpose();
@@ -88,6 +81,13 @@ InverseDynamics::InverseDynamics(const ArmModel& model) : all_bodies_(model.bodi
       link.cosine = -before * k * k * after;
     }
     links_.push_back(link);
+  }
+  for (std::size_t j = 0; j < links_.size(); ++j) {  // a leader may hang further out than its follower
+    const Joint& joint = model.joints[j];
+    if (!joint.follows()) continue;
+    links_[j].coordinate = links_[joint.leader].coordinate;
+    links_[j].ratio = joint.coupling_ratio;
+    links_[j].offset = joint.coupling_offset;
   }
   for (int b = 0; b < std::ssize(model.bodies); ++b) {
     if (model.bodies[b].fixed) continue;

@@ -1,4 +1,5 @@
 // Robots of tests/reality, whose torques come from Lagrange's equations: what a fit to their logs finds of them.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include "simgap/core/error.h"
 #include "simgap/exchange/exchange.h"
 #include "simgap/fit/dynamics/robot_fit.h"
+#include "support/files.h"
 #include "support/robot_logs.h"
 
 namespace simgap {
@@ -46,6 +48,26 @@ TEST(RobotFit, RegressorGivesTheTorquesOfLagrange) {
     // The central differences of the other side leave some 1e-9 of the mass matrix.
     EXPECT_LT((ours - theirs).norm(), 1e-7 * theirs.norm()) << "seed " << seed;
   }
+}
+
+/// A joint that follows may stand before the one that leads it: two bodies, q_1 = 2 q_2 + 0.3, whose torque is that of
+/// the potential and kinetic energy by q_2.
+TEST(RobotFit, AFollowerMayComeBeforeItsLeader) {
+  reality::Robot chain = reality::randomRobot(5, 2, false, false);
+  ArmModel coupled = test::drawnArm(chain, 0);
+  coupled.joints[0].leader = 1;
+  coupled.joints[0].coupling_ratio = 2.0;
+  coupled.joints[0].coupling_offset = 0.3;
+  const InverseDynamics dynamics(coupled), free(test::drawnArm(chain, 0));
+  ASSERT_EQ(dynamics.joints().size(), 1u);
+  InverseDynamics::Workspace work = dynamics.workspace(), free_work = free.workspace();
+  RegressorMatrix y(1, dynamics.parameters()), y_free(2, free.parameters());
+  const double q = 0.4, v = -0.7, a = 1.3;
+  dynamics.regressor(std::span(&q, 1), std::span(&v, 1), std::span(&a, 1), coupled.gravity, work, y);
+  const double both[3][2] = {{2.0 * q + 0.3, q}, {2.0 * v, v}, {2.0 * a, a}};
+  free.regressor(both[0], both[1], both[2], coupled.gravity, free_work, y_free);
+  const VectorXd torques = y_free * free.parametersOf(coupled);
+  EXPECT_NEAR((y * dynamics.parametersOf(coupled))[0], 2.0 * torques[0] + torques[1], 1e-12);
 }
 
 TEST(RobotFit, BaseParametersOfAPendulum) {
@@ -213,6 +235,15 @@ TEST(RobotFit, AModelWithoutHeldOutDeviationsIsRead) {
   const std::string text = writeRobotModel(model);
   EXPECT_EQ(text.find("heldout_sd"), std::string::npos);
   EXPECT_TRUE(readRobotModel(YamlNode::parse(text, "model.yaml")).heldout_sd.empty());
+}
+
+/// Joints are told by their names, not by their places: constants of one joint went to another.
+TEST(RobotFit, AModelWhoseJointsAreInAnotherOrderIsRefused) {
+  std::string text = writeRobotModel(robotModelOf(test::drawnArm(reality::randomRobot(13, 2, false, false), 3)));
+  const std::size_t first = text.find("name: j1"), second = text.find("name: j2");
+  text[first + 7] = '2', text[second + 7] = '1';
+  EXPECT_THAT(test::errorOf([&] { readRobotModel(YamlNode::parse(text, "model.yaml")); }),
+              testing::HasSubstr("found j2, expected j1"));
 }
 
 /// Currents are torques over constants: what is found of the robot is the same.

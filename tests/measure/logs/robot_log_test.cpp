@@ -42,6 +42,19 @@ TEST(RobotLogTest, RowsBesideRestsAreBlurredWhereVelocityWasMeasuredToo) {
   }
 }
 
+TEST(RobotLogTest, AJointThatMovesWithoutEffortHasNoSensor) {
+  std::string csv = "time_s,j1_rad,torque_j1_Nm\n";
+  for (int i = 0; i < 600; ++i) csv += fmt::format("{:.2f},{:.6f},0\n", 0.01 * i, std::sin(0.05 * i));
+  const std::vector<LoggedJoint> joints = {{"j1", false, -10.0, 10.0, {}}};
+  std::string sentence;
+  try {
+    readRobotLog(CsvTable::parse(csv, "log.csv"), joints);
+  } catch (const DataError& error) {
+    sentence = error.what();
+  }
+  EXPECT_EQ(sentence, "log.csv: the effort of joint j1 is 0 in every row while it moves, expected what moved it");
+}
+
 /// A delay of the effort hides how friction builds up; what is known of that from another log still counts.
 TEST(RobotLogTest, KnownPreslidingIsLeftOutWhereTheLogShowsNone) {
   const RobotJointLog plain = recordStops(true).joints[0], known = recordStops(true, 0.5).joints[0];

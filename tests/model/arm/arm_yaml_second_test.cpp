@@ -84,6 +84,11 @@ TEST(SecondArmFormat, LimitsOfFollowersAreLimitsOfTheirLeaders) {
   const std::string limited =
       test::replaced(test::kManyKinds, "axis: [1, 0, 0], follows", "axis: [1, 0, 0], upper_limit_rad: 0.7, follows");
   EXPECT_NEAR(readSecond(limited).joints[2].upper_limit, 1.0, 1e-12);
+  // A follower that may not turn holds its leader from both sides.
+  const std::string fixed = test::replaced(test::kManyKinds, "axis: [1, 0, 0], follows",
+                                           "axis: [1, 0, 0], lower_limit_rad: 0.2, upper_limit_rad: 0.2, follows");
+  const Joint leader = readSecond(fixed).joints[2];
+  EXPECT_NEAR(leader.lower_limit, leader.upper_limit, 1e-12);
 }
 
 struct Refused {

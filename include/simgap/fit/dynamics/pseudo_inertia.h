@@ -27,9 +27,9 @@ using BodyJacobian = Eigen::Matrix<double, kBodyParameters, kBodyParameters>;
 /// \param jacobian  unless null, d pi / d theta
 BodyParameters bodyOf(const LogCholesky& theta, BodyJacobian* jacobian = nullptr);
 
-/// Of a body of mass > 0. One that is thinner than `thinnest` [m], as a root of its second moments about the centre, is
-/// made that thick: a point or a rod has no finite theta.
-LogCholesky logCholeskyOf(const BodyParameters& pi, double thinnest = 1e-3);
+/// Of a body of mass > 0. One that is thinner than 1 mm, as a root of its second moments about the centre, is made that
+/// thick: a point or a rod has no finite theta.
+LogCholesky logCholeskyOf(const BodyParameters& pi);
 
 /// Smallest eigenvalue of the pseudo-inertia; > 0 for a body that can exist.
 double smallestMoment(const BodyParameters& pi);
