@@ -86,14 +86,28 @@ void addLine(const ReplayedSet& replay, const std::string& pose, const std::stri
   }
 }
 
-/// At rest a cord pulls with its stiffness alone: T = k (L_S - L_SR).
-void addMuscles(const ReplayedSet& replay, const std::string& pose, const PoseOutcome& outcome,
+/// At rest a cord pulls with its stiffness, T = k (L_S - L_SR), and with what extensions add to that. [N]
+double tensionOf(const ArmModel& model, std::size_t m, const Pose& pose, const PoseOutcome& outcome) {
+  const Muscle& muscle = model.muscles[m];
+  const ShockCord& cord = muscle.shock_cord;
+  const double expansion = cord.rest_length * outcome.cord_expansion[m], shaft = outcome.shafts[m];
+  double tension = cord.force(cord.rest_length + expansion, 0.0);
+  const LineState line{shaft, muscle.spindle_radius, pose.time,
+                       pose.shafts_before.empty() ? 0.0 : pose.shafts_before[m],
+                       muscle.kite_line_length - muscle.spindle_radius * shaft};
+  for (const ArmExtension& extension : resolveExtensions(model)) {
+    if (expansion <= 0.0 || !extension.effect->cord || !extension.on(static_cast<int>(m))) continue;
+    tension += extension.effect->cord(extension.p, expansion, cord, line).force;
+  }
+  return tension;
+}
+
+void addMuscles(const ReplayedSet& replay, const Pose& recorded, const PoseOutcome& outcome,
                 const std::vector<BodyInWorld>& bodies, CsvWriter& csv) {
+  const std::string& pose = recorded.name;
   for (std::size_t m = 0; m < replay.model.muscles.size(); ++m) {
-    const Muscle& muscle = replay.model.muscles[m];
-    const ShockCord& cord = muscle.shock_cord;
-    const double tension = cord.force(cord.rest_length * (1.0 + outcome.cord_expansion[m]), 0.0);
-    addLine(replay, pose, muscle.name, muscleLine(replay.model, m, bodies), tension, csv);
+    addLine(replay, pose, replay.model.muscles[m].name, muscleLine(replay.model, m, bodies),
+            tensionOf(replay.model, m, recorded, outcome), csv);
   }
   std::size_t command = replay.model.muscles.size();
   for (const PassiveTendon& tendon : replay.model.tendons) {
@@ -124,7 +138,7 @@ void writeArmGeometry(std::span<const ReplayedSet> replays, const RunDirectory& 
       if (outcome.status != PoseStatus::kSteady) continue;
       const std::vector<BodyInWorld> placed = bodiesInWorld(replay.model, outcome.joints);
       addBodies(replay, pose.name, replay.state.c_str(), placed, bodies);
-      addMuscles(replay, pose.name, outcome, placed, muscles);
+      addMuscles(replay, pose, outcome, placed, muscles);
     }
   }
   directory.write("arm_parts.csv", partsCsv(replays.back().model));

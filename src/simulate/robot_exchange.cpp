@@ -14,8 +14,10 @@
 namespace simgap {
 namespace {
 
-constexpr double kSameWay = 1e-6;   ///< [m] what rounding and two searches for one rest leave
-constexpr double kSameTurn = 1e-5;  ///< [rad]
+constexpr double kSameWay = 1e-6;      ///< [m] what rounding and two searches for one rest leave
+constexpr double kSameTurn = 1e-5;     ///< [rad]
+constexpr double kSameMass = 1e-6;     ///< [kg]
+constexpr double kSameInertia = 1e-4;  ///< as a share
 
 ImportedArm readRobot(const RobotFile& from, RobotFormat format, const FileReader& read) {
   if (format == RobotFormat::kMjcf) return readMjcf(from.text, from.file, read);
@@ -132,6 +134,10 @@ void checkSame(const RobotExchange& exchange) {
   if (!(replay.way < kSameWay) || !(replay.turn < kSameTurn)) {
     refuse(fmt::format("a body stands {:.3g} m and {:.3g} rad elsewhere at the same position of the joints", replay.way,
                        replay.turn));
+  }
+  if (!(replay.mass < kSameMass) || !(replay.centre < kSameWay) || !(replay.inertia < kSameInertia)) {
+    refuse(fmt::format("a body differs by {:.3g} kg, {:.3g} m of its centre and {:.3g} % of its inertia", replay.mass,
+                       replay.centre, 100.0 * replay.inertia));
   }
   if (replay.restless > 0) {
     refuse(fmt::format("{} of {} poses do not come to rest", replay.restless, replay.restless + replay.rests));

@@ -337,6 +337,11 @@ TEST(ArmExtensions, WhatIsWrongWithOneIsSaidWithItsLine) {
             std::string::npos);
   EXPECT_NE(error("{effect: gravity-tilt, target: torso, parameters: {}}").find("gravity-tilt has none"),
             std::string::npos);
+  const std::string bare = writeArm(test::pendulum()) +
+                           "extensions:\n  - {effect: supply-sag, parameters: {resistance: {value: 0.1, unit: ohm}, "
+                           "time: {value: 0.01, unit: s}}}\n";
+  EXPECT_NE(test::errorOf([&] { readArm(YamlNode::parse(bare, "a.yaml")); }).find("supply-sag needs a motor"),
+            std::string::npos);
 }
 
 }  // namespace

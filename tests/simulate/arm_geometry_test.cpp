@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "report/result_folder.h"
+#include "simgap/model/arm/arm_effect.h"
 
 namespace simgap {
 namespace {
@@ -49,6 +50,7 @@ class ArmGeometry : public ::testing::Test {
     steady.status = PoseStatus::kSteady;
     steady.joints = {{Eigen::Quaterniond::Identity(), std::numbers::pi / 2}};
     steady.cord_expansion = {0.3};
+    steady.shafts = {0.0};
     PoseOutcome invalid;
     invalid.status = PoseStatus::kNotSteady;
     outcomes_ = {steady, invalid};
@@ -85,6 +87,20 @@ TEST_F(ArmGeometry, DrawsMusclesWhereTheySimulatedWithTheirTension) {
   EXPECT_THAT(muscles.quantity("y", "m"), ElementsAre(0.0, DoubleNear(0.5, 1e-12)));
   EXPECT_THAT(muscles.quantity("z", "m"), ElementsAre(2.0, DoubleNear(1.0, 1e-12)));
   EXPECT_NEAR(muscles.quantity("tension", "N")[0], 1000.0 * 0.3 * 0.1, 1e-9);  // k L_SR expansion
+}
+
+// A cord that hardens pulls with more than its stiffness: k (x + h x^2).
+TEST_F(ArmGeometry, TensionsHoldWhatExtensionsAdd) {
+  ArmModel model = hingeArm();
+  const ArmEffect& hardening = *findArmEffect("cord-hardening");
+  EffectParameters p{};
+  p[0] = 0.5;
+  model.extensions = {makeExtension(hardening, "cord", p)};
+  const ReplayedSet replay{"replayed", "simulated", model, poses_, outcomes_};
+  writeArmGeometry({&replay, 1}, folder_.directory());
+  const double added = hardening.cord(p, 0.03, model.muscles[0].shock_cord, {}).force;
+  ASSERT_GT(added, 1.0);
+  EXPECT_NEAR(table("arm_muscles.csv").quantity("tension", "N")[0], 1000.0 * 0.3 * 0.1 + added, 1e-9);
 }
 
 // Ends 1 m and 0.5 m from the hinge, a right angle apart: a line round a sphere of 0.48 m touches it, since

@@ -176,6 +176,7 @@ std::string checkExtension(Extension& extension, const ArmModel& model) {
     }
   }
   extension.parameters = std::move(ordered);
+  if (effect->supply && model.muscles.empty()) return fmt::format("{} needs a motor on a line", effect->name);
   if (!effect->expected) return "";
   const std::string expected = effect->expected(p, model, targetIndex(*effect, model, extension.target));
   return expected.empty() ? "" : fmt::format("{} of {}: expected {}", effect->name, extension.target, expected);

@@ -49,7 +49,7 @@ std::vector<Eigen::Vector3d> muscleLine(const ArmModel& model, std::size_t m, co
     const Eigen::Vector3d centre = bodies[joint.child] * joint.child_position;
     BentPath bent;
     if (!extension.effect->path(extension.p, points.front() - centre, points.back() - centre, bent)) continue;
-    points = bentLine(points.front() - centre, points.back() - centre, extension.p[0]);
+    points = bentLine(points.front() - centre, points.back() - centre, bent.radius);
     for (Eigen::Vector3d& point : points) point += centre;
     break;
   }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "simgap/model/arm/arm_effect.h"
 #include "support/arms.h"
 
 namespace simgap {
@@ -24,6 +25,19 @@ TEST(MuscleLine, RunsStraightThroughItsAttachments) {
   ASSERT_EQ(line.size(), 2u);
   EXPECT_EQ(line[0], Vector3d(0.0, 0.05, 0.2));
   EXPECT_TRUE(line[1].isApprox(Eigen::AngleAxisd(0.5, Vector3d::UnitX()) * Vector3d(0.0, 0.05, -0.2), 1e-14));
+}
+
+// Larger than the nearer end is away from the joint: what statics take for it is drawn.
+TEST(MuscleLine, ASphereThatReachesBeyondTheLinesEndIsDrawnAsLargeAsItActs) {
+  ArmModel model = straightArm();
+  EffectParameters p{};
+  p[0] = 0.3, p[1] = 1.0;
+  model.extensions = {makeExtension(*findArmEffect("muscle-wrap"), model.muscles[0].name, p)};
+  const std::vector<JointPosition> straight{test::hingeAt(0.0)};
+  const std::vector<Vector3d> line = muscleLine(model, 0, bodiesInWorld(model, straight));
+  ASSERT_EQ(line.size(), 9u);
+  for (const Vector3d& point : line) EXPECT_TRUE(point.allFinite());
+  EXPECT_LT(line[4].norm(), line[0].norm());
 }
 
 TEST(MuscleLine, TouchesTheSphereItWrapsAroundAndIsAsLongAsTheEffectSays) {

@@ -141,6 +141,16 @@ TEST(ParameterSpace, RefusesAnInitialValueOutsideItsRange) {
   EXPECT_THAT(choiceError({stiffness}), HasSubstr("outside its range"));
 }
 
+TEST(ParameterSpace, APercentageOfNothingIsNoPrior) {
+  ArmModel model = example();
+  model.joints[0].coulomb_friction = 0.0;
+  Choice friction = choice("joints." + model.joints[0].name + ".coulomb_friction_Nm");
+  friction.prior_sd_percent = 20.0;
+  EXPECT_THROW(ParameterSpace(model, {friction}), ConfigError);
+  model.joints[0].coulomb_friction = 0.05;
+  EXPECT_NEAR(ParameterSpace(model, {friction}).parameters()[0].prior_sd.value(), 0.01, 1e-15);
+}
+
 TEST(ParameterSpace, ApplyTouchesOnlyTheChosen) {
   const ArmModel model = example();
   const ParameterSpace space(model, {choice("muscles.*.attachments.1"), choice("joints.elbow.viscous_friction_Nms"),

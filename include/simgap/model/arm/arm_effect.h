@@ -61,6 +61,7 @@ struct CordTerm {
 
 /// A line that bends round the centre of a joint; index 0, 1: its ends, as vectors from that centre.
 struct BentPath {
+  double radius = 0.0;                                      ///< [m] of the ball that it runs round
   double length = 0.0;                                      ///< [m]
   std::array<Eigen::Vector3d, 2> slope;                     ///< of the length, by each end
   std::array<std::array<Eigen::Matrix3d, 2>, 2> curvature;  ///< second derivatives

@@ -32,8 +32,20 @@ void apply(const ArmChange& change, ArmModel& model) {
     throw ConfigError(fmt::format("the change takes {} kg off body {}, whose heaviest part has {:.4g} kg",
                                   -change.sizes[0], body.name, part.mass));
   }
-  part.position = (part.mass * part.position + change.sizes[0] * change.place) / mass;
+  Part point;
+  point.shape = Part::Shape::kSphere;
+  point.mass = change.sizes[0];
+  point.position = change.place;
+  Body both;
+  both.parts = {part, point};
+  const MassProperties melted = massProperties(both);
+  part.position = melted.centre_of_mass;
   part.mass = mass;
+  // More than the part has cannot be taken away: a small part may stand for a body whose mass is elsewhere. Rests are
+  // right then, too; the inertia stays that of the part.
+  if (!(melted.inertia.llt().info() == Eigen::Success)) return;
+  part.shape = Part::Shape::kInertia;
+  part.inertia = melted.inertia;
 }
 
 }  // namespace

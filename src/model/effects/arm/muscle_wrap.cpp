@@ -54,6 +54,7 @@ bool path(const EffectParameters& p, const Eigen::Vector3d& from, const Eigen::V
   const Eigen::Vector3d m = normal / sine;
   ends[0].t = (ends[1].e - cosine * ends[0].e) / sine;
   ends[1].t = (ends[0].e - cosine * ends[1].e) / sine;
+  path.radius = radius;
   path.length = radius * (theta - free);
   path.length_by_parameter = capped ? 0.0 : theta - free;
   for (int i = 0; i < 2; ++i) {
