@@ -108,11 +108,6 @@ std::vector<CaptureJoint> paperJoints(const TargetSet& targets) {
   return joints;
 }
 
-void expectFormat(const YamlNode& root, const std::string& format) {
-  const YamlNode node = root.at("format");
-  if (node.text() != format) node.fail(fmt::format("found '{}', expected '{}'", node.text(), format));
-}
-
 }  // namespace
 
 int TargetSet::indexOf(const std::string& target) const {
@@ -121,7 +116,7 @@ int TargetSet::indexOf(const std::string& target) const {
 }
 
 TargetSet readTargets(const YamlNode& root) {
-  expectFormat(root, "simgap/targets/1");
+  root.at("format").oneOf({"simgap/targets/1"});
   TargetSet set;
   set.marker_radius = root.quantity("marker_radius", "m", kPositive);
   const YamlNode list = root.at("targets");
@@ -152,7 +147,7 @@ std::string writeTargets(const TargetSet& set, const std::vector<std::string>& c
 }
 
 std::array<std::string, 2> rigFiles(const YamlNode& root) {
-  expectFormat(root, "simgap/rig/1");
+  root.at("format").oneOf({"simgap/rig/1"});
   return {root.at("stereo").text(), root.at("targets").text()};
 }
 

@@ -104,7 +104,8 @@ std::uint64_t YamlNode::seed() const {
 
 std::string YamlNode::oneOf(const std::vector<std::string>& choices) const {
   if (isScalar() && std::ranges::find(choices, value_->scalar) != choices.end()) return value_->scalar;
-  fail(fmt::format("found {}, expected one of {}", value_->description(), fmt::join(choices, ", ")));
+  fail(fmt::format("found {}, expected {}{}", value_->description(), choices.size() == 1 ? "" : "one of ",
+                   fmt::join(choices, ", ")));
 }
 
 Eigen::Vector3d YamlNode::vector3() const {

@@ -150,12 +150,6 @@ void XmlRobot::remark(const XmlElement& element, const std::string& what, const 
   add(what, done, matters, place(element));
 }
 
-void XmlRobot::remarkAttribute(const XmlElement& element, const char* attribute, const std::string& done,
-                               bool matters) {
-  find(element, attribute);
-  add(fmt::format("{} {}", abridged(element.Name()), attribute), done, matters, place(element));
-}
-
 void XmlRobot::remarkUnread(const XmlElement& element, const std::map<std::string, std::string>& ignored) {
   const auto say = [&](const std::string& key, const std::string& what) {
     const auto reason = ignored.find(key);

@@ -16,7 +16,7 @@
 
 namespace simgap {
 
-/// No robot file may hold more bytes, elements nested deeper, or more of them.
+/// No robot file may hold more bytes or elements.
 inline constexpr std::size_t kLargestRobotFile = std::size_t{64} << 20U;
 inline constexpr int kMostRobotElements = 200000;
 /// No number of a robot file is larger.
@@ -49,7 +49,6 @@ class XmlRobot {
   /// The element with all that is in it is left out, or taken in another way.
   void remark(const XmlElement& element, const std::string& what, const std::string& done, bool matters = true);
   /// The same for one attribute.
-  void remarkAttribute(const XmlElement& element, const char* attribute, const std::string& done, bool matters = true);
   /// Without a place in the file. What was said already gets one more place only.
   void add(const std::string& what, const std::string& done, bool matters, const std::string& place = {});
 

@@ -27,6 +27,7 @@ void BulletArm::forgetMotion() {
   if (!motion_) return;
   motion_->change.setZero();
   motion_->pushed.setZero();
+  for (Motion::Pull& pull : motion_->pulls) pull.winding_radius = 0.0;  // NaN after a motion that blew up
 }
 
 void BulletArm::setShafts(std::span<const double> shafts) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSubsteps =
     32;  // of a step within which the rotor starts, stops or turns: the Coulomb torque switches there
-constexpr double kStepGrain = 2e-3;  // steps that differ by less than this share of the first are one step
+constexpr double kStepGrain = 2e-3;  // steps that differ by less than this share of their mean are one step
 
 bool switches(double before, double after) {
   return before == 0.0 || after == 0.0 || std::signbit(before) != std::signbit(after);

@@ -152,21 +152,14 @@ class Replay {
   bool loose(EquilibriumArm& arm) const {
     arm.linearise();
     const int dofs = arm.energy().degreesOfFreedom();
-    Eigen::MatrixXd moves = Eigen::MatrixXd::Identity(dofs, dofs);  // joints that follow go with their leaders
-    std::vector<bool> kept(static_cast<std::size_t>(dofs), false);
-    for (std::size_t j = 0; j < one_.joints.size(); ++j) {
-      const Joint& joint = one_.joints[j];
-      if (!joint.follows()) continue;
-      const int dof = arm.energy().firstDof(static_cast<int>(j));
-      moves(dof, dof) = 0.0;
-      moves(dof, arm.energy().firstDof(joint.leader)) = joint.coupling_ratio;
-      kept[dof] = true;
-    }
+    Eigen::MatrixXd moves = couplingsOf(arm.energy());
+    if (moves.size() == 0) moves.setIdentity(dofs, dofs);
     const Eigen::VectorXd force = moves.transpose() * arm.energy().gradient();
     Eigen::MatrixXd stiffness = moves.transpose() * arm.energy().hessian() * moves;
     for (int dof = 0; dof < dofs; ++dof) {
-      if (!kept[dof] && !arm.atStop(dof)) continue;
-      if (!kept[dof] && std::abs(force[dof]) < kNoForce) return true;
+      const bool follows = moves(dof, dof) == 0.0;
+      if (!follows && !arm.atStop(dof)) continue;
+      if (!follows && std::abs(force[dof]) < kNoForce) return true;
       stiffness.row(dof).setZero();
       stiffness.col(dof).setZero();
       stiffness(dof, dof) = 1.0;

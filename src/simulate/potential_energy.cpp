@@ -17,8 +17,6 @@
 #include "simgap/model/arm/kinematics.h"
 
 namespace simgap {
-namespace {}  // namespace
-
 PotentialEnergy::PotentialEnergy(const ArmModel& model) {
   joint_of_body_.assign(model.bodies.size(), -1);
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
@@ -267,6 +265,20 @@ void PotentialEnergy::project() {
   for (int i = 0; i < dofs_; ++i) {
     for (int j = 0; j < i; ++j) hessian_(i, j) = hessian_(j, i);
   }
+}
+
+Eigen::MatrixXd couplingsOf(const PotentialEnergy& energy) {
+  const std::vector<Joint>& joints = energy.model().joints;
+  if (std::ranges::none_of(joints, &Joint::follows)) return {};
+  const int n = energy.degreesOfFreedom();
+  Eigen::MatrixXd moves = Eigen::MatrixXd::Identity(n, n);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (!joints[j].follows()) continue;
+    const int d = energy.firstDof(static_cast<int>(j));
+    moves(d, d) = 0.0;
+    moves(d, energy.firstDof(joints[j].leader)) = joints[j].coupling_ratio;
+  }
+  return moves;
 }
 
 }  // namespace simgap

@@ -74,7 +74,9 @@ std::string otherEquilibria(const ArmModel& model, const PoseSet& set, std::span
   EquilibriumArm arm(model);
   std::vector<std::string> poses;
   for (std::size_t p = 0; p < outcomes.size(); ++p) {
+    stopIfInterrupted();
     if (outcomes[p].status != PoseStatus::kSteady) continue;
+    arm.setHistory(set.poses[p].time, set.poses[p].shafts_before);
     if (!arm.solveFrom(outcomes[p].joints, outcomes[p].shafts).stable) continue;
     const std::vector<JointPosition> found = arm.joints();
     if (distinctEquilibria(arm, outcomes[p].shafts, found).size() > 1) poses.push_back(set.poses[p].name);

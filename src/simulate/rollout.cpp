@@ -208,6 +208,7 @@ MotionOutcome Rollout::run(const MotionCommands& commands, const MotionStart& st
   commandAt(start.time, commands, command_row);
   arm_.setLineCommands(std::span<const double>(commands_).subspan(muscles_.size()), true);
   while (steps_ < 0) {
+    stopIfInterrupted();
     if (!follow(commands, command_row)) return stopped();
   }
   const bool settled = start.settle > 0.0;

@@ -168,7 +168,7 @@ TEST_F(CaptureTest, RefusesABadRig) {
   const std::string rig = text("rig.yaml");
   const Arguments arguments = capture({"--rate", "60"});
   put("rig.yaml", replaced(rig, "simgap/rig/1", "simgap/rig/9"));
-  expectRefused(arguments, 2, "expected 'simgap/rig/1'");
+  expectRefused(arguments, 2, "expected simgap/rig/1");
   put("rig.yaml", replaced(rig, "[torso, 0]", "[torse, 0]"));
   expectRefused(arguments, 2, "found the target 'torse'");
   put("rig.yaml", replaced(rig, "[torso, 0]", "[torso, 7]"));

@@ -259,4 +259,8 @@ class PotentialEnergy {
 /// The parameters that a steady pose depends on, in the order of `paths` (ParameterPath::str()).
 std::vector<StaticParameter> staticParameters(const ArmModel& model, std::span<const std::string> paths);
 
+/// Moves of an arm with coupled joints: q = T q + offset, where followers take the place of their leaders' moves and
+/// have none of their own. Shape (dof, dof); empty without couplings.
+Eigen::MatrixXd couplingsOf(const PotentialEnergy& energy);
+
 }  // namespace simgap

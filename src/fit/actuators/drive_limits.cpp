@@ -63,7 +63,7 @@ std::size_t DriveLimits::sessions() const { return static_cast<std::size_t>(std:
 std::size_t DriveLimits::sessionRows() const { return static_cast<std::size_t>(std::llround(session * rate)); }
 
 DriveLimits DriveLimits::read(const YamlNode& root, const FittedModel* fitted) {
-  if (root.at("format").text() != "simgap/drive-limits/1") root.at("format").fail("expected simgap/drive-limits/1");
+  root.at("format").oneOf({"simgap/drive-limits/1"});
   DriveLimits limits;
   limits.session = root.findQuantity("session", "s", {2.0, 600.0, false, "2 to 600 s"}).value_or(limits.session);
   limits.duration = root.quantity("duration", "s",

@@ -38,6 +38,7 @@ MotionCalibrationConfig MotionCalibrationConfig::read(const YamlNode& root) {
     config.pose_noise.joint_friction = friction->boolean();
   config.pose_noise.capture_sd =
       root.findQuantity("capture_sd", "rad", kPositive).value_or(config.pose_noise.capture_sd);
+  config.pose_noise.slide_sd = root.findQuantity("slide_sd", "m", kPositive).value_or(config.pose_noise.slide_sd);
   root.expectAllRead();
   return config;
 }
@@ -46,8 +47,8 @@ std::string MotionCalibrationConfig::toYaml() const {
   std::string text = "format: simgap/calibration/1\nparameters:\n";
   for (const ParameterSpace::Choice& choice : parameters) text += choiceYaml(choice);
   text += strategyYaml(strategy) +
-          fmt::format("optimizer: {}\ncapture_sd_rad: {}\njoint_friction_in_noise: {}\nmotions:\n", optimizer,
-                      pose_noise.capture_sd, pose_noise.joint_friction) +
+          fmt::format("optimizer: {}\ncapture_sd_rad: {}\nslide_sd_m: {}\njoint_friction_in_noise: {}\nmotions:\n",
+                      optimizer, pose_noise.capture_sd, pose_noise.slide_sd, pose_noise.joint_friction) +
           motions.motion.toYaml("  ");
   const auto add = [&text](const char* key, double value) { text += fmt::format("  {}: {}\n", key, value); };
   text += fmt::format("  rounds: {}\n", rounds);

@@ -169,13 +169,14 @@ std::vector<double> drawRms(const LeftOver& left, const std::vector<Eigen::Matri
 
 std::optional<MotionPrediction> predictMotions(const MotionPosterior& posterior, const MotionFit& fit, double misfit,
                                                const std::vector<MotionRms>& fitted, const MotionPosterior& unseen) {
+  if (fitted.size() < 2) return std::nullopt;
   const auto joints = std::ssize(fitted.front().joints);
   const Eigen::Index groups = joints + 2;
   const Eigen::MatrixXd covariance = covarianceAt(misfit, posterior, fit.covariance);
   const std::vector<Eigen::VectorXd> draws = posterior.draws(fit.z, covariance, kPlayed);
   const PlayedDraws seen = playDraws(posterior, fit.z, draws, groups),
                     held_out = playDraws(unseen, fit.z, draws, groups);
-  if (fitted.size() < 2 || seen.ways.empty() || held_out.ways.empty()) return std::nullopt;
+  if (seen.ways.empty() || held_out.ways.empty()) return std::nullopt;
 
   // A fit takes no more away than as many parameters as it can tell.
   const double most = misfit * misfit * toldParameters(posterior, covariance);

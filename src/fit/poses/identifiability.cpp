@@ -68,7 +68,6 @@ Combination describe(const std::vector<std::size_t>& members, const Eigen::Vecto
 /// Reduced row echelon form of the null space, so that each row has few members. \param rows  shape (dimension, n)
 void reduceRows(Eigen::MatrixXd& rows) {
   Eigen::Index row = 0;
-  std::vector<bool> used(static_cast<std::size_t>(rows.cols()), false);
   for (; row < rows.rows(); ++row) {
     Eigen::Index r = 0, column = 0;
     const double largest = rows.bottomRows(rows.rows() - row).cwiseAbs().maxCoeff(&r, &column);

@@ -30,6 +30,13 @@ std::vector<std::string> names(const ParameterSpace& space) {
   return names;
 }
 
+/// Friction holds a joint anywhere within a ball of radius tau_c: uniform there, the variance of each of n components
+/// is tau_c^2 / (n + 2). [(N m)^2]
+double frictionVariance(const Joint& joint, const PoseNoise& noise) {
+  const double coulomb = noise.joint_friction ? joint.coulomb_friction : 0.0;
+  return coulomb * coulomb / (joint.degreesOfFreedom() + 2);
+}
+
 /// Variance of the mean of a joint's repeats, per component [rad^2], of a slide [m^2].
 double captureVariance(const Pose& pose, std::size_t joint, int components, double capture_sd) {
   // The stated noise counts as nu degrees of freedom, the spread s of n repeats as n - 1 more: (nu sd^2 + (n - 1) s^2)
@@ -39,22 +46,6 @@ double captureVariance(const Pose& pose, std::size_t joint, int components, doub
   const double variance = (kCaptureFreedom * capture_sd * capture_sd + freedom * spread * spread / components) /
                           (kCaptureFreedom + freedom);
   return variance / pose.repeats;
-}
-
-/// Moves of an arm with coupled joints: q = T q + offset, where followers take the place of their leaders' moves and
-/// have none of their own. Shape (dof, dof); empty without couplings.
-Eigen::MatrixXd couplingsOf(const ArmModel& model, const PotentialEnergy& energy) {
-  if (std::ranges::none_of(model.joints, &Joint::follows)) return {};
-  const int n = energy.degreesOfFreedom();
-  Eigen::MatrixXd moves = Eigen::MatrixXd::Identity(n, n);
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    const Joint& joint = model.joints[j];
-    if (!joint.follows()) continue;
-    const int d = energy.firstDof(static_cast<int>(j));
-    moves(d, d) = 0.0;
-    moves(d, energy.firstDof(joint.leader)) = joint.coupling_ratio;
-  }
-  return moves;
 }
 
 /// H^-1 for torques on an arm whose joints may be coupled: T (T^T H T)^-1 T^T.
@@ -162,17 +153,13 @@ void PosePosterior::whiten(const Eigen::VectorXd& z) {
   setParameters(z);
   const int n = arm_.energy().degreesOfFreedom();
   PotentialEnergy energy(model_);
-  const Eigen::MatrixXd moves = couplingsOf(model_, energy);
+  const Eigen::MatrixXd moves = couplingsOf(energy);
   Eigen::VectorXd friction(n), capture(n);
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     for (std::size_t j = 0; j < model_.joints.size(); ++j) {
       const Joint& joint = model_.joints[j];
       const int components = joint.degreesOfFreedom();
-      // Friction holds a joint anywhere within a ball of radius tau_c: uniform there, the variance of each of n
-      // components is tau_c^2 / (n + 2).
-      const double coulomb = noise_.joint_friction ? joint.coulomb_friction : 0.0;
-      friction.segment(energy.firstDof(static_cast<int>(j)), components)
-          .setConstant(coulomb * coulomb / (components + 2));
+      friction.segment(energy.firstDof(static_cast<int>(j)), components).setConstant(frictionVariance(joint, noise_));
       capture.segment(energy.firstDof(static_cast<int>(j)), components)
           .setConstant(captureVariance(poses_[p], j, components, noise_.sdOf(joint.type)));
     }
@@ -249,7 +236,7 @@ void PosePosterior::measureError(const Pose& pose, const std::vector<JointPositi
 const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::VectorXd& z, double sd) {
   setParameters(z);
   PotentialEnergy energy(model_);
-  const Eigen::MatrixXd moves = couplingsOf(model_, energy);
+  const Eigen::MatrixXd moves = couplingsOf(energy);
   for (std::size_t p = 0; p < poses_.size(); ++p) {
     PoseResidual& residual = residuals_[p];
     energy.setHistory(poses_[p].time, poses_[p].shafts_before);
@@ -275,7 +262,7 @@ const std::vector<PoseResidual>& PosePosterior::evaluateTorques(const Eigen::Vec
       const int components = joint.degreesOfFreedom();
       const int d = energy.firstDof(static_cast<int>(j));
       covariance.diagonal().segment(d, components).array() +=
-          joint.coulomb_friction * joint.coulomb_friction / (components + 2) + kSmallestTorque * kSmallestTorque;
+          frictionVariance(joint, noise_) + kSmallestTorque * kSmallestTorque;
       const double angle = poses_[p].joints[j].angle;
       const double near = kNearStop * noise_.sdOf(joint.type);
       if (joint.hasAxis() && ((angle < joint.lower_limit + near && residual.error[d] > 0.0) ||

@@ -27,7 +27,9 @@ Pam readExoLaw(const YamlNode& node, const std::function<FittedModel(const std::
     }
     joint.lowest_fitted = std::max(joint.lowest_fitted, parseNumber(fitted.setting("contraction_min")).value_or(-1.0));
     joint.highest_fitted = std::min(joint.highest_fitted, parseNumber(fitted.setting("contraction_max")).value_or(1.0));
-    return {fitted.value("a"), fitted.value("b"), fitted.value("c"), fitted.valueOr("k", kInfinity)};
+    const double tendon = fitted.valueOr("k", kInfinity);
+    if (!(tendon > 0.0)) file->fail(fmt::format("found k = {:g} N, expected a number > 0", tendon));
+    return {fitted.value("a"), fitted.value("b"), fitted.value("c"), tendon};
   }
   Pam muscle;
   if (node.hasQuantity("diameter", "m")) {

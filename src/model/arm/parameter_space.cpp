@@ -158,7 +158,15 @@ SearchParameter makeParameter(const std::string& name, const ParameterKind& kind
   const double lower = std::max(choice.lower.value_or(-kInfinity), smallest(kind.range));
   const double upper = std::min(choice.upper.value_or(kInfinity), kind.range.upper);
   SearchParameter parameter{{name, std::string(kind.unit), lower, upper}, value, choice.step, choice.prior_sd};
-  if (choice.prior_sd_percent) parameter.prior_sd = 0.01 * *choice.prior_sd_percent * std::abs(value);
+  if (choice.prior_sd_percent) {
+    if (value == 0.0) {
+      throw ConfigError(
+          fmt::format("parameters: pattern '{}': {} is 0 {} in the model, of which {} % are nothing; "
+                      "expected prior_sd",
+                      choice.pattern, name, kind.unit, *choice.prior_sd_percent));
+    }
+    parameter.prior_sd = 0.01 * *choice.prior_sd_percent * std::abs(value);
+  }
   if (value < parameter.lower || value > parameter.upper) {
     throw ConfigError(fmt::format("parameters: pattern '{}': {} is {} {} in the model, outside its range [{}, {}]",
                                   choice.pattern, name, value, kind.unit, parameter.lower, parameter.upper));
@@ -284,7 +292,9 @@ void ParameterSpace::apply(std::span<const double> values, ArmModel& model) cons
 
 std::vector<double> ParameterSpace::values(ArmModel model) const {
   std::vector<double> values(parameters_.size());
-  forEachChosen(model, [&](const Number& number, double& value) { values[number.parameter] = value / number.ratio; });
+  forEachChosen(model, [&](const Number& number, double& value) {
+    if (number.ratio != 0.0) values[number.parameter] = value / number.ratio;
+  });
   return values;
 }
 

@@ -23,6 +23,7 @@ std::string rangeText(const Json& joints, const char* key) {
     lowest = std::min(lowest, error);
     highest = std::max(highest, error);
   }
+  if (lowest > highest) return "-";
   return fmt::format("{:.3g} to {:.3g} %", 100.0 * lowest, 100.0 * highest);
 }
 

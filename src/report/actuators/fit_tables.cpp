@@ -30,7 +30,7 @@ std::string transferText(const Json& transfer, const std::string& unit) {
 /// By how much an error is smaller than the first model's.
 std::string improvement(const Json& rows, const Json& row, const char* key) {
   const double from = numberOf(rows.front().at(key)), to = numberOf(row.at(key));
-  if (&row == &rows.front() || !std::isfinite(from - to)) return "/";
+  if (&row == &rows.front() || !(from > 0.0) || !std::isfinite(to)) return "/";
   return fmt::format("{:.2f} %", 100.0 * (from - to) / from);
 }
 

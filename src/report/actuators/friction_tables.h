@@ -19,9 +19,9 @@ std::string curvesCsv(const FrictionReport& report);
 std::string frictionCsv(const FrictionReport& report);
 /// Parameters of every law.
 std::string modelsCsv(const FrictionReport& report);
-/// Working points that the drive has to reach, as the motor sees them.
 /// How many rows lie at which velocity of motor and joint, load and angle (003 figures 10b and c).
 std::string histogramsCsv(const FrictionReport& report);
+/// Working points that the drive has to reach, as the motor sees them.
 std::string requirementsCsv(const FrictionReport& report);
 
 }  // namespace simgap

@@ -55,10 +55,7 @@ void writeCandidates(const PoseDiagnosis& result, const ArmModel& given, std::sp
 }
 
 CandidateList CandidateList::read(const YamlNode& root) {
-  const YamlNode format = root.at("format");
-  if (format.text() != "simgap/candidates/1") {
-    format.fail(fmt::format("found {}, expected simgap/candidates/1", format.text()));
-  }
+  root.at("format").oneOf({"simgap/candidates/1"});
   CandidateList list;
   list.excess = root.at("excess").number(Range{-1.0, 1e6, false, "a number in [-1, 1e6]"});
   for (const YamlNode& pose : root.at("used").items()) list.used.push_back(pose.text());
