@@ -70,19 +70,26 @@ double groupsThatCount(Estimates estimates, double variance) {
   return sum * sum / squares;
 }
 
-/// Q about a straight line over the order of the groups.
-double leftByLine(Estimates estimates, double variance) {
-  double s = 0.0, sx = 0.0, sxx = 0.0, sy = 0.0, sxy = 0.0, q = 0.0;
+/// A straight line over the order of the groups, with a scatter of that variance.
+struct LineFit {
+  double q;  ///< what is left with that scatter as noise
+  GroupEstimate slope;
+};
+
+LineFit lineThrough(Estimates estimates, double variance) {
+  double s = 0.0, sx = 0.0, sxx = 0.0, sy = 0.0, sxy = 0.0;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const double w = 1.0 / (estimates[i].sd * estimates[i].sd + variance), x = static_cast<double>(i);
     s += w, sx += w * x, sxx += w * x * x, sy += w * estimates[i].value, sxy += w * x * estimates[i].value;
   }
-  const double slope = (s * sxy - sx * sy) / (s * sxx - sx * sx), start = (sy - slope * sx) / s;
+  const double determinant = s * sxx - sx * sx, slope = (s * sxy - sx * sy) / determinant,
+               start = (sy - slope * sx) / s;
+  LineFit line{0.0, {slope, std::sqrt(s / determinant)}};
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const GroupEstimate& e = estimates[i];
-    q += std::pow(e.value - start - slope * static_cast<double>(i), 2) / (e.sd * e.sd + variance);
+    line.q += std::pow(e.value - start - slope * static_cast<double>(i), 2) / (e.sd * e.sd + variance);
   }
-  return q;
+  return line;
 }
 
 /// Two means, one before a group and one from it on, with the scatter that both share.
@@ -153,7 +160,7 @@ std::optional<ChangePoint> findChange(Estimates estimates) {
     change.step = split.step;
   }
   // What drifts from group to group has no moment at which it changed.
-  const bool drifts = leftByLine(estimates, variance) <= splitAt(estimates, change.first, variance).q;
+  const bool drifts = lineThrough(estimates, variance).q <= splitAt(estimates, change.first, variance).q;
   const double counted = groupsThatCount(estimates, variance) - 2.0;
   change.p = 1.0;
   if (!drifts && counted > kFewestFreedoms) {
@@ -170,6 +177,24 @@ std::optional<ChangePoint> findChange(Estimates estimates) {
     change.latest = std::max(change.latest, first);
   }
   return change;
+}
+
+std::optional<Drift> findDrift(Estimates estimates) {
+  if (estimates.size() < 4) return {};
+  const double freedoms = static_cast<double>(estimates.size() - 2);
+  const auto left = [&](double v) { return lineThrough(estimates, v).q; };
+  const double variance = varianceWhere(left, freedoms, varianceScale(estimates));
+  const LineFit line = lineThrough(estimates, variance);
+  bool steps = false;
+  for (std::size_t first = 1; first < estimates.size() && !steps; ++first) {
+    steps = splitAt(estimates, first, variance).q < line.q;
+  }
+  Drift drift{line.slope, 1.0};
+  const double counted = groupsThatCount(estimates, variance) - 2.0;
+  if (steps || counted <= kFewestFreedoms) return drift;
+  const double t = std::abs(line.slope.value) / (line.slope.sd * std::sqrt(std::max(1.0, line.q / freedoms)));
+  drift.p = 2.0 * cdf(complement(boost::math::students_t(counted), t));
+  return drift;
 }
 
 std::vector<double> holmAdjusted(std::span<const double> p) {

@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "simgap/core/error.h"
+#include "simgap/core/interrupt.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "simgap/simulate/possible_commands.h"

@@ -116,6 +116,36 @@ TEST(FindChange, SaysSinceWhenAndByHowMuch) {
   EXPECT_GT(size_held, 0.93 * kSets);
 }
 
+TEST(FindDrift, ScatterAloneIsNoDrift) {
+  std::mt19937_64 random(7);
+  for (const double tau : {0.0, 2.0}) {
+    int found = 0;
+    for (int s = 0; s < kSets; ++s) found += findDrift(drawn(random, 8, tau))->p < 0.05;
+    EXPECT_LE(found, 0.06 * kSets) << "tau " << tau;
+  }
+}
+
+TEST(FindDrift, AStepIsNoDrift) {
+  std::mt19937_64 random(8);
+  int found = 0;
+  for (int s = 0; s < kSets; ++s) found += findDrift(drawn(random, 8, 0.0, 8.0, 4))->p < 0.05;
+  EXPECT_LE(found, 0.06 * kSets);
+}
+
+TEST(FindDrift, SaysByHowMuchFromGroupToGroup) {
+  std::mt19937_64 random(9);
+  int found = 0, held = 0;
+  for (int s = 0; s < kSets; ++s) {
+    std::vector<GroupEstimate> groups = drawn(random, 8, 0.3);
+    for (std::size_t i = 0; i < groups.size(); ++i) groups[i].value += 2.0 * static_cast<double>(i);
+    const Drift drift = *findDrift(groups);
+    found += drift.p < 0.05;
+    held += std::abs(drift.slope.value - 2.0) < 2.45 * drift.slope.sd;  // Student's t, 6 freedoms
+  }
+  EXPECT_GT(found, 0.8 * kSets);
+  EXPECT_GT(held, 0.93 * kSets);
+}
+
 // S. Holm, "A simple sequentially rejective multiple test procedure", Scandinavian Journal of Statistics 6, 1979.
 TEST(HolmAdjusted, MultipliesByWhatIsLeftAndNeverFalls) {
   const std::vector<double> p{0.04, 0.01, 0.03, 0.5};

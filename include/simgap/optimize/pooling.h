@@ -50,6 +50,16 @@ struct ChangePoint {
 /// \returns nothing for fewer than four groups, which cannot tell a step from scatter.
 std::optional<ChangePoint> findChange(std::span<const GroupEstimate> estimates);
 
+/// A straight line over groups that follow each other in time.
+struct Drift {
+  GroupEstimate slope;  ///< from group to group
+  double p;             ///< of a slope as clear as this when there is only scatter; 1 where a step explains more
+};
+
+/// The slope over the order of the groups, judged as findChange judges a step.
+/// \returns nothing for fewer than four groups
+std::optional<Drift> findDrift(std::span<const GroupEstimate> estimates);
+
 /// Holm's step-down adjustment of p values that are looked at together, shape (tests).
 std::vector<double> holmAdjusted(std::span<const double> p);
 

@@ -14,6 +14,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/rotation.h"
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/rests.h"
 #include "turns.h"
 #include "velocity_scale.h"
@@ -229,7 +230,7 @@ void markEnds(std::span<const Block> runs, RobotLog& robot) {
 }
 
 /// A joint that moves takes effort; a sensor that says nothing else is none.
-void requireEffort(const RobotJointLog& joint, const std::string& file, const std::string& name) {
+void requireEffort(const ActuatorLog& joint, const std::string& file, const std::string& name) {
   if (!isConstant(joint.effort) || isConstant(joint.position)) return;
   throw DataError(
       fmt::format("{}: the effort of joint {} is {:.4g} in every row while it moves, expected what moved it", file,

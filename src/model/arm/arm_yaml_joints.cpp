@@ -215,33 +215,48 @@ void weldFixed(std::vector<Entry>& entries, std::vector<Body>& bodies, Places& p
   }
 }
 
-/// Finds the leaders by name; limits of a joint that follows become limits of its leader.
+/// The joint that an entry follows.
+std::size_t leaderOf(const Entry& entry, const std::vector<Joint>& joints) {
+  const YamlNode node = entry.node.at("follows").at("joint");
+  const auto found = std::ranges::find(joints, entry.leader, &Joint::name);
+  if (found == joints.end()) node.fail(fmt::format("found '{}', expected the name of a joint", entry.leader));
+  if (!found->hasAxis()) node.fail(fmt::format("'{}' is spherical, expected a joint with one axis", entry.leader));
+  return static_cast<std::size_t>(found - joints.begin());
+}
+
+/// Finds the leaders by name. A joint that follows one that follows goes with the free one at the end of that chain,
+/// q = o_1 + r_1 (o_2 + r_2 q_free); its limits become limits of that one.
 void couple(const std::vector<Entry>& entries, std::vector<Joint>& joints) {
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    const std::string& name = entries[j].leader;
-    if (name.empty()) continue;
+    if (entries[j].leader.empty()) continue;
     const YamlNode node = entries[j].node.at("follows");
-    const auto found =
-        std::find_if(joints.begin(), joints.end(), [&](const Joint& joint) { return joint.name == name; });
-    if (found == joints.end()) node.at("joint").fail(fmt::format("found '{}', expected the name of a joint", name));
-    if (!found->hasAxis())
-      node.at("joint").fail(fmt::format("'{}' is spherical, expected a joint with one axis", name));
-    const auto leader = static_cast<std::size_t>(found - joints.begin());
-    if (leader == j || !entries[leader].leader.empty()) {
-      node.at("joint").fail(fmt::format("'{}' follows another joint itself, expected one that moves freely", name));
-    }
     Joint& joint = joints[j];
+    std::size_t leader = leaderOf(entries[j], joints);
+    for (std::size_t links = 0; !entries[leader].leader.empty(); ++links) {
+      if (links == joints.size()) {
+        node.at("joint").fail(
+            fmt::format("'{}' leads back to itself, expected a chain that ends at a joint that moves "
+                        "freely",
+                        joint.name));
+      }
+      const Joint& between = entries[leader].joint;
+      joint.coupling_offset += joint.coupling_ratio * between.coupling_offset;
+      joint.coupling_ratio *= between.coupling_ratio;
+      leader = leaderOf(entries[leader], joints);
+    }
     joint.leader = static_cast<int>(leader);
+    Joint& free = joints[leader];
     for (const bool of_lower : {true, false}) {
       const double limit = of_lower ? joint.lower_limit : joint.upper_limit;
       if (std::abs(limit) >= Joint::kUnlimited) continue;
       const double of_leader = (limit - joint.coupling_offset) / joint.coupling_ratio;
       const bool lower = of_lower == (joint.coupling_ratio > 0.0);
-      if (lower) found->lower_limit = std::max(found->lower_limit, of_leader);
-      if (!lower) found->upper_limit = std::min(found->upper_limit, of_leader);
+      if (lower) free.lower_limit = std::max(free.lower_limit, of_leader);
+      if (!lower) free.upper_limit = std::min(free.upper_limit, of_leader);
     }
-    if (found->lower_limit > found->upper_limit) {
-      node.fail(fmt::format("the limits of '{}' and of '{}', which it follows, leave no position", joint.name, name));
+    if (free.lower_limit > free.upper_limit) {
+      node.fail(
+          fmt::format("the limits of '{}' and of '{}', which it follows, leave no position", joint.name, free.name));
     }
   }
 }

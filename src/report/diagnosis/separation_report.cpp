@@ -15,8 +15,11 @@
 namespace simgap {
 namespace {
 
-/// Even ones at least: nothing that is recorded is expected to speak for the wrong model.
-std::string promisedOdds(double log_odds) { return saidOdds(std::max(log_odds, 0.0)); }
+/// "odds 31.5 to 1 at least"; even ones are none: nothing that is recorded is expected to speak for the wrong model.
+std::string promisedOdds(double log_odds) {
+  constexpr double kEven = 0.05;
+  return log_odds < kEven ? "nothing" : saidOdds(log_odds) + " at least";
+}
 
 /// The model that a protocol tells from the named one worst. \tparam Foreseen  with log_odds and smallest
 template <class Foreseen>
@@ -52,12 +55,11 @@ Json toJson(const PoseSeparation& result, const PoseEvidence& evidence) {
     poses.push_back({{"pose", pose.name}, {"shaft_rad", shafts}});
   }
   return {{"format", "simgap/separate/1"},
-          {"sentence",
-           fmt::format("{} {} poses are expected to tell {} from every model that contradicts it by {} at least, "
-                       "whichever is right; as many random ones by {}",
-                       result.promised > kDecisiveLogOdds ? "These" : "Not even these", result.poses.size(),
-                       named == "none" ? "the model without a cause" : named, promisedOdds(result.promised),
-                       promisedOdds(result.promised_random))},
+          {"sentence", fmt::format("{} {} poses are expected to tell {} from every model that contradicts it by {}, "
+                                   "whichever is right; as many random ones by {}",
+                                   result.promised > kDecisiveLogOdds ? "These" : "Not even these", result.poses.size(),
+                                   named == "none" ? "the model without a cause" : named, promisedOdds(result.promised),
+                                   promisedOdds(result.promised_random))},
           {"named", named},
           {"recorded", evidence.poses.size()},
           {"promised", result.promised},
@@ -126,7 +128,7 @@ Json toJson(const std::vector<LogProtocol>& protocols, const LogEvidence& eviden
   return {{"format", "simgap/separate/1"},
           {"sentence",
            fmt::format("{} motion {:g} times as fast under {:g} times the load is expected to tell {} from every model "
-                       "that contradicts it by {} at least, whichever is right",
+                       "that contradicts it by {}, whichever is right",
                        best.foreseen.smallest > kDecisiveLogOdds ? "The" : "Not even the", best.speed, best.load, named,
                        promisedOdds(best.foreseen.smallest))},
           {"named", named},
@@ -156,13 +158,11 @@ Json toJson(const MotionSeparation& result, const MotionEvidence& evidence) {
   const std::string sentence =
       promised > kDecisiveLogOdds
           ? fmt::format(
-                "The commands of {} are expected to tell {} from every model that contradicts it by {} at least, "
+                "The commands of {} are expected to tell {} from every model that contradicts it by {}, "
                 "whichever is right",
                 files, names.front().first, odds)
-          : fmt::format(
-                "Not even the commands of {} are expected to tell {} from every model that contradicts it: {} at "
-                "least",
-                files, names.front().first, odds);
+          : fmt::format("Not even the commands of {} are expected to tell {} from every model that contradicts it: {}",
+                        files, names.front().first, odds);
   return {{"format", "simgap/separate/1"},
           {"of", "motions"},
           {"sentence", sentence},

@@ -51,17 +51,12 @@ Json parameterJson(const Shared& shared, const PooledEstimate& pooled, const std
                       {"pooled_sd", drawn.sd},
                       {"off_sd", (own.value - pooled.mean) / std::hypot(own.sd, pooled.scatter)}});
   }
-  return {{"name", shared.name},
-          {"unit", shared.unit},
-          {"common", pooled.mean},
-          {"common_ci95", {pooled.mean_lower, pooled.mean_upper}},
-          {"scatter", pooled.scatter},
-          {"scatter_ci95", {pooled.scatter_lower, pooled.scatter_upper}},
-          {"p_equal", pooled.p_equal},
-          {"p_adjusted", nullptr},
-          {"verdict", "same"},
-          {"change", nullptr},
-          {"runs", values}};
+  return {{"name", shared.name},       {"unit", shared.unit},
+          {"common", pooled.mean},     {"common_ci95", {pooled.mean_lower, pooled.mean_upper}},
+          {"scatter", pooled.scatter}, {"scatter_ci95", {pooled.scatter_lower, pooled.scatter_upper}},
+          {"p_equal", pooled.p_equal}, {"p_adjusted", nullptr},
+          {"verdict", "same"},         {"change", nullptr},
+          {"drift", nullptr},          {"runs", values}};
 }
 
 Json changeJson(const ChangePoint& change, const Json& values) {
@@ -74,31 +69,46 @@ Json changeJson(const ChangePoint& change, const Json& values) {
           {"p_adjusted", change.p}};
 }
 
-/// Two gates, each at 5 % over all that pass the one before: what differs, and what of it changed at one time.
+Json driftJson(const Drift& drift, double p) {
+  const double half = kNormalQuantile * drift.slope.sd;
+  return {{"per_run", drift.slope.value},
+          {"per_run_ci95", {drift.slope.value - half, drift.slope.value + half}},
+          {"p_adjusted", p}};
+}
+
+/// Two gates, each at 5 % over all that pass the one before: what differs, and what of it changed at one time or
+/// drifts.
 void judge(const std::vector<Shared>& shared, Json& parameters) {
   std::vector<double> p;
   for (const Json& parameter : parameters) p.push_back(parameter.at("p_equal").get<double>());
   const std::vector<double> adjusted = holmAdjusted(p);
   std::vector<std::size_t> tested;
   std::vector<ChangePoint> changes;
-  std::vector<double> p_change;
+  std::vector<Drift> drifts;
+  std::vector<double> p_in_time;  // of each the change's, then the drift's
   for (std::size_t i = 0; i < shared.size(); ++i) {
     parameters[i]["p_adjusted"] = adjusted[i];
     if (adjusted[i] >= kLevel) continue;
     parameters[i]["verdict"] = "differs";
-    if (const auto change = findChange(shared[i].estimates)) {
-      tested.push_back(i);
-      changes.push_back(*change);
-      p_change.push_back(change->p);
-    }
+    const auto change = findChange(shared[i].estimates);
+    if (!change) continue;
+    tested.push_back(i);
+    changes.push_back(*change);
+    drifts.push_back(*findDrift(shared[i].estimates));
+    p_in_time.insert(p_in_time.end(), {change->p, drifts.back().p});
   }
-  const std::vector<double> adjusted_change = holmAdjusted(p_change);
+  const std::vector<double> adjusted_in_time = holmAdjusted(p_in_time);
   for (std::size_t k = 0; k < tested.size(); ++k) {
-    if (adjusted_change[k] >= kLevel) continue;
     Json& parameter = parameters[tested[k]];
-    parameter["verdict"] = "changed";
-    changes[k].p = adjusted_change[k];
-    parameter["change"] = changeJson(changes[k], parameter.at("runs"));
+    const double p_change = adjusted_in_time[2 * k], p_drift = adjusted_in_time[2 * k + 1];
+    if (p_change < kLevel) {
+      parameter["verdict"] = "changed";
+      changes[k].p = p_change;
+      parameter["change"] = changeJson(changes[k], parameter.at("runs"));
+    } else if (p_drift < kLevel) {
+      parameter["verdict"] = "drifts";
+      parameter["drift"] = driftJson(drifts[k], p_drift);
+    }
   }
 }
 
@@ -208,14 +218,16 @@ std::string comparisonAnswer(const Json& result) {
   for (const Json& p : result.at("parameters")) {
     if (p.at("verdict") == "same") continue;
     ++differing;
-    const Json& change = p.at("change");
+    const Json &change = p.at("change"), drift = p.value("drift", Json());  // which files of before have not
+    const std::string unit = unitTitle(p.at("unit").get<std::string>());
     words += (words.empty() ? "" : "; ") + p.at("name").get<std::string>();
-    if (change.is_null()) {
-      words += fmt::format(" scatters by {} {}", numberText(p.at("scatter"), "{:.2g}"),
-                           unitTitle(p.at("unit").get<std::string>()));
+    if (!change.is_null()) {
+      words += fmt::format(" changed by {} {} since {}", numberText(change.at("step"), "{:+.3g}"), unit,
+                           cellText(change.at("since")));
+    } else if (!drift.is_null()) {
+      words += fmt::format(" drifts by {} {} from run to run", numberText(drift.at("per_run"), "{:+.3g}"), unit);
     } else {
-      words += fmt::format(" changed by {} {} since {}", numberText(change.at("step"), "{:+.3g}"),
-                           unitTitle(p.at("unit").get<std::string>()), cellText(change.at("since")));
+      words += fmt::format(" scatters by {} {}", numberText(p.at("scatter"), "{:.2g}"), unit);
     }
   }
   const std::size_t all = result.at("parameters").size(), runs = result.at("runs").size();

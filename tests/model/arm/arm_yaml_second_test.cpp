@@ -91,6 +91,20 @@ TEST(SecondArmFormat, LimitsOfFollowersAreLimitsOfTheirLeaders) {
   EXPECT_NEAR(leader.lower_limit, leader.upper_limit, 1e-12);
 }
 
+// q_slide = 0.01 + 0.5 q_follower, q_follower = 0.1 + 0.6 q_hinge; both stand before whom they follow.
+TEST(SecondArmFormat, AChainOfFollowersGoesWithTheFreeJointAtItsEnd) {
+  const std::string chained =
+      test::replaced(test::kManyKinds, "lower_limit_m: -0.2",
+                     "follows: {joint: follower, ratio: 0.5, offset_m: 0.01}, lower_limit_m: -0.2");
+  const ArmModel model = readSecond(chained);
+  EXPECT_EQ(model.joints[0].leader, 2);
+  EXPECT_NEAR(model.joints[0].coupling_ratio, 0.3, 1e-15);
+  EXPECT_NEAR(model.joints[0].coupling_offset, 0.06, 1e-15);
+  EXPECT_NEAR(model.joints[2].upper_limit, (0.3 - 0.06) / 0.3, 1e-12);
+  const std::string ring = test::replaced(chained, "follows: {joint: hinge", "follows: {joint: slide");
+  EXPECT_THAT(test::errorOf([&] { readSecond(ring); }), HasSubstr("leads back to itself"));
+}
+
 struct Refused {
   const char* what;
   const char* with;
@@ -137,7 +151,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "lower_limit_rad 2.5 is above upper_limit_rad 2"},
         Refused{"{body: upper, point_m: [0.02, 0.03, -0.04]}", "{body: carriage, point_m: [0.02, 0.03, -0.04]}",
                 "both ends are on the same body"},
-        Refused{"follows: {joint: hinge", "follows: {joint: follower", "follows another joint itself"},
+        Refused{"follows: {joint: hinge", "follows: {joint: follower", "leads back to itself"},
         Refused{"ratio: 0.6", "ratio: 0", "found 0, expected another number"},
         Refused{"inertia_kg_m2: [2e-5, 2e-5, 1e-5]", "inertia_kg_m2: [9e-5, 2e-5, 1e-5]", "none above the sum"},
         Refused{"parent_orientation: [0.96, 0.28, 0, 0]", "parent_orientation: [0.96, 0.5, 0, 0]", "length 1.08"},

@@ -41,6 +41,18 @@ TEST(CompareRuns, NamesWhatChangedSinceWhenAndByHowMuch) {
   EXPECT_THAT(comparisonAnswer(result), HasSubstr("tau_c changed by +1 N m since d5"));
 }
 
+TEST(CompareRuns, NamesWhatDriftsAndByHowMuch) {
+  std::vector<RunFigures> runs;
+  for (int i = 0; i < 8; ++i)
+    runs.push_back(fitted(std::string("d") + std::to_string(i), 1.0 + 0.3 * i + 0.05 * (i % 3)));
+  const Json result = compareRuns(runs);
+  const Json& friction = result.at("parameters")[0];
+  EXPECT_EQ(friction.at("verdict"), "drifts");
+  EXPECT_NEAR(friction.at("drift").at("per_run").get<double>(), 0.3, 0.02);
+  EXPECT_TRUE(friction.at("change").is_null());
+  EXPECT_THAT(comparisonAnswer(result), HasSubstr("tau_c drifts by +0.3"));
+}
+
 TEST(CompareRuns, ScatterIsNoChange) {
   const Json result = compareRuns(
       {fitted("a", 1.0), fitted("b", 3.0), fitted("c", 1.2), fitted("d", 2.7), fitted("e", 0.9), fitted("f", 2.9)});
