@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cli/log_intervention.h"
+#include "simgap/intervene/motions/motion_separation.h"
 
 namespace simgap {
 
