@@ -61,7 +61,7 @@ TEST(ArmYamlErrors, NamesKeysThatAreMissingOrUnknown) {
       {"child_position_m: [0, 0, 0.01]", "child_position_m: [0, 0, 0.01], upper_limit_rad: 1",
        "15: joints[1].upper_limit_rad: found an unknown key"},
       {"    kite_line_length_m", "    path: wrapped\n    kite_line_length_m",
-       "19: muscles[0].path: found 'wrapped', expected one of straight"},
+       "19: muscles[0].path: found 'wrapped', expected straight"},
   });
 }
 
