@@ -172,7 +172,7 @@ tendons:
   EXPECT_THAT(values, testing::Pointwise(testing::DoubleNear(1e-6), {2e5, 1e5, 0.0, 0.2}));
   EXPECT_THAT(test::errorOf([&] { read("{hold_Pa: -5}"); }), HasSubstr("pressure_front: -5 Pa, expected >= 0"));
   EXPECT_THAT(test::errorOf([&] { read("{sine_Pa: 5, frequency_kHz: 0.3, for_s: 1}"); }),
-              HasSubstr("s.yaml:5: frequency: found 300 Hz, expected at most 250: commands change 500 times a second"));
+              HasSubstr("frequency: found 300 Hz, expected at most 250: commands change 500 times a second"));
 }
 
 TEST(CommandedMotion, TablesCommandLinesAndNameWhatIsMissing) {
