@@ -7,8 +7,6 @@
 #include <cmath>
 #include <memory>
 #include <optional>
-#include <set>
-#include <string>
 #include <tuple>
 
 #include "simgap/core/csv.h"
@@ -35,7 +33,6 @@ constexpr std::size_t kRandomProtocols = 100;
 constexpr int kExchangeRounds = 20;
 constexpr double kWithinLimit = 0.99;  // of load and current: between two rows they go a little further
 constexpr double kTellsNothing = 1e-12;
-constexpr double kTied = 1e-10;         // of the largest information: that of a combination that rounding alone tells
 constexpr double kSlowestShare = 1e-3;  // of the largest velocity, and of the Stribeck velocity a quarter
 constexpr double kLongestRest = 3.0;    // [s]
 constexpr std::uint32_t kMotionPurpose = 41, kProtocolPurpose = 42;
@@ -170,8 +167,6 @@ class ProtocolSearch {
  private:
   void drawMotions();
   void chooseParameters();
-  /// Those of which the motions tell nothing but a combination.
-  std::set<std::string> tiedParameters(const SymmetricEigen& eigen) const;
   ProtocolPrecision precision(const MatrixXd& plain, const MatrixXd& correlated) const;
   double cost(const MatrixXd& plain, const MatrixXd& correlated) const {
     return (0.5 * logDeterminant(correlated) - logDeterminant(plain)) / static_cast<double>(free_.size());
@@ -241,18 +236,6 @@ void ProtocolSearch::chooseParameters() {
   }
 }
 
-std::set<std::string> ProtocolSearch::tiedParameters(const SymmetricEigen& eigen) const {
-  constexpr double kPart = 0.05;  // of a direction of length 1
-  std::set<std::string> names;
-  for (Index k = 0; k < eigen.values.size(); ++k) {
-    if (eigen.values[k] > kTied * eigen.values.maxCoeff()) continue;
-    for (Index i = 0; i < std::ssize(free_); ++i) {
-      if (std::abs(eigen.vectors(i, k)) > kPart) names.insert(first_->regression().parameters()[free_[i]].name);
-    }
-  }
-  return names;
-}
-
 ProtocolPrecision ProtocolSearch::precision(const MatrixXd& plain, const MatrixXd& correlated) const {
   const SymmetricEigen eigen = symmetricEigen(plain);
   const MatrixXd inverse =
@@ -265,9 +248,7 @@ ProtocolPrecision ProtocolSearch::precision(const MatrixXd& plain, const MatrixX
   }
   ProtocolPrecision precision;
   precision.expected = first_->regression().physical(first_->theta(), covariance);
-  const std::set<std::string> tied = tiedParameters(eigen);
   for (Estimate& e : precision.expected) {
-    if (tied.contains(e.name)) e.sd = kInfinity;
     e.lower95 = e.value - kNormalQuantile * e.sd;
     e.upper95 = e.value + kNormalQuantile * e.sd;
   }
@@ -352,11 +333,6 @@ BenchProtocol ProtocolSearch::find() {
   for (const std::size_t m : chosen) protocol.sessions.push_back(motions_[m].motion);
   fillRows(protocol);
   for (const Index i : silent_) protocol.silent.push_back(first_->regression().parameters()[i].name);
-  for (const Estimate& e : protocol.precision.expected) {
-    if (!std::isfinite(e.sd) && std::ranges::find(protocol.silent, e.name) == protocol.silent.end()) {
-      protocol.silent.push_back(e.name);
-    }
-  }
   return protocol;
 }
 

@@ -1,7 +1,6 @@
 // Logs that `design --drive` asks for: what they keep, and what fits to recordings of them reach, by the drive of
 // tests/reality, which knows no law of the models.
 #include <fmt/format.h>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -165,14 +164,6 @@ TEST(BenchProtocol, CausesAreToldWithTheLaw) {
   EXPECT_GT(sd.at("direction-asymmetry.a"), 0.0);
   EXPECT_LT(sd.at("direction-asymmetry.a"), 0.2);
   EXPECT_LT(alone.precision.expected.size(), with.precision.expected.size());
-}
-
-// Offsets of the current and of the torque sensor are one constant to every motion: they were promised as known.
-TEST(BenchProtocol, CausesThatNoMotionTellsApartAreNotPromised) {
-  const BenchProtocol both = protocolFor(limitsYaml(120) + kGuess + "causes: [current-bias, torque-bias]\n");
-  EXPECT_THAT(both.silent, ::testing::UnorderedElementsAre("current-bias.I_0", "torque-bias.tau_0"));
-  const BenchProtocol one = protocolFor(limitsYaml(120) + kGuess + "causes: [torque-bias]\n");
-  EXPECT_THAT(one.silent, ::testing::IsEmpty());
 }
 
 TEST(BenchProtocol, BadLimitsGetASentence) {

@@ -79,7 +79,7 @@ struct BenchProtocol {
   ProtocolPrecision precision;
   std::vector<ProtocolPrecision> random;  ///< of as many sessions drawn at random from the same motions
   std::size_t drawn = 0, within = 0;      ///< motions drawn, and of those within all limits
-  std::vector<std::string> silent;        ///< parameters that no motion within the limits tells, or tells but a combination of
+  std::vector<std::string> silent;        ///< parameters that no motion within the limits tells anything of
   std::vector<double> time, angle, velocity, acceleration, load, current;  ///< shape (rows) of the log to be recorded
   std::vector<std::size_t> session;                                        ///< shape (rows)
 };
