@@ -117,6 +117,16 @@ TEST_F(DiagnoseTest, NamesATorqueSensorThatBends) {
   EXPECT_NEAR(c.at("value"), 0.01, 0.003);
 }
 
+// The amplifier of a torque sensor filters: the current was named, as if it were early.
+TEST_F(DiagnoseTest, TellsALateLoadFromALateCurrent) {
+  reality::DriveDraw draw = shortDraw(17, 12000);
+  draw.effects = {"load-delay"};
+  draw.secret.sensor_filter = 0.08;
+  const LogAnswer answer = ask(draw);
+  ASSERT_TRUE(answer.namedAlone("load-delay")) << answer.result.at("sentence");
+  EXPECT_NEAR(answer.result.at("causes")[0].at("parameters").at(0).at("value"), 0.08, 0.02);
+}
+
 TEST_F(DiagnoseTest, NamesHeating) {
   reality::DriveDraw draw = shortDraw(14);
   draw.effects = {"friction-heating"};

@@ -72,7 +72,9 @@ TEST_F(MotionDiagnosisTest, ItsModelsAreAskedAboutAChangeAndWhatToRecordNext) {
   succeed({"design", "--separate", "out", "--speeds", "0.5,1", "--max-duration-s", "4", "-q", "-o", "brief"});
   const Json brief = Json::parse(text("brief/result.json"));  // they lasted 3 s
   for (const Json& one : brief.at("protocols")) EXPECT_EQ(one.at("beyond").is_null(), one.at("speed") == 1.0) << one;
-  expectRefused({"design", "--separate", "out", "--max-tension-N", "0.01", "-o", "no"}, 2, " N of ");
+  const ProcessResult weak = simgap({"design", "--separate", "out", "--max-tension-N", "0.01", "-o", "weak"});
+  EXPECT_EQ(weak.exit_code, 2);
+  EXPECT_THAT(weak.err, HasSubstr("is beyond the limits"));
 
   expectRefused({"intervene", "out", "--motions", "unseen.yaml", "-o", "no"}, 3,
                 "found what the diagnosis in out has seen");

@@ -42,7 +42,8 @@ const std::vector<Drawable>& drawables() {
       {"torque-bias", 0.15, [](DriveSecret& s, double m) { s.torque_bias = m; }},
       {"channel-delay", 0.03, [](DriveSecret& s, double m) { s.delay = m; }},
       {"regime-change", 0.15, [](DriveSecret& s, double m) { s.change_share = m; }},
-      {"torque-sensor-nonlinearity", 0.003, [](DriveSecret& s, double m) { s.gauge_bend = m; }}};
+      {"torque-sensor-nonlinearity", 0.003, [](DriveSecret& s, double m) { s.gauge_bend = m; }},
+      {"load-delay", 0.03, [](DriveSecret& s, double m) { s.sensor_filter = m; }}};
   return list;
 }
 
@@ -190,7 +191,8 @@ std::optional<std::pair<std::string, double>> statedParameter(const DriveDraw& d
       {"torque-bias", {"tau_0", s.torque_bias}},
       {"channel-delay", {"dt", s.delay}},
       {"regime-change", {"a", s.change_share}},
-      {"torque-sensor-nonlinearity", {"c", s.gauge_bend}}};
+      {"torque-sensor-nonlinearity", {"c", s.gauge_bend}},
+      {"load-delay", {"dt", s.sensor_filter}}};
   const auto found = stated.find(draw.effects[0]);
   if (found == stated.end()) return std::nullopt;
   return found->second;

@@ -116,6 +116,7 @@ Truth Drive::run() {
     const Run run = drawRun(random, rig_);
     const auto length = static_cast<std::size_t>((16.0 + 28.0 * u(random)) * rig_.rate);
     rested_ = 0.0;
+    double shown = 0.0;                                        // load, behind the torque sensor's filter
     const double shaking = u(random) < 0.5 ? 0.0 : u(random);  // of this session
     for (std::size_t k = 0; k < length && r.time.size() < rig_.rows; ++k) {
       const double clock = static_cast<double>(r.time.size()) * sample;
@@ -135,6 +136,11 @@ Truth Drive::run() {
         const double inner = load + secret_.hidden_weight * std::sin(angle - secret_.hidden_angle);
         if (std::fabs(w) > 20.0) rested_ = 0.0;  // under way: the contact is new again
         const double friction = frictionAt(w, inner, angle, temperature, humidity, vibration, clock);
+        if (secret_.sensor_filter > 0.0 && (k > 0 || s > 0)) {
+          shown += (1.0 - std::exp(-dt_ / secret_.sensor_filter)) * (load - shown);
+        } else {
+          shown = load;
+        }
         torque = inner + friction + secret_.inertia * a + secret_.ripple * std::sin(secret_.ripple_ratio * angle + 1.0);
         const double heat = std::fabs(friction * w);  // [W] at the motor's side of the cable, as far as it counts here
         temperature += dt_ * ((room - temperature) / 40.0 + heat / 900.0);
@@ -145,7 +151,7 @@ Truth Drive::run() {
       r.time.push_back(clock);
       r.current.push_back(current);
       r.velocity.push_back(w);
-      r.torque.push_back(load / (1.0 + secret_.gauge_bend * load) - secret_.torque_bias);
+      r.torque.push_back(shown / (1.0 + secret_.gauge_bend * shown) - secret_.torque_bias);
       r.angle.push_back(angle);
       r.temperature.push_back(temperature);
       r.humidity.push_back(humidity);

@@ -34,6 +34,7 @@ struct DriveSecret {
   double torque_bias = 0.0;      ///< [N m] that the sensor shows too little
   double gauge_bend = 0.0;       ///< [1/(N m)] by which the one gauge of the sensor's bridge unbalances it
   double delay = 0.0;            ///< [s] by which the current is logged late
+  double sensor_filter = 0.0;    ///< [s] time constant of the torque sensor's amplifier
   double change_share = 0.0;     ///< of dry friction, from change_time on
   double change_time = 0.0;      ///< [s]
   /// \name Outside every catalogue

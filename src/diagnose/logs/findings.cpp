@@ -153,6 +153,7 @@ class Judge {
     const Interval gain = gainOf(cause);
     const double p = heldOutP(unseen_without_[cause], unseen_);
     if (std::string small = doubtOfGain(gain, p); !small.empty()) return small;
+    if (std::string few = doubtOfFewRows(cause); !few.empty()) return few;
     if (selection_.unnamed && selection_.unnamed->gain->value > gain.value) {
       return fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
                          selection_.unnamed->hypothesis.target);
@@ -168,6 +169,25 @@ class Judge {
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
                        100.0 * placebos.largest, 100.0 * placebos.gain);
+  }
+
+  /// Why a cause serves few rows, such as those of knocks, at the cost of all others; empty when it does not.
+  std::string doubtOfFewRows(std::size_t cause) const {
+    constexpr double kFew = 0.04;    // share of the rows
+    constexpr double kWorse = 0.05;  // share of the others' squared error
+    const Eigen::ArrayXd rest = unseen_without_[cause].array().square(), full = unseen_.array().square();
+    std::vector<std::size_t> rows;
+    for (Eigen::Index i = 0; i < rest.size(); ++i) {
+      if (rest[i] > 0.0 && full[i] > 0.0) rows.push_back(static_cast<std::size_t>(i));
+    }
+    const auto others = rows.begin() + static_cast<std::ptrdiff_t>((1.0 - kFew) * static_cast<double>(rows.size()));
+    std::ranges::nth_element(rows, others, {}, [&](std::size_t i) { return std::max(rest[i], full[i]); });
+    double before = 0.0, after = 0.0;
+    for (auto row = rows.begin(); row != others; ++row) before += rest[*row], after += full[*row];
+    if (!(after > (1.0 + kWorse) * before)) return {};
+    return fmt::format(
+        "it gains in {:.0f} % of the rows, those of the largest errors, and loses {:.0f} % in all others", 100.0 * kFew,
+        100.0 * (after / before - 1.0));
   }
 
   /// Why a change at one moment may be none: friction that wanders over the log explains as much, or where the motion

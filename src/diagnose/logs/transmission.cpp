@@ -82,7 +82,7 @@ void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const
         cause.effect, 100.0 * cause.gain_heldout.value);
     if (d.verdict == DiagnosisVerdict::kNothingFound) {
       d.verdict = DiagnosisVerdict::kCauseFound;
-      d.sentence = "Cause found: " + found + ".";
+      d.sentence = "Cause found: " + found + ". Of the effort no cause was found.";
     } else if (d.causes.empty()) {
       d.verdict = DiagnosisVerdict::kCauseFound;
       d.sentence = fmt::format("Found: {}. Of the effort no cause was found. Left: {}.", found, leftText(d));

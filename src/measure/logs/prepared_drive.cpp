@@ -146,6 +146,7 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   addContext(table, log);
   addContext(log, "motor_velocity", rows.speed);
   addContext(log, "external_torque", rows.load);
+  if (drive.linear && rows.joint_angle.size() > 0) addContext(log, "position_m", rows.joint_angle);
   addContext(log, "time", rows.elapsed);
   return log;
 }

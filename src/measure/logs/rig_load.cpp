@@ -122,7 +122,11 @@ void workOutLoad(const ActuatorLog& log, const Bench& bench, FrictionData& data)
           fmt::format("{}:1: found no {}, expected it, or --bench RIG.yaml that says where the load comes from",
                       log.file, quantityName(log.linear ? "external_force" : "external_torque", log.loadUnit())));
     case BenchLoad::kPendulum: {
-      if (log.position.empty()) throw DataError(log.file + ":1: found no position, expected it for a pendulum");
+      if (log.position.empty()) {
+        throw DataError(log.file +
+                        ":1: found no position, expected it for a pendulum: motor_position_rad, or "
+                        "joint_position_rad with --ratio (1 where motor and joint turn alike)");
+      }
       const double ratio = bench.ratio.value_or(1.0);
       warnOfTurns(log, ratio, data);
       addPendulum(log, bench, column(log.position) / ratio, column(log.acceleration) / ratio, data);

@@ -4,6 +4,8 @@
 /// is slack before. Like a weight it sets the friction, too.
 #include "simgap/model/effects/actuator_effect.h"
 
+#include <Eigen/QR>
+
 namespace simgap::actuator_effects::joint_spring {
 namespace {
 
@@ -57,10 +59,26 @@ bool isNearby(double angle, const ActuatorRows& rows) {
 
 bool isRelaxedNearby(std::span<const double> p, const ActuatorRows& rows) { return isNearby(p[1], rows); }
 
+/// Whether a bend over the angle is none that the load has: of a pendulum, theta^3 is what a straight line and
+/// sin(theta) leave, and a spring that bends so only says that the torque per ampere is another.
+bool isBentUnlikeTheLoad(const ActuatorRows& rows) {
+  constexpr double kOwn = 0.3;  // share of the bend
+  if (!(rows.top_load > 0.0)) return true;
+  const Eigen::ArrayXd theta = (rows.joint_angle - rows.joint_angle.mean()) / rows.joint_angle.abs().maxCoeff();
+  Eigen::MatrixXd x(theta.size(), 3);
+  x << Eigen::VectorXd::Ones(theta.size()), theta.matrix(), (rows.load / rows.top_load).matrix();
+  const Eigen::VectorXd bend = theta.cube().matrix();
+  const auto left = [&](Eigen::Index columns) {
+    const auto known = x.leftCols(columns);
+    return (bend - known * known.householderQr().solve(bend)).norm();
+  };
+  return left(3) > kOwn * left(2);
+}
+
 /// A spring that pulls the less, the further it is stretched, and then the other way, is none.
 bool isOneSpring(std::span<const double> p, const ActuatorRows& rows) {
   const double furthest = (rows.joint_angle - p[2]).abs().maxCoeff();
-  return isNearby(p[2], rows) && p[0] * (p[0] + 3.0 * p[1] * furthest * furthest) > 0.0;
+  return isNearby(p[2], rows) && p[0] * (p[0] + 3.0 * p[1] * furthest * furthest) > 0.0 && isBentUnlikeTheLoad(rows);
 }
 
 /// One that is taut everywhere is not one-sided; an end of a few rows, where a session begins, is no spring.

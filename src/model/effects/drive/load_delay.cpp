@@ -1,0 +1,60 @@
+/// \file
+/// The load is logged later (or earlier) than motion and effort by dt, as the filter of a torque sensor's amplifier
+/// makes it: what the drive works against at t is what is logged at t + dt.
+#include "simgap/model/effects/actuator_effect.h"
+
+#include <cmath>
+
+namespace simgap::actuator_effects::load_delay {
+namespace {
+
+constexpr OptionalChannel kNeeds[] = {OptionalChannel::kLoadSensor, OptionalChannel::kTime};
+constexpr EffectParameter kParameters[] = {{"dt", "s", -0.5, 0.5, 0.0, 0.0}};
+
+/// Between the two rows about that moment; where a session ends before it, as it is logged.
+void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
+  const double shift = p[0] / rows.step, whole = std::floor(shift), part = shift - whole;
+  const auto by = static_cast<Eigen::Index>(whole);
+  const Eigen::ArrayXd logged = terms.load;
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const Eigen::Index low = i + by, high = low + 1;
+    if (low < 0 || high >= rows.rows() || rows.session[low] != rows.session[i] || rows.session[high] != rows.session[i])
+      continue;
+    terms.load[i] = (1.0 - part) * logged[low] + part * logged[high];
+  }
+}
+
+std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
+  std::vector<std::vector<double>> list;
+  for (int k = -10; k <= 10; ++k) {
+    const double delay = (k + 0.37) * rows.step;  // off the samples, where the derivative jumps
+    if (std::abs(delay) < 0.5) list.push_back({delay});
+  }
+  return list;
+}
+
+bool counts(std::span<const double> p, const ActuatorRows& rows) { return std::abs(p[0]) >= 0.75 * rows.step; }
+
+}  // namespace
+
+extern const ActuatorEffect entry;
+const ActuatorEffect entry = {
+    .name = "load-delay",
+    .cause = "the torque sensor's reading is logged at another moment than motion and effort: a filter, another clock",
+    .equation = "tau_ext(t) as logged at t + dt",
+    .signature =
+        "a residual that goes with the slope of the load, at reversals as elsewhere; less than three quarters of "
+        "a sampling step is not named",
+    .source = "catalogue of causes",
+    .look_alikes = "channel-delay, inertia, presliding-hysteresis",
+    .separates = "the load knocked and swung while the drive holds still",
+    .parameters = kParameters,
+    .needs = kNeeds,
+    .remembers = true,
+    .on_gearbox = false,
+    .apply = apply,
+    .starts = starts,
+    .counts = counts,
+};
+
+}  // namespace simgap::actuator_effects::load_delay
