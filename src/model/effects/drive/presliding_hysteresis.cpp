@@ -18,7 +18,6 @@ void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& t
   double z = rows.rows() > 0 ? rows.direction[0] : 0.0;
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const double d = rows.direction[i];
-    if (i > 0 && rows.session[i] != rows.session[i - 1]) z = d;      // what was before a session, nobody knows
     if (z != d) z = d + (z - d) * std::exp(-rows.travel[i] / p[0]);  // mostly it has built up
     terms.dry[i] *= z * d;
   }
