@@ -5,6 +5,7 @@
 #include "simgap/model/effects/actuator_effect.h"
 
 #include <Eigen/QR>
+#include <algorithm>
 
 namespace simgap::actuator_effects::joint_spring {
 namespace {
@@ -59,20 +60,22 @@ bool isNearby(double angle, const ActuatorRows& rows) {
 
 bool isRelaxedNearby(std::span<const double> p, const ActuatorRows& rows) { return isNearby(p[1], rows); }
 
-/// Whether a bend over the angle is none that the load has: of a pendulum, theta^3 is what a straight line and
-/// sin(theta) leave, and a spring that bends so only says that the torque per ampere is another.
+/// Whether a bend over the angle is none that the load has: of a pendulum, theta^3 is what a straight line leaves of
+/// sin(theta), which is the load but for its inertia, and a spring that bends so only says that the torque per ampere
+/// is another.
 bool isBentUnlikeTheLoad(const ActuatorRows& rows) {
   constexpr double kOwn = 0.3;  // share of the bend
   if (!(rows.top_load > 0.0)) return true;
   const Eigen::ArrayXd theta = (rows.joint_angle - rows.joint_angle.mean()) / rows.joint_angle.abs().maxCoeff();
-  Eigen::MatrixXd x(theta.size(), 3);
-  x << Eigen::VectorXd::Ones(theta.size()), theta.matrix(), (rows.load / rows.top_load).matrix();
+  Eigen::MatrixXd x(theta.size(), 4);
+  x << Eigen::VectorXd::Ones(theta.size()), theta.matrix(), (rows.load / rows.top_load).matrix(),
+      (rows.acceleration / std::max(1e-12, rows.acceleration.abs().maxCoeff())).matrix();
   const Eigen::VectorXd bend = theta.cube().matrix();
   const auto left = [&](Eigen::Index columns) {
     const auto known = x.leftCols(columns);
     return (bend - known * known.householderQr().solve(bend)).norm();
   };
-  return left(3) > kOwn * left(2);
+  return left(4) > kOwn * left(2);
 }
 
 /// A spring that pulls the less, the further it is stretched, and then the other way, is none.

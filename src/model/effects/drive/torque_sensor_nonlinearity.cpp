@@ -21,7 +21,7 @@ void fillOdd(std::span<const double> /*p*/, const ActuatorRows& rows, const Actu
 
 constexpr ActuatorEffect kUsual = {
     .name = "torque-sensor-nonlinearity",
-    .form = "one gauge",
+    .form = "gauge",
     .cause = "the torque sensor's reading bends over the load",
     .equation = "tau_ext + c tau_ext^2",
     .signature = "a residual that bends over the load, at rest and in both directions of motion alike",
