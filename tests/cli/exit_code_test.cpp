@@ -64,7 +64,7 @@ TEST_F(ExitCodeTest, TwoForWrongUsage) {
 TEST_F(ExitCodeTest, TwoForFilesThatCannotBeRead) {
   expectRefused({"validate", "nothing.yaml", "--poses", "poses.csv"}, 2, "nothing.yaml: cannot be read");
   expectRefused({"validate", "arm.yaml", "--poses", "nothing.csv"}, 2, "nothing.csv: cannot be read");
-  expectRefused({"validate", ".", "--poses", "poses.csv"}, 2, ".: cannot be read");
+  expectRefused({"validate", ".", "--poses", "poses.csv"}, 2, ".: found a directory, expected a file");
   expectRefused(validate({"--config", "nothing.yaml"}), 2, "nothing.yaml: cannot be read");
   expectRefused(calibrate("out", {"--validation", "nothing.csv"}), 2, "nothing.csv: cannot be read");
   expectRefused({"validate", "two\nlines.yaml", "--poses", "poses.csv"}, 2, "two lines.yaml: cannot be read");

@@ -14,6 +14,7 @@ namespace {
 constexpr std::uint32_t kDrawsOfKnown = 16;
 constexpr double kLargeRest = 1.5 * 1.5;   // mean square that no model of noise leaves
 constexpr double kMissed = 1.25;           // mean square of a motion in which something is missing: noise makes it 1
+constexpr double kKept = 0.05;             // of the mean square, by a model that explains a motion
 constexpr Eigen::Index kFewestSaying = 3;  // motions
 constexpr double kLost = 3.0;              // log gain of a motion that only one of two models can play
 
@@ -142,7 +143,9 @@ Interval heldOutGain(const Eigen::MatrixXd& before, const Eigen::MatrixXd& after
   const Eigen::ArrayXd log_gains = logGains(before, after);
   const Interval gain = gainOf(log_gains);
   bool reached = meanSquare(before) > kLargeRest && log_gains.minCoeff() > 0.0;
-  for (Eigen::Index m = 0; m < after.cols(); ++m) reached = reached && meanSquare(after.col(m)) < kMissed;
+  for (Eigen::Index m = 0; m < after.cols(); ++m) {
+    reached = reached && meanSquare(after.col(m)) < std::max(kMissed, kKept * meanSquare(before.col(m)));
+  }
   if (gain.lower95 > 0.0 || !reached) return gain;
   const Interval odds = meanOf(log_gains.unaryExpr([](double g) { return logOdds(-std::expm1(-g)); }));
   return {gain.value, std::min(gain.value, inverseLogOdds(odds.lower95)),

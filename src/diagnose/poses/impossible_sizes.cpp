@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace simgap {
@@ -22,6 +23,20 @@ std::string bodyOfNoMass(const ArmModel& model) {
 std::string visibleTilt(double tilt) {
   constexpr double kSeen = 0.5;  // [rad]
   return tilt <= kSeen ? "" : fmt::format("a base that is {:.0f} deg off level would be seen", toDegrees(tilt));
+}
+
+/// Nor markers that stand so askew on their body: exchanged columns look like that.
+std::string visibleTurn(double turn) {
+  constexpr double kSeen = 0.35;  // [rad]
+  return turn <= kSeen ? ""
+                       : fmt::format("markers that are {:.0f} deg askew on their body would be seen", toDegrees(turn));
+}
+
+/// What pushes a joint away from its rest is no skin, cable or stop; less than the model's own spring may be there.
+std::string pushedAway(const Joint& joint, const Estimate& stiffness) {
+  if (joint.spring_stiffness + stiffness.value >= 0.0) return "";
+  return fmt::format("what pushes {} away from its rest, by {:.3g} Nm/rad, is nothing elastic", joint.name,
+                     -stiffness.value);
 }
 
 }  // namespace
@@ -45,6 +60,11 @@ std::string impossibleSize(const PoseFit& fit, std::size_t cause) {
     return fmt::format("{} = {:.3g}{} is no physical size", parameter.name, value, unit);
   }
   if (effect.gravity != nullptr) return visibleTilt(tiltOf(extension.parameters));
+  if (effect.marker_turn != nullptr) return visibleTurn(tiltOf(extension.parameters));
+  if (effect.joint_torque != nullptr) {
+    const auto joint = std::ranges::find(model.joints, extension.target, &Joint::name);
+    if (joint != model.joints.end()) return pushedAway(*joint, extension.parameters.front());
+  }
   return effect.mass ? bodyOfNoMass(model) : "";
 }
 

@@ -31,6 +31,21 @@ TEST(ImpossibleSizes, AreFrictionThatDrivesAndBodiesOfNoMass) {
             std::string::npos);
   EXPECT_EQ(saidOf(rig, "gravity-tilt", "", {0.1, -0.15}), "");
   EXPECT_EQ(saidOf(rig, "gravity-tilt", "", {0.41, -0.34}), "a base that is 31 deg off level would be seen");
+  // Exchanged columns of shafts passed for markers that were turned by 28 degrees.
+  EXPECT_EQ(saidOf(rig, "marker-frame-offset", upper_arm, {0.0, -0.485, 0.0}),
+            "markers that are 28 deg askew on their body would be seen");
+  EXPECT_EQ(saidOf(rig, "marker-frame-offset", upper_arm, {0.0, 0.2, 0.0}), "");
+}
+
+// An angle sensor that is bent passed for a stop that pushes the joint into itself.
+TEST(ImpossibleSizes, AreSpringsThatPushAway) {
+  PoseRig rig(21, {.poses = 10, .causes = 0});
+  Joint& elbow = rig.problem.nominal.joints[1];
+  EXPECT_EQ(saidOf(rig, "passive-joint-torque", elbow.name, {-2.93, 0.2, -1.0}),
+            "what pushes " + elbow.name + " away from its rest, by 2.93 Nm/rad, is nothing elastic");
+  EXPECT_EQ(saidOf(rig, "passive-joint-torque", elbow.name, {2.93, 0.2, -1.0}), "");
+  elbow.spring_stiffness = 4.0;  // softer than the model says
+  EXPECT_EQ(saidOf(rig, "passive-joint-torque", elbow.name, {-2.93, 0.2, -1.0}), "");
 }
 
 // Poses of a line that friction would pull instead of hold.
