@@ -41,8 +41,8 @@ struct RunFigures {
 RunFigures readRun(const std::filesystem::path& directory);
 
 /// result.json of `compare` (docs/formats.md). Parameters that at least two runs estimate are pooled; what differs at 5
-/// % after Holm's adjustment over all of them is tested for a step and a drift in the order given. \throws DataError: runs of
-/// different commands. \param runs  at least two
+/// % after Holm's adjustment over all of them is tested for a step and a drift in the order given. \throws DataError:
+/// runs of different commands. \param runs  at least two
 Json compareRuns(const std::vector<RunFigures>& runs);
 
 /// The answer in one sentence: what differs, by how much and since when.
