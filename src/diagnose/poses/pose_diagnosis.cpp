@@ -55,6 +55,20 @@ Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std
 
 double mean(const Eigen::ArrayXd& values) { return values.size() > 0 ? values.mean() : 0.0; }
 
+/// Parameters that the poses put far from where they were measured by hand: what is wrong there may be a cause that no
+/// other can be named beside.
+void warnOfFarParameters(PoseFit& fit, Diagnosis& d) {
+  constexpr double kFar = 3.5;  // [sd] of the prior: one of 2000 lies further by chance
+  for (std::size_t i = 0; i < fit.ordinary(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (!fit.posterior().parameters().hasPrior(k) || std::abs(fit.z()[k]) <= kFar) continue;
+    d.warnings.push_back(fmt::format(
+        "{} lies {:.1f} standard deviations from its hand measurement: measure it again, or leave it out of "
+        "the fitted parameters, and a cause that it stands for can be named",
+        fit.space().parameters()[i].name, std::abs(fit.z()[k])));
+  }
+}
+
 class Diagnosing {
  public:
   Diagnosing(const ArmModel& model, const PoseSet& set, const std::vector<ParameterSpace::Choice>& parameters,
@@ -319,6 +333,7 @@ PoseDiagnosis Diagnosing::run() {
     }
   }
   fillAbsorption(plain, fit);
+  warnOfFarParameters(fit, d);
   d.explained_percent = 100.0 * (d.baseline.mse_heldout - d.extended.mse_heldout) / d.baseline.mse_heldout;
   // Beyond noise and what the parameters' own uncertainty does to poses they were not fitted to.
   d.explainable_percent = std::max({0.0, d.explained_percent, 100.0 * (1.0 - 1.0 / (1.0 + selection_.excess_plain))});
