@@ -87,7 +87,8 @@ void addLine(const ReplayedSet& replay, const std::string& pose, const std::stri
 }
 
 /// At rest a cord pulls with its stiffness, T = k (L_S - L_SR), and with what extensions add to that. [N]
-double tensionOf(const ArmModel& model, std::size_t m, const Pose& pose, const PoseOutcome& outcome) {
+double tensionOf(const ArmModel& model, const std::vector<ArmExtension>& extensions, std::size_t m, const Pose& pose,
+                 const PoseOutcome& outcome) {
   const Muscle& muscle = model.muscles[m];
   const ShockCord& cord = muscle.shock_cord;
   const double expansion = cord.rest_length * outcome.cord_expansion[m], shaft = outcome.shafts[m];
@@ -95,7 +96,7 @@ double tensionOf(const ArmModel& model, std::size_t m, const Pose& pose, const P
   const LineState line{shaft, muscle.spindle_radius, pose.time,
                        pose.shafts_before.empty() ? 0.0 : pose.shafts_before[m],
                        muscle.kite_line_length - muscle.spindle_radius * shaft};
-  for (const ArmExtension& extension : resolveExtensions(model)) {
+  for (const ArmExtension& extension : extensions) {
     if (expansion <= 0.0 || !extension.effect->cord || !extension.on(static_cast<int>(m))) continue;
     tension += extension.effect->cord(extension.p, expansion, cord, line).force;
   }
@@ -105,9 +106,10 @@ double tensionOf(const ArmModel& model, std::size_t m, const Pose& pose, const P
 void addMuscles(const ReplayedSet& replay, const Pose& recorded, const PoseOutcome& outcome,
                 const std::vector<BodyInWorld>& bodies, CsvWriter& csv) {
   const std::string& pose = recorded.name;
+  const std::vector<ArmExtension> extensions = resolveExtensions(replay.model);
   for (std::size_t m = 0; m < replay.model.muscles.size(); ++m) {
     addLine(replay, pose, replay.model.muscles[m].name, muscleLine(replay.model, m, bodies),
-            tensionOf(replay.model, m, recorded, outcome), csv);
+            tensionOf(replay.model, extensions, m, recorded, outcome), csv);
   }
   std::size_t command = replay.model.muscles.size();
   for (const PassiveTendon& tendon : replay.model.tendons) {

@@ -54,7 +54,8 @@ Simulation simulateMotion(const ArmModel& model, const MotionCommands& commands,
 MotionTrack playAt(const ArmModel& model, const MotionCommands& commands, const MotionStart& start,
                    std::span<const double> times, const SimulationOptions& options);
 
-/// What a user should know before believing a motion: a step too large. Empty where all is well.
+/// What a user should know before believing a motion: motors that could not follow, a step too large. Empty where all
+/// is well.
 std::vector<std::string> notesOn(const ArmModel& model, const MotionCommands& commands, const Simulation& simulation,
                                  double step);
 

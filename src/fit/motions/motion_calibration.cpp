@@ -66,8 +66,8 @@ void MotionCalibration::restore(const Json& state) {
   } catch (const Json::exception& error) {
     throw ConfigError(std::string("the stored state is not a simgap/motion-calibration-state/1: ") + error.what());
   }
-  const std::size_t stored = state_.evolution.strategy.best.y.size();
-  if (stored != 0 && std::ssize(state_.evolution.strategy.best.y) != posterior_.size()) {
+  const auto stored = std::ssize(state_.evolution.strategy.best.y);
+  if (stored != 0 && stored != posterior_.size()) {
     throw ConfigError(fmt::format("the stored state is not one of {} parameters", posterior_.size()));
   }
 }

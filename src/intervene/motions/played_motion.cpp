@@ -13,13 +13,14 @@ using Eigen::Index;
 
 constexpr double kFrameTime = 1.0 / 30;  // [s] of a foreseen capture
 
-/// A model's motion under commands, from its rest under the first of them.
+MotionStart startOf(const MotionEvidence& evidence, const ArmModel& model, const MotionCommands& commands) {
+  return restUnder(model, commands, commands.times.front(), evidence.config.motions.motion.settle);
+}
+
 MotionTrack played(const MotionEvidence& evidence, const ArmModel& model, const MotionCommands& commands,
-                   const std::vector<double>& times) {
-  const MotionOptions& playing = evidence.config.motions.motion;
+                   const MotionStart& start, const std::vector<double>& times) {
   SimulationOptions options;
-  options.rollout = playing.rollout;
-  const MotionStart start = restUnder(model, commands, commands.times.front(), playing.settle);
+  options.rollout = evidence.config.motions.motion.rollout;
   return playAt(model, commands, start, times, options);
 }
 
@@ -45,12 +46,13 @@ RecordedMotion playedAsRecorded(const MotionEvidence& evidence, const ArmChanges
   for (double time = commands.times.front(); time <= commands.end(); time += kFrameTime) {
     motion.joint_times.push_back(time);
   }
-  const MotionTrack frames = played(evidence, model, commands, motion.joint_times);
+  const MotionStart start = startOf(evidence, model, commands);
+  const MotionTrack frames = played(evidence, model, commands, start, motion.joint_times);
   for (std::size_t f = 0; f < motion.joint_times.size(); ++f) {
     const std::span<const JointPosition> joints = frames.jointsAt(f);
     motion.joints.emplace_back(joints.begin(), joints.end());
   }
-  const MotionTrack rows = played(evidence, model, commands, commands.times);
+  const MotionTrack rows = played(evidence, model, commands, start, commands.times);
   for (Index m = 0; m < rows.shafts.rows(); ++m) {
     MuscleRecord& record = motion.muscles.emplace_back();
     record.shafts.assign(rows.shafts.cols(), 0.0);
@@ -67,7 +69,7 @@ std::string beyondLimits(const MotionEvidence& evidence, const PlannedMotion& pl
   if (duration > limits.duration) return fmt::format("{:.3g} s", duration);
   if (!std::isfinite(limits.tension) && !std::isfinite(limits.current)) return "";
   const ArmModel& model = evidence.candidates.front().model;
-  const MotionTrack track = played(evidence, model, commands, commands.times);
+  const MotionTrack track = played(evidence, model, commands, startOf(evidence, model, commands), commands.times);
   const std::string tension = beyond(track.forces, model.muscles, limits.tension, "N");
   return tension.empty() ? beyond(track.currents, model.muscles, limits.current, "A") : tension;
 }

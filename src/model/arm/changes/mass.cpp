@@ -43,7 +43,7 @@ void apply(const ArmChange& change, ArmModel& model) {
   part.mass = mass;
   // More than the part has cannot be taken away: a small part may stand for a body whose mass is elsewhere. Rests are
   // right then, too; the inertia stays that of the part.
-  if (!(melted.inertia.llt().info() == Eigen::Success)) return;
+  if (melted.inertia.llt().info() != Eigen::Success) return;
   part.shape = Part::Shape::kInertia;
   part.inertia = melted.inertia;
 }

@@ -1,15 +1,15 @@
 /// \file
 /// The load is logged later (or earlier) than motion and effort by dt, as the filter of a torque sensor's amplifier
 /// makes it: what the drive works against at t is what is logged at t + dt.
-#include "simgap/model/effects/actuator_effect.h"
-
 #include <cmath>
+
+#include "model/effects/delays.h"
 
 namespace simgap::actuator_effects::load_delay {
 namespace {
 
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kLoadSensor, OptionalChannel::kTime};
-constexpr EffectParameter kParameters[] = {{"dt", "s", -0.5, 0.5, 0.0, 0.0}};
+constexpr EffectParameter kParameters[] = {delays::kDelay};
 
 /// Between the two rows about that moment; where a session ends before it, as it is logged.
 void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& terms) {
@@ -23,17 +23,6 @@ void apply(std::span<const double> p, const ActuatorRows& rows, ActuatorTerms& t
     terms.load[i] = (1.0 - part) * logged[low] + part * logged[high];
   }
 }
-
-std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
-  std::vector<std::vector<double>> list;
-  for (int k = -10; k <= 10; ++k) {
-    const double delay = (k + 0.37) * rows.step;  // off the samples, where the derivative jumps
-    if (std::abs(delay) < 0.5) list.push_back({delay});
-  }
-  return list;
-}
-
-bool counts(std::span<const double> p, const ActuatorRows& rows) { return std::abs(p[0]) >= 0.75 * rows.step; }
 
 }  // namespace
 
@@ -53,8 +42,8 @@ const ActuatorEffect entry = {
     .remembers = true,
     .on_gearbox = false,
     .apply = apply,
-    .starts = starts,
-    .counts = counts,
+    .starts = delays::starts,
+    .counts = delays::counts,
 };
 
 }  // namespace simgap::actuator_effects::load_delay
