@@ -89,18 +89,20 @@ MatrixXd gramOf(const MatrixXd& jacobian, std::span<const Block> blocks) {
 }
 
 RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
-               const RowFitOptions& options) {
+               const RowFitOptions& options, const RowEvaluation* at_start) {
   const std::vector<ParameterSpec>& parameters = model.parameters();
   for (std::size_t i = 0; i < start.size(); ++i) {
     if (!parameters[i].fixed) start[i] = std::clamp(start[i], parameters[i].lower, parameters[i].upper);
   }
   RowFit fit{std::move(start), 0.0, 0};
-  VectorXd residual, trial_residual;
-  MatrixXd jacobian;
+  RowEvaluation own;
+  VectorXd trial_residual;
   double damping = 1e-6;
   for (; fit.iterations < options.max_iterations; ++fit.iterations) {
     stopIfInterrupted();
-    model.evaluate(fit.theta, residual, &jacobian);
+    const bool known = at_start != nullptr && fit.iterations == 0;
+    if (!known) own = RowEvaluation(model, fit.theta);
+    const auto& [theta, residual, jacobian] = known ? *at_start : own;
     fit.cost = costOf(residual, blocks);
     const Normal normal = normalOf(jacobian, residual, blocks);
     const std::vector<Index> free = freeOnes(parameters, fit.theta, normal);
@@ -128,9 +130,7 @@ RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector
 }
 
 double linearisedCost(const RowModel& model, std::span<const Block> blocks, std::span<const double> start) {
-  VectorXd residual;
-  MatrixXd jacobian;
-  model.evaluate(start, residual, &jacobian);
+  const auto [theta, residual, jacobian] = RowEvaluation(model, start);
   const Normal normal = normalOf(jacobian, residual, blocks);
   const std::vector<Index> free = freeOnes(model.parameters(), start, normal);
   const double cost = costOf(residual, blocks);
@@ -139,10 +139,8 @@ double linearisedCost(const RowModel& model, std::span<const Block> blocks, std:
   return cost + 2.0 * normal.g.dot(delta) + delta.dot(normal.h * delta);
 }
 
-Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> blocks, std::span<const double> theta) {
-  VectorXd residual;
-  MatrixXd jacobian;
-  model.evaluate(theta, residual, &jacobian);
+Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> blocks, const RowEvaluation& at) {
+  const auto& [theta, residual, jacobian] = at;
   const Normal normal = normalOf(jacobian, residual, blocks);
   std::vector<Index> free;
   for (const Index i : freeOnes(model.parameters(), theta, normal)) {

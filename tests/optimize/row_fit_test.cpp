@@ -103,7 +103,7 @@ TEST(RowFit, CovarianceOfIndependentRowsIsWhites) {
   const Eigen::MatrixXd inverse = (jacobian.transpose() * jacobian).inverse();
   const Eigen::MatrixXd scores = jacobian.transpose() * residual.cwiseAbs2().asDiagonal() * jacobian;
   const Eigen::MatrixXd expected = inverse * scores * inverse * (kRows / (kRows - 2.0));  // White 1980, small samples
-  EXPECT_LT((blockCovariance(model, rows, fit.theta) - expected).norm(), 1e-8 * expected.norm());
+  EXPECT_LT((blockCovariance(model, rows, RowEvaluation(model, fit.theta)) - expected).norm(), 1e-8 * expected.norm());
 }
 
 }  // namespace

@@ -24,6 +24,18 @@ class RowModel {
   virtual void evaluate(std::span<const double> theta, Eigen::VectorXd& residual, Eigen::MatrixXd* jacobian) const = 0;
 };
 
+/// A model at one place: what several who ask for it there share.
+struct RowEvaluation {
+  RowEvaluation() = default;
+  RowEvaluation(const RowModel& model, std::span<const double> place) : theta(place.begin(), place.end()) {
+    model.evaluate(theta, residual, &jacobian);
+  }
+
+  std::vector<double> theta;  ///< shape (P)
+  Eigen::VectorXd residual;   ///< shape (rows)
+  Eigen::MatrixXd jacobian;   ///< shape (rows, P)
+};
+
 struct RowFit {
   std::vector<double> theta;  ///< shape (P)
   double cost = 0.0;          ///< sum of squares over the blocks
@@ -39,14 +51,15 @@ struct RowFitOptions {
 Eigen::MatrixXd gramOf(const Eigen::MatrixXd& jacobian, std::span<const Block> blocks);
 
 /// \param start  shape (P); moved into the bounds.
+/// \param at_start  the model there, which then has to be within the bounds; null: it is not known
 RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector<double> start,
-               const RowFitOptions& options = {});
+               const RowFitOptions& options = {}, const RowEvaluation* at_start = nullptr);
 
 /// Cost after one full Gauss-Newton step as the linearised model sees it: tells at which start to begin.
 double linearisedCost(const RowModel& model, std::span<const Block> blocks, std::span<const double> start);
 
 /// Covariance of theta from the scores of blocks, H^-1 (sum_b g_b g_b^T) H^-1 (sandwich: Liang & Zeger 1986); it holds
 /// for correlated residuals. Shape (P, P), 0 for what is fixed, at a bound or without effect.
-Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> blocks, std::span<const double> theta);
+Eigen::MatrixXd blockCovariance(const RowModel& model, std::span<const Block> blocks, const RowEvaluation& at);
 
 }  // namespace simgap

@@ -62,7 +62,8 @@ std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Tr
     const bool known = std::ranges::find(list, name_of_cause, &Detectable::effect) != list.end();
     if (known || !trial.identifiable || trial.fitted.theta.empty()) continue;
     const ActuatorRegression& model = *trial.fitted.model;
-    const Eigen::MatrixXd covariance = blockCovariance(model, search.pieces(search.training()), trial.fitted.theta);
+    const Eigen::MatrixXd covariance =
+        blockCovariance(model, search.pieces(search.training()), RowEvaluation(model, trial.fitted.theta));
     const std::vector<Estimate> all = model.physical(trial.fitted.theta, covariance);
     const std::size_t e = model.effects().size() - 1;
     const ActuatorEffect& effect = *model.effects()[e];

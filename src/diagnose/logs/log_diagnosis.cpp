@@ -200,14 +200,16 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   const std::vector<Hypothesis> named = namedHypotheses(subject, log.data, options, d);
   const std::vector<Hypothesis> unnamed = unnamedHypotheses(log);
   const LogSplit split = splitLog(log, options);
-  const LogSearch search(subject.base, log.data, split.training, options);
-  if (openFault(d.faults) == nullptr) takeOutRows(subject, search, log, d);
+  if (openFault(d.faults) == nullptr) {
+    takeOutRows(subject, LogSearch(subject.base, log.data, split.training, options), log, d);
+  }
   if (const DataFault* fault = openFault(d.faults); fault != nullptr && !options.ignore_faults) {
     endWith(*fault, d);
     d.next_experiment = "Mend or leave out these rows and diagnose again, or go on with --ignore-faults.";
     return result;
   }
 
+  const LogSearch search(subject.base, log.data, split.training, options);
   const DiagnosisProgress choosing = partOfProgress(progress, 0.0, kChoosing);
   Selection selection = selectCauses(search, subject.effects, named, unnamed, options,
                                      partOfProgress(choosing, 0.0, HeldOutParts::kMainShare));

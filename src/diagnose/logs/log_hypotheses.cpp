@@ -29,6 +29,7 @@ constexpr double kSameEquation = 1e-4;
 constexpr double kAddsNothing = 0.2;
 /// Of what a cause explains alone: a rival beside which that is left explains something else.
 constexpr double kMostOfAlone = 0.5;
+constexpr std::size_t kToTheEnd = 2;  // starts
 /// Of the least gain: what a cause has to promise to be fitted at all.
 constexpr double kHopeless = 0.2;
 
@@ -38,12 +39,9 @@ std::vector<const ActuatorEffect*> withOneMore(std::vector<const ActuatorEffect*
 }
 
 /// The share of an effect's signature that the other parameters cannot imitate, over its parameters the largest.
-double distinctShare(const ActuatorRegression& model, std::span<const double> theta, std::span<const Block> blocks,
+double distinctShare(const ActuatorRegression& model, const RowEvaluation& at, std::span<const Block> blocks,
                      std::size_t effect) {
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd jacobian;
-  model.evaluate(theta, residual, &jacobian);
-  const Eigen::MatrixXd h = gramOf(jacobian, blocks);
+  const Eigen::MatrixXd h = gramOf(at.jacobian, blocks);
   std::vector<Index> own, others;
   const std::size_t columns = model.firstColumn(effect), values = model.firstParameter(effect);
   for (Index i = 0; i < h.cols(); ++i) {
@@ -69,11 +67,12 @@ double distinctShare(const ActuatorRegression& model, std::span<const double> th
 /// p-value of "the last effect's sizes are neutral" from their covariance over pieces of the log (Wald 1943), for the
 /// largest of them, times the number of places a search may have looked at. A covariance from few pieces is too small
 /// and says nothing.
-double waldP(const ActuatorRegression& model, std::span<const double> theta, const std::vector<Block>& pieces) {
+double waldP(const ActuatorRegression& model, const RowEvaluation& at, const std::vector<Block>& pieces) {
   constexpr double kSearched = 1000.0;
   constexpr std::size_t kPiecesPerParameter = 5;
+  const std::vector<double>& theta = at.theta;
   if (pieces.size() < kPiecesPerParameter * theta.size()) return 1.0;
-  const Eigen::MatrixXd covariance = blockCovariance(model, pieces, theta);
+  const Eigen::MatrixXd covariance = blockCovariance(model, pieces, at);
   const std::size_t e = model.effects().size() - 1;
   const ActuatorEffect& effect = *model.effects()[e];
   double largest = 0.0;
@@ -95,6 +94,7 @@ LogSearch::LogSearch(const ActuatorBase& base, const ActuatorData& data, std::ve
     : base_(base), data_(data), training_(std::move(training)), folds_(kFolds), options_(options) {
   for (std::size_t b = 0; b < training_.size(); ++b) folds_[b % kFolds].push_back(training_[b]);
   training_rows_ = rowsIn(training_, data_.keep);
+  if (training_rows_ >= 2.0 * kFewRows) few_ = fewRowsOf(data_, training_, kFewRows);
 }
 
 std::shared_ptr<const ActuatorRegression> LogSearch::makeModel(
@@ -106,35 +106,61 @@ std::shared_ptr<const ActuatorRegression> LogSearch::makeModel(
   return std::make_shared<const ActuatorRegression>(base_, effects, data_, nuisance);
 }
 
-Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model,
-                                const std::vector<std::vector<double>>& at, double hopeless) const {
-  constexpr std::size_t kToTheEnd = 2;
-  std::vector<std::vector<double>> starts;
-  for (std::vector<double> start : at) {
-    for (std::size_t i = model->linear(); i < start.size(); ++i) {
-      start[i] = std::clamp(start[i], model->parameters()[i].lower, model->parameters()[i].upper);
+LogSearch::Rough LogSearch::roughly(std::shared_ptr<const ActuatorRegression> model) const {
+  if (!few_ || std::ranges::any_of(model->effects(), &ActuatorEffect::needs_all_rows)) {
+    return {std::move(model), training_};
+  }
+  return {std::make_shared<const ActuatorRegression>(model->on(few_->data)), few_->blocks};
+}
+
+std::vector<LogSearch::Start> LogSearch::ranked(const Rough& rough, const std::vector<std::vector<double>>& starts,
+                                                bool always) const {
+  constexpr std::size_t kMost = 8;
+  const auto& [model, blocks] = rough;
+  std::vector<Start> ranked;
+  for (std::vector<double> theta : starts) {
+    for (std::size_t i = model->linear(); i < theta.size(); ++i) {
+      theta[i] = std::clamp(theta[i], model->parameters()[i].lower, model->parameters()[i].upper);
     }
-    starts.push_back(model->solveCoefficients(std::move(start), training_));
+    double cost = 0.0;
+    theta = model->solveCoefficients(std::move(theta), blocks, &cost);
+    ranked.push_back({cost, std::move(theta)});
   }
-  std::vector<std::pair<double, std::size_t>> promise;
-  for (std::size_t s = 0; s < starts.size(); ++s) {
+  if (few_) {  // of many those that leave least as they are, and what leaves as little
+    std::ranges::stable_sort(ranked, {}, &Start::cost);
+    while (ranked.size() > kMost && ranked.back().cost > ranked[kMost - 1].cost) ranked.pop_back();
+  }
+  for (Start& start : ranked) {
     stopIfInterrupted();
-    const bool choose = starts.size() > kToTheEnd || hopeless > 0.0;
-    promise.emplace_back(choose ? linearisedCost(*model, training_, starts[s]) : 0.0, s);
+    const bool choose = always || ranked.size() > kToTheEnd;
+    start.cost = choose ? linearisedCost(*model, blocks, start.theta) : 0.0;
   }
-  std::ranges::stable_sort(promise);
-  if (hopeless > 0.0 && promise[0].first > hopeless) {
-    return {model, starts[promise[0].second], promise[0].first / training_rows_, {}, {}};
+  std::ranges::stable_sort(ranked, {}, &Start::cost);
+  return ranked;
+}
+
+Fitted LogSearch::fitFromStarts(std::shared_ptr<const ActuatorRegression> model, const Rough& rough,
+                                const std::vector<std::vector<double>>& starts, const Fitted* base) const {
+  const bool all = rough.model == model;
+  std::vector<Start> best = ranked(rough, starts, /*always=*/base != nullptr);
+  const double rest = base == nullptr ? 0.0
+                      : all           ? base->mse * training_rows_
+                                      : linearisedCost(base->model->on(few_->data), rough.blocks, base->theta);
+  // Most causes change nothing: the linearised model says so without a fit, few rows without all of them.
+  const auto hopeless = [&](double cost) {
+    return base != nullptr && cost > (1.0 - kHopeless * options_.least_gain) * rest;
+  };
+  const auto left = [&](double cost) { return cost / rest * base->mse; };
+  if (hopeless(best[0].cost)) return {model, best[0].theta, left(best[0].cost), {}, {}};
+  best.resize(std::min(best.size(), kToTheEnd));
+  RowFit fit;
+  for (std::size_t k = 0; k < best.size(); ++k) {
+    RowFit one = fitRows(*rough.model, rough.blocks, best[k].theta);
+    if (k == 0 || one.cost < fit.cost) fit = std::move(one);
   }
-  promise.resize(std::min(promise.size(), kToTheEnd));
-  Fitted best{model, {}, 0.0, {}, {}};
-  for (std::size_t k = 0; k < promise.size(); ++k) {
-    const RowFit fit = fitRows(*model, training_, starts[promise[k].second]);
-    if (k > 0 && fit.cost >= best.mse * training_rows_) continue;
-    best.theta = fit.theta;
-    best.mse = fit.cost / training_rows_;
-  }
-  return best;
+  if (!all && hopeless(fit.cost)) return {model, fit.theta, left(fit.cost), {}, {}};
+  if (!all) fit = fitRows(*model, training_, std::move(fit.theta));
+  return {model, fit.theta, fit.cost / training_rows_, {}, {}};
 }
 
 Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const Fitted* near) const {
@@ -157,7 +183,8 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
   }
   const std::size_t speed = model->linear();
   if (kindOf(base_.kind).fits_in_turn && !effects.empty()) return fitInTurn(effects);
-  if (!base_.hasStribeck()) return fitFromStarts(model, {start});
+  const Rough whole{model, training_};  // all else starts from here
+  if (!base_.hasStribeck()) return fitFromStarts(model, whole, {start}, nullptr);
   for (const double v_s : {0.003, 0.01, 0.03, 0.1, 0.3, 1.0}) {
     for (const double delta : {0.6, 1.0, 2.0}) {
       start[speed] = v_s * data_.rows.top_speed;
@@ -165,7 +192,7 @@ Fitted LogSearch::fit(const std::vector<const ActuatorEffect*>& effects, const F
       starts.push_back(start);
     }
   }
-  return fitFromStarts(model, starts);
+  return fitFromStarts(model, whole, starts, nullptr);
 }
 
 Fitted LogSearch::fitInTurn(const std::vector<const ActuatorEffect*>& effects) const {
@@ -178,23 +205,26 @@ Fitted LogSearch::fitInTurn(const std::vector<const ActuatorEffect*>& effects) c
 Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const Estimate> values) const {
   const auto model = makeModel(effects);
   std::vector<std::vector<double>> starts{model->thetaOf(values)};
-  if (auto other = otherStribeck(*model, starts[0])) starts.push_back(std::move(*other));
+  if (auto other = otherStribeck(roughly(model), starts[0])) starts.push_back(std::move(*other));
   return fitFromStarts(model, starts);
 }
 
-Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks) {
-  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = 3, .tolerance = 1e-5});
+Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks, int most_steps,
+                                 const RowEvaluation* at) {
+  const RowFit fit =
+      fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = most_steps, .tolerance = 1e-5}, at);
   return residualOf(fitted, fit.theta);
 }
 
-void LogSearch::validate(Fitted& fitted) const {
+void LogSearch::validate(Fitted& fitted, const RowEvaluation& at) const {
   fitted.unseen = Eigen::VectorXd::Zero(data_.rows.rows());
   tbb::parallel_for(0, kFolds, [&](int f) {
     std::vector<Block> others;
     for (int g = 0; g < kFolds; ++g) {
       if (g != f) others.insert(others.end(), folds_[g].begin(), folds_[g].end());
     }
-    const Eigen::VectorXd residual = refittedResidual(fitted, others);
+    // Without a fold of many rows the minimum is hardly elsewhere: one step leads there.
+    const Eigen::VectorXd residual = refittedResidual(fitted, others, few_ ? 1 : kFewSteps, &at);
     for (const Block& b : folds_[f]) {
       const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
       fitted.unseen.segment(begin, size) = residual.segment(begin, size);
@@ -203,13 +233,13 @@ void LogSearch::validate(Fitted& fitted) const {
   fitted.validation = errors(fitted.unseen, training_, kPieceSeconds);
 }
 
-std::vector<std::size_t> LogSearch::bestStarts(const ActuatorRegression& model,
+std::vector<std::size_t> LogSearch::bestStarts(const Rough& rough,
                                                const std::vector<std::vector<double>>& starts) const {
   constexpr std::size_t kFew = 4;
   std::vector<std::pair<double, std::size_t>> costs;
   for (std::size_t s = 0; s < starts.size(); ++s) {
     costs.emplace_back(0.0, s);
-    if (starts.size() > kFew) model.solveCoefficients(starts[s], training_, &costs.back().first);
+    if (starts.size() > kFew) rough.model->solveCoefficients(starts[s], rough.blocks, &costs.back().first);
   }
   std::ranges::sort(costs);
   std::vector<std::size_t> best;
@@ -217,20 +247,21 @@ std::vector<std::size_t> LogSearch::bestStarts(const ActuatorRegression& model,
   return best;
 }
 
-std::optional<std::vector<double>> LogSearch::otherStribeck(const ActuatorRegression& model,
+std::optional<std::vector<double>> LogSearch::otherStribeck(const Rough& rough,
                                                             const std::vector<double>& start) const {
   if (!base_.hasStribeck()) return std::nullopt;
+  const auto& [model, blocks] = rough;
   double lowest = 0.0;
-  model.solveCoefficients(start, training_, &lowest);
+  model->solveCoefficients(start, blocks, &lowest);
   lowest *= 1.0 - 0.5 * options_.least_gain;
   std::optional<std::vector<double>> best;
   for (const double v_s : {0.01, 0.03, 0.1, 0.3}) {
     for (const double delta : {0.8, 1.6}) {
       std::vector<double> other = start;
-      other[model.linear()] = v_s * data_.rows.top_speed;
-      other[model.linear() + 1] = delta;
+      other[model->linear()] = v_s * data_.rows.top_speed;
+      other[model->linear() + 1] = delta;
       double cost = 0.0;
-      other = model.solveCoefficients(std::move(other), training_, &cost);
+      other = model->solveCoefficients(std::move(other), blocks, &cost);
       if (cost >= lowest) continue;
       lowest = cost;
       best = std::move(other);
@@ -285,26 +316,27 @@ Trial LogSearch::tryOne(const Fitted& base, const Hypothesis& hypothesis, const 
     startAt(origins[0], {base.theta[nuisance - base.model->parameters().begin()]});
   }
   if (starts.empty()) return trial;
-  for (const std::size_t s : bestStarts(*model, starts)) {
-    if (auto other = otherStribeck(*model, starts[s])) starts.push_back(std::move(*other));
+  const Rough rough = roughly(model);
+  for (const std::size_t s : bestStarts(rough, starts)) {
+    if (auto other = otherStribeck(rough, starts[s])) starts.push_back(std::move(*other));
   }
-  // Most causes change nothing: the linearised model says so without a fit.
-  trial.fitted = fitFromStarts(model, starts, (1.0 - kHopeless * options_.least_gain) * base.mse * training_rows_);
+  trial.fitted = fitFromStarts(model, starts, &base);
   trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
   if (trial.gain_training < 0.5 * options_.least_gain) return trial;
   refineScanned(trial.fitted, starts);
   trial.gain_training = 1.0 - trial.fitted.mse / base.mse;
-  trial.identifiable = distinctShare(*model, trial.fitted.theta, training_, effects.size() - 1) > kAliased;
+  const RowEvaluation at(*model, trial.fitted.theta);
+  trial.identifiable = distinctShare(*model, at, training_, effects.size() - 1) > kAliased;
   if (!trial.identifiable) return trial;
   const std::span<const double> p(trial.fitted.theta.data() + first, hypothesis.effect->parameters.size());
   if (hypothesis.effect->counts != nullptr && !hypothesis.effect->counts(p, data_.rows)) return trial;
-  validate(trial.fitted);
+  validate(trial.fitted, at);
   const Eigen::ArrayXd shared = (trial.fitted.unseen.array() != 0.0).cast<double>();  // a delay counts others
   const GroupErrors before = errors((base.unseen.array() * shared).matrix(), training_, kPieceSeconds);
   trial.gain = pairedGain(before, trial.fitted.validation, options_.seed);
   trial.p_paired = nestedP(added(base.unseen, trial.fitted.unseen, training_));
   trial.fitted.unseen.resize(0);  // of many trials one is chosen
-  trial.p = std::min(1.0, 2.0 * std::min(trial.p_paired, waldP(*model, trial.fitted.theta, pieces(training_))));
+  trial.p = std::min(1.0, 2.0 * std::min(trial.p_paired, waldP(*model, at, pieces(training_))));
   return trial;
 }
 
@@ -339,7 +371,7 @@ bool LogSearch::encompasses(const Trial& winner, const Trial& rival) const {
   const double alone = winner.fitted.mse / (1.0 - winner.gain_training) - winner.fitted.mse;
   if (winner_adds < kSameEquation * both.mse) return false;
   const bool says_more = rival_adds<kAddsNothing * winner_adds, says_else = winner_adds> kMostOfAlone * alone;
-  return (says_more || says_else) && waldP(*model, both.theta, pieces(training_)) < options_.level;
+  return (says_more || says_else) && waldP(*model, {*model, both.theta}, pieces(training_)) < options_.level;
 }
 
 Fitted LogSearch::without(const Fitted& fitted, std::size_t effect) const {
@@ -357,7 +389,7 @@ Fitted LogSearch::beside(const Fitted& fitted, const Hypothesis& other, const Fi
   for (std::vector<double>& start : starts) {
     std::ranges::copy(other.fixed, start.begin() + static_cast<std::ptrdiff_t>(first));
   }
-  if (auto curve = otherStribeck(*model, starts[0])) starts.push_back(std::move(*curve));
+  if (auto curve = otherStribeck(roughly(model), starts[0])) starts.push_back(std::move(*curve));
   return fitFromStarts(model, starts);
 }
 
@@ -368,7 +400,7 @@ Eigen::MatrixXd LogSearch::refit(Fitted& fitted, const std::vector<Block>& block
   // What a model gets slightly wrong lasts for a whole motion: pieces would take it for many independent errors.
   constexpr std::size_t kBlocksPerParameter = 3;
   const bool enough = blocks.size() >= kBlocksPerParameter * fitted.theta.size();
-  return blockCovariance(*fitted.model, enough ? blocks : pieces(blocks), fitted.theta);
+  return blockCovariance(*fitted.model, enough ? blocks : pieces(blocks), {*fitted.model, fitted.theta});
 }
 
 }  // namespace simgap

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "diagnose/paired_error.h"
+#include "few_rows.h"
 #include "simgap/core/bytes.h"
 #include "simgap/diagnose/logs/log_diagnosis.h"
 
@@ -44,7 +45,10 @@ Eigen::VectorXd residualOf(const Fitted& fitted);
 /// The same at another place. \param theta  shape (P)
 Eigen::VectorXd residualOf(const Fitted& fitted, std::span<const double> theta);
 /// The same refitted to other blocks, by a few steps from where it is.
-Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks);
+inline constexpr int kFewSteps = 3;
+/// \param at  the model where it is; null: not known
+Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks, int most_steps = kFewSteps,
+                                 const RowEvaluation* at = nullptr);
 
 /// One hypothesis on top of a model.
 struct Trial {
@@ -65,6 +69,8 @@ void unpack(BytesReader& from, Trial& trial);
 class LogSearch {
  public:
   static constexpr double kPieceSeconds = 2.0;
+  /// As many are enough to search with; a fit ends on all rows.
+  static constexpr std::size_t kFewRows = 5000;
   /// The same of a log so short that it would be few of them [s].
   static double pieceSeconds(const ActuatorRows& rows) {
     constexpr double kPieces = 100.0;  // of the whole log at least
@@ -79,7 +85,7 @@ class LogSearch {
   Fitted fit(const std::vector<const ActuatorEffect*>& effects, const Fitted* near) const;
   /// The same from the values of a model file.
   Fitted fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const Estimate> values) const;
-  void validate(Fitted& fitted) const;
+  void validate(Fitted& fitted) const { validate(fitted, {*fitted.model, fitted.theta}); }
 
   /// Every hypothesis on top of `base` (validated first where it is not), in their order; on the threads of all ranks.
   /// \param near  another model where a search may begin, too: without one of its causes the others may have left
@@ -115,18 +121,34 @@ class LogSearch {
   std::vector<Block> pieces(const std::vector<Block>& blocks, double seconds = kPieceSeconds) const;
 
  private:
+  void validate(Fitted& fitted, const RowEvaluation& at) const;
   Trial tryOne(const Fitted& base, const Hypothesis& hypothesis, const Fitted* near) const;
-  /// From each start, the most promising ones to the end. \param hopeless  cost that one of them has to promise to stay
-  /// below, or there is no fit; 0: none.
+  /// A model of the rows that are enough to search with.
+  struct Rough {
+    std::shared_ptr<const ActuatorRegression> model;
+    std::span<const Block> blocks;
+  };
+  Rough roughly(std::shared_ptr<const ActuatorRegression> model) const;
+  struct Start {
+    double cost;  ///< that it promises
+    std::vector<double> theta;
+  };
+  /// With the best coefficients, the most promising first. \param always  false: where few are to be tried none
+  /// promises anything
+  std::vector<Start> ranked(const Rough& rough, const std::vector<std::vector<double>>& starts, bool always) const;
+  /// From each start, the most promising ones to the end. \param base  one of them has to promise to leave less than
+  /// that, or there is no fit; null: any will do
   Fitted fitFromStarts(std::shared_ptr<const ActuatorRegression> model, const std::vector<std::vector<double>>& starts,
-                       double hopeless = 0.0) const;
+                       const Fitted* base = nullptr) const {
+    return fitFromStarts(model, roughly(model), starts, base);
+  }
+  Fitted fitFromStarts(std::shared_ptr<const ActuatorRegression> model, const Rough& rough,
+                       const std::vector<std::vector<double>>& starts, const Fitted* base) const;
   /// Indices of the few starts that leave least with their shapes as they are; all where there are no more.
-  std::vector<std::size_t> bestStarts(const ActuatorRegression& model,
-                                      const std::vector<std::vector<double>>& starts) const;
+  std::vector<std::size_t> bestStarts(const Rough& rough, const std::vector<std::vector<double>>& starts) const;
   /// The start with another v_s and delta, when they alone already fit better than those of `base`: the Stribeck curve
   /// of a model that lacks something may lie far from the true one.
-  std::optional<std::vector<double>> otherStribeck(const ActuatorRegression& model,
-                                                   const std::vector<double>& start) const;
+  std::optional<std::vector<double>> otherStribeck(const Rough& rough, const std::vector<double>& start) const;
   /// One effect after the other, each from its own starts.
   Fitted fitInTurn(const std::vector<const ActuatorEffect*>& effects) const;
   void refineScanned(Fitted& fitted, const std::vector<std::vector<double>>& starts) const;
@@ -138,6 +160,7 @@ class LogSearch {
   std::vector<std::vector<Block>> folds_;
   const LogDiagnosisOptions& options_;
   double training_rows_ = 0.0;
+  std::optional<FewRows> few_;  ///< of a long log
 };
 
 }  // namespace simgap

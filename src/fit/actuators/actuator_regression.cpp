@@ -88,6 +88,11 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
     }
   }
   implicit_ = std::ranges::any_of(effects_, [](const ActuatorEffect* effect) { return effect->implicit; });
+  setRows(data);
+}
+
+void ActuatorRegression::setRows(const ActuatorData& data) {
+  data_ = &data;
   log_speed_ = data.rows.speed.abs().max(1e-12).log();
   const std::vector<int>& session = data.rows.session;
   const auto n = static_cast<std::size_t>(data.rows.rows());
@@ -99,6 +104,13 @@ ActuatorRegression::ActuatorRegression(const ActuatorBase& base, std::vector<con
   for (std::size_t i = n; i-- > 0;) {
     session_end_[i] = i + 1 < n && session[i] == session[i + 1] ? session_end_[i + 1] : static_cast<Index>(i + 1);
   }
+}
+
+ActuatorRegression ActuatorRegression::on(const ActuatorData& rows) const {
+  ActuatorRegression other = *this;
+  other.setRows(rows);
+  if (presliding_) other.parameters_[afterStribeck()].fixed = true;
+  return other;
 }
 
 void ActuatorRegression::add(std::string name, std::string unit, double lower, double upper, bool fixed) {
@@ -308,7 +320,7 @@ std::vector<double> ActuatorRegression::startFrom(const ActuatorRegression& othe
       start[p_begin_[e] + k] = effects_[e]->parameters[k].start;
     }
   }
-  const std::size_t own = linear_ + (base_.hasStribeck() ? 2 : 0);
+  const std::size_t own = afterStribeck();
   if (presliding_) start[own] = 1e-3;
   if (data_->angle) start[own + (presliding_ ? 1 : 0)] = data_->angle->start;
   for (std::size_t i = 0; i < parameters_.size(); ++i) {

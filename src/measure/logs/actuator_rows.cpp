@@ -46,6 +46,31 @@ bool ActuatorRows::has(OptionalChannel channel) const {
   return false;
 }
 
+ActuatorRows ActuatorRows::at(std::span<const Eigen::Index> some) const {
+  ActuatorRows rows = *this;
+  for (const auto channel :
+       {&ActuatorRows::time, &ActuatorRows::elapsed, &ActuatorRows::effort, &ActuatorRows::speed,
+        &ActuatorRows::direction, &ActuatorRows::load, &ActuatorRows::acceleration, &ActuatorRows::rest,
+        &ActuatorRows::joint_angle, &ActuatorRows::motor_angle, &ActuatorRows::temperature, &ActuatorRows::current,
+        &ActuatorRows::current_rate, &ActuatorRows::pressure, &ActuatorRows::contraction, &ActuatorRows::deflection}) {
+    if ((rows.*channel).size() > 0) rows.*channel = (this->*channel)(some);
+  }
+  for (std::size_t k = 0; k < context.size(); ++k) rows.context[k] = context[k](some);
+  rows.travel.resize(std::ssize(some));
+  rows.session.resize(some.size());
+  Eigen::Index i = 0;
+  for (std::size_t k = 0; k < some.size(); ++k) {
+    double way = 0.0;
+    for (; i <= some[k]; ++i) {
+      if (i > 0 && direction[i] != direction[i - 1]) way = 0.0;
+      way += travel[i];
+    }
+    rows.travel[static_cast<Eigen::Index>(k)] = way;
+    rows.session[k] = session[static_cast<std::size_t>(some[k])];
+  }
+  return rows;
+}
+
 Eigen::ArrayXd elapsedOf(const Eigen::ArrayXd& time, const std::vector<int>& session) {
   Eigen::ArrayXd elapsed = time;
   double before = 0.0;  // what the clocks of earlier sessions showed

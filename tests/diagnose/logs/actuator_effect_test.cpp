@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "diagnose/logs/few_rows.h"
 #include "reality/drive_draws.h"
 #include "reality/motor_log.h"
 #include "reality/pam_rig.h"
@@ -160,6 +161,18 @@ TEST_P(DriveEffectContract, NeutralValuesChangeNothing) {
   // A bristle of no travel at all still needs a row to turn.
   const double allowed = effect.in_every_drive ? 0.02 : 1e-12;
   EXPECT_LT(((with - without).abs() > 1e-9).cast<double>().mean(), allowed) << effect.name;
+}
+
+TEST_P(DriveEffectContract, SaysTheSameOfFewRows) {
+  const ActuatorEffect& effect = *GetParam();
+  if (effect.needs_all_rows) GTEST_SKIP() << "needs all of them";
+  const FewRows few = fewRowsOf(data(), {{0, static_cast<std::size_t>(data().rows.rows())}}, 700);
+  const ActuatorRegression model(base(), {&effect}, data(), std::nullopt);
+  const std::vector<double> theta = middle(model, data().rows);
+  const Eigen::ArrayXd all = model.predict(theta)(few.at), some = model.on(few.data).predict(theta);
+  // What turns twice between two of the rows has forgotten the first time.
+  const double allowed = effect.remembers ? 0.01 : 1e-9;
+  EXPECT_LE((some - all).matrix().norm(), allowed * all.matrix().norm()) << effect.name;
 }
 
 TEST_P(DriveEffectContract, SurvivesAModelFile) {

@@ -31,6 +31,10 @@ class ActuatorRegression : public RowModel {
   ActuatorRegression(const ActuatorBase& base, std::vector<const ActuatorEffect*> effects, const ActuatorData& data,
                      std::optional<double> presliding);
 
+  /// The same model, with the same bounds, of other rows, which must outlive it. The nuisance stays where it is: it is
+  /// seen in the first rows after a turn alone, of which others hold few.
+  ActuatorRegression on(const ActuatorData& rows) const;
+
   const std::vector<ParameterSpec>& parameters() const override { return parameters_; }
   Eigen::Index rows() const override { return data_->rows.rows(); }
   void evaluate(std::span<const double> theta, Eigen::VectorXd& residual, Eigen::MatrixXd* jacobian) const override;
@@ -119,6 +123,8 @@ class ActuatorRegression : public RowModel {
     return p.subspan(p_begin_[effect] - linear_, effects_[effect]->parameters.size());
   }
   void add(std::string name, std::string unit, double lower, double upper, bool fixed = false);
+  void setRows(const ActuatorData& data);
+  std::size_t afterStribeck() const { return linear_ + (base_.hasStribeck() ? 2 : 0); }
 
   ActuatorBase base_;
   std::vector<const ActuatorEffect*> effects_;

@@ -68,6 +68,8 @@ struct ActuatorRows {
 
   Eigen::Index rows() const { return time.size(); }
   bool has(OptionalChannel channel) const;
+  /// Some of them. \param some  in their order; travel is since the one before, or since the last reversal
+  ActuatorRows at(std::span<const Eigen::Index> some) const;
 };
 
 /// Time since the log began: a session whose clock begins anew follows the one before it at once; else `time`.

@@ -121,6 +121,7 @@ struct ActuatorEffect {
   bool of_angle = false;        ///< an effort that goes with the joint's angle alone
   bool of_rows = false;         ///< `fill` looks at the rows and at its own parameters alone, and is worth keeping
   bool remembers = false;       ///< it depends on the rows before: on travel, rests, another time
+  bool needs_all_rows = false;  ///< it looks at more than a row and the travel since the one before
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
   bool on_drive = false;        ///< a gearbox's cause that any drive can have, too
   bool on_robot = false;        ///< a joint of a robot shows it: its log has the channels, and rests say nothing

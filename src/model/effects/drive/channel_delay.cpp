@@ -22,6 +22,7 @@ const ActuatorEffect entry = {
     .separates = "fast reversals under load, and a knock that all channels see",
     .parameters = kParameters,
     .remembers = true,
+    .needs_all_rows = true,
     .on_robot = true,
     .on_gearbox = false,
     .apply = apply,

@@ -40,6 +40,7 @@ const ActuatorEffect entry = {
     .parameters = kParameters,
     .needs = kNeeds,
     .remembers = true,
+    .needs_all_rows = true,
     .on_gearbox = false,
     .apply = apply,
     .starts = delays::starts,

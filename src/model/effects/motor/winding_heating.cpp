@@ -54,6 +54,7 @@ const ActuatorEffect entry = {
     .parameters = kParameters,
     .columns = kColumns,
     .of_rows = true,
+    .needs_all_rows = true,
     .fill = fill,
     .starts = starts,
 };

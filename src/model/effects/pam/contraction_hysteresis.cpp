@@ -61,7 +61,7 @@ constexpr ActuatorEffect kBristle = [] {
   effect.equation = "f -= (friction + h p) z, dz/dx = (sign(dx) - z) / slip";
   effect.parameters = kBristleParameters;
   effect.columns = kBristleColumns;
-  effect.remembers = true;
+  effect.remembers = effect.needs_all_rows = true;
   effect.fill = fillBristle;
   effect.starts = bristleStarts;
   return effect;

@@ -66,6 +66,7 @@ const ActuatorEffect entry = {
     .needs = kNeeds,
     .implicit = true,
     .remembers = true,
+    .needs_all_rows = true,
     .fill = fill,
     .starts = starts,
     .counts = counts,

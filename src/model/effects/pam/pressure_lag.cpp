@@ -48,6 +48,7 @@ const ActuatorEffect entry = {
     .parameters = kParameters,
     .needs = kNeeds,
     .remembers = true,
+    .needs_all_rows = true,
     .apply = apply,
     .starts = starts,
     .counts = counts,

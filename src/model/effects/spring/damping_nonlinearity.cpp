@@ -40,6 +40,7 @@ const ActuatorEffect entry = {
     .parameters = kParameters,
     .columns = kColumns,
     .needs = kNeeds,
+    .needs_all_rows = true,
     .fill = fill,
     .starts = starts,
 };

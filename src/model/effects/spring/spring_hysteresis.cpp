@@ -70,6 +70,7 @@ const ActuatorEffect entry = {
     .separates = "the same loop at speeds ten times apart, and loops of several amplitudes",
     .parameters = kParameters,
     .columns = kColumns,
+    .needs_all_rows = true,
     .fill = fill,
     .starts = starts,
 };

@@ -52,6 +52,7 @@ const ActuatorEffect entry = {
     .parameters = kParameters,
     .columns = kColumns,
     .remembers = true,
+    .needs_all_rows = true,
     .fill = fill,
     .starts = starts,
 };
