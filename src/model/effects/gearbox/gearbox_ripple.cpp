@@ -77,6 +77,7 @@ const ActuatorEffect entry = {
     .parameters = kParameters,
     .columns = kColumns,
     .of_rows = true,
+    .needs_all_rows = true,
     .fill = fill,
     .starts = starts,
     .counts = counts,
