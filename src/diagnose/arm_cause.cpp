@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "simgap/core/error.h"
 
@@ -91,6 +92,18 @@ std::vector<ArmCause> causesBeyond(const ArmModel& given, const ArmModel& candid
     for (std::size_t k = 0; k < extension.parameters.size(); ++k) cause.start[k] = extension.parameters[k].value;
   }
   return causes;
+}
+
+std::string doubtOfSize(const ArmEffect& effect, const std::vector<Estimate>& estimates) {
+  const ArmEffectParameter& first = effect.parameters[0];
+  for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
+    const ArmEffectParameter& p = effect.parameters[k];
+    const bool is_size = p.fitted && p.unit == first.unit && p.neutral == first.neutral;
+    const double half = std::isfinite(estimates[k].sd) ? 1.96 * estimates[k].sd : 0.0;
+    if (is_size && std::abs(estimates[k].value - p.neutral) > half) return {};
+  }
+  return fmt::format("there may be none of it: {} = {:.3g} ± {:.2g}", first.name, estimates[0].value,
+                     1.96 * estimates[0].sd);
 }
 
 }  // namespace simgap

@@ -56,6 +56,10 @@ std::string labelOf(const std::vector<ArmCause>& causes);
 /// The causes that a candidate has beyond the given model, with the values and choices that it has.
 std::vector<ArmCause> causesBeyond(const ArmModel& given, const ArmModel& candidate);
 
+/// Why data do not tell that there is any of a cause; empty where one of its sizes, which are alike in unit and neutral
+/// value, is further from none than chance leaves it. \param estimates  of its parameters, in their order
+std::string doubtOfSize(const ArmEffect& effect, const std::vector<Estimate>& estimates);
+
 /// With an interval that holds no value which the parameter cannot have.
 inline Estimate withIntervalIn(const ArmEffectParameter& parameter, const Estimate& estimate, double half) {
   Estimate e = withInterval(estimate, half);

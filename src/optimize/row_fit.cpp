@@ -101,8 +101,9 @@ RowFit fitRows(const RowModel& model, std::span<const Block> blocks, std::vector
   for (; fit.iterations < options.max_iterations; ++fit.iterations) {
     stopIfInterrupted();
     const bool known = at_start != nullptr && fit.iterations == 0;
-    if (!known) own = RowEvaluation(model, fit.theta);
-    const auto& [theta, residual, jacobian] = known ? *at_start : own;
+    if (!known) model.evaluate(fit.theta, own.residual, &own.jacobian);
+    const Eigen::VectorXd& residual = known ? at_start->residual : own.residual;
+    const Eigen::MatrixXd& jacobian = known ? at_start->jacobian : own.jacobian;
     fit.cost = costOf(residual, blocks);
     const Normal normal = normalOf(jacobian, residual, blocks);
     const std::vector<Index> free = freeOnes(parameters, fit.theta, normal);

@@ -80,6 +80,9 @@ bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found
     record.outcome = "rejected: no better than its placebos";
   } else if (!(gain.lower95 > 0.0) || gain.value < kLeastMotionGain) {
     record.outcome = "rejected: no sure gain on held-out motions";
+  } else if (const std::string doubt = doubtOfSize(*arm.effect, found.fit->extensions().back().parameters);
+             !doubt.empty()) {
+    record.outcome = "rejected: " + doubt;
   } else {
     record.outcome = fmt::format("accepted: evidence {:.1f}", found.evidence);
   }

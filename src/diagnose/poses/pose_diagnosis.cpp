@@ -92,6 +92,7 @@ class Diagnosing {
   void makeCandidate(std::size_t cause, std::string reason);
   void forgetHarmful(const PoseProblem& without);
   void forgetPartial(const PoseProblem& without);
+  void forgetUndetermined(const PoseProblem& without);
   void measureGain(const PoseProblem& without);
   void fillCauses();
   void fillAbsorption(PoseFit& plain, PoseFit& fit);
@@ -238,6 +239,23 @@ void Diagnosing::forgetPartial(const PoseProblem& without) {
   measureGain(without);
 }
 
+/// Causes of which all poses together leave open whether there is any.
+void Diagnosing::forgetUndetermined(const PoseProblem& without) {
+  while (!selection_.causes.empty()) {
+    PoseFit fit = fittedFrom(problem_, split_.all, selection_.allCauses(), selection_.z);
+    const std::vector<Extension> found = fit.extensions();
+    std::size_t c = 0;
+    std::string doubt;
+    for (; c < selection_.causes.size() && doubt.empty(); ++c) {
+      doubt = doubtOfSize(*selection_.causes[c].cause.effect, found[c].parameters);
+    }
+    if (doubt.empty()) return;
+    makeCandidate(c - 1, doubt);
+    forget(c - 1);
+    measureGain(without);
+  }
+}
+
 /// Errors on the poses held out, without causes and with ever more of them.
 void Diagnosing::measureGain(const PoseProblem& without) {
   Diagnosis& d = result_.diagnosis;
@@ -317,6 +335,7 @@ PoseDiagnosis Diagnosing::run() {
   measureGain(without);
   forgetHarmful(without);
   forgetPartial(without);
+  forgetUndetermined(without);
   std::ranges::copy(selection_.candidates, std::back_inserter(d.candidates));
   d.hypotheses = selection_.records;
 
