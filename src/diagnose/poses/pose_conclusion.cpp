@@ -48,7 +48,8 @@ std::string unexplainedText(const PoseSelection& selection, const Diagnosis& d) 
     return "something pulls on the arm as a base would that is too far off level not to be seen: a tether, a hose?";
   }
   return fmt::format(
-      "the error on unseen poses is {:.0f} % above what noise and parameters explain, and no cause of the catalogue "
+      "the squared error on unseen poses is {:.0f} % above what noise and parameters explain, and no cause of the "
+      "catalogue "
       "takes it away",
       100.0 * selection.excess);
 }
@@ -58,7 +59,8 @@ std::string beyondNoise(const PoseSelection& selection, const Diagnosis& d) {
   const double times = leftInNoise(d, d.noise_floor);
   if (times <= kNearNoise) return {};
   if (selection.excess > kFaintExcess * selection.excess_sd) {
-    return fmt::format("; their error is {:.0f} % above what noise and parameters explain", 100.0 * selection.excess);
+    return fmt::format("; their squared error is {:.0f} % above what noise and parameters explain",
+                       100.0 * selection.excess);
   }
   return fmt::format("; left is {:.1f} times the noise, no more than unsure parameters explain", times);
 }
@@ -112,7 +114,7 @@ void concludePoses(const PoseSelection& selection, std::size_t heldout, bool par
   warnOfTilt(d);
   if (structure && d.verdict == DiagnosisVerdict::kCauseFound) {
     d.warnings.push_back(
-        fmt::format("the error on unseen poses is still {:.0f} % above what noise and parameters explain",
+        fmt::format("the squared error on unseen poses is still {:.0f} % above what noise and parameters explain",
                     100.0 * selection.excess));
   }
 }
