@@ -75,7 +75,8 @@ TEST(PoseFindings, WhereNothingIsFoundWhatIsLeftIsUnsureParametersOrSaidToBeMore
       << d.sentence;
   selection.excess = 0.3;
   concludePoses(selection, 20, false, d);
-  EXPECT_TRUE(d.sentence.ends_with("; their squared error is 30 % above what noise and parameters explain")) << d.sentence;
+  EXPECT_TRUE(d.sentence.ends_with("; their squared error is 30 % above what noise and parameters explain"))
+      << d.sentence;
 }
 
 TEST(PoseFindings, TheFirstLineSaysWhatIsLeft) {
