@@ -6,6 +6,7 @@
 /// A body's weight is the same with the force -m g and neither k nor F/L.
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstdlib>
 
 #include "simgap/core/error.h"
@@ -227,6 +228,26 @@ void PotentialEnergy::differentiateByJointShift(int joint, const Eigen::Vector3d
       }
     }
   }
+}
+
+/// A change da of the unit axis turns all below by w = (1 - cos q) a x da + sin q da: Q(a, q) goes to exp(w) Q. What a
+/// joint's gradient changes by is then its block's part of w; of the hinge's own, a . M,
+///
+///   d(a . M) = da . M + a . H w + M . (a x w) / 2,
+///
+/// the last as H is the symmetric part of the turns of one joint, w before a.
+void PotentialEnergy::differentiateByAxis(int joint, const Eigen::Vector3d& change,
+                                          Eigen::Ref<Eigen::VectorXd> column) const {
+  const Eigen::Vector3d& axis = links_[joint].axis;
+  const double q = positions_[joint].angle;
+  const Eigen::Vector3d turn = (1.0 - std::cos(q)) * axis.cross(change) + std::sin(q) * change;
+  const auto joints = std::ssize(links_);
+  for (int j = 0; j < joints; ++j) {
+    const Eigen::Matrix3d& block = blocks_[std::min(j, joint) * joints + std::max(j, joint)];
+    addProjected(j, j > joint ? Eigen::Vector3d(block.transpose() * turn) : Eigen::Vector3d(block * turn), column);
+  }
+  column[first_dof_[joint]] += moments_[joint].dot(change + 0.5 * axis.cross(turn));
+  for (const LongPath& path : paths_) differentiatePathByAxis(path, joint, change, turn, column);
 }
 
 namespace {

@@ -39,6 +39,7 @@ void PotentialEnergy::prepareExtensions() {
   for (std::size_t e = 0; e < extensions_.size(); ++e) {
     const auto& [effect, target, p] = extensions_[e];
     if (effect->gravity) applied_[e].gravity = effect->gravity(p, model_.gravity);
+    if (effect->hinge_axis) applied_[e].axis = effect->hinge_axis(p, model_.joints[target].axis);
     if (effect->mass) applied_[e].part = static_cast<int>(model_.bodies[target].parts.size());
     applyToModel({&extensions_[e], 1}, model_);
     if (effect->mass) {
@@ -170,6 +171,7 @@ Eigen::Vector3d PotentialEnergy::bendShiftTerm(const Line& line, const Bend& ben
 void PotentialEnergy::addJointTerms(std::span<const JointPosition> joints) {
   for (std::size_t e = 0; e < extensions_.size(); ++e) {
     const auto& [effect, joint, p] = extensions_[e];
+    if (effect->hinge_axis) positions_[joint] = joints[joint];
     if (!effect->joint_torque) continue;
     const JointTerm term = effect->joint_torque(p, model_.joints[joint].type, joints[joint]);
     const int d = first_dof_[joint];
@@ -194,6 +196,11 @@ void PotentialEnergy::differentiateByExtension(int extension, int k, Eigen::Ref<
     Eigen::Vector3d shift = Eigen::Vector3d::Unit(k);
     if (parent_joint_[target] >= 0) shift = links_[parent_joint_[target]].rotation.col(k);
     differentiateByJointShift(target, shift, true, column);
+  }
+  if (effect->hinge_axis) {
+    Eigen::Vector3d change = model_.joints[target].parent_orientation * applied_[e].axis.by_parameter.col(k);
+    if (parent_joint_[target] >= 0) change = (links_[parent_joint_[target]].rotation * change).eval();
+    differentiateByAxis(target, change, column);
   }
   if (effect->mass) {
     const PointMass mass = effect->mass(p);

@@ -281,6 +281,47 @@ void PotentialEnergy::differentiatePathByJointShift(const LongPath& path, int jo
   }
 }
 
+/// As if one more degree of freedom of the joint, about the turn, moved the points.
+void PotentialEnergy::differentiatePathByAxis(const LongPath& path, int joint, const Eigen::Vector3d& change,
+                                              const Eigen::Vector3d& turn, Eigen::Ref<Eigen::VectorXd> column) const {
+  if (path.slack) return;
+  const Line& line = muscles_[path.line];
+  const Link& hinge = links_[joint];
+  for (const PlacedStretch& stretch : path.stretches) {
+    const double force = line.force * stretch.part.weight;
+    for (int a = 0; a < 2; ++a) {
+      const std::vector<Mover>& movers = stretch.movers[a];
+      const auto own = std::ranges::find(movers, joint, &Mover::joint);
+      if (own == movers.end()) continue;
+      const Eigen::Vector3d& slope = stretch.now.slope[a];
+      const Eigen::Vector3d arm = pointInWorld(stretch.carrier[a], stretch.part.ends[a].point) - hinge.pivot;
+      const Eigen::Vector3d outer = own->sign * turn;
+      const Eigen::Vector3d way = outer.cross(arm);
+      column += line.stiffness * stretch.part.weight * slope.dot(way) * path.by_dof;
+      for (int b = 0; b < 2; ++b) {
+        const Eigen::Vector3d bent = force * (stretch.now.curvature[b][a] * way);
+        for (Eigen::Index l = 0; l < std::ssize(stretch.movers[b]); ++l) {
+          column[stretch.movers[b][l].dof] += stretch.columns[b].col(l).dot(bent);
+        }
+      }
+      // The turn's way is turned by the movers behind it, and it turns those before it; of its own joint's each by
+      // half.
+      for (Eigen::Index l = 0; l < std::ssize(movers); ++l) {
+        const auto place = l - (own - movers.begin());
+        const double share = place == 0 ? 0.5 : 1.0;
+        Eigen::Vector3d turned = Eigen::Vector3d::Zero();
+        if (place <= 0) turned += outer.cross(stretch.columns[a].col(l));
+        if (place >= 0 && !model_.joints[movers[l].joint].slides()) {
+          turned += Eigen::Vector3d(movers[l].sign * axes_.col(movers[l].dof)).cross(way);
+        }
+        column[movers[l].dof] += share * force * slope.dot(turned);
+      }
+      const Eigen::Vector3d moment = own->sign * force * arm.cross(slope);
+      column[own->dof] += moment.dot(change + 0.5 * hinge.axis.cross(turn));
+    }
+  }
+}
+
 void PotentialEnergy::differentiateBySurface(const StaticParameter& p, Eigen::Ref<Eigen::VectorXd> column) const {
   const int joint = joint_of_body_[p.item];
   Eigen::Vector3d shift = Eigen::Vector3d::Unit(p.component);

@@ -34,6 +34,9 @@ class Draws {
   std::mt19937_64 engine_;
 };
 
+// Of any hinge. Drawn where it is asked for alone, so that the draws of older seeds stay as they were.
+constexpr char kAxis[] = "joint-axis";
+
 // One row per effect and target: the magnitudes that a set of 80 poses can just reveal, on average over arms. Of this
 // arm's muscles only a few touch a sphere about a joint they cross in its range of poses.
 struct Kind {
@@ -71,7 +74,8 @@ std::vector<Kind> kinds() {
           {"marker-frame-offset", "link1", 0.04, 0.06},
           {"marker-frame-offset", "link2", 0.03, 0.045},
           {"joint-centre-offset", "joint1", 0.02, 0.026},
-          {"joint-centre-offset", "joint2", 0.025, 0.04}};
+          {"joint-centre-offset", "joint2", 0.025, 0.04},
+          {kAxis, "", 0.08, 0.1}};
 }
 
 int numberIn(const std::string& target) {
@@ -97,6 +101,14 @@ double nearerEnd(const Arm& arm, const Muscle& muscle, int link) {
     return 1e9;
   };
   return std::min(distance(muscle.from), distance(muscle.to));
+}
+
+std::size_t drawHinge(const Arm& arm, Draws& draws) {
+  std::vector<std::size_t> hinges;
+  for (std::size_t i = 0; i < arm.links.size(); ++i) {
+    if (arm.links[i].joint == Joint::kRevolute) hinges.push_back(i);
+  }
+  return hinges[draws.below(hinges.size())];
 }
 
 void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
@@ -160,6 +172,17 @@ void hide(HiddenCause& cause, Arm& arm, Session& session, Draws& draws) {
     const Eigen::Vector3d shift = m * draws.direction();
     cause.parameters = {shift.x(), shift.y(), shift.z()};
     arm.links[std::size_t(number)].joint_in_parent += shift;
+  } else if (cause.effect == kAxis) {
+    const std::size_t hinge = drawHinge(arm, draws);
+    cause.target = jointName(int(hinge));
+    Eigen::Vector3d& axis = arm.links[hinge].axis;
+    Eigen::Index along = 0;
+    axis.cwiseAbs().maxCoeff(&along);
+    const double heading = draws.uniform(0.0, 2.0 * M_PI);
+    cause.parameters = {m * std::cos(heading), m * std::sin(heading)};
+    const Eigen::Vector3d tilt = cause.parameters[0] * Eigen::Vector3d::Unit((along + 1) % 3) +
+                                 cause.parameters[1] * Eigen::Vector3d::Unit((along + 2) % 3);
+    axis = rotationOf<double>(tilt) * axis;
   } else {
     throw std::runtime_error("no such cause: " + cause.effect);
   }
@@ -292,12 +315,14 @@ std::vector<std::string> hiddenEffects() {
 
 PoseDraw drawPoses(std::uint64_t seed, const PoseDrawOptions& options) {
   Draws draws(seed * 104729 + 7);
-  const Rig rig = makeRig(seed + 5000, {.calibration = 0, .validation = 0});
+  const Rig rig =
+      makeRig(options.arm ? *options.arm : referenceArm(), seed + 5000, {.calibration = 0, .validation = 0});
   PoseDraw result{rig.nominal, rig.truth, {}, {}, {}};
   Session session;
   session.sticking.assign(rig.truth.links.size(), 0.0);
   for (int c = 0; c < options.causes; ++c) {
     std::vector<std::string> names = hiddenEffects();
+    std::erase(names, kAxis);
     if (c == 0 && !options.effect.empty()) names = {options.effect};
     for (const HiddenCause& other : result.hidden) std::erase(names, other.effect);
     const std::string effect = names[draws.below(names.size())];

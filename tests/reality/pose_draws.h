@@ -38,11 +38,12 @@ struct PoseDraw {
 struct PoseDrawOptions {
   int poses = 80;
   int fresh = 0;
-  int causes = 1;           ///< 0: nothing is hidden
-  bool weak = false;        ///< magnitudes near what such a set can just reveal; else 1.4 to 2.6 times that
-  std::string effect = {};  ///< of the first cause; empty: drawn
-  int flipped = 0;          ///< poses turned by a confusion of markers
-  bool cured = false;       ///< what is hidden is taken away before the fresh poses, which are then recorded later
+  int causes = 1;            ///< 0: nothing is hidden
+  bool weak = false;         ///< magnitudes near what such a set can just reveal; else 1.4 to 2.6 times that
+  std::string effect = {};   ///< of the first cause; empty: drawn
+  const Arm* arm = nullptr;  ///< whose twin it is, which has to have the targets; null: the reference arm
+  int flipped = 0;           ///< poses turned by a confusion of markers
+  bool cured = false;        ///< what is hidden is taken away before the fresh poses, which are then recorded later
   std::vector<std::vector<double>> commands = {};  ///< shafts [rad] of the first fresh poses; the others are drawn
   std::function<void(Arm&)> change = {};  ///< what is done to the arm before the fresh poses, which then are later ones
 };
@@ -50,7 +51,7 @@ struct PoseDrawOptions {
 /// A pure function of its arguments.
 PoseDraw drawPoses(std::uint64_t seed, const PoseDrawOptions& options);
 
-/// The effects that are drawn from.
+/// The effects that are drawn from where none is asked for, and those that have to be.
 std::vector<std::string> hiddenEffects();
 
 /// A pose set as a file: pose, time_s, shafts, joints.

@@ -287,6 +287,7 @@ std::vector<EffectCase> onePerEffect() {
   for (EffectCase& c : some) {
     if (c.effect->path) c.p[0] = 0.06;
     if (c.effect->joint_torque) c.p[1] = 0.05;
+    if (c.effect->hinge_axis) c.p[0] = 0.2;
     if (c.effect->name == "payload") c.target = "forearm";
   }
   return some;

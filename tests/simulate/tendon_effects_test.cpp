@@ -197,7 +197,8 @@ INSTANTIATE_TEST_SUITE_P(All, EffectsOnLines,
                                          TendonCase{"ligament-rest-length", "spring", {0.05}},
                                          TendonCase{"pulley-friction", "routed", {0.2, 1.0}},
                                          TendonCase{"pulley-friction", "straight", {0.2, 0.0}},
-                                         TendonCase{"line-elasticity", "branched", {2e-3}}),
+                                         TendonCase{"line-elasticity", "branched", {2e-3}},
+                                         TendonCase{"joint-axis", "hinge", {0.2, -0.1}}),
                          nameOf);
 
 TEST(WrapOfALine, IsDrawn) {

@@ -163,6 +163,7 @@ class PotentialEnergy {
   /// What of an extension has to be known beyond its parameters.
   struct Applied {
     GravityTerm gravity{};
+    AxisTerm axis{};
     int part = -1;  ///< the payload, of its body; the surface of a wrap
     Eigen::Vector3d way = Eigen::Vector3d::Zero();
   };
@@ -190,6 +191,10 @@ class PotentialEnergy {
                                   Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiatePathByJointShift(const LongPath& path, int joint, const Eigen::Vector3d& shift, bool pivot_moves,
                                      Eigen::Ref<Eigen::VectorXd> column) const;
+  /// A hinge's axis changes by `change`, in the world. `turn`: what that turns everything below it by.
+  void differentiateByAxis(int joint, const Eigen::Vector3d& change, Eigen::Ref<Eigen::VectorXd> column) const;
+  void differentiatePathByAxis(const LongPath& path, int joint, const Eigen::Vector3d& change,
+                               const Eigen::Vector3d& turn, Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateBySurface(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateByTendon(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
   void differentiateBySpring(const StaticParameter& parameter, Eigen::Ref<Eigen::VectorXd> column) const;
@@ -241,7 +246,7 @@ class PotentialEnergy {
   std::vector<Line> muscles_;       ///< and behind them lines without motors
   std::vector<LongPath> paths_;
   Eigen::Matrix3Xd axes_;                 ///< shape (3, dof), in the world; for paths
-  std::vector<JointPosition> positions_;  ///< of the last evaluation; for wheels and springs
+  std::vector<JointPosition> positions_;  ///< of the last evaluation; for wheels, springs and effects on axes
   bool springs_ = false;
   std::vector<Lever> levers_;
   std::vector<Eigen::Vector3d> moments_;  ///< shape (joints), gradient in the world

@@ -32,6 +32,12 @@ std::string visibleTurn(double turn) {
                        : fmt::format("markers that are {:.0f} deg askew on their body would be seen", toDegrees(turn));
 }
 
+/// Nor a hinge that is mounted so far aslant.
+std::string visibleAxis(double tilt) {
+  constexpr double kSeen = 0.4;  // [rad]
+  return tilt <= kSeen ? "" : fmt::format("an axis that is {:.0f} deg aslant would be seen", toDegrees(tilt));
+}
+
 /// What pushes a joint away from its rest is no skin, cable or stop; less than the model's own spring may be there.
 std::string pushedAway(const Joint& joint, const Estimate& stiffness) {
   if (joint.spring_stiffness + stiffness.value >= 0.0) return "";
@@ -61,6 +67,7 @@ std::string impossibleSize(const PoseFit& fit, std::size_t cause) {
   }
   if (effect.gravity != nullptr) return visibleTilt(tiltOf(extension.parameters));
   if (effect.marker_turn != nullptr) return visibleTurn(tiltOf(extension.parameters));
+  if (effect.hinge_axis != nullptr) return visibleAxis(tiltOf(extension.parameters));
   if (effect.joint_torque != nullptr) {
     const auto joint = std::ranges::find(model.joints, extension.target, &Joint::name);
     if (joint != model.joints.end()) return pushedAway(*joint, extension.parameters.front());

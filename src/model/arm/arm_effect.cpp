@@ -238,6 +238,10 @@ void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model) {
     if (effect->change) effect->change(p, target, model);
     if (effect->gravity) model.gravity = effect->gravity(p, model.gravity).gravity;
     if (effect->joint_shift) model.joints[target].parent_position += effect->joint_shift(p);
+    if (effect->hinge_axis) {
+      Eigen::Vector3d& axis = model.joints[target].axis;
+      axis = effect->hinge_axis(p, axis).axis;
+    }
     if (effect->path && wrapsAsSurface(model, target)) wrapLine(p, target, model);
     if (effect->rest_shift) {
       PassiveTendon& tendon = model.tendons[target - static_cast<int>(model.muscles.size())];

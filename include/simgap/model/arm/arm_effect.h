@@ -1,9 +1,9 @@
 /// \file
 /// Physical causes that an arm model of plain muscles and joints does not know (docs/effects.md, "Pose sets"). One file
 /// per effect in src/model/effects/arm; a model holds them under `extensions:`. An effect states what it is and fills
-/// one hook: what it changes of a line's length, a cord's force, a muscle's path, gravity, masses, joint centres, joint
-/// torques, or of what the capture sees. Every hook returns its derivatives with it, so that both simulations and the
-/// fits take an extended model as any other.
+/// one hook: what it changes of a line's length, a cord's force, a muscle's path, gravity, masses, joint centres and
+/// axes, joint torques, or of what the capture sees. Every hook returns its derivatives with it, so that both
+/// simulations and the fits take an extended model as any other.
 #pragma once
 
 #include <Eigen/Core>
@@ -73,6 +73,12 @@ struct GravityTerm {
   Eigen::Vector3d gravity = Eigen::Vector3d::Zero();         ///< [m/s^2]
   Eigen::Matrix3d by_gravity = Eigen::Matrix3d::Identity();  ///< by what it was without the effect
   EffectSlopes by_parameter = EffectSlopes::Zero();
+};
+
+/// Where a hinge's axis points, in the joint's frame; unit length.
+struct AxisTerm {
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
+  EffectSlopes by_parameter = EffectSlopes::Zero();  ///< at right angles to it
 };
 
 /// A mass on a body, on the way from its joint through its centre of mass.
@@ -159,6 +165,8 @@ struct ArmEffect {
   PointMass (*mass)(const EffectParameters& p) = nullptr;
   /// Added to the joint's parent_position [m]; its derivative is the identity.
   Eigen::Vector3d (*joint_shift)(const EffectParameters& p) = nullptr;
+  /// Of a hinge. At position 0 the child stays where it is.
+  AxisTerm (*hinge_axis)(const EffectParameters& p, const Eigen::Vector3d& axis) = nullptr;
   JointTerm (*joint_torque)(const EffectParameters& p, JointType type, const JointPosition& position) = nullptr;
   /// Rotation vector from the body's bones to its markers, in the body's frame [rad]; its derivative is the identity.
   Eigen::Vector3d (*marker_turn)(const EffectParameters& p) = nullptr;
@@ -213,9 +221,9 @@ std::string checkExtension(Extension& extension, const ArmModel& model);
 /// An extension with given parameters, in the effect's order; sd unknown.
 Extension makeExtension(const ArmEffect& effect, const std::string& target, const EffectParameters& p);
 
-/// Works what effects do to gravity, masses, joint centres, rest lengths and ways over surfaces into the model itself;
-/// a payload becomes the last part of its body, a wrap the last surface of the one below its joint. What muscles,
-/// joints and markers do stays to the simulation.
+/// Works what effects do to gravity, masses, joint centres and axes, rest lengths and ways over surfaces into the model
+/// itself; a payload becomes the last part of its body, a wrap the last surface of the one below its joint. What
+/// muscles, joints and markers do stays to the simulation.
 void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model);
 
 /// The line with that index: muscles, then tendons.

@@ -11,7 +11,7 @@ constexpr Range kRange{-1.0, 1.0, false, "a number in [-1, 1]"};
 constexpr ArmEffectParameter kParameters[] = {{"about_x", "rad", kRange, 0.0, 0.2},
                                               {"about_y", "rad", kRange, 0.0, 0.2}};
 constexpr EffectParameters kStarts[] = {{0.0, 0.0}};
-constexpr std::string_view kLookAlikes[] = {"marker-frame-offset", "payload"};
+constexpr std::string_view kLookAlikes[] = {"marker-frame-offset", "payload", "joint-axis"};
 
 GravityTerm tilted(const EffectParameters& p, const Eigen::Vector3d& g) {
   const Eigen::Vector3d w(p[0], p[1], 0.0);

@@ -9,7 +9,7 @@ constexpr ArmEffectParameter kParameters[] = {{"x", "m", kRange, 0.0, 0.04, true
                                               {"y", "m", kRange, 0.0, 0.04, true, ArmSize::kLength},
                                               {"z", "m", kRange, 0.0, 0.04, true, ArmSize::kLength}};
 constexpr EffectParameters kStarts[] = {{0.0, 0.0, 0.0}};
-constexpr std::string_view kLookAlikes[] = {"muscle-wrap"};
+constexpr std::string_view kLookAlikes[] = {"muscle-wrap", "joint-axis"};
 
 Eigen::Vector3d shift(const EffectParameters& p) { return {p[0], p[1], p[2]}; }
 

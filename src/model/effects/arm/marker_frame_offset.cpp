@@ -9,7 +9,7 @@ constexpr Range kRange{-1.5, 1.5, false, "a number in [-1.5, 1.5]"};
 constexpr ArmEffectParameter kParameters[] = {
     {"about_x", "rad", kRange, 0.0, 0.2}, {"about_y", "rad", kRange, 0.0, 0.2}, {"about_z", "rad", kRange, 0.0, 0.2}};
 constexpr EffectParameters kStarts[] = {{0.0, 0.0, 0.0}};
-constexpr std::string_view kLookAlikes[] = {"gravity-tilt"};
+constexpr std::string_view kLookAlikes[] = {"gravity-tilt", "joint-axis"};
 
 Eigen::Vector3d turn(const EffectParameters& p) { return {p[0], p[1], p[2]}; }
 
