@@ -106,10 +106,11 @@ std::vector<Fold> foldsOf(const std::vector<Block>& heldout, const std::vector<i
 }
 
 /// Errors of a model that has seen nothing of the session.
-VectorXd residualWithout(const LogSearch& search, const Fitted& fitted, const std::vector<int>& session, int own) {
+VectorXd residualWithout(const LogSearch& search, const Fitted& fitted, const RowEvaluation& at,
+                         const std::vector<int>& session, int own) {
   std::vector<Block> others = search.training();
   std::erase_if(others, [&](const Block& b) { return session[b.begin] == own; });
-  return others.empty() ? residualOf(fitted) : refittedResidual(fitted, others);
+  return others.empty() ? at.residual : search.refittedResidual(fitted, others, at);
 }
 
 }  // namespace
@@ -121,9 +122,11 @@ std::vector<VectorXd> heldOutResiduals(const LogSearch& search, const std::vecto
   const Index rows = search.data().rows.rows();
   std::vector<VectorXd> unseen(models.size(), VectorXd::Zero(rows));
   tbb::parallel_for(std::size_t{0}, models.size(), [&](std::size_t m) {
-    const VectorXd fit = by_session ? VectorXd() : residualOf(models[m]);
+    const Fitted& fitted = models[m];
+    const RowEvaluation at = by_session ? RowEvaluation(*fitted.model, fitted.theta) : RowEvaluation();
+    const VectorXd fit = by_session ? VectorXd() : residualOf(fitted);
     for (const Fold& fold : folds) {
-      const VectorXd own = by_session ? residualWithout(search, models[m], session, fold.session) : VectorXd();
+      const VectorXd own = by_session ? residualWithout(search, fitted, at, session, fold.session) : VectorXd();
       const VectorXd& residual = by_session ? own : fit;
       for (const Block& b : fold.blocks) {
         const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());

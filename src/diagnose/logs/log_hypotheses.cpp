@@ -209,10 +209,11 @@ Fitted LogSearch::fitFrom(const std::vector<const ActuatorEffect*>& effects, std
   return fitFromStarts(model, starts);
 }
 
-Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks, int most_steps,
-                                 const RowEvaluation* at) {
-  const RowFit fit =
-      fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = most_steps, .tolerance = 1e-5}, at);
+Eigen::VectorXd LogSearch::refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks,
+                                            const RowEvaluation& at) const {
+  // Without a part of many rows the minimum is hardly elsewhere: one step leads there.
+  const int most = few_ ? 1 : 3;
+  const RowFit fit = fitRows(*fitted.model, blocks, fitted.theta, {.max_iterations = most, .tolerance = 1e-5}, &at);
   return residualOf(fitted, fit.theta);
 }
 
@@ -223,8 +224,7 @@ void LogSearch::validate(Fitted& fitted, const RowEvaluation& at) const {
     for (int g = 0; g < kFolds; ++g) {
       if (g != f) others.insert(others.end(), folds_[g].begin(), folds_[g].end());
     }
-    // Without a fold of many rows the minimum is hardly elsewhere: one step leads there.
-    const Eigen::VectorXd residual = refittedResidual(fitted, others, few_ ? 1 : kFewSteps, &at);
+    const Eigen::VectorXd residual = refittedResidual(fitted, others, at);
     for (const Block& b : folds_[f]) {
       const auto begin = static_cast<Index>(b.begin), size = static_cast<Index>(b.size());
       fitted.unseen.segment(begin, size) = residual.segment(begin, size);

@@ -44,11 +44,6 @@ double rowsIn(const std::vector<Block>& blocks, const std::vector<bool>& keep);
 Eigen::VectorXd residualOf(const Fitted& fitted);
 /// The same at another place. \param theta  shape (P)
 Eigen::VectorXd residualOf(const Fitted& fitted, std::span<const double> theta);
-/// The same refitted to other blocks, by a few steps from where it is.
-inline constexpr int kFewSteps = 3;
-/// \param at  the model where it is; null: not known
-Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks, int most_steps = kFewSteps,
-                                 const RowEvaluation* at = nullptr);
 
 /// One hypothesis on top of a model.
 struct Trial {
@@ -86,6 +81,10 @@ class LogSearch {
   /// The same from the values of a model file.
   Fitted fitFrom(const std::vector<const ActuatorEffect*>& effects, std::span<const Estimate> values) const;
   void validate(Fitted& fitted) const { validate(fitted, {*fitted.model, fitted.theta}); }
+
+  /// Errors of the model refitted to other blocks, by a few steps from where it is. \param at  the model there
+  Eigen::VectorXd refittedResidual(const Fitted& fitted, const std::vector<Block>& blocks,
+                                   const RowEvaluation& at) const;
 
   /// Every hypothesis on top of `base` (validated first where it is not), in their order; on the threads of all ranks.
   /// \param near  another model where a search may begin, too: without one of its causes the others may have left
