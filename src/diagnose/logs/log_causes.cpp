@@ -1,7 +1,10 @@
 #include "log_causes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "diagnose/verdict.h"
 #include "simgap/core/statistics.h"
@@ -53,27 +56,35 @@ std::pair<LogFit, Eigen::MatrixXd> describeFully(const LogSearch& search, const 
   return {fit, covariance};
 }
 
-std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
-                                   double effective_samples) {
-  std::vector<Detectable> list;
+void addDetectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
+                   double effective_samples, Diagnosis& d) {
   const double factor = detectionFactor(least_gain, effective_samples);
+  std::set<std::string_view> known;
   for (const Trial& trial : trials) {
-    const std::string_view name_of_cause = trial.hypothesis.effect->name;
-    const bool known = std::ranges::find(list, name_of_cause, &Detectable::effect) != list.end();
-    if (known || !trial.identifiable || trial.fitted.theta.empty()) continue;
+    if (!trial.identifiable || trial.fitted.theta.empty()) continue;
     const ActuatorRegression& model = *trial.fitted.model;
-    const Eigen::MatrixXd covariance =
-        blockCovariance(model, search.pieces(search.training()), RowEvaluation(model, trial.fitted.theta));
-    const std::vector<Estimate> all = model.physical(trial.fitted.theta, covariance);
     const std::size_t e = model.effects().size() - 1;
     const ActuatorEffect& effect = *model.effects()[e];
+    if (known.contains(effect.name)) continue;
+    const RowEvaluation at(model, trial.fitted.theta);
+    const Eigen::MatrixXd covariance = blockCovariance(model, search.pieces(search.training()), at);
     const std::size_t first = effect.columns.empty() ? model.firstParameter(e) : model.firstColumn(e);
-    const Estimate& p = all[first];
+    const Estimate p = model.physical(trial.fitted.theta, covariance)[first];
     if (!(p.sd > 0.0)) continue;
+    known.insert(effect.name);
     const std::string name = p.name.substr(p.name.find('.') + 1);
-    list.push_back({std::string(effect.name), {}, name, p.unit, factor * p.sd});
+    const auto k = static_cast<Eigen::Index>(first);
+    // Of the effort, root mean squares over all rows.
+    const double change = factor * std::sqrt(covariance(k, k)) * at.jacobian.col(k).norm(),
+                 whole = search.data().rows.effort.matrix().norm();
+    if (change > whole) {
+      d.not_testable.push_back({std::string(effect.name), fmt::format("this log would show a {} of {:.2g} {} and more, "
+                                                                      "which is more than the effort itself",
+                                                                      name, factor * p.sd, p.unit)});
+    } else {
+      d.detectable.push_back({std::string(effect.name), {}, name, p.unit, factor * p.sd});
+    }
   }
-  return list;
 }
 
 std::vector<Cause> causesOf(const Selection& selection, const std::vector<GroupErrors>& heldout, const LogFit& baseline,

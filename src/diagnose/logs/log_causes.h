@@ -18,8 +18,9 @@ std::vector<Cause> causesOf(const Selection& selection, const std::vector<GroupE
                             const LogFit& extended, std::size_t own, std::uint64_t seed);
 
 /// The smallest magnitude that would have been found: large enough against its own uncertainty (a z of 3 for the number
-/// of hypotheses, 1.6 for 95 % power), and against the least gain.
-std::vector<Detectable> detectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
-                                   double effective_samples);
+/// of hypotheses, 1.6 for 95 % power), and against the least gain. A cause that would have to change more than the
+/// effort itself is not testable.
+void addDetectable(const LogSearch& search, const std::vector<Trial>& trials, double least_gain,
+                   double effective_samples, Diagnosis& d);
 
 }  // namespace simgap

@@ -237,7 +237,7 @@ LogDiagnosis diagnoseLog(const ActuatorModel& subject, PreparedLog& log, const L
   addLikely(selection, d);
   const double correlation =
       measureLeft(selection, log, residualOf(before), residualOf(after), found.left, options.seed, d);
-  d.detectable = detectable(search, selection.last, options.least_gain, d.effective_samples);
+  addDetectable(search, selection.last, options.least_gain, d.effective_samples, d);
   if (options.self_tests > 0) {
     d.self_test = runSelfTest(subject, log, after, named, unnamed, d.detectable, d.effective_samples, options,
                               split.training, progress);

@@ -60,8 +60,7 @@ void addTransmission(const ActuatorModel& subject, const PreparedLog& log, const
   Fitted before = selection.baseline, after = selection.chosen;
   const LogFit rigid = describe(search, angles, before), elastic = describe(search, angles, after);
   const double samples = static_cast<double>(d.samples) / correlationTime(residualOf(after), log.data.rows.session);
-  for (const Detectable& least : detectable(search, selection.last, options.least_gain, samples))
-    d.detectable.push_back(least);
+  addDetectable(search, selection.last, options.least_gain, samples, d);
   for (HypothesisRecord record : selection.records) d.hypotheses.push_back(std::move(record));
   std::vector<GroupErrors> heldout;
   for (const Eigen::VectorXd& unseen :

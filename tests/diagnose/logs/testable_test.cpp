@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "diagnose/logs/held_out.h"
+#include "diagnose/logs/log_causes.h"
 #include "prepared_logs.h"
 
 namespace simgap::test {
@@ -84,6 +86,24 @@ TEST(Testable, AGearboxHasItsOwnWordsForSome) {
   EXPECT_TRUE(appliesTo(actuator_effects::find("presliding-hysteresis"), ActuatorKind::kGearbox));
   EXPECT_FALSE(appliesTo(actuator_effects::find("backdrive-asymmetry"), ActuatorKind::kGearbox));
   EXPECT_FALSE(appliesTo(actuator_effects::find("load-dependent-efficiency"), ActuatorKind::kFriction));
+}
+
+// Ageing of which a drive of 3 N m showed 33 N m and more was listed as what would have been found.
+TEST(Testable, ACauseThatWouldHaveToExceedTheEffortIsNot) {
+  const PreparedLog log = preparedLog(smallRig(3000));
+  const LogDiagnosisOptions options;
+  const LogSearch search(friction::find("classic"), log.data, splitLog(log, options).training, options);
+  const std::vector<Trial> trials =
+      search.tryAll(search.fit({}, nullptr), {{&actuator_effects::find("coulomb-offset"), {}, {}}});
+  Diagnosis usual, blind;
+  addDetectable(search, trials, options.least_gain, 1000.0, usual);
+  EXPECT_TRUE(usual.not_testable.empty());
+  ASSERT_EQ(usual.detectable.size(), 1u);
+  EXPECT_EQ(usual.detectable[0].effect, "coulomb-offset");
+  addDetectable(search, trials, options.least_gain, 1e12, blind);  // of which a hundredth is no small part
+  EXPECT_TRUE(blind.detectable.empty());
+  ASSERT_EQ(blind.not_testable.size(), 1u);
+  EXPECT_TRUE(blind.not_testable[0].reason.ends_with("more than the effort itself")) << blind.not_testable[0].reason;
 }
 
 }  // namespace
