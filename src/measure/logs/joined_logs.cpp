@@ -15,18 +15,29 @@ namespace {
 
 constexpr std::string_view kSession = "session";
 
+/// A log without the column, or where it has gaps; the end where there is none.
+auto lacking(std::span<const LogTable> logs, const std::string& column) {
+  return std::ranges::find_if(logs, [&](const LogTable& log) { return !isWhole(log.table, column); });
+}
+
+/// A temperature that one log has and another has not would be lost without a word.
+void requireSameChannels(std::span<const LogTable> logs) {
+  for (const LogTable& log : logs) {
+    for (const std::string& column : log.table.columns()) {
+      if (column == kSession || !isLogChannel(column)) continue;
+      const auto without = lacking(logs, column);
+      if (without == logs.end()) continue;
+      throw DataError(fmt::format("{}: found no whole column {}, which {} has; expected the same channels in every log",
+                                  without->table.name(), column, log.table.name()));
+    }
+  }
+}
+
 /// The columns that every log has, without gaps where they are numbers; `session` is written anew.
 std::vector<std::string> sharedColumns(std::span<const LogTable> logs) {
   std::vector<std::string> shared;
   for (const std::string& column : logs[0].table.columns()) {
-    if (column == kSession) continue;
-    const auto lacking = std::ranges::find_if(logs, [&](const LogTable& log) { return !isWhole(log.table, column); });
-    if (lacking == logs.end()) {
-      shared.push_back(column);
-    } else if (isLogChannel(column)) {
-      throw DataError(fmt::format("{}: found no whole column {}, which {} has; expected the same channels in every log",
-                                  lacking->table.name(), column, logs[0].table.name()));
-    }
+    if (column != kSession && lacking(logs, column) == logs.end()) shared.push_back(column);
   }
   return shared;
 }
@@ -55,6 +66,7 @@ void appendRows(const CsvTable& table, std::size_t number, const std::vector<std
 
 LogTable joinedLogs(std::vector<LogTable> logs) {
   if (logs.size() == 1) return std::move(logs[0]);
+  requireSameChannels(logs);
   const std::vector<std::string> columns = sharedColumns(logs);
   std::vector<std::string> header = columns, names;
   header.emplace_back(kSession);

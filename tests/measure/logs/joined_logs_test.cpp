@@ -45,6 +45,12 @@ TEST(JoinedLogs, AChannelThatOneLacksIsRefused) {
                           logOf("time_s,current_A\n0,1\n1,1\n", "b.csv")});
             }),
             "3: b.csv: found no whole column voltage_V, which a.csv has; expected the same channels in every log");
+  EXPECT_EQ(
+      errorOf([] {
+        joinedLogs({logOf("time_s,current_A\n0,1\n1,1\n", "a.csv"),
+                    logOf("time_s,current_A,temperature_degC\n0,1,20\n1,1,21\n", "b.csv")});
+      }),
+      "3: a.csv: found no whole column temperature_degC, which b.csv has; expected the same channels in every log");
 }
 
 }  // namespace
