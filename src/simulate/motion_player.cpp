@@ -11,6 +11,7 @@
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
 #include "simgap/core/position_bytes.h"
+#include "simgap/core/statistics.h"
 #include "simgap/measure/motion_restart.h"
 #include "simgap/model/arm/arm_effect.h"
 #include "simgap/simulate/equilibrium_arm.h"
@@ -41,6 +42,24 @@ Moments momentsOf(const RecordedMotion& motion, double capture_delay, double unt
     if (!is_row) ++frame;
   }
   return moments;
+}
+
+/// No winding carries more than its stalled motor draws of the supply, and a reversal from full speed twice that.
+void refuseImpossibleCurrents(const ArmModel& model, const RecordedMotion& motion) {
+  constexpr double kMost = 3.0;     // times the stalled motor's
+  constexpr double kLargest = 0.1;  // of the rows: spikes are others
+  for (std::size_t m = 0; m < motion.muscles.size(); ++m) {
+    std::vector<double> sizes = motion.muscles[m].currents;
+    const Motor& motor = model.muscles[m].motor;
+    if (sizes.empty() || !(motor.resistance > 0.0) || !(motor.supply_voltage > 0.0)) continue;
+    for (double& size : sizes) size = std::abs(size);
+    const double large = quantile(std::move(sizes), 1.0 - kLargest), stalled = motor.supply_voltage / motor.resistance;
+    if (large <= kMost * stalled) continue;
+    throw DataError(
+        fmt::format("{}: current_{}_A: found {:.3g} A and more in a tenth of the rows, expected at most "
+                    "{:.3g} A, which the motor draws when it is held: are these milliamperes?",
+                    motion.muscles_file.string(), model.muscles[m].name, large, stalled));
+  }
 }
 
 }  // namespace
@@ -92,6 +111,7 @@ MotionSet readMotionsFor(const ArmModel& model, const YamlNode& root, const std:
     refuseImpossible(model, motion.commands, [&](std::size_t row, const std::string& sentence) {
       throw DataError(fmt::format("{}: at {} s: {}", motion.muscles_file.string(), motion.times()[row], sentence));
     });
+    refuseImpossibleCurrents(model, motion);
   }
   refuseMotionsOutOfReach(model, set);
   return restart > 0.0 ? restarted(set, model.poseLayout(), restart) : set;

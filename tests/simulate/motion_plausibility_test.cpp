@@ -18,14 +18,15 @@ using testing::Not;
 class MotionPlausibility : public testing::Test {
  protected:
   /// What reading a motion says whose joint swings by 1.5 rad. \param factor  of its angles  \param lost  frames that
-  /// lie far outside  \param start  of the motion in its set
-  std::string said(double factor, int lost, const std::string& start = "rest", double setpoint = 1.0) const {
-    CsvWriter muscles(
-        {"time_s", "setpoint_" + model_.muscles[0].name + "_rad", "setpoint_" + model_.muscles[1].name + "_rad"});
+  /// lie far outside  \param start  of the motion in its set  \param current  of the first muscle's motor
+  std::string said(double factor, int lost, const std::string& start = "rest", double setpoint = 1.0,
+                   double current = 0.1) const {
+    CsvWriter muscles({"time_s", "setpoint_" + model_.muscles[0].name + "_rad",
+                       "setpoint_" + model_.muscles[1].name + "_rad", "current_" + model_.muscles[0].name + "_A"});
     CsvWriter joints({"time_s", model_.joints[0].name + "_rad"});
     for (int i = 0; i < 100; ++i) {
       const double time = 0.02 * i, angle = i < lost ? 50.0 : 1.5 * std::sin(0.05 * i);
-      muscles.add(time).add(setpoint).add(1.0 + 0.01 * i).endRow();
+      muscles.add(time).add(setpoint).add(1.0 + 0.01 * i).add(i % 5 == 0 ? current : 0.0).endRow();
       joints.add(time).add(factor * angle).endRow();
     }
     const std::string set =
@@ -60,6 +61,14 @@ TEST_F(MotionPlausibility, StartsBeyondTheLimitsAreNamed) {
 
 TEST_F(MotionPlausibility, SetpointsInDegreesAreNamed) {
   EXPECT_THAT(said(1.0, 0, "rest", 300.0), AllOf(HasSubstr("300 rad winds"), HasSubstr("of line")));
+}
+
+TEST_F(MotionPlausibility, CurrentsInMilliamperesAreNamed) {
+  const Motor& motor = model_.muscles[0].motor;
+  const double stalled = motor.supply_voltage / motor.resistance;
+  EXPECT_EQ(said(1.0, 0, "rest", 1.0, 2.0 * stalled), "no error");  // as where it is reversed at full speed
+  EXPECT_THAT(said(1.0, 0, "rest", 1.0, -100.0 * stalled),
+              AllOf(HasSubstr("3: m: current_" + model_.muscles[0].name + "_A: "), HasSubstr("milliamperes?")));
 }
 
 TEST_F(MotionPlausibility, AStartFileBeyondTheLimitsIsRefused) {
