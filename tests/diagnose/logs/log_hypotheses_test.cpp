@@ -45,5 +45,23 @@ TEST(LogHypotheses, ADelayIsFoundInTheLowestOfItsValleys) {
   }
 }
 
+TEST(LogHypotheses, WhatALongLogIsSearchedWithOnFewRowsIsFittedOnAll) {
+  reality::DriveSecret secret;
+  secret.current_bias = 0.5;
+  const PreparedLog log = preparedLog(smallRig(20000), secret);
+  const LogDiagnosisOptions options;
+  const LogSearch search(friction::find("classic"), log.data, splitLog(log, options).training, options);
+  ASSERT_GT(rowsIn(search.training(), log.data.keep), 2.0 * LogSearch::kFewRows);
+  const ActuatorEffect* bias = &actuator_effects::find("current-bias");
+  const Fitted base = search.fit({}, nullptr);
+  const Trial trial = search.tryAll(base, {{bias, {}, {}}})[0];
+  EXPECT_LE(trial.fitted.mse, (1.0 + 1e-4) * search.fit({bias}, nullptr).mse);  // from every start, on all rows
+  EXPECT_GT(trial.gain_training, 0.1);
+  // What explains nothing is refused on the few.
+  const Trial other = search.tryAll(trial.fitted, {{&actuator_effects::find("bend-friction"), {}, {}}})[0];
+  EXPECT_LT(other.gain_training, 0.5 * options.least_gain);
+  EXPECT_FALSE(other.gain.has_value());
+}
+
 }  // namespace
 }  // namespace simgap::test
