@@ -165,6 +165,7 @@ class Judge {
     if (std::string slow = doubtOfSlowMotion(cause); !slow.empty()) return slow;
     if (std::string weight = doubtOfWeight(cause); !weight.empty()) return weight;
     if (std::string load = doubtOfLoad(cause); !load.empty()) return load;
+    if (std::string sign = doubtOfLoadSign(cause); !sign.empty()) return sign;
     const PlaceboTest placebos = testPlacebos(search_, full, without_[cause], effect, options_.seed);
     if (placebos.p <= kPlaceboLevel) return {};
     return fmt::format("signals of its colour that belong to no motion explain as much ({:.1f} % against {:.1f} %)",
@@ -256,11 +257,27 @@ class Judge {
 
   /// Turns of some rows can be all that a cause explains, in which no curve over the speed stands for friction.
   bool gainsInFastMotion(std::size_t cause, double below) const {
-    const auto fast = [&](Eigen::VectorXd unseen) -> Eigen::VectorXd {
-      return (log_.data.rows.speed.abs() >= below).select(unseen.array(), 0.0);
+    return gainsWhere(cause, log_.data.rows.speed.abs() >= below);
+  }
+
+  /// Whether a cause explains something of some of the held-out rows.
+  template <typename Rows>
+  bool gainsWhere(std::size_t cause, const Rows& rows) const {
+    const auto there = [&](const Eigen::VectorXd& unseen) -> Eigen::VectorXd {
+      return rows.select(unseen.array(), 0.0);
     };
-    const Eigen::VectorXd rest = fast(unseen_without_[cause]), full = fast(unseen_);
+    const Eigen::VectorXd rest = there(unseen_without_[cause]), full = there(unseen_);
     return full.squaredNorm() < rest.squaredNorm() && heldOutP(rest, full) < 0.05;
+  }
+
+  /// Why a cause of the load's sign may be the noise of a load that is about zero, which the law's k_a has in it, too.
+  std::string doubtOfLoadSign(std::size_t cause) const {
+    constexpr double kClear = 0.3;  // of the largest load
+    const double clear = kClear * log_.data.rows.top_load;
+    const bool of_sign = selection_.chosen.model->effects()[own_ + cause]->of_load_sign;
+    if (!of_sign || gainsWhere(cause, log_.data.rows.load.abs() >= clear)) return {};
+    return fmt::format("it explains nothing where the load is clear (above {:.2g} {}): below, noise decides its sign",
+                       clear, log_.data.load_unit);
   }
 
   /// Friction by the load is in most drives whose law lacks it: what is named beside it must not be next to

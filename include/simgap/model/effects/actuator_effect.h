@@ -116,11 +116,12 @@ struct ActuatorEffect {
   bool implicit = false;        ///< `apply` reads terms.effort: the effort stands on both sides of the equation
   /// A channel that it is a multiple of: where a fitted constant of the bench is one, too, they say the same.
   Eigen::ArrayXd ActuatorRows::*multiple_of = nullptr;
-  bool is_bias = false;         ///< constant from the beginning on: what begins at a moment is no rival of it
-  bool at_moment = false;       ///< from a moment on: more than a drift has to explain
-  bool of_angle = false;        ///< an effort that goes with the joint's angle alone
-  bool of_rows = false;         ///< `fill` looks at the rows and at its own parameters alone, and is worth keeping
-  bool remembers = false;       ///< it depends on the rows before: on travel, rests, another time
+  bool is_bias = false;       ///< constant from the beginning on: what begins at a moment is no rival of it
+  bool at_moment = false;     ///< from a moment on: more than a drift has to explain
+  bool of_angle = false;      ///< an effort that goes with the joint's angle alone
+  bool of_load_sign = false;  ///< it goes with the load's sign, whatever its size: of a load near zero noise decides it
+  bool of_rows = false;       ///< `fill` looks at the rows and at its own parameters alone, and is worth keeping
+  bool remembers = false;     ///< it depends on the rows before: on travel, rests, another time
   bool needs_all_rows = false;  ///< it looks at more than a row and the travel since the one before
   bool in_every_drive = false;  ///< models without it carry a little of it (kNuisance); it has one parameter
   bool on_drive = false;        ///< a gearbox's cause that any drive can have, too

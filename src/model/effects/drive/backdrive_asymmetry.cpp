@@ -31,6 +31,7 @@ const ActuatorEffect entry = {
     .separates = "lifting and lowering of several loads at several speeds",
     .parameters = kParameters,
     .needs = kNeeds,
+    .of_load_sign = true,
     .on_gearbox = false,
     .apply = apply,
 };
