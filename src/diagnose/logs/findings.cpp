@@ -15,6 +15,7 @@
 #include "log_conclusion.h"
 #include "measured_sizes.h"
 #include "placebos.h"
+#include "simgap/core/statistics.h"
 #include "slow_friction.h"
 #include "weight_friction.h"
 
@@ -260,24 +261,27 @@ class Judge {
     return gainsWhere(cause, log_.data.rows.speed.abs() >= below);
   }
 
-  /// Whether a cause explains something of some of the held-out rows.
+  /// Whether a cause explains something of some of the held-out rows. \param least  share of their squared error
   template <typename Rows>
-  bool gainsWhere(std::size_t cause, const Rows& rows) const {
+  bool gainsWhere(std::size_t cause, const Rows& rows, double least = 0.0) const {
     const auto there = [&](const Eigen::VectorXd& unseen) -> Eigen::VectorXd {
       return rows.select(unseen.array(), 0.0);
     };
     const Eigen::VectorXd rest = there(unseen_without_[cause]), full = there(unseen_);
-    return full.squaredNorm() < rest.squaredNorm() && heldOutP(rest, full) < 0.05;
+    return full.squaredNorm() < (1.0 - least) * rest.squaredNorm() && heldOutP(rest, full) < 0.05;
   }
 
   /// Why a cause of the load's sign may be the noise of a load that is about zero, which the law's k_a has in it, too.
   std::string doubtOfLoadSign(std::size_t cause) const {
-    constexpr double kClear = 0.3;  // of the largest load
-    const double clear = kClear * log_.data.rows.top_load;
-    const bool of_sign = selection_.chosen.model->effects()[own_ + cause]->of_load_sign;
-    if (!of_sign || gainsWhere(cause, log_.data.rows.load.abs() >= clear)) return {};
-    return fmt::format("it explains nothing where the load is clear (above {:.2g} {}): below, noise decides its sign",
-                       clear, log_.data.load_unit);
+    constexpr double kClear = 0.5, kLarge = 0.99;  // of the largest load, single rows aside
+    constexpr double kAsMuch = 0.3;                // of what it gains over all rows
+    if (!selection_.chosen.model->effects()[own_ + cause]->of_load_sign) return {};
+    const Eigen::ArrayXd sizes = log_.data.rows.load.abs();
+    const double clear = kClear * quantile({sizes.begin(), sizes.end()}, kLarge);
+    if (gainsWhere(cause, sizes >= clear, kAsMuch * gainOf(cause).value)) return {};
+    return fmt::format(
+        "it explains next to nothing where the load is clear (above {:.2g} {}): below, noise decides its sign", clear,
+        log_.data.load_unit);
   }
 
   /// Friction by the load is in most drives whose law lacks it: what is named beside it must not be next to

@@ -130,7 +130,8 @@ double measureLeft(const Selection& selection, const PreparedLog& log, const Eig
                    const Eigen::VectorXd& after, const std::optional<Ceiling>& known, std::uint64_t seed,
                    Diagnosis& d) {
   const double correlation = correlationTime(after, log.data.rows.session);
-  d.noise_floor = noiseFloor(log, after);
+  const double floor = noiseFloor(log, after);
+  d.noise_floor = std::min(floor, d.extended.mse_heldout);  // it is of all rows
   d.effective_samples = static_cast<double>(d.samples) / correlation;
   const std::vector<EvidenceChannel> channels = evidenceChannels(log);
   d.evidence = binEvidence(log, channels, before, after, correlation);
@@ -140,9 +141,8 @@ double measureLeft(const Selection& selection, const PreparedLog& log, const Eig
   d.explained_percent = 100.0 * explained;
   d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
   sayWhatIsLeft(selection, log, left, d);
-  if (d.unexplained.empty() && actsUnseen(log, after, d.noise_floor)) {
-    d.left_over_percent =
-        (100.0 - d.explained_percent) * (1.0 - d.noise_floor / std::max(d.extended.mse_heldout, d.noise_floor));
+  if (d.unexplained.empty() && actsUnseen(log, after, floor)) {
+    d.left_over_percent = (100.0 - d.explained_percent) * (1.0 - d.noise_floor / d.extended.mse_heldout);
     if (isMostlyConstant(log, after)) d.unexplained.push_back({"an offset", 0.01 * d.left_over_percent, ""});
   }
   d.explainable_percent = std::max(d.explainable_percent, d.explained_percent + d.left_over_percent);
