@@ -142,7 +142,7 @@ double measureLeft(const Selection& selection, const PreparedLog& log, const Eig
   d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
   sayWhatIsLeft(selection, log, left, d);
   if (d.unexplained.empty() && actsUnseen(log, after, floor)) {
-    d.left_over_percent = (100.0 - d.explained_percent) * (1.0 - d.noise_floor / d.extended.mse_heldout);
+    d.left_over_percent = (100.0 - d.explained_percent) * (1.0 - floor / std::max(d.extended.mse_heldout, floor));
     if (isMostlyConstant(log, after)) d.unexplained.push_back({"an offset", 0.01 * d.left_over_percent, ""});
   }
   d.explainable_percent = std::max(d.explainable_percent, d.explained_percent + d.left_over_percent);
