@@ -63,9 +63,9 @@ void unpack(BytesReader& from, Trial& trial);
 
 class LogSearch {
  public:
-  static constexpr double kPieceSeconds = 2.0;
   /// As many are enough to search with; a fit ends on all rows.
   static constexpr std::size_t kFewRows = 5000;
+  static constexpr double kPieceSeconds = 2.0;
   /// The same of a log so short that it would be few of them [s].
   static double pieceSeconds(const ActuatorRows& rows) {
     constexpr double kPieces = 100.0;  // of the whole log at least

@@ -19,23 +19,11 @@ std::string bodyOfNoMass(const ArmModel& model) {
   return "";
 }
 
-/// Nobody misses a base that is so far from level: something else pulls, a tether or a hose.
-std::string visibleTilt(double tilt) {
-  constexpr double kSeen = 0.5;  // [rad]
-  return tilt <= kSeen ? "" : fmt::format("a base that is {:.0f} deg off level would be seen", toDegrees(tilt));
-}
-
-/// Nor markers that stand so askew on their body: exchanged columns look like that.
-std::string visibleTurn(double turn) {
-  constexpr double kSeen = 0.35;  // [rad]
-  return turn <= kSeen ? ""
-                       : fmt::format("markers that are {:.0f} deg askew on their body would be seen", toDegrees(turn));
-}
-
-/// Nor a hinge that is mounted so far aslant.
-std::string visibleAxis(double tilt) {
-  constexpr double kSeen = 0.4;  // [rad]
-  return tilt <= kSeen ? "" : fmt::format("an axis that is {:.0f} deg aslant would be seen", toDegrees(tilt));
+/// Nobody misses what is so far askew: something else looks like it. For a base that is a tether or a hose which pulls,
+/// for markers it is exchanged columns. \param most  [rad] that is not seen  \param what, how  before and behind the
+/// angle
+std::string visible(double turn, double most, const char* what, const char* how) {
+  return turn <= most ? "" : fmt::format("{} {:.0f} deg {} would be seen", what, toDegrees(turn), how);
 }
 
 /// What pushes a joint away from its rest is no skin, cable or stop; less than the model's own spring may be there.
@@ -65,9 +53,10 @@ std::string impossibleSize(const PoseFit& fit, std::size_t cause) {
     const std::string unit = parameter.unit == "1" ? "" : " " + std::string(parameter.unit);
     return fmt::format("{} = {:.3g}{} is no physical size", parameter.name, value, unit);
   }
-  if (effect.gravity != nullptr) return visibleTilt(tiltOf(extension.parameters));
-  if (effect.marker_turn != nullptr) return visibleTurn(tiltOf(extension.parameters));
-  if (effect.hinge_axis != nullptr) return visibleAxis(tiltOf(extension.parameters));
+  const double turn = tiltOf(extension.parameters);  // where its parameters are one
+  if (effect.gravity != nullptr) return visible(turn, 0.5, "a base that is", "off level");
+  if (effect.marker_turn != nullptr) return visible(turn, 0.35, "markers that are", "askew on their body");
+  if (effect.hinge_axis != nullptr) return visible(turn, 0.4, "an axis that is", "aslant");
   if (effect.joint_torque != nullptr) {
     const auto joint = std::ranges::find(model.joints, extension.target, &Joint::name);
     if (joint != model.joints.end()) return pushedAway(*joint, extension.parameters.front());
