@@ -82,6 +82,7 @@ Task makeTask(const Options& options, Session& session) {
   Task task{options, readRig(session, options.bench, options.ratio), {}, {}};
   task.log.ratio = task.bench.ratio.value_or(0.0);
   task.data.raw_sign = options.sign == "raw";
+  task.data.load_is_fitted = options.predict == "torque";
   task.data.dead_band_widths = options.dead_band;
   task.data.bandwidth = options.bandwidth;
   return task;

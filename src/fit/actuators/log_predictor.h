@@ -21,9 +21,6 @@ namespace log_predictors {
 std::span<const LogPredictor* const> all();
 }
 
-/// The direction of motion is held as it was when the model was fitted.
-FrictionDataOptions dataOptionsOf(const FittedModel& model);
-
 /// A drive's velocity, or with `inverse` its current, of a log that has a voltage or a current.
 /// \throws DataError: neither in the log.
 Prediction predictDrive(const MotorLog& log, const Motor& motor, const Gearbox& gearbox, const DriveDelays& delays,

@@ -18,6 +18,7 @@ FrictionDataOptions dataOptionsOf(const FittedModel& model) {
   for (const char* unit : {"rad_s", "m_s"}) {
     if (const auto band = parseNumber(model.setting(quantityName("dead_band", unit)))) options.dead_band = band;
   }
+  options.load_is_fitted = model.setting("predicts") == "torque";
   return options;
 }
 

@@ -10,6 +10,7 @@
 #include "simgap/core/units.h"
 #include "simgap/fit/actuators/actuator_model.h"
 #include "simgap/fit/actuators/actuator_regression.h"
+#include "simgap/fit/actuators/prediction.h"
 
 namespace simgap {
 namespace {
@@ -36,14 +37,6 @@ const ActuatorEffect kKnownGain{.name = "known-gain",
                                 .separates = "",
                                 .parameters = kGainParameter,
                                 .apply = applyGain};
-
-FrictionDataOptions optionsOf(const FittedModel& model) {
-  FrictionDataOptions options;
-  for (const char* unit : {"rad_s", "m_s"}) {
-    if (const auto band = parseNumber(model.setting(quantityName("dead_band", unit)))) options.dead_band = band;
-  }
-  return options;
-}
 
 /// L of L L^T = covariance, which may be singular. Parameters have units of any size: their scale is taken out first.
 MatrixXd factorOf(const MatrixXd& covariance) {
@@ -171,7 +164,7 @@ ChangedLog changedLog(const LogEvidence& evidence, const LogChanges& change, con
   changed.setting = settingOf(evidence, change, recorded);
   Bench& bench = changed.setting.bench;
   if (bench.ratio) *bench.ratio *= changed.setting.gear;
-  changed.log = prepareLog(table, bench, changed.setting.kind, optionsOf(model));
+  changed.log = prepareLog(table, bench, changed.setting.kind, dataOptionsOf(model));
   ActuatorRows& rows = changed.log.data.rows;
   if (changed.setting.warmer != 0.0) {
     if (rows.temperature.size() == 0) {

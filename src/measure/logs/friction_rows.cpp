@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "derived_motion.h"
+#include "load_noise.h"
 #include "row_faults.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/channel_checks.h"
@@ -170,6 +171,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
     takeEvenTimes(log, runs, bench.needsAcceleration(), data);
     putSpikesRight(log, data);
     moveLateVelocity(log, runs, data);
+    if (!options.load_is_fitted) smoothNoisyLoad(log, runs, data);
   }
   completeMotion(log, runs, options.bandwidth ? options.bandwidth : bench.bandwidth, bench.needsAcceleration(), data);
   checkLog(log, data);

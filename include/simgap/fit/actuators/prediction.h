@@ -31,6 +31,9 @@ struct PredictionOptions {
 /// Whether it is a model of `diagnose`, predicted on the rows that mean something.
 bool isDiagnosed(const FittedModel& model);
 
+/// How its log is prepared: the direction of motion is held as it was when the model was fitted.
+FrictionDataOptions dataOptionsOf(const FittedModel& model);
+
 /// As the kind of the model predicts it (src/fit/actuators/predictions), or as predictDiagnosed.
 /// \param bench  of a drive under load; the others have none
 /// \throws ConfigError: `inverse` of a diagnosed model or where it means nothing, a diagnosed gearbox, a gearbox

@@ -22,6 +22,7 @@ struct FrictionDataOptions {
   std::optional<double> dead_band;  ///< [rad/s] instead: as a model file holds it
   std::optional<double> bandwidth;  ///< [Hz] of the smoothing; default: the bench's, else as suits the channel
   double block_seconds = 20.0;      ///< length of the blocks that are held out together
+  bool load_is_fitted = false;      ///< instead of the effort: its noise bends nothing then, and it stays as measured
   bool all_rows = false;            ///< do not leave rows out, only mark them (FrictionData::keep)
 
   static constexpr double kDefaultBandwidth = 0.1;  ///< of the sampling rate: the highest that is chosen

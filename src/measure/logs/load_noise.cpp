@@ -1,0 +1,61 @@
+#include "load_noise.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "derived_motion.h"
+#include "simgap/core/statistics.h"
+#include "simgap/measure/logs/motion.h"
+
+namespace simgap {
+namespace {
+
+std::vector<double> smoothed(const ActuatorLog& log, const std::vector<double>& channel, std::span<const Block> runs,
+                             double bandwidth) {
+  std::vector<double> values = channel;  // as they were where a run is too short
+  for (const Block& run : runs) {
+    if (isTooShort(run)) continue;
+    const auto of_run = [&](const std::vector<double>& all) { return std::span(all).subspan(run.begin, run.size()); };
+    std::ranges::copy(smooth(of_run(log.time), of_run(channel), bandwidth),
+                      values.begin() + static_cast<std::ptrdiff_t>(run.begin));
+  }
+  return values;
+}
+
+double standardDeviation(const std::vector<double>& values) {
+  const Eigen::Map<const Eigen::ArrayXd> all(values.data(), std::ssize(values));
+  return std::sqrt((all - all.mean()).square().mean());
+}
+
+std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> result(a.size());
+  std::ranges::transform(a, b, result.begin(), std::minus<>());
+  return result;
+}
+
+}  // namespace
+
+void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData& data) {
+  constexpr double kBends = 1e-3;    // of the load's variance: as much is k_a off
+  constexpr double kAnswers = 0.15;  // correlation of the effort with noise that a controller, or the drive, feels
+  if (!log.has_time || log.load.empty()) return;
+  const double bandwidth = smoothingBandwidth(log.time, log.load, runs, 0.5 * samplingRate(log.time, runs));
+  std::vector<double> load = smoothed(log, log.load, runs, bandwidth);
+  const std::vector<double> noise = difference(log.load, load);
+  const double sd = robustDeviation(noise), spread = standardDeviation(load);
+  if (sd * sd <= kBends * spread * spread) return;
+  const std::vector<double> fast_effort = difference(log.effort, smoothed(log, log.effort, runs, bandwidth));
+  if (std::abs(correlation(noise, fast_effort)) > kAnswers) return;
+  log.load = std::move(load);
+  data.warnings.push_back(
+      fmt::format("{} is noisy (sd {:.2g} {} of {:.2g}): it was smoothed to {:.2g} Hz, or k_a would come out too large",
+                  log.linear ? "external_force" : "external_torque", sd, log.loadUnit(), spread, bandwidth));
+}
+
+}  // namespace simgap
