@@ -44,12 +44,14 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
 void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData& data) {
   constexpr double kBends = 1e-3;    // of the load's variance: as much is k_a off
   constexpr double kAnswers = 0.15;  // correlation of the effort with noise that a controller, or the drive, feels
+  constexpr double kNothing = 3.0;   // times what smoothing leaves of white noise: no load acts
   if (!log.has_time || log.load.empty()) return;
-  const double bandwidth = smoothingBandwidth(log.time, log.load, runs, 0.5 * samplingRate(log.time, runs));
+  const double rate = samplingRate(log.time, runs);
+  const double bandwidth = smoothingBandwidth(log.time, log.load, runs, 0.5 * rate);
   std::vector<double> load = smoothed(log, log.load, runs, bandwidth);
   const std::vector<double> noise = difference(log.load, load);
   const double sd = robustDeviation(noise), spread = standardDeviation(load);
-  if (sd * sd <= kBends * spread * spread) return;
+  if (sd * sd <= kBends * spread * spread || spread < kNothing * sd * std::sqrt(2.0 * bandwidth / rate)) return;
   const std::vector<double> fast_effort = difference(log.effort, smoothed(log, log.effort, runs, bandwidth));
   if (std::abs(correlation(noise, fast_effort)) > kAnswers) return;
   log.load = std::move(load);

@@ -19,7 +19,7 @@ using Eigen::Index;
 constexpr double kBlocks = 80.0;                              // that a log is cut into, if they are long enough
 constexpr double kShortestBlock = 4.0, kLongestBlock = 20.0;  // [s]
 constexpr double kFewestBlocks = 40.0;                        // of a log so short that blocks have to be shorter
-constexpr double kFewestRows = 50.0;                          // per block
+constexpr double kFewestRowsOfBlock = 50.0;                   // per block
 
 }  // namespace
 
@@ -45,7 +45,8 @@ PreparedLog prepared(ActuatorKind kind, const std::string& file, const std::vect
 double blockSecondsOf(const std::vector<double>& time, const std::vector<int>& session) {
   double seconds = 0.0;
   for (const Block& b : splitRows(session, session.size())) seconds += time[b.end - 1] - time[b.begin];
-  const double shortest = std::max(seconds / kFewestBlocks, kFewestRows * seconds / static_cast<double>(time.size()));
+  const double shortest =
+      std::max(seconds / kFewestBlocks, kFewestRowsOfBlock * seconds / static_cast<double>(time.size()));
   return std::clamp(seconds / kBlocks, std::min(kShortestBlock, shortest), kLongestBlock);
 }
 
