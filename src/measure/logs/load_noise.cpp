@@ -44,7 +44,7 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
 void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData& data) {
   constexpr double kBends = 1e-3;    // of the load's variance: as much is k_a off
   constexpr double kAnswers = 0.15;  // correlation of the effort with noise that a controller, or the drive, feels
-  constexpr double kNothing = 3.0;   // times what smoothing leaves of white noise: no load acts
+  constexpr double kNothing = 1.5;   // times what smoothing leaves of white noise: no load acts
   if (!log.has_time || log.load.empty()) return;
   const double rate = samplingRate(log.time, runs);
   const double bandwidth = smoothingBandwidth(log.time, log.load, runs, 0.5 * rate);

@@ -27,16 +27,27 @@ double torqueConstant(const FrictionData& data) {
   return fitFriction(friction::find("variant-a"), data, {}).value("k_a");
 }
 
-TEST(LoadNoise, DoesNotRaiseTheTorqueConstant) {
+/// Least squares raise k_a by the noise's share of the load's variance; of white noise a part within the bandwidth
+/// stays.
+TEST(LoadNoise, HardlyRaisesTheTorqueConstant) {
   const reality::FrictionTruth truth = noisySensor(kSensorNoise);
   const reality::FrictionLog log = reality::simulateFrictionLog(truth, {.rows = 20000});
-  const FrictionData data = frictionData(log);
-  EXPECT_THAT(data.warnings, Contains(HasSubstr("external_torque is noisy (sd 2")));
-  EXPECT_NEAR(torqueConstant(data), truth.torque_per_ampere, 0.01 * truth.torque_per_ampere);
   FrictionDataOptions as_measured;
   as_measured.load_is_fitted = true;
-  EXPECT_GT(torqueConstant(frictionData(log, as_measured)), 1.03 * truth.torque_per_ampere)
-      << "noise that does no harm tests nothing";
+  const double too_large = torqueConstant(frictionData(log, as_measured)) - truth.torque_per_ampere;
+  ASSERT_GT(too_large, 0.1 * truth.torque_per_ampere) << "noise that does no harm tests nothing";
+  const FrictionData data = frictionData(log);
+  EXPECT_THAT(data.warnings, Contains(HasSubstr("external_torque is noisy")));
+  EXPECT_NEAR(torqueConstant(data), truth.torque_per_ampere, 0.25 * too_large);
+}
+
+/// A sensor on which nothing acts.
+TEST(LoadNoise, AloneIsNoLoad) {
+  reality::FrictionLog log = reality::simulateFrictionLog(noisySensor(0.0), {.rows = 5000});
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0.0, kSensorNoise);
+  for (double& load : log.load) load = noise(random);
+  EXPECT_THAT(frictionData(log).warnings, Not(Contains(HasSubstr("noisy"))));
 }
 
 TEST(LoadNoise, OfAGoodSensorStays) {
