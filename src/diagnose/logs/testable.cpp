@@ -10,6 +10,8 @@
 namespace simgap {
 namespace {
 
+constexpr double kNoisyLoad = 0.01;  ///< of its variance: a copy gains by as much
+
 /// Whether one of the bench's constants that are fitted multiplies nearly that channel.
 bool isFitted(const Eigen::ArrayXd& channel, const ActuatorData& data) {
   constexpr double kAlike = 0.9;  // correlation: each may be smoothed in its own way
@@ -33,6 +35,9 @@ std::string missingFor(const ActuatorEffect& effect, const ActuatorBase& base, c
   }
   if (effect.multiple_of != nullptr && isFitted(data.rows.*effect.multiple_of, data)) {
     return "a constant of the bench that is fitted says the same";
+  }
+  if (data.load_noise > kNoisyLoad && (effect.of_angle || effect.multiple_of != nullptr)) {
+    return "the load is so noisy that a quieter copy of it would pass for this";
   }
   for (const OptionalChannel channel : effect.needs) {
     if (!data.rows.has(channel)) return fmt::format("needs {}", toString(channel));

@@ -39,6 +39,12 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return result;
 }
 
+/// What no joint does: the fast half of what the rows can show.
+std::vector<double> fastest(const ActuatorLog& log, const std::vector<double>& channel, std::span<const Block> runs,
+                            double rate) {
+  return difference(channel, smoothed(log, channel, runs, 0.25 * rate));
+}
+
 }  // namespace
 
 void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData& data) {
@@ -51,10 +57,12 @@ void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData
   std::vector<double> load = smoothed(log, log.load, runs, bandwidth);
   const std::vector<double> noise = difference(log.load, load);
   const double sd = robustDeviation(noise), spread = standardDeviation(load);
-  if (sd * sd <= kBends * spread * spread || spread < kNothing * sd * std::sqrt(2.0 * bandwidth / rate)) return;
-  const std::vector<double> fast_effort = difference(log.effort, smoothed(log, log.effort, runs, bandwidth));
-  if (std::abs(correlation(noise, fast_effort)) > kAnswers) return;
+  const double left = sd * std::sqrt(2.0 * bandwidth / rate);
+  if (sd * sd <= kBends * spread * spread || spread < kNothing * left) return;
+  if (std::abs(correlation(fastest(log, log.load, runs, rate), fastest(log, log.effort, runs, rate))) > kAnswers)
+    return;
   log.load = std::move(load);
+  data.load_noise = std::pow(left / spread, 2);
   data.warnings.push_back(
       fmt::format("{} is noisy (sd {:.2g} {} of {:.2g}): it was smoothed to {:.2g} Hz, or k_a would come out too large",
                   log.linear ? "external_force" : "external_torque", sd, log.loadUnit(), spread, bandwidth));

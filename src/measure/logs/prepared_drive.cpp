@@ -115,6 +115,7 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   data.effort_unit = friction.effort_unit;
   data.velocity_unit = friction.velocity_unit;
   data.fits_weight = friction.fits_weight;
+  data.load_noise = friction.load_noise;
   ActuatorRows& rows = data.rows;
   rows.time = friction.time;
   rows.effort = friction.effort;

@@ -52,6 +52,7 @@ struct FrictionData {
   std::string file, effort_name, effort_unit, angle_unit, velocity_unit, load_unit;
   double dead_band = 0.0;             ///< [rad/s]
   double bandwidth = 0.0;             ///< [Hz] of what was smoothed; 0 when nothing was
+  double load_noise = 0.0;            ///< share of a smoothed load's variance that is noise still
   std::vector<std::string> derived;   ///< "velocity", "acceleration"
   std::vector<ChannelSpikes> spikes;  ///< samples that stood alone, by channel
   std::size_t log_rows = 0;

@@ -34,6 +34,7 @@ struct ActuatorData {
   std::vector<ParameterSpec> rig_parameters;  ///< shape (R)
   std::optional<RigAngle> angle;  ///< scaled: the first column of `rig`, else part of `rows.load`, both at its start
   bool fits_weight = false;       ///< as FrictionData
+  double load_noise = 0.0;        ///< as FrictionData
   bool offset = false;            ///< the model has a current offset of its own
   std::string load_unit = "Nm", effort_unit = "A", velocity_unit = "rad_s";
 };
