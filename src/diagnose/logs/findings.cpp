@@ -151,6 +151,8 @@ class Judge {
     if (!beyond.empty()) return beyond;
     std::string nothing = loadThatMayBeNone(*full.model, found_.fit, effect, log_.data.rows);
     if (!nothing.empty()) return nothing;
+    std::string replaced = loadItReplaces(without_[cause], full, log_.data.rows);
+    if (!replaced.empty()) return replaced;
     const Interval gain = gainOf(cause);
     const double p = heldOutP(unseen_without_[cause], unseen_);
     if (std::string small = doubtOfGain(gain, p); !small.empty()) return small;

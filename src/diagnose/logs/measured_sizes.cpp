@@ -116,6 +116,13 @@ std::string loadThatMayBeNone(const ActuatorRegression& model, const LogFit& fit
   return {};
 }
 
+std::string loadItReplaces(const Fitted& rest, const Fitted& full, const ActuatorRows& rows) {
+  constexpr double kFarLess = 1.5;  // times
+  if (!rows.load_measured || rows.top_load == 0.0 || full.theta[0] * kFarLess > rest.theta[0]) return {};
+  return fmt::format("it takes the place of the measured load: k_a would be {:.3g} with it, and is {:.3g} without",
+                     1.0 / full.theta[0], 1.0 / rest.theta[0]);
+}
+
 bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect) {
   const std::size_t count = model.effects()[effect]->columns.size();
   if (count < 2) return false;

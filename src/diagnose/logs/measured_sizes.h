@@ -28,6 +28,10 @@ std::string beyondTheData(const ActuatorRegression& model, const Fitted& fitted,
 std::string loadThatMayBeNone(const ActuatorRegression& model, const LogFit& fit, std::size_t effect,
                               const ActuatorRows& rows);
 
+/// Why a cause stands in for a load that was measured: with it the load counts for far less. Noise of the sensor is
+/// reason enough for a quieter copy. Empty: it does not, or none was measured. \param rest  without the cause
+std::string loadItReplaces(const Fitted& rest, const Fitted& full, const ActuatorRows& rows);
+
 /// Terms that nearly cancel each other have no physical size (a sine over a small part of its period).
 bool cancels(const ActuatorRegression& model, const Fitted& fitted, std::size_t effect);
 

@@ -39,10 +39,14 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return result;
 }
 
-/// What no joint does: the fast half of what the rows can show.
-std::vector<double> fastest(const ActuatorLog& log, const std::vector<double>& channel, std::span<const Block> runs,
-                            double rate) {
-  return difference(channel, smoothed(log, channel, runs, 0.25 * rate));
+/// Correlation of the signs of what no joint does, the fast half of what rows can show: a few jerks do not decide it.
+double answer(const ActuatorLog& log, std::span<const Block> runs, double rate) {
+  const auto signs = [&](const std::vector<double>& channel) {
+    std::vector<double> fast = difference(channel, smoothed(log, channel, runs, 0.25 * rate));
+    for (double& value : fast) value = static_cast<double>(value > 0.0) - static_cast<double>(value < 0.0);
+    return fast;
+  };
+  return std::abs(correlation(signs(log.load), signs(log.effort)));
 }
 
 }  // namespace

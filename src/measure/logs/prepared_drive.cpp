@@ -45,7 +45,7 @@ double speedBandwidth(const FrictionData& friction, const ActuatorRows& rows) {
 
 /// The noise of a torque sensor on which nothing acts is no load: k_a would be whatever makes it explain a little.
 void dropNoiseOfLoad(const ActuatorLog& drive, ActuatorRows& rows, std::vector<std::string>& warnings) {
-  constexpr double kNoise = 8.0;  // standard deviations: more than the whole range of noise about nothing
+  constexpr double kNoise = 4.0;  // standard deviations: nearly the whole range of noise about nothing
   if (drive.load.empty()) return;
   const ArrayXd sizes = rows.load.abs();
   const double top = quantile({sizes.begin(), sizes.end()}, 0.995), noise = noiseLevel(spanOf(rows.load));
