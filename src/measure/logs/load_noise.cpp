@@ -63,8 +63,7 @@ void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData
   const double sd = robustDeviation(noise), spread = standardDeviation(load);
   const double left = sd * std::sqrt(2.0 * bandwidth / rate);
   if (sd * sd <= kBends * spread * spread || spread < kNothing * left) return;
-  if (std::abs(correlation(fastest(log, log.load, runs, rate), fastest(log, log.effort, runs, rate))) > kAnswers)
-    return;
+  if (answer(log, runs, rate) > kAnswers) return;
   log.load = std::move(load);
   data.load_noise = std::pow(left / spread, 2);
   data.warnings.push_back(
