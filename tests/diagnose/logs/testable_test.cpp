@@ -56,6 +56,17 @@ TEST(Testable, WhatTheLogLacks) {
   EXPECT_EQ(asked.reason("stiction-ageing"), "needs rests of 1 s and longer");
 }
 
+TEST(Testable, NoQuietCopyOfANoisyLoad) {
+  PreparedLog log = preparedLog(smallRig(1500));
+  EXPECT_TRUE(ask(subjectOf("stribeck"), log).has("inertia"));
+  log.data.load_noise = 0.05;
+  const Asked asked = ask(subjectOf("stribeck"), log);
+  for (const char* effect : {"inertia", "joint-gravity", "joint-spring"}) {
+    EXPECT_EQ(asked.reason(effect), "the load is so noisy that a quieter copy of it would pass for this") << effect;
+  }
+  EXPECT_TRUE(asked.has("bend-friction"));
+}
+
 // A pendulum's load is worked out from its weight: what no sensor reads has no sensor's offset.
 TEST(Testable, ASensorThatIsNotThereHasNoOffset) {
   PreparedLog log = preparedLog(smallRig(1500));
