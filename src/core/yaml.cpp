@@ -254,7 +254,8 @@ void YamlNode::failUnknown(std::size_t entry) const {
   std::vector<std::string> missing;
   std::vector<std::string> known;
   for (const YamlKnown& asked : value_->known) {
-    known.push_back(quantityName(asked.stem, asked.unit));
+    const std::string name = quantityName(asked.stem, asked.unit);
+    if (std::ranges::find(known, name) == known.end()) known.push_back(name);
     if (value_->holds(asked)) continue;
     const auto mistake = findUnitMistake({&key, 1}, asked.stem, asked.unit);
     if (mistake) failAtEntry(entry, mistake->sentence);

@@ -209,6 +209,7 @@ TEST(YamlExpectAllRead, SuggestsTheNearestKeyOrListsTheKnownOnes) {
     const YamlNode muscle = root.at("muscles").items()[0];
     muscle.at("name");
     muscle.find("path");
+    muscle.find("path");  // listed once
     muscle.findQuantity("spindle_radius", "m");
     muscle.expectAllRead();
   };
