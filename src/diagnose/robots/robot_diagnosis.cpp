@@ -180,8 +180,8 @@ class RobotDiagnoser {
   }
 
   /// Friction of a delayed joint meets the motion of another moment. Where that one was a turn the sign of friction is
-  /// as unknown as beside the turn itself: 35 ms came out as 30 with these rows. They stay out before and after.
-  /// \return whether there are any
+  /// as unknown as beside the turn itself: 35 ms came out as 30 with these rows. Beside every turn of that joint they
+  /// stay out, too: a joint that sticks while it turns passes for a late effort. \return whether there are any
   bool leaveOutTurnsOfDelays(const RobotSearch& search, const RobotSelection& selection) {
     const RobotRows& rows = search.rows();
     const RobotSearch::Fit fit = search.fit(selection.set, kRobotFolds);
@@ -191,9 +191,14 @@ class RobotDiagnoser {
       for (std::size_t c = 0; h.later && c < rows.joints(); ++c) {
         if (rows.jointName(c) != h.target) continue;
         std::vector<bool>& moves = log_.joints[c].moves;
+        const Eigen::ArrayXd& direction = rows.drive(c).direction;
         Eigen::ArrayXd moved(std::ssize(moves));
         for (Index i = 0; i < moved.size(); ++i) moved[i] = moves[static_cast<std::size_t>(i)];
         moved = rows.shifted(moved, h.later(fit.theta[k]));
+        const double beside = 0.5 / log_.joints[c].bandwidth;
+        for (const double later : {beside, -beside}) {
+          moved = (rows.shifted(direction, later) == direction).select(moved, 0.0);
+        }
         for (std::size_t i = 0; i < moves.size(); ++i) {
           any = any || (moves[i] && moved[static_cast<Index>(i)] < 1.0);
           moves[i] = moves[i] && moved[static_cast<Index>(i)] == 1.0;

@@ -108,12 +108,18 @@ struct BuildUp {
   double explains(std::size_t turn) const { return size * (2.0 * turns[turn].product - size * turns[turn].squares); }
 };
 
-/// The square of a mean over its variance.
-double squaredClearness(const std::vector<double>& values) {
-  const Eigen::Map<const Eigen::ArrayXd> all(values.data(), static_cast<Eigen::Index>(values.size()));
-  const double scatter = (all - all.mean()).square().sum();
-  return scatter > 0.0 ? std::pow(all.sum(), 2) / scatter : 0.0;
-}
+/// What the first explains more than the second: of all turns, and that over its deviation from turn to turn.
+struct Advantage {
+  double gain = 0.0, clearness = 0.0;
+
+  Advantage(const BuildUp& first, const BuildUp& second) {
+    Eigen::ArrayXd gains(std::ssize(first.turns));
+    for (std::size_t k = 0; k < first.turns.size(); ++k) gains[k] = first.explains(k) - second.explains(k);
+    gain = gains.sum();
+    const double scatter = (gains - gains.mean()).square().sum();
+    if (scatter > 0.0) clearness = gain / std::sqrt(scatter);
+  }
+};
 
 }  // namespace
 
@@ -156,25 +162,26 @@ double travelOfFriction(const TurningJoint& joint, std::span<const std::size_t> 
   constexpr double kClear = 4.0;                                     // deviations of a gain, from turn to turn
   constexpr double kBuiltUp = 4.6;                                   // ln 100: of the way a hundredth is left
   constexpr double kFinest = 1e5, kFewestScales = 3.0, kStep = 1.3;  // x_s: parts of the usual travel after a turn
+  constexpr double kHarmful = 20.0;                                  // likewise: it passes for a delay or for drag
+  if (turns.empty()) return 0.0;
   const std::vector<AroundTurn> around = rowsAroundTurns(joint, turns, runs, sign, seconds);
-  if (around.size() < kFewestTurns) return 0.0;
+  if (around.size() < kFewestTurns) return kUntold;
   std::vector<double> travels;
   for (const AroundTurn& turn : around) travels.push_back(turn.travel.maxCoeff());
   const double far = upperMedian(std::move(travels));
   if (!(far > 0.0)) return 0.0;  // the position goes the other way
   const BuildUp at_once(around, 0.0);
+  const bool told = Advantage(at_once, BuildUp(around, far / kHarmful)).clearness > kClear;
   double best = 0.0, most = 0.0;
   for (double scale = far / kFinest; scale <= far / kFewestScales; scale *= kStep) {
     const BuildUp built(around, scale);
     if (built.size <= 0.0) continue;  // friction that falls builds up nothing
-    std::vector<double> gains(around.size());
-    for (std::size_t k = 0; k < gains.size(); ++k) gains[k] = built.explains(k) - at_once.explains(k);
-    const double gain = std::accumulate(gains.begin(), gains.end(), 0.0);
-    if (gain <= most || squaredClearness(gains) < kClear * kClear) continue;
-    most = gain;
+    const Advantage over(built, at_once);
+    if (over.gain <= most || (told && over.clearness < kClear)) continue;
+    most = over.gain;
     best = scale;
   }
-  return kBuiltUp * best;
+  return told ? kBuiltUp * best : std::max(kUntold, kBuiltUp * best);
 }
 
 void leaveOutFirstTravel(std::span<const double> position, std::span<const double> velocity,

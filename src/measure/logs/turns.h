@@ -24,10 +24,14 @@ struct TurningJoint {
   std::span<const double> time, position, effort;
 };
 
+/// [rad] Less than that of any row: says only that turns do not tell what friction does there.
+inline constexpr double kUntold = 1e-9;
+
 /// Travel after a turn [rad] over which friction builds up: around every turn the effort is a polynomial of time, which
 /// the load is for so short a while, and from the turn on A (1 - exp(-x / x_s)) in the new direction more, of travel x
 /// since the turn (Dahl 1968), with one A and one x_s for all turns. 0 where friction that is there at once explains
-/// the turns as well. \param seconds  before and after a turn
+/// the turns clearly better than such that takes long; where nothing is clear the likeliest travel, kUntold at least.
+/// \param seconds  before and after a turn
 double travelOfFriction(const TurningJoint& joint, std::span<const std::size_t> turns, std::span<const Block> runs,
                         const MotionSign& sign, double seconds);
 

@@ -22,7 +22,8 @@ struct TurningLog {
 };
 
 /// \param builds_up  [rad] x_s of Dahl's friction, dz/dx = (1 - z sgn v) / x_s; 0: kinetic at once
-TurningLog recordTurns(double builds_up) {
+/// \param noise  [N m]
+TurningLog recordTurns(double builds_up, double noise = 0.02) {
   constexpr int kRows = 12000, kSteps = 20;
   constexpr double kStep = 0.005;
   std::mt19937_64 random(5);
@@ -36,7 +37,7 @@ TurningLog recordTurns(double builds_up) {
     log.position.push_back(positionAt(t));
     log.velocity.push_back(v);
     const double friction = builds_up > 0.0 ? z : std::copysign(1.0, v);
-    log.effort.push_back(friction + 3.0 * std::sin(positionAt(t)) + 0.02 * normal(random));
+    log.effort.push_back(friction + 3.0 * std::sin(positionAt(t)) + noise * normal(random));
     for (int k = 0; k < kSteps; ++k) {
       const double dx = positionAt(t + kStep * (k + 1) / kSteps) - positionAt(t + kStep * k / kSteps);
       if (builds_up > 0.0)
@@ -55,6 +56,22 @@ TEST(Turns, TravelIsThatOfDahl) {
 }
 
 TEST(Turns, KineticFrictionNeedsNoTravel) { EXPECT_LT(recordTurns(0.0).travel(), 1e-4); }
+
+// Taken for friction that is there at once it passed for a late effort.
+TEST(Turns, NoiseThatHidesTheTravelDoesNotSayThatThereIsNone) {
+  EXPECT_GE(recordTurns(2e-3, 3.0).travel(), kUntold);
+  EXPECT_GE(recordTurns(0.0, 3.0).travel(), kUntold);
+}
+
+// Six turns are the fewest that tell.
+TEST(Turns, FewDoNotSayThatThereIsNoTravel) {
+  TurningLog log = recordTurns(0.0);
+  const std::vector<std::size_t> turns = turnsOf(log.sign.direction, log.runs);
+  log.runs = {{0, turns[4]}};
+  EXPECT_EQ(log.travel(), kUntold);
+  log.runs = {{turns[4], turns[5]}};
+  EXPECT_EQ(log.travel(), 0.0) << "where nothing turns, turns do no harm";
+}
 
 TEST(Turns, BlurredRowsBesideThemAreLeftOut) {
   TurningLog log = recordTurns(0.0);
