@@ -192,15 +192,19 @@ double leftBeyondKnown(const RobotUnseen& unseen) {
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
   const std::vector<bool> every(search.ground().training.size(), true);
-  double left = 0.0, before = 1e-300;
-  for (std::size_t c = 0; c < search.rows().joints(); ++c) {
+  constexpr double kCounts = 0.2;  // of all joints' excess: that of a joint which has to be explained itself, too
+  const Index joints = std::ssize(floors) - 1;
+  ArrayXd left = ArrayXd::Zero(joints), before = ArrayXd::Constant(joints, 1e-300);
+  for (Index j = 0; j < joints; ++j) {
+    const auto c = static_cast<std::size_t>(j);
     const double known = knownError(search, floors[c], c);
     const GroupErrors plain = groupErrors(unseen.plain, search.counted(), every, {c});
     const GroupErrors with = groupErrors(unseen.with, search.counted(), every, {c});
-    if (plain.mse() > known) before += plain.sum.sum() - known * plain.rows.sum();
-    if (with.mse() > kBeyondKnown * known) left += with.sum.sum() - kBeyondKnown * known * with.rows.sum();
+    if (plain.mse() > known) before[j] += plain.sum.sum() - known * plain.rows.sum();
+    if (with.mse() > kBeyondKnown * known) left[j] += with.sum.sum() - kBeyondKnown * known * with.rows.sum();
   }
-  return left / before;
+  const ArrayXd shares = (before > kCounts * before.sum()).select(left / before, 0.0);
+  return std::max(left.sum() / before.sum(), shares.maxCoeff());
 }
 
 double knownError(const RobotSearch& search, double floor, std::size_t joint) {

@@ -167,12 +167,14 @@ class RobotJudge {
     return {};
   }
 
-  void refusePair(std::size_t cause) {
+  /// One that came back says once, and last, why it went.
+  void refuse(std::size_t cause, std::string why) {
     const RobotHypothesis& h = search_.hypothesis(selection_.set[cause]);
-    found_.candidates.push_back(
-        {h.cause, h.target, "with another delay of this joint: two may stand for a third", gainOf(cause).gain});
+    std::erase_if(found_.candidates, [&](const Candidate& c) { return c.effect == h.cause && c.target == h.target; });
+    found_.candidates.push_back({h.cause, h.target, std::move(why), gainOf(cause).gain});
     selector_.drop(cause, selection_);
   }
+  void refusePair(std::size_t cause) { refuse(cause, "with another delay of this joint: two may stand for a third"); }
 
   /// Two delays of one joint, which may stand for a third: a late position is an early effort of a late joint.
   bool takeOutPair() {
@@ -197,12 +199,10 @@ class RobotJudge {
   bool takeOut() {
     std::optional<RobotUnseen> unseen;
     for (std::size_t k = selection_.set.size(); k-- > 0;) {
-      const std::string why = reason(k, unseen);
+      std::string why = reason(k, unseen);
       if (why.empty()) continue;
-      const RobotHypothesis& h = search_.hypothesis(selection_.set[k]);
-      found_.candidates.push_back({h.cause, h.target, why, gainOf(k).gain});
       const bool measured = unmeasured(search_, selection_.set, k).empty();
-      selector_.drop(k, selection_);
+      refuse(k, std::move(why));
       // It may have been in another's place. Of what held-out blocks refused nothing is chosen anew: they only measure.
       if (!measured) selector_.grow(selection_, {});
       return true;

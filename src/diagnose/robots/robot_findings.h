@@ -41,8 +41,9 @@ RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set);
 RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
 /// Times the squared error that was left of a joint when the robot was found: more than other motions leave.
 inline constexpr double kBeyondKnown = 2.0;
-/// What is left beside the causes beyond that, of what the model without causes has beyond its known errors, of all
-/// joints; 0 where nobody has written down what was left.
+/// What is left beside the causes beyond that, of what the model without causes has beyond its known errors: of all
+/// joints, or of the worst of those that have much of it. What acts at one joint shakes others, whose causes would be
+/// named. 0 where nobody has written down what was left.
 double leftBeyondKnown(const RobotUnseen& unseen);
 
 /// Takes causes out of the selection that are no findings.
