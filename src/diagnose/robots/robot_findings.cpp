@@ -23,6 +23,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Why a delay of a joint may be none: bristles of which no log says how far they bend are late, too.
+std::string bristlesInstead(const RobotSearch& search, const RobotHypothesis& hypothesis) {
+  if (!hypothesis.isDelay()) return {};
+  const std::vector<RobotJointLog>& joints = search.rows().log().joints;
+  const auto joint = std::ranges::find(joints, hypothesis.target, &RobotJointLog::name);
+  if (joint == joints.end() || joint->presliding == 0.0 || joint->presliding > kUntold) return {};
+  return "no log tells over what travel this joint's friction builds up, which is late as well";
+}
+
 /// Rows of training blocks that count for a joint.
 std::vector<Index> trainingRows(const RobotSearch& search, std::size_t joint) {
   std::vector<Index> counted;
@@ -139,6 +148,7 @@ class RobotJudge {
   std::string reason(std::size_t cause, std::optional<RobotUnseen>& unseen) const {
     const RobotSearch::Set& set = selection_.set;
     if (std::string why = unmeasured(search_, set, cause); !why.empty()) return why;
+    if (std::string why = bristlesInstead(search_, search_.hypothesis(set[cause])); !why.empty()) return why;
     const auto [gain, p] = gainOf(cause);
     constexpr double kLarge = 0.25, kLargeLevel = 0.25, kLevel = 0.05;
     if (gain.value < options_.least_gain) {

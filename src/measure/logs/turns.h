@@ -8,6 +8,7 @@
 
 #include "simgap/core/blocks.h"
 #include "simgap/measure/logs/motion.h"
+#include "simgap/measure/logs/robot_log.h"
 
 namespace simgap {
 
@@ -23,9 +24,6 @@ void leaveOutTurns(std::span<const double> time, std::span<const Block> runs, do
 struct TurningJoint {
   std::span<const double> time, position, effort;
 };
-
-/// [rad] Less than that of any row: says only that turns do not tell what friction does there.
-inline constexpr double kUntold = 1e-9;
 
 /// Travel after a turn [rad] over which friction builds up: around every turn the effort is a polynomial of time, which
 /// the load is for so short a while, and from the turn on A (1 - exp(-x / x_s)) in the new direction more, of travel x

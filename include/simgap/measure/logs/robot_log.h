@@ -12,6 +12,9 @@
 
 namespace simgap {
 
+/// [rad] or [m] A presliding that is less than that of any joint: no log says what friction does after a turn.
+inline constexpr double kUntold = 1e-9;
+
 /// A joint whose channels a log has to hold; its place in a list is its number in columns such as q1_rad.
 struct LoggedJoint {
   std::string name;
