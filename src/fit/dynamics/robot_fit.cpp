@@ -70,6 +70,19 @@ std::vector<bool> thinnedBlocks(const RobotLog& log, const std::vector<bool>& us
   return some;
 }
 
+/// Speeds of curves that are tried, of the fastest of their joint, and their exponents.
+constexpr double kSlowest = 0.01, kFastest = 0.7, kSpeedStep = 2.0, kExponents[] = {1.0, 2.0};
+
+std::vector<double> topSpeeds(const RobotLog& log) {
+  std::vector<double> top;
+  for (const RobotJointLog& joint : log.joints) {
+    double speed = 1e-6;
+    for (const double v : joint.velocity) speed = std::max(speed, std::abs(v));
+    top.push_back(speed);
+  }
+  return top;
+}
+
 /// Of each joint the curve with which all columns that act on it leave least in some blocks, among speeds that it
 /// reaches.
 std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor& regressor, const BaseParameters& base,
@@ -77,16 +90,12 @@ std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor&
                                       const ExtraColumn& load) {
   std::vector<StribeckCurve> best(regressor.coordinates());
   if (!regressor.law().hasStribeck()) return best;
-  std::vector<double> lowest(best.size(), INFINITY), top;
-  for (const RobotJointLog& joint : log.joints) {
-    double speed = 1e-6;
-    for (const double v : joint.velocity) speed = std::max(speed, std::abs(v));
-    top.push_back(speed);
-  }
+  std::vector<double> lowest(best.size(), INFINITY);
+  const std::vector<double> top = topSpeeds(log);
   const std::vector<bool> some = thinnedBlocks(log, used);
   const ArmModel no_arm;
-  for (const double delta : {1.0, 2.0}) {
-    for (double share = 0.01; share < 0.7; share *= 2.0) {
+  for (const double delta : kExponents) {
+    for (double share = kSlowest; share < kFastest; share *= kSpeedStep) {
       std::vector<StribeckCurve> curves;
       for (const double speed : top) curves.push_back({share * speed, delta});
       const DynamicsSums sums = sumDynamics(log, regressor, base, curves, some, {}, load);
@@ -198,6 +207,64 @@ void widenBySmoothing(const ArmModel& arm, const RobotLog& log, const RobotFitOp
   widen(fit, of_base * of_base.transpose(), alone.cwiseAbs2(), all.size());
 }
 
+/// What the friction of joints is beside another curve, by how likely that is.
+struct OtherCurves {
+  const RobotRegressor& regressor;
+  const BaseParameters& base;
+  std::vector<double> weights;       ///< shape (N): of all curves together, the best one's 1
+  std::vector<MatrixXd> covariance;  ///< shape (N) of (K, K): sums of weight times the square of what moves
+
+  void add(std::size_t joint, double weight, const VectorXd& moved) {
+    const Eigen::Index first = regressor.frictionColumn(joint);
+    VectorXd own = VectorXd::Zero(moved.size());
+    for (Eigen::Index k = 0; k < moved.size(); ++k) {
+      const Eigen::Index term = base.columns[static_cast<std::size_t>(k)] - first;
+      if (term >= 0 && term < std::ssize(regressor.law().terms)) own[k] = moved[k];
+    }
+    weights[joint] += weight;
+    covariance[joint] += weight * own * own.transpose();
+  }
+};
+
+/// A curve is the best of a few, and beside another its joint's friction is another: those of the curves next to it
+/// count by how likely the rows are with them, exp(-n / 2 ln(variance / least variance)) of n independent rows.
+void widenByCurves(const ArmModel& arm, const RobotLog& log, const RobotRegressor& regressor,
+                   const BaseParameters& base, const std::vector<double>& constants, RobotFit& found) {
+  if (!regressor.law().hasStribeck()) return;
+  DynamicsFit& fit = found.fit;
+  const std::vector<StribeckCurve>& chosen = found.model.curves;
+  const std::vector<double> top = topSpeeds(log);
+  const std::vector<bool> some = thinnedBlocks(log, std::vector<bool>(log.blocks.size(), true));
+  const auto solveWith = [&](const std::vector<StribeckCurve>& curves) {
+    const DynamicsSums sums = sumDynamics(log, regressor, base, curves, some, {}, found.load);
+    return solveBase({arm, regressor, base, sums}, sums.total(some), constants);
+  };
+  const BaseSolution best = solveWith(chosen);
+  const Eigen::Index all = best.x.size();
+  OtherCurves others{regressor, base, std::vector<double>(chosen.size(), 1.0),
+                     std::vector<MatrixXd>(chosen.size(), MatrixXd::Zero(all, all))};
+  for (const double delta : kExponents) {
+    for (const double factor : {1.0 / kSpeedStep, 1.0, kSpeedStep}) {
+      std::vector<StribeckCurve> curves = chosen;
+      for (StribeckCurve& curve : curves) curve = {factor * curve.v_s, delta};
+      const BaseSolution other = solveWith(curves);
+      for (std::size_t c = 0; c < chosen.size(); ++c) {
+        const bool is_chosen = factor == 1.0 && delta == chosen[c].delta;
+        if (is_chosen || curves[c].v_s >= kFastest * top[c]) continue;
+        const double worse = std::max(0.0, std::log(other.variance[c] / best.variance[c]));
+        others.add(c, std::exp(-0.5 * fit.rows[c] / fit.inflation * worse), other.x - best.x);
+      }
+    }
+  }
+  MatrixXd spread = MatrixXd::Zero(all, all);
+  for (std::size_t c = 0; c < chosen.size(); ++c) spread += others.covariance[c] / others.weights[c];
+  for (Eigen::Index k = 0; k < all; ++k) {
+    double& sd = fit.sd[base.columns[static_cast<std::size_t>(k)]];
+    sd = std::hypot(sd, std::sqrt(spread(k, k)));
+  }
+  widen(fit, spread, spread.diagonal(), log.blocks.size());
+}
+
 std::vector<int> foldsOverSessions(const RobotLog& log) {
   std::vector<int> folds;
   for (const Block& block : log.blocks) folds.push_back(log.session[block.begin]);
@@ -261,6 +328,7 @@ RobotFit fitRobot(const ArmModel& arm, const RobotLog& log, const RobotFitOption
   found.fit = fitDynamics({arm, regressor, base, *sums}, constants);
   widen(found.fit, of_constants, of_constants.diagonal(), log.blocks.size());
   widenBySmoothing(arm, log, options, regressor, base, constants, found);
+  widenByCurves(arm, log, regressor, base, constants, found);
   if (!found.fit.converged) {
     throw NumericsError(
         "the search for bodies that can exist did not converge: is the log of this robot, with efforts of its signs "
