@@ -70,8 +70,20 @@ std::vector<bool> thinnedBlocks(const RobotLog& log, const std::vector<bool>& us
   return some;
 }
 
-/// Speeds of curves that are tried, of the fastest of their joint, and their exponents.
-constexpr double kSlowest = 0.01, kFastest = 0.7, kSpeedStep = 2.0, kExponents[] = {1.0, 2.0};
+constexpr double kFastest = 0.7;           // speed of a curve, of the fastest of its joint
+constexpr double kSteps[] = {1.41, 1.19};  // between a curve and those next to it: a half and a quarter of an octave
+
+/// Curves of all joints that are faster, slower, steeper and flatter by a step.
+std::vector<std::vector<StribeckCurve>> besideCurves(const std::vector<StribeckCurve>& curves, double step) {
+  std::vector<std::vector<StribeckCurve>> all;
+  for (const double factor : {step, 1.0 / step}) {
+    for (double StribeckCurve::*part : {&StribeckCurve::v_s, &StribeckCurve::delta}) {
+      std::vector<StribeckCurve>& others = all.emplace_back(curves);
+      for (StribeckCurve& curve : others) curve.*part *= factor;
+    }
+  }
+  return all;
+}
 
 std::vector<double> topSpeeds(const RobotLog& log) {
   std::vector<double> top;
@@ -94,18 +106,24 @@ std::vector<StribeckCurve> findCurves(const RobotLog& log, const RobotRegressor&
   const std::vector<double> top = topSpeeds(log);
   const std::vector<bool> some = thinnedBlocks(log, used);
   const ArmModel no_arm;
-  for (const double delta : kExponents) {
-    for (double share = kSlowest; share < kFastest; share *= kSpeedStep) {
+  const auto look = [&](const std::vector<StribeckCurve>& curves) {
+    const DynamicsSums sums = sumDynamics(log, regressor, base, curves, some, {}, load);
+    const BaseSolution solution = solveBase({no_arm, regressor, base, sums}, sums.total(some), constants);
+    for (std::size_t c = 0; c < best.size(); ++c) {
+      if (solution.variance[c] >= lowest[c] || curves[c].v_s >= kFastest * top[c]) continue;
+      lowest[c] = solution.variance[c];
+      best[c] = curves[c];
+    }
+  };
+  for (const double delta : {1.0, 2.0}) {
+    for (double share = 0.01; share < kFastest; share *= 2.0) {
       std::vector<StribeckCurve> curves;
       for (const double speed : top) curves.push_back({share * speed, delta});
-      const DynamicsSums sums = sumDynamics(log, regressor, base, curves, some, {}, load);
-      const BaseSolution solution = solveBase({no_arm, regressor, base, sums}, sums.total(some), constants);
-      for (std::size_t c = 0; c < best.size(); ++c) {
-        if (solution.variance[c] >= lowest[c]) continue;
-        lowest[c] = solution.variance[c];
-        best[c] = curves[c];
-      }
+      look(curves);
     }
+  }
+  for (const double step : kSteps) {
+    for (const std::vector<StribeckCurve>& curves : besideCurves(best, step)) look(curves);
   }
   return best;
 }
@@ -243,14 +261,11 @@ void widenByCurves(const ArmModel& arm, const RobotLog& log, const RobotRegresso
   const Eigen::Index all = best.x.size();
   OtherCurves others{regressor, base, std::vector<double>(chosen.size(), 1.0),
                      std::vector<MatrixXd>(chosen.size(), MatrixXd::Zero(all, all))};
-  for (const double delta : kExponents) {
-    for (const double factor : {1.0 / kSpeedStep, 1.0, kSpeedStep}) {
-      std::vector<StribeckCurve> curves = chosen;
-      for (StribeckCurve& curve : curves) curve = {factor * curve.v_s, delta};
+  for (const double step : kSteps) {
+    for (const std::vector<StribeckCurve>& curves : besideCurves(chosen, step)) {
       const BaseSolution other = solveWith(curves);
       for (std::size_t c = 0; c < chosen.size(); ++c) {
-        const bool is_chosen = factor == 1.0 && delta == chosen[c].delta;
-        if (is_chosen || curves[c].v_s >= kFastest * top[c]) continue;
+        if (curves[c].v_s >= kFastest * top[c]) continue;
         const double worse = std::max(0.0, std::log(other.variance[c] / best.variance[c]));
         others.add(c, std::exp(-0.5 * fit.rows[c] / fit.inflation * worse), other.x - best.x);
       }
