@@ -188,11 +188,13 @@ RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& 
   return left;
 }
 
-double leftBeyondKnown(const RobotUnseen& unseen) {
+std::string leftBeyondKnown(const RobotUnseen& unseen) {
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
   const std::vector<bool> every(search.ground().training.size(), true);
   constexpr double kCounts = 0.2;  // of all joints' excess: that of a joint which has to be explained itself, too
+  constexpr double kMuch = 0.25;   // bodies carry what acts at one joint to others
+  constexpr double kFar = 20.0;    // times the known squared error: whatever was found, the joint is not explained
   const Index joints = std::ssize(floors) - 1;
   ArrayXd left = ArrayXd::Zero(joints), before = ArrayXd::Constant(joints, 1e-300);
   for (Index j = 0; j < joints; ++j) {
@@ -201,10 +203,17 @@ double leftBeyondKnown(const RobotUnseen& unseen) {
     const GroupErrors plain = groupErrors(unseen.plain, search.counted(), every, {c});
     const GroupErrors with = groupErrors(unseen.with, search.counted(), every, {c});
     if (plain.mse() > known) before[j] += plain.sum.sum() - known * plain.rows.sum();
+    if (with.mse() > kFar * known) {
+      return fmt::format("{} stays at {:.0f} times its known squared error beside it: it may only stand in",
+                         search.rows().jointName(c), with.mse() / known);
+    }
     if (with.mse() > kBeyondKnown * known) left[j] += with.sum.sum() - kBeyondKnown * known * with.rows.sum();
   }
   const ArrayXd shares = (before > kCounts * before.sum()).select(left / before, 0.0);
-  return std::max(left.sum() / before.sum(), shares.maxCoeff());
+  const double share = std::max(left.sum() / before.sum(), shares.maxCoeff());
+  if (share <= kMuch) return {};
+  return fmt::format("{:.0f} % of what is beyond the known robot's error are left beside it: it may only stand in",
+                     100.0 * share);
 }
 
 double knownError(const RobotSearch& search, double floor, std::size_t joint) {

@@ -166,11 +166,7 @@ class RobotJudge {
       return fmt::format("{:.0f} % of the error are left without a name beside its {:.0f} %: it may only stand in",
                          100.0 * left, 100.0 * gain.value);
     }
-    constexpr double kMuchBeyond = 0.25;  // bodies carry what acts at one joint to others
-    if (const double beyond = leftBeyondKnown(*unseen); beyond > kMuchBeyond) {
-      return fmt::format("{:.0f} % of what is beyond the known robot's error are left beside it: it may only stand in",
-                         100.0 * beyond);
-    }
+    if (std::string why = leftBeyondKnown(*unseen); !why.empty()) return why;
     if (const double placebo = placeboP(search_, set, cause, options_.seed); placebo > kPlaceboLevel) {
       return fmt::format("signals of the same spectrum that belong to no motion explain as much (p {:.2g})", placebo);
     }

@@ -2,6 +2,7 @@
 /// A fit is no finding: what an accepted cause of a robot has to hold against before it is named.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "robot_selection.h"
@@ -41,10 +42,11 @@ RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set);
 RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
 /// Times the squared error that was left of a joint when the robot was found: more than other motions leave.
 inline constexpr double kBeyondKnown = 2.0;
-/// What is left beside the causes beyond that, of what the model without causes has beyond its known errors: of all
-/// joints, or of the worst of those that have much of it. What acts at one joint shakes others, whose causes would be
-/// named. 0 where nobody has written down what was left.
-double leftBeyondKnown(const RobotUnseen& unseen);
+/// Why the causes may only stand in for what acts: much is left beside them beyond that, of what the model without them
+/// has beyond its known errors, of all joints or of one of those that have much of it, or a joint stays far beyond.
+/// What acts at one joint shakes others, whose causes would be named. Empty: not, or nobody has written down what was
+/// left.
+std::string leftBeyondKnown(const RobotUnseen& unseen);
 
 /// Takes causes out of the selection that are no findings.
 RobotFindings judgeFindings(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,
