@@ -188,29 +188,39 @@ RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& 
   return left;
 }
 
-std::string leftBeyondKnown(const RobotUnseen& unseen) {
+std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints) {
+  constexpr double kMuch = 0.25;   // bodies carry what acts at one joint to others
+  constexpr double kCounts = 0.2;  // of all joints' excess: that of a joint which has to be explained itself, too
+  constexpr double kFar = 20.0;    // times the known squared error: whatever was found, the joint is not explained
+  constexpr double kLittle = 0.1;  // of its own joints' excess: what leaves no more is no other joint's
   const RobotSearch& search = unseen.search;
   const std::vector<double> floors = noiseFloors(search, unseen.predicted);
   const std::vector<bool> every(search.ground().training.size(), true);
-  constexpr double kCounts = 0.2;  // of all joints' excess: that of a joint which has to be explained itself, too
-  constexpr double kMuch = 0.25;   // bodies carry what acts at one joint to others
-  constexpr double kFar = 20.0;    // times the known squared error: whatever was found, the joint is not explained
-  const Index joints = std::ssize(floors) - 1;
-  ArrayXd left = ArrayXd::Zero(joints), before = ArrayXd::Constant(joints, 1e-300);
-  for (Index j = 0; j < joints; ++j) {
+  const Index all = std::ssize(floors) - 1;
+  ArrayXd left = ArrayXd::Zero(all), before = ArrayXd::Constant(all, 1e-300), times = ArrayXd::Zero(all);
+  double own_left = 0.0, own_before = 1e-300;
+  for (Index j = 0; j < all; ++j) {
     const auto c = static_cast<std::size_t>(j);
     const double known = knownError(search, floors[c], c);
     const GroupErrors plain = groupErrors(unseen.plain, search.counted(), every, {c});
     const GroupErrors with = groupErrors(unseen.with, search.counted(), every, {c});
-    if (plain.mse() > known) before[j] += plain.sum.sum() - known * plain.rows.sum();
-    if (with.mse() > kFar * known) {
-      return fmt::format("{} stays at {:.0f} times its known squared error beside it: it may only stand in",
-                         search.rows().jointName(c), with.mse() / known);
-    }
-    if (with.mse() > kBeyondKnown * known) left[j] += with.sum.sum() - kBeyondKnown * known * with.rows.sum();
+    if (!(plain.mse() > known)) continue;
+    before[j] += plain.sum.sum() - known * plain.rows.sum();
+    left[j] = std::max(0.0, with.sum.sum() - kBeyondKnown * known * with.rows.sum());
+    times[j] = with.mse() / known;
+    if (std::ranges::find(joints, c) == joints.end()) continue;
+    own_before += before[j];
+    own_left += std::max(0.0, with.sum.sum() - known * with.rows.sum());
   }
-  const ArrayXd shares = (before > kCounts * before.sum()).select(left / before, 0.0);
-  const double share = std::max(left.sum() / before.sum(), shares.maxCoeff());
+  double share = left.sum() / before.sum();
+  if (own_left > kLittle * own_before) {
+    Index worst = 0;
+    if (times.maxCoeff(&worst) > kFar) {
+      return fmt::format("{} stays at {:.0f} times its known squared error beside it: it may only stand in",
+                         search.rows().jointName(static_cast<std::size_t>(worst)), times[worst]);
+    }
+    share = std::max(share, (before > kCounts * before.sum()).select(left / before, 0.0).maxCoeff());
+  }
   if (share <= kMuch) return {};
   return fmt::format("{:.0f} % of what is beyond the known robot's error are left beside it: it may only stand in",
                      100.0 * share);

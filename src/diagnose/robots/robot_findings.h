@@ -42,11 +42,11 @@ RobotUnseen unseenOf(const RobotSearch& search, const RobotSearch::Set& set);
 RobotLeft whatIsLeft(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
 /// Times the squared error that was left of a joint when the robot was found: more than other motions leave.
 inline constexpr double kBeyondKnown = 2.0;
-/// Why the causes may only stand in for what acts: much is left beside them beyond that, of what the model without them
-/// has beyond its known errors, of all joints or of one of those that have much of it, or a joint stays far beyond.
-/// What acts at one joint shakes others, whose causes would be named. Empty: not, or nobody has written down what was
-/// left.
-std::string leftBeyondKnown(const RobotUnseen& unseen);
+/// Why a cause may only stand in for what acts: much is left beside all causes beyond that, of what the model without
+/// them has beyond its known errors. Where the cause leaves some of its own joints' excess, of any joint that has much
+/// of it, or a joint stays far beyond: what acts at one shakes others, whose causes would be named. Empty: it does not,
+/// or nobody has written down what was left. \param joints  on which it acts
+std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::size_t>& joints);
 
 /// Takes causes out of the selection that are no findings.
 RobotFindings judgeFindings(RobotSearch& search, RobotSelector& selector, const RobotDiagnosisOptions& options,
