@@ -204,8 +204,8 @@ std::string leftBeyondKnown(const RobotUnseen& unseen, const std::vector<std::si
     const double known = knownError(search, floors[c], c);
     const GroupErrors plain = groupErrors(unseen.plain, search.counted(), every, {c});
     const GroupErrors with = groupErrors(unseen.with, search.counted(), every, {c});
-    if (!(plain.mse() > known)) continue;
-    before[j] += plain.sum.sum() - known * plain.rows.sum();
+    if (!(known > 0.0)) continue;
+    before[j] += std::max(0.0, plain.sum.sum() - known * plain.rows.sum());
     left[j] = std::max(0.0, with.sum.sum() - kBeyondKnown * known * with.rows.sum());
     times[j] = with.mse() / known;
     if (std::ranges::find(joints, c) == joints.end()) continue;
