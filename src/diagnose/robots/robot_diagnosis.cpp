@@ -195,7 +195,7 @@ class RobotDiagnoser {
         Eigen::ArrayXd moved(std::ssize(moves));
         for (Index i = 0; i < moved.size(); ++i) moved[i] = moves[static_cast<std::size_t>(i)];
         moved = rows.shifted(moved, h.later(fit.theta[k]));
-        const double beside = 0.5 / log_.joints[c].bandwidth;
+        const double beside = log_.joints[c].blurred();
         for (const double later : {beside, -beside}) {
           moved = (rows.shifted(direction, later) == direction).select(moved, 0.0);
         }

@@ -16,18 +16,6 @@
 namespace simgap {
 namespace {
 
-std::vector<double> smoothed(const ActuatorLog& log, const std::vector<double>& channel, std::span<const Block> runs,
-                             double bandwidth) {
-  std::vector<double> values = channel;  // as they were where a run is too short
-  for (const Block& run : runs) {
-    if (isTooShort(run)) continue;
-    const auto of_run = [&](const std::vector<double>& all) { return std::span(all).subspan(run.begin, run.size()); };
-    std::ranges::copy(smooth(of_run(log.time), of_run(channel), bandwidth),
-                      values.begin() + static_cast<std::ptrdiff_t>(run.begin));
-  }
-  return values;
-}
-
 double standardDeviation(const std::vector<double>& values) {
   const Eigen::Map<const Eigen::ArrayXd> all(values.data(), std::ssize(values));
   return std::sqrt((all - all.mean()).square().mean());
@@ -42,7 +30,7 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
 /// Correlation of the signs of what no joint does, the fast half of what rows can show: a few jerks do not decide it.
 double answer(const ActuatorLog& log, std::span<const Block> runs, double rate) {
   const auto signs = [&](const std::vector<double>& channel) {
-    std::vector<double> fast = difference(channel, smoothed(log, channel, runs, 0.25 * rate));
+    std::vector<double> fast = difference(channel, smoothRuns(log.time, channel, runs, 0.25 * rate));
     for (double& value : fast) value = static_cast<double>(value > 0.0) - static_cast<double>(value < 0.0);
     return fast;
   };
@@ -58,7 +46,7 @@ void smoothNoisyLoad(ActuatorLog& log, std::span<const Block> runs, FrictionData
   if (!log.has_time || log.load.empty()) return;
   const double rate = samplingRate(log.time, runs);
   const double bandwidth = smoothingBandwidth(log.time, log.load, runs, 0.5 * rate);
-  std::vector<double> load = smoothed(log, log.load, runs, bandwidth);
+  std::vector<double> load = smoothRuns(log.time, log.load, runs, bandwidth);
   const std::vector<double> noise = difference(log.load, load);
   const double sd = robustDeviation(noise), spread = standardDeviation(load);
   const double left = sd * std::sqrt(2.0 * bandwidth / rate);

@@ -149,22 +149,19 @@ double usualTimeBetween(const std::vector<double>& time, const std::vector<std::
   return gaps.empty() ? 0.0 : upperMedian(std::move(gaps));
 }
 
-/// Periods of the smoother's bandwidth, on either side of a turn or a rest.
-constexpr double kBlurred = 0.5;
-
 /// Beside turns, and after them and after rests until friction has built up.
-void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, double bandwidth,
-                        std::optional<double> known, RobotJointLog& joint, MotionSign& sign) {
+void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, std::optional<double> known,
+                        RobotJointLog& joint, MotionSign& sign) {
   // For so long around a turn the load is a polynomial of time: some periods of the smoother's bandwidth, above which
   // there is noise alone, within limits of the usual time from turn to turn.
   constexpr double kPeriods = 3.0, kLeastOfTurns = 0.125, kMostOfTurns = 0.25;
   const std::vector<std::size_t> turns = turnsOf(sign.direction, runs);
   const double between = usualTimeBetween(log.time, turns);
-  const double seconds = std::clamp(kPeriods / bandwidth, kLeastOfTurns * between, kMostOfTurns * between);
+  const double seconds = std::clamp(kPeriods / joint.bandwidth, kLeastOfTurns * between, kMostOfTurns * between);
   joint.presliding =
       known ? *known : travelOfFriction({log.time, joint.position, log.effort}, turns, runs, sign, seconds);
   if (joint.presliding == 0.0) return;  // friction that turns at once says in turning what it is at low speed
-  leaveOutTurns(log.time, runs, kBlurred / bandwidth, sign);
+  leaveOutTurns(log.time, runs, joint.blurred(), sign);
   leaveOutFirstTravel(joint.position, log.velocity, runs, restingSpeed(log.velocity, sign.dead_band), joint.presliding,
                       sign);
 }
@@ -199,17 +196,13 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   joint.dead_band = sign.dead_band;
   FrictionData rests;  // its sentence is that of one drive; here the rows are counted per joint
   // Velocity is smoothed and acceleration worked out even where velocity was measured: both are blurred beside rests.
-  leaveOutRests(log, kBlurred / notes.bandwidth, options, sign, rests);
-  leaveOutPresliding(log, runs, notes.bandwidth, presliding, joint, sign);
+  leaveOutRests(log, joint.blurred(), options, sign, rests);
+  leaveOutPresliding(log, runs, presliding, joint, sign);
   for (const ChannelSpikes& spikes : notes.spikes) {
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;
   }
   joint.resting = static_cast<std::size_t>(std::ranges::count(sign.keep, false));
-  for (const Block& run : joint.measured_velocity ? runs : std::span<const Block>()) {
-    const auto part = [&](std::vector<double>& values) { return std::span(values).subspan(run.begin, run.size()); };
-    std::ranges::copy(smooth(part(log.time), part(log.velocity), notes.bandwidth),
-                      log.velocity.begin() + static_cast<std::ptrdiff_t>(run.begin));
-  }
+  if (joint.measured_velocity) log.velocity = smoothRuns(log.time, log.velocity, runs, notes.bandwidth);
   joint.velocity = std::move(log.velocity);
   joint.acceleration = std::move(log.acceleration);
   joint.effort = std::move(log.effort);
@@ -221,7 +214,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
 /// A smoother knows one side only within half a period of its bandwidth at the ends of a run.
 void markEnds(std::span<const Block> runs, RobotLog& robot) {
   double margin = 0.0;
-  for (const RobotJointLog& joint : robot.joints) margin = std::max(margin, 0.5 / joint.bandwidth);
+  for (const RobotJointLog& joint : robot.joints) margin = std::max(margin, joint.blurred());
   robot.usable.assign(robot.rows(), true);
   for (const Block& run : runs) {
     const double begin = robot.time[run.begin] + margin, end = robot.time[run.end - 1] - margin;

@@ -43,6 +43,9 @@ struct RobotJointLog {
   bool measured_velocity = false;  ///< otherwise worked out from the position
   std::size_t resting = 0;         ///< rows in which it does not move
   double presliding = 0.0;         ///< [rad] of travel after turns and rests that does not count as motion
+
+  /// [s] Half a period of its bandwidth: so far on either side of a turn, a rest or an end motion is the smoother's.
+  double blurred() const { return 0.5 / bandwidth; }
 };
 
 struct RobotLog {
