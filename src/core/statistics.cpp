@@ -32,6 +32,12 @@ double robustDeviation(std::vector<double> values) {
   return upperMedian(std::move(values)) / kMedianOfNormal;
 }
 
+double standardDeviation(std::span<const double> values) {
+  assert(!values.empty());
+  const Eigen::Map<const Eigen::ArrayXd> all(values.data(), std::ssize(values));
+  return std::sqrt((all - all.mean()).square().mean());
+}
+
 double correlation(std::span<const double> a, std::span<const double> b) {
   assert(a.size() == b.size());
   using Values = Eigen::Map<const Eigen::ArrayXd>;

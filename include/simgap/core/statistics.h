@@ -25,6 +25,9 @@ inline constexpr double kMedianOfNormal = 0.6744897501960817;
 /// \param values  not empty; their unit is the result's
 double robustDeviation(std::vector<double> values);
 
+/// About their mean, of all of them. \param values  not empty
+double standardDeviation(std::span<const double> values);
+
 /// Pearson's correlation; 0 where one of them is constant. \param a, b  of one length
 double correlation(std::span<const double> a, std::span<const double> b);
 

@@ -10,6 +10,7 @@
 #include "drive_units.h"
 #include "missing_channels.h"
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/resolution.h"
 
@@ -133,11 +134,6 @@ double rms(const std::vector<double>& simulated, const std::vector<double>& meas
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
 }
 
-double spread(const std::vector<double>& values) {
-  const Eigen::Map<const VectorXd> v(values.data(), static_cast<Index>(values.size()));
-  return std::sqrt((v.array() - v.mean()).square().mean());
-}
-
 void checkMotorLog(const MotorLog& log) {
   const ChannelCheck channels[] = {{"voltage_V", log.voltage, 2e3},
                                    {"current_A", log.current, 2e3},
@@ -172,8 +168,8 @@ std::vector<LeastSquaresResult> fitFromSeveralStarts(const LeastSquaresProblem& 
 template <class Measure>
 LeastSquaresResult fitWeighted(const MotorLog& log, const LeastSquaresProblem& problem, const Measure& measure,
                                const std::vector<bool>& rows, ResponseProblem& response, DriveFit& fit) {
-  response.velocityScale = response.hasVelocity() ? spread(log.velocity) : 1.0;
-  response.currentScale = response.hasCurrent() ? spread(log.current) : 1.0;
+  response.velocityScale = response.hasVelocity() ? standardDeviation(log.velocity) : 1.0;
+  response.currentScale = response.hasCurrent() ? standardDeviation(log.current) : 1.0;
   constexpr double kSameRough = 1.001;  // costs of rough fits that differ by less are of one minimum
   std::vector<LeastSquaresResult> found = fitFromSeveralStarts(problem, fit.first_guess);
   fit.starts = found.size();
@@ -268,7 +264,7 @@ DriveFit fitExtent(const MotorLog& log, DriveFitOptions options, DriveExtent ext
   const DriveResponse r = measure(fit.theta);
   const auto channel = [&](const char* name, const char* unit, const std::vector<double>& simulated,
                            const std::vector<double>& measured) {
-    DriveChannel c{name, unit, rms(simulated, measured, rows), std::nullopt, spread(measured)};
+    DriveChannel c{name, unit, rms(simulated, measured, rows), std::nullopt, standardDeviation(measured)};
     if (!rows.empty()) c.rms_heldout = rms(simulated, measured, rows, false);
     fit.channels.push_back(c);
   };

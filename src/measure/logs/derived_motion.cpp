@@ -26,6 +26,16 @@ double derivedNoise(const ActuatorLog& log, std::span<const Block> runs, double 
          std::sqrt(std::numbers::pi * bandwidth / (6.0 * samplingRate(log.time, runs)));
 }
 
+/// Rows seconds apart show no drive that turns back: most often their stamps are of another unit.
+void requireDenseRows(const ActuatorLog& log, const char* quantity, double rate) {
+  constexpr double kLongest = 1.5;  // [s] between rows
+  if (rate * kLongest > 1.0) return;
+  throw DataError(
+      fmt::format("{}: found rows {:.3g} s apart, expected several a second: {} has to be worked out from motion (are "
+                  "these milliseconds? then the column is time_ms)",
+                  log.file, 1.0 / rate, quantity));
+}
+
 }  // namespace
 
 bool isTooShort(const Block& run) { return run.size() < kFewestInARow; }
@@ -59,21 +69,21 @@ void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional
                     FrictionData& data) {
   const bool velocity = log.velocity.empty();
   if (!velocity && !acceleration) return;
+  const char* quantity = velocity ? "velocity" : "acceleration";
   if (!log.has_time) {
-    throw DataError(fmt::format("{}: found no time_s, expected it: {} has to be worked out from motion", log.file,
-                                velocity ? "velocity" : "acceleration"));
+    throw DataError(
+        fmt::format("{}: found no time_s, expected it: {} has to be worked out from motion", log.file, quantity));
   }
   std::vector<Block> whole;
   std::ranges::remove_copy_if(runs, std::back_inserter(whole), isTooShort);
   if (whole.empty()) {
-    throw DataError(
-        fmt::format("{}: found no session of {} rows, expected one: velocities have to be worked "
-                    "out",
-                    log.file, kFewestInARow));
+    throw DataError(fmt::format("{}: found no session of {} rows, expected one: {} has to be worked out from motion",
+                                log.file, kFewestInARow, quantity));
   }
   // One derivative of a measured velocity is quieter than two of a position.
   const std::vector<double>& measured = velocity ? log.position : log.velocity;
-  const double highest = FrictionDataOptions::kDefaultBandwidth * samplingRate(log.time, whole);
+  const double rate = samplingRate(log.time, whole), highest = FrictionDataOptions::kHighestBandwidth * rate;
+  requireDenseRows(log, quantity, rate);
   data.bandwidth = bandwidth ? *bandwidth : smoothingBandwidth(log.time, measured, whole, highest);
   SmoothMotion motion = smoothMotion(log.time, measured, !velocity, runs, data.bandwidth);
   if (velocity) log.velocity = std::move(motion.velocity);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,11 +14,6 @@
 
 namespace simgap {
 namespace {
-
-double standardDeviation(const std::vector<double>& values) {
-  const Eigen::Map<const Eigen::ArrayXd> all(values.data(), std::ssize(values));
-  return std::sqrt((all - all.mean()).square().mean());
-}
 
 std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> result(a.size());

@@ -40,7 +40,7 @@ double speedBandwidth(const FrictionData& friction, const ActuatorRows& rows) {
   if (friction.bandwidth > 0.0) return friction.bandwidth;
   const std::vector<Block> runs = splitRuns(spanOf(rows.time), rows.session);
   return smoothingBandwidth(spanOf(rows.time), spanOf(rows.speed), runs,
-                            FrictionDataOptions::kDefaultBandwidth / rows.step);
+                            FrictionDataOptions::kHighestBandwidth / rows.step);
 }
 
 /// The noise of a torque sensor on which nothing acts is no load: k_a would be whatever makes it explain a little.

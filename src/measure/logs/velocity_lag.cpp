@@ -24,7 +24,7 @@ struct Speeds {
 std::vector<Speeds> smoothedAlike(std::span<const double> time, std::span<const double> position,
                                   std::span<const double> velocity, std::span<const Block> runs) {
   const double bandwidth =
-      smoothingBandwidth(time, position, runs, FrictionDataOptions::kDefaultBandwidth * samplingRate(time, runs));
+      smoothingBandwidth(time, position, runs, FrictionDataOptions::kHighestBandwidth * samplingRate(time, runs));
   std::vector<Speeds> all;
   for (const Block& run : runs) {
     if (run.size() < kRowsOfRun) continue;

@@ -67,31 +67,38 @@ TEST(RobotLogTest, KnownPreslidingIsLeftOutWhereTheLogShowsNone) {
   }
 }
 
-/// 20 s of a joint that swings, its velocity times a factor and late by a part of the period.
-void readSwing(double factor, double late) {
+/// 20 s of a joint that swings, its velocity times a factor and late by a part of the period, its stamps in `unit`
+/// [1/s].
+void readSwing(double factor, double late, double unit = 1.0) {
   std::string csv = "time_s,j1_rad,torque_j1_Nm,j1_velocity_rad_s\n";
   for (int i = 0; i < 2000; ++i) {
     const double t = 0.01 * i;
-    csv += fmt::format("{:.2f},{:.6f},{:.4f},{:.6f}\n", t, std::sin(2.0 * t), std::cos(0.3 * t),
+    csv += fmt::format("{:.2f},{:.6f},{:.4f},{:.6f}\n", unit * t, std::sin(2.0 * t), std::cos(0.3 * t),
                        2.0 * factor * std::cos(2.0 * t - late));
   }
   readRobotLog(CsvTable::parse(csv, "log.csv"), std::vector<LoggedJoint>{{"j1", false, -10.0, 10.0, {}}});
 }
 
+std::string sentenceOf(double factor, double late, double unit = 1.0) {
+  try {
+    readSwing(factor, late, unit);
+  } catch (const DataError& error) {
+    return error.what();
+  }
+  return {};
+}
+
 TEST(RobotLogTest, AVelocityIsTheSlopeOfItsPosition) {
   EXPECT_NO_THROW(readSwing(1.0, 0.05));
-  const auto sentenceOf = [](double factor, double late) -> std::string {
-    try {
-      readSwing(factor, late);
-    } catch (const DataError& error) {
-      return error.what();
-    }
-    return {};
-  };
   EXPECT_THAT(sentenceOf(57.29578, 0.0), testing::HasSubstr("joint j1 that is 57.3 times the slope of its position"));
   EXPECT_THAT(sentenceOf(57.29578, 0.0), testing::HasSubstr("_deg_s"));
   EXPECT_THAT(sentenceOf(-1.0, 0.0), testing::HasSubstr("that is -0.999 times"));
   EXPECT_THAT(sentenceOf(1.0, 1.5), testing::HasSubstr("expected columns of one joint"));  // another joint's
+}
+
+TEST(RobotLogTest, StampsInMillisecondsAreNoSeconds) {
+  EXPECT_THAT(sentenceOf(1.0, 0.0, 1e3),
+              testing::AllOf(testing::HasSubstr("found rows 10 s apart"), testing::HasSubstr("the column is time_ms")));
 }
 
 }  // namespace
