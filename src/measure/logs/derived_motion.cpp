@@ -82,9 +82,8 @@ void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional
   }
   // One derivative of a measured velocity is quieter than two of a position.
   const std::vector<double>& measured = velocity ? log.position : log.velocity;
-  const double rate = samplingRate(log.time, whole), highest = FrictionDataOptions::kHighestBandwidth * rate;
-  requireDenseRows(log, quantity, rate);
-  data.bandwidth = bandwidth ? *bandwidth : smoothingBandwidth(log.time, measured, whole, highest);
+  requireDenseRows(log, quantity, samplingRate(log.time, whole));
+  data.bandwidth = bandwidth ? *bandwidth : motionBandwidth(log.time, measured, whole);
   SmoothMotion motion = smoothMotion(log.time, measured, !velocity, runs, data.bandwidth);
   if (velocity) log.velocity = std::move(motion.velocity);
   if (acceleration) log.acceleration = std::move(motion.acceleration);

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <random>
 
-#include "simgap/measure/logs/friction_rows.h"
 #include "simgap/measure/logs/motion.h"
 
 namespace simgap {
@@ -114,7 +113,7 @@ double savitzkyGolay(const std::vector<double>& values, double rate, int half, i
 double againstTheBestWindow(const Motion& m, const std::vector<double>& read, double rate, int order) {
   const std::vector<double>& truth = order == 1 ? m.velocity : m.acceleration;
   const std::vector<Block> runs = {{0, read.size()}};
-  const double bandwidth = smoothingBandwidth(m.time, read, runs, FrictionDataOptions::kHighestBandwidth * rate);
+  const double bandwidth = motionBandwidth(m.time, read, runs);
   std::vector<double> own = smooth(m.time, read, bandwidth);
   for (int k = 0; k < order; ++k) own = differentiate(m.time, own);
   double best = 1e300;

@@ -26,7 +26,6 @@ struct FrictionDataOptions {
   bool all_rows = false;            ///< do not leave rows out, only mark them (FrictionData::keep)
 
   static constexpr double kDefaultBandwidth = 0.1;  ///< of the sampling rate, where none is chosen
-  static constexpr double kHighestBandwidth = 0.3;  ///< of the sampling rate: the highest that is chosen
 };
 
 /// Rows that take part, shape (n) each.

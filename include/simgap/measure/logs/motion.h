@@ -51,6 +51,10 @@ double samplingRate(std::span<const double> time, std::span<const Block> runs);
 double smoothingBandwidth(std::span<const double> time, std::span<const double> values, std::span<const Block> runs,
                           double highest);
 
+/// The same of a position or a velocity of a drive, which moves with 40 Hz at most where it was logged often enough: up
+/// to a tenth of the sampling rate or to 40 Hz, whichever is more, and to 0.3 of the rate.
+double motionBandwidth(std::span<const double> time, std::span<const double> values, std::span<const Block> runs);
+
 /// d values / d time by central differences of uneven steps, one-sided at the ends. Shape (n), n >= 2.
 std::vector<double> differentiate(std::span<const double> time, std::span<const double> values);
 
