@@ -12,7 +12,9 @@
 
 #include "diagnose/paired_error.h"
 #include "log_hypotheses.h"
+#include "simgap/core/decompositions.h"
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/motion.h"
 #include "simgap/optimize/uncertainty.h"
 
 namespace simgap {
@@ -177,6 +179,27 @@ VectorXd bounded(VectorXd residual, std::span<const std::size_t> rows) {
   return residual.cwiseMax(-far).cwiseMin(far);
 }
 
+/// A residual without what another smoothing of the motion would have made of it. The upper octave of an acceleration
+/// that was worked out from positions holds nearly all of the encoder's noise (as the fourth power of the frequency),
+/// and is what the smoother blurs: what goes with it is no structure. \param kept  rows that count
+VectorXd besidesSmoothing(const PreparedLog& log, const VectorXd& residual, std::span<const std::size_t> kept) {
+  constexpr double kBlunter = 1.4;
+  const ActuatorRows& rows = log.data.rows;
+  if (log.blurred_seconds <= 0.0) return residual;
+  const std::vector<Block> runs = splitRuns(spanOf(rows.time), rows.session);
+  const auto blunter = [&](double times) {
+    const std::vector<double> smoothed =
+        smoothRuns(spanOf(rows.time), spanOf(rows.acceleration), runs, 1.0 / (log.blurred_seconds * times));
+    return ArrayXd(Eigen::Map<const ArrayXd>(smoothed.data(), std::ssize(smoothed)));
+  };
+  const ArrayXd once = blunter(kBlunter), twice = blunter(kBlunter * kBlunter);
+  Eigen::MatrixXd octave(residual.size(), 2);
+  octave << rows.acceleration - once, once - twice;
+  Eigen::MatrixXd x(std::ssize(kept), 2);
+  for (std::size_t i = 0; i < kept.size(); ++i) x.row(static_cast<Index>(i)) = octave.row(static_cast<Index>(kept[i]));
+  return residual - octave * solveLeastSquares(x, valuesAt(residual, kept));
+}
+
 }  // namespace
 
 std::vector<EvidenceChannel> evidenceChannels(const PreparedLog& log) {
@@ -292,7 +315,7 @@ Ceiling explainable(const PreparedLog& log, const std::vector<EvidenceChannel>& 
   std::vector<std::size_t> kept = keptRows(log);
   leaveOutBlurred(log, kept);
   if (kept.empty()) return {};
-  const VectorXd near = bounded(residual, kept);
+  const VectorXd near = bounded(besidesSmoothing(log, residual, kept), kept);
   if (near.isZero(0.0)) return {};  // nothing is left
   std::vector<EvidenceChannel> used;
   for (const EvidenceChannel& c : channels) {

@@ -40,16 +40,6 @@ void requireDenseRows(const ActuatorLog& log, const char* quantity, double rate)
 
 bool isTooShort(const Block& run) { return run.size() < kFewestInARow; }
 
-std::vector<double> smoothRuns(std::span<const double> time, std::span<const double> values,
-                               std::span<const Block> runs, double bandwidth) {
-  std::vector<double> smoothed(values.begin(), values.end());
-  for (const Block& run : runs) {
-    std::ranges::copy(smooth(time.subspan(run.begin, run.size()), values.subspan(run.begin, run.size()), bandwidth),
-                      smoothed.begin() + static_cast<std::ptrdiff_t>(run.begin));
-  }
-  return smoothed;
-}
-
 SmoothMotion smoothMotion(std::span<const double> time, std::span<const double> measured, bool of_velocity,
                           std::span<const Block> runs, double bandwidth) {
   SmoothMotion motion{std::vector<double>(measured.size(), 0.0), std::vector<double>(measured.size(), 0.0)};

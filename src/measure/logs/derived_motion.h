@@ -16,10 +16,6 @@ namespace simgap {
 inline constexpr std::size_t kFewestInARow = 4;
 bool isTooShort(const Block& run);
 
-/// Values that are smoothed to `bandwidth` [Hz] run by run, shape (rows); as they are in runs that are too short.
-std::vector<double> smoothRuns(std::span<const double> time, std::span<const double> values,
-                               std::span<const Block> runs, double bandwidth);
-
 /// Velocity and acceleration of a channel that is smoothed to `bandwidth` [Hz], shape (rows); 0 in runs that are too
 /// short. \param measured  a position, or with `of_velocity` a velocity
 struct SmoothMotion {

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "derived_motion.h"
 #include "simgap/core/statistics.h"
 #include "simgap/measure/logs/motion.h"
 

@@ -139,6 +139,16 @@ std::vector<Block> splitRuns(std::span<const double> time, std::span<const int> 
   return runs;
 }
 
+std::vector<double> smoothRuns(std::span<const double> time, std::span<const double> values,
+                               std::span<const Block> runs, double bandwidth) {
+  std::vector<double> smoothed(values.begin(), values.end());
+  for (const Block& run : runs) {
+    std::ranges::copy(smooth(time.subspan(run.begin, run.size()), values.subspan(run.begin, run.size()), bandwidth),
+                      smoothed.begin() + static_cast<std::ptrdiff_t>(run.begin));
+  }
+  return smoothed;
+}
+
 double samplingRate(std::span<const double> time, std::span<const Block> runs) {
   double seconds = 0.0;
   std::size_t steps = 0;

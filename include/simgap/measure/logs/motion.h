@@ -40,6 +40,10 @@ std::vector<double> smooth(std::span<const double> time, std::span<const double>
 /// and longer. \param time  [s], \param session  shape (n).
 std::vector<Block> splitRuns(std::span<const double> time, std::span<const int> session);
 
+/// Values that are smoothed to `bandwidth` [Hz] run by run, shape (rows); as they are in runs of fewer than 4 rows.
+std::vector<double> smoothRuns(std::span<const double> time, std::span<const double> values,
+                               std::span<const Block> runs, double bandwidth);
+
 /// Rows per second within runs [Hz]. \param runs  as splitRuns; 0 when none has two rows.
 double samplingRate(std::span<const double> time, std::span<const Block> runs);
 
