@@ -22,7 +22,7 @@ struct Speeds {
 
 std::vector<Speeds> smoothedAlike(std::span<const double> time, std::span<const double> position,
                                   std::span<const double> velocity, std::span<const Block> runs) {
-  const double bandwidth = motionBandwidth(time, position, runs);
+  const double bandwidth = motionBandwidth(time, position, runs, 0.0);
   std::vector<Speeds> all;
   for (const Block& run : runs) {
     if (run.size() < kRowsOfRun) continue;

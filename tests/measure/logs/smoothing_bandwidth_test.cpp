@@ -113,7 +113,7 @@ double savitzkyGolay(const std::vector<double>& values, double rate, int half, i
 double againstTheBestWindow(const Motion& m, const std::vector<double>& read, double rate, int order) {
   const std::vector<double>& truth = order == 1 ? m.velocity : m.acceleration;
   const std::vector<Block> runs = {{0, read.size()}};
-  const double bandwidth = motionBandwidth(m.time, read, runs);
+  const double bandwidth = motionBandwidth(m.time, read, runs, kFastestDrive);
   std::vector<double> own = smooth(m.time, read, bandwidth);
   for (int k = 0; k < order; ++k) own = differentiate(m.time, own);
   double best = 1e300;
