@@ -7,6 +7,7 @@
 #include <random>
 
 #include "diagnose/logs/prepared_logs.h"
+#include "simgap/measure/logs/motion.h"
 
 namespace simgap::test {
 namespace {
@@ -52,6 +53,37 @@ TEST_F(LogEvidence, WhatTwoMomentsShowIsNoStructure) {
 }
 
 TEST_F(LogEvidence, WhatAChannelTellsIsSeenThroughItsNoise) { EXPECT_GT(share(elsewhere_ + slow_), 0.1); }
+
+/// An acceleration that was worked out from positions a count of an encoder apart from the truth.
+class WorkedOutAcceleration : public LogEvidence {
+ protected:
+  WorkedOutAcceleration() {
+    ActuatorRows& rows = log_.data.rows;
+    const double bandwidth = 0.3 / rows.step, w = 0.4 * bandwidth;
+    log_.blurred_seconds = 1.0 / bandwidth;
+    const Eigen::ArrayXd read = (w * rows.time).sin() + 0.01 * of_sensor_;
+    const auto slope = [&](const std::vector<double>& values) { return differentiate(spanOf(rows.time), values); };
+    const std::vector<double> twice = slope(slope(smooth(spanOf(rows.time), spanOf(read), bandwidth)));
+    rows.acceleration = Eigen::Map<const Eigen::ArrayXd>(twice.data(), std::ssize(twice));
+    true_ = -w * w * (w * rows.time).sin();
+  }
+  double scale(const Eigen::ArrayXd& part) const { return 1.0 / std::sqrt(part.square().mean()); }
+
+  Eigen::ArrayXd true_;
+};
+
+// The weight of an inertia times it would be read back from it.
+TEST_F(WorkedOutAcceleration, HasNoiseThatIsNoStructure) {
+  const Eigen::ArrayXd noise = log_.data.rows.acceleration - true_;
+  const Eigen::ArrayXd residual = elsewhere_ + scale(noise) * noise;
+  const double smoothed = log_.blurred_seconds;
+  log_.blurred_seconds = 0.0;
+  EXPECT_GT(share(residual), 0.1);  // the trap
+  log_.blurred_seconds = smoothed;
+  EXPECT_LT(share(residual), 0.03);
+}
+
+TEST_F(WorkedOutAcceleration, ShowsAnInertiaThatIsMissing) { EXPECT_GT(share(elsewhere_ + scale(true_) * true_), 0.3); }
 
 }  // namespace
 }  // namespace simgap::test
