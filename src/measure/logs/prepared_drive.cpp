@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -106,6 +107,11 @@ PreparedLog prepareDrive(const CsvTable& table, const Bench& bench, const Fricti
   log.dead_band = friction.dead_band;
   if (friction.bandwidth > 0.0) log.blurred_seconds = 1.0 / friction.bandwidth;
   log.warnings = friction.warnings;
+  if (!friction.derived.empty()) {
+    log.warnings.push_back(fmt::format(
+        "{} {} worked out, smoothed to {:.3g} Hz (bandwidth_Hz of a bench file states it)",
+        fmt::join(friction.derived, " and "), friction.derived.size() > 1 ? "were" : "was", friction.bandwidth));
+  }
   log.spikes = friction.spikes;
   log.blocks = friction.blocks;
   ActuatorData& data = log.data;
