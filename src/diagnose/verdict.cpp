@@ -36,11 +36,13 @@ std::string nameOf(const Cause& cause) {
 
 std::string namesOf(const std::vector<Cause>& causes) {
   std::vector<std::string> names;
+  bool grouped = false;
   for (const Cause& cause : causes) {
     std::string& name = names.emplace_back(nameOf(cause));
     for (const std::string& other : cause.ambiguous_with) name += " or " + other;
+    grouped = grouped || !cause.ambiguous_with.empty();
   }
-  return fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("{}", fmt::join(names, grouped ? "; and " : ", "));
 }
 
 double detectionFactor(double least_gain, double effective_samples) {

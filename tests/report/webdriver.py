@@ -34,7 +34,7 @@ class Browser:
             if port:
                 break
         self._base = f"http://127.0.0.1:{port.group(1)}/session"
-        arguments = ["--headless=new", "--no-sandbox", "--window-size=1280,1600", "--hide-scrollbars", "--use-angle=swiftshader",
+        arguments = ["--headless=new", "--no-sandbox", "--window-size=1000,900", "--hide-scrollbars", "--use-angle=swiftshader",
                      "--enable-unsafe-swiftshader", "--force-prefers-reduced-motion", f"--user-data-dir={self._profile.name}"]
         answer = self._request("POST", "", {"capabilities": {"alwaysMatch": {
             "browserName": "chrome", "goog:chromeOptions": {"args": arguments, "binary": shutil.which("chromium")},
