@@ -40,6 +40,32 @@ Eigen::Vector4d thirdDifference(std::span<const double> time, std::size_t i, dou
   return row * std::min(1.0, kSteepest / row.norm());
 }
 
+/// No step of five rows is twice another: over uneven ones a polynomial swings.
+bool hasEvenSteps(std::span<const double> time) {
+  double shortest = time[1] - time[0], longest = shortest;
+  for (std::size_t i = 1; i < 4; ++i) {
+    shortest = std::min(shortest, time[i + 1] - time[i]);
+    longest = std::max(longest, time[i + 1] - time[i]);
+  }
+  return longest < 2.0 * shortest;
+}
+
+/// Slope in the middle of the polynomial through five rows (Lagrange's). Of a sine with x of a turn [rad] per row it is
+/// x^4 / 30 too small, where the secant of both neighbours is x^2 / 6: 0.1 and 3 % of 7 Hz at 100 rows a second.
+double slopeOfFive(std::span<const double> time, std::span<const double> values) {
+  constexpr std::size_t kMiddle = 2;
+  double slope = 0.0;
+  for (std::size_t j = 0; j < 5; ++j) {
+    if (j == kMiddle) continue;
+    double weight = 1.0 / (time[j] - time[kMiddle]);
+    for (std::size_t k = 0; k < 5; ++k) {
+      if (k != j && k != kMiddle) weight *= (time[kMiddle] - time[k]) / (time[j] - time[k]);
+    }
+    slope += weight * (values[j] - values[kMiddle]);
+  }
+  return slope;
+}
+
 }  // namespace
 
 MotionSign holdSign(std::span<const double> velocity, double widths, std::optional<double> dead_band) {
@@ -163,11 +189,15 @@ std::vector<double> differentiate(std::span<const double> time, std::span<const 
   const std::size_t n = values.size();
   std::vector<double> slope(n);
   const auto secant = [&](std::size_t i) { return (values[i + 1] - values[i]) / (time[i + 1] - time[i]); };
+  const auto central = [&](std::size_t i) {
+    const double before = time[i] - time[i - 1], after = time[i + 1] - time[i];
+    return (after * secant(i - 1) + before * secant(i)) / (before + after);
+  };
   slope[0] = secant(0);
   slope[n - 1] = secant(n - 2);
   for (std::size_t i = 1; i + 1 < n; ++i) {
-    const double before = time[i] - time[i - 1], after = time[i + 1] - time[i];
-    slope[i] = (after * secant(i - 1) + before * secant(i)) / (before + after);
+    const bool inside = i > 1 && i + 2 < n && hasEvenSteps(time.subspan(i - 2, 5));
+    slope[i] = inside ? slopeOfFive(time.subspan(i - 2, 5), values.subspan(i - 2, 5)) : central(i);
   }
   return slope;
 }

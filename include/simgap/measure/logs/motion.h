@@ -63,7 +63,8 @@ double motionBandwidth(std::span<const double> time, std::span<const double> val
 /// [Hz] that a drive on a bench moves with at most: servos ring at 7 Hz, and their acceleration jumps.
 inline constexpr double kFastestDrive = 40.0;
 
-/// d values / d time by central differences of uneven steps, one-sided at the ends. Shape (n), n >= 2.
+/// d values / d time: of the polynomial through five rows where their steps are alike, else of three; one-sided at the
+/// ends. Shape (n), n >= 2.
 std::vector<double> differentiate(std::span<const double> time, std::span<const double> values);
 
 }  // namespace simgap
