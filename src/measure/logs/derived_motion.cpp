@@ -55,8 +55,8 @@ SmoothMotion smoothMotion(std::span<const double> time, std::span<const double> 
   return motion;
 }
 
-void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, double fastest,
-                    bool acceleration, FrictionData& data) {
+void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
+                    FrictionData& data) {
   const bool velocity = log.velocity.empty();
   if (!velocity && !acceleration) return;
   const char* quantity = velocity ? "velocity" : "acceleration";
@@ -72,8 +72,9 @@ void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional
   }
   // One derivative of a measured velocity is quieter than two of a position.
   const std::vector<double>& measured = velocity ? log.position : log.velocity;
-  requireDenseRows(log, quantity, samplingRate(log.time, whole));
-  data.bandwidth = bandwidth ? *bandwidth : motionBandwidth(log.time, measured, whole, fastest);
+  const double rate = samplingRate(log.time, whole), highest = FrictionDataOptions::kDefaultBandwidth * rate;
+  requireDenseRows(log, quantity, rate);
+  data.bandwidth = bandwidth ? *bandwidth : smoothingBandwidth(log.time, measured, whole, highest);
   SmoothMotion motion = smoothMotion(log.time, measured, !velocity, runs, data.bandwidth);
   if (velocity) log.velocity = std::move(motion.velocity);
   if (acceleration) log.acceleration = std::move(motion.acceleration);

@@ -26,10 +26,10 @@ SmoothMotion smoothMotion(std::span<const double> time, std::span<const double> 
 
 /// Fills velocity from position, and acceleration if that is wanted from a measured velocity, else from position; says
 /// in `data` what was derived and with which bandwidth. \param runs  as splitRuns. \param bandwidth  [Hz] of the
-/// smoothing; none: as suits the channel. \param fastest  as motionBandwidth. In runs that are too short both stay 0.
+/// smoothing; none: as suits the channel. In runs that are too short both stay 0.
 /// \throws DataError: no time, or no run that is long enough.
-void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, double fastest,
-                    bool acceleration, FrictionData& data);
+void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
+                    FrictionData& data);
 
 /// Half width of the dead band of a velocity that was worked out from positions. \param widths  in noise levels.
 double derivedDeadBand(const ActuatorLog& log, std::span<const Block> runs, double bandwidth, double widths);

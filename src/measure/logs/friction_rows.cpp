@@ -173,8 +173,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
     moveLateVelocity(log, runs, data);
     if (!options.load_is_fitted) smoothNoisyLoad(log, runs, data);
   }
-  completeMotion(log, runs, options.bandwidth ? options.bandwidth : bench.bandwidth, kFastestDrive,
-                 bench.needsAcceleration(), data);
+  completeMotion(log, runs, options.bandwidth ? options.bandwidth : bench.bandwidth, bench.needsAcceleration(), data);
   checkLog(log, data);
   workOutLoad(log, bench, data);
 

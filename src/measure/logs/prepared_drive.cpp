@@ -40,7 +40,8 @@ void leaveOutUncertainReversals(const ActuatorRows& rows, double dead_band, std:
 double speedBandwidth(const FrictionData& friction, const ActuatorRows& rows) {
   if (friction.bandwidth > 0.0) return friction.bandwidth;
   const std::vector<Block> runs = splitRuns(spanOf(rows.time), rows.session);
-  return motionBandwidth(spanOf(rows.time), spanOf(rows.speed), runs, kFastestDrive);
+  return smoothingBandwidth(spanOf(rows.time), spanOf(rows.speed), runs,
+                            FrictionDataOptions::kDefaultBandwidth / rows.step);
 }
 
 /// The noise of a torque sensor on which nothing acts is no load: k_a would be whatever makes it explain a little.

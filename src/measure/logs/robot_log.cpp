@@ -166,8 +166,6 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, std
                       sign);
 }
 
-constexpr double kSlow = 0.0;  // [Hz] as motionBandwidth: an arm is no faster than a tenth of its log's rate
-
 /// The bandwidth of a motion that is smoothed less, of the usual one.
 constexpr double kSharper = 1.4;
 
@@ -182,7 +180,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   putSpikesRight(log, notes);
   moveLateVelocity(log, runs, notes);
   joint.position = log.position;
-  completeMotion(log, runs, std::nullopt, kSlow, true, notes);
+  completeMotion(log, runs, std::nullopt, true, notes);
   joint.bandwidth = notes.bandwidth;
   SmoothMotion sharper = smoothMotion(time, joint.measured_velocity ? log.velocity : joint.position,
                                       joint.measured_velocity, runs, kSharper * notes.bandwidth);

@@ -164,10 +164,4 @@ double smoothingBandwidth(std::span<const double> time, std::span<const double> 
   return smoothest->bandwidth;
 }
 
-double motionBandwidth(std::span<const double> time, std::span<const double> values, std::span<const Block> runs,
-                       double fastest) {
-  const double rate = samplingRate(time, runs);
-  return smoothingBandwidth(time, values, runs, std::clamp(fastest, 0.1 * rate, 0.3 * rate));
-}
-
 }  // namespace simgap

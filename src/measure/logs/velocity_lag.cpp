@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "simgap/core/statistics.h"
+#include "simgap/measure/logs/friction_rows.h"
 #include "simgap/measure/logs/motion.h"
 
 namespace simgap {
@@ -22,7 +23,8 @@ struct Speeds {
 
 std::vector<Speeds> smoothedAlike(std::span<const double> time, std::span<const double> position,
                                   std::span<const double> velocity, std::span<const Block> runs) {
-  const double bandwidth = motionBandwidth(time, position, runs, 0.0);
+  const double bandwidth =
+      smoothingBandwidth(time, position, runs, FrictionDataOptions::kDefaultBandwidth * samplingRate(time, runs));
   std::vector<Speeds> all;
   for (const Block& run : runs) {
     if (run.size() < kRowsOfRun) continue;

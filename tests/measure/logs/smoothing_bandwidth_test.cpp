@@ -60,23 +60,6 @@ Motion ramping(double rate, double speed) {
   return m;
 }
 
-/// A servo's answers to steps of half a radian every two seconds: they ring with 7 Hz.
-Motion ringing(double rate) {
-  constexpr double w = 2.0 * kPi * 7.0, kDecay = 0.15 * w, kStep = 0.5;
-  const double damped = std::sqrt(w * w - kDecay * kDecay);
-  Motion m;
-  for (int i = 0; i < static_cast<int>(20.0 * rate); ++i) {
-    const double t = i / rate, since = std::fmod(t, 2.0), side = std::fmod(t, 4.0) < 2.0 ? 1.0 : -1.0;
-    const double sine = kStep * side * std::exp(-kDecay * since) * std::sin(damped * since);
-    const double cosine = kStep * side * std::exp(-kDecay * since) * std::cos(damped * since);
-    m.time.push_back(t);
-    m.position.push_back((side > 0.0 ? kStep : 0.0) - cosine - kDecay / damped * sine);
-    m.velocity.push_back(w * w / damped * sine);
-    m.acceleration.push_back(w * w * (cosine - kDecay / damped * sine));
-  }
-  return m;
-}
-
 std::vector<double> rounded(const std::vector<double>& position, double count, double noise) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -113,7 +96,7 @@ double savitzkyGolay(const std::vector<double>& values, double rate, int half, i
 double againstTheBestWindow(const Motion& m, const std::vector<double>& read, double rate, int order) {
   const std::vector<double>& truth = order == 1 ? m.velocity : m.acceleration;
   const std::vector<Block> runs = {{0, read.size()}};
-  const double bandwidth = motionBandwidth(m.time, read, runs, kFastestDrive);
+  const double bandwidth = smoothingBandwidth(m.time, read, runs, 0.1 * rate);
   std::vector<double> own = smooth(m.time, read, bandwidth);
   for (int k = 0; k < order; ++k) own = differentiate(m.time, own);
   double best = 1e300;
@@ -139,12 +122,6 @@ TEST(SmoothingBandwidth, CoarseEncodersAreDifferentiatedAsWellAsByTheBestWindow)
       }
     }
   }
-}
-
-TEST(SmoothingBandwidth, ServosThatRingAreFollowedAsWellAsByTheBestWindow) {
-  const Motion m = ringing(100.0);
-  const std::vector<double> read = rounded(m.position, 2.0 * kPi / 4096.0, 0.0);
-  for (const int order : {1, 2}) EXPECT_LT(againstTheBestWindow(m, read, 100.0, order), 1.2) << order;
 }
 
 TEST(SmoothingBandwidth, ATenthOfTheRateWasFarTooMuchForSuchAnEncoder) {

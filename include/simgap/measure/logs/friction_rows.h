@@ -25,7 +25,7 @@ struct FrictionDataOptions {
   bool load_is_fitted = false;      ///< instead of the effort: its noise bends nothing then, and it stays as measured
   bool all_rows = false;            ///< do not leave rows out, only mark them (FrictionData::keep)
 
-  static constexpr double kDefaultBandwidth = 0.1;  ///< of the sampling rate, where none is chosen
+  static constexpr double kDefaultBandwidth = 0.1;  ///< of the sampling rate: the highest that is chosen
 };
 
 /// Rows that take part, shape (n) each.

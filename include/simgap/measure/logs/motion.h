@@ -55,14 +55,6 @@ double samplingRate(std::span<const double> time, std::span<const Block> runs);
 double smoothingBandwidth(std::span<const double> time, std::span<const double> values, std::span<const Block> runs,
                           double highest);
 
-/// The same of a position or a velocity: up to a tenth of the sampling rate, or, of what was logged seldom, up to what
-/// it moves with, `fastest` [Hz], and 0.3 of the rate.
-double motionBandwidth(std::span<const double> time, std::span<const double> values, std::span<const Block> runs,
-                       double fastest);
-
-/// [Hz] that a drive on a bench moves with at most: servos ring at 7 Hz, and their acceleration jumps.
-inline constexpr double kFastestDrive = 40.0;
-
 /// d values / d time: of the polynomial through five rows where their steps are alike, else of three; one-sided at the
 /// ends. Shape (n), n >= 2.
 std::vector<double> differentiate(std::span<const double> time, std::span<const double> values);
