@@ -8,14 +8,20 @@
 #include <functional>
 
 namespace simgap {
+namespace {
+
+bool hasGroup(const std::vector<Cause>& causes) {
+  return std::ranges::any_of(causes, [](const Cause& cause) { return !cause.ambiguous_with.empty(); });
+}
+
+}  // namespace
 
 bool isLost(const std::vector<std::string>& ambiguous_with) { return ambiguous_with.size() + 1 > kLargestGroup; }
 
 DiagnosisVerdict verdictOf(const std::vector<Cause>& causes, bool structure) {
   if (std::ranges::any_of(causes, isLost, &Cause::ambiguous_with)) return DiagnosisVerdict::kUnexplained;
   if (causes.empty()) return structure ? DiagnosisVerdict::kUnexplained : DiagnosisVerdict::kNothingFound;
-  const bool grouped = std::ranges::any_of(causes, [](const Cause& cause) { return !cause.ambiguous_with.empty(); });
-  return grouped ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
+  return hasGroup(causes) ? DiagnosisVerdict::kAmbiguous : DiagnosisVerdict::kCauseFound;
 }
 
 const DataFault* openFault(const std::vector<DataFault>& faults) {
@@ -36,13 +42,11 @@ std::string nameOf(const Cause& cause) {
 
 std::string namesOf(const std::vector<Cause>& causes) {
   std::vector<std::string> names;
-  bool grouped = false;
   for (const Cause& cause : causes) {
     std::string& name = names.emplace_back(nameOf(cause));
     for (const std::string& other : cause.ambiguous_with) name += " or " + other;
-    grouped = grouped || !cause.ambiguous_with.empty();
   }
-  return fmt::format("{}", fmt::join(names, grouped ? "; and " : ", "));
+  return fmt::format("{}", fmt::join(names, hasGroup(causes) ? "; and " : ", "));
 }
 
 double detectionFactor(double least_gain, double effective_samples) {

@@ -50,7 +50,7 @@ bool hasEvenSteps(std::span<const double> time) {
   return longest < 2.0 * shortest;
 }
 
-/// Slope in the middle of the polynomial through five rows (Lagrange's). Of a sine with x of a turn [rad] per row it is
+/// Slope in the middle of the polynomial through five rows (Lagrange's). Of a sine that turns by x [rad] per row it is
 /// x^4 / 30 too small, where the secant of both neighbours is x^2 / 6: 0.1 and 3 % of 7 Hz at 100 rows a second.
 double slopeOfFive(std::span<const double> time, std::span<const double> values) {
   constexpr std::size_t kMiddle = 2;
