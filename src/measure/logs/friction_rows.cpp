@@ -193,6 +193,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   leaveOutSwitchedOff(log, options, sign, data);
   leaveOutSpikes(options, sign, data);
   leaveOutShortRuns(runs, sign, data);
+  if (!options.raw_sign) smoothLikeMotion(log, runs, sign, data);
   const std::size_t rows = log.rows();
   data.blocks = splitBlocks(log.time, log.session, options.block_seconds);
   data.block_seconds = options.block_seconds;
