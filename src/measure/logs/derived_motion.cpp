@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -52,6 +53,17 @@ double frictionAtTurns(std::span<const double> effort, std::span<const signed ch
   return jumps.empty() ? 0.0 : std::max(0.0, upperMedian(std::move(jumps)));
 }
 
+/// What a wider smoothing keeps of the acceleration and that of `bandwidth` does not, shape (rows).
+std::vector<double> lostAcceleration(const ActuatorLog& log, std::span<const Block> runs, bool of_velocity,
+                                     double bandwidth) {
+  constexpr double kWider = 2.0;
+  const std::vector<double>& measured = of_velocity ? log.velocity : log.position;
+  std::vector<double> lost = smoothMotion(log.time, measured, of_velocity, runs, kWider * bandwidth).acceleration;
+  const std::vector<double> kept = smoothMotion(log.time, measured, of_velocity, runs, bandwidth).acceleration;
+  for (std::size_t i = 0; i < lost.size(); ++i) lost[i] -= kept[i];
+  return lost;
+}
+
 }  // namespace
 
 bool isTooShort(const Block& run) { return run.size() < kFewestInARow; }
@@ -99,22 +111,28 @@ void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional
 }
 
 void smoothLikeMotion(ActuatorLog& log, std::span<const Block> runs, const MotionSign& sign, FrictionData& data) {
-  constexpr double kClear = 2.0;  // times the noise
+  constexpr double kClear = 2.0;     // times the noise
+  constexpr double kGoesWith = 0.5;  // correlation
   if (data.derived.empty()) return;
   const double friction = frictionAtTurns(log.effort, sign.direction, runs);
   std::vector<double> effort = log.effort;
   for (std::size_t i = 0; i < effort.size(); ++i) effort[i] -= friction * sign.direction[i];
   std::vector<double> smoothed = smoothRuns(log.time, effort, runs, data.bandwidth);
-  double squares = 0.0, rows = 0.0;
+  const std::vector<double> lost = lostAcceleration(log, runs, data.derived.front() != "velocity", data.bandwidth);
+  std::vector<double> faster, accelerates;  // rows that count
   for (std::size_t i = 0; i < effort.size(); ++i) {
-    if (sign.keep[i]) squares += std::pow(effort[i] - smoothed[i], 2), rows += 1.0;
+    if (sign.keep[i]) faster.push_back(effort[i] - smoothed[i]), accelerates.push_back(lost[i]);
     smoothed[i] += friction * sign.direction[i];
   }
-  const double beyond = std::sqrt(squares / std::max(rows, 1.0));
-  if (beyond <= kClear * noiseLevel(log.effort)) return;
+  const double beyond = Eigen::Map<const Eigen::VectorXd>(faster.data(), std::ssize(faster)).norm() /
+                        std::sqrt(std::max(1.0, static_cast<double>(faster.size())));
+  if (getenv("DBG"))
+    fprintf(stderr, "beyond %g noise %g corr %g B %g\n", beyond, noiseLevel(log.effort),
+            correlation(faster, accelerates), data.bandwidth);
+  if (!(beyond > kClear * noiseLevel(log.effort)) || std::abs(correlation(faster, accelerates)) < kGoesWith) return;
   data.warnings.push_back(
-      fmt::format("{} was smoothed like the motion: it changes faster than what was worked out can "
-                  "follow, by {:.2g} {}",
+      fmt::format("{} was smoothed like the motion: it accelerates faster than what was worked out "
+                  "can follow, by {:.2g} {}",
                   quantityName(log.effort_name, log.effort_unit), beyond, log.effort_unit));
   log.effort = std::move(smoothed);
   if (log.load.empty()) return;
