@@ -2,18 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <numbers>
 
 #include "simgap/core/error.h"
-#include "simgap/core/statistics.h"
-#include "simgap/core/units.h"
 #include "simgap/measure/logs/motion.h"
 #include "simgap/measure/logs/resolution.h"
-#include "turns.h"
 
 namespace simgap {
 namespace {
@@ -38,30 +34,6 @@ void requireDenseRows(const ActuatorLog& log, const char* quantity, double rate)
       fmt::format("{}: found rows {:.3g} s apart, expected several a second: {} has to be worked out from motion (are "
                   "these milliseconds? then the column is time_ms)",
                   log.file, 1.0 / rate, quantity));
-}
-
-/// Half of what an effort changes by where a drive turns, two rows before it to two behind. What accelerates it is at
-/// its largest there and changes little.
-double frictionAtTurns(std::span<const double> effort, std::span<const signed char> direction,
-                       std::span<const Block> runs) {
-  constexpr std::size_t kBeside = 2;
-  std::vector<double> jumps;
-  for (const std::size_t turn : turnsOf(direction, runs)) {
-    if (turn < kBeside + 1 || turn + kBeside >= effort.size()) continue;
-    jumps.push_back(0.5 * direction[turn] * (effort[turn + kBeside] - effort[turn - 1 - kBeside]));
-  }
-  return jumps.empty() ? 0.0 : std::max(0.0, upperMedian(std::move(jumps)));
-}
-
-/// What a wider smoothing keeps of the acceleration and that of `bandwidth` does not, shape (rows).
-std::vector<double> lostAcceleration(const ActuatorLog& log, std::span<const Block> runs, bool of_velocity,
-                                     double bandwidth) {
-  constexpr double kWider = 2.0;
-  const std::vector<double>& measured = of_velocity ? log.velocity : log.position;
-  std::vector<double> lost = smoothMotion(log.time, measured, of_velocity, runs, kWider * bandwidth).acceleration;
-  const std::vector<double> kept = smoothMotion(log.time, measured, of_velocity, runs, bandwidth).acceleration;
-  for (std::size_t i = 0; i < lost.size(); ++i) lost[i] -= kept[i];
-  return lost;
 }
 
 }  // namespace
@@ -108,36 +80,6 @@ void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional
   if (acceleration) log.acceleration = std::move(motion.acceleration);
   if (velocity) data.derived.emplace_back("velocity");
   if (acceleration) data.derived.emplace_back("acceleration");
-}
-
-void smoothLikeMotion(ActuatorLog& log, std::span<const Block> runs, const MotionSign& sign, FrictionData& data) {
-  constexpr double kClear = 2.0;     // times the noise
-  constexpr double kGoesWith = 0.5;  // correlation
-  if (data.derived.empty()) return;
-  const double friction = frictionAtTurns(log.effort, sign.direction, runs);
-  std::vector<double> effort = log.effort;
-  for (std::size_t i = 0; i < effort.size(); ++i) effort[i] -= friction * sign.direction[i];
-  std::vector<double> smoothed = smoothRuns(log.time, effort, runs, data.bandwidth);
-  const std::vector<double> lost = lostAcceleration(log, runs, data.derived.front() != "velocity", data.bandwidth);
-  std::vector<double> faster, accelerates;  // rows that count
-  for (std::size_t i = 0; i < effort.size(); ++i) {
-    if (sign.keep[i]) faster.push_back(effort[i] - smoothed[i]), accelerates.push_back(lost[i]);
-    smoothed[i] += friction * sign.direction[i];
-  }
-  const double beyond = Eigen::Map<const Eigen::VectorXd>(faster.data(), std::ssize(faster)).norm() /
-                        std::sqrt(std::max(1.0, static_cast<double>(faster.size())));
-  if (getenv("DBG"))
-    fprintf(stderr, "beyond %g noise %g corr %g B %g\n", beyond, noiseLevel(log.effort),
-            correlation(faster, accelerates), data.bandwidth);
-  if (!(beyond > kClear * noiseLevel(log.effort)) || std::abs(correlation(faster, accelerates)) < kGoesWith) return;
-  data.warnings.push_back(
-      fmt::format("{} was smoothed like the motion: it accelerates faster than what was worked out "
-                  "can follow, by {:.2g} {}",
-                  quantityName(log.effort_name, log.effort_unit), beyond, log.effort_unit));
-  log.effort = std::move(smoothed);
-  if (log.load.empty()) return;
-  const std::vector<double> load = smoothRuns(log.time, log.load, runs, data.bandwidth);
-  for (std::size_t i = 0; i < load.size(); ++i) data.load[static_cast<Eigen::Index>(i)] += load[i] - log.load[i];
 }
 
 double derivedDeadBand(const ActuatorLog& log, std::span<const Block> runs, double bandwidth, double widths) {

@@ -9,7 +9,6 @@
 #include "simgap/core/blocks.h"
 #include "simgap/measure/logs/actuator_log.h"
 #include "simgap/measure/logs/friction_rows.h"
-#include "simgap/measure/logs/motion.h"
 
 namespace simgap {
 
@@ -31,12 +30,6 @@ SmoothMotion smoothMotion(std::span<const double> time, std::span<const double> 
 /// \throws DataError: no time, or no run that is long enough.
 void completeMotion(ActuatorLog& log, std::span<const Block> runs, std::optional<double> bandwidth, bool acceleration,
                     FrictionData& data);
-
-/// Effort, and a measured load, smoothed like the motion that was worked out: what a smoother takes from one side of an
-/// equation it has to take from the other ("Dynamic identification of robots with power model", Gautier 1997: a
-/// parallel filter). Friction turns at once and stays so. Where all they hold above its bandwidth is their noise, or
-/// nothing was worked out, they stay as they are. \param sign  of the motion; its `keep` marks the rows that count.
-void smoothLikeMotion(ActuatorLog& log, std::span<const Block> runs, const MotionSign& sign, FrictionData& data);
 
 /// Half width of the dead band of a velocity that was worked out from positions. \param widths  in noise levels.
 double derivedDeadBand(const ActuatorLog& log, std::span<const Block> runs, double bandwidth, double widths);

@@ -9,6 +9,7 @@
 
 #include "derived_motion.h"
 #include "load_noise.h"
+#include "parallel_filter.h"
 #include "row_faults.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/channel_checks.h"
