@@ -121,6 +121,7 @@ ExitCode runPoses(const Options& options, Session& session) {
   const PoseDiagnosisOptions diagnose = poseOptions(options);
   const ArmModel model = readArmFile(session, "model", options.model);
   const PoseSet set = readPoses(session, "poses", options.poses, model, options.table.csv());
+  requireEnough(set, diagnose);
   const CalibrationConfig config = readConfig(session, options.config, &model);
   if (options.common.dry_run) {
     session.print(fmt::format("would diagnose {} on {} poses of {}; nothing was written\n", model.name,

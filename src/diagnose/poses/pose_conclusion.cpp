@@ -17,6 +17,7 @@ constexpr double kClearExcess = 4.0;   // standard deviations
 constexpr double kFaintExcess = 2.0;   // standard deviations, from which it is said
 constexpr double kFarFromNoise = 2.0;  // RMS, in noise floors
 constexpr double kSmallRest = 0.05;    // of the error without causes: what the law of a named cause may leave
+constexpr double kHardly = 0.05;       // of the error beyond noise: what causes that are none may take away
 constexpr double kNearNoise = 1.25;    // RMS, in noise floors: what poses not fitted to may have
 
 /// Structure on poses not fitted to.
@@ -87,8 +88,11 @@ double leftInNoise(const Diagnosis& d, double noise) {
 }
 
 bool leavesTooMuch(const PoseSelection& selection, const Diagnosis& d, double noise) {
-  return isStructure(selection) && leftInNoise(d, noise) > kFarFromNoise &&
-         d.extended.mse_heldout > kSmallRest * d.baseline.mse_heldout;
+  const double taken = d.baseline.mse_heldout - d.extended.mse_heldout;
+  const bool partial =
+      leftInNoise(d, noise) > kFarFromNoise && d.extended.mse_heldout > kSmallRest * d.baseline.mse_heldout;
+  const bool hardly = leftInNoise(d, noise) > kNearNoise && taken < kHardly * (d.baseline.mse_heldout - noise);
+  return isStructure(selection) && (partial || hardly);
 }
 
 void concludePoses(const PoseSelection& selection, std::size_t heldout, bool partial, Diagnosis& d) {

@@ -116,7 +116,6 @@ Eigen::VectorXd Diagnosing::fitPlain() {
   const std::vector<bool> heldout = chooseHeldout(set_.poses.size(), options_.holdout);
   std::vector<bool> faulty(set_.poses.size(), false);
   split_ = splitPoses(set_, heldout, faulty);
-  if (split_.selection.size() < kFewestPoses) failForPoses(split_.selection.size());
   PoseFit fit(problem_, split_.selection, {});
   if (!fit.search(options_.starts, problem_.threads, options_.seed)) {
     // Some pose has no equilibrium at any start: the fit begins without those, and they are looked at again below.
@@ -380,6 +379,11 @@ PoseDiagnosis Diagnosing::run() {
 
 void PoseDiagnosisOptions::validate() const {
   requireArmEffects(effects);
+  for (const std::string& effect : effects) {
+    if (!findArmEffect(effect)->needs_motion) continue;
+    throw ConfigError(
+        fmt::format("--effects: found {}, expected effects that steady poses show; it takes --motions", effect));
+  }
   if (!(level > 0.0 && level < 1.0))
     throw ConfigError(fmt::format("--level: found {}, expected a number in (0, 1)", level));
   if (!(holdout > 0.0 && holdout < 0.9)) {
@@ -387,13 +391,25 @@ void PoseDiagnosisOptions::validate() const {
   }
 }
 
+void requireEnough(const PoseSet& set, const PoseDiagnosisOptions& options) {
+  constexpr auto kFewest = static_cast<std::ptrdiff_t>(kFewestPoses);
+  const auto selecting = [&](std::size_t poses) {
+    return std::ranges::count(chooseHeldout(poses, options.holdout), false);
+  };
+  if (selecting(set.poses.size()) >= kFewest) return;
+  std::size_t fewest = kFewestPoses;
+  while (selecting(fewest) < kFewest) ++fewest;
+  throw DataError(
+      fmt::format("{}: found {} poses, expected at least {}: {} to select causes with, and {:.0f} % that only "
+                  "measure the gain",
+                  set.file, set.poses.size(), fewest, kFewestPoses, 100.0 * options.holdout));
+}
+
 PoseDiagnosis diagnosePoses(const ArmModel& model, const PoseSet& set,
                             const std::vector<ParameterSpace::Choice>& parameters, const PoseNoise& noise,
                             const PoseDiagnosisOptions& options, const DiagnosisProgress& progress) {
   options.validate();
-  if (set.poses.size() < kFewestPoses) {
-    throw DataError(fmt::format("{}: found {} poses, expected at least {}", set.file, set.poses.size(), kFewestPoses));
-  }
+  requireEnough(set, options);
   return Diagnosing(model, set, parameters, noise, options, progress).run();
 }
 

@@ -13,12 +13,9 @@ std::vector<ArmHypothesis> poseHypotheses(const ArmModel& model, std::span<const
   std::vector<ArmHypothesis> hypotheses;
   for (const ArmEffect* effect : arm_effects::all()) {
     if (!effects.empty() && std::ranges::find(effects, effect->name) == effects.end()) continue;
-    if (effect->needs_motion) {
-      if (!effects.empty()) not_testable.push_back({std::string(effect->name), "needs motions"});
-      continue;
-    }
+    if (effect->needs_motion) continue;
     if (effect->needs_time && !timed) {
-      not_testable.push_back({std::string(effect->name), "needs time_s"});
+      not_testable.push_back({std::string(effect->name), kNeedsTime});
       continue;
     }
     for (const std::string& target : effectTargets(*effect, model)) {

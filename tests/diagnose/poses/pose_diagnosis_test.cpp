@@ -3,6 +3,7 @@
 // two files.
 #include "simgap/diagnose/poses/pose_diagnosis.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -125,12 +126,14 @@ TEST(PoseDiagnosis, IsTheSameForAnyNumberOfThreads) {
 TEST(PoseDiagnosis, RefusesUnknownEffectsAndTooFewPoses) {
   reality::PoseDrawOptions options;
   options.causes = 0;
-  options.poses = 6;
+  options.poses = 9;  // of which 7 would select causes
   const reality::PoseDraw draw = reality::drawPoses(1, options);
-  EXPECT_NE(test::errorOf([&] { diagnose(draw); }).find("found 6 poses"), std::string::npos);
+  EXPECT_THAT(test::errorOf([&] { diagnose(draw); }), testing::HasSubstr("found 9 poses, expected at least 10"));
   PoseDiagnosisOptions wrong;
   wrong.effects = {"muscle-warp"};
-  EXPECT_NE(test::errorOf([&] { diagnose(draw, wrong); }).find("found 'muscle-warp'"), std::string::npos);
+  EXPECT_THAT(test::errorOf([&] { diagnose(draw, wrong); }), testing::HasSubstr("found 'muscle-warp'"));
+  wrong.effects = {"command-latency"};
+  EXPECT_THAT(test::errorOf([&] { diagnose(draw, wrong); }), testing::HasSubstr("it takes --motions"));
 }
 
 }  // namespace

@@ -104,5 +104,22 @@ TEST(PoseFindings, TheFirstLineSaysWhatIsLeft) {
   EXPECT_FALSE(leavesTooMuch(selection, d, d.noise_floor));
 }
 
+// An angle sensor that was bent got a joint's centre for a name that took away 0.1 % of the error, 1.5 times the noise.
+TEST(PoseFindings, CausesThatHardlyTakeAnythingAwayAreNone) {
+  PoseSelection selection;
+  selection.excess = 1.0;
+  selection.excess_sd = 0.1;
+  Diagnosis d;
+  d.baseline.mse_heldout = 2.25;
+  d.noise_floor = 1.0;
+  d.extended.mse_heldout = 2.248;
+  EXPECT_TRUE(leavesTooMuch(selection, d, d.noise_floor));
+  d.extended.mse_heldout = 2.0;
+  EXPECT_FALSE(leavesTooMuch(selection, d, d.noise_floor)) << "a fifth of what is beyond the noise";
+  d.baseline.mse_heldout = 1.02;
+  d.extended.mse_heldout = 1.01;
+  EXPECT_FALSE(leavesTooMuch(selection, d, d.noise_floor)) << "nothing is left to be taken away";
+}
+
 }  // namespace
 }  // namespace simgap

@@ -20,7 +20,7 @@ struct PoseDiagnosisOptions : DiagnosisOptions {
   int starts = 8;         ///< of the fit without causes
   int self_test = 0;      ///< sets simulated per effect
   int threads = 0;        ///< 0: all
-  /// \throws ConfigError: an unknown effect, a level or a fraction outside (0, 1)
+  /// \throws ConfigError: an effect that is unknown or needs motions, a level or a fraction outside (0, 1)
   void validate() const;
 };
 
@@ -42,8 +42,11 @@ struct PoseDiagnosis {
   std::string pose_errors;  ///< CSV: root mean square joint error of each pose before and after [deg]
 };
 
+/// \throws DataError: so few poses that, without those held out, fewer than 8 are left.
+void requireEnough(const PoseSet& set, const PoseDiagnosisOptions& options);
+
 /// \param parameters  the ordinary parameters that every hypothesis refits, with their priors
-/// \throws DataError: fewer than 8 poses.  NumericsError: no parameters give every pose an equilibrium.
+/// \throws DataError: as requireEnough.  NumericsError: no parameters give every pose an equilibrium.
 PoseDiagnosis diagnosePoses(const ArmModel& model, const PoseSet& set,
                             const std::vector<ParameterSpace::Choice>& parameters, const PoseNoise& noise,
                             const PoseDiagnosisOptions& options, const DiagnosisProgress& progress);
