@@ -150,7 +150,7 @@ const Command entry{"design", "which poses to record next",
                     "    --poses data/arm/poses_calibration.csv --count 5 -o runs/design\n"
                     "  simgap diagnose data/arm-dense/arm.yaml \\\n"
                     "    --poses data/arm-dense/poses_calibration.csv -o runs/diagnosis-arm\n"
-                    "  simgap design --separate runs/diagnosis-arm --count 5 -o runs/next\n"
+                    "  simgap design --separate runs/diagnosis-arm --count 2 -o runs/next\n"
                     "  simgap design --excite data/robot/robot.urdf \\\n"
                     "    data/robot/limits.yaml -o runs/excitation\n"
                     "  simgap design --drive data/logs/drive-limits.yaml -o runs/protocol",

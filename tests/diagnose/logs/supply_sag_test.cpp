@@ -9,7 +9,7 @@
 namespace simgap::test {
 namespace {
 
-TEST(SupplySag, IsNoFrictionByTheLoad) {
+TEST(SlowSupplySag, IsNoFrictionByTheLoad) {
   reality::ServoDraw draw = reality::drawServoNone(5203, reality::Mechanism::kVoltageServo);
   draw.rig.rows = 10000;
   draw.secret.rail_sag = 0.06;

@@ -99,7 +99,7 @@ TEST(MotionDiagnosis, FindsAClockThatIsLittleMoreThanItsOwn) {
   EXPECT_NEAR(expectFound(diagnoseForearm(test::trueForearm(), rig), "joint-clock-offset"), 0.022, 0.001);
 }
 
-TEST(MotionDiagnosis, GuidesOfAllCordsAreNotNamedAsThoseOfOne) {
+TEST(SlowMotionDiagnosis, GuidesOfAllCordsAreNotNamedAsThoseOfOne) {
   reality::MovingArm truth = test::trueForearm();
   truth.hidden.guide_loss = 0.13;
   const MotionDiagnosis result = diagnoseForearm(truth);
@@ -114,17 +114,17 @@ MotionDiagnosis diagnoseDrawnForearm(const char* effect, std::uint64_t seed) {
 }
 
 // Where the fit without a cause comes to, a payload looks like more inertia: the scan does not promise it a fit.
-TEST(MotionDiagnosis, APayloadIsNotNamedAsInertia) {
+TEST(SlowMotionDiagnosis, APayloadIsNotNamedAsInertia) {
   EXPECT_NEAR(expectFound(diagnoseDrawnForearm("payload", 202), "payload"), 0.213, 0.08);  // mass x distance is known
 }
 
 // There the fit without a cause is lost, and the scan likes six others better.
-TEST(MotionDiagnosis, LooksFurtherWhereTheBestLeavesMuch) {
+TEST(SlowMotionDiagnosis, LooksFurtherWhereTheBestLeavesMuch) {
   EXPECT_NEAR(expectFound(diagnoseDrawnForearm("controller-gain", 204), "controller-gain"), 0.5995, 0.01);
 }
 
 // A cord whose damping is beyond what a fit may carry is not one that relaxes within a moment.
-TEST(MotionDiagnosis, MuchMoreDampingIsNoRelaxation) {
+TEST(SlowMotionDiagnosis, MuchMoreDampingIsNoRelaxation) {
   EXPECT_GT(expectFound(diagnoseDrawnForearm("cord-damping", 204), "cord-damping"), 4.0);
 }
 
@@ -134,7 +134,7 @@ TEST(MotionDiagnosis, WhatStoodForAnotherCauseIsTakenBack) {
 }
 
 // The fit of all cords is lost where the scan begins it; it is found from where that of one cord stands.
-TEST(MotionDiagnosis, RelaxationOfAllCordsIsNotNamedAsThatOfOne) {
+TEST(SlowMotionDiagnosis, RelaxationOfAllCordsIsNotNamedAsThatOfOne) {
   const MotionDiagnosis result = diagnoseDrawnForearm("cord-relaxation", 115);
   EXPECT_NEAR(expectFound(result, "cord-relaxation"), 0.157, 0.02);
   ASSERT_FALSE(result.diagnosis.causes.empty());
@@ -142,14 +142,14 @@ TEST(MotionDiagnosis, RelaxationOfAllCordsIsNotNamedAsThatOfOne) {
 }
 
 // The model is so lost without it that the scan promises placebos as much; held-out motions speak for it.
-TEST(MotionDiagnosis, WhatExplainsALostModelNeedsNoPlacebo) {
+TEST(SlowMotionDiagnosis, WhatExplainsALostModelNeedsNoPlacebo) {
   const MotionDiagnosis result = diagnoseDrawnForearm("current-limit", 106);
   EXPECT_NEAR(expectFound(result, "current-limit"), 1.336, 0.05);
   ASSERT_FALSE(result.diagnosis.causes.empty());
   EXPECT_LT(result.diagnosis.causes.front().p_adjusted, 0.05);
 }
 
-TEST(MotionDiagnosis, ALimitOfCurrentsIsKnownToAPartOfItself) {
+TEST(SlowMotionDiagnosis, ALimitOfCurrentsIsKnownToAPartOfItself) {
   const MotionDiagnosis result = diagnoseDrawnForearm("current-limit", 203);
   expectFound(result, "current-limit");
   ASSERT_FALSE(result.diagnosis.causes.empty());

@@ -51,7 +51,7 @@ TEST(PoseForces, ASpringIsNamedWhateverItsStrength) {
   expectTheSame(plain, diagnoseWithForces(draw, kStronger), "stiffness");
 }
 
-TEST(PoseForces, FrictionIsNamedWhateverItsStrength) {
+TEST(SlowPoseForces, FrictionIsNamedWhateverItsStrength) {
   reality::PoseDrawOptions options;
   options.effect = "joint-stiction";
   const reality::PoseDraw draw = reality::drawPoses(11, options);

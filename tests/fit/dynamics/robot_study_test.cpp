@@ -79,10 +79,10 @@ void study(const char* name, const reality::RobotRigOptions& rig, std::uint64_t 
   EXPECT_LE(quantile(s.ratios, 0.9), 1.1);
 }
 
-TEST(RobotStudy, AFewRobots) { study("a few", {}, 501, 6); }
+TEST(SlowRobotStudy, AFewRobots) { study("a few", {}, 501, 6); }
 
 /// What smoothing does to a motion that turns with a jerk is alike in all blocks.
-TEST(RobotStudy, AFewRobotsHeldOnTheirCourse) {
+TEST(SlowRobotStudy, AFewRobotsHeldOnTheirCourse) {
   reality::RobotRigOptions rig;
   rig.rate = 200.0;
   rig.log_velocity = true;

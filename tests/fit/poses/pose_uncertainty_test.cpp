@@ -18,7 +18,7 @@ namespace {
 
 using testing::Test;
 
-TEST(Uncertainty, StandardDeviationsMatchTheErrorsOfRefits) {
+TEST(SlowUncertainty, StandardDeviationsMatchTheErrorsOfRefits) {
   // Truth drawn from the priors, poses from the independent simulator, 0.3 deg of capture noise, a fit: 200 times.
   // Lines that are known to 3 mm: with 11 mm one fit in ten ends beside the truth, at another minimum, where no linear
   // uncertainty can hold.
