@@ -102,7 +102,6 @@ std::string nextPoseExperiment(const PoseProblem& problem, PoseFit& fit, const P
                        2 * kManyPoses, poses);
   }
   for (const NotTestable& effect : not_testable) {
-    if (effect.reason != kNeedsTime) continue;
     return fmt::format("Record time_s with every pose: {} cannot be tested without.", effect.effect);
   }
   return "Repeat a few commands from both sides and at the end of the session: that shows stiction and drift, and the "

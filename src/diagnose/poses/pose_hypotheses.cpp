@@ -15,7 +15,7 @@ std::vector<ArmHypothesis> poseHypotheses(const ArmModel& model, std::span<const
     if (!effects.empty() && std::ranges::find(effects, effect->name) == effects.end()) continue;
     if (effect->needs_motion) continue;
     if (effect->needs_time && !timed) {
-      not_testable.push_back({std::string(effect->name), kNeedsTime});
+      not_testable.push_back({std::string(effect->name), "needs time_s"});
       continue;
     }
     for (const std::string& target : effectTargets(*effect, model)) {

@@ -11,8 +11,6 @@
 
 namespace simgap {
 
-inline constexpr const char* kNeedsTime = "needs time_s";  ///< why an effect is not testable
-
 /// All hypotheses that the poses can test, and why others cannot be.
 std::vector<ArmHypothesis> poseHypotheses(const ArmModel& model, std::span<const Pose> poses,
                                           const std::vector<std::string>& effects,
