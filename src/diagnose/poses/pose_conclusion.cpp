@@ -20,10 +20,8 @@ constexpr double kSmallRest = 0.05;    // of the error without causes: what the 
 constexpr double kHardly = 0.05;       // of the error beyond noise: what causes that are none may take away
 constexpr double kNearNoise = 1.25;    // RMS, in noise floors: what poses not fitted to may have
 
-/// Structure on poses not fitted to.
-bool isStructure(const PoseSelection& selection) {
-  return selection.excess > kLargeExcess && selection.excess > kClearExcess * selection.excess_sd;
-}
+/// Structure on poses not fitted to. \param excess  with or without the causes
+bool isStructure(double excess, double sd) { return excess > kLargeExcess && excess > kClearExcess * sd; }
 
 std::string foundText(const PoseSelection& selection, std::size_t heldout, const Diagnosis& d) {
   const double left = d.extended.mse_heldout / d.baseline.mse_heldout;
@@ -88,15 +86,17 @@ double leftInNoise(const Diagnosis& d, double noise) {
 }
 
 bool leavesTooMuch(const PoseSelection& selection, const Diagnosis& d, double noise) {
-  const double taken = d.baseline.mse_heldout - d.extended.mse_heldout;
-  const bool partial =
-      leftInNoise(d, noise) > kFarFromNoise && d.extended.mse_heldout > kSmallRest * d.baseline.mse_heldout;
-  const bool hardly = leftInNoise(d, noise) > kNearNoise && taken < kHardly * (d.baseline.mse_heldout - noise);
-  return isStructure(selection) && (partial || hardly);
+  const double times = leftInNoise(d, noise), taken = d.baseline.mse_heldout - d.extended.mse_heldout;
+  const bool partial = isStructure(selection.excess, selection.excess_sd) && times > kFarFromNoise &&
+                       d.extended.mse_heldout > kSmallRest * d.baseline.mse_heldout;
+  // Of what the model without causes leaves: causes that were taken back since had lowered the excess.
+  const bool hardly = isStructure(selection.excess_plain, selection.excess_sd) && times > kNearNoise &&
+                      taken < kHardly * (d.baseline.mse_heldout - noise);
+  return partial || hardly;
 }
 
 void concludePoses(const PoseSelection& selection, std::size_t heldout, bool partial, Diagnosis& d) {
-  const bool structure = isStructure(selection);
+  const bool structure = isStructure(selection.excess, selection.excess_sd);
   const DataFault* fault = openFault(d.faults);
   d.verdict =
       fault != nullptr ? DiagnosisVerdict::kDataFault : verdictOf(d.causes, structure || partial || selection.tethered);
