@@ -10,6 +10,7 @@
 
 #include "diagnose/paired_error.h"
 #include "diagnose/verdict.h"
+#include "held_out_poses.h"
 #include "pose_advice.h"
 #include "pose_candidates.h"
 #include "pose_conclusion.h"
@@ -25,33 +26,6 @@ namespace simgap {
 namespace {
 
 constexpr double kLeastOdds = 1.0;  // log, of causes by all poses together
-
-/// Poses of the selection and those held out, without the faulty ones.
-struct Split {
-  std::vector<Pose> selection, heldout, all;
-};
-
-/// Which poses only measure the gain, spread evenly over the order of recording.
-std::vector<bool> chooseHeldout(std::size_t poses, double holdout) {
-  std::vector<bool> heldout;
-  double owed = 0.0;
-  for (std::size_t p = 0; p < poses; ++p) {
-    owed += holdout;
-    heldout.push_back(owed >= 1.0 - 1e-12);
-    if (heldout.back()) owed -= 1.0;
-  }
-  return heldout;
-}
-
-Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std::vector<bool>& faulty) {
-  Split split;
-  for (std::size_t p = 0; p < set.poses.size(); ++p) {
-    if (faulty[p]) continue;
-    split.all.push_back(set.poses[p]);
-    (heldout[p] ? split.heldout : split.selection).push_back(set.poses[p]);
-  }
-  return split;
-}
 
 double mean(const Eigen::ArrayXd& values) { return values.size() > 0 ? values.mean() : 0.0; }
 
@@ -84,7 +58,6 @@ class Diagnosing {
     progress_(std::string(what), share);
   }
   Eigen::VectorXd fitPlain();
-  [[noreturn]] void failForPoses(std::size_t found) const;
   void leaveOut();
   void takeBack(const PoseProblem& without);
   void forgetAll();
@@ -136,13 +109,11 @@ Eigen::VectorXd Diagnosing::fitPlain() {
   result_.diagnosis.faults = findPoseFaults(everywhere, problem_.noise.capture_sd, faulty);
   for (DataFault& fault : result_.diagnosis.faults) fault.corrected |= options_.ignore_faults;
   split_ = splitPoses(set_, heldout, faulty);
-  if (split_.selection.size() < kFewestPoses) failForPoses(split_.selection.size());
+  if (split_.selection.size() < kFewestPoses) {
+    throw DataError(fmt::format("{}: found {} poses to select causes with, expected at least {}", set_.file,
+                                split_.selection.size(), kFewestPoses));
+  }
   return fit.z();
-}
-
-void Diagnosing::failForPoses(std::size_t found) const {
-  throw DataError(
-      fmt::format("{}: found {} poses to select causes with, expected at least {}", set_.file, found, kFewestPoses));
 }
 
 /// Poses that the model has no rest near once the causes are in it take no part in what follows.
@@ -389,20 +360,6 @@ void PoseDiagnosisOptions::validate() const {
   if (!(holdout > 0.0 && holdout < 0.9)) {
     throw ConfigError(fmt::format("--holdout: found {}, expected a fraction in (0, 0.9)", holdout));
   }
-}
-
-void requireEnough(const PoseSet& set, const PoseDiagnosisOptions& options) {
-  constexpr auto kFewest = static_cast<std::ptrdiff_t>(kFewestPoses);
-  const auto selecting = [&](std::size_t poses) {
-    return std::ranges::count(chooseHeldout(poses, options.holdout), false);
-  };
-  if (selecting(set.poses.size()) >= kFewest) return;
-  std::size_t fewest = kFewestPoses;
-  while (selecting(fewest) < kFewest) ++fewest;
-  throw DataError(
-      fmt::format("{}: found {} poses, expected at least {}: {} to select causes with, and {:.0f} % that only "
-                  "measure the gain",
-                  set.file, set.poses.size(), fewest, kFewestPoses, 100.0 * options.holdout));
 }
 
 PoseDiagnosis diagnosePoses(const ArmModel& model, const PoseSet& set,

@@ -4,21 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <utility>
 #include <vector>
 
+#include "channel_difference.h"
 #include "simgap/core/statistics.h"
 #include "simgap/measure/logs/motion.h"
 
 namespace simgap {
 namespace {
-
-std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
-  std::vector<double> result(a.size());
-  std::ranges::transform(a, b, result.begin(), std::minus<>());
-  return result;
-}
 
 /// Correlation of the signs of what no joint does, the fast half of what rows can show: a few jerks do not decide it.
 double answer(const ActuatorLog& log, std::span<const Block> runs, double rate) {

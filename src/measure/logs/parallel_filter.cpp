@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
+#include "channel_difference.h"
 #include "derived_motion.h"
 #include "simgap/core/statistics.h"
 #include "simgap/core/units.h"
@@ -33,30 +35,18 @@ std::vector<double> lostAcceleration(const ActuatorLog& log, std::span<const Blo
   constexpr double kWider = 2.0;
   const bool of_velocity = data.derived.front() != "velocity";
   const std::vector<double>& measured = of_velocity ? log.velocity : log.position;
-  std::vector<double> lost = smoothMotion(log.time, measured, of_velocity, runs, kWider * data.bandwidth).acceleration;
-  const std::vector<double> kept = smoothMotion(log.time, measured, of_velocity, runs, data.bandwidth).acceleration;
-  for (std::size_t i = 0; i < lost.size(); ++i) lost[i] -= kept[i];
-  return lost;
+  const auto acceleration = [&](double bandwidth) {
+    return smoothMotion(log.time, measured, of_velocity, runs, bandwidth).acceleration;
+  };
+  return difference(acceleration(kWider * data.bandwidth), acceleration(data.bandwidth));
 }
 
-/// Root mean square over the rows that count of what an effort changes by faster than the motion can follow, and how
-/// that goes with the acceleration which the motion lost.
-struct FastEffort {
-  double size, goes_with;
-};
-
-FastEffort fastEffort(std::span<const double> effort, std::span<const double> smoothed, std::span<const double> lost,
-                      const std::vector<bool>& keep) {
-  std::vector<double> fast, accelerates;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < keep.size(); ++i) {
-    if (!keep[i]) continue;
-    fast.push_back(effort[i] - smoothed[i]);
-    accelerates.push_back(lost[i]);
-    squares += fast.back() * fast.back();
+std::vector<double> kept(const std::vector<double>& values, const std::vector<bool>& keep) {
+  std::vector<double> some;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (keep[i]) some.push_back(values[i]);
   }
-  if (fast.empty()) return {0.0, 0.0};
-  return {std::sqrt(squares / static_cast<double>(fast.size())), std::abs(correlation(fast, accelerates))};
+  return some;
 }
 
 }  // namespace
@@ -69,16 +59,19 @@ void smoothLikeMotion(ActuatorLog& log, std::span<const Block> runs, const Motio
   std::vector<double> effort = log.effort;
   for (std::size_t i = 0; i < effort.size(); ++i) effort[i] -= friction * sign.direction[i];
   std::vector<double> smoothed = smoothRuns(log.time, effort, runs, data.bandwidth);
-  const FastEffort fast = fastEffort(effort, smoothed, lostAcceleration(log, runs, data), sign.keep);
-  if (fast.size <= kClear * noiseLevel(log.effort) || !(fast.goes_with >= kGoesWith)) return;
+  const std::vector<double> fast = kept(difference(effort, smoothed), sign.keep);
+  const double size =
+      std::sqrt(std::inner_product(fast.begin(), fast.end(), fast.begin(), 0.0) / static_cast<double>(fast.size()));
+  if (!(size > kClear * noiseLevel(log.effort))) return;
+  if (!(std::abs(correlation(fast, kept(lostAcceleration(log, runs, data), sign.keep))) >= kGoesWith)) return;
   data.warnings.push_back(
       fmt::format("{} was smoothed like the motion, {:.3g} Hz: it accelerates faster than what was "
                   "worked out can follow, by {:.2g} {}",
-                  quantityName(log.effort_name, log.effort_unit), data.bandwidth, fast.size, log.effort_unit));
+                  quantityName(log.effort_name, log.effort_unit), data.bandwidth, size, log.effort_unit));
   for (std::size_t i = 0; i < effort.size(); ++i) log.effort[i] = smoothed[i] + friction * sign.direction[i];
   if (log.load.empty()) return;
-  const std::vector<double> load = smoothRuns(log.time, log.load, runs, data.bandwidth);
-  for (std::size_t i = 0; i < load.size(); ++i) data.load[static_cast<Eigen::Index>(i)] += load[i] - log.load[i];
+  const std::vector<double> change = difference(smoothRuns(log.time, log.load, runs, data.bandwidth), log.load);
+  data.load += Eigen::Map<const Eigen::ArrayXd>(change.data(), std::ssize(change));
 }
 
 }  // namespace simgap

@@ -10,6 +10,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/fit/actuators/friction_fit.h"
+#include "support/current_log.h"
 
 namespace simgap {
 namespace {
@@ -22,11 +23,7 @@ struct Truth {
 };
 
 ActuatorLog swing(const Truth& truth, double noise) {
-  ActuatorLog log;
-  log.file = "pendulum.csv";
-  log.effort_name = "motor_current";
-  log.effort_unit = "A";
-  log.has_time = true;
+  ActuatorLog log = test::currentLog("pendulum.csv");
   log.session_names = {"0"};
   std::mt19937_64 random(7);
   std::normal_distribution<double> normal(0.0, 1.0);

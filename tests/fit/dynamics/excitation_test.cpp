@@ -84,9 +84,11 @@ void expectWithin(const reality::Robot& robot, const ArmModel& arm, const Excita
   }
 }
 
-TEST(Excitation, KeepsTheLimitsOfMotionAndEffort) {
-  for (const std::uint64_t seed : {1, 2, 3}) {
-    const reality::Robot robot = reality::randomRobot(seed, 3, seed == 2, seed == 3);
+/// \param joints  of a robot, by its seed
+void expectLimitsKept(int (*joints)(int seed)) {
+  for (const int seed : {1, 2, 3}) {
+    const reality::Robot robot =
+        reality::randomRobot(static_cast<std::uint64_t>(seed), joints(seed), seed == 2, seed == 3);
     const ArmModel arm = test::drawnArm(robot, 0);
     ExcitationLimits limits = limitsFrom(kAll, arm);
     const Excitation free = excite(arm, limits);
@@ -96,6 +98,14 @@ TEST(Excitation, KeepsTheLimitsOfMotionAndEffort) {
     expectWithin(robot, arm, limits, bound.motion);
     EXPECT_LE(free.precision.log_sd, bound.precision.log_sd) << "a limit cannot make a motion tell more";
   }
+}
+
+TEST(Excitation, KeepsTheLimitsOfMotionAndEffort) {
+  expectLimitsKept([](int) { return 3; });
+}
+
+TEST(SlowExcitation, KeepsTheLimitsOfRobotsOfThreeToFiveJoints) {
+  expectLimitsKept([](int seed) { return 2 + seed; });
 }
 
 /// A rod that hangs from a hinge: its end is off the axis by its length, whatever is searched.

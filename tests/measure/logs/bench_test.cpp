@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "simgap/measure/logs/friction_rows.h"
+#include "support/current_log.h"
 #include "support/files.h"
 
 namespace simgap::test {
@@ -23,11 +24,7 @@ Bench pendulum(const std::string& keys) {
 
 /// The same slow swing in every session: its load is the weight, next to nothing of it inertia.
 ActuatorLog swings(const std::vector<std::string>& sessions) {
-  ActuatorLog log;
-  log.file = "log.csv";
-  log.effort_name = "motor_current";
-  log.effort_unit = "A";
-  log.has_time = true;
+  ActuatorLog log = test::currentLog("log.csv");
   log.session_names = sessions;
   for (int s = 0; s < static_cast<int>(sessions.size()); ++s) {
     for (int i = 0; i < 2000; ++i) {

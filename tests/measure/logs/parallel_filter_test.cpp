@@ -10,6 +10,7 @@
 
 #include "simgap/measure/logs/bench.h"
 #include "simgap/measure/logs/friction_rows.h"
+#include "support/current_log.h"
 
 namespace simgap::test {
 namespace {
@@ -28,11 +29,7 @@ ActuatorLog recorded(double ring_Hz, double ripple) {
   const double count = 2.0 * std::numbers::pi / 4096.0;
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise(0.0, 0.01);
-  ActuatorLog log;
-  log.file = "log.csv";
-  log.effort_name = "motor_current";
-  log.effort_unit = "A";
-  log.has_time = true;
+  ActuatorLog log = currentLog("log.csv");
   log.session_names = {""};
   double angle = 0.0, speed = 0.0;
   for (int i = 0; i * kStep < kSeconds; ++i) {

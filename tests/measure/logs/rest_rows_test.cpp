@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "simgap/measure/logs/friction_rows.h"
+#include "support/current_log.h"
 
 namespace simgap {
 namespace {
@@ -39,8 +40,7 @@ Stroke strokes() {
 
 TEST(RestRows, AccelerationsThatCountAreRightBesideThem) {
   const Stroke s = strokes();
-  ActuatorLog log;
-  log.file = "log.csv", log.effort_name = "motor_current", log.effort_unit = "A", log.has_time = true;
+  ActuatorLog log = test::currentLog("log.csv");
   log.time = s.time, log.position = s.angle;
   log.session.assign(s.time.size(), 0), log.session_names = {"0"};
   for (std::size_t i = 0; i < s.time.size(); ++i) log.effort.push_back(1.0 + 0.5 * std::sin(0.013 * double(i)));

@@ -10,6 +10,7 @@
 
 #include "simgap/measure/logs/friction_rows.h"
 #include "simgap/measure/logs/motion.h"
+#include "support/current_log.h"
 
 namespace simgap {
 namespace {
@@ -71,13 +72,9 @@ TEST(EvenTimes, KeepSamplesThatWereLost) {
 }
 
 ActuatorLog driveLog(const StampedLog& log) {
-  ActuatorLog drive;
-  drive.file = "log.csv";
-  drive.effort_name = "motor_current";
-  drive.effort_unit = "A";
+  ActuatorLog drive = test::currentLog("log.csv");
   drive.time = log.stamped;
   drive.position = log.angle;
-  drive.has_time = true;
   drive.session = log.session;
   drive.session_names = {"0"};
   for (std::size_t i = 0; i < log.angle.size(); ++i) drive.effort.push_back(1.0 + 0.5 * std::sin(0.013 * double(i)));

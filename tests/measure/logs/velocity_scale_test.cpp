@@ -6,6 +6,7 @@
 
 #include "simgap/core/rotation.h"
 #include "simgap/measure/logs/friction_rows.h"
+#include "support/current_log.h"
 #include "support/files.h"
 
 namespace simgap::test {
@@ -17,11 +18,7 @@ using ::testing::HasSubstr;
 
 /// A drive that swings by 1 rad under a changing load; its columns times factors.
 ActuatorLog swinging(double of_position, double of_velocity) {
-  ActuatorLog log;
-  log.file = "drive.csv";
-  log.effort_name = "motor_current";
-  log.effort_unit = "A";
-  log.has_time = true;
+  ActuatorLog log = test::currentLog("drive.csv");
   for (int i = 0; i < 2000; ++i) {
     const double t = 0.01 * i;
     log.time.push_back(t);
