@@ -136,10 +136,9 @@ double measureLeft(const Selection& selection, const PreparedLog& log, const Eig
   const std::vector<EvidenceChannel> channels = evidenceChannels(log);
   d.evidence = binEvidence(log, channels, before, after, correlation);
   const Ceiling left = known ? *known : explainable(log, channels, after, seed);
-  const Ceiling whole = d.causes.empty() ? left : explainable(log, channels, before, seed);
   const double explained = std::max(0.0, 1.0 - d.extended.mse_heldout / d.baseline.mse_heldout);
   d.explained_percent = 100.0 * explained;
-  d.explainable_percent = 100.0 * std::max(whole.share, explained + (1.0 - explained) * left.share);
+  d.explainable_percent = 100.0 * (explained + (1.0 - explained) * left.share);
   sayWhatIsLeft(selection, log, left, d);
   if (d.unexplained.empty() && actsUnseen(log, after, floor)) {
     d.left_over_percent = (100.0 - d.explained_percent) * (1.0 - floor / std::max(d.extended.mse_heldout, floor));
