@@ -55,6 +55,16 @@ TEST_P(PosePlausibility, JointAnglesInDegreesAreNamed) {
   EXPECT_THAT(said(), AllOf(HasSubstr("3: poses.csv: "), HasSubstr("looks like degrees")));
 }
 
+TEST_P(PosePlausibility, RadiansInAColumnOfDegreesAreNamed) {
+  for (Pose& pose : poses_) pose.joints[1].angle *= kDegree;
+  EXPECT_THAT(said(), AllOf(HasSubstr("3: poses.csv: "), HasSubstr("_deg: "), HasSubstr("look like radians")));
+  poses_ = rig_.calibration;
+  for (Pose& pose : poses_) {
+    for (double& shaft : pose.shafts) shaft *= kDegree;
+  }
+  EXPECT_THAT(said(), AllOf(HasSubstr("3: poses.csv: shaft_<muscle>_deg: "), HasSubstr("look like radians")));
+}
+
 TEST_P(PosePlausibility, JointAnglesOfTheOtherSignAreNamed) {
   for (Pose& pose : poses_) pose.joints[1].angle *= -1.0;
   poses_.front().joints[1].angle = -2.0;  // of limits from 0 to 2.36

@@ -312,6 +312,7 @@ PoseDiagnosis Diagnosing::run() {
   PoseFit plain = fittedFrom(without, split_.all, {}, selection_.z_plain);
   PoseFit fit = fittedFrom(problem_, split_.all, selection_.allCauses(), selection_.z);
   d.noise_floor = poseNoiseFloor(fit);
+  if (d.extended.mse_heldout > 0.0) d.noise_floor = std::min(d.noise_floor, d.extended.mse_heldout);
   d.extensions = fit.extensions();
   for (std::size_t c = 0; c < d.causes.size(); ++c) {
     const ArmEffect& effect = *selection_.causes[c].cause.effect;

@@ -129,6 +129,8 @@ TEST(PoseDiagnosis, RefusesUnknownEffectsAndTooFewPoses) {
   options.poses = 9;  // of which 7 would select causes
   const reality::PoseDraw draw = reality::drawPoses(1, options);
   EXPECT_THAT(test::errorOf([&] { diagnose(draw); }), testing::HasSubstr("found 9 poses, expected at least 10"));
+  PoseSet copies{"copies.csv", std::vector<Pose>(60)};
+  EXPECT_THAT(test::errorOf([&] { requireEnough(copies, {}); }), testing::HasSubstr("found 1 different poses"));
   PoseDiagnosisOptions wrong;
   wrong.effects = {"muscle-warp"};
   EXPECT_THAT(test::errorOf([&] { diagnose(draw, wrong); }), testing::HasSubstr("found 'muscle-warp'"));

@@ -42,7 +42,7 @@ struct PoseDiagnosis {
   std::string pose_errors;  ///< CSV: root mean square joint error of each pose before and after [deg]
 };
 
-/// \throws DataError: so few poses that, without those held out, fewer than 8 are left.
+/// \throws DataError: so few different poses that, without those held out, fewer than 8 are left.
 void requireEnough(const PoseSet& set, const PoseDiagnosisOptions& options);
 
 /// \param parameters  the ordinary parameters that every hypothesis refits, with their priors
