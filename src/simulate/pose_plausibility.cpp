@@ -10,6 +10,7 @@
 #include "position_reach.h"
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/statistics.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "simgap/simulate/possible_commands.h"
 
@@ -19,8 +20,7 @@ namespace {
 constexpr double kContradicted = 45.0 * kDegree;      // mean error of a reading that is in doubt,
 constexpr double kClearlyBetter = 0.5;                // and what of it the other reading may leave
 constexpr double kTwoTurns = 4.0 * std::numbers::pi;  // [rad] of a shaft
-constexpr double kMissed = 20.0 * kDegree;            // mean error of a joint that hardly moves as it is read,
-constexpr double kMet = 0.25;                         // and what of it may be left where it moves 57 times as far
+constexpr double kGoesWith = 0.8;                     // correlation of a joint with its model's
 constexpr double kLeastPressure = 1000.0;             // [Pa]
 constexpr std::size_t kLooked = 40;                   // poses, enough for a mean
 
@@ -74,7 +74,8 @@ void refusePosesOutOfReach(const ArmModel& model, const PoseSet& set) {
 /// Mean error per joint of the model against poses as they stand and read another way, over poses with equilibria for
 /// both.
 struct Readings {
-  std::vector<double> as_is, other_shafts, order_xyzw, joints_in_radians;  ///< shape (joints) [rad], as counted
+  std::vector<double> as_is, shafts_in_degrees, order_xyzw;  ///< shape (joints) [rad], as counted
+  std::vector<std::vector<double>> measured, of_model;       ///< shape (joints, poses) [rad], of hinges
 };
 
 /// What was meant by a quaternion whose cells stand in the order x, y, z, w.
@@ -83,35 +84,32 @@ JointPosition fromXyzw(const JointPosition& read) {
   return {Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()), read.angle};
 }
 
-/// What was meant by radians in a column of degrees.
-JointPosition fromRadians(const JointPosition& read) { return {read.rotation, toDegrees(read.angle)}; }
-
-/// \param shaft_factor  what other shafts are of those that were read
-Readings compareReadings(const ArmModel& model, const PoseSet& set, double shaft_factor) {
+Readings compareReadings(const ArmModel& model, const PoseSet& set) {
   const std::size_t joints = model.joints.size();
   const std::vector<double> none(joints, 0.0);
-  Readings mean{none, none, none, none};
+  Readings mean{none, none, none, std::vector<std::vector<double>>(joints), std::vector<std::vector<double>>(joints)};
   EquilibriumArm arm(model), other(model);
-  std::vector<double> shafts;
+  std::vector<double> degrees;
   int count = 0;
   for (std::size_t p = 0; p < std::min(kLooked, set.poses.size()); ++p) {
     const Pose& pose = set.poses[p];
-    shafts = pose.shafts;
-    for (std::size_t m = 0; m < model.muscles.size(); ++m) shafts[m] *= shaft_factor;
+    degrees = pose.shafts;
+    for (std::size_t m = 0; m < model.muscles.size(); ++m) degrees[m] *= kDegree;
     for (EquilibriumArm* each : {&arm, &other}) each->setHistory(pose.time, pose.shafts_before);
-    if (!arm.solve(pose.shafts).stable || !other.solve(shafts).stable) continue;
+    if (!arm.solve(pose.shafts).stable || !other.solve(degrees).stable) continue;
     ++count;
     for (std::size_t j = 0; j < joints; ++j) {
       const JointType type = model.joints[j].type;
       const double counted = kindOf(type).counted;
       const JointPosition& at = arm.joints()[j];
       mean.as_is[j] += counted * jointError(type, pose.joints[j], at);
-      mean.other_shafts[j] += counted * jointError(type, pose.joints[j], other.joints()[j]);
+      mean.shafts_in_degrees[j] += counted * jointError(type, pose.joints[j], other.joints()[j]);
       mean.order_xyzw[j] += counted * jointError(type, fromXyzw(pose.joints[j]), at);
-      mean.joints_in_radians[j] += counted * jointError(type, fromRadians(pose.joints[j]), at);
+      mean.measured[j].push_back(pose.joints[j].angle);
+      mean.of_model[j].push_back(at.angle);
     }
   }
-  for (std::vector<double>* of : {&mean.as_is, &mean.other_shafts, &mean.order_xyzw, &mean.joints_in_radians}) {
+  for (std::vector<double>* of : {&mean.as_is, &mean.shafts_in_degrees, &mean.order_xyzw}) {
     for (double& error : *of) error /= std::max(1, count);
   }
   return mean;
@@ -125,33 +123,26 @@ double largestShaft(const ArmModel& model, const PoseSet& set) {
   return largest;
 }
 
-double largestAngle(const PoseSet& set, std::size_t joint) {
-  double largest = 0.0;
-  for (const Pose& pose : set.poses) largest = std::max(largest, std::abs(pose.joints[joint].angle));
-  return largest;
-}
-
 bool clearlyWrong(double as_is, double other) { return as_is > kContradicted && other < kClearlyBetter * as_is; }
 
+/// A joint that moves as the model says, but 57 times less far.
 void refuseJointsInRadians(const ArmModel& model, const PoseSet& set, const Readings& readings) {
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
-    const double largest = largestAngle(set, j), as_is = readings.as_is[j], meant = readings.joints_in_radians[j];
-    if (!joint.hasAxis() || joint.slides() || largest > std::numbers::pi * kDegree) continue;
-    if (!(as_is > kMissed && meant < kMet * as_is)) continue;
+    const std::vector<double>&read = readings.measured[j], &of_model = readings.of_model[j];
+    if (!joint.hasAxis() || joint.slides() || read.size() < 3) continue;
+    if (!(correlation(read, of_model) > kGoesWith)) continue;
+    const double moved = standardDeviation(read), meant = standardDeviation(of_model);
+    if (moved < 0.5 * kDegree * meant || moved > 2.0 * kDegree * meant) continue;
     throw DataError(
-        fmt::format("{}: {}_deg: found angles of {:.3g} deg at most that look like radians: read as named they lie "
-                    "{:.0f} deg from where the model rests, read as radians {:.0f} deg; name the column {}_rad",
-                    set.file, joint.name, toDegrees(largest), toDegrees(as_is), toDegrees(meant), joint.name));
+        fmt::format("{}: {}_deg: found angles that look like radians: read as named the joint goes {:.2g} deg to and "
+                    "fro where the model goes {:.2g} deg; name the column {}_rad",
+                    set.file, joint.name, toDegrees(moved), toDegrees(meant), joint.name));
   }
 }
 
 void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
-  const double largest = largestShaft(model, set);
-  // A wrong model may be worse than an arm that hardly moves, which is what shafts in degrees make of it; but shafts
-  // that make two turns and more are rare, and angles in degrees are not. Nor do shafts stay within 12 degrees.
-  const bool in_degrees = largest > kTwoTurns, in_radians = largest < kTwoTurns * kDegree;
-  const Readings readings = compareReadings(model, set, in_degrees ? kDegree : in_radians ? 1.0 / kDegree : 1.0);
+  const Readings readings = compareReadings(model, set);
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     if (model.joints[j].hasAxis()) continue;
     if (!clearlyWrong(readings.as_is[j], readings.order_xyzw[j])) continue;
@@ -164,14 +155,16 @@ void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
         set.file, name, name, name, name, toDegrees(readings.as_is[j]), toDegrees(readings.order_xyzw[j])));
   }
   refuseJointsInRadians(model, set, readings);
-  const auto worst = [](const std::vector<double>& errors) { return toDegrees(*std::ranges::max_element(errors)); };
-  const double as_is = worst(readings.as_is), other = worst(readings.other_shafts);
-  if (!clearlyWrong(as_is * kDegree, other * kDegree) || !(in_degrees || in_radians)) return;
-  const char* meant = in_degrees ? "degrees" : "radians";
-  throw DataError(fmt::format(
-      "{}: shaft_<muscle>_{}: found angles that look like {}: read as named the model rests {:.0f} deg from "
-      "the poses, read as {} {:.0f} deg; name the columns shaft_<muscle>_{}",
-      set.file, in_degrees ? "rad" : "deg", meant, as_is, meant, other, in_degrees ? "deg" : "rad"));
+  const auto worst = [](const std::vector<double>& errors) { return *std::ranges::max_element(errors); };
+  // A wrong model may be worse than an arm that hardly moves, which is what shafts in degrees make of it; but shafts
+  // that make two turns and more are rare, and angles in degrees are not.
+  if (largestShaft(model, set) > kTwoTurns && clearlyWrong(worst(readings.as_is), worst(readings.shafts_in_degrees))) {
+    throw DataError(
+        fmt::format("{}: shaft_<muscle>_rad: found angles that look like degrees, expected rad: read as rad the model "
+                    "rests {:.0f} deg "
+                    "from the poses, read as degrees {:.0f} deg; name the columns shaft_<muscle>_deg",
+                    set.file, toDegrees(worst(readings.as_is)), toDegrees(worst(readings.shafts_in_degrees))));
+  }
 }
 
 }  // namespace
