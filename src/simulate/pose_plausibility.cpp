@@ -20,7 +20,7 @@ namespace {
 constexpr double kContradicted = 45.0 * kDegree;      // mean error of a reading that is in doubt,
 constexpr double kClearlyBetter = 0.5;                // and what of it the other reading may leave
 constexpr double kTwoTurns = 4.0 * std::numbers::pi;  // [rad] of a shaft
-constexpr double kGoesWith = 0.8;                     // correlation of a joint with its model's
+constexpr double kGoesWith = 0.6;                     // correlation of a joint with its model's
 constexpr double kLeastPressure = 1000.0;             // [Pa]
 constexpr std::size_t kLooked = 40;                   // poses, enough for a mean
 
@@ -130,7 +130,7 @@ void refuseJointsInRadians(const ArmModel& model, const PoseSet& set, const Read
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
     const std::vector<double>&read = readings.measured[j], &of_model = readings.of_model[j];
-    if (!joint.hasAxis() || joint.slides() || read.size() < 3) continue;
+    if (!joint.hasAxis() || joint.slides() || read.size() < 10) continue;
     if (!(correlation(read, of_model) > kGoesWith)) continue;
     const double moved = standardDeviation(read), meant = standardDeviation(of_model);
     if (moved < 0.5 * kDegree * meant || moved > 2.0 * kDegree * meant) continue;
