@@ -49,8 +49,11 @@ CommandColumn columnOf(CommandKind kind) {
 }
 
 void MotionCommands::at(double time, std::size_t& row, std::span<double> out) const {
-  if (row >= times.size() || times[row] > time) row = 0;
-  while (row + 1 < times.size() && times[row + 1] <= time) ++row;
+  // Ticks of a controller and rows of a log meet but for round-off: a tick later would be a command later.
+  constexpr double kSameMoment = 1e-7;  // [s]
+  const double now = time + kSameMoment;
+  if (row >= times.size() || times[row] > now) row = 0;
+  while (row + 1 < times.size() && times[row + 1] <= now) ++row;
   double part = 0.0;
   if (linear && row + 1 < times.size() && time > times[row]) {
     part = (time - times[row]) / (times[row + 1] - times[row]);

@@ -71,6 +71,26 @@ TEST_F(MotionSetTest, SaysWhatIsWrongWithTheSet) {
   EXPECT_THAT(refusal(std::string(kSet) + "  - {name: a, muscles: m.csv, joints: j.csv}\n"), HasSubstr("stands twice"));
 }
 
+TEST(MotionCommands, ActAtTheTickOfTheirRowWhereverClocksBegin) {
+  // Rows of 10 ms, ticks of 2 ms, which meet but for round-off; latencies of some ticks, as a rollout subtracts them.
+  constexpr int kRows = 800, kTicksPerRow = 5;
+  constexpr double kTick = 0.002;
+  for (const double origin : {0.0, 1.7, 12.3, 1e4 + 0.1}) {
+    MotionCommands commands;
+    for (int row = 0; row < kRows; ++row) commands.times.push_back(origin + 0.01 * row);
+    commands.values = Eigen::MatrixXd::Zero(1, kRows);
+    commands.values.row(0).setLinSpaced(kRows, 0.0, kRows - 1.0);
+    for (const int late : {0, 3, 7, 11}) {
+      std::size_t row = 0;
+      double command = 0.0;
+      for (int tick = late; tick < kRows * kTicksPerRow; ++tick) {
+        commands.at(origin + tick * kTick - late * kTick, row, {&command, 1});
+        ASSERT_EQ(command, (tick - late) / kTicksPerRow) << origin << " s, " << late << " late, tick " << tick;
+      }
+    }
+  }
+}
+
 TEST_F(MotionSetTest, TimesRise) {
   EXPECT_THAT(refusal(kSet, replaced(kMuscles, "\n1,180", "\n0.4,180")),
               StartsWith("3: d/m.csv:4: time goes back: found 0.4 s behind 0.5 s"));

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "motion_heldout.h"
+#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -23,12 +25,15 @@ MotionProblem motionProblem(const ArmModel& model, const MotionCalibrationConfig
   return problem;
 }
 
-double longestRow(std::span<const RecordedMotion> motions) {
+double usualRow(std::span<const RecordedMotion> motions) {
   double row = 0.0;
   for (const RecordedMotion& motion : motions) {
-    for (std::size_t r = 1; r < motion.times().size(); ++r) {
-      row = std::max(row, motion.times()[r] - motion.times()[r - 1]);
-    }
+    const std::vector<double>& times = motion.times();
+    if (times.size() < 2) continue;
+    std::vector<double> steps(times.size());
+    std::adjacent_difference(times.begin(), times.end(), steps.begin());
+    steps.erase(steps.begin());
+    row = std::max(row, median(std::move(steps)));
   }
   return row;
 }
@@ -43,7 +48,7 @@ MotionCandidate candidateOf(const MotionCauseFit& fit, const char* role) {
   Eigen::Index i = z.size() - 1;
   for (const ArmCause& cause : fit.causes()) i -= fittedParameters(*cause.effect);
   for (const ArmCause& cause : fit.causes()) {
-    const double row = cause.effect->command_delay ? kOfRow * longestRow(fit.motions()) : 0.0;
+    const double row = cause.effect->command_delay ? kOfRow * usualRow(fit.motions()) : 0.0;
     for (Eigen::Index k = 0; k < fittedParameters(*cause.effect); ++k, ++i) {
       const double of_law = cause.effect->law_sd * z[i];  // z = 0: the cause is not there
       const double size = std::hypot(of_law, row / fit.posterior().parameters().slope(i, z[i]));

@@ -14,8 +14,8 @@ namespace simgap {
 /// What all fits of a diagnosis share, from what it was asked with; `motions` are still to be set.
 MotionProblem motionProblem(const ArmModel& model, const MotionCalibrationConfig& config);
 
-/// The longest time between two rows: when a command changed is known to no less [s].
-double longestRow(std::span<const RecordedMotion> motions);
+/// The usual time between two rows, of the motion with the longest: when a command changed is known to no less [s].
+double usualRow(std::span<const RecordedMotion> motions);
 
 /// A fit as it stands. Its log odds are its negative log posterior, until all are compared.
 MotionCandidate candidateOf(const MotionCauseFit& fit, const char* role);

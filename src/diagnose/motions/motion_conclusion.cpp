@@ -59,7 +59,7 @@ void MotionDiagnosing::fillErrors() {
       for (const FoundCause& found : found_)
         evidence += found.by_motion[held_out ? 0 : column] * (held_out ? 0.0 : 1.0);
       result_.motions.push_back({set.motions[m].name, held_out, was.col(column).mean(), is.col(column).mean(), evidence,
-                                 worstMoment(set.motions[m], played[m], result_.layout)});
+                                 worstMoment(set.motions[m], played[m], result_.layout, after.posterior().noise())});
     }
   };
   say(split_.selecting, false, seen_before, seen_after, selected);

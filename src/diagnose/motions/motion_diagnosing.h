@@ -30,6 +30,7 @@ class MotionDiagnosing {
   bool faulty(const MotionSet& motions, const MotionSet* held_out);
   void review(MotionSelector& selector);
   void search();
+  std::string doubtOfFound(const FoundCause& found) const;
   bool judge(const MotionCauseFit& base, const FoundCause& found);
   bool leavesMore() const;
   void conclude();

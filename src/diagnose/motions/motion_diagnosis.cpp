@@ -65,6 +65,14 @@ bool MotionDiagnosing::faulty(const MotionSet& motions, const MotionSet* held_ou
   return false;
 }
 
+std::string MotionDiagnosing::doubtOfFound(const FoundCause& found) const {
+  const ArmEffect& effect = *found.fit->causes().back().effect;
+  const std::vector<Estimate>& sizes = found.fit->extensions().back().parameters;
+  const std::string doubt = doubtOfSize(effect, sizes);
+  if (!doubt.empty() || !effect.command_delay) return doubt;
+  return doubtOfDelay(sizes.front(), usualRow(split_.selecting.motions));
+}
+
 /// Whether a cause is named: the evidence, its placebos, and motions that took no part. What is not is a candidate.
 bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found) {
   const ArmCause& arm = found.fit->causes().back();
@@ -80,8 +88,7 @@ bool MotionDiagnosing::judge(const MotionCauseFit& base, const FoundCause& found
     record.outcome = "rejected: no better than its placebos";
   } else if (!(gain.lower95 > 0.0) || gain.value < kLeastMotionGain) {
     record.outcome = "rejected: no sure gain on held-out motions";
-  } else if (const std::string doubt = doubtOfSize(*arm.effect, found.fit->extensions().back().parameters);
-             !doubt.empty()) {
+  } else if (const std::string doubt = doubtOfFound(found); !doubt.empty()) {
     record.outcome = "rejected: " + doubt;
   } else {
     record.outcome = fmt::format("accepted: evidence {:.1f}", found.evidence);

@@ -28,22 +28,28 @@ std::pair<double, std::size_t> binned(const ErrorSeries& series, double begin) {
 
 }  // namespace
 
-std::string worstMoment(const RecordedMotion& motion, const PlayedMotion& played, const PoseLayout& layout) {
+std::string worstMoment(const RecordedMotion& motion, const PlayedMotion& played, const PoseLayout& layout,
+                        const MotionNoise& noise) {
   if (!played.valid) return "it cannot be played";
   const ErrorSeries* worst = nullptr;
   ChannelError error{};
   double size = -1.0;
   const std::vector<ErrorSeries> all = errorSeries(motion, played, layout);
   for (const ErrorSeries& series : all) {
-    if (series.group != ChannelGroup::kJoint) continue;
+    if (series.group == ChannelGroup::kCurrent) continue;  // of which drives leave more than others
     const ChannelError one = summarise(series);
-    const double counted = one.worst_second * kindOf(layout.joints[series.item].type).counted;
-    if (counted <= size) continue;
-    size = counted;
+    const bool shaft = series.group == ChannelGroup::kShaft;
+    const double in_noise = one.worst_second / (shaft ? noise.shafts : noise.joints[series.item]);
+    if (!(in_noise > size)) continue;
+    size = in_noise;
     worst = &series;
     error = one;
   }
   if (!worst) return "no joint was measured";
+  if (worst->group == ChannelGroup::kShaft) {
+    return fmt::format("the shaft of {}, {:.2f} deg in the second from {:.1f} s on", layout.muscles[worst->item],
+                       toDegrees(error.worst_second), error.worst_at);
+  }
   const JointKind& kind = kindOf(layout.joints[worst->item].type);
   return fmt::format("{}, {:.2f} {} in the second from {:.1f} s on", layout.joints[worst->item].name,
                      kind.shown(error.worst_second), kind.error_unit, error.worst_at);
@@ -75,7 +81,7 @@ std::vector<EvidenceBin> errorsOverTime(const MotionSet& set, const std::vector<
 }
 
 void fillParameters(Diagnosis& diagnosis, const MotionSet& set, double step) {
-  const double row = longestRow(set.motions);
+  const double row = usualRow(set.motions);
   for (std::size_t c = 0; c < diagnosis.causes.size(); ++c) {
     const ArmEffect& effect = *findArmEffect(diagnosis.causes[c].effect);
     for (std::size_t i = 0; i < effect.parameters.size(); ++i) {
@@ -90,6 +96,13 @@ void fillParameters(Diagnosis& diagnosis, const MotionSet& set, double step) {
       diagnosis.causes[c].parameters.push_back(withIntervalIn(effect.parameters[i], p, half));
     }
   }
+}
+
+std::string doubtOfDelay(const Estimate& delay, double row) {
+  const double half = std::isfinite(delay.sd) ? 1.96 * delay.sd : 0.0;
+  if (delay.value > half + row) return {};
+  return fmt::format("{} = {:.2g} s may be none: when a command changed is known to a row, {:.2g} s", delay.name,
+                     delay.value, row);
 }
 
 std::vector<Absorption> shiftsBetween(const MotionCauseFit& plain, const MotionCauseFit& with) {
