@@ -67,7 +67,7 @@ bool MotionDiagnosing::faulty(const MotionSet& motions, const MotionSet* held_ou
 
 std::string MotionDiagnosing::doubtOfFound(const FoundCause& found) const {
   const ArmEffect& effect = *found.fit->causes().back().effect;
-  const std::vector<Estimate>& sizes = found.fit->extensions().back().parameters;
+  const std::vector<Estimate> sizes = found.fit->extensions().back().parameters;
   const std::string doubt = doubtOfSize(effect, sizes);
   if (!doubt.empty() || !effect.command_delay) return doubt;
   return doubtOfDelay(sizes.front(), usualRow(split_.selecting.motions));
