@@ -157,14 +157,16 @@ MotionSet readMotionSet(const YamlNode& root, const std::filesystem::path& file,
   }
   root.expectAllRead();
   if (set.motions.empty()) list.fail("found no motion, expected at least one");
+  std::vector<LoneReadings> lone;
   for (RecordedMotion& motion : set.motions) {
     readMuscles(table(motion.muscles_file), layout, motion);
     readJoints(table(motion.joints_file), layout, motion);
     refuseClocksApart(motion);
-    if (std::string note = repairMotionSpikes(motion, layout); !note.empty()) set.notes.push_back(std::move(note));
+    lone.push_back(repairMotionSpikes(motion, layout));
     refuseShaftsApart(motion, layout.muscles);
     if (!motion.start) refuseMovingStart(motion, layout);
   }
+  if (std::string note = sayLoneReadings(lone); !note.empty()) set.notes.push_back(std::move(note));
   return set;
 }
 

@@ -40,9 +40,11 @@ void repairJoint(RecordedMotion& motion, std::size_t joint, const JointKind& kin
 
 }  // namespace
 
-std::string repairMotionSpikes(RecordedMotion& motion, const PoseLayout& layout) {
+LoneReadings repairMotionSpikes(RecordedMotion& motion, const PoseLayout& layout) {
+  LoneReadings lone;
   std::vector<std::string> counts;
   const auto count = [&](std::size_t spikes, const std::string& channel, std::size_t readings) {
+    lone.count += spikes;
     if (spikes > 0) counts.push_back(fmt::format("{} of {} of {}", spikes, readings, channel));
   };
   for (std::size_t j = 0; j < layout.joints.size(); ++j) {
@@ -57,9 +59,21 @@ std::string repairMotionSpikes(RecordedMotion& motion, const PoseLayout& layout)
     for (const Spike& spike : spikes) shafts[spike.row] = spike.likely;
     count(spikes.size(), fmt::format("the shaft of {}", layout.muscles[m]), shafts.size());
   }
-  if (counts.empty()) return {};
-  return fmt::format("motion {}: readings that stand alone were replaced by what lies between their neighbours: {}",
-                     motion.name, fmt::join(counts, ", "));
+  lone.where = fmt::format("{}: {}", motion.name, fmt::join(counts, ", "));
+  return lone;
+}
+
+std::string sayLoneReadings(const std::vector<LoneReadings>& motions) {
+  const auto has = [](const LoneReadings& one) { return one.count > 0; };
+  const auto in = std::ranges::count_if(motions, has);
+  if (in == 0) return {};
+  std::size_t count = 0;
+  for (const LoneReadings& one : motions) count += one.count;
+  const LoneReadings& most = *std::ranges::max_element(motions, {}, &LoneReadings::count);
+  return fmt::format(
+      "readings that stand alone were replaced by what lies between their neighbours: {} in {} of {} "
+      "motions; most of motion {}",
+      count, in, motions.size(), most.where);
 }
 
 }  // namespace simgap

@@ -14,7 +14,6 @@ namespace simgap::test {
 namespace {
 
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 const PoseLayout kArm{{"biceps"}, {}, {{"shoulder", JointType::kSpherical}, {"elbow", JointType::kRevolute}}};
 
@@ -39,7 +38,8 @@ RecordedMotion movement() {
 
 TEST(MotionSpikes, NoneInAMovement) {
   RecordedMotion motion = movement();
-  EXPECT_THAT(repairMotionSpikes(motion, kArm), IsEmpty());
+  EXPECT_EQ(repairMotionSpikes(motion, kArm).count, 0U);
+  EXPECT_EQ(sayLoneReadings({{}, {}}), "");
   EXPECT_EQ(motion.joints[60][1].angle, movement().joints[60][1].angle);
 }
 
@@ -49,9 +49,10 @@ TEST(MotionSpikes, AreReplacedByWhatLiesBetweenTheirNeighboursAndCounted) {
   motion.joints[150][0].rotation =
       Eigen::Quaterniond(expSo3(Eigen::Vector3d(0.5, 0.0, 0.0))) * motion.joints[150][0].rotation;
   motion.muscles[0].shafts[30] -= 1.0;
-  const std::string note = repairMotionSpikes(motion, kArm);
-  EXPECT_THAT(note, HasSubstr("motion wave"));
-  EXPECT_THAT(note, HasSubstr("1 of 240 of shoulder, 1 of 240 of elbow, 1 of 240 of the shaft of biceps"));
+  const LoneReadings lone = repairMotionSpikes(motion, kArm);
+  EXPECT_EQ(lone.count, 3U);
+  EXPECT_EQ(lone.where, "wave: 1 of 240 of shoulder, 1 of 240 of elbow, 1 of 240 of the shaft of biceps");
+  EXPECT_THAT(sayLoneReadings({{1, "one"}, lone, {}}), HasSubstr(": 4 in 2 of 3 motions; most of motion wave: "));
   const RecordedMotion before = movement();
   EXPECT_NEAR(motion.joints[100][1].angle, before.joints[100][1].angle, 0.02);
   EXPECT_LT(kindOf(JointType::kSpherical).error(motion.joints[150][0], before.joints[150][0]), 0.02);
