@@ -1,0 +1,1 @@
+// Nothing: the headers that the test programs share are compiled with it (tests/CMakeLists.txt).
