@@ -174,9 +174,8 @@ void MotionDiagnosing::review(MotionSelector& selector) {
 MotionDiagnosis MotionDiagnosing::run(const MotionSet& motions, const MotionSet* held_out) {
   result_.layout = problem_.nominal.poseLayout();
   result_.model = result_.baseline = problem_.nominal;
+  hypotheses_ = motionHypotheses(problem_.nominal, options_.effects, result_.diagnosis.not_testable);
   if (faulty(motions, held_out)) return std::move(result_);
-  hypotheses_ =
-      motionHypotheses(problem_.nominal, options_.effects, split_.selecting.motions, result_.diagnosis.not_testable);
   search();
   conclude();
   return std::move(result_);

@@ -1,9 +1,6 @@
 #include "motion_hypotheses.h"
 
 #include <algorithm>
-#include <cmath>
-
-#include "simgap/core/statistics.h"
 
 namespace simgap {
 namespace {
@@ -14,20 +11,6 @@ std::string_view hiddenFromMotions(const ArmEffect& effect) {
   if (effect.stiction) return "is the joint's Coulomb friction while it moves, a parameter of every fit";
   if (effect.from_previous >= 0) return "is guide-friction while the arm moves";
   return {};
-}
-
-/// The current that one reading of 500 exceeds, of a muscle or of all: an amplifier that limits it, limits it there.
-/// 0 where none was recorded. \param muscle  empty: all
-double largestCurrent(std::span<const RecordedMotion> motions, const ArmModel& model, std::string_view muscle) {
-  constexpr double kBelow = 0.998;
-  std::vector<double> sizes;
-  for (const RecordedMotion& motion : motions) {
-    for (std::size_t m = 0; m < model.muscles.size(); ++m) {
-      if (!muscle.empty() && model.muscles[m].name != muscle) continue;
-      for (const double current : motion.muscles[m].currents) sizes.push_back(std::abs(current));
-    }
-  }
-  return sizes.empty() ? 0.0 : quantile(std::move(sizes), kBelow);
 }
 
 }  // namespace
@@ -47,7 +30,6 @@ bool looksLike(const ArmHypothesis& hypothesis, const ArmCause& cause) {
 }
 
 std::vector<ArmHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,
-                                            std::span<const RecordedMotion> motions,
                                             std::vector<NotTestable>& not_testable) {
   std::vector<ArmHypothesis> hypotheses;
   for (const ArmEffect* effect : arm_effects::all()) {
@@ -59,8 +41,6 @@ std::vector<ArmHypothesis> motionHypotheses(const ArmModel& model, const std::ve
     for (const std::string& target : effectTargets(*effect, model)) {
       if (hasExtension(model, *effect, target)) continue;
       ArmHypothesis hypothesis{effect, target, possibleStarts(*effect, target, model)};
-      const double largest = effect->limits_current ? largestCurrent(motions, model, target) : 0.0;
-      if (largest > effect->parameters[0].range.lower) hypothesis.starts.insert(hypothesis.starts.begin(), {largest});
       if (!hypothesis.starts.empty()) hypotheses.push_back(std::move(hypothesis));
     }
   }

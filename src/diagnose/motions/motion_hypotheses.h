@@ -2,12 +2,10 @@
 /// The causes that motions are asked about.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "diagnose/arm_cause.h"
 #include "simgap/diagnose/diagnosis.h"
-#include "simgap/measure/motion_set.h"
 
 namespace simgap {
 
@@ -15,10 +13,8 @@ namespace simgap {
 bool ofOneMuscle(const ArmHypothesis& hypothesis);
 
 /// Every effect that acts while an arm moves, on every target that the model does not have it on already.
-/// \param effects  names; empty: all  \param motions  that select  \param[out] not_testable  those that motions do not
-/// show
+/// \param effects  names; empty: all  \param[out] not_testable  those that motions do not show
 std::vector<ArmHypothesis> motionHypotheses(const ArmModel& model, const std::vector<std::string>& effects,
-                                            std::span<const RecordedMotion> motions,
                                             std::vector<NotTestable>& not_testable);
 
 /// Whether the catalogue says that it is hard to tell from a cause: of the same muscle or of all, of any joint or body.

@@ -163,7 +163,7 @@ TEST(SlowMotionDiagnosis, ALimitOfCurrentsIsKnownToAPartOfItself) {
 TEST(MotionDiagnosis, AsksATargetForChoicesThatItHasOnly) {
   const ArmModel model = test::modelOf(test::movingForearm().arm, true);
   std::vector<NotTestable> not_testable;
-  const std::vector<ArmHypothesis> hypotheses = motionHypotheses(model, {"muscle-wrap"}, {}, not_testable);
+  const std::vector<ArmHypothesis> hypotheses = motionHypotheses(model, {"muscle-wrap"}, not_testable);
   ASSERT_EQ(hypotheses.size(), 2u);
   for (const ArmHypothesis& hypothesis : hypotheses) {
     EXPECT_EQ(hypothesis.starts.size(), 5u);
@@ -174,24 +174,6 @@ TEST(MotionDiagnosis, AsksATargetForChoicesThatItHasOnly) {
   const MotionDiagnosis result = diagnoseForearm(truth, {}, {"muscle-wrap"});
   const auto fitted = [](const HypothesisRecord& h) { return h.log_odds && !h.outcome.ends_with("placebos"); };
   EXPECT_TRUE(std::ranges::any_of(result.diagnosis.hypotheses, fitted)) << answerOf(result);
-}
-
-TEST(MotionDiagnosis, ALimitIsLookedForWhereRecordedCurrentsEnd) {
-  const ArmModel model = test::modelOf(test::movingForearm().arm, true);
-  MotionSet set = test::recordMotions(test::trueForearm(), model, variedSetpoints, 0, 4, {});
-  for (RecordedMotion& motion : set.motions) {
-    for (double& current : motion.muscles[1].currents) current = std::clamp(3.0 * current, -7.0, 7.0);
-    motion.muscles[1].currents[20] = 30.0;  // a spark
-  }
-  std::vector<NotTestable> not_testable;
-  for (const ArmHypothesis& hypothesis : motionHypotheses(model, {"current-limit"}, set.motions, not_testable)) {
-    if (hypothesis.target == model.muscles[1].name) {
-      EXPECT_NEAR(hypothesis.starts.front()[0], 7.0, 0.01);
-    }
-    if (hypothesis.target == model.muscles[0].name) {
-      EXPECT_LT(hypothesis.starts.front()[0], 6.0);
-    }
-  }
 }
 
 TEST(MotionDiagnosis, AStuckShaftIsAFaultOfTheData) {

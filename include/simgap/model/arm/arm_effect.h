@@ -148,7 +148,6 @@ struct ArmEffect {
   bool from_moment = false;     ///< acts from a moment on, its second parameter, that a diagnosis has to search
   bool in_every_joint = false;  ///< of a real arm: to find it is no false alarm
   bool needs_motion = false;    ///< it acts while the arm moves: no pose shows it
-  bool limits_current = false;  ///< its first parameter is the largest current [A]: fits begin at the largest recorded
   double law_sd = 0.05;         ///< of its size: what its law, and the model's steps, leave of real ones
   int from_previous = -1;  ///< parameter that says whether what it does depends on the pose before, which needs times
 

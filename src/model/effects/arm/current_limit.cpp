@@ -26,7 +26,6 @@ const ArmEffect entry{.name = "current-limit",
                       .look_alikes = kLookAlikes,
                       .separates_by = "command small and large steps, of one motor and of many",
                       .needs_motion = true,
-                      .limits_current = true,
                       .motor = limit};
 
 }  // namespace simgap::arm_effects::current_limit
