@@ -20,7 +20,9 @@ namespace {
 constexpr double kContradicted = 45.0 * kDegree;      // mean error of a reading that is in doubt,
 constexpr double kClearlyBetter = 0.5;                // and what of it the other reading may leave
 constexpr double kTwoTurns = 4.0 * std::numbers::pi;  // [rad] of a shaft
-constexpr double kGoesWith = 0.6;                     // correlation of a joint with its model's
+constexpr double kGoesWith = 0.6;                     // correlation of a joint with its model's,
+constexpr std::size_t kFewestTold = 10;               // poses by which that is told,
+constexpr double kAlikeFar = 2.0;                     // and up to how many times as far either goes as the other
 constexpr double kLeastPressure = 1000.0;             // [Pa]
 constexpr std::size_t kLooked = 40;                   // poses, enough for a mean
 
@@ -130,10 +132,10 @@ void refuseJointsInRadians(const ArmModel& model, const PoseSet& set, const Read
   for (std::size_t j = 0; j < model.joints.size(); ++j) {
     const Joint& joint = model.joints[j];
     const std::vector<double>&read = readings.measured[j], &of_model = readings.of_model[j];
-    if (!joint.hasAxis() || joint.slides() || read.size() < 10) continue;
+    if (!joint.hasAxis() || joint.slides() || read.size() < kFewestTold) continue;
     if (!(correlation(read, of_model) > kGoesWith)) continue;
-    const double moved = standardDeviation(read), meant = standardDeviation(of_model);
-    if (moved < 0.5 * kDegree * meant || moved > 2.0 * kDegree * meant) continue;
+    const double moved = standardDeviation(read), meant = standardDeviation(of_model), as_radians = toDegrees(moved);
+    if (as_radians * kAlikeFar < meant || as_radians > kAlikeFar * meant) continue;
     throw DataError(
         fmt::format("{}: {}_deg: found angles that look like radians: read as named the joint goes {:.2g} deg to and "
                     "fro where the model goes {:.2g} deg; name the column {}_rad",

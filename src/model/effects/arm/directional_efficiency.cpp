@@ -20,7 +20,7 @@ const ArmEffect entry{.name = "directional-efficiency",
                       .signature = "currents that are off while paying out under load, and not while winding",
                       .remarks =
                           "A gear that passes on eta_b of the load's torque while it is driven has a ratio of "
-                          "1 / (eta eta_b), above 1: the motor holds less than the load.",
+                          "1 / (eta eta_b), above 1: the motor holds less than the load",
                       .target = ArmEffect::Target::kMuscleOrAll,
                       .parameters = kParameters,
                       .starts = kStarts,
