@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "motion_heldout.h"
-#include "simgap/core/statistics.h"
+#include "simgap/measure/logs/stamps.h"
 
 namespace simgap {
 namespace {
@@ -27,14 +26,7 @@ MotionProblem motionProblem(const ArmModel& model, const MotionCalibrationConfig
 
 double usualRow(std::span<const RecordedMotion> motions) {
   double row = 0.0;
-  for (const RecordedMotion& motion : motions) {
-    const std::vector<double>& times = motion.times();
-    if (times.size() < 2) continue;
-    std::vector<double> steps(times.size());
-    std::adjacent_difference(times.begin(), times.end(), steps.begin());
-    steps.erase(steps.begin());
-    row = std::max(row, median(std::move(steps)));
-  }
+  for (const RecordedMotion& motion : motions) row = std::max(row, usualStep(motion.times()));
   return row;
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
-#include "simgap/core/statistics.h"
+#include "simgap/measure/logs/stamps.h"
 
 namespace simgap {
 namespace {
@@ -19,12 +19,6 @@ using Eigen::VectorXd;
 
 ArrayXd arrayOf(const std::vector<double>& values) {
   return Eigen::Map<const ArrayXd>(values.data(), std::ssize(values));
-}
-
-double medianStep(const std::vector<double>& time) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
-  return upperMedian(std::move(steps));
 }
 
 double frictionSum(const RobotRegressor& regressor, const VectorXd& parameters, std::size_t c, FrictionBasis basis) {
@@ -64,7 +58,7 @@ RobotRows::RobotRows(const RobotLog& log, const RobotModel& model, const RobotRe
     if (!joint.temperature.empty()) rows.temperature = arrayOf(joint.temperature);
     rows.travel = rows.rest = ArrayXd::Zero(rows.time.size());
     rows.session = log.session;
-    rows.step = medianStep(log.time);
+    rows.step = usualStep(log.time);
     rows.elapsed = elapsedOf(rows.time, rows.session);
     rows.top_speed = std::max(rows.speed.abs().maxCoeff(), 1e-9);
     rows.top_load = rows.load.abs().maxCoeff();

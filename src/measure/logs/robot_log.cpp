@@ -13,9 +13,9 @@
 #include "row_faults.h"
 #include "simgap/core/error.h"
 #include "simgap/core/rotation.h"
-#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/channel_checks.h"
 #include "simgap/measure/logs/rests.h"
+#include "simgap/measure/logs/stamps.h"
 #include "turns.h"
 #include "velocity_scale.h"
 
@@ -142,13 +142,6 @@ void requireVelocityOfPosition(const ActuatorLog& log, const std::vector<double>
                   log.file, joint, scale->factor, log.linear ? "" : degreesSlip(scale->factor, kSlip)));
 }
 
-/// The median of the times between rows [s]; 0 of a single one.
-double usualTimeBetween(const std::vector<double>& time, const std::vector<std::size_t>& rows) {
-  std::vector<double> gaps;
-  for (std::size_t k = 1; k < rows.size(); ++k) gaps.push_back(time[rows[k]] - time[rows[k - 1]]);
-  return gaps.empty() ? 0.0 : upperMedian(std::move(gaps));
-}
-
 /// Beside turns, and after them and after rests until friction has built up.
 void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, std::optional<double> known,
                         RobotJointLog& joint, MotionSign& sign) {
@@ -156,7 +149,9 @@ void leaveOutPresliding(const ActuatorLog& log, std::span<const Block> runs, std
   // there is noise alone, within limits of the usual time from turn to turn.
   constexpr double kPeriods = 3.0, kLeastOfTurns = 0.125, kMostOfTurns = 0.25;
   const std::vector<std::size_t> turns = turnsOf(sign.direction, runs);
-  const double between = usualTimeBetween(log.time, turns);
+  std::vector<double> turned;
+  for (const std::size_t row : turns) turned.push_back(log.time[row]);
+  const double between = usualStep(turned);
   const double seconds = std::clamp(kPeriods / joint.bandwidth, kLeastOfTurns * between, kMostOfTurns * between);
   joint.presliding =
       known ? *known : travelOfFriction({log.time, joint.position, log.effort}, turns, runs, sign, seconds);

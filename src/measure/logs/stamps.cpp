@@ -51,9 +51,7 @@ std::vector<std::size_t> stretchEnds(std::span<const double> offset, double step
 void fillRun(std::span<const double> time, std::span<double> even) {
   std::ranges::copy(time, even.begin());
   if (time.size() < kRowsWithoutLoss) return;
-  std::vector<double> steps(time.size() - 1);
-  for (std::size_t i = 0; i + 1 < time.size(); ++i) steps[i] = time[i + 1] - time[i];
-  const double step = upperMedian(std::move(steps));
+  const double step = usualStep(time);
   const std::vector<double> offset = offsets(time, step);
   std::size_t begin = 0;
   for (const std::size_t end : stretchEnds(offset, step)) {
@@ -107,6 +105,13 @@ std::pair<double, double> roughness(std::span<const double> time, std::span<cons
 }
 
 }  // namespace
+
+double usualStep(std::span<const double> time) {
+  if (time.size() < 2) return 0.0;
+  std::vector<double> steps(time.size() - 1);
+  for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = time[i + 1] - time[i];
+  return upperMedian(std::move(steps));
+}
 
 std::optional<EvenTimes> evenTimes(std::span<const double> time, std::span<const double> values,
                                    std::span<const Block> runs) {

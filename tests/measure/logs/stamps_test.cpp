@@ -111,5 +111,11 @@ TEST(EvenTimes, GiveTheVelocityThatEvenStampsWouldHaveGiven) {
   EXPECT_TRUE(std::ranges::none_of(even.warnings, [](const std::string& w) { return w.find("jitters") < w.size(); }));
 }
 
+TEST(UsualStep, IsThatOfMostRowsWhereverSomeAreMissing) {
+  EXPECT_EQ(usualStep(std::vector{0.0, 0.25, 0.5, 5.0, 5.25, 9.0, 9.25}), 0.25);
+  EXPECT_EQ(usualStep(std::vector{3.0}), 0.0);
+  EXPECT_EQ(usualStep({}), 0.0);
+}
+
 }  // namespace
 }  // namespace simgap

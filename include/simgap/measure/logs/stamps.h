@@ -18,6 +18,10 @@ struct EvenTimes {
   double times_smoother = 1.0;
 };
 
+/// The usual time from one row to the next, an upper median [s]; 0 of fewer than two rows.
+/// \param time  [s] rising, shape (n)
+double usualStep(std::span<const double> time);
+
 /// Even times beside the stamps (their slow drift, and samples that were lost, are kept), if the channel is clearly
 /// smoother over them: by the third divided differences of its fast half. None where stamps do not jitter, where the
 /// samples jitter with them, and where rounding off hides the difference.
