@@ -2,15 +2,13 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
 
 #include "simgap/core/interrupt.h"
 #include "simgap/core/ranks.h"
-#include "simgap/core/statistics.h"
 #include "simgap/measure/logs/log_kind.h"
+#include "trial_tests.h"
 
 namespace simgap {
 namespace {
@@ -36,55 +34,6 @@ constexpr double kHopeless = 0.2;
 std::vector<const ActuatorEffect*> withOneMore(std::vector<const ActuatorEffect*> effects, const ActuatorEffect* more) {
   effects.push_back(more);
   return effects;
-}
-
-/// The share of an effect's signature that the other parameters cannot imitate, over its parameters the largest.
-double distinctShare(const ActuatorRegression& model, const RowEvaluation& at, std::span<const Block> blocks,
-                     std::size_t effect) {
-  const Eigen::MatrixXd h = gramOf(at.jacobian, blocks);
-  std::vector<Index> own, others;
-  const std::size_t columns = model.firstColumn(effect), values = model.firstParameter(effect);
-  for (Index i = 0; i < h.cols(); ++i) {
-    if (h(i, i) <= 1e-300) continue;
-    const auto k = static_cast<std::size_t>(i);
-    const bool is_own = (k >= columns && k < columns + model.effects()[effect]->columns.size()) ||
-                        (k >= values && k < values + model.effects()[effect]->parameters.size());
-    (is_own ? own : others).push_back(i);
-  }
-  const Eigen::VectorXd scale = h.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd unit = scale.asDiagonal() * h * scale.asDiagonal();
-  Eigen::MatrixXd base = unit(others, others);
-  base.diagonal().array() += 1e-10;
-  const Eigen::LDLT<Eigen::MatrixXd> factor(base);
-  double share = 0.0;
-  for (const Index i : own) {
-    const Eigen::VectorXd cross = unit.col(i)(others);
-    share = std::max(share, 1.0 - cross.dot(factor.solve(cross)));
-  }
-  return share;
-}
-
-/// p-value of "the last effect's sizes are neutral" from their covariance over pieces of the log (Wald 1943), for the
-/// largest of them, times the number of places a search may have looked at. A covariance from few pieces is too small
-/// and says nothing.
-double waldP(const ActuatorRegression& model, const RowEvaluation& at, const std::vector<Block>& pieces) {
-  constexpr double kSearched = 1000.0;
-  constexpr std::size_t kPiecesPerParameter = 5;
-  const std::vector<double>& theta = at.theta;
-  if (pieces.size() < kPiecesPerParameter * theta.size()) return 1.0;
-  const Eigen::MatrixXd covariance = blockCovariance(model, pieces, at);
-  const std::size_t e = model.effects().size() - 1;
-  const ActuatorEffect& effect = *model.effects()[e];
-  double largest = 0.0;
-  const auto look = [&](std::size_t i, double neutral) {
-    const double variance = covariance(static_cast<Index>(i), static_cast<Index>(i));
-    if (variance > 0.0) largest = std::max(largest, std::abs(theta[i] - neutral) / std::sqrt(variance));
-  };
-  for (std::size_t k = 0; k < effect.columns.size(); ++k) look(model.firstColumn(e) + k, 0.0);
-  for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
-    if (effect.parameters[k].kind == Kind::kSmooth) look(model.firstParameter(e) + k, effect.parameters[k].neutral);
-  }
-  return std::min(1.0, kSearched * 2.0 * normalTail(largest));
 }
 
 }  // namespace
