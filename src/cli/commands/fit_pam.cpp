@@ -19,7 +19,9 @@ struct Options {
 
 /// The log of a muscle, or of the joint that it turns.
 PamLog readMuscleLog(const CsvTable& table, const std::optional<MusclePulley>& pulley) {
-  return pulley ? readJointPamLog(table, *pulley) : readPamLog(table);
+  PamLog log = pulley ? readJointPamLog(table, *pulley) : readPamLog(table);
+  repairSpikes(log);
+  return log;
 }
 
 std::optional<MusclePulley> readJoint(Session& session, const std::string& file) {

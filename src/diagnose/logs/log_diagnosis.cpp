@@ -140,11 +140,13 @@ double measureLeft(const Selection& selection, const PreparedLog& log, const Eig
   d.explained_percent = 100.0 * explained;
   d.explainable_percent = 100.0 * (explained + (1.0 - explained) * left.share);
   sayWhatIsLeft(selection, log, left, d);
-  if (d.unexplained.empty() && actsUnseen(log, after, floor)) {
+  const bool unseen = d.unexplained.empty() && actsUnseen(log, after, floor);
+  if (unseen) {
     d.left_over_percent = (100.0 - d.explained_percent) * (1.0 - floor / std::max(d.extended.mse_heldout, floor));
     if (isMostlyConstant(log, after)) d.unexplained.push_back({"an offset", 0.01 * d.left_over_percent, ""});
   }
-  d.explainable_percent = std::max(d.explainable_percent, d.explained_percent + d.left_over_percent);
+  const double told = unseen && d.unexplained.empty() ? 0.0 : d.left_over_percent;  // by channels, or as an offset
+  d.explainable_percent = std::max(d.explainable_percent, d.explained_percent + told);
   return correlation;
 }
 

@@ -80,15 +80,20 @@ std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, 
   return limits;
 }
 
+/// Whether one value often comes twice: coarse steps, or what is set and not measured.
+bool isCoarse(const NamedChannel& channel) {
+  const Index n = channel.values.size();
+  const Index repeats = (channel.values.tail(n - 1) == channel.values.head(n - 1)).count();
+  return static_cast<double>(repeats) > 0.3 * static_cast<double>(n);
+}
+
 /// A channel that repeats one value for a second and longer while the drive moves, though it is noisy otherwise.
 /// \param limits  where it is saturated instead
 void findStuck(const NamedChannel& channel, const std::vector<double>& limits, PreparedLog& log,
                std::vector<DataFault>& faults) {
   const ActuatorRows& rows = log.data.rows;
+  if (isCoarse(channel)) return;
   const Index n = channel.values.size();
-  Index repeats = 0;
-  for (Index i = 1; i < n; ++i) repeats += channel.values[i] == channel.values[i - 1] ? 1 : 0;
-  if (static_cast<double>(repeats) > 0.3 * static_cast<double>(n)) return;  // coarse steps: repeats are normal
   const auto least = static_cast<Index>(std::max(10.0, 0.5 / rows.step));
   std::vector<Index> stuck;
   for (Index i = 0, end = 0; i < n; i = end) {
@@ -254,7 +259,9 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
     return faults;
   }
   if (kind.checks == FaultChecks::kLevels) {
-    findDropouts({kind.answer, rows.*kind.answers}, log, faults);
+    const NamedChannel answer{kind.answer, rows.*kind.answers};
+    if (rows.timed) findClipping(answer, log, faults);
+    findDropouts(answer, log, faults);
     findTurnedWinding(log, faults);
     return faults;
   }
@@ -262,7 +269,8 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
   if (rows.top_load > 0.0) channels.push_back({"external_torque", rows.load});
   for (const NamedChannel& channel : channels) {
     std::vector<double> limits;
-    if (channel.name != "external_torque") limits = findClipping(channel, log, faults);
+    const bool set = channel.name == "external_torque" && isCoarse(channel);  // weights, and no sensor
+    if (!set) limits = findClipping(channel, log, faults);
     findStuck(channel, limits, log, faults);
     findDropouts(channel, log, faults);
   }
@@ -288,9 +296,11 @@ std::vector<DataFault> takeOutSpikes(PreparedLog& log, const Eigen::VectorXd& re
                                      const Eigen::VectorXd& flipped) {
   const ActuatorRows& rows = log.data.rows;
   const double limit = kSpike * deviationOf(residual);
+  const bool has_speed = (rows.speed != 0.0).any();  // or its model, a muscle's, asks for no direction
   std::vector<bool> far(static_cast<std::size_t>(residual.size()));
   for (Index i = 0; i < residual.size(); ++i) {
-    const bool sure = std::abs(rows.speed[i]) >= 3.0 * log.dead_band;  // of the direction; else neither explains it
+    // Of the direction; else neither explains it. Of levels, which have no time, none stands alone.
+    const bool sure = has_speed ? std::abs(rows.speed[i]) >= 3.0 * log.dead_band : rows.timed;
     const bool neither = flipped.size() > 0 && std::abs(flipped[i]) > limit && residual[i] * flipped[i] > 0.0;
     far[i] = std::abs(residual[i]) > limit && (sure || neither);
   }

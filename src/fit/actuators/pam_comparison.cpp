@@ -34,7 +34,9 @@ PamComparison comparePam(const PamLog& log, const PamFitOptions& options, const 
   std::vector<PamCandidate>& candidates = comparison.candidates;
   if (spring.spring) candidates.push_back(candidate("no-spring", plain));
   candidates.push_back(candidate("spring", spring));
-  comparison.best = candidates.front().judgedError() < candidates.back().judgedError() ? 0 : candidates.size() - 1;
+  const bool stiff = std::ranges::any_of(candidates.back().fit.uncertainty.estimates,
+                                         [](const Estimate& e) { return e.name == "k" && e.at_bound; });
+  comparison.choose(stiff ? "a spring as stiff as it may be is none" : "");
   return comparison;
 }
 

@@ -186,10 +186,8 @@ SpringComparison compareSprings(const PreparedLog& log, const SpringFitOptions& 
     candidates.push_back(candidate("spring", false));
   }
   candidates.push_back(candidate(kCord, true));
-  comparison.best = candidates.size() - 1;
-  if (comparison.best == 0) return comparison;
-  const double slack = (rows.deflection < comparison.chosen().fit.theta[kRestLength]).cast<double>().mean();
-  if (slack < kFewestSlack || candidates.front().judgedError() <= candidates.back().judgedError()) comparison.best = 0;
+  const double slack = (rows.deflection < candidates.back().fit.theta[kRestLength]).cast<double>().mean();
+  comparison.choose(slack < kFewestSlack ? "hardly a row of a cord would be slack" : "");
   return comparison;
 }
 

@@ -161,6 +161,19 @@ PamLog readPamLog(CsvTable table) {
   return log;
 }
 
+void repairSpikes(PamLog& log) {
+  if (log.time.empty()) return;
+  const SearchedChannel channels[] = {
+      {log.of_joint ? "angle_rad" : "contraction", &log.contraction, kMotionSpikes},
+      {log.opposed() ? "pressure_flexor_Pa" : "pressure_Pa", &log.pressure, kMotionSpikes},
+      {"pressure_extensor_Pa", &log.opposing_pressure, kMotionSpikes},
+      {log.force_column, &log.force, kEffortSpikes}};
+  log.spikes = repairSpikes(log.time, log.session, channels);
+  for (std::size_t i = 0; i < log.opposing_contraction.size(); ++i) {  // of the same angle
+    log.opposing_contraction[i] = log.opposing_rest + log.rest - log.contraction[i];
+  }
+}
+
 PamLog readJointPamLog(CsvTable table, const MusclePulley& pulley) {
   PamLog log;
   log.file = table.name();

@@ -152,6 +152,12 @@ void fillDirection(ActuatorRows& rows) {
   std::fill(rows.direction.begin(), first, first != rows.direction.end() ? *first : 1.0);
 }
 
+void leaveOutRows(const std::vector<ChannelSpikes>& channels, std::vector<bool>& keep) {
+  for (const ChannelSpikes& channel : channels) {
+    for (const std::size_t i : channel.rows) keep[i] = false;
+  }
+}
+
 void leaveOutJumps(const ArrayXd& rate, std::vector<bool>& keep) {
   constexpr double kJump = 6.0;  // of the median size
   constexpr Index kBeside = 4;

@@ -53,6 +53,8 @@ void setDirection(const std::vector<double>& motion, PreparedLog& log);
 void fillDirection(ActuatorRows& rows);
 ///@}
 
+/// Rows whose samples mean nothing.
+void leaveOutRows(const std::vector<ChannelSpikes>& channels, std::vector<bool>& keep);
 /// Rows in and beside a jump: where a rate of change is far above its usual size, sampling and smoothing have blurred
 /// it.
 void leaveOutJumps(const Eigen::ArrayXd& rate, std::vector<bool>& keep);

@@ -43,19 +43,11 @@ void moveLateVelocity(ActuatorLog& log, std::span<const Block> runs, FrictionDat
 void putSpikesRight(ActuatorLog& log, FrictionData& data) {
   if (!log.has_time) return;
   const std::string effort = quantityName(log.effort_name, log.effort_unit);
-  struct Channel {
-    std::string name;
-    std::vector<double>* values;
-    std::size_t most;  ///< that may stand near to each other
-  } channels[] = {{"motor_position", &log.position, kMotionSpikes},
-                  {"motor_velocity", &log.velocity, kMotionSpikes},
-                  {effort, &log.effort, kEffortSpikes},
-                  {log.linear ? "external_force" : "external_torque", &log.load, kEffortSpikes}};
-  for (const auto& [name, values, most] : channels) {
-    if (values->empty()) continue;
-    std::vector<std::size_t> rows = repairSpikes(log.time, log.session, *values, most);
-    if (!rows.empty()) data.spikes.push_back({name, std::move(rows)});
-  }
+  const SearchedChannel channels[] = {{"motor_position", &log.position, kMotionSpikes},
+                                      {"motor_velocity", &log.velocity, kMotionSpikes},
+                                      {effort, &log.effort, kEffortSpikes},
+                                      {log.linear ? "external_force" : "external_torque", &log.load, kEffortSpikes}};
+  data.spikes = repairSpikes(log.time, log.session, channels);
 }
 
 void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data) {

@@ -116,17 +116,22 @@ std::vector<Spike> findSpikes(std::span<const double> time, std::span<const doub
   return spikes;
 }
 
-std::vector<std::size_t> repairSpikes(std::span<const double> time, const std::vector<int>& session,
-                                      std::span<double> values, std::size_t most) {
-  std::vector<std::size_t> rows;
-  for (const Block& b : splitRows(session, values.size())) {
-    const std::span<double> own = values.subspan(b.begin, b.size());
-    for (const Spike& spike : findSpikes(time.subspan(b.begin, b.size()), own, most)) {
-      own[spike.row] = spike.likely;
-      rows.push_back(b.begin + spike.row);
+std::vector<ChannelSpikes> repairSpikes(std::span<const double> time, const std::vector<int>& session,
+                                        std::span<const SearchedChannel> channels) {
+  std::vector<ChannelSpikes> found;
+  for (const auto& [name, values, most] : channels) {
+    if (values->empty()) continue;
+    ChannelSpikes spikes{name, {}};
+    for (const Block& b : splitRows(session, values->size())) {
+      const std::span<double> own = std::span(*values).subspan(b.begin, b.size());
+      for (const Spike& spike : findSpikes(time.subspan(b.begin, b.size()), own, most)) {
+        own[spike.row] = spike.likely;
+        spikes.rows.push_back(b.begin + spike.row);
+      }
     }
+    if (!spikes.rows.empty()) found.push_back(std::move(spikes));
   }
-  return rows;
+  return found;
 }
 
 }  // namespace simgap

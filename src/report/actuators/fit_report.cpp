@@ -67,6 +67,7 @@ Json toJson(const FitSummary& summary) {
           {"n_effective", numberOrNull(summary.uncertainty.n_effective)},
           {"starts", {{"tried", summary.starts}, {"distinct_minima", summary.distinct_minima}}},
           {"comparison", comparison},
+          {"chosen_by", summary.chosen_by},
           {"transfer", transfer},
           {"facts", facts},
           {"warnings", allWarnings(summary)}};
@@ -100,7 +101,8 @@ std::string terminalTable(const FitSummary& summary) {
   const Json result = toJson(summary);
   std::string text;
   if (summary.comparison.size() > 1) {
-    text += alignedTable(fitComparison(result)) + "* the lowest BIC; its parameters follow\n\n";
+    text +=
+        alignedTable(fitComparison(result)) + fmt::format("* chosen: {}; its parameters follow\n\n", summary.chosen_by);
   }
   text += alignedTable(fitParameters(result)) + fitAnswer(result) + "\n";
   for (const auto& fact : fitFacts(result).rows) text += fmt::format("{}: {}\n", fact[0], fact[1]);

@@ -44,8 +44,9 @@ std::string noteOf(const Json& parameter) {
 
 Table fitComparison(const Json& result) {
   const Json& rows = result.at("comparison");
-  Table table{fmt::format("Models on the same rows (MSE in {}², * lowest BIC)",
-                          splitUnit(result.at("target").get<std::string>()).unit),
+  Table table{fmt::format("Models on the same rows (MSE in {}², * chosen{})",
+                          splitUnit(result.at("target").get<std::string>()).unit,
+                          result.contains("chosen_by") ? ": " + result["chosen_by"].get<std::string>() : ""),
               {"model", "par.", "MSE", "held-out MSE", "improvement", "held-out", "BIC"},
               {}};
   for (const Json& row : rows) {

@@ -10,7 +10,7 @@ namespace simgap {
 
 /// What was fitted, and how well.
 std::string fitAnswer(const Json& result);
-/// Models on the same rows, the first the one that others are compared with; the lowest BIC is marked.
+/// Models on the same rows, the first the one that others are compared with; what was chosen is marked.
 Table fitComparison(const Json& result);
 /// Estimates with standard deviation and interval.
 Table fitParameters(const Json& result);

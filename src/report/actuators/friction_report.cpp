@@ -74,6 +74,7 @@ FitSummary summarise(const FrictionReport& report) {
   FitSummary summary;
   summary.command = "fit-friction";
   summary.model = best.law->name;
+  summary.chosen_by = "lowest BIC";
   summary.target = report.options.predict_load ? "external_load" : data.effort_name;
   summary.target_unit = report.options.predict_load ? data.load_unit : data.effort_unit;
   summary.uncertainty = best.uncertainty;

@@ -86,6 +86,10 @@ FitSummary summarise(const PamReport& report) {
   summary.target = "force";
   summary.target_unit = "N";
   summary.warnings = chosen.fit.warnings;
+  for (const ChannelSpikes& spikes : report.log.spikes) {
+    summary.warnings.push_back(fmt::format("{} stands alone in {} rows: put right by what lies beside them",
+                                           spikes.channel, spikes.rows.size()));
+  }
   if (const auto geometry = geometryOf(chosen.fit.theta[0], chosen.fit.theta[2])) {
     summary.facts.emplace_back("geometry of a and c",
                                fmt::format("diameter {:.1f} mm, braid angle {:.1f} deg", 1e3 * geometry->diameter,

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "prepared_logs.h"
+#include "reality/motor_log.h"
+#include "reality/pam_rig.h"
 
 namespace simgap::test {
 namespace {
@@ -161,6 +163,75 @@ TEST(LogFaults, TakesOutRowsNearRestBetweenBothDirections) {
   EXPECT_EQ(takeOutUndecided(misfit.log, misfit.residual, flipped), 1u);
   EXPECT_FALSE(misfit.log.data.keep[500]);
   EXPECT_TRUE(misfit.log.data.keep[600]);
+}
+
+PreparedLog preparedMuscle(const reality::PamRecord& record) {
+  return prepareLog(CsvTable::parse(record.csv(), "log.csv"), {}, ActuatorKind::kPam);
+}
+
+TEST(LogFaults, SamplesOfAMuscleThatStandAloneAreLeftOut) {
+  reality::PamRecord record = reality::recordPam({}, {});
+  EXPECT_TRUE(preparedMuscle(record).spikes.empty());
+  record.force[700] += 200.0;
+  record.pressure[1900] *= 0.5;
+  record.contraction[3000] += 0.1;
+  PreparedLog log = preparedMuscle(record);
+  const std::vector<DataFault> faults = findFaults(log);
+  ASSERT_EQ(faults.size(), 3u);
+  for (const DataFault& fault : faults) EXPECT_TRUE(fault.corrected && fault.rows == 1) << fault.sentence;
+  for (const std::size_t row : {700u, 1900u, 3000u}) EXPECT_FALSE(log.data.keep[row]);
+  EXPECT_EQ(std::ranges::count(log.data.keep, false), 3);
+  EXPECT_NEAR(log.data.rows.contraction[3000], record.contraction[2999], 0.01) << "no bristle travels to it and back";
+}
+
+TEST(LogFaults, OfAMuscleTheModelSaysWhatStandsAloneToo) {
+  PreparedLog log = preparedMuscle(reality::recordPam({}, {}));
+  Eigen::VectorXd residual = Eigen::VectorXd::Constant(log.data.rows.rows(), 0.1);
+  residual[500] = 5.0;
+  EXPECT_EQ(takeOutSpikes(log, residual).size(), 1u);
+  EXPECT_FALSE(log.data.keep[500]);
+  log.data.rows.timed = false;  // levels: beside one stands another, not the next moment
+  residual[600] = 5.0;
+  EXPECT_TRUE(takeOutSpikes(log, residual).empty());
+}
+
+TEST(LogFaults, FindsAForceOfAMuscleAtItsLimit) {
+  reality::PamRecord record = reality::recordPam({}, {});
+  PreparedLog clean = preparedMuscle(record);
+  EXPECT_TRUE(findFaults(clean).empty());
+  const double limit = 0.8 * *std::ranges::max_element(record.force);
+  for (double& force : record.force) force = std::min(force, limit);
+  PreparedLog log = preparedMuscle(record);
+  const std::vector<DataFault> faults = findFaults(log);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].channel, "force_N");
+  EXPECT_NE(faults[0].sentence.find("saturated"), std::string::npos) << faults[0].sentence;
+  for (std::size_t i = 0; i < record.force.size(); ++i) EXPECT_FALSE(log.data.keep[i] && record.force[i] == limit);
+}
+
+TEST(LogFaults, FindsACurrentOfAWindingAtItsLimit) {
+  reality::MotorBenchLog record = reality::simulateMotor({}, {.current_noise = 0.02, .velocity_noise = 0.2});
+  const auto prepared = [&] { return prepareLog(CsvTable::parse(record.csv(), "log.csv"), {}, ActuatorKind::kMotor); };
+  PreparedLog clean = prepared();
+  EXPECT_TRUE(findFaults(clean).empty()) << "steps hold a voltage as long";
+  const double limit = 0.5 * *std::ranges::max_element(record.current);
+  for (double& current : record.current) current = std::min(current, limit);
+  PreparedLog log = prepared();
+  const std::vector<DataFault> faults = findFaults(log);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].channel, "current_A");
+}
+
+TEST(LogFaults, ASensorOfLoadHasALimitAndWeightsHaveNone) {
+  PreparedLog weights = preparedLog(smallRig());
+  const double size = weights.data.rows.top_load;
+  weights.data.rows.load = (weights.data.rows.load > 0.0).select(size, Eigen::ArrayXd::Zero(weights.data.rows.rows()));
+  EXPECT_TRUE(findFaults(weights).empty());
+  PreparedLog log = preparedLog(smallRig());
+  log.data.rows.load = log.data.rows.load.min(0.6 * size);
+  const std::vector<DataFault> faults = findFaults(log);
+  ASSERT_EQ(faults.size(), 1u);
+  EXPECT_EQ(faults[0].channel, "external_torque");
 }
 
 }  // namespace

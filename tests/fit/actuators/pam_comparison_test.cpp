@@ -43,6 +43,25 @@ TEST(PamComparison, FindsTheSpringThatIsThere) {
   EXPECT_EQ(found.chosen().fit.n, 1200u) << "the final fit has all rows";
 }
 
+TEST(PamComparison, ASpringAsStiffAsItMayBeIsNone) {
+  const PamComparison found = comparePam(comparedRig(1e12), {}, std::nullopt, {}, 5.0);
+  EXPECT_EQ(found.chosen().name, "no-spring");
+}
+
+TEST(PamComparison, SamplesThatStandAloneMoveNothing) {
+  PamLog log = comparedRig(20000.0);
+  const PamFit clean = comparePam(log, {}, std::nullopt, {}, 5.0).chosen().fit;
+  for (const std::size_t row : {50u, 400u, 777u}) log.force[row] += 3000.0;
+  repairSpikes(log);
+  ASSERT_EQ(log.spikes.size(), 1u);
+  EXPECT_EQ(log.spikes[0].channel, "force_N");
+  EXPECT_EQ(log.spikes[0].rows.size(), 3u);
+  const PamFit again = comparePam(log, {}, std::nullopt, {}, 5.0).chosen().fit;
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(again.theta[i], clean.theta[i], 0.5 * clean.uncertainty.estimates[i].sd) << i;
+  }
+}
+
 TEST(PamComparison, RowsHeldOutByTheUserStayOutOfTheFit) {
   const PamLog log = comparedRig(20000.0);
   Holdout holdout;

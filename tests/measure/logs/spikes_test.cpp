@@ -55,8 +55,12 @@ TEST(Spikes, AreFoundAndPutRight) {
   Signal s = clean;
   s.values[100] += 0.5;
   s.values[700] -= 2.0;
-  EXPECT_THAT(repairSpikes(s.time, std::vector<int>(s.time.size(), 0), s.values, kEffortSpikes),
-              testing::ElementsAre(100u, 700u));
+  std::vector<double> none;
+  const SearchedChannel channels[] = {{"effort", &s.values, kEffortSpikes}, {"load", &none, kEffortSpikes}};
+  const std::vector<ChannelSpikes> found = repairSpikes(s.time, std::vector<int>(s.time.size(), 0), channels);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].channel, "effort");
+  EXPECT_THAT(found[0].rows, testing::ElementsAre(100u, 700u));
   for (const std::size_t i : {100u, 700u}) EXPECT_NEAR(s.values[i], clean.values[i], 0.005);
 }
 

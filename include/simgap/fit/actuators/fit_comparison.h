@@ -24,8 +24,16 @@ template <typename Fit>
 struct FitComparison {
   std::vector<FitCandidate<Fit>> candidates;  ///< not empty; simplest first
   std::size_t best = 0;
-  std::string heldout;  ///< which rows, in words
+  std::string chosen_by = "lower held-out error";  ///< why it is the best, in words
+  std::string heldout;                             ///< which rows, in words
   const FitCandidate<Fit>& chosen() const { return candidates[best]; }
+  /// The richer model, the last, unless it gains nothing. \param doubt  why it may not be; empty: it may
+  void choose(std::string doubt) {
+    const bool gains = candidates.back().judgedError() < candidates.front().judgedError();
+    best = gains && doubt.empty() ? candidates.size() - 1 : 0;
+    if (!chosen().mse_heldout) chosen_by = "lower error";
+    if (gains && !doubt.empty()) chosen_by = std::move(doubt);
+  }
 };
 
 /// \param fit_to  the fit to some rows, of shape (n); to all when they are empty. \param error_on  its mean squared

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "simgap/core/csv.h"
+#include "simgap/measure/logs/spikes.h"
 
 namespace simgap {
 
@@ -75,10 +76,14 @@ struct PamLog {
   std::vector<std::string> session_names;
   /// Of a muscle that pulls the other way, which is like this one; empty where there is none.
   std::vector<double> opposing_pressure, opposing_contraction;
+  std::vector<ChannelSpikes> spikes;  ///< samples that stood alone, where repairSpikes put them right
   std::size_t rows() const { return force.size(); }
   bool opposed() const { return !opposing_pressure.empty(); }
 };
 PamLog readPamLog(CsvTable table);
+
+/// Of a log over time, not of levels: of levels none stands alone.
+void repairSpikes(PamLog& log);
 
 /// What turns a joint's angle into the contraction of the muscles on its pulley (002 section III).
 struct MusclePulley {

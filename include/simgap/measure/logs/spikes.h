@@ -32,9 +32,16 @@ struct Spike {
 /// \param most  wrong rows that may stand near to each other
 std::vector<Spike> findSpikes(std::span<const double> time, std::span<const double> values, std::size_t most);
 
+/// A channel that is looked through for them.
+struct SearchedChannel {
+  std::string name;
+  std::vector<double>* values;  ///< shape (n), or empty: there is none
+  std::size_t most;             ///< wrong rows that may stand near to each other
+};
+
 /// The same, looked for session by session, and replaced by what was likely there.
-/// \param session  shape (n).  \returns the rows
-std::vector<std::size_t> repairSpikes(std::span<const double> time, const std::vector<int>& session,
-                                      std::span<double> values, std::size_t most);
+/// \param session  shape (n).  \returns the channels that held any
+std::vector<ChannelSpikes> repairSpikes(std::span<const double> time, const std::vector<int>& session,
+                                        std::span<const SearchedChannel> channels);
 
 }  // namespace simgap

@@ -45,6 +45,7 @@ struct FitSummary {
   std::size_t starts = 0;
   std::size_t distinct_minima = 0;
   std::vector<ComparisonRow> comparison;
+  std::string chosen_by;  ///< why the model was chosen, of several: "lowest BIC"
   std::vector<TransferRow> transfer;
   std::vector<std::string> warnings;
   std::vector<std::pair<std::string, std::string>> facts;  ///< further results: name and text
@@ -60,6 +61,7 @@ FitSummary summaryOf(const FitComparison<Fit>& comparison) {
   summary.mse = chosen.fit.mse;
   summary.mse_heldout = chosen.mse_heldout;
   summary.heldout = comparison.heldout;
+  summary.chosen_by = comparison.chosen_by;
   summary.n = chosen.fit.n;
   summary.starts = chosen.fit.starts;
   summary.distinct_minima = chosen.fit.distinct_minima;

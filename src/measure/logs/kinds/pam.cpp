@@ -49,7 +49,8 @@ ArrayXd shareTravelled(const PamLog& log, const std::vector<double>& changes, co
 }
 
 PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const FrictionDataOptions& /*options*/) {
-  const PamLog muscle = readPamLog(table);
+  PamLog muscle = readPamLog(table);
+  repairSpikes(muscle);
   std::vector<double> time = muscle.time;
   if (time.empty()) {  // rows in their order
     time.resize(muscle.rows());
@@ -57,8 +58,11 @@ PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const Frictio
   }
   PreparedLog log = prepared(ActuatorKind::kPam, muscle.file, time, muscle.session, muscle.session_names);
   log.effort_column = "force_N";
+  log.spikes = muscle.spikes;
+  leaveOutRows(log.spikes, log.data.keep);
   log.data.effort_unit = log.data.load_unit = "N";
   ActuatorRows& rows = log.data.rows;
+  rows.timed = !muscle.time.empty();
   rows.effort = toArray(muscle.force);
   rows.pressure = toArray(muscle.pressure);
   rows.contraction = toArray(muscle.contraction);

@@ -11,25 +11,20 @@ namespace {
 using Eigen::ArrayXd;
 using Eigen::Index;
 
-/// Single wrong samples, looked for session by session, and sensors at their limit. Wrong samples are replaced: a
-/// spring that remembers would carry them on, and a limit is not where they are.
+/// Single wrong samples, and sensors at their limit. Wrong samples are replaced: a spring that remembers would carry
+/// them on, and a limit is not where they are.
 void leaveOutBadSamples(SpringLog& spring, PreparedLog& log) {
-  const ChannelSpikes deflection{quantityName("deflection", spring.deflectionUnit()),
-                                 repairSpikes(spring.time, spring.session, spring.deflection, kMotionSpikes)};
-  const ChannelSpikes force{log.effort_column, repairSpikes(spring.time, spring.session, spring.force, kEffortSpikes)};
-  const ChannelSpikes ends[] = {{deflection.channel, findClipped(spring.deflection, spring.force, spring.session)},
-                                {force.channel, findClipped(spring.force, spring.deflection, spring.session)}};
-  for (const ChannelSpikes& channel : {deflection, force}) {
-    if (!channel.rows.empty()) log.spikes.push_back(channel);
-  }
+  const std::string deflection = quantityName("deflection", spring.deflectionUnit());
+  const SearchedChannel channels[] = {{deflection, &spring.deflection, kMotionSpikes},
+                                      {log.effort_column, &spring.force, kEffortSpikes}};
+  log.spikes = repairSpikes(spring.time, spring.session, channels);
+  const ChannelSpikes ends[] = {{deflection, findClipped(spring.deflection, spring.force, spring.session)},
+                                {log.effort_column, findClipped(spring.force, spring.deflection, spring.session)}};
   for (const ChannelSpikes& channel : ends) {
     if (!channel.rows.empty()) log.clipped.push_back(channel);
   }
-  for (const std::vector<ChannelSpikes>* list : {&log.spikes, &log.clipped}) {
-    for (const ChannelSpikes& channel : *list) {
-      for (const std::size_t i : channel.rows) log.data.keep[i] = false;
-    }
-  }
+  leaveOutRows(log.spikes, log.data.keep);
+  leaveOutRows(log.clipped, log.data.keep);
 }
 
 PreparedLog prepare(const CsvTable& table, const Bench& /*bench*/, const FrictionDataOptions& /*options*/) {
