@@ -80,11 +80,16 @@ std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, 
   return limits;
 }
 
-/// Whether one value often comes twice: coarse steps, or what is set and not measured.
+/// Whether values between the ends of a channel are few or often come twice: coarse steps, or what is set and not
+/// measured.
 bool isCoarse(const NamedChannel& channel) {
+  constexpr double kFewest = 0.5, kOften = 0.3;  // of the rows
   const Index n = channel.values.size();
-  const Index repeats = (channel.values.tail(n - 1) == channel.values.head(n - 1)).count();
-  return static_cast<double>(repeats) > 0.3 * static_cast<double>(n);
+  const auto inside = channel.values > channel.values.minCoeff() && channel.values < channel.values.maxCoeff();
+  const auto again = channel.values.tail(n - 1) == channel.values.head(n - 1);
+  const auto rows = static_cast<double>(inside.count());
+  return rows < kFewest * static_cast<double>(n) ||
+         static_cast<double>((again && inside.tail(n - 1)).count()) > kOften * rows;
 }
 
 /// A channel that repeats one value for a second and longer while the drive moves, though it is noisy otherwise.
