@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "simgap/core/decompositions.h"
 #include "simgap/core/statistics.h"
@@ -47,15 +48,30 @@ void leaveOut(const std::string& channel, const std::string& sentence, const std
   faults.push_back(std::move(fault));
 }
 
+constexpr std::size_t kTogether = 4;  // rows in a row that stand at a limit
+
+/// The end of a channel's range: its largest value, or the largest that stands several rows in a row where a few, of
+/// spikes, are beyond it. \param way  1; -1: its smallest
+double endOfRange(const ArrayXd& values, double way) {
+  constexpr double kSpikes = 1e-3;  // of the rows
+  double end = -std::numeric_limits<double>::infinity();
+  for (Index i = 0, next = 0; i < values.size(); i = next) {
+    next = i + 1;
+    while (next < values.size() && values[next] == values[i]) ++next;
+    if (next - i >= static_cast<Index>(kTogether)) end = std::max(end, way * values[i]);
+  }
+  const auto beyond = static_cast<double>((way * values > end).count());
+  return way * (beyond <= kSpikes * static_cast<double>(values.size()) ? end : (way * values).maxCoeff());
+}
+
 /// Rows at the very end of a range that is reached several rows in a row, and more than once: a converter or an
 /// amplifier that cannot go further, unless it comes there by single counts. The rows beside them go with them: so near
 /// to a limit only those are left that noise has made small. \returns those ends.
 std::vector<double> findClipping(const NamedChannel& channel, PreparedLog& log, std::vector<DataFault>& faults) {
-  constexpr double kBeside = 0.1;       // [s]
-  constexpr std::size_t kTogether = 4;  // rows
+  constexpr double kBeside = 0.1;  // [s]
   const auto beside = static_cast<Index>(std::ceil(kBeside / log.data.rows.step));
   std::vector<double> limits;
-  for (const double limit : {channel.values.maxCoeff(), channel.values.minCoeff()}) {
+  for (const double limit : {endOfRange(channel.values, 1.0), endOfRange(channel.values, -1.0)}) {
     std::size_t runs = 0;
     std::vector<Index> rows;
     for (const Block& run : runsAt(spanOf(channel.values), limit)) {
@@ -224,7 +240,7 @@ bool keepsDirection(const ActuatorRows& rows, Index first, Index last) {
 /// \param far  shape (rows): rows beyond every noise, at a speed
 std::vector<Index> standingAlone(const PreparedLog& log, const Eigen::VectorXd& residual,
                                  const std::vector<bool>& far) {
-  constexpr Index kTogether = 5;     // rows
+  constexpr Index kMost = 5;         // rows
   constexpr double kBeside = 0.3;    // of the largest of them
   constexpr double kFromTurn = 0.3;  // [s] between a turn and rows together: play and bristles leave bursts, too
   const ActuatorRows& rows = log.data.rows;
@@ -233,7 +249,7 @@ std::vector<Index> standingAlone(const PreparedLog& log, const Eigen::VectorXd& 
   for (Index i = 2, end = 0; i + 2 < residual.size(); i = std::max(end, i + 1)) {
     end = i;
     while (end + 2 < residual.size() && far[end]) ++end;
-    if (end == i || end - i > kTogether) continue;
+    if (end == i || end - i > kMost) continue;
     const Index last = end - 1;
     const bool single = last == i, counts = residual[i - 2] != 0.0 && residual[last + 2] != 0.0;
     const Index near = single ? 2 : reach;
