@@ -111,6 +111,15 @@ TEST_F(DiagnoseActuators, NameTheRubberOfAMuscle) {
   EXPECT_NEAR(valueOf(slow, "share"), 0.08, 0.02);
 }
 
+// Rubber creeps by the logarithm of time: beside one relaxation time its slow part stood as a bias of the force.
+TEST_F(DiagnoseActuators, NameARubberThatCreepsOnManyTimeScales) {
+  reality::PamTruth truth;
+  truth.creep_log = 0.012;
+  const Json result = askMuscle(truth, 23);
+  EXPECT_TRUE(alone(result, "muscle-creep")) << result.at("sentence");
+  EXPECT_EQ(valueOf(result, "decades"), 2.0);
+}
+
 // A pressure that is measured before a hose: the tendon's compliance was named for it.
 TEST_F(DiagnoseActuators, NameTheHoseBetweenSensorAndMuscle) {
   reality::PamTruth truth;

@@ -68,6 +68,7 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
     const double phase_e = 6.28 * uniform(random), phase_p = 6.28 * uniform(random);
     const double middle_e = 0.06 + 0.06 * uniform(random), swing_e = 0.02 + 0.04 * uniform(random);
     const double middle_p = (2.2 + 1.2 * uniform(random)) * 1e5, swing_p = (1.0 + 0.9 * uniform(random)) * 1e5;
+    std::vector<double> elastic;
     double last = 0.0, bristle = 0.0, settled = 0.0, inside = 0.0, p_before = 0.0;
     for (std::size_t k = 0; k < design.rows; ++k) {
       const double t = static_cast<double>(k) / design.rate;
@@ -84,6 +85,11 @@ PamRecord recordPam(const PamTruth& m, const PamDesign& design) {
       double f = muscleForce(m, inside, e) - m.braid_friction * inside * bristle;
       settled += k == 0 ? f : (f - settled) / (m.creep_seconds * design.rate);
       f += m.creep * (f - settled);
+      elastic.push_back(f);
+      for (std::size_t j = 1; m.creep_log > 0.0 && j <= k; ++j) {  // each change fades for itself (Boltzmann)
+        const double since = static_cast<double>(k - j) / design.rate + 0.02;
+        f += m.creep_log * (elastic[j] - elastic[j - 1]) * std::max(0.0, std::log(60.0 / since));
+      }
       f *= 1.0 + m.breathing * std::sin(humid);
       record.time.push_back(t);
       const double seen = middle_p + swing_p * std::sin(6.2831853 * (t - late) / period_p + phase_p);

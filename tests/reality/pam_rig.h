@@ -24,6 +24,7 @@ struct PamTruth {
   double wall = 0.0;              ///< [N] stiffness of the rubber tube inside, without pressure
   double creep = 0.0;             ///< share of a change of force that dies away …
   double creep_seconds = 4.0;     ///< … within that time
+  double creep_log = 0.0;         ///< share that dies away per factor e of the time since a change, 20 ms to 60 s
   double hose_seconds = 0.0;      ///< the sensor sits before a hose through which the muscle fills and empties
   double breathing = 0.0;         ///< a cause without a name: force swings with humidity
 };

@@ -38,6 +38,16 @@ inline Eigen::ArrayXd maxwellBranch(const ActuatorRows& rows, double tau, const 
   return y;
 }
 
+/// \name Rubbers creep on many time scales: over `decades` > 0 five branches about tau share it alike, else one has it.
+///@{
+inline int branchCount(double decades) { return decades > 0.0 ? 5 : 1; }
+inline double branchTime(double tau, double decades, int branch) {
+  const int branches = branchCount(decades);
+  const double place = branches > 1 ? static_cast<double>(branch) / (branches - 1) - 0.5 : 0.0;
+  return tau * std::pow(10.0, decades * place);
+}
+///@}
+
 /// Where a search may begin [s]. \param part  0: fast, 1: slow
 inline double relaxationTime(const ActuatorRows& rows, double part) {
   const double low = 3.0 * kShortestRelaxation * rows.step,

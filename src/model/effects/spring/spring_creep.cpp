@@ -13,7 +13,6 @@
 namespace simgap::actuator_effects::spring_creep {
 namespace {
 
-constexpr int kBranches = 5;
 constexpr EffectParameter kParameters[] = {{"tau", "s", 1e-3, 1e4, 1.0, 1.0, EffectParameter::Kind::kShape},
                                            {"decades", "1", 0.0, 4.0, 0.0, 0.0, EffectParameter::Kind::kConstant}};
 constexpr EffectColumn kColumns[] = {{.name = "stiffness", .unit = "Nm_rad", .lower = 0.0, .torque = false}};
@@ -21,10 +20,9 @@ constexpr EffectColumn kColumns[] = {{.name = "stiffness", .unit = "Nm_rad", .lo
 void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
   x.setZero();
-  const int branches = p[1] > 0.0 ? kBranches : 1;
+  const int branches = branchCount(p[1]);
   for (int b = 0; b < branches; ++b) {
-    const double place = branches > 1 ? static_cast<double>(b) / (branches - 1) - 0.5 : 0.0;
-    x.col(0) += 1.0 / branches * maxwellBranch(rows, p[0] * std::pow(10.0, p[1] * place), terms.deflection);
+    x.col(0) += 1.0 / branches * maxwellBranch(rows, branchTime(p[0], p[1], b), terms.deflection);
   }
 }
 
