@@ -3,9 +3,8 @@
 ///
 ///     f -= share z,   tau dz/dt = f - z,
 ///
-/// z solved exactly for a force that is constant between rows. With `decades` = 2 or 4 the share is that of five such
-/// parts together, from tau / 10 to 10 tau or from tau / 100 to 100 tau. A session begins settled or, with `carried` =
-/// 1, as the one before it ended.
+/// z solved exactly for a force that is constant between rows. With `decades` = 2 the share is that of five such parts
+/// together, from tau / 10 to 10 tau. A session begins settled or, with `carried` = 1, as the one before it ended.
 #include <cmath>
 
 #include "model/effects/relaxation.h"
@@ -42,7 +41,7 @@ void fill(std::span<const double> p, const ActuatorRows& rows, const ActuatorTer
 std::vector<std::vector<double>> starts(const ActuatorRows& rows, const Eigen::ArrayXd& /*residual*/) {
   std::vector<std::vector<double>> list;
   const bool several = rows.session.back() != rows.session.front();
-  for (const double decades : {0.0, 2.0, 4.0}) {
+  for (const double decades : {0.0, 2.0}) {
     for (const double part : {0.0, 0.33, 0.67, 1.0}) {
       const double tau = relaxationTime(rows, part);
       list.push_back({tau, 0.0, decades});
@@ -68,7 +67,7 @@ const ActuatorEffect entry = {
     .signature = "force falls for a while after every rise, and rises after every fall",
     .remarks =
         "every session begins settled (`carried` = 0) or as the one before it ended, and one relaxation time "
-        "(`decades` = 0) or five over two or four decades about tau: as the data choose",
+        "(`decades` = 0) or five over two decades about tau: as the data choose",
     .source = "Maxwell 1867; Wiechert 1893",
     .look_alikes = "force-bias, contraction-hysteresis, a valve's lag",
     .separates = "steps of pressure at a fixed length, each held for some tau",
