@@ -205,6 +205,17 @@ TEST_F(Springs, NameThePlayInSeriesWithThem) {
   EXPECT_NEAR(valueOf(result, "middle"), 0.0, 1e-4);
 }
 
+// A damper beside the spring, and not behind the play, resists within it, too: that had been "no multiple of the rate".
+TEST_F(Springs, ADamperBesideThePlayIsALinearOne) {
+  reality::SpringTruth truth;
+  truth.damping = 2.0;
+  truth.curve = {{-1.0, -150.0 * 0.99}, {-0.01, 0.0}, {0.01, 0.0}, {1.0, 150.0 * 0.99}};
+  reality::SpringDesign design = rig(15);
+  design.low = -0.03;
+  const Json result = ask(truth, design);
+  EXPECT_TRUE(alone(result, "spring-play")) << result.at("sentence") << result.at("candidates");
+}
+
 // An encoder that slips once shifts the force from then on: that had passed for a creep as slow as the log.
 TEST_F(Springs, DoNotCreepWhereAnEncoderSlips) {
   std::mt19937_64 random(3);

@@ -23,6 +23,12 @@ std::vector<std::vector<double>> starts(const ActuatorRows& /*rows*/, const Eige
   return {{0.2}, {0.5}, {2.0}};
 }
 
+/// Near n = 1 it is damping, which acts where another cause lets the model have none: of a spring within its play.
+bool counts(std::span<const double> p, const ActuatorRows& /*rows*/) {
+  constexpr double kLinear = 0.15;
+  return std::abs(p[0] - 1.0) > kLinear;
+}
+
 constexpr OptionalChannel kNeeds[] = {OptionalChannel::kTime};
 
 }  // namespace
@@ -43,6 +49,7 @@ const ActuatorEffect entry = {
     .needs_all_rows = true,
     .fill = fill,
     .starts = starts,
+    .counts = counts,
 };
 
 }  // namespace simgap::actuator_effects::damping_nonlinearity
