@@ -111,7 +111,7 @@ TEST_F(DiagnoseActuators, NameTheRubberOfAMuscle) {
   EXPECT_NEAR(valueOf(slow, "share"), 0.08, 0.02);
 }
 
-// Rubber creeps by the logarithm of time: beside one relaxation time its slow part stood as a bias of the force.
+// Rubber creeps by the logarithm of time: with one relaxation time half of a share was found, and a bias of the force.
 TEST_F(DiagnoseActuators, NameARubberThatCreepsOnManyTimeScales) {
   reality::PamTruth truth;
   truth.creep_log = 0.012;
