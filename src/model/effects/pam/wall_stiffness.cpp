@@ -7,7 +7,7 @@
 namespace simgap::actuator_effects::wall_stiffness {
 namespace {
 
-constexpr EffectColumn kColumns[] = {{.name = "k_w", .unit = "N", .torque = false}};
+constexpr EffectColumn kColumns[] = {{.name = "k_w", .unit = "N", .lower = 0.0, .torque = false}};
 
 void fill(std::span<const double> /*p*/, const ActuatorRows& /*rows*/, const ActuatorTerms& terms,
           const Eigen::ArrayXd& /*stribeck*/, Eigen::Ref<Eigen::ArrayXXd> x) {
