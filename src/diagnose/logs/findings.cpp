@@ -157,6 +157,7 @@ class Judge {
     const double p = heldOutP(unseen_without_[cause], unseen_);
     if (std::string small = doubtOfGain(gain, p); !small.empty()) return small;
     if (std::string few = doubtOfFewRows(cause); !few.empty()) return few;
+    if (std::string form = doubtOfForm(cause); !form.empty()) return form;
     if (selection_.unnamed && selection_.unnamed->gain->value > gain.value) {
       return fmt::format("a dependence without a name, on {}, explains more: it may only stand in for that",
                          selection_.unnamed->hypothesis.target);
@@ -192,6 +193,26 @@ class Judge {
     return fmt::format(
         "it gains in {:.0f} % of the rows, those of the largest errors, and loses {:.0f} % in all others", 100.0 * kFew,
         100.0 * (after / before - 1.0));
+  }
+
+  /// Why a cause may be all that the form of another's law leaves of it; empty where that one is not far larger. A
+  /// constant has no form.
+  std::string doubtOfForm(std::size_t cause) const {
+    constexpr double kForm = 0.05;  // of what a law describes
+    const double explained = errors_without_[cause].sum.sum() - found_.heldout.back().sum.sum();
+    for (std::size_t other = 0; other < causes(); ++other) {
+      if (other == cause) continue;
+      const auto counts = unseen_without_[other].array() != 0.0 && unseen_.array() != 0.0;
+      const Eigen::ArrayXd change = counts.select((unseen_without_[other] - unseen_).array(), 0.0);
+      const double rows = static_cast<double>(std::max<Eigen::Index>(1, counts.count()));
+      const double size = change.square().sum() - std::pow(change.sum(), 2) / rows;
+      if (explained >= kForm * kForm * size) continue;
+      return fmt::format("{} acts {:.0f} times as strongly: where its law misses its form by {:.0f} %, that is as much",
+                         selection_.chosen.model->effects()[own_ + other]->name,
+                         std::sqrt(size / std::max(explained, 1e-300)),
+                         100.0 * std::sqrt(std::max(explained, 0.0) / size));
+    }
+    return {};
   }
 
   /// Why a change at one moment may be none: friction that wanders over the log explains as much, or where the motion
