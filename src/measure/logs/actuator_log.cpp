@@ -169,6 +169,7 @@ void repairSpikes(PamLog& log) {
       {"pressure_extensor_Pa", &log.opposing_pressure, kMotionSpikes},
       {log.force_column, &log.force, kEffortSpikes}};
   log.spikes = repairSpikes(log.time, log.session, channels);
+  if (log.spikes.empty()) return;
   for (std::size_t i = 0; i < log.opposing_contraction.size(); ++i) {  // of the same angle
     log.opposing_contraction[i] = log.opposing_rest + log.rest - log.contraction[i];
   }
