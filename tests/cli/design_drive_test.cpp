@@ -32,7 +32,8 @@ TEST_F(DesignDriveTest, WritesTheLogToRecord) {
   EXPECT_NE(text("next/report.html").find("Load over velocity"), std::string::npos);
   // What is to be recorded is a log that fit-friction reads: without noise it finds what the limits say.
   succeed({"fit-friction", "next/protocol.csv", "--ratio", "97.74", "--model", "variant-b", "-q", "-o", "fit"});
-  for (const Json& p : Json::parse(text("fit/result.json")).at("parameters")) {
+  const Json fitted = Json::parse(text("fit/result.json"));
+  for (const Json& p : fitted.at("parameters")) {
     for (const Json& given : result.at("parameters")) {
       if (given.at("name") != p.at("name")) continue;
       EXPECT_NEAR(p.at("value").get<double>(), given.at("value").get<double>(), 0.01 * given.at("value").get<double>())
