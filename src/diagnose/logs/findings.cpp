@@ -195,34 +195,17 @@ class Judge {
         100.0 * (after / before - 1.0));
   }
 
-  /// How strongly a cause acts on the held-out rows, about its mean, squared and summed: with all else refitted without
-  /// it, and by itself, the smaller of the two. A constant has no form.
-  double actionOf(std::size_t cause) const {
-    const ActuatorRegression& model = *selection_.chosen.model;
-    const ActuatorEffect& effect = *model.effects()[own_ + cause];
-    std::vector<double> none = selection_.chosen.theta;
-    for (std::size_t k = 0; k < effect.columns.size(); ++k) none[model.firstColumn(own_ + cause) + k] = 0.0;
-    for (std::size_t k = 0; k < effect.parameters.size(); ++k)
-      none[model.firstParameter(own_ + cause) + k] = effect.parameters[k].neutral;
-    const Eigen::ArrayXd own = model.predict(selection_.chosen.theta) - model.predict(none);
-    const Eigen::ArrayXd refitted = (unseen_without_[cause] - unseen_).array();
-    const Eigen::ArrayXd counts =
-        (unseen_without_[cause].array() != 0.0 && unseen_.array() != 0.0 && own.isFinite()).cast<double>();
-    const auto aboutMean = [&](const Eigen::ArrayXd& change) {
-      const double mean = (counts > 0.0).select(change, 0.0).sum() / std::max(1.0, counts.sum());
-      return (counts > 0.0).select((change - mean).square(), 0.0).sum();
-    };
-    return std::min(aboutMean(own), aboutMean(refitted));
-  }
-
   /// Why a cause may be all that the form of another's law leaves of it; empty where that one is not far larger.
+  /// A constant has no form.
   std::string doubtOfForm(std::size_t cause) const {
     constexpr double kForm = 0.05;  // of what a law describes
     const double explained = std::max(0.0, errors_without_[cause].sum.sum() - found_.heldout.back().sum.sum());
     for (std::size_t other = 0; other < causes(); ++other) {
       if (other == cause) continue;
-      const double share = std::sqrt(explained / std::max(actionOf(other), 1e-300));
-      if (share >= kForm) continue;
+      const double action = actionOf(selection_.chosen, own_ + other, (unseen_without_[other] - unseen_).array(),
+                                     unseen_without_[other].array() != 0.0 && unseen_.array() != 0.0);
+      const double share = std::sqrt(explained / std::max(action, 1e-300));
+      if (!(share < kForm)) continue;
       return fmt::format("{} acts {:.0f} times as strongly: where its law misses its form by {:.1f} %, that is as much",
                          selection_.chosen.model->effects()[own_ + other]->name, 1.0 / std::max(share, 1e-6),
                          100.0 * share);

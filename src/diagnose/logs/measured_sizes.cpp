@@ -70,6 +70,21 @@ std::string undetermined(const ActuatorRegression& model, std::span<const double
   return any || !sized ? "" : "none of its own parameters is determined by these data";
 }
 
+double actionOf(const Fitted& fitted, std::size_t effect, const Eigen::ArrayXd& refitted,
+                const Eigen::Array<bool, Eigen::Dynamic, 1>& rows) {
+  const ActuatorRegression& model = *fitted.model;
+  const ActuatorEffect& cause = *model.effects()[effect];
+  std::vector<double> none = fitted.theta;
+  for (std::size_t k = 0; k < cause.columns.size(); ++k) none[model.firstColumn(effect) + k] = 0.0;
+  for (std::size_t k = 0; k < cause.parameters.size(); ++k)
+    none[model.firstParameter(effect) + k] = cause.parameters[k].neutral;
+  const auto aboutMean = [&](const Eigen::ArrayXd& change) {
+    const double mean = rows.select(change, 0.0).sum() / std::max<double>(1.0, static_cast<double>(rows.count()));
+    return rows.select((change - mean).square(), 0.0).sum();
+  };
+  return std::min(aboutMean(model.predict(fitted.theta) - model.predict(none)), aboutMean(refitted));
+}
+
 std::string outOfSight(const ActuatorRegression& model, std::span<const double> theta, std::size_t effect,
                        const ActuatorRows& rows) {
   const ActuatorEffect& cause = *model.effects()[effect];

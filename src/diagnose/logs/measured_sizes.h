@@ -13,6 +13,12 @@ namespace simgap {
 std::string undetermined(const ActuatorRegression& model, std::span<const double> theta, const LogFit& fit,
                          std::size_t effect);
 
+/// How strongly a cause acts on some rows, about its mean, squared and summed: by itself, and with all else refitted
+/// without it, the smaller of the two. 0 of a constant. \param refitted  the latter's change, \param rows  both shape
+/// (n)
+double actionOf(const Fitted& fitted, std::size_t effect, const Eigen::ArrayXd& refitted,
+                const Eigen::Array<bool, Eigen::Dynamic, 1>& rows);
+
 /// Why a cause that counted when it was tried counts no more, fitted with all others to all rows: a relaxation within
 /// two of them, say. Empty when it does.
 std::string outOfSight(const ActuatorRegression& model, std::span<const double> theta, std::size_t effect,
