@@ -192,11 +192,17 @@ TEST_F(Springs, NameTheDirectionThatIsStiffer) {
   EXPECT_NEAR(valueOf(result, "change"), 60.0, 5.0);
 }
 
+/// 150 N/m on either side of a play. \param half  of it [m]  \param damping  beside it [N s/m]
+reality::SpringTruth withPlay(double half, double damping) {
+  reality::SpringTruth truth;
+  truth.damping = damping;
+  truth.curve = {{-1.0, -150.0 * (1.0 - half)}, {-half, 0.0}, {half, 0.0}, {1.0, 150.0 * (1.0 - half)}};
+  return truth;
+}
+
 // Play had passed for a spring that is stiffer one way, which leaves half of the error.
 TEST_F(Springs, NameThePlayInSeriesWithThem) {
-  reality::SpringTruth truth;
-  truth.damping = 0.0;
-  truth.curve = {{-1.0, -150.0 * 0.999}, {-0.001, 0.0}, {0.001, 0.0}, {1.0, 150.0 * 0.999}};
+  const reality::SpringTruth truth = withPlay(0.001, 0.0);
   reality::SpringDesign design = rig(14);
   design.low = -0.02;
   const Json result = ask(truth, design);
@@ -207,9 +213,7 @@ TEST_F(Springs, NameThePlayInSeriesWithThem) {
 
 // A damper beside the spring, and not behind the play, resists within it, too: that had been "no multiple of the rate".
 TEST_F(Springs, ADamperBesideThePlayIsALinearOne) {
-  reality::SpringTruth truth;
-  truth.damping = 2.0;
-  truth.curve = {{-1.0, -150.0 * 0.99}, {-0.01, 0.0}, {0.01, 0.0}, {1.0, 150.0 * 0.99}};
+  const reality::SpringTruth truth = withPlay(0.01, 2.0);
   reality::SpringDesign design = rig(15);
   design.low = -0.03;
   const Json result = ask(truth, design);
