@@ -10,6 +10,7 @@
 #include <cstdlib>
 
 #include "simgap/core/error.h"
+#include "simgap/core/names.h"
 #include "simgap/model/arm/parameter_space.h"
 #include "simgap/simulate/potential_energy.h"
 
@@ -258,14 +259,6 @@ constexpr std::pair<std::string_view, Kind> kMuscleMembers[] = {
     {"shock_cord.stiffness_N_m", Kind::kStiffness},
     {"spindle_radius_m", Kind::kSpindleRadius},
 };
-
-template <class Items>
-int indexOf(const Items& items, std::string_view name) {
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (items[i].name == name) return static_cast<int>(i);
-  }
-  return -1;
-}
 
 /// \param label  "effect:target"
 int extensionIndex(const ArmModel& model, std::string_view label) {

@@ -270,9 +270,8 @@ std::vector<DataFault> findFaults(PreparedLog& log) {
     faults.push_back({out.channel, out.sentence + "; they were left out", out.first_row, out.last_row, out.rows, true});
   }
   for (const ChannelSpikes& s : log.spikes) {
-    faults.push_back({s.channel,
-                      fmt::format("{} stands alone in {} rows: outliers; they were left out", s.channel, s.rows.size()),
-                      s.rows.front() + 1, s.rows.back() + 1, s.rows.size(), true});
+    faults.push_back({s.channel, standsAlone(s) + ": outliers; they were left out", s.rows.front() + 1,
+                      s.rows.back() + 1, s.rows.size(), true});
   }
   const LogKind& kind = kindOf(log.kind);
   if (kind.checks == FaultChecks::kDeflection) {

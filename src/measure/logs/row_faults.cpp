@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "derived_motion.h"
+#include "prepared_rows.h"
 #include "simgap/core/blocks.h"
 #include "simgap/core/error.h"
 #include "simgap/measure/logs/rests.h"
@@ -51,11 +52,11 @@ void putSpikesRight(ActuatorLog& log, FrictionData& data) {
 }
 
 void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data) {
+  leaveOutRows(data.spikes, sign.keep);
+  if (options.all_rows) return;  // whoever asked for all rows says it himself
   for (const ChannelSpikes& spikes : data.spikes) {
-    for (const std::size_t i : spikes.rows) sign.keep[i] = false;
-    if (options.all_rows) continue;  // whoever asked for all rows says it himself
-    data.warnings.push_back(fmt::format("{} stands alone in {} rows (the first is row {}): they are left out",
-                                        spikes.channel, spikes.rows.size(), spikes.rows.front() + 1));
+    data.warnings.push_back(
+        fmt::format("{} (the first is row {}): they are left out", standsAlone(spikes), spikes.rows.front() + 1));
   }
 }
 

@@ -1,5 +1,7 @@
 #include "simgap/measure/logs/spikes.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -114,6 +116,10 @@ std::vector<Spike> findSpikes(std::span<const double> time, std::span<const doub
     spikes.insert(spikes.end(), wrong.begin(), wrong.end());
   }
   return spikes;
+}
+
+std::string standsAlone(const ChannelSpikes& spikes) {
+  return fmt::format("{} stands alone in {} rows", spikes.channel, spikes.rows.size());
 }
 
 std::vector<ChannelSpikes> repairSpikes(std::span<const double> time, const std::vector<int>& session,

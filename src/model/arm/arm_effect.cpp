@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/names.h"
 #include "simgap/model/arm/arm_tree.h"
 #include "simgap/model/arm/tendon_path.h"
 
@@ -32,12 +33,6 @@ std::string_view groupOf(Target target) {
       break;
   }
   return "";
-}
-
-template <class Items>
-int indexOf(const Items& items, std::string_view name) {
-  const auto found = std::ranges::find(items, name, [](const auto& item) -> std::string_view { return item.name; });
-  return found == items.end() ? -1 : static_cast<int>(found - items.begin());
 }
 
 int targetIndex(const ArmEffect& effect, const ArmModel& model, std::string_view target) {

@@ -87,8 +87,7 @@ FitSummary summarise(const PamReport& report) {
   summary.target_unit = "N";
   summary.warnings = chosen.fit.warnings;
   for (const ChannelSpikes& spikes : report.log.spikes) {
-    summary.warnings.push_back(fmt::format("{} stands alone in {} rows: put right by what lies beside them",
-                                           spikes.channel, spikes.rows.size()));
+    summary.warnings.push_back(standsAlone(spikes) + ": put right by what lies beside them");
   }
   if (const auto geometry = geometryOf(chosen.fit.theta[0], chosen.fit.theta[2])) {
     summary.facts.emplace_back("geometry of a and c",

@@ -99,12 +99,11 @@ Uncertainty cordParameters(const SpringReport& report) {
 
 std::vector<std::string> springWarnings(const SpringReport& report) {
   std::vector<std::string> warnings = report.log.warnings;
-  for (const std::vector<ChannelSpikes>* list : {&report.log.spikes, &report.log.clipped}) {
-    const bool spikes = list == &report.log.spikes;
-    for (const ChannelSpikes& c : *list) {
-      warnings.push_back(fmt::format("{} {} in {} rows: they were left out", c.channel,
-                                     spikes ? "stands alone" : "sits at its limit", c.rows.size()));
-    }
+  for (const ChannelSpikes& spikes : report.log.spikes) {
+    warnings.push_back(standsAlone(spikes) + ": they were left out");
+  }
+  for (const ChannelSpikes& c : report.log.clipped) {
+    warnings.push_back(fmt::format("{} sits at its limit in {} rows: they were left out", c.channel, c.rows.size()));
   }
   const double rest = unloadedDeflection(report.comparison.chosen().fit).deflection;
   const double expansion = report.log.data.rows.deflection.maxCoeff() / rest - 1.0;

@@ -17,6 +17,9 @@ struct ChannelSpikes {
   std::vector<std::size_t> rows;  ///< of the log, from 0, rising; never empty
 };
 
+/// "CHANNEL stands alone in N rows": how a sentence about them begins.
+std::string standsAlone(const ChannelSpikes& spikes);
+
 /// How many may stand near to each other: no mass jumps there and back, but an effort may change for two rows.
 inline constexpr std::size_t kMotionSpikes = 3, kEffortSpikes = 1;
 
