@@ -106,7 +106,12 @@ PoseSet readPoses(Session& session, const std::string& role, const std::string& 
                   const CsvOptions& csv) {
   const CsvTable table = CsvTable::parse(session.read(role, file).content, file, csv);
   warnOfSkippedRows(table);
-  return readPosesFor(model, table);
+  PoseSet set = readPosesFor(model, table);
+  if (const std::size_t different = countDifferent(set.poses); different < set.poses.size()) {
+    spdlog::warn("{}: found {} different poses of {}: a copy to the last digit is no measurement, but counts as one",
+                 file, different, set.poses.size());
+  }
+  return set;
 }
 
 PoseSet readPoses(Session& session, const std::string& role, const std::vector<std::string>& files,

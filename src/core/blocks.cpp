@@ -1,7 +1,5 @@
 #include "simgap/core/blocks.h"
 
-#include <algorithm>
-
 namespace simgap {
 
 std::vector<Block> splitBlocks(std::span<const double> time, std::span<const int> session, double length) {
@@ -27,16 +25,6 @@ std::vector<Block> splitRows(std::span<const int> session, std::size_t rows_per_
     begin = i;
   }
   return blocks;
-}
-
-std::vector<int> foldsOfBlocks(std::span<const Block> blocks, int folds, std::size_t rows) {
-  std::vector<int> result(rows, 0);
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    std::fill(result.begin() + static_cast<std::ptrdiff_t>(blocks[b].begin),
-              result.begin() + static_cast<std::ptrdiff_t>(blocks[b].end),
-              static_cast<int>(b % static_cast<std::size_t>(folds)));
-  }
-  return result;
 }
 
 }  // namespace simgap

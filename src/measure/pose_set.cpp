@@ -193,6 +193,15 @@ PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   return set;
 }
 
+std::size_t countDifferent(std::span<const Pose> poses) {
+  std::size_t count = 0;
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    if (std::ranges::none_of(poses.first(p), [&](const Pose& before) { return sameReadings(before, poses[p]); }))
+      ++count;
+  }
+  return count;
+}
+
 void requireOtherPoses(const PoseSet& set, const PoseSet& others, std::string_view why) {
   const std::vector<std::string> copies = copiedPoses(set, others);
   if (2 * copies.size() <= set.poses.size()) return;

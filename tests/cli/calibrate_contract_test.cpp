@@ -50,6 +50,15 @@ TEST_F(CalibrateContractTest, ValidatesNothingOnThePosesTheSearchHasSeen) {
   expectRefused(plain("out", {"--validation", "copy.csv.gz"}), 3, "validates nothing");
 }
 
+TEST_F(CalibrateContractTest, SaysHowManyPosesAreCopies) {
+  const std::string poses = text("unseen.csv");
+  const std::string rows = poses.substr(poses.find('\n') + 1);
+  put("twice.csv", poses + std::regex_replace("\n" + rows, std::regex("\np"), "\nq").substr(1));
+  const ProcessResult result = simgap(plain("out", {"--validation", "twice.csv"}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("twice.csv: found 15 different poses of 30"));
+}
+
 TEST_F(CalibrateContractTest, OptionsOfAnotherOptimiserAreRefused) {
   expectRefused(plain("out", {"--generations", "9"}), 2,
                 "found --generations with --optimizer lm, expected it with --optimizer cma-es or es");

@@ -24,7 +24,4 @@ std::vector<Block> splitBlocks(std::span<const double> time, std::span<const int
 /// Splits blocks again so that none has more rows; for uncertainties, where a block is some correlation times.
 std::vector<Block> splitRows(std::span<const int> session, std::size_t rows_per_block);
 
-/// The fold of every row, shape (rows): blocks go to folds in turn, so that each fold sees the whole session.
-std::vector<int> foldsOfBlocks(std::span<const Block> blocks, int folds, std::size_t rows);
-
 }  // namespace simgap

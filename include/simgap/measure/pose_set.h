@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,9 @@ struct PoseSet {
 /// \throws DataError: a muscle of the layout without a column or a shaft column without a muscle, a quaternion that is
 ///         not of unit length, the same pose and repeat twice, no rows, and all that CsvTable refuses.
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout);
+
+/// Poses that are no copy of one before them, readings that are the same to the last digit, whatever they are called.
+std::size_t countDifferent(std::span<const Pose> poses);
 
 /// \throws DataError: more than half of a set's poses are copies of others, readings that are the same to the last
 ///         digit, whatever they are called. Noise does not repeat itself.

@@ -300,13 +300,6 @@ MotionLinearisation MotionCauseFit::withoutLastCause() const {
   return there;
 }
 
-std::vector<Eigen::VectorXd> MotionCauseFit::residualsWithoutLast() const {
-  ArmModel without = model();
-  without.extensions.pop_back();
-  const double delay = posterior_->captureDelay(here_.z);
-  return posterior_->residualsOf({&without, 1}, {&delay, 1}).front();
-}
-
 double MotionCauseFit::misfit() const { return meanSquareOf(*posterior_, here_.at); }
 
 Eigen::VectorXd MotionCauseFit::losses() const {

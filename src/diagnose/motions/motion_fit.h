@@ -99,8 +99,6 @@ class MotionCauseFit {
   /// one's.
   MotionLinearisation withoutLastCause() const;
   ArmModel model() const { return posterior_->modelAt(here_.z); }
-  /// The same motions, played without the last cause.
-  std::vector<Eigen::VectorXd> residualsWithoutLast() const;
   /// Mean square of the whitened residuals as they are weighed.
   double misfit() const;
   /// Each motion's part of the objective.

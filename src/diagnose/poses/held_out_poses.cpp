@@ -31,26 +31,6 @@ Split splitPoses(const PoseSet& set, const std::vector<bool>& heldout, const std
   return split;
 }
 
-namespace {
-
-bool areSame(const Pose& one, const Pose& other) {
-  return one.shafts == other.shafts &&
-         std::ranges::equal(one.joints, other.joints, [](const JointPosition& a, const JointPosition& b) {
-           return a.angle == b.angle && a.rotation.coeffs() == b.rotation.coeffs();
-         });
-}
-
-/// Poses that are no copy of one before them.
-std::size_t countDifferent(const std::vector<Pose>& poses) {
-  std::size_t count = 0;
-  for (auto pose = poses.begin(); pose != poses.end(); ++pose) {
-    if (std::none_of(poses.begin(), pose, [&](const Pose& before) { return areSame(before, *pose); })) ++count;
-  }
-  return count;
-}
-
-}  // namespace
-
 void requireEnough(const PoseSet& set, const PoseDiagnosisOptions& options) {
   constexpr auto kFewest = static_cast<std::ptrdiff_t>(kFewestPoses);
   const auto selecting = [&](std::size_t poses) {
