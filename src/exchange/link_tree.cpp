@@ -50,6 +50,7 @@ ArmModel LinkTree::build(ArmModel arm) {
   const auto where = where_.find(base);
   places_[base] = {0, where == where_.end() ? Eigen::Isometry3d::Identity() : where->second};
   attachChildren(base);
+  refuseCircles();
   nameStillBase(base);
   nameMassless();
   if (arm_.joints.empty()) fail("found no joint that moves, expected at least one");
@@ -81,6 +82,15 @@ void LinkTree::nameMassless() {
                drawn ? "moves and weighs nothing: no mass is worked out of its shape" : "moves and weighs nothing",
                drawn, place_of_.at(link));
     }
+  }
+}
+
+/// Every link has one parent at most, so what does not hang on the base hangs on itself.
+void LinkTree::refuseCircles() const {
+  for (const std::string& link : order_) {
+    if (places_.contains(link)) continue;
+    throw DataError(fmt::format("{}: link '{}' hangs on itself: its joints run in a circle, expected a tree",
+                                place_of_.at(link), abridged(link)));
   }
 }
 

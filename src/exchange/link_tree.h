@@ -46,6 +46,7 @@ class LinkTree {
  private:
   [[noreturn]] void fail(const std::string& sentence) const;
   std::string baseLink() const;
+  void refuseCircles() const;
   void attachChildren(const std::string& link);
   void nameStillBase(const std::string& base);
   void nameMassless();

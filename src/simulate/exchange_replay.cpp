@@ -43,6 +43,10 @@ class Replay {
       compare(joints, translated(joints), result.way, result.turn);
     }
     // What other formats have no word for is named by a remark; the rest is compared without it.
+    for (Joint& joint : one_.joints) {
+      const auto same = std::ranges::find(other_.joints, joint.name, &Joint::name);
+      if (same == other_.joints.end() || same->stop.stiffness == 0.0) joint.stop = {};
+    }
     std::erase_if(one_.tendons, [&](const PassiveTendon& line) {
       return line.kind->command &&
              std::ranges::find(other_.tendons, line.name, &PassiveTendon::name) == other_.tendons.end();

@@ -66,6 +66,28 @@ void refusePressuresInBar(const ArmModel& model, const PoseSet& set) {
   }
 }
 
+/// A joint follows its servo: targets of more than two turns, where no joint makes one, are in degrees.
+void refuseTargetsInDegrees(const ArmModel& model, const PoseSet& set) {
+  const std::vector<CommandChannel> lines = model.poseLayout().lines;
+  double farthest = 0.0;
+  for (const Pose& pose : set.poses) {
+    for (std::size_t j = 0; j < model.joints.size(); ++j) {
+      if (!model.joints[j].slides()) farthest = std::max(farthest, std::abs(pose.joints[j].angle));
+    }
+  }
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    if (lines[k].unit != "rad") continue;
+    for (const Pose& pose : set.poses) {
+      const double target = pose.shafts[model.muscles.size() + k];
+      if (std::abs(target) <= kTwoTurns || 2.0 * farthest > kTwoTurns) continue;
+      throw DataError(
+          fmt::format("{}: pose {}: {}_rad: found {:.6g}, more than two turns where no joint makes one; targets in "
+                      "degrees? name the column {}_deg",
+                      set.file, pose.name, lines[k].stem, target, lines[k].stem));
+    }
+  }
+}
+
 void refusePosesOutOfReach(const ArmModel& model, const PoseSet& set) {
   refusePositionsOutOfReach(model, {.file = set.file,
                                     .count = set.poses.size(),
@@ -174,6 +196,7 @@ void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
 void refuseImplausiblePoses(const ArmModel& model, const PoseSet& set) {
   refuseShaftsOutOfReach(model, set);
   refusePressuresInBar(model, set);
+  refuseTargetsInDegrees(model, set);
   refusePosesOutOfReach(model, set);
   refuseOtherReadings(model, set);
 }

@@ -19,6 +19,8 @@ constexpr double kLongestSlide = 10.0;                   // [m], of a slide with
 constexpr double kOneTurn = 2.0 * std::numbers::pi;      // [rad]: beyond it angles look like degrees
 constexpr double kLostFrames = 0.1;                      // share of a motion's
 constexpr double kOfStart = 0.1;                         // tolerance of a start: 9 deg, 25 mm
+constexpr double kClearlyOutside = 1.0 / 3.0;            // 30 deg, 83 mm
+constexpr std::size_t kFewestTurned = 10;                // places by which a turned sign is told
 
 /// What a joint's numbers may be, and what they look like where they are not.
 struct Reach {
@@ -42,21 +44,27 @@ double beyond(const Joint& joint, double position) {
 void refuseJointOutOfReach(const Joint& joint, std::size_t j, const PlacedPositions& positions) {
   const Reach reach = reachOf(joint);
   const auto at = [&](std::size_t p) { return positions.joints(p)[j].angle; };
-  const auto reached = [&](double factor) {
-    std::size_t outside = 0;
-    for (std::size_t p = 0; p < positions.count; ++p) {
-      if (!(beyond(joint, factor * at(p)) < positions.tolerance * reach.beyond)) ++outside;
-    }
-    return static_cast<double>(outside) <= positions.most_outside * static_cast<double>(positions.count);
+  const auto outside = [&](double factor, double allowed) {
+    std::size_t count = 0;
+    for (std::size_t p = 0; p < positions.count; ++p) count += beyond(joint, factor * at(p)) < allowed ? 0 : 1;
+    return static_cast<double>(count);
   };
-  if (reached(1.0)) return;
+  const auto count = static_cast<double>(positions.count);
+  const auto reached = [&](double factor) {
+    return outside(factor, positions.tolerance * reach.beyond) <= positions.most_outside * count;
+  };
   std::size_t farthest = 0, largest = 0;
   for (std::size_t p = 1; p < positions.count; ++p) {
     if (beyond(joint, at(p)) > beyond(joint, at(farthest))) farthest = p;
     if (std::abs(at(p)) > std::abs(at(largest))) largest = p;
   }
+  // A zero that is off moves positions out of the limits on one side and keeps the other; a turned sign moves all.
+  const bool turned = positions.count >= kFewestTurned && 2.0 * outside(1.0, kOfStart * reach.beyond) > count &&
+                      beyond(joint, at(farthest)) > kClearlyOutside * reach.beyond &&
+                      outside(-1.0, kOfStart * reach.beyond) == 0.0;
+  if (reached(1.0) && !turned) return;
   std::string help;
-  if (reached(-1.0)) {
+  if (turned || reached(-1.0)) {
     help = "; its sign looks turned: positions count about the joint's axis, as the model has it";
   } else if (std::abs(at(largest)) > reach.largest && reached(reach.mistaken)) {
     help = fmt::format("; it looks like {}: name the column {}{}{}", reach.looks_like, positions.stem, joint.name,

@@ -135,6 +135,8 @@ TEST(UrdfReader, RefusesWhatIsNoTreeOfThoseJoints) {
   EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "continuous", "a", "c"))),
               HasSubstr("found 'c', expected the name of a link"));
   EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "continuous", "base", "a"))), HasSubstr("child of two joints"));
+  EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("round", "continuous", "b", "b"))),
+              HasSubstr("r.urdf:4: link 'b' hangs on itself: its joints run in a circle, expected a tree"));
   EXPECT_THAT(urdfRefused(robotOf(turn)), HasSubstr("found 2 links that hang on no other"));
   EXPECT_THAT(urdfRefused(robotOf(turn + urdfJoint("t", "revolute", "a", "b", "<limit lower='1' upper='0'/>"))),
               HasSubstr("found lower 1 above upper 0"));

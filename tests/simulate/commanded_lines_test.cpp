@@ -189,6 +189,10 @@ TEST(PneumaticArm, RefusesCommandsThatItCannotHave) {
   EXPECT_THAT(refusedPoses("pose,current_shoulder_A,pressure_biceps_Pa,pressure_triceps_bar,target_wrist_rad" + joints,
                            "a,1,2,2,0.1,0,1,0"),
               HasSubstr("pressure_biceps_Pa: found at most 2, expected pressures in Pa; they look like bar"));
+  EXPECT_THAT(
+      refusedPoses("pose,current_shoulder_A,pressure_biceps_bar,pressure_triceps_bar,target_wrist_rad" + joints,
+                   "a,1,2,2,35,0,1,0.6"),
+      HasSubstr("target_wrist_rad: found 35, more than two turns where no joint makes one; targets in degrees?"));
 }
 
 }  // namespace

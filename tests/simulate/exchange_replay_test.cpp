@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "simgap/exchange/exchange.h"
+#include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap::test {
 namespace {
@@ -62,6 +63,42 @@ TEST(ExchangeReplay, SeesAnInertiaThatRestsDoNotSee) {
   EXPECT_EQ(replay.mass, 0.0);
   EXPECT_LT(replay.centre, 1e-12);
   EXPECT_LT(replay.way, 1e-12);
+}
+
+/// Other formats have no swing and twist of a ball; a remark says so, and the rest is the same robot.
+TEST(ExchangeReplay, RestsAreComparedWithoutLimitsThatTheOtherHasNot) {
+  const auto ballWith = [](const std::string& limits) {
+    return readArm(YamlNode::parse(R"(format: simgap/arm/2
+name: ball
+bodies:
+  - {name: base, fixed: true}
+  - {name: up, parts: [{name: a, shape: sphere, radius_m: 0.03, mass_kg: 1, position_m: [0.1, 0, -0.1]}]}
+joints:
+  - {name: sh, type: spherical, parent: base, child: up, parent_position_m: [0, 0, 0], child_position_m: [0, 0, 0],
+     coulomb_friction_Nm: 0.001, viscous_friction_Nms: 0.5)" +
+                                       limits + R"(}
+motor_defaults: {resistance_ohm: 2.0, inductance_H: 0.0005, back_emf_constant_Vs: 0.02, torque_constant_Nm_A: 0.02,
+  inertia_kg_m2: 1.0e-6, viscous_friction_Nms: 1.0e-6, coulomb_friction_Nm: 0.001, supply_voltage_V: 24}
+gearbox_defaults: {ratio: 60, efficiency: 0.7, inertia_kg_m2: 1.0e-6, viscous_friction_Nms: 0.001,
+  coulomb_friction_Nm: 0.01}
+muscles:
+  - {name: m, attachments: [{body: base, point_m: [0.1, 0, 0.1]}, {body: up, point_m: [0.05, 0, -0.1]}],
+     kite_line_length_m: 0.05, spindle_radius_m: 0.01,
+     shock_cord: {rest_length_m: 0.1, stiffness_N_m: 100, damping_Ns_m: 6}}
+  - {name: m2, attachments: [{body: base, point_m: [0, 0.1, 0.1]}, {body: up, point_m: [0.0, 0.05, -0.1]}],
+     kite_line_length_m: 0.05, spindle_radius_m: 0.01,
+     shock_cord: {rest_length_m: 0.1, stiffness_N_m: 100, damping_Ns_m: 6}}
+)",
+                                   "ball.yaml"));
+  };
+  const ArmModel limited = ballWith(", limits: {axis: [0, 0, 1], swing_rad: 0.3, stiffness_Nm_rad: 40}");
+  const ExchangeReplay without = replayExchange(limited, ballWith(""), false);
+  EXPECT_GT(without.rests, 0);
+  EXPECT_EQ(without.restless, 0);
+  EXPECT_LT(without.rest_turn, 1e-9);
+  // Kept, they count.
+  const ArmModel wider = ballWith(", limits: {axis: [0, 0, 1], swing_rad: 0.9, stiffness_Nm_rad: 40}");
+  EXPECT_GT(replayExchange(limited, wider, false).rest_turn, 0.1);
 }
 
 }  // namespace

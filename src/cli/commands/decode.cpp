@@ -30,6 +30,16 @@ EegRecording readRecording(const Options& options, Session& session) {
   return recording;
 }
 
+Training learn(const Options& options, const EegRecording& recording) {
+  constexpr std::size_t kSteps = 100;
+  Progress progress("decode: train", kSteps, options.common.quiet, Progress::Unit::kPercent);
+  Training training = trainDecoder(recording, options.training, [&](double done, const char* what) {
+    progress.update(static_cast<std::size_t>(kSteps * done), what);
+  });
+  progress.update(kSteps);
+  return training;
+}
+
 ExitCode train(const Options& options, Session& session) {
   if (options.files.size() != 1) throw ConfigError("decode train needs one file, RECORDING");
   const EegRecording recording = readRecording(options, session);
@@ -38,10 +48,7 @@ ExitCode train(const Options& options, Session& session) {
                               recording.name));
     return ExitCode::kDone;
   }
-  Progress progress("decode: train", 100, options.common.quiet, Progress::Unit::kPercent);
-  const Training training = trainDecoder(recording, options.training, [&](double done, const char* what) {
-    progress.update(static_cast<std::size_t>(100.0 * done), what);
-  });
+  const Training training = learn(options, recording);
   session.begin(options.common.seed.value_or(0));
   if (training.betterThanChance()) {  // what is no better is not delivered
     session.directory().write("decoder.yaml", toYaml(training.decoder));

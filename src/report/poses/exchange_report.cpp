@@ -81,8 +81,11 @@ std::string terminalTable(const RobotExchange& exchange) {
   text += fmt::format("           masses within {:.1e} kg, their centres {:.1e} m, inertias {:.1e} of themselves\n",
                       replay.mass, replay.centre, replay.inertia);
   if (replay.rests > 0) {
-    text += fmt::format("           {} poses at rest: bodies within {:.1e} m and {:.1e} deg\n", replay.rests,
-                        replay.rest_way, toDegrees(replay.rest_turn));
+    text += fmt::format("           {} poses at rest{}: bodies within {:.1e} m and {:.1e} deg\n", replay.rests,
+                        model.extensions.empty() ? "" : " without extensions", replay.rest_way,
+                        toDegrees(replay.rest_turn));
+  } else if (replay.not_compared == 0 && model.commands() > 0) {
+    text += "           no poses at rest: not all that pulls is the same, read back\n";
   }
   if (replay.not_compared > 0) {
     text += fmt::format("           {} poses without a rest that could be compared\n", replay.not_compared);
