@@ -22,6 +22,11 @@ target_compile_options(simgap_options INTERFACE -ffp-contract=off)
 if(SIMGAP_SANITIZE)
   add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   add_link_options(-fsanitize=address,undefined)
+  # Asked at every reference, these keep Eigen's expressions from being inlined (a loop of small ones takes 25 times as
+  # long); what goes wrong with such a reference the address sanitizer sees where it is used. Fuzzing keeps them.
+  if(NOT SIMGAP_FUZZ)
+    add_compile_options(-fno-sanitize=null,alignment,object-size,pointer-overflow)
+  endif()
   # Eigen brings an aligned malloc of its own where it sees this sanitizer; pagmo and DART, compiled without, would free
   # what ours allocated. The sanitizer's malloc aligns to 16 bytes.
   add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)

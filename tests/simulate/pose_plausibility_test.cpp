@@ -62,8 +62,17 @@ TEST_P(PosePlausibility, RadiansInAColumnOfDegreesAreNamed) {
 
 TEST_P(PosePlausibility, JointAnglesOfTheOtherSignAreNamed) {
   for (Pose& pose : poses_) pose.joints[1].angle *= -1.0;
+  poses_.front().joints[1].angle = -2.0;  // of limits from 0 to 2.36
   EXPECT_THAT(said(),
               AllOf(HasSubstr("3: poses.csv: "), HasSubstr("its sign looks turned"), Not(HasSubstr("degrees"))));
+}
+
+TEST_P(PosePlausibility, JointAnglesOfTheOtherSignAreNamedWhereAQuarterTurnHoldsThem) {
+  for (std::size_t p = 0; p < poses_.size(); ++p) poses_[p].joints[1].angle = -0.06 * static_cast<double>(p % 20);
+  EXPECT_THAT(said(), AllOf(HasSubstr("3: poses.csv: "), HasSubstr("its sign looks turned")));
+  // A zero that is off leaves some where they may be.
+  for (std::size_t p = 0; p < poses_.size(); ++p) poses_[p].joints[1].angle += 0.8;
+  EXPECT_THAT(said(), Not(HasSubstr("its sign looks turned")));
 }
 
 TEST_P(PosePlausibility, QuaternionsInTheOrderOfRosAreNamed) {
