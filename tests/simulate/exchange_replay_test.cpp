@@ -70,6 +70,7 @@ TEST(ExchangeReplay, RestsAreComparedWithoutLimitsThatTheOtherHasNot) {
   const auto ballWith = [](const std::string& limits) {
     return readArm(YamlNode::parse(R"(format: simgap/arm/2
 name: ball
+gravity_m_s2: [0, 0, -9.81]
 bodies:
   - {name: base, fixed: true}
   - {name: up, parts: [{name: a, shape: sphere, radius_m: 0.03, mass_kg: 1, position_m: [0.1, 0, -0.1]}]}
