@@ -51,9 +51,7 @@ TEST_F(CalibrateContractTest, ValidatesNothingOnThePosesTheSearchHasSeen) {
 }
 
 TEST_F(CalibrateContractTest, SaysHowManyPosesAreCopies) {
-  const std::string poses = text("unseen.csv");
-  const std::string rows = poses.substr(poses.find('\n') + 1);
-  put("twice.csv", poses + std::regex_replace("\n" + rows, std::regex("\np"), "\nq").substr(1));
+  put("twice.csv", std::regex_replace(text("unseen.csv"), std::regex("\\np([^\\n]*)"), "\np$1\nq$1"));
   const ProcessResult result = simgap(plain("out", {"--validation", "twice.csv"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_THAT(result.err, HasSubstr("twice.csv: found 15 different poses of 30"));
