@@ -8,6 +8,7 @@
 
 #include "simgap/core/decompositions.h"
 #include "simgap/core/error.h"
+#include "simgap/core/names.h"
 #include "simgap/core/random.h"
 #include "simgap/model/arm/kinematics.h"
 #include "simgap/model/arm/tendon_path.h"
@@ -44,8 +45,8 @@ class Replay {
     }
     // What other formats have no word for is named by a remark; the rest is compared without it.
     for (Joint& joint : one_.joints) {
-      const auto same = std::ranges::find(other_.joints, joint.name, &Joint::name);
-      if (same == other_.joints.end() || same->stop.stiffness == 0.0) joint.stop = {};
+      const int same = simgap::indexOf(other_.joints, joint.name);
+      if (same < 0 || other_.joints[same].stop.stiffness == 0.0) joint.stop = {};
     }
     std::erase_if(one_.tendons, [&](const PassiveTendon& line) {
       return line.kind->command &&
@@ -60,9 +61,9 @@ class Replay {
  private:
   template <typename T>
   static int indexOf(const std::vector<T>& list, const std::string& name, const char* what) {
-    const auto found = std::ranges::find(list, name, &T::name);
-    if (found == list.end()) throw NumericsError(fmt::format("read back, {} '{}' is missing", what, name));
-    return static_cast<int>(found - list.begin());
+    const int found = simgap::indexOf(list, name);
+    if (found < 0) throw NumericsError(fmt::format("read back, {} '{}' is missing", what, name));
+    return found;
   }
 
   double uniform(int individual, std::size_t parameter, std::uint32_t purpose) const {

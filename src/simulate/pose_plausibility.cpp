@@ -75,11 +75,12 @@ void refuseTargetsInDegrees(const ArmModel& model, const PoseSet& set) {
       if (!model.joints[j].slides()) farthest = std::max(farthest, std::abs(pose.joints[j].angle));
     }
   }
+  if (farthest > 0.5 * kTwoTurns) return;
   for (std::size_t k = 0; k < lines.size(); ++k) {
     if (lines[k].unit != "rad") continue;
     for (const Pose& pose : set.poses) {
       const double target = pose.shafts[model.muscles.size() + k];
-      if (std::abs(target) <= kTwoTurns || 2.0 * farthest > kTwoTurns) continue;
+      if (std::abs(target) <= kTwoTurns) continue;
       throw DataError(
           fmt::format("{}: pose {}: {}_rad: found {:.6g}, more than two turns where no joint makes one; targets in "
                       "degrees? name the column {}_deg",

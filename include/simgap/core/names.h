@@ -2,6 +2,7 @@
 /// Things that have a name each: bodies, joints, muscles, parameters.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 namespace simgap {
