@@ -231,6 +231,11 @@ double BulletArm::jointSpeed(std::size_t joint) const {
   return kindOf(moving.type).counted * speed(moving, world_->body.getJointVelMultiDof(world_->link_of_joint[joint]));
 }
 
+double BulletArm::jointTravel(std::size_t joint, const JointPosition& from) const {
+  const JointKind& kind = kindOf(joints_[joint].type);
+  return kind.counted * kind.error(from, jointPosition(joint));
+}
+
 bool BulletArm::jointIsFinite(std::size_t joint) const { return jointSpeed(joint) < kRunawaySpeed; }
 
 bool BulletArm::isFinite() const {

@@ -40,9 +40,12 @@ std::string describe(const PoseOutcome& outcome, const PoseLayout& layout) {
       return fmt::format("acquisition error of {}, {:.1f} deg", layout.muscles[outcome.worst],
                          toDegrees(outcome.worst_value));
     case PoseStatus::kNotSteady:
-      return fmt::format("{} not steady, {:.3g} {}/s", layout.joints[outcome.worst].name,
+      return fmt::format("{} not steady, {:.3g} {}/s{}", layout.joints[outcome.worst].name,
                          outcome.worst_value / kindOf(layout.joints[outcome.worst].type).counted,
-                         kindOf(layout.joints[outcome.worst].type).unit);
+                         kindOf(layout.joints[outcome.worst].type).unit,
+                         outcome.settle_needed > 0.0
+                             ? fmt::format(", would rest within some {:.2g} s of settling", outcome.settle_needed)
+                             : "");
     default:
       return std::string(toString(outcome.status));
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "simgap/core/error.h"
@@ -9,6 +10,8 @@
 
 namespace simgap {
 namespace {
+
+constexpr double kMostTravelLeft = 0.5 * kDegree;  // of a joint at rest, as far as its last half second says
 
 struct Worst {
   int index = -1;
@@ -58,6 +61,62 @@ PoseOutcome failed(const BulletArm& arm, PoseStatus status, const Worst& worst =
   return outcome;
 }
 
+/// How far joints that are slow enough to count as resting would still travel: a slow arm creeps for degrees.
+///
+/// Of three looks equal times apart the two steps between them are, on a way that slows down exponentially, terms of a
+/// geometric sequence, d1 and d2 = r d1; what is left of it is d2 r + d2 r^2 + ... = d2^2 / (d1 - d2) (Aitken).
+class Creep {
+ public:
+  /// \param interval  between two looks [s]
+  Creep(const BulletArm& arm, double interval, double settle)
+      : arm_(arm), interval_(interval), most_(settle / interval), joints_(arm.joints()) {}
+
+  void look(bool first) {
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      Way& way = joints_[j];
+      const double step = first ? 0.0 : arm_.jointTravel(j, way.last);
+      const bool goes_on = !first && arm_.jointTravel(j, way.before) > std::max(step, way.step);
+      way.ratio = goes_on ? step / way.step : 0.0;  // what swings is where it will rest
+      way.before = first ? arm_.jointPosition(j) : way.last;
+      way.last = arm_.jointPosition(j);
+      way.step = step;
+    }
+  }
+
+  /// The joint with most to travel, and that way [rad].
+  Worst worst() const {
+    Worst worst;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      const double left = travelLeft(joints_[j]);
+      if (left > worst.value) worst = {static_cast<int>(j), left};
+    }
+    return worst;
+  }
+
+  /// Until a joint has no more than this left [s]; 0: it does not slow down.
+  double timeUntil(const Worst& joint, double left) const {
+    const double ratio = joints_[static_cast<std::size_t>(joint.index)].ratio;
+    return ratio < 1.0 ? interval_ * std::log(joint.value / left) / -std::log(ratio) : 0.0;
+  }
+
+ private:
+  struct Way {
+    JointPosition before, last;  // at the last two looks
+    double step = 0.0;           // between them
+    double ratio = 0.0;          // of the last step to the one before it
+  };
+
+  /// No farther than as fast as now for another settling time: the way of what does not slow down.
+  double travelLeft(const Way& way) const {
+    return way.step * (way.ratio < 1.0 ? std::min(way.ratio / (1.0 - way.ratio), most_) : most_);
+  }
+
+  const BulletArm& arm_;
+  double interval_;
+  double most_;
+  std::vector<Way> joints_;
+};
+
 PoseOutcome atRest(const BulletArm& arm) {
   PoseOutcome outcome;
   outcome.status = PoseStatus::kSteady;
@@ -80,18 +139,27 @@ PoseOutcome replayPose(BulletArm& arm, std::span<const double> shafts, const Pos
   const Worst shaft = worstShaft(arm);
   if (shaft.value > protocol.max_shaft_error) return failed(arm, PoseStatus::kAcquisitionError, shaft);
 
+  const double acquired = arm.time();
   const long wanted = stepsIn(protocol.steady, protocol.arm.step);
+  const long between_looks = std::max(1L, (wanted - 1) / 2);
+  Creep creep(arm, static_cast<double>(between_looks) * protocol.arm.step, protocol.settle);
   long still = 0;
   Worst disturber;  // the joint that last broke the rest
-  for (long i = stepsIn(protocol.settle, protocol.arm.step); i > 0 && still < wanted; --i) {
+  for (long i = stepsIn(protocol.settle, protocol.arm.step); i > 0; --i) {
     arm.step();
     if (!arm.isFinite()) return failed(arm, PoseStatus::kNotFinite);
     const Worst fastest = fastestJoint(arm);
     still = fastest.value < protocol.max_velocity ? still + 1 : 0;
     if (still == 0) disturber = fastest;
+    if (still > 0 && (still - 1) % between_looks == 0) creep.look(still == 1);
+    if (still >= wanted && creep.worst().value <= kMostTravelLeft) return atRest(arm);
   }
   if (still < wanted) return failed(arm, PoseStatus::kNotSteady, disturber);
-  return atRest(arm);
+  const Worst slowest = creep.worst();
+  PoseOutcome outcome =
+      failed(arm, PoseStatus::kNotSteady, {slowest.index, arm.jointSpeed(std::size_t(slowest.index))});
+  outcome.settle_needed = arm.time() - acquired + creep.timeUntil(slowest, kMostTravelLeft);
+  return outcome;
 }
 
 PoseProtocol PoseProtocol::read(const YamlNode& node) {
@@ -161,6 +229,7 @@ void pack(Bytes& bytes, const PoseOutcome& outcome) {
   pack(bytes, outcome.cord_expansion);
   pack(bytes, outcome.worst);
   pack(bytes, outcome.worst_value);
+  pack(bytes, outcome.settle_needed);
   pack(bytes, outcome.duration);
 }
 
@@ -171,6 +240,7 @@ void unpack(BytesReader& from, PoseOutcome& outcome) {
   unpack(from, outcome.cord_expansion);
   unpack(from, outcome.worst);
   unpack(from, outcome.worst_value);
+  unpack(from, outcome.settle_needed);
   unpack(from, outcome.duration);
 }
 

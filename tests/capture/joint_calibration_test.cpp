@@ -117,6 +117,14 @@ TEST(JointCalibration, RefusesAMotionThatSaysTooLittle) {
   EXPECT_THAT(sentence(few), HasSubstr("3: joint shoulder: both targets were seen in 5 frames"));
 }
 
+TEST(JointCalibration, RefusesABallThatIsDeclaredAHinge) {
+  const Motion motion = motionOf(0.6, 1.2, 0, 5e-4);
+  Rig rig = armRig();
+  rig.joints[0].type = JointType::kRevolute;
+  EXPECT_THAT(errorOf([&] { calibrateRig(rig, motion.targets, motion.frames, {}); }),
+              ::testing::AllOf(HasSubstr("3: joint shoulder: its target turns by"), HasSubstr("about a second axis")));
+}
+
 /// A hand's tree: a thumb on a ball and a finger of two hinges across each other, whose targets were placed by eye.
 class HandCalibration : public ::testing::Test {
  protected:

@@ -103,6 +103,9 @@ TEST(PoseError, SaysWhyAPoseIsInvalid) {
   EXPECT_EQ(describe(invalid(PoseStatus::kAcquisitionError, 0, 12.34 * kDegree), kLayout),
             "acquisition error of biceps, 12.3 deg");
   EXPECT_EQ(describe(invalid(PoseStatus::kNotSteady, 1, 0.5), kLayout), "elbow not steady, 0.5 rad/s");
+  PoseOutcome creeping = invalid(PoseStatus::kNotSteady, 1, 0.01);
+  creeping.settle_needed = 48.3;
+  EXPECT_EQ(describe(creeping, kLayout), "elbow not steady, 0.01 rad/s, would rest within some 48 s of settling");
   EXPECT_EQ(describe(invalid(PoseStatus::kNotFinite, -1, -1), kLayout), "not finite");
   EXPECT_EQ(describe(PoseOutcome{}, kLayout), "skipped");
 }

@@ -148,6 +148,27 @@ TEST(PoseProtocol, SteadyMeansSteadyWithoutABreak) {
   EXPECT_EQ(replayPose(arm, {}, protocol).status, PoseStatus::kSteady);
 }
 
+TEST(PoseProtocol, WhatCreepsIsNotSteadyAndSaysWhenItWillBe) {
+  // A pendulum in honey: overdamped, it comes down at m g l / c q, at first 0.3 rad from where it will hang.
+  ArmModel model = test::pendulum();
+  model.joints[0].viscous_friction = 40.0;
+  const double rate = test::kPendulumMass * test::kGravity * test::kPendulumLength / 40.0;
+  ASSERT_LT(0.3 * rate, 1.2 * PoseProtocol{}.max_velocity) << "slow enough to count as resting from the second second";
+  BulletArm arm(model, {});
+  PoseProtocol protocol;
+  const PoseOutcome creeping = replayPose(arm, {}, protocol);
+  ASSERT_EQ(creeping.status, PoseStatus::kNotSteady);
+  EXPECT_EQ(creeping.worst, 0);
+  EXPECT_LT(creeping.worst_value, protocol.max_velocity);
+  EXPECT_NEAR(creeping.settle_needed, std::log(0.3 / (0.5 * kDegree)) / rate, 2.0);
+
+  protocol.settle = 1.1 * creeping.settle_needed;
+  const PoseOutcome rested = replayPose(arm, {}, protocol);
+  ASSERT_EQ(rested.status, PoseStatus::kSteady);
+  EXPECT_NEAR(rested.duration, creeping.settle_needed, 2.0);
+  EXPECT_LT(std::abs(rested.joints[0].angle), 0.55 * kDegree);
+}
+
 TEST(PoseProtocol, ReportsARunaway) {
   ArmModel model = test::exampleArm();
   model.muscles[3].shock_cord.stiffness = 1e12;

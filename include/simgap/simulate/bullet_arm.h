@@ -86,6 +86,8 @@ class BulletArm {
   void capturedPositions(std::vector<JointPosition>& joints) const;  ///< the same, into shape (joints)
   double jointSpeed(
       std::size_t joint) const;  ///< norm of its angular velocity [rad/s], of a slide as JointKind::counted
+  /// How far a joint is from a position [rad], of a slide as JointKind::counted.
+  double jointTravel(std::size_t joint, const JointPosition& from) const;
   double shaftAngle(std::size_t muscle) const;  ///< [rad]
   double shaftError(std::size_t muscle) const;  ///< reference - angle [rad]
   bool isFinite() const;                        ///< false once the simulation has blown up

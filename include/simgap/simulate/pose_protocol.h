@@ -32,10 +32,11 @@ struct PoseProtocol {
 enum class PoseStatus {
   kSteady,
   kAcquisitionError,  ///< a shaft is not where it should be when t_a ends; worst: the muscle, its error [rad]
-  kNotSteady,         ///< a joint never rested for t_d within t_s; worst: the joint that last moved, its speed [rad/s]
-  kNotFinite,         ///< the simulation blew up
-  kNoEquilibrium,     ///< the potential energy has no minimum the arm would come to; worst_value: torque left [N m]
-  kSkipped,           ///< not simulated, because an earlier pose of the individual was invalid
+  /// A joint never rested for t_d within t_s; worst: the joint that last moved, or crept, its speed [rad/s]
+  kNotSteady,
+  kNotFinite,      ///< the simulation blew up
+  kNoEquilibrium,  ///< the potential energy has no minimum the arm would come to; worst_value: torque left [N m]
+  kSkipped,        ///< not simulated, because an earlier pose of the individual was invalid
 };
 std::string_view toString(PoseStatus status);
 
@@ -47,7 +48,8 @@ struct PoseOutcome {
   std::vector<double> cord_expansion;  ///< shape (muscles), over the rest length
   int worst = -1;                      ///< muscle or joint, see PoseStatus
   double worst_value = 0.0;
-  double duration = 0.0;  ///< simulated time [s]
+  double settle_needed = 0.0;  ///< t_s within which a joint that creeps would have rested [s]; 0: not known
+  double duration = 0.0;       ///< simulated time [s]
 };
 
 /// Between ranks.
