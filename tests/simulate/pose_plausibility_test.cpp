@@ -83,6 +83,11 @@ TEST_P(PosePlausibility, QuaternionsInTheOrderOfRosAreNamed) {
   EXPECT_THAT(said(), AllOf(HasSubstr("3: poses.csv: "), HasSubstr("look like x, y, z, w"), HasSubstr("ROS")));
 }
 
+TEST_P(PosePlausibility, InvertedQuaternionsAreNamed) {
+  for (Pose& pose : poses_) pose.joints[0].rotation = pose.joints[0].rotation.conjugate();
+  EXPECT_THAT(said(), AllOf(HasSubstr("3: poses.csv: "), HasSubstr("look like the parent's frame in the child's")));
+}
+
 TEST_P(PosePlausibility, AWrongModelIsNotTakenForAWrongFile) {
   // Shafts of the wrong muscles: the model contradicts every pose, and no other reading explains them.
   for (Pose& pose : poses_) std::rotate(pose.shafts.begin(), pose.shafts.begin() + 4, pose.shafts.end());
