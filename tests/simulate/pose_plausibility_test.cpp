@@ -6,6 +6,7 @@
 
 #include "simgap/core/rotation.h"
 #include "simgap/simulate/replay.h"
+#include "support/arms.h"
 #include "support/files.h"
 #include "support/rig.h"
 
@@ -100,6 +101,25 @@ TEST_P(PosePlausibility, AbsurdNumbersAreRefused) {
   poses_ = rig_.calibration;
   poses_[2].joints[1].angle = -1e9;
   EXPECT_THAT(said(), AllOf(HasSubstr("3: poses.csv:4: column "), HasSubstr("found -1e+09")));
+}
+
+TEST(ExchangedJoints, AreNamed) {
+  // Two arms; in this file the right one's joints stand under the left one's names.
+  const ArmModel model = test::exampleArm("torso");
+  std::string text = test::readText(test::dataFile("torso") / "poses_both.csv");
+  const std::size_t end = text.find('\n');
+  std::string header = text.substr(0, end);
+  for (const char* joint : {"shoulder_", "elbow_"}) {
+    for (std::size_t at = header.find(joint); at != std::string::npos; at = header.find(joint, at + 1)) {
+      char& side = header[at - 2];
+      side = side == 'l' ? 'r' : 'l';
+    }
+  }
+  const auto said = [&](const std::string& first_line) {
+    return test::errorOf([&] { readPosesFor(model, CsvTable::parse(first_line + text.substr(end), "poses.csv")); });
+  };
+  EXPECT_EQ(said(text.substr(0, end)), "no error");
+  EXPECT_THAT(said(header), AllOf(HasSubstr("3: poses.csv: "), HasSubstr("found columns that look exchanged")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Rigs, PosePlausibility, testing::Range(std::uint64_t{0}, std::uint64_t{12}));

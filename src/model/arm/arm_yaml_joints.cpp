@@ -133,11 +133,18 @@ std::vector<Entry> sortedTree(const std::vector<Entry>& entries, const std::vect
     }
     waiting = std::move(still);
   }
+  const Body* in_circle = nullptr;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!reached[i]) {
+    if (reached[i]) continue;
+    if (parents[i] == 0) {
       joints.fail(fmt::format(
           "body '{}' is not connected to a fixed body by joints: a base that floats is not modelled", bodies[i].name));
     }
+    in_circle = &bodies[i];
+  }
+  if (in_circle != nullptr) {
+    joints.fail(
+        fmt::format("body '{}' hangs on a circle of joints, expected a tree from a fixed body", in_circle->name));
   }
   return sorted;
 }

@@ -112,7 +112,7 @@ TEST(ArmYamlErrors, NamesNumbersOutsideTheirRange) {
 TEST(ArmYamlErrors, NamesBodiesThatHangNowhereOrTwice) {
   const char* const joints = "14: joints";
   expectErrors({
-      {"parent: torso, child: humerus", "parent: forearm, child: humerus", joints, "is not connected to a fixed body"},
+      {"parent: torso, child: humerus", "parent: forearm, child: humerus", joints, "hangs on a circle of joints"},
       {"parent: humerus, child: forearm", "parent: humerus, child: humerus", joints,
        "'humerus' is the child of two joints"},
       {"parent: humerus, child: forearm", "parent: forearm, child: forearm", joints, "'forearm' is not connected"},
