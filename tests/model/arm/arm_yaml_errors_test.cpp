@@ -115,7 +115,7 @@ TEST(ArmYamlErrors, NamesBodiesThatHangNowhereOrTwice) {
       {"parent: torso, child: humerus", "parent: forearm, child: humerus", joints, "hangs on a circle of joints"},
       {"parent: humerus, child: forearm", "parent: humerus, child: humerus", joints,
        "'humerus' is the child of two joints"},
-      {"parent: humerus, child: forearm", "parent: forearm, child: forearm", joints, "'forearm' is not connected"},
+      {"parent: humerus, child: forearm", "parent: forearm, child: forearm", joints, "'forearm' hangs on a circle of joints"},
       {"parent: humerus, child: forearm", "parent: humerus, child: torso", joints,
        "joint 'elbow' moves the fixed body 'torso'"},
       {"name: torso, fixed: true", "name: torso, fixed: false", "5: bodies[0]: a body that moves needs 'parts'"},
