@@ -10,6 +10,7 @@
 
 #include "simgap/core/error.h"
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/text.h"
 #include "simgap/core/units.h"
 #include "simgap/measure/joint_columns.h"
 
@@ -191,6 +192,14 @@ PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout) {
   for (const std::string& name : order) set.poses.push_back(meanPose(name, rows_of[name], columns, layout));
   refuseStuckCapture(set);
   return set;
+}
+
+void keepPosesNamed(PoseSet& set, const std::string& glob) {
+  const std::string first = set.poses.front().name;
+  std::erase_if(set.poses, [&](const Pose& pose) { return !matchesGlob(glob, pose.name); });
+  if (!set.poses.empty()) return;
+  throw DataError(fmt::format("{}: found no pose whose name matches '{}', expected one at least (a pose is '{}')",
+                              set.file, glob, first));
 }
 
 std::size_t countDifferent(std::span<const Pose> poses) {

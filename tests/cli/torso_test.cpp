@@ -13,7 +13,7 @@ class TorsoTest : public CliTest {
  protected:
   TorsoTest() {
     for (const char* file :
-         {"arm.yaml", "poses_right.csv", "poses_left.csv", "poses_both.csv", "poses_validation.csv"}) {
+         {"arm.yaml", "poses_right.csv", "poses_left.csv", "poses_both.csv", "poses_all.csv", "poses_validation.csv"}) {
       put(std::string("torso_") + file, readText(sourceFile(std::string("data/torso/") + file)));
     }
   }
@@ -61,6 +61,19 @@ TEST_F(TorsoTest, OnlyNamesParametersOfTheConfiguration) {
   expectRefused(
       {"calibrate", "torso_arm.yaml", "--poses", "torso_poses_right.csv", "--only", "muscles.x_*", "-q", "-o", "none"},
       2, "muscles.x_*");
+}
+
+TEST_F(TorsoTest, ASubTaskSeesItsPosesOfAFileAlone) {
+  const std::string parameter = "muscles.r_b*.kite_line_length_m";
+  const Json own = calibrate("torso_arm.yaml", "torso_poses_right.csv", "own", {"--only", parameter});
+  const Json of_all =
+      calibrate("torso_arm.yaml", "torso_poses_all.csv", "of_all", {"--only", parameter, "--only-poses", "r*"});
+  EXPECT_EQ(of_all.at("parameters"), own.at("parameters"));
+  EXPECT_EQ(of_all.at("mje_deg"), own.at("mje_deg"));
+  EXPECT_THAT(text("of_all/config.yaml"), HasSubstr("only_poses: 'r*'"));
+  expectRefused(
+      {"calibrate", "torso_arm.yaml", "--poses", "torso_poses_all.csv", "--only-poses", "right_*", "-q", "-o", "none"},
+      3, "torso_poses_all.csv: found no pose whose name matches 'right_*'");
 }
 
 }  // namespace

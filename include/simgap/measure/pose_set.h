@@ -49,6 +49,9 @@ struct PoseSet {
 ///         not of unit length, the same pose and repeat twice, no rows, and all that CsvTable refuses.
 PoseSet readPoseSet(const CsvTable& table, const PoseLayout& layout);
 
+/// Leaves the poses whose name matches. \throws DataError: none does.
+void keepPosesNamed(PoseSet& set, const std::string& glob);
+
 /// Poses that are no copy of one before them, readings that are the same to the last digit, whatever they are called.
 std::size_t countDifferent(std::span<const Pose> poses);
 

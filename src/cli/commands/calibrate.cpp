@@ -30,7 +30,7 @@ struct Options {
   std::optional<std::string> evaluator, optimizer, objective, verify;
   std::optional<int> starts;
   std::optional<double> settle;  ///< [s]
-  std::string only;
+  std::string only, only_poses;
 };
 
 /// An option of another optimiser would change nothing.
@@ -57,6 +57,7 @@ void applyOverrides(const Options& options, CalibrationConfig& config) {
   }
   if (options.verify) config.verify = *options.verify;
   if (options.starts) config.starts = *options.starts;
+  if (!options.only_poses.empty()) config.only_poses = options.only_poses;
   if (options.settle) config.protocol.settle = *options.settle;
   for (ParameterSpace::Choice& choice : config.parameters) {
     if (!options.only.empty()) choice.only = options.only;
@@ -82,6 +83,11 @@ CalibrationTask readTask(const Options& options, Session& session) {
   task.config = readConfig(session, options.config, &task.model);
   applyOverrides(options, task.config);
   task.poses = readPoses(session, "poses", options.poses, task.model, csv);
+  const std::size_t read = task.poses.poses.size();
+  keepPosesNamed(task.poses, task.config.only_poses);
+  if (const std::size_t kept = task.poses.poses.size(); kept < read) {
+    spdlog::info("{}: {} of {} poses are named '{}'", task.poses.file, kept, read, task.config.only_poses);
+  }
   if (!options.validation.empty()) {
     task.validation = readPoses(session, "validation", options.validation, task.model, csv);
     requireOtherPoses(*task.validation, task.poses, "what a search has seen validates nothing");
@@ -187,10 +193,10 @@ void refuseWithResume(const CLI::App& app) {
 /// With --motions, or of a directory that was begun so.
 ExitCode runMotions(const Options& options, const CLI::App& app, const std::vector<std::string>& argv) {
   refuseOptions(app, {"--validation"}, "with --motions, expected --validation-motions");
-  refuseOptions(
-      app,
-      {"--evaluator", "--objective", "--verify", "--starts", "--only", "--settle-s", "--map", "--early-acquisition"},
-      "with --motions, expected it with --poses alone");
+  refuseOptions(app,
+                {"--evaluator", "--objective", "--verify", "--starts", "--only", "--only-poses", "--settle-s", "--map",
+                 "--early-acquisition"},
+                "with --motions, expected it with --poses alone");
   MotionCalibrateOptions moving;
   moving.common = options.common;
   moving.skip_bad_rows = options.table.skip_bad_rows;
@@ -237,6 +243,7 @@ std::function<ExitCode()> define(CLI::App& app, const std::vector<std::string>& 
       ->check(CLI::IsMember({"bullet", "none"}));
   app.add_option("--starts", options->starts, "of lm and hybrid (default: 8)")->check(CLI::Range(1, 10000));
   app.add_option("--only", options->only, "of the config's parameters those that match, 'muscles.m_*' (default: all)");
+  app.add_option("--only-poses", options->only_poses, "the search sees poses of this name alone, 'right_*'");
   app.add_option("--settle-s", options->settle,
                  "longest time that joints may take to come to rest (default: the config's) [s]")
       ->check(positiveNumber());

@@ -63,6 +63,7 @@ CalibrationConfig CalibrationConfig::read(const YamlNode& root) {
   }
   if (const auto verify = root.find("verify")) config.verify = verify->oneOf({"bullet", "none"});
   if (const auto starts = root.find("starts")) config.starts = static_cast<int>(starts->integer(1, 10000));
+  if (const auto only_poses = root.find("only_poses")) config.only_poses = only_poses->text();
   if (const auto friction = root.find("joint_friction_in_noise")) config.noise.joint_friction = friction->boolean();
   config.noise.capture_sd = root.findQuantity("capture_sd", "rad", kPositive).value_or(config.noise.capture_sd);
   config.noise.slide_sd = root.findQuantity("slide_sd", "m", kPositive).value_or(config.noise.slide_sd);
@@ -74,8 +75,8 @@ std::string CalibrationConfig::toYaml() const {
   std::string text = "format: simgap/calibration/1\nparameters:\n";
   for (const ParameterSpace::Choice& choice : parameters) text += choiceYaml(choice);
   return text + strategyYaml(strategy) + "protocol:\n" + protocol.toYaml("  ") +
-         fmt::format("evaluator: {}\noptimizer: {}\nobjective: {}\nverify: {}\nstarts: {}\n", evaluator, optimizer,
-                     toString(objective), verify, starts) +
+         fmt::format("evaluator: {}\noptimizer: {}\nobjective: {}\nverify: {}\nstarts: {}\nonly_poses: {}\n", evaluator,
+                     optimizer, toString(objective), verify, starts, yamlText(only_poses)) +
          fmt::format("capture_sd_rad: {}\nslide_sd_m: {}\njoint_friction_in_noise: {}\n", noise.capture_sd,
                      noise.slide_sd, noise.joint_friction);
 }

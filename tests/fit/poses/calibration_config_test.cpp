@@ -63,6 +63,7 @@ TEST(CalibrationConfig, ReadsWhatStandsInIt) {
 TEST(CalibrationConfig, IsTheSameAfterAFile) {
   for (const std::string& text :
        {kConfig, replaced(kConfig, "optimizer: es", "objective: paper"),
+        replaced(kConfig, "optimizer: es", "only_poses: 'r*'"),
         test::readText(test::sourceFile("configs/calibrate_arm.yaml")),
         replaced(kConfig, "\"muscles.*.attachments\"", R"('muscles."\odd: #name".attachments')"),
         std::string("format: simgap/calibration/1\nparameters: [{pattern: gravity_m_s2, step: 1}]\n")}) {

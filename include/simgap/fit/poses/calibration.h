@@ -29,6 +29,7 @@ struct CalibrationConfig {
   PoseObjective objective = PoseObjective::kGeodesic;  ///< what es and cma-es minimise
   std::string verify = "bullet";  ///< who judges the model that was found; "none": the evaluator itself
   int starts = 8;                 ///< of lm and hybrid
+  std::string only_poses = "*";   ///< the search sees those of this name (a glob), the poses of a sub-task
   PoseNoise noise;                ///< of the recorded poses; `capture_sd` is the reports' noise floor
 
   bool usesPosterior() const { return optimizer == "lm" || optimizer == "hybrid"; }
