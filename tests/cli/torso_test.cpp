@@ -70,7 +70,6 @@ TEST_F(TorsoTest, ASubTaskSeesItsPosesOfAFileAlone) {
       calibrate("torso_arm.yaml", "torso_poses_all.csv", "of_all", {"--only", parameter, "--only-poses", "r*"});
   EXPECT_EQ(of_all.at("parameters"), own.at("parameters"));
   EXPECT_EQ(of_all.at("mje_deg"), own.at("mje_deg"));
-  EXPECT_THAT(text("of_all/config.yaml"), HasSubstr("only_poses: 'r*'"));
   expectRefused(
       {"calibrate", "torso_arm.yaml", "--poses", "torso_poses_all.csv", "--only-poses", "right_*", "-q", "-o", "none"},
       3, "torso_poses_all.csv: found no pose whose name matches 'right_*'");
