@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "simgap/core/error.h"
 #include "simgap/core/text.h"
@@ -161,8 +162,16 @@ RobotExchange exchangeRobot(const RobotFile& from, const RobotFile& muscles, con
   exchange.read = std::move(imported.remarks);
   exchange.model =
       muscles.text.empty() ? std::move(imported.model) : withMuscles(std::move(imported.model), muscles, exchange.read);
+  if (exchange.to_format != RobotFormat::kArm) {
+    for (const Extension& extension : workExtensionsIn(exchange.model)) {
+      exchange.written.push_back({fmt::format("extension '{}' of '{}'", extension.effect, extension.target),
+                                  "worked into the robot's numbers",
+                                  false,
+                                  {}});
+    }
+  }
   ExportedArm exported = writeRobot(exchange.model, exchange.to_format);
-  exchange.written = std::move(exported.remarks);
+  std::ranges::move(exported.remarks, std::back_inserter(exchange.written));
   const FileReader none = [](const std::filesystem::path& file) -> std::string {
     throw DataError(file.string() + ": found a file to include, expected none");
   };

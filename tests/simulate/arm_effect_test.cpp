@@ -14,6 +14,7 @@
 #include "simgap/simulate/bullet_arm.h"
 #include "simgap/simulate/equilibrium_arm.h"
 #include "simgap/simulate/pose_protocol.h"
+#include "simgap/simulate/robot_exchange.h"
 #include "support/arms.h"
 #include "support/files.h"
 #include "support/statics.h"
@@ -315,6 +316,27 @@ TEST_P(BothSimulations, ComeToTheSameRest) {
     effect = std::max(effect, test::largestError(model, without.joints(), outcome.joints));
   }
   EXPECT_GT(toDegrees(effect), 0.1) << "the effect does nothing here";
+}
+
+TEST_P(BothSimulations, AreAlikeForNumbersThatSayTheSame) {
+  const ArmModel model = extended(GetParam());
+  ArmModel numbers = model;
+  const std::vector<Extension> worked_in = workExtensionsIn(numbers);
+  ASSERT_EQ(worked_in.size() + numbers.extensions.size(), 1u);
+  const RobotExchange exchange = exchangeRobot({writeArm(model), "arm.yaml"}, {}, "arm.xml", {});
+  const bool said = std::ranges::any_of(exchange.written, [](const ExchangeRemark& remark) {
+    return remark.done == "worked into the robot's numbers" && !remark.matters;
+  });
+  EXPECT_EQ(said, !worked_in.empty());
+  EXPECT_EQ(exchange.model.extensions.empty(), !worked_in.empty());
+  EquilibriumArm extended_arm(model), of_numbers(numbers);
+  for (const Pose& pose : somePoses()) {
+    for (EquilibriumArm* arm : {&extended_arm, &of_numbers}) {
+      arm->setHistory(pose.time, pose.shafts_before);
+      ASSERT_TRUE(arm->solve(pose.shafts).stable) << pose.name;
+    }
+    EXPECT_LT(test::largestError(model, of_numbers.joints(), extended_arm.joints()), 1e-7) << pose.name;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(One, BothSimulations, testing::ValuesIn(onePerEffect()), caseName);

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "simgap/model/arm/arm_effect.h"
 #include "simgap/model/arm/arm_yaml.h"
 #include "simgap/model/arm/ball_stop.h"
@@ -123,6 +125,19 @@ TEST_P(EffectsOnLines, GradientIsTheSlopeOfTheEnergy) {
       EXPECT_NEAR(hessian(d, d), (gradient_up[d] - gradient_down[d]) / (2.0 * h), 1e-4 * hessian.norm());
     }
   }
+}
+
+TEST_P(EffectsOnLines, NumbersAloneSayTheSame) {
+  ArmModel numbers = model_;
+  const bool worked_in = !workExtensionsIn(numbers).empty();
+  const std::set<std::string> of_numbers_alone{"muscle-wrap", "ligament-rest-length", "joint-axis"};
+  EXPECT_EQ(worked_in, of_numbers_alone.contains(GetParam().effect));
+  EXPECT_EQ(numbers.extensions.empty(), worked_in);
+  PotentialEnergy energy(model_), of_numbers(numbers);
+  place(energy, shafts_);
+  place(of_numbers, shafts_);
+  EXPECT_NEAR(of_numbers.energy(), energy.energy(), 1e-12 * std::abs(energy.energy()));
+  EXPECT_LT((of_numbers.gradient() - energy.gradient()).norm(), 1e-10 * energy.gradient().norm());
 }
 
 TEST_P(EffectsOnLines, EveryParameterDerivativeAgreesWithDifferences) {

@@ -208,11 +208,11 @@ Extension makeExtension(const ArmEffect& effect, const std::string& target, cons
 
 namespace {
 
+TendonPath& pathOf(ArmModel& model, int line) { return const_cast<TendonPath&>(lineOf(model, line)); }
+
 /// A sphere about the centre of the joint on the way of a line.
 void wrapLine(const EffectParameters& p, int line, ArmModel& model) {
-  const bool motorised = line < std::ssize(model.muscles);
-  TendonPath& path = motorised ? static_cast<TendonPath&>(model.muscles[line])
-                               : model.tendons[line - static_cast<int>(model.muscles.size())];
+  TendonPath& path = pathOf(model, line);
   const int obstacle = jointsCrossed(model, path)[static_cast<std::size_t>(std::lround(p[1])) - 1];
   const Joint& joint = model.joints[obstacle];
   const int stretch = freeStretchOver(model, path, obstacle);
@@ -255,6 +255,46 @@ void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model) {
     part.position = pivot + mass.distance * (way.norm() > 0.0 ? way.normalized() : -Eigen::Vector3d::UnitZ());
     model.bodies[target].parts.push_back(part);
   }
+}
+
+namespace {
+
+bool isOfNumbers(const ArmEffect& effect) {
+  return effect.change || effect.gravity || effect.joint_shift || effect.hinge_axis || effect.path ||
+         effect.rest_shift || effect.mass;
+}
+
+/// What wrapLine() put on a line, as a station like any other.
+void makeStation(TendonPath& path, ArmModel& model, const std::string& line) {
+  const auto [stretch, body, surface] = *path.wrap;
+  const int end = partsOf(path).stretches[static_cast<std::size_t>(stretch)].station[1];
+  path.wrap.reset();
+  model.bodies[body].surfaces[static_cast<std::size_t>(surface)].name = "wrap of " + line;
+  Station over;
+  over.kind = Station::Kind::kSurface;
+  over.at.body = body;
+  over.surface = surface;
+  path.between.insert(path.between.begin() + end - 1, over);
+}
+
+}  // namespace
+
+std::vector<Extension> workExtensionsIn(ArmModel& model) {
+  const std::vector<ArmExtension> resolved = resolveExtensions(model);
+  std::vector<Extension> worked_in, left;
+  for (std::size_t i = 0; i < resolved.size(); ++i) {
+    const auto& [effect, target, p] = resolved[i];
+    (isOfNumbers(*effect) ? worked_in : left).push_back(model.extensions[i]);
+    if (!isOfNumbers(*effect)) continue;
+    const bool as_surface = effect->path && wrapsAsSurface(model, target);
+    applyToModel({&resolved[i], 1}, model);
+    if (!effect->path) continue;
+    if (!as_surface) wrapLine(p, target, model);
+    TendonPath& path = pathOf(model, target);
+    makeStation(path, model, model.extensions[i].target);
+  }
+  model.extensions = std::move(left);
+  return worked_in;
 }
 
 JointPosition markedPosition(const Joint& joint, const JointPosition& position, const Eigen::Vector3d& parent_turn,

@@ -226,6 +226,10 @@ Extension makeExtension(const ArmEffect& effect, const std::string& target, cons
 /// muscles, joints and markers do stays to the simulation.
 void applyToModel(std::span<const ArmExtension> extensions, ArmModel& model);
 
+/// The same for good, wraps of muscles included: a model of numbers alone, for formats that know no effects.
+/// \returns the extensions that are numbers now; those that cannot be stay in the model
+std::vector<Extension> workExtensionsIn(ArmModel& model);
+
 /// The line with that index: muscles, then tendons.
 const TendonPath& lineOf(const ArmModel& model, int line);
 /// Joints between a line's ends, from its first attachment on.
