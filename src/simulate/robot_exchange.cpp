@@ -164,10 +164,9 @@ RobotExchange exchangeRobot(const RobotFile& from, const RobotFile& muscles, con
       muscles.text.empty() ? std::move(imported.model) : withMuscles(std::move(imported.model), muscles, exchange.read);
   if (exchange.to_format != RobotFormat::kArm) {
     for (const Extension& extension : workExtensionsIn(exchange.model)) {
-      exchange.written.push_back({fmt::format("extension '{}' of '{}'", extension.effect, extension.target),
-                                  "worked into the robot's numbers",
-                                  false,
-                                  {}});
+      const std::string on = extension.target.empty() ? "" : fmt::format(" of '{}'", extension.target);
+      exchange.written.push_back(
+          {fmt::format("extension '{}'{}", extension.effect, on), "worked into the robot's numbers", false, {}});
     }
   }
   ExportedArm exported = writeRobot(exchange.model, exchange.to_format);
