@@ -3,9 +3,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 
 #include "arm_yaml_parts.h"
+#include "simgap/core/joint_kind.h"
 #include "simgap/model/arm/kinematics.h"
+#include "simgap/model/arm/tendon_path.h"
 
 namespace simgap::arm_yaml {
 namespace {
@@ -188,9 +191,18 @@ TendonPath pathAtJoint(const YamlNode& node, const ArmModel& model) {
   return pathOverJoints(model, {wheel});
 }
 
-}  // namespace
+/// Whether a line is a point wherever its joints are, as between two bodies in the middle of the joint that both share.
+bool hasNoLength(const ArmModel& model, const TendonPath& path) {
+  return std::ranges::all_of(std::array{0.0, 0.1}, [&](double moved) {
+    std::vector<JointPosition> joints = startPosition(model);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      joints[j] = kindOf(model.joints[j].type).moved(joints[j], Eigen::Vector3d::Constant(moved));
+    }
+    return tendonLength(model, path, bodiesInWorld(model, joints), joints) < kShortestLine;
+  });
+}
 
-TendonPath readPath(const YamlNode& list, const ArmModel& model, const Places& places, bool second_version) {
+TendonPath readWay(const YamlNode& list, const ArmModel& model, const Places& places, bool second_version) {
   const std::vector<YamlNode> nodes = list.items();
   const bool plain = std::ranges::all_of(nodes, [](const YamlNode& node) {
     return !node.isMap() || !(node.has("over") || node.has("pulley") || node.has("joint"));
@@ -204,6 +216,16 @@ TendonPath readPath(const YamlNode& list, const ArmModel& model, const Places& p
   for (std::size_t i = 0; i < 2; ++i) path.attachments[i] = readPoint(nodes[i], places);
   if (path.attachments[0].body == path.attachments[1].body) {
     list.fail("both ends are on the same body, expected two bodies");
+  }
+  return path;
+}
+
+}  // namespace
+
+TendonPath readPath(const YamlNode& list, const ArmModel& model, const Places& places, bool second_version) {
+  TendonPath path = readWay(list, model, places, second_version);
+  if (!path.jointsOnly() && hasNoLength(model, path)) {
+    list.fail("found a line without length at any position of the joints, expected ends apart from each other");
   }
   return path;
 }
