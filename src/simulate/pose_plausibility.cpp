@@ -18,9 +18,7 @@ namespace simgap {
 namespace {
 
 constexpr double kContradicted = 45.0 * kDegree;      // mean error of a reading that is in doubt,
-constexpr double kClearlyBetter = 0.5;                // and what of it the other reading may leave;
-constexpr double kDoubted = 20.0 * kDegree;           // or, where joints move less far,
-constexpr double kFarBetter = 0.25;                   // the same two
+constexpr double kClearlyBetter = 0.5;                // and what of it the other reading may leave
 constexpr double kTwoTurns = 4.0 * std::numbers::pi;  // [rad] of a shaft
 constexpr double kGoesWith = 0.6;                     // correlation of a joint with its model's,
 constexpr std::size_t kFewestTold = 10;               // poses by which that is told,
@@ -98,37 +96,39 @@ void refusePosesOutOfReach(const ArmModel& model, const PoseSet& set) {
                                     .place = [&](std::size_t p) { return "pose " + set.poses[p].name; }});
 }
 
-/// What else may stand in a ball's four columns.
-struct QuaternionReading {
-  const char *looks_like, *expected, *read_as, *help;
-  JointPosition (*meant)(const JointPosition& read);
+/// Rotation vectors of a ball, measured x and the model's y.
+struct TurnsOfABall {
+  double products = 0.0, measured = 0.0, of_model = 0.0;  ///< sums over poses of x y, x^2, y^2
+  int poses = 0;
+  void add(const Eigen::Quaterniond& read, const Eigen::Quaterniond& meant) {
+    const Eigen::Vector3d x = logSo3(read), y = logSo3(meant);
+    products += x.dot(y);
+    measured += x.squaredNorm();
+    of_model += y.squaredNorm();
+    ++poses;
+  }
+  double correlation() const { return products / std::sqrt(std::max(measured * of_model, 1e-300)); }
 };
-constexpr std::array<QuaternionReading, 2> kQuaternionReadings{
-    {{"x, y, z, w (as ROS writes them)", "w, x, y, z", "x, y, z, w", "name the columns by what they hold",
-      [](const JointPosition& read) {
-        const Eigen::Quaterniond& q = read.rotation;
-        return JointPosition{Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()), read.angle};
-      }},
-     {"the parent's frame in the child's", "the child's in the parent's", "inverted", "write their conjugates",
-      [](const JointPosition& read) {
-        return JointPosition{read.rotation.conjugate(), read.angle};
-      }}}};
 
 /// Mean error per joint of the model against poses as they stand and read another way, over poses with equilibria for
-/// both [rad], as counted.
+/// both.
 struct Readings {
-  std::vector<double> as_is, shafts_in_degrees;                                ///< shape (joints)
-  std::array<std::vector<double>, kQuaternionReadings.size()> of_quaternions;  ///< each of shape (joints)
-  Eigen::MatrixXd exchanged;  ///< shape (joints, joints): columns of one joint, the model's of another of its kind
-  std::vector<std::vector<double>> measured, of_model;  ///< shape (joints, poses) [rad], of hinges
+  std::vector<double> as_is, shafts_in_degrees, order_xyzw;  ///< shape (joints) [rad], as counted
+  std::vector<std::vector<double>> measured, of_model;       ///< shape (joints, poses) [rad], of hinges
+  std::vector<TurnsOfABall> balls;                           ///< shape (joints)
 };
+
+/// What was meant by a quaternion whose cells stand in the order x, y, z, w.
+JointPosition fromXyzw(const JointPosition& read) {
+  const Eigen::Quaterniond& q = read.rotation;
+  return {Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()), read.angle};
+}
 
 Readings compareReadings(const ArmModel& model, const PoseSet& set) {
   const std::size_t joints = model.joints.size();
   const std::vector<double> none(joints, 0.0);
   const std::vector<std::vector<double>> no_poses(joints);
-  Readings mean{none,     none,    {none, none}, Eigen::MatrixXd::Zero(Eigen::Index(joints), Eigen::Index(joints)),
-                no_poses, no_poses};
+  Readings mean{none, none, none, no_poses, no_poses, std::vector<TurnsOfABall>(joints)};
   EquilibriumArm arm(model), other(model);
   std::vector<double> degrees;
   int count = 0;
@@ -145,22 +145,15 @@ Readings compareReadings(const ArmModel& model, const PoseSet& set) {
       const JointPosition& at = arm.joints()[j];
       mean.as_is[j] += counted * jointError(type, pose.joints[j], at);
       mean.shafts_in_degrees[j] += counted * jointError(type, pose.joints[j], other.joints()[j]);
-      for (std::size_t r = 0; r < kQuaternionReadings.size(); ++r) {
-        mean.of_quaternions[r][j] += counted * jointError(type, kQuaternionReadings[r].meant(pose.joints[j]), at);
-      }
-      for (std::size_t k = 0; k < joints; ++k) {
-        if (model.joints[k].type != type) continue;
-        mean.exchanged(Eigen::Index(j), Eigen::Index(k)) += counted * jointError(type, pose.joints[j], arm.joints()[k]);
-      }
+      mean.order_xyzw[j] += counted * jointError(type, fromXyzw(pose.joints[j]), at);
       mean.measured[j].push_back(pose.joints[j].angle);
       mean.of_model[j].push_back(at.angle);
+      if (!model.joints[j].hasAxis()) mean.balls[j].add(pose.joints[j].rotation, at.rotation);
     }
   }
-  for (std::vector<double>* of :
-       {&mean.as_is, &mean.shafts_in_degrees, &mean.of_quaternions[0], &mean.of_quaternions[1]}) {
+  for (std::vector<double>* of : {&mean.as_is, &mean.shafts_in_degrees, &mean.order_xyzw}) {
     for (double& error : *of) error /= std::max(1, count);
   }
-  mean.exchanged /= std::max(1, count);
   return mean;
 }
 
@@ -173,46 +166,6 @@ double largestShaft(const ArmModel& model, const PoseSet& set) {
 }
 
 bool clearlyWrong(double as_is, double other) { return as_is > kContradicted && other < kClearlyBetter * as_is; }
-
-bool wronglyRead(double as_is, double other) {
-  return clearlyWrong(as_is, other) || (as_is > kDoubted && other < kFarBetter * as_is);
-}
-
-void refuseQuaternionsOfAnotherKind(const ArmModel& model, const PoseSet& set, const Readings& readings) {
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    if (model.joints[j].hasAxis()) continue;
-    for (std::size_t r = 0; r < kQuaternionReadings.size(); ++r) {
-      const double other = readings.of_quaternions[r][j];
-      if (!wronglyRead(readings.as_is[j], other)) continue;
-      const std::string& name = model.joints[j].name;
-      const QuaternionReading& reading = kQuaternionReadings[r];
-      throw DataError(fmt::format(
-          "{}: {}_qw, {}_qx, {}_qy, {}_qz: found quaternions that look like {}, expected {}: read as named they lie "
-          "{:.0f} deg from where the model rests, read as {} {:.0f} deg; {}",
-          set.file, name, name, name, name, reading.looks_like, reading.expected, toDegrees(readings.as_is[j]),
-          reading.read_as, toDegrees(other), reading.help));
-    }
-  }
-}
-
-/// Two joints of a kind whose columns stand under each other's names.
-void refuseExchangedJoints(const ArmModel& model, const PoseSet& set, const Readings& readings) {
-  for (std::size_t j = 0; j < model.joints.size(); ++j) {
-    for (std::size_t k = j + 1; k < model.joints.size(); ++k) {
-      if (model.joints[j].type != model.joints[k].type) continue;
-      const auto exchanged = [&](std::size_t of, std::size_t by) {
-        return readings.exchanged(Eigen::Index(of), Eigen::Index(by));
-      };
-      if (!wronglyRead(readings.as_is[j], exchanged(j, k)) || !wronglyRead(readings.as_is[k], exchanged(k, j)))
-        continue;
-      throw DataError(fmt::format(
-          "{}: {} and {}: found columns that look exchanged: read as named they lie {:.0f} and {:.0f} deg from where "
-          "the model rests, exchanged {:.0f} and {:.0f} deg",
-          set.file, model.joints[j].name, model.joints[k].name, toDegrees(readings.as_is[j]),
-          toDegrees(readings.as_is[k]), toDegrees(exchanged(j, k)), toDegrees(exchanged(k, j))));
-    }
-  }
-}
 
 /// A joint that moves as the model says, but 57 times less far.
 void refuseJointsInRadians(const ArmModel& model, const PoseSet& set, const Readings& readings) {
@@ -230,10 +183,33 @@ void refuseJointsInRadians(const ArmModel& model, const PoseSet& set, const Read
   }
 }
 
+/// A ball that turns against the model's.
+void refuseInvertedQuaternions(const ArmModel& model, const PoseSet& set, const Readings& readings) {
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    const TurnsOfABall& ball = readings.balls[j];
+    if (static_cast<std::size_t>(ball.poses) < kFewestTold || !(ball.correlation() < -kGoesWith)) continue;
+    const std::string& name = model.joints[j].name;
+    throw DataError(fmt::format(
+        "{}: {}_qw, {}_qx, {}_qy, {}_qz: found turns against the model's (correlation {:.2f}), expected how the child "
+        "is turned in the parent; they look like the parent in the child: write the quaternions' conjugates",
+        set.file, name, name, name, name, ball.correlation()));
+  }
+}
+
 void refuseOtherReadings(const ArmModel& model, const PoseSet& set) {
   const Readings readings = compareReadings(model, set);
-  refuseQuaternionsOfAnotherKind(model, set, readings);
-  refuseExchangedJoints(model, set, readings);
+  for (std::size_t j = 0; j < model.joints.size(); ++j) {
+    if (model.joints[j].hasAxis()) continue;
+    if (!clearlyWrong(readings.as_is[j], readings.order_xyzw[j])) continue;
+    const std::string& name = model.joints[j].name;
+    throw DataError(fmt::format(
+        "{}: {}_qw, {}_qx, {}_qy, {}_qz: found quaternions that look like x, y, z, w (as ROS writes them), expected w, "
+        "x, "
+        "y, z: read as named they lie {:.0f} deg from where the model rests, read as x, y, z, w {:.0f} deg; name the "
+        "columns by what they hold",
+        set.file, name, name, name, name, toDegrees(readings.as_is[j]), toDegrees(readings.order_xyzw[j])));
+  }
+  refuseInvertedQuaternions(model, set, readings);
   refuseJointsInRadians(model, set, readings);
   const auto worst = [](const std::vector<double>& errors) { return *std::ranges::max_element(errors); };
   // A wrong model may be worse than an arm that hardly moves, which is what shafts in degrees make of it; but shafts

@@ -94,9 +94,9 @@ class Creep {
   }
 
   /// Until a joint has no more than this left [s]; 0: it does not slow down.
-  double timeUntil(const Worst& joint, double left) const {
-    const double ratio = joints_[static_cast<std::size_t>(joint.index)].ratio;
-    return ratio < 1.0 ? interval_ * std::log(joint.value / left) / -std::log(ratio) : 0.0;
+  double timeUntil(int joint, double left) const {
+    const Way& way = joints_[static_cast<std::size_t>(joint)];
+    return way.ratio < 1.0 ? interval_ * std::log(way.step * way.slowing() / left) / -std::log(way.ratio) : 0.0;
   }
 
  private:
@@ -104,11 +104,12 @@ class Creep {
     JointPosition before, last;  // at the last two looks
     double step = 0.0;           // between them
     double ratio = 0.0;          // of the last step to the one before it
+    double slowing() const { return ratio / (1.0 - ratio); }
   };
 
   /// No farther than as fast as now for another settling time: the way of what does not slow down.
   double travelLeft(const Way& way) const {
-    return way.step * (way.ratio < 1.0 ? std::min(way.ratio / (1.0 - way.ratio), most_) : most_);
+    return way.step * (way.ratio < 1.0 ? std::min(way.slowing(), most_) : most_);
   }
 
   const BulletArm& arm_;
@@ -158,7 +159,7 @@ PoseOutcome replayPose(BulletArm& arm, std::span<const double> shafts, const Pos
   const Worst slowest = creep.worst();
   PoseOutcome outcome =
       failed(arm, PoseStatus::kNotSteady, {slowest.index, arm.jointSpeed(std::size_t(slowest.index))});
-  outcome.settle_needed = arm.time() - acquired + creep.timeUntil(slowest, kMostTravelLeft);
+  outcome.settle_needed = arm.time() - acquired + creep.timeUntil(slowest.index, kMostTravelLeft);
   return outcome;
 }
 

@@ -198,7 +198,7 @@ bool hasNoLength(const ArmModel& model, const TendonPath& path) {
     for (std::size_t j = 0; j < joints.size(); ++j) {
       joints[j] = kindOf(model.joints[j].type).moved(joints[j], Eigen::Vector3d::Constant(moved));
     }
-    return tendonLength(model, path, bodiesInWorld(model, joints), joints) < kShortestLine;
+    return tendonLength(model, path, bodiesInWorld(model, joints), joints) < 2.0 * kShortestLine;
   });
 }
 

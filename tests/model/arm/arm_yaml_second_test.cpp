@@ -158,7 +158,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"lower_limit_m: -0.2", "lower_limit_rad: -0.2", "lower_limit_rad: unit 'rad' is of another kind"},
         Refused{"parent: tip, child: nail", "parent: tip, child: lower", "closed loops are not modelled"},
         Refused{"type: prismatic, parent: base", "type: prismatic, parent: tip",
-                "a base that floats is not modelled"}));
+                "hangs on a circle of joints"}));
 
 }  // namespace
 }  // namespace simgap
