@@ -159,7 +159,8 @@ PoseOutcome replayPose(BulletArm& arm, std::span<const double> shafts, const Pos
   const Worst slowest = creep.worst();
   PoseOutcome outcome =
       failed(arm, PoseStatus::kNotSteady, {slowest.index, arm.jointSpeed(std::size_t(slowest.index))});
-  outcome.settle_needed = arm.time() - acquired + creep.timeUntil(slowest.index, kMostTravelLeft);
+  const double longer = creep.timeUntil(slowest.index, kMostTravelLeft);
+  if (longer > 0.0) outcome.settle_needed = arm.time() - acquired + longer;
   return outcome;
 }
 
