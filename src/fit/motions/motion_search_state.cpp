@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "simgap/core/error.h"
+#include "simgap/core/json_numbers.h"
 #include "simgap/fit/motions/motion_search.h"
 
 namespace simgap {
@@ -43,8 +44,9 @@ MotionSearchState motionSearchStateFromJson(const Json& json, Eigen::Index param
   json.at("converged").get_to(state.converged);
   json.at("wall_s").get_to(state.wall);
   for (const Json& r : json.at("history")) {
-    state.history.push_back({r.at("round").get<int>(), r.at("before").get<double>(), r.at("after").get<double>(),
-                             r.at("steps").get<int>(), r.at("rollouts").get<long>(), r.at("expected").get<double>(),
+    state.history.push_back({static_cast<int>(wholeNumber(r.at("round"))), r.at("before").get<double>(),
+                             r.at("after").get<double>(), static_cast<int>(wholeNumber(r.at("steps"))),
+                             wholeNumber(r.at("rollouts")), r.at("expected").get<double>(),
                              r.at("horizon").get<double>()});
   }
   if (state.z.size() != parameters || state.steps.size() != parameters) {

@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "simgap/core/error.h"
+#include "simgap/core/json_numbers.h"
 #include "simgap/fit/poses/calibration.h"
 
 namespace simgap {
@@ -41,14 +42,14 @@ Json toJson(const GenerationRecord& r) {
 
 GenerationRecord recordFromJson(const Json& json) {
   GenerationRecord r;
-  json.at("generation").get_to(r.generation);
+  r.generation = static_cast<int>(wholeNumber(json.at("generation")));
   r.best = number(json.at("best"));
   r.median = number(json.at("median"));
   r.best_so_far = number(json.at("best_so_far"));
   json.at("sigma_min").get_to(r.sigma_min);
   json.at("sigma_median").get_to(r.sigma_median);
   json.at("sigma_max").get_to(r.sigma_max);
-  json.at("invalid").get_to(r.invalid);
+  r.invalid = static_cast<int>(wholeNumber(json.at("invalid")));
   r.mje = numbers(json.at("mje"));
   return r;
 }
@@ -77,7 +78,7 @@ SearchJournal journalFromJson(const Json& json) {
     const Json& objective = fit.at("objective");
     journal.fits.push_back({vectorFromJson(fit.at("z")),
                             objective.is_null() ? std::numeric_limits<double>::infinity() : objective.get<double>(),
-                            fit.at("iterations").get<int>(), fit.at("evaluations").get<long>()});
+                            static_cast<int>(wholeNumber(fit.at("iterations"))), wholeNumber(fit.at("evaluations"))});
   }
   return journal;
 }
@@ -109,16 +110,16 @@ Json toJson(const CalibrationState& state) {
 
 CalibrationState calibrationStateFromJson(const Json& json) try {
   CalibrationState state;
-  json.at("generation").get_to(state.strategy.generation);
-  json.at("best_generation").get_to(state.strategy.best_generation);
+  state.strategy.generation = static_cast<int>(wholeNumber(json.at("generation")));
+  state.strategy.best_generation = static_cast<int>(wholeNumber(json.at("best_generation")));
   for (const StopReason reason : kStopReasons) {
     if (json.at("stop") == toString(reason)) state.strategy.stop = reason;
   }
   for (const Json& parent : json.at("parents")) state.strategy.parents.push_back(individualFromJson(parent));
   state.strategy.best = individualFromJson(json.at("best"));
   state.best_mje = numbers(json.at("best_mje"));
-  json.at("invalid").get_to(state.invalid);
-  json.at("evaluations").get_to(state.evaluations);
+  state.invalid = wholeNumber(json.at("invalid"));
+  state.evaluations = wholeNumber(json.at("evaluations"));
   json.at("wall_s").get_to(state.wall);
   for (const Json& record : json.at("history")) state.history.push_back(recordFromJson(record));
   json.at("told").get_to(state.told);

@@ -25,7 +25,7 @@ std::vector<std::string> allWarnings(const FitSummary& summary) {
 }  // namespace
 
 std::string valueText(double value, double sd) {
-  if (!(sd > 0.0) || !std::isfinite(sd) || value == 0.0) return fmt::format("{:.5g}", value);
+  if (!(sd > 0.0) || !std::isfinite(sd) || !std::isfinite(value) || value == 0.0) return fmt::format("{:.5g}", value);
   const int digits = static_cast<int>(std::floor(std::log10(std::abs(value))) - std::floor(std::log10(sd))) + 2;
   return fmt::format("{:.{}g}", value, std::clamp(digits, 2, 10));
 }

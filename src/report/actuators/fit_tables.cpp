@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "simgap/core/json_numbers.h"
 #include "simgap/core/units.h"
 #include "simgap/report/actuators/fit_report.h"
 
@@ -18,13 +19,13 @@ std::string searchText(const Json& starts) {
   const long tried = starts.at("tried");
   if (tried <= 1) return {};
   return fmt::format("{} starts over the whole box, {} distinct local minima", tried,
-                     starts.at("distinct_minima").get<long>());
+                     wholeNumber(starts.at("distinct_minima")));
 }
 
 /// "RMS 0.01 A (300 rows)": the error on another log, one entry of `transfer`.
 std::string transferText(const Json& transfer, const std::string& unit) {
   return fmt::format("RMS {:.4g} {} ({} rows)", std::sqrt(numberOf(transfer.at("mse"))), unit,
-                     transfer.at("n").get<long>());
+                     wholeNumber(transfer.at("n")));
 }
 
 /// By how much an error is smaller than the first model's.
@@ -86,7 +87,7 @@ std::string fitAnswer(const Json& result) {
 
 Table fitFacts(const Json& result) {
   Table table{"Further results", {"", ""}, {}};
-  table.rows.push_back({"rows", fmt::format("{}, worth {:.0f} independent ones", result.at("n").get<long>(),
+  table.rows.push_back({"rows", fmt::format("{}, worth {:.0f} independent ones", wholeNumber(result.at("n")),
                                             numberOf(result.at("n_effective")))});
   if (result.at("mse_heldout").is_number()) table.rows.push_back({"held out", result.at("heldout")});
   if (const std::string search = searchText(result.at("starts")); !search.empty()) {

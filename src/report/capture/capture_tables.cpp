@@ -7,6 +7,7 @@
 
 #include "simgap/capture/capture_run.h"
 #include "simgap/core/error.h"
+#include "simgap/core/json_numbers.h"
 #include "simgap/core/rotation.h"
 
 namespace simgap {
@@ -72,7 +73,7 @@ Table captureFigures(const Json& result) {
   }
   if (const Json live = result.value("live", Json(nullptr)); live.is_object()) {
     const auto both = [&](const char* key) {
-      return fmt::format("{}, {}", live.at(key).at(0).get<std::size_t>(), live.at(key).at(1).get<std::size_t>());
+      return fmt::format("{}, {}", wholeNumber(live.at(key).at(0)), wholeNumber(live.at(key).at(1)));
     };
     const Json& latency = live.at("latency_ms");
     table.rows.push_back({"pairs and poses a second",

@@ -5,6 +5,7 @@
 
 #include "motion_tables.h"
 #include "simgap/core/csv.h"
+#include "simgap/core/json_numbers.h"
 #include "simgap/model/arm/arm_yaml.h"
 
 namespace simgap {
@@ -88,7 +89,7 @@ std::string terminalTable(const MotionCalibrationResult& result) {
   text += rms.caption + "\n" + alignedTable(rms);
   text += fmt::format("of {} parameters these motions tell:", result.parameters.size());
   for (const auto& [verdict, count] : json.at("identifiability").items()) {
-    text += fmt::format("{} {} {}", text.ends_with(':') ? "" : ",", count.get<long>(), verdict);
+    text += fmt::format("{} {} {}", text.ends_with(':') ? "" : ",", wholeNumber(count), verdict);
   }
   text += "\n";
   for (std::size_t i = 0; i < std::min(kMostWords, result.words.size()); ++i) text += "  " + result.words[i] + "\n";

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "pose_tables.h"
+#include "simgap/core/json_numbers.h"
 
 namespace simgap {
 namespace {
@@ -69,10 +70,10 @@ std::string uncertaintyText(const Json& json) {
   constexpr std::size_t kMostCombinations = 8;
   if (!json.contains("identifiability")) return {};
   long all = 0;
-  for (const Json& parameters : json.at("identifiability")) all += parameters.get<long>();
+  for (const Json& parameters : json.at("identifiability")) all += wholeNumber(parameters);
   std::string text = fmt::format("the poses tell, of {} parameters:", all);
   for (const auto& [verdict, parameters] : json.at("identifiability").items()) {
-    text += fmt::format("{} {} {}", text.ends_with(':') ? "" : ",", parameters.get<long>(), verdict);
+    text += fmt::format("{} {} {}", text.ends_with(':') ? "" : ",", wholeNumber(parameters), verdict);
   }
   text += "\n";
   std::size_t named = 0;

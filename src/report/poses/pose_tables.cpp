@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "simgap/core/joint_kind.h"
+#include "simgap/core/json_numbers.h"
 
 namespace simgap {
 
@@ -134,9 +135,9 @@ Table calibrationErrors(const Json& result) {
   }
   for (const auto& [set, errors] : sets.items()) {
     const Json& poses = result.at("valid_poses").at(set);
-    table.rows.push_back(
-        errorRow(fmt::format("{} ({} of {} poses)", set, poses.at("compared").get<long>(), poses.at("of").get<long>()),
-                 errors.at("initial"), errors.at("final")));
+    table.rows.push_back(errorRow(
+        fmt::format("{} ({} of {} poses)", set, wholeNumber(poses.at("compared")), wholeNumber(poses.at("of"))),
+        errors.at("initial"), errors.at("final")));
     // Halved angles are another thing only where there is a spherical joint.
     if (paper.at(set) != errors) {
       table.rows.push_back(errorRow(kPaperAngles, paper.at(set).at("initial"), paper.at(set).at("final")));
@@ -145,7 +146,7 @@ Table calibrationErrors(const Json& result) {
     table.rows.push_back({kPosesAtRest});
     for (std::size_t j = 0; j < errors.at("final").size(); ++j) {
       for (const char* when : {"initial", "final"}) {
-        table.rows.back().push_back(fmt::format("{} of {}", poses.at(when).get<long>(), poses.at("of").get<long>()));
+        table.rows.back().push_back(fmt::format("{} of {}", wholeNumber(poses.at(when)), wholeNumber(poses.at("of"))));
       }
     }
   }
@@ -180,7 +181,7 @@ Table expectedErrors(const Json& result) {
     table.rows.push_back(row);
   };
   for (const auto& [joint, before] : predicted.at("before").items()) table.header.push_back(joint);
-  add(fmt::format("the {} poses so far", result.at("recorded").get<long>()), predicted.at("before"));
+  add(fmt::format("the {} poses so far", wholeNumber(result.at("recorded"))), predicted.at("before"));
   for (const Json& pose : result.at("poses")) {
     add("and " + pose.at("pose").get<std::string>(), ofAllJoints(pose, "predicted_mje"));
   }

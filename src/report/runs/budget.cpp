@@ -1,4 +1,5 @@
 #include "simgap/report/runs/budget.h"
+#include "simgap/core/json_numbers.h"
 
 #include <fmt/format.h>
 #include <tinyxml2.h>
@@ -215,8 +216,9 @@ std::string guardJunit(const Json& guard) {
   xml.PushHeader(/*writeBOM=*/false, /*writeDeclaration=*/true);
   xml.OpenElement("testsuite");
   xml.PushAttribute("name", "simgap guard");
-  xml.PushAttribute("tests", guard.at("of").get<unsigned>());
-  xml.PushAttribute("failures", guard.at("of").get<unsigned>() - guard.at("held").get<unsigned>());
+  const std::int64_t of = wholeNumber(guard.at("of"));
+  xml.PushAttribute("tests", of);
+  xml.PushAttribute("failures", of - wholeNumber(guard.at("held")));
   for (const Json& limit : guard.at("limits")) {
     xml.OpenElement("testcase");
     xml.PushAttribute("classname", "simgap.guard");

@@ -9,6 +9,7 @@
 
 #include "report/capture/capture_tables.h"
 #include "simgap/core/error.h"
+#include "simgap/core/json_numbers.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages::capture {
@@ -20,7 +21,9 @@ constexpr std::size_t kMostFrames = 100;  // of the three-dimensional view
 constexpr std::size_t kMostPairs = 2'500;
 
 /// Of how many pairs the charts show one.
-std::size_t strideOf(const Json& result) { return 1 + result.at("pairs").get<std::size_t>() / kMostPairs; }
+std::size_t strideOf(const Json& result) {
+  return 1 + static_cast<std::size_t>(wholeNumber(result.at("pairs"))) / kMostPairs;
+}
 
 /// The head of a table and the lines of it that are wanted. \param wanted  asked line by line
 template <class Wanted>

@@ -5,6 +5,7 @@
 
 #include "report/poses/pose_page.h"
 #include "report/poses/pose_tables.h"
+#include "simgap/core/json_numbers.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages::calibrate {
@@ -138,7 +139,7 @@ void addParameters(const ResultFiles& files, Page& page) {
   if (result.contains("identifiability")) {
     Table told{"What the poses tell of the parameters", {"verdict", "parameters"}, {}};
     for (const auto& [verdict, count] : result.at("identifiability").items()) {
-      told.rows.push_back({verdict, std::to_string(count.get<long>())});
+      told.rows.push_back({verdict, std::to_string(wholeNumber(count))});
     }
     page.add(std::move(told));
   }

@@ -2,6 +2,7 @@
 
 #include "report/poses/pose_page.h"
 #include "report/poses/pose_tables.h"
+#include "simgap/core/json_numbers.h"
 #include "simgap/report/html/result_page.h"
 
 namespace simgap::pages::validate {
@@ -9,7 +10,7 @@ namespace {
 
 std::string answer(const Json& result) {
   std::string text = fmt::format("On {} of {} poses the simulation misses the robot by",
-                                 result.at("valid_poses").get<long>(), result.at("poses").size());
+                                 wholeNumber(result.at("valid_poses")), result.at("poses").size());
   const char* separator = "";
   const Json mje = ofAllJoints(result, "mje");
   for (const auto& [joint, error] : mje.items()) {
@@ -34,7 +35,7 @@ PageVerdict verdictOf(const ResultFiles& files, const std::vector<std::string>& 
   const Json& result = files.result();
   const std::string model = files.input("model", "MODEL.yaml"), poses = files.input("poses", "POSES.csv");
   const std::size_t of = result.at("poses").size();
-  const auto valid = result.at("valid_poses").get<std::size_t>();
+  const auto valid = static_cast<std::size_t>(wholeNumber(result.at("valid_poses")));
   const std::string next = fmt::format("simgap diagnose {} --poses {}", model, poses);
   if (valid < of)
     return {kBad, fmt::format("{} of {} poses valid", valid, of), "In the others the arm does not come to rest.", next};
