@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+
 namespace simgap {
 
 long wholeNumber(const Json& json) {

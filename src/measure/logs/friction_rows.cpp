@@ -187,7 +187,7 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   data.dead_band = sign.dead_band;
   data.reversals = sign.reversals;
   const double blurred_seconds = blurredSeconds(data, derived_velocity, options);
-  leaveOutRests(log, blurred_seconds, options, sign, data);
+  leaveOutRests(log, blurred_seconds, derived_velocity, options, sign, data);
   if (blurred_seconds > 0.0 && !options.raw_sign && !options.all_rows) {
     leaveOutTurns(log.time, runs, blurred_seconds, sign);
   }

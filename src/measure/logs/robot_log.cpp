@@ -191,7 +191,7 @@ void completeJoint(JointReader& reader, std::span<const Block> runs, const std::
   joint.dead_band = sign.dead_band;
   FrictionData rests;  // its sentence is that of one drive; here the rows are counted per joint
   // Velocity is smoothed and acceleration worked out even where velocity was measured: both are blurred beside rests.
-  leaveOutRests(log, joint.blurred(), options, sign, rests);
+  leaveOutRests(log, joint.blurred(), true, options, sign, rests);
   leaveOutPresliding(log, runs, presliding, joint, sign);
   for (const ChannelSpikes& spikes : notes.spikes) {
     for (const std::size_t row : spikes.rows) sign.keep[row] = false;

@@ -74,15 +74,15 @@ void leaveOutShortRuns(std::span<const Block> runs, MotionSign& sign, FrictionDa
                   rows, kFewestInARow, data.derived.front()));
 }
 
-void leaveOutRests(const ActuatorLog& log, double blurred_seconds, const FrictionDataOptions& options, MotionSign& sign,
-                   FrictionData& data) {
+void leaveOutRests(const ActuatorLog& log, double blurred_seconds, bool sticks_shortly,
+                   const FrictionDataOptions& options, MotionSign& sign, FrictionData& data) {
   constexpr std::ptrdiff_t kFewestRows = 50;  // of motion
   if (options.raw_sign || !log.has_time) return;
   RestRule rule{restingSpeed(log.velocity, sign.dead_band)};
-  if (blurred_seconds > 0.0) {  // an encoder that stands is no noise: the drive sticks, be it for two rows
+  rule.blurred_seconds = blurred_seconds;
+  if (sticks_shortly) {
     rule.least_seconds = 0.0;
     rule.fewest_rows = 2;
-    rule.blurred_seconds = blurred_seconds;
   }
   const std::vector<bool> rest = findRests(log.time, log.velocity, log.session, rule);
   std::vector<bool> moving = sign.keep;

@@ -23,12 +23,14 @@ void putSpikesRight(ActuatorLog& log, FrictionData& data);
 
 /// Takes the rows of spikes, and of rests, out of `sign.keep`, and says so in `data`.
 /// \param blurred_seconds  beside a rest, of a motion that was worked out; 0: it was measured.
+/// \param sticks_shortly  a rest may last two rows only: an encoder that stands is no noise, a measured velocity within
+/// its noise may pass through zero.
 /// \throws DataError: with FrictionDataOptions::all_rows, hardly any motion.
 void leaveOutSpikes(const FrictionDataOptions& options, MotionSign& sign, FrictionData& data);
 /// The same of sessions, or rows between gaps, that are too short for a slope, where slopes were worked out.
 void leaveOutShortRuns(std::span<const Block> runs, MotionSign& sign, FrictionData& data);
-void leaveOutRests(const ActuatorLog& log, double blurred_seconds, const FrictionDataOptions& options, MotionSign& sign,
-                   FrictionData& data);
+void leaveOutRests(const ActuatorLog& log, double blurred_seconds, bool sticks_shortly,
+                   const FrictionDataOptions& options, MotionSign& sign, FrictionData& data);
 
 /// Takes the rows out of `sign.keep` in which a motor that is driven by a voltage is switched off while it moves, and
 /// says so in `data`: its open terminals carry no current, whatever its speed, and the zero of the log is no voltage.
