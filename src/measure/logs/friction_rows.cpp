@@ -165,15 +165,16 @@ FrictionData prepareFrictionData(ActuatorLog log, const Bench& bench, const Fric
   data.velocity_unit = log.velocityUnit();
   data.load_unit = log.loadUnit();
   data.session_names = log.session_names;
-  const bool derived_velocity = log.velocity.empty();
   const std::vector<Block> runs = splitRuns(log.time, log.session);
   refuseDegrees(log, runs);
   if (!options.raw_sign) {
     takeEvenTimes(log, runs, bench.needsAcceleration(), data);
     putSpikesRight(log, data);
     moveLateVelocity(log, runs, data);
+    if (bench.needsAcceleration()) replaceNoisyVelocity(log, runs, data);
     if (!options.load_is_fitted) smoothNoisyLoad(log, runs, data);
   }
+  const bool derived_velocity = log.velocity.empty();
   completeMotion(log, runs, options.bandwidth ? options.bandwidth : bench.bandwidth, bench.needsAcceleration(), data);
   checkLog(log, data);
   workOutLoad(log, bench, data);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <span>
 #include <utility>
 
@@ -11,6 +12,8 @@
 #include "prepared_rows.h"
 #include "simgap/core/blocks.h"
 #include "simgap/core/error.h"
+#include "simgap/core/statistics.h"
+#include "simgap/measure/logs/resolution.h"
 #include "simgap/measure/logs/rests.h"
 #include "simgap/measure/logs/spikes.h"
 #include "simgap/measure/logs/stamps.h"
@@ -39,6 +42,27 @@ void moveLateVelocity(ActuatorLog& log, std::span<const Block> runs, FrictionDat
       "the position",
       1e3 * std::abs(*lag), *lag > 0.0 ? "later" : "earlier"));
   log.velocity = moved(log.time, log.velocity, runs, *lag);
+}
+
+void replaceNoisyVelocity(ActuatorLog& log, std::span<const Block> runs, FrictionData& data) {
+  constexpr double kNoisier = 3.0;
+  if (!log.has_time || log.velocity.empty() || log.position.empty()) return;
+  const double noise = noiseLevel(log.velocity);
+  const double of_slope = noiseLevel(log.position) * samplingRate(log.time, runs) / std::numbers::sqrt2;
+  if (of_slope == 0.0 || noise <= kNoisier * of_slope) return;
+  std::vector<double> differences;
+  for (const Block& run : runs) {
+    for (std::size_t i = run.begin + 1; i + 1 < run.end; ++i) {
+      const double slope = (log.position[i + 1] - log.position[i - 1]) / (log.time[i + 1] - log.time[i - 1]);
+      differences.push_back(log.velocity[i] - slope);
+    }
+  }
+  if (differences.empty() || robustDeviation(std::move(differences)) > kNoisier * noise) return;  // of another shaft
+  data.warnings.push_back(
+      fmt::format("motor_velocity is {:.2g} times as noisy as the slope of the position, which says the same: it was "
+                  "worked out from the position",
+                  noise / of_slope));
+  log.velocity.clear();
 }
 
 void putSpikesRight(ActuatorLog& log, FrictionData& data) {

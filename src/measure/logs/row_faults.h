@@ -18,6 +18,9 @@ void takeEvenTimes(ActuatorLog& log, std::span<const Block> runs, bool accelerat
 /// A velocity that is late against the position beside it is moved to where the position has its slope.
 void moveLateVelocity(ActuatorLog& log, std::span<const Block> runs, FrictionData& data);
 
+/// A velocity that says what the position beside it does, but far noisier, gives way to what is worked out from there.
+void replaceNoisyVelocity(ActuatorLog& log, std::span<const Block> runs, FrictionData& data);
+
 /// Samples that stand alone are noted in `data` for every channel, and put right.
 void putSpikesRight(ActuatorLog& log, FrictionData& data);
 
