@@ -157,7 +157,7 @@ class FirstGuess {
     std::vector<Turned> turned = {{"load_torque_Nm", costWith(0, 1)}};
     if (!log_.current.empty() && !log_.velocity.empty()) {
       turned.push_back({"current_A", costWith(all.cols() - 1, 1)});
-      turned.push_back({"velocity_rad_s", costWith(1, 3)});
+      if (goesBothWays(balance.col(3).array())) turned.push_back({"velocity_rad_s", costWith(1, 3)});
     }
     const Turned& best = *std::ranges::min_element(turned, {}, &Turned::cost);
     const double as_it_is = costWith(0, 0);

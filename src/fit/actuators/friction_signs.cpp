@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <vector>
 
 #include "opposite_sign.h"
 #include "simgap/core/units.h"
@@ -65,11 +65,11 @@ std::string oppositeSign(const FrictionData& data) {
     std::string channel;
     double cost;
   };
-  const std::array turned = {
-      Turned{quantityName(data.effort_name, data.effort_unit), costWith(places.effort(), 1)},
-      Turned{quantityName(data.load_unit == "N" ? "external_force" : "external_torque", data.load_unit),
-             costWith(0, places.loads)},
-      Turned{motion, costWith(places.loads, Places::kFriction)}};
+  std::vector<Turned> turned = {
+      {quantityName(data.effort_name, data.effort_unit), costWith(places.effort(), 1)},
+      {quantityName(data.load_unit == "N" ? "external_force" : "external_torque", data.load_unit),
+       costWith(0, places.loads)}};
+  if (goesBothWays(data.direction)) turned.push_back({motion, costWith(places.loads, Places::kFriction)});
   const Turned& best = *std::ranges::min_element(turned, {}, &Turned::cost);
   const double as_it_is = costWith(0, 0);
   if (!(best.cost < kOtherSign * as_it_is)) return {};

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <span>
 
 #include "simgap/optimize/separable.h"
@@ -11,6 +12,13 @@ namespace simgap {
 
 /// Of the squared error: what a channel turned round may leave at most to have been recorded with the opposite sign.
 inline constexpr double kOtherSign = 0.5;
+
+/// Whether rows go both ways, a twentieth of them the rarer one. Of motion in one direction alone friction that falls
+/// with speed, or a law of another shape, looks like a velocity turned round.
+inline bool goesBothWays(const Eigen::Ref<const Eigen::ArrayXd>& direction) {
+  const auto forth = (direction > 0.0).count(), back = (direction < 0.0).count();
+  return 20 * std::min(forth, back) >= forth + back && back > 0;
+}
 
 /// The squared error of min |y - X c|^2 within the terms' bounds when each column of [X y] is multiplied by its sign.
 /// \param gram  normal matrix of [X y], shape (C + 1, C + 1). \param signs  1 or -1 each, shape (C + 1)

@@ -13,6 +13,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 reality::FrictionLog sample() {
   reality::FrictionTruth truth;
@@ -65,6 +66,18 @@ TEST(FrictionSigns, AnEffortThatKnowsNothingOfTheLoadIsRefused) {
   for (std::size_t i = 0; i < log.current.size(); ++i)
     log.current[i] = -1e-3 * log.load[i] + 0.5 * std::sin(37.0 * static_cast<double>(i));
   EXPECT_THAT(refusal(log), HasSubstr("k_a cannot be found"));
+}
+
+/// A propeller's bus current goes with power: it grows ever faster with speed, and all motion is forwards.
+TEST(FrictionSigns, ACurveOverOneDirectionIsNoTurnedVelocity) {
+  reality::FrictionLog log = sample();
+  for (std::size_t i = 0; i < log.current.size(); ++i) {
+    const double w = std::abs(log.velocity[i]);
+    log.velocity[i] = w;
+    log.load[i] = 2e-4 * w * w;
+    log.current[i] = 1e-6 * w * w * w + 0.01 * std::sin(37.0 * static_cast<double>(i));
+  }
+  EXPECT_THAT(refusal(log), Not(HasSubstr("velocity_rad_s has the opposite sign")));
 }
 
 TEST(FrictionSigns, RightSignsGiveBoundedParameters) {
